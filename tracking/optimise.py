@@ -20,6 +20,7 @@ __all__ = [
     "Evaluated",
     "Minimum",
     "NormalEquations",
+    "PairIndex",
     "Stop",
     "huber",
     "huber_cauchy",
@@ -169,13 +170,41 @@ def sum_by(values: FloatArray, owner: IntArray, count: int) -> FloatArray:
     return sums
 
 
+class PairIndex:
+    """Which of many (row, column) are equal, found once for the sums of many values.
+
+    Attributes:
+        rows, columns: ``(m,)`` of each pair, rising.
+
+    >>> import numpy as np
+    >>> from motorcade.tracking.optimise import PairIndex
+    >>> index = PairIndex(np.array([1, 0, 1]), np.array([2, 0, 2]))
+    >>> index.rows, index.columns, index.sums(np.array([1.0, 2.0, 4.0]))
+    (array([0, 1]), array([0, 2]), array([2., 5.]))
+    """
+
+    def __init__(self, rows: IntArray, columns: IntArray) -> None:
+        width = int(columns.max(initial=0)) + 1
+        pairs = rows * width + columns
+        self._order = np.argsort(pairs, kind="stable")
+        pairs = pairs[self._order]
+        self._starts = np.flatnonzero(np.diff(pairs, prepend=-1))
+        self.rows: IntArray = pairs[self._starts] // width
+        self.columns: IntArray = pairs[self._starts] % width
+
+    def sums(self, values: FloatArray) -> FloatArray:
+        """Sums ``(m, *)`` of values ``(n, *)``, in their order."""
+        if not len(self._starts):
+            return np.zeros((0, *values.shape[1:]))
+        return np.asarray(np.add.reduceat(values[self._order], self._starts, axis=0), np.float64)
+
+
 def pair_sums(
     values: FloatArray, rows: IntArray, columns: IntArray
 ) -> tuple[IntArray, IntArray, FloatArray]:
     """Sum values ``(n, *)`` of equal (row, column); gives each pair's row, column and sum."""
-    width = int(columns.max(initial=0)) + 1
-    pairs, owner = np.unique(rows * width + columns, return_inverse=True)
-    return pairs // width, pairs % width, sum_by(values, owner, len(pairs))
+    index = PairIndex(rows, columns)
+    return index.rows, index.columns, index.sums(values)
 
 
 def _damped(information: FloatArray, damping: float) -> FloatArray:

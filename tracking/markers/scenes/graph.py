@@ -1,9 +1,9 @@
 """The factor graph of a scene: corners, stated poses, steps of odometry, measured lengths.
 
-All factors of a kind are linearised at once; the normal equations are sparse and solved by a direct
-solver (SuperLU), which eliminates what only a frame sees before what many see. A corner hangs on
-four poses: gtsam's Python has no such factor, and one written in Python costs a hundred times as
-much. Wrong sightings are bounded by Huber's loss, then by Cauchy's.
+All factors of a kind are linearised at once; the normal equations are sparse (see
+`motorcade.tracking.sparse`). A corner hangs on four poses: gtsam's Python has no such factor, and
+one written in Python costs a hundred times as much. Wrong sightings are bounded by Huber's loss,
+then by Cauchy's.
 
 Source: F. Dellaert and M. Kaess, Factor Graphs for Robot Perception, 2017.
 """
@@ -13,7 +13,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any
+from itertools import chain
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,54 +25,103 @@ from motorcade.tracking.markers.families import marker_points_m
 from motorcade.tracking.markers.scenes.scene import BodyOdometry, MarkerScene
 from motorcade.tracking.markers.scenes.start import stated_rows
 from motorcade.tracking.markers.scenes.table import SceneSightings
-from motorcade.tracking.optimise import Stop, huber, huber_cauchy, minimise, pair_sums, sum_by
+from motorcade.tracking.optimise import PairIndex, Stop, huber, huber_cauchy, minimise
+from motorcade.tracking.sparse import PassingEquations
 
 _HUBER, _OUTLIER = 4.0, 12.0
 """In deviations of the eight residuals of a sighting: where its loss turns straight, and flat."""
 _NO_IMAGE = 1e3
 _STOP = Stop(steps=40, gain=1e-5, most_damping=1e8)
-_FLOOR = 1e-6
 _STEP = 1e-6
 
 
-@dataclass(frozen=True, eq=False)
-class _Linear:
-    """Factors of a kind: residuals ``(n, r)`` in deviations, derivatives ``(n, k, r, 6)`` by poses
-    at rows ``(n, k)``, and half their squares, or a robust loss.
-    """
+class _Linear(Protocol):
+    """Factors of a kind at one table of poses, each upon k poses."""
 
-    rows: IntArray
+    cost: float
+    """Half the squares of their residuals, in deviations, or a robust loss."""
+
+    def product(self, a: int, b: int) -> FloatArray:
+        """``J_a^T J_b``, ``(n, 6, 6)``: derivatives by the poses in two columns."""
+
+    def pull(self, a: int) -> FloatArray:
+        """``J_a^T r``, ``(n, 6)``."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Whitened:
+    """Residuals ``(n, r)`` in deviations and their derivatives ``(n, k, r, 6)``."""
+
     residuals: FloatArray
     jacobians: FloatArray
     cost: float
 
+    def product(self, a: int, b: int) -> FloatArray:
+        left = self.jacobians[:, a].swapaxes(-1, -2)
+        return np.asarray(left @ self.jacobians[:, b], np.float64)
 
-Factors = Callable[[Motor], _Linear]
+    def pull(self, a: int) -> FloatArray:
+        left = self.jacobians[:, a].swapaxes(-1, -2)
+        return np.asarray((left @ self.residuals[..., None])[..., 0], np.float64)
 
 
-class SceneCorners:
-    """Corners of all sightings of which every pose is known."""
+@dataclass(frozen=True, eq=False)
+class _Chained:
+    """``J^T J`` ``(n, 6, 6)`` and ``J^T r`` ``(n, 6)`` by the first pose of a chain; derivatives by
+    the others are J times a matrix ``(n, 6, 6)`` each.
+    """
 
-    def __init__(self, seen: SceneSightings, used: IntArray, sigma_px: float, bounded: bool):
-        self._seen, self._used, self._sigma_px, self._bounded = seen, used, sigma_px, bounded
+    information: FloatArray
+    gradient: FloatArray
+    others: tuple[FloatArray, ...]
+    cost: float
 
-    def __call__(self, poses: Motor) -> _Linear:
-        """Linearised at a table of poses."""
-        residuals, jacobians = self._seen.linearised(poses, self._used)
-        hidden = ~jacobians.any(axis=(1, 2, 3))
-        size = np.linalg.norm(residuals, axis=-1) / self._sigma_px
-        size = np.where(hidden, _NO_IMAGE, size)
-        if self._bounded:
+    def product(self, a: int, b: int) -> FloatArray:
+        right = self._by[b]
+        return right if a == 0 else np.asarray(self._left(a) @ right, np.float64)
+
+    def pull(self, a: int) -> FloatArray:
+        if a == 0:
+            return self.gradient
+        return np.asarray((self._left(a) @ self.gradient[..., None])[..., 0], np.float64)
+
+    def _left(self, a: int) -> FloatArray:
+        return self.others[a - 1].swapaxes(-1, -2)
+
+    @cached_property
+    def _by(self) -> list[FloatArray]:
+        return [self.information, *(self.information @ one for one in self.others)]
+
+
+@dataclass(frozen=True, eq=False)
+class Factors:
+    """Factors of a kind.
+
+    Fields:
+        rows: ``(n, k)`` of the table: the poses that each hangs on.
+        linearise: at a table of poses.
+    """
+
+    rows: IntArray
+    linearise: Callable[[Motor], _Linear]
+
+
+def corners(seen: SceneSightings, used: IntArray, sigma_px: float, bounded: bool) -> Factors:
+    """Corners of sightings ``(n,)`` of which every pose is known."""
+
+    def linearise(poses: Motor) -> _Linear:
+        residuals, jacobian, others = seen.linearised(poses, used)
+        size = np.linalg.norm(residuals, axis=-1) / sigma_px
+        size = np.where(jacobian.any(axis=(1, 2)), size, _NO_IMAGE)
+        if bounded:
             loss, weight = huber_cauchy(size, _HUBER, _OUTLIER)
         else:
             loss, weight = huber(size, _HUBER)
-        root = np.sqrt(weight) / self._sigma_px
-        return _Linear(
-            self._seen.chain[self._used],
-            residuals * root[:, None],
-            jacobians * root[:, None, None, None],
-            float(np.sum(loss)),
-        )
+        left = jacobian.swapaxes(-1, -2) * (weight / sigma_px**2)[:, None, None]
+        gradient = (left @ residuals[..., None])[..., 0]
+        return _Chained(left @ jacobian, gradient, others, float(np.sum(loss)))
+
+    return Factors(seen.chain[used], linearise)
 
 
 def stated(rows: IntArray, prior: Motor, covariance: FloatArray) -> Factors:
@@ -82,9 +132,9 @@ def stated(rows: IntArray, prior: Motor, covariance: FloatArray) -> Factors:
         apart = prior.local(poses[rows])
         residuals = (white @ apart[..., None])[..., 0]
         jacobians = (white @ Motor.right_jacobian_inverse(apart))[:, None]
-        return _Linear(rows[:, None], residuals, jacobians, 0.5 * float(np.sum(residuals**2)))
+        return _Whitened(residuals, jacobians, 0.5 * float(np.sum(residuals**2)))
 
-    return linearise
+    return Factors(rows[:, None], linearise)
 
 
 def between(before: IntArray, after: IntArray, step: Motor, sigma: FloatArray) -> Factors:
@@ -102,14 +152,9 @@ def between(before: IntArray, after: IntArray, step: Motor, sigma: FloatArray) -
         by_before = -by_after @ moved.inverse().adjoint()
         root = np.sqrt(weight)[:, None]
         jacobians = np.stack([by_before, by_after], axis=1) / sigma[:, None, :, None]
-        return _Linear(
-            np.stack([before, after], axis=1),
-            residuals * root,
-            jacobians * root[..., None, None],
-            float(np.sum(loss)),
-        )
+        return _Whitened(residuals * root, jacobians * root[..., None, None], float(np.sum(loss)))
 
-    return linearise
+    return Factors(np.stack([before, after], axis=1), linearise)
 
 
 def measured(
@@ -128,9 +173,9 @@ def measured(
                 there = (value(here.retract(twist)) - value(here.retract(-twist))) / (2.0 * _STEP)
                 jacobians[:, column, 0, axis] = there / sigma_m
         cost = 0.5 * float(np.sum(residuals**2))
-        return _Linear(rows, residuals[:, None], jacobians, cost)
+        return _Whitened(residuals[:, None], jacobians, cost)
 
-    return linearise
+    return Factors(rows, linearise)
 
 
 def scene_factors(
@@ -229,81 +274,67 @@ def _coordinate_m(poses: Motor, point: FloatArray, direction: FloatArray) -> Flo
     return np.asarray((poses[:, 0] @ poses[:, 1]).apply(point) @ direction, np.float64)
 
 
-@dataclass(frozen=True, eq=False)
-class SparseEquations:
-    """``J^T J step = -J^T r`` of poses that meet few others.
+class _Graph:
+    """All factors, and which poses meet: the same at every table of poses."""
 
-    Fields:
-        rows, columns: ``(m,)`` which poses meet; each pair stands once.
-        blocks: ``(m, 6, 6)``.
-        gradient: ``(P, 6)``.
-    """
+    def __init__(self, factors: list[Factors], passing: NDArray[np.bool_]) -> None:
+        self.factors, self.passing = factors, passing
 
-    rows: IntArray
-    columns: IntArray
-    blocks: FloatArray
-    gradient: FloatArray
+    @cached_property
+    def pulls(self) -> list[list[PairIndex]]:
+        """Of each kind of factors and each column, whose gradient it belongs to."""
+        return [
+            [PairIndex(rows, np.zeros_like(rows)) for rows in one.rows.T] for one in self.factors
+        ]
 
-    def step(self, damping: float) -> FloatArray:
-        """Damped Gauss-Newton step ``(P, 6)``."""
-        solved = self._factorised(damping).solve(-self.gradient.ravel())
-        if not np.isfinite(solved).all():
-            raise np.linalg.LinAlgError("singular")
-        return np.asarray(solved, np.float64).reshape(-1, 6)
+    @cached_property
+    def products(self) -> list[list[tuple[int, int, PairIndex]]]:
+        """Of each kind of factors the pairs of columns, and of each the poses that meet."""
+        return [
+            [
+                (a, b, PairIndex(one.rows[:, a], one.rows[:, b]))
+                for a in range(one.rows.shape[1])
+                for b in range(a, one.rows.shape[1])
+            ]
+            for one in self.factors
+        ]
 
-    def _factorised(self, damping: float) -> Any:
-        from scipy.sparse import bsr_matrix, diags
-        from scipy.sparse.linalg import splu
-
-        count = len(self.gradient)
-        order = np.lexsort((self.columns, self.rows))
-        starts = np.searchsorted(self.rows[order], np.arange(count + 1))
-        matrix = bsr_matrix(
-            (self.blocks[order], self.columns[order], starts), shape=(6 * count, 6 * count)
-        ).tocsc()
-        matrix = matrix + diags(damping * matrix.diagonal() + _FLOOR, format="csc")
-        try:
-            return splu(
-                matrix,
-                permc_spec="MMD_AT_PLUS_A",
-                diag_pivot_thresh=0.0,
-                options={"SymmetricMode": True},
-            )
-        except RuntimeError as singular:
-            raise np.linalg.LinAlgError(str(singular)) from singular
+    @cached_property
+    def joined(self) -> PairIndex:
+        """All of them together, mirrored where both columns differ."""
+        rows, columns = [], []
+        for a, b, index in chain.from_iterable(self.products):
+            rows.append(index.rows)
+            columns.append(index.columns)
+            if b > a:
+                rows.append(index.columns)
+                columns.append(index.rows)
+        return PairIndex(np.concatenate(rows), np.concatenate(columns))
 
 
 class _Evaluated:
     """All factors at one table of poses."""
 
-    def __init__(self, factors: list[Factors], poses: Motor) -> None:
-        self._linear = [one(poses) for one in factors]
-        self._count = len(poses.coefficients)
+    def __init__(self, graph: _Graph, poses: Motor) -> None:
+        self._graph = graph
+        self._linear = [one.linearise(poses) for one in graph.factors]
         self.cost = float(sum(one.cost for one in self._linear))
 
     @cached_property
-    def equations(self) -> SparseEquations:
-        rows: list[IntArray] = []
-        columns: list[IntArray] = []
+    def equations(self) -> PassingEquations:
+        graph = self._graph
         blocks: list[FloatArray] = []
-        gradient = np.zeros((self._count, 6))
-        for one in self._linear:
-            width = one.rows.shape[1]
-            for a in range(width):
-                left = one.jacobians[:, a].swapaxes(-1, -2)
-                pull = (left @ one.residuals[..., None])[..., 0]
-                gradient += sum_by(pull, one.rows[:, a], self._count)
-                for b in range(a, width):
-                    found = pair_sums(left @ one.jacobians[:, b], one.rows[:, a], one.rows[:, b])
-                    rows.append(found[0])
-                    columns.append(found[1])
-                    blocks.append(found[2])
-                    if b > a:  # the same, mirrored
-                        rows.append(found[1])
-                        columns.append(found[0])
-                        blocks.append(found[2].swapaxes(-1, -2))
-        joined = pair_sums(np.concatenate(blocks), np.concatenate(rows), np.concatenate(columns))
-        return SparseEquations(*joined, gradient)
+        gradient = np.zeros((len(graph.passing), 6))
+        for one, pulls, products in zip(self._linear, graph.pulls, graph.products, strict=True):
+            for a, whose in enumerate(pulls):
+                gradient[whose.rows] += whose.sums(one.pull(a))
+            for a, b, index in products:
+                blocks.append(index.sums(one.product(a, b)))
+                if b > a:
+                    blocks.append(blocks[-1].swapaxes(-1, -2))
+        joined = graph.joined
+        summed = joined.sums(np.concatenate(blocks))
+        return PassingEquations(joined.rows, joined.columns, summed, gradient, graph.passing)
 
 
 def adjust_scene(
@@ -313,7 +344,7 @@ def adjust_scene(
     known: NDArray[np.bool_],
     *,
     bounded: bool,
-) -> tuple[Motor, SparseEquations]:
+) -> tuple[Motor, PassingEquations]:
     """Refine all known poses at once; the others stay as they are.
 
     Args:
@@ -327,11 +358,15 @@ def adjust_scene(
         the table, and its equations at the end.
     """
     used = np.flatnonzero(known[seen.chain].all(axis=1))
-    factors: list[Factors] = [
-        SceneCorners(seen, used, scene.sigma_px, bounded),
+    factors = [
+        corners(seen, used, scene.sigma_px, bounded),
         *scene_factors(seen, scene, known),
     ]
-    found = minimise(poses, partial(_Evaluated, factors), _retract, _STOP)
+    passing = np.ones(seen.rows, bool)
+    passing[: len(seen.names) + len(seen.marker_ids)] = False
+    passing[seen.first_row[[not body.moves for body in scene.bodies]]] = False
+    graph = _Graph(factors, passing)
+    found = minimise(poses, partial(_Evaluated, graph), _retract, _STOP)
     return found.state, found.evaluation.equations
 
 

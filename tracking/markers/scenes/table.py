@@ -85,8 +85,10 @@ class SceneSightings:
 
     def linearised(
         self, poses: Motor, rows: NDArray[np.int64] | slice = slice(None)
-    ) -> tuple[FloatArray, FloatArray]:
-        """Residuals ``(N, 8)`` and derivatives ``(N, 4, 8, 6)`` by the poses of the chain."""
+    ) -> tuple[FloatArray, FloatArray, tuple[FloatArray, ...]]:
+        """Residuals ``(N, 8)``, derivatives ``(N, 8, 6)`` by the camera's pose, and what these are
+        multiplied by, ``(N, 6, 6)`` each, for those by the three others of the chain.
+        """
         chain = self.chain[rows]
         camera_T_carrier = poses[chain[:, CAMERA]].inverse()
         carrier_T_body = poses[chain[:, CARRIER]].inverse() @ poses[chain[:, BODY]]
@@ -99,20 +101,15 @@ class SceneSightings:
             mine = self.camera[rows] == row
             pixels, by_corner[mine], _ = reproject(camera, in_camera[mine])
             residuals[mine] = pixels - self.corners_px[rows][mine]
-        own = by_corner.reshape(-1, 8, 6)
-        jacobians = np.stack(
-            [
-                own,
-                own @ camera_T_carrier.adjoint(),
-                -own @ camera_T_body.adjoint(),
-                -own @ camera_T_marker.adjoint(),
-            ],
-            axis=1,
+        flat, own = residuals.reshape(-1, 8), by_corner.reshape(-1, 8, 6)
+        hidden = ~np.isfinite(flat).all(-1) | ~np.isfinite(own).all((-1, -2))
+        flat[hidden], own[hidden] = 0.0, 0.0
+        others = (
+            camera_T_carrier.adjoint(),
+            -camera_T_body.adjoint(),
+            -camera_T_marker.adjoint(),
         )
-        flat = residuals.reshape(-1, 8)
-        hidden = ~np.isfinite(flat).all(-1) | ~np.isfinite(jacobians).all((-1, -2, -3))
-        flat[hidden], jacobians[hidden] = 0.0, 0.0
-        return flat, jacobians
+        return flat, own, others
 
     def errors_px(self, poses: Motor) -> FloatArray:
         """``(N,)`` root mean square reprojection errors; infinite where a corner has no image."""

@@ -10,17 +10,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any
 
 import numpy as np
 
 from motorcade.ga import Similarity
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.optimise import Stop, minimise
+from motorcade.tracking.optimise import PairIndex, Stop, minimise, sum_by
 from motorcade.tracking.slam.geometry import BoolArray
+from motorcade.tracking.sparse import SparseEquations
 
 _STOP = Stop(steps=30, gain=1e-6, damping=1e-6)
-_FLOOR = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +67,7 @@ class PoseGraph:
 
     def _retract(self, world_S: Similarity, step: FloatArray) -> Similarity:
         twist = np.zeros((len(self.fixed), 7))
-        twist[~self.fixed, : self.width] = step.reshape(-1, self.width)
+        twist[~self.fixed, : self.width] = step
         return world_S.retract(twist)
 
 
@@ -83,42 +82,29 @@ class _Edges:
         self.cost = 0.5 * float(np.sum(self._weighed**2))
 
     @cached_property
-    def equations(self) -> _SparseEquations:
+    def equations(self) -> SparseEquations:
+        """Normal equations of the free nodes."""
         graph, width = self._graph, self._graph.width
         by_b = Similarity.right_jacobian_inverse(self._residual)
         by_a = -by_b @ self._between.inverse().adjoint()
         scale = 1.0 / graph.sigma[:, :width, None]
-        jacobians = [scale * one[:, :width, :width] for one in (by_a, by_b)]
-        return _SparseEquations(graph, jacobians, self._weighed)
-
-
-class _SparseEquations:
-    """Normal equations of the free nodes."""
-
-    def __init__(self, graph: PoseGraph, jacobians: list[FloatArray], residual: FloatArray) -> None:
-        from scipy.sparse import coo_matrix
-
-        width, count = graph.width, len(residual)
-        slot = np.where(graph.fixed, -1, np.cumsum(~graph.fixed) - 1)
-        size = width * int(np.count_nonzero(~graph.fixed))
-        values, rows, columns = [], [], []
-        within = np.arange(width)
-        for node, derivative in zip((graph.a, graph.b), jacobians, strict=True):
-            free = np.flatnonzero(slot[node] >= 0)
-            own = width * free[:, None, None] + within[:, None]
-            where = width * slot[node[free]][:, None, None] + within
-            shape = (len(free), width, width)
-            values.append(derivative[free].ravel())
-            rows.append(np.broadcast_to(own, shape).ravel())
-            columns.append(np.broadcast_to(where, shape).ravel())
-        entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
-        every: Any = coo_matrix(entries, shape=(width * count, size)).tocsc()
-        self._information = (every.T @ every).tocsc()
-        self._gradient = every.T @ residual.ravel()
-
-    def step(self, damping: float) -> FloatArray:
-        from scipy.sparse import diags
-        from scipy.sparse.linalg import spsolve
-
-        more = damping * self._information.diagonal() + _FLOOR
-        return np.asarray(-spsolve(self._information + diags(more, format="csc"), self._gradient))
+        ends = [
+            (node, ~graph.fixed[node], scale * one[:, :width, :width])
+            for node, one in ((graph.a, by_a), (graph.b, by_b))
+        ]
+        slot = np.cumsum(~graph.fixed) - 1
+        gradient = np.zeros((int(np.count_nonzero(~graph.fixed)), width))
+        rows, columns, blocks = [], [], []
+        for node, free, derivative in ends:
+            left = derivative.swapaxes(-1, -2)
+            pull = (left @ self._weighed[..., None])[..., 0]
+            gradient += sum_by(pull[free], slot[node[free]], len(gradient))
+            for other, other_free, by_other in ends:
+                both = free & other_free
+                rows.append(slot[node[both]])
+                columns.append(slot[other[both]])
+                blocks.append(left[both] @ by_other[both])
+        index = PairIndex(np.concatenate(rows), np.concatenate(columns))
+        return SparseEquations(
+            index.rows, index.columns, index.sums(np.concatenate(blocks)), gradient
+        )
