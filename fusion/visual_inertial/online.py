@@ -21,6 +21,7 @@ from motorcade.fusion.filter.pose_filter import FilterState
 from motorcade.fusion.filter.settings import FilterSettings
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.visual_inertial.readout import Readout
 from motorcade.fusion.visual_inertial.sequence import FLOOR
 from motorcade.fusion.visual_inertial.start import InertialStart, start_inertial
 from motorcade.fusion.visual_inertial.window import InertialAdjuster, KeyframeMotion
@@ -126,7 +127,8 @@ class InertialSlam:
         # A map of its own would have neither the IMU's metres nor its world.
         self._slam = VisualSlam(camera, replace(settings or SlamSettings(), new_maps=False))
         self._noise, self._imu_T_camera = noise, imu_T_camera
-        self._adjuster = InertialAdjuster(noise, imu_T_camera, gravity_m_s2, sigma_px, readout_s)
+        readout = Readout(camera, readout_s) if readout_s != 0.0 else None
+        self._adjuster = InertialAdjuster(noise, imu_T_camera, gravity_m_s2, sigma_px, readout)
         self._settings = FilterSettings(gravity_m_s2=gravity_m_s2)
         self._samples = self._adjuster.samples
         self._filter: PoseFilter | None = None

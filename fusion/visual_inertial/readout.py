@@ -10,12 +10,15 @@ Source: J. Hedborg, P.-E. Forssén, M. Felsberg, E. Ringaby, Rolling shutter bun
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.stamps import LONGEST_READOUT_S
 from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.slam.geometry import seen_through
 
 
 def checked_readout(readout_s: float) -> float:
@@ -31,38 +34,76 @@ def checked_readout(readout_s: float) -> float:
     return float(readout_s)
 
 
+@dataclass(frozen=True)
+class Readout:
+    """How a camera reads its rows.
+
+    Args:
+        camera: with its lens.
+        readout_s: from the first row to the last, 0 for a global shutter.
+
+    Raises:
+        ValueError: a readout time below 0 or above 0.2 s.
+
+    >>> import numpy as np
+    >>> from motorcade.fusion.visual_inertial.readout import Readout
+    >>> from motorcade.tracking import Camera
+    >>> camera = Camera(640, 481, 500.0, 500.0, 319.5, 240.0)
+    >>> Readout(camera, 0.02).later_s(np.array([[320.0, 0.0], [320.0, 480.0]]))
+    array([-0.01,  0.01])
+    """
+
+    camera: Camera
+    readout_s: float
+
+    def __post_init__(self) -> None:
+        checked_readout(self.readout_s)
+
+    def later_s(self, px: FloatArray) -> FloatArray:
+        """How long ``(n,)`` after the stamp what SLAM has at pixels ``(n, 2)`` was read."""
+        return rows_later_s(self.camera, as_recorded(self.camera, px), self.readout_s)
+
+
+def rows_later_s(camera: Camera, px: FloatArray, readout_s: float) -> FloatArray:
+    """How long ``(n,)`` after the stamp a camera's own pixels ``(n, 2)`` were read."""
+    return (px[:, 1] / (camera.height - 1) - 0.5) * readout_s
+
+
+def as_recorded(camera: Camera, px: FloatArray) -> FloatArray:
+    """Where pixels ``(n, 2)`` of the pictures that SLAM works in lie in the camera's own ones."""
+    return px if seen_through(camera) == camera else camera.distort(px)
+
+
 def rows_moved_px(
     camera: Camera,
-    readout_s: float,
+    later_s: FloatArray,
     world_T_camera: Motor,
     twist_rate: FloatArray,
     pose_of: IntArray,
     points: FloatArray,
-    px: FloatArray,
 ) -> FloatArray:
     """How far ``(n, 2)`` points are seen from where they are at the stamp, because rows come later.
 
     Args:
-        camera: what saw them; its rows are those that are read in turn.
-        readout_s: from the first row to the last.
+        camera: what saw them.
+        later_s: ``(n,)`` how long after the stamp of the picture.
         world_T_camera: Motor ``(k,)`` at the stamps.
         twist_rate: ``(k, 6)`` how the camera moves: rad/s and m/s in its own axes.
         pose_of: ``(n,)`` from which pose.
         points: ``(n, 3)`` in the world.
-        px: ``(n, 2)`` where they were seen, which says in which row.
 
     >>> import numpy as np
-    >>> from motorcade.fusion.visual_inertial.readout import rows_moved_px
+    >>> from motorcade.fusion.visual_inertial.readout import rows_later_s, rows_moved_px
     >>> from motorcade.ga import Motor
     >>> from motorcade.tracking import Camera
     >>> camera = Camera(640, 481, 500.0, 500.0, 319.5, 240.0)
     >>> to_the_right = np.array([[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]])  # m/s, two metres before a wall
     >>> points = np.array([[0.0, -0.96, 2.0], [0.0, 0.0, 2.0], [0.0, 0.96, 2.0]])
-    >>> rows_moved_px(camera, 0.02, Motor.identity((1,)), to_the_right, np.zeros(3, np.int64),
-    ...     points, camera.project(points))[:, 0].round(6)
+    >>> later_s = rows_later_s(camera, camera.project(points), readout_s=0.02)
+    >>> rows_moved_px(camera, later_s, Motor.identity((1,)), to_the_right, np.zeros(3, np.int64),
+    ...     points)[:, 0].round(6)
     array([ 2.5,  0. , -2.5])
     """
-    later_s = (px[:, 1] / (camera.height - 1) - 0.5) * readout_s
     poses = world_T_camera.inverse().as_matrix()[pose_of]
     at_stamp = (poses[:, :3, :3] @ points[..., None])[..., 0] + poses[:, :3, 3]
     moved = Motor.from_twist(later_s[:, None] * twist_rate[pose_of])

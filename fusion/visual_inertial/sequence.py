@@ -50,6 +50,7 @@ from motorcade.fusion.filter import Fused, fuse
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.visual_inertial.observations import LandmarkObservations
+from motorcade.fusion.visual_inertial.readout import as_recorded
 from motorcade.fusion.visual_inertial.start import InertialStart, start_inertial
 from motorcade.fusion.visual_inertial.tight import VisualInertial, adjust_visual_inertial
 from motorcade.ga import Motor, Trajectory
@@ -57,7 +58,6 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.measurements import PoseMeasurements
 from motorcade.tracking.slam import SlamResult
-from motorcade.tracking.slam.geometry import seen_through
 
 # No frame is surer than this (rad, units of the map, metres), whatever its corners say: the
 # keyframes that it hangs on are not. A map's unit is about the depth of what it shows.
@@ -142,9 +142,11 @@ def metric_map(
         before,
         start.world_T_visual.apply(snapshot.points),
         LandmarkObservations(
-            rows[snapshot.keyframe_of[seen]], snapshot.point_of[seen], snapshot.px[seen]
+            rows[snapshot.keyframe_of[seen]],
+            snapshot.point_of[seen],
+            as_recorded(camera, snapshot.px[seen]),
         ),
-        seen_through(camera),
+        camera,
         imu,
         noise,
         imu_T_camera,

@@ -28,6 +28,7 @@ from motorcade.fusion.visual_inertial.observations import LandmarkObservations
 from motorcade.fusion.visual_inertial.readout import (
     camera_twist_rate,
     checked_readout,
+    rows_later_s,
     rows_moved_px,
 )
 from motorcade.fusion.visual_inertial.sightings import add_sightings
@@ -186,12 +187,11 @@ def _at_stamp(
     )
     moved = rows_moved_px(
         camera,
-        readout_s,
+        rows_later_s(camera, observations.px, readout_s),
         keyframes.motors,
         twist,
         observations.keyframe,
         found.landmarks_m[observations.landmark],
-        observations.px,
     )
     return LandmarkObservations(
         observations.keyframe, observations.landmark, observations.px - moved

@@ -22,8 +22,8 @@ from motorcade.fusion.imu.noise import ACCEL_BIAS_SIGMA_M_S2, GYRO_BIAS_SIGMA_RA
 from motorcade.fusion.preintegration import preintegrate
 from motorcade.fusion.visual_inertial.links import bridged, summed_links
 from motorcade.fusion.visual_inertial.readout import (
+    Readout,
     camera_twist_rate,
-    checked_readout,
     rows_moved_px,
 )
 from motorcade.fusion.visual_inertial.samples import GrowingImu
@@ -73,10 +73,7 @@ class InertialAdjuster:
         imu_T_camera: pose of the camera on the IMU.
         gravity_m_s2: size of gravity, along -z of the world.
         sigma_px: noise of a pixel's coordinate.
-        readout_s: from the first row of a picture to the last; 0 for a global shutter.
-
-    Raises:
-        ValueError: a readout time below 0 or above 0.2 s.
+        readout: of a rolling shutter; None for a global one.
 
     Fields:
         samples: of the IMU so far; they must cover the keyframes.
@@ -89,9 +86,9 @@ class InertialAdjuster:
         imu_T_camera: Motor,
         gravity_m_s2: float,
         sigma_px: float,
-        readout_s: float = 0.0,
+        readout: Readout | None = None,
     ) -> None:
-        self.readout_s = checked_readout(readout_s)
+        self.readout = readout
         self.noise = noise
         self.imu_T_camera = imu_T_camera
         self.gravity_m_s2 = np.array([0.0, 0.0, -gravity_m_s2])
@@ -192,9 +189,9 @@ class _Problem:
         self.slot = np.full(len(time_ns), -1)
         self.slot[self.free] = np.arange(len(self.free))
         self.prior = _Prior.of(self, bias, adjuster.sigma_px)
-        self.readout_s = adjuster.readout_s
-        self.rate_rad_s = np.zeros((len(time_ns), 3))
-        if self.readout_s > 0.0:
+        self.later_s: FloatArray | None = None
+        if adjuster.readout is not None:
+            self.later_s = adjuster.readout.later_s(bundle.px)
             self.rate_rad_s = adjuster.samples.rates_at(time_ns)
 
     def evaluated(self, state: _State) -> _Evaluated:
@@ -286,18 +283,17 @@ class _Evaluated:
         """
         problem, state = self._problem, self._state
         bundle = problem.bundle
-        if problem.readout_s == 0.0:
+        if problem.later_s is None:
             return bundle
         rate = problem.rate_rad_s - state.bias[:, :3]
         twist = camera_twist_rate(self._world_T_imu, state.velocity_m_s, rate, problem.camera_T_imu)
         moved = rows_moved_px(
             bundle.camera,
-            problem.readout_s,
+            problem.later_s,
             state.world_T_camera,
             twist,
             bundle.pose_of,
             state.points[bundle.point_of],
-            bundle.px,
         )
         return replace(bundle, px=bundle.px - moved)
 

@@ -15,8 +15,9 @@ from motorcade.fusion.visual_inertial import (
     LandmarkObservations,
     adjust_visual_inertial,
 )
-from motorcade.fusion.visual_inertial.readout import checked_readout
+from motorcade.fusion.visual_inertial.readout import Readout, checked_readout
 from motorcade.ga import Trajectory
+from motorcade.tracking import Camera
 from motorcade.tracking.slam.mapping.adjustment import Bundle
 from tests.fusion.visual_inertial.test_tight import CAMERA, IMU_T_CAMERA, SIGMA_PX, Scene, scene
 
@@ -49,7 +50,8 @@ def test_the_readout_time_mends_what_rolling_bends(rolling: Scene):
     stamps = rolling.keyframes.time_ns
     errors = []
     for readout_s in (0.0, READOUT_S):
-        adjuster = InertialAdjuster(ADIS16448, IMU_T_CAMERA, 9.81, SIGMA_PX, readout_s)
+        readout = Readout(CAMERA, readout_s)
+        adjuster = InertialAdjuster(ADIS16448, IMU_T_CAMERA, 9.81, SIGMA_PX, readout)
         adjuster.samples.add(rolling.imu)
         bundle = Bundle(
             rolling.keyframes.motors,
@@ -67,6 +69,18 @@ def test_the_readout_time_mends_what_rolling_bends(rolling: Scene):
         errors.append(evaluate(found, rolling.keyframes, align="se3").ape_m.rmse)
     assert errors[1] < 0.3 * errors[0]
     assert errors[1] < 0.003
+
+
+@pytest.mark.parametrize("model", ["pinhole", "radtan", "equidistant"])
+def test_rows_are_those_of_the_sensor(model: str):
+    """The lens moves corners by 50 rows and more in the undistorted picture."""
+    numbers = {"pinhole": (), "radtan": (-0.3, 0.08), "equidistant": (0.01, 0.0, 0.0, 0.0)}[model]
+    camera = Camera(640, 480, 300.0, 300.0, 319.5, 239.5, model, numbers)
+    recorded = np.array([[20.0, 0.0], [319.5, 239.5], [600.0, 479.0]])
+    shown = camera.undistort(recorded) if model == "radtan" else recorded
+    assert (np.abs(shown - recorded).max() > 50.0) == (model == "radtan")
+    later_s = Readout(camera, READOUT_S).later_s(shown)
+    np.testing.assert_allclose(later_s, [-0.5 * READOUT_S, 0.0, 0.5 * READOUT_S], atol=1e-12)
 
 
 def test_gtsams_adjustment_takes_it_too(rolling: Scene):
