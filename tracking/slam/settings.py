@@ -16,8 +16,8 @@ class SlamSettings:
     Fields:
         features: corners tracked in a picture of 640 x 480 (more in a larger one), spread out.
         window: newest keyframes that each local adjustment moves.
-        adjust: adjust the window at each keyframe, and the whole map after a loop and at the end;
-            off shows what that is worth.
+        adjust: adjust the window at each keyframe, after a loop an older one beside it until the
+            whole loop was, and the whole map at the end; off shows what that is worth.
         close_loops: recognise where the camera was before, and join maps; off shows its worth.
         new_maps: begin a new map, with a world of its own, where the camera stays lost; off leaves
             it lost until it is found.

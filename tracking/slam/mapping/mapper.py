@@ -23,13 +23,18 @@ from motorcade.tracking.slam.features import (
 )
 from motorcade.tracking.slam.geometry import OUTLIER_PX, parallax_rad, triangulate
 from motorcade.tracking.slam.mapping.adjustment import AdjustedBundle, Adjuster, Bundle, adjust
-from motorcade.tracking.slam.mapping.loops import ClosedLoop, close_loop, find_loop
+from motorcade.tracking.slam.mapping.loops import (
+    ClosedLoop,
+    LoopClosure,
+    close_loop,
+    find_loop,
+)
 from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
 from motorcade.tracking.slam.mapping.matching import alike_where_expected, any_in_view, in_view
 from motorcade.tracking.slam.settings import SlamSettings
 from motorcade.tracking.slam.tracker import TrackedPoints
 
-_LOOP_ITERATIONS = 10
+_ALL_ITERATIONS = 10
 _PARALLAX_RAD = np.deg2rad(1.0)
 _GOOD_PX = 2.0
 _DEPTH_BASELINE_M = 0.08
@@ -37,6 +42,7 @@ _MOST_FIXED = 10
 _PICTURES_KEPT = 30
 _RECOVERED_FROM = 3
 _FEWEST_HIDDEN = 15
+_FEWEST_HELD = 15  # points by which a keyframe that stays holds a window, as for a pose found anew
 _AROUND = 3  # keyframes before and after an old one, whose points may come into view
 _ALIKE_PX = 5.0
 
@@ -67,6 +73,10 @@ class Mapper:
         active: number of the map that keyframes are inserted into.
         adjuster: adjusts by more than pictures (an IMU, say); None: by pictures alone.
         adjusts_all: whether the next keyframe is followed by an adjustment of the whole map.
+
+    A loop moves the whole map, and adjusting all of that at once would hold up the frame that
+    closes it. The pose graph has brought keyframes near already, so their windows are adjusted one
+    after the other instead, one with each keyframe that is inserted.
     """
 
     def __init__(self, slam_map: SlamMap, camera: Camera, settings: SlamSettings) -> None:
@@ -78,6 +88,9 @@ class Mapper:
         self.active = 0
         self.adjuster: Adjuster | None = None
         self.adjusts_all = False
+        self._windows_left: list[tuple[IntArray, IntArray]] = []
+        if settings.close_loops:
+            import scipy.sparse.linalg  # noqa: F401  # so that no frame that closes a loop waits for it
 
     @property
     def metric(self) -> bool:
@@ -110,8 +123,10 @@ class Mapper:
         newest = self.map.keyframes[-1]
         closed = self._closed() if self.settings.close_loops else None
         if self.adjusts_all:
-            self.adjust_all(_LOOP_ITERATIONS)
+            self.adjust_all(_ALL_ITERATIONS)
             self.adjusts_all = False
+        elif self._windows_left and self.settings.adjust:
+            self._adjust_between(*self._windows_left.pop(0))
         tracked = self._newest(picture)
         return InsertedKeyframe(tracked, closed, newest.scale, time.perf_counter() - started)
 
@@ -122,9 +137,25 @@ class Mapper:
             return None
         closed = close_loop(self.map, loop, self.camera)
         self.active = closed.maps[1]
-        if self.settings.adjust:
-            self.adjusts_all = True
+        if self.adjuster is not None:
+            # It measures from one keyframe to the next, from the first to the newest.
+            self.adjusts_all = self.settings.adjust
+        self._windows_left = self._windows_of(loop)
         return closed
+
+    def _windows_of(self, loop: LoopClosure) -> list[tuple[IntArray, IntArray]]:
+        """Rows of windows that overlap by half, from the newest keyframe back to the old one, and
+        of the keyframes that each may be held by.
+
+        The first is held by the old pass alone, which draws it there; the others carry that on.
+        """
+        mine = self.map.rows_of(self.active)
+        size = self.settings.window
+        first = max(int(np.searchsorted(mine, loop.old)) - size, 1)  # the map's first one stays
+        stops = range(len(mine), first, -(size // 2))
+        frees = [mine[max(stop - size, first) : stop] for stop in stops]
+        holders = [mine[: max(len(mine) - 2 * size, 1)], *[mine] * len(frees)]
+        return list(zip(frees, holders, strict=False))
 
     def append(self, picture: SlamPicture, pose: Motor, ids: IntArray, px: FloatArray) -> Keyframe:
         """Make a keyframe of a picture; a measured depth locates points that are not yet."""
@@ -254,8 +285,7 @@ class Mapper:
         """Adjust the newest keyframes and their points; older ones that see these stay fixed."""
         mine = self.map.rows_of(self.active)
         free = mine[-self.settings.window :]
-        seen = np.unique(np.concatenate([self.map.keyframes[row].ids for row in free]))
-        seen = seen[self.map.located[seen]]
+        seen = self._points_seen(free)
         shared = self.map.shared(seen)
         shared[free] = 0
         if self.adjuster is not None and len(mine) > len(free):
@@ -263,6 +293,27 @@ class Mapper:
         fixed = np.argsort(-shared, kind="stable")[:_MOST_FIXED]
         fixed = np.sort(fixed[shared[fixed] > 0])
         self._adjust(np.concatenate([fixed, free]), len(fixed), seen)
+
+    def _adjust_between(self, free: IntArray, holders: IntArray) -> None:
+        """Adjust keyframes `free` amid the map, between those of `holders` that see the same."""
+        seen = self._points_seen(free)
+        shared = np.zeros(len(self.map.keyframes), dtype=np.int64)
+        shared[holders] = self.map.shared(seen)[holders]
+        shared[free] = 0
+        fixed = np.argsort(-shared, kind="stable")[:_MOST_FIXED]
+        fixed = np.sort(fixed[shared[fixed] >= _FEWEST_HELD])
+        if not len(fixed):
+            return
+        rows = np.concatenate([fixed, free])
+        # A point that only one of them sees, and others elsewhere, is held by those.
+        _, ids, _, depth = self.map.observations(rows)
+        held = np.bincount(ids, 1.0 + np.isfinite(depth), len(self.map.alive))
+        self._adjust(rows, len(fixed), seen[held[seen] >= 2.0])
+
+    def _points_seen(self, rows: IntArray) -> IntArray:
+        """Numbers of the located points that some keyframes see."""
+        seen = np.unique(self.map.observations(rows)[1])
+        return seen[self.map.located[seen]]
 
     def adjust_all(self, iterations: int = 20) -> None:
         """Adjust the whole active map; its first keyframe stays where it is."""
