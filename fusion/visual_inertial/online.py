@@ -22,7 +22,7 @@ from motorcade.fusion.filter.settings import FilterSettings
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.visual_inertial.readout import Readout
-from motorcade.fusion.visual_inertial.sequence import FLOOR
+from motorcade.fusion.visual_inertial.sequence import FLOOR, measured_in_map
 from motorcade.fusion.visual_inertial.start import InertialStart, start_inertial
 from motorcade.fusion.visual_inertial.window import InertialAdjuster, KeyframeMotion
 from motorcade.ga import Motor
@@ -83,6 +83,8 @@ class InertialSlamResult:
         slam: keyframes, points and frames, in metres with z up where `start` is known.
         start: scale and lean as first found; None where the IMU never told them.
         metric_from_ns: stamp of the frame at which the map got metres; None likewise.
+        measurements: poses of the frames that pictures gave, in metres, as the fused path takes
+            them; None likewise.
         fused: the path at all frames from the first pose on, through darkness too; None likewise.
         states: of all frames.
     """
@@ -90,6 +92,7 @@ class InertialSlamResult:
     slam: SlamResult
     start: InertialStart | None
     metric_from_ns: int | None
+    measurements: PoseMeasurements | None
     fused: Fused | None
     states: tuple[InertialState, ...]
 
@@ -189,8 +192,8 @@ class InertialSlam:
         slam = self._slam.finish()
         states = tuple(state for _, state in self._frames)
         if self._start is None or slam.trajectory is None:
-            return InertialSlamResult(slam, None, None, None, states)
-        given = PoseMeasurements(slam.trajectory, slam.covariance + np.diag(FLOOR))
+            return InertialSlamResult(slam, None, None, None, None, states)
+        given = measured_in_map(slam.trajectory, slam.covariance, slam.map.time_ns)
         fused = fuse(
             given,
             self._samples.all(),
@@ -199,7 +202,7 @@ class InertialSlam:
             slam.time_ns,
             settings=self._settings,
         )
-        return InertialSlamResult(slam, self._start, self._metric_from_ns, fused, states)
+        return InertialSlamResult(slam, self._start, self._metric_from_ns, given, fused, states)
 
     # Frames --------------------------------------------------------------------------------------
 

@@ -62,6 +62,9 @@ from motorcade.tracking.slam import SlamResult
 # No frame is surer than this (rad, units of the map, metres), whatever its corners say: the
 # keyframes that it hangs on are not. A map's unit is about the depth of what it shows.
 FLOOR = np.repeat([1e-3, 2e-3], 3) ** 2
+# Keyframes are the map: what their pixels leave open was adjusted, with those of all others. A
+# tenth stays for what repeats in neighbours, as a lens that is not quite known.
+_KEYFRAME_FLOOR = 0.1**2 * FLOOR
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,6 +160,25 @@ def metric_map(
     return MetricMap(measured, keyframes, start, scale)
 
 
+def measured_in_map(
+    path: Trajectory, covariance: FloatArray, keyframes_ns: IntArray
+) -> PoseMeasurements:
+    """Frames of a finished run as measurements of a filter.
+
+    Between keyframes each frame hangs on one of them by what was known of the map at the time; so
+    errors of neighbours are alike, and an IMU leads from keyframe to keyframe better than many of
+    them together would say.
+
+    Args:
+        path: of all frames, in metres.
+        covariance: ``(n, 6, 6)`` of each by its own corners alone.
+        keyframes_ns: stamps of the keyframes that were adjusted.
+    """
+    floor = np.where(np.isin(path.time_ns, keyframes_ns)[:, None], _KEYFRAME_FLOOR, FLOOR)
+    spread = covariance + floor[:, :, None] * np.eye(6)
+    return PoseMeasurements(path, 0.5 * (spread + spread.swapaxes(-1, -2)))
+
+
 def _spread(path: Trajectory) -> float:
     """RMS of positions about their mean, metres."""
     places = path.motors.translation_m
@@ -173,9 +195,5 @@ def _in_metres(
     relative = own.motors[row].inverse() @ path.motors
     metric = Motor.from_rotor_translation(relative.rotor, scale * relative.translation_m)
     units = np.repeat([1.0, scale], 3)
-    spread = units[:, None] * covariance * units + np.diag(FLOOR)
-    poses = adjusted[row] @ metric
-    return PoseMeasurements(
-        Trajectory(path.time_ns, poses, "world", "camera"),
-        0.5 * (spread + spread.swapaxes(-1, -2)),
-    )
+    in_world = Trajectory(path.time_ns, adjusted[row] @ metric, "world", "camera")
+    return measured_in_map(in_world, units[:, None] * covariance * units, own.time_ns)

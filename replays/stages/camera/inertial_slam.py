@@ -10,7 +10,6 @@ import numpy as np
 
 from motorcade.fusion.imu import ADIS16448, ImuStream
 from motorcade.fusion.visual_inertial import InertialSlam, InertialSlamResult
-from motorcade.fusion.visual_inertial.sequence import FLOOR
 from motorcade.replays.engine.progress import track
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.offered import camera_of
@@ -85,8 +84,8 @@ def _fed(slam: InertialSlam, imu: ImuStream, fed: int, time_ns: int) -> int:
 
 
 def _told(recording: Recording, result: InertialSlamResult) -> MappedWithImu | None:
-    start, path = result.start, result.slam.trajectory
-    if start is None or result.metric_from_ns is None or path is None:
+    start, measurements = result.start, result.measurements
+    if start is None or result.metric_from_ns is None or measurements is None:
         log.info("%s: no metres while mapping, so they are looked for afterwards", recording.name)
         return None
     scale = float(start.world_T_visual.scale)
@@ -100,5 +99,4 @@ def _told(recording: Recording, result: InertialSlamResult) -> MappedWithImu | N
         start.tilt_sigma_rad,
         recording.readout_s,
     )
-    measured = PoseMeasurements(path, result.slam.covariance + np.diag(FLOOR))
-    return MappedWithImu(result.slam, measured, told)
+    return MappedWithImu(result.slam, measurements, told)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from motorcade.fusion.filter import fuse
 from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
 from motorcade.fusion.metrics import evaluate
 from motorcade.fusion.motions.standard import MOTIONS
@@ -17,6 +18,7 @@ from motorcade.fusion.visual_inertial import (
     fuse_map,
     start_inertial,
 )
+from motorcade.fusion.visual_inertial.sequence import measured_in_map
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking import Camera, PoseMeasurements
@@ -85,6 +87,21 @@ def scene() -> Scene:
     pixels[wrong] += 40.0 * rng.standard_normal((np.count_nonzero(wrong), 2))
     seen_all = LandmarkObservations(np.concatenate(rows), np.concatenate(names), pixels)
     return Scene(keyframes, landmarks, seen_all, simulated.stream, wrong)
+
+
+def test_frames_between_keyframes_count_less_than_those():
+    """All are 3 mm off the same way but keyframes; the fused path stays with the keyframes."""
+    rng = np.random.default_rng(6)
+    path = MOTIONS["handheld"].sampled(100.0, 4.0, child="imu")
+    simulated = simulate_imu(path, 100.0, ADIS16448, rng)
+    truth = simulated.path.transformed_by(right=IMU_T_CAMERA).at_rate(25.0)
+    off = np.tile([0.0, 0.0, 0.0, 0.0, 0.0, 0.003], (len(truth), 1))
+    off[::8] = 0.0
+    hung = replace(truth, poses=truth.motors @ Motor.from_twist(off))
+    small = np.tile(1e-8 * np.eye(6), (len(truth), 1, 1))
+    given = measured_in_map(hung, small, truth.time_ns[::8])
+    fused = fuse(given, simulated.stream, ADIS16448, IMU_T_CAMERA)
+    assert evaluate(fused.trajectory, truth, align="none").ape_m.rmse < 0.0005
 
 
 def test_a_fisheye_is_adjusted_by_all_that_it_sees():

@@ -14,7 +14,7 @@ from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera import depth, inertial_slam, slam_poses
-from motorcade.tracking import Camera, MapSnapshot
+from motorcade.tracking import Camera, MapSnapshot, PoseMeasurements
 from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.slam import SlamHistory, SlamResult
 
@@ -112,7 +112,8 @@ class FedInertialSlam:
 
     def finish(self) -> InertialSlamResult:
         if not self.told:
-            return InertialSlamResult(mapped(metric=False), None, None, None, ("visual",) * 2)
+            none = (None,) * 4
+            return InertialSlamResult(mapped(metric=False), *none, ("visual",) * 2)
         lean = Motor.from_rotor_translation(Rotor.from_rotation_vector([-np.pi / 2, 0, 0]), [0] * 3)
         start = InertialStart(
             Similarity.from_motor_scale(lean, 2.5),
@@ -123,7 +124,9 @@ class FedInertialSlam:
             *(np.zeros((2, 3)) for _ in range(3)),
         )
         states = "visual", "tracking"
-        return InertialSlamResult(mapped(metric=True), start, int(STAMPS[1]), None, states)
+        found = mapped(metric=True)
+        poses = PoseMeasurements(Trajectory(STAMPS, found.map.world_T_camera), found.covariance)
+        return InertialSlamResult(found, start, int(STAMPS[1]), poses, None, states)
 
 
 @pytest.fixture
