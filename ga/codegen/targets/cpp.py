@@ -10,11 +10,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from motorcade.ga.codegen.expressions import Body, BranchStatement, branching_statements
+from motorcade.ga.codegen.expressions import branching_statements
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.precision import DOUBLE, SINGLE
 from motorcade.ga.codegen.tape import Operand
-from motorcade.ga.codegen.targets.shared.c_family import comment, declarations, indented, loads
+from motorcade.ga.codegen.targets.shared.c_family import (
+    branching_declarations,
+    comment,
+    indented,
+    loads,
+)
 from motorcade.ga.codegen.targets.shared.text import C_LOGIC, Templates, call, wrapped
 
 _FUNCTIONS = {
@@ -64,7 +69,7 @@ def _function(name: str, kernel: Kernel) -> str:
             if operand.width > 1
             for line in loads(operand, tape, f"const {real}")
         ),
-        *_written(statements, real, ()),
+        *branching_declarations(statements, real, "bool"),
         *(
             [f"return {results[0]};"]
             if output.width == 1
@@ -82,24 +87,6 @@ def _function(name: str, kernel: Kernel) -> str:
         "}",
     ]
     return "\n".join(lines)
-
-
-def _written(body: Body, real: str, declared: tuple[str, ...]) -> list[str]:
-    """The statements as variables; values of choices are declared before the branch."""
-    lines = []
-    for item in body:
-        if isinstance(item, BranchStatement):
-            condition = item.condition.removeprefix("(").removesuffix(")")
-            lines += [f"{real} {', '.join(item.names)};", f"if ({condition}) {{"]
-            lines += [f"    {line}" for line in _written(item.chosen, real, item.names)]
-            lines += ["} else {"]
-            lines += [f"    {line}" for line in _written(item.otherwise, real, item.names)]
-            lines += ["}"]
-        elif item.name in declared:
-            lines.append(f"{item.name} = {item.expression};")
-        else:
-            lines += declarations([item], f"const {real}", "const bool")
-    return lines
 
 
 def _type(operand: Operand, real: str) -> str:

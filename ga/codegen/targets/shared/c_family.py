@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from motorcade.ga.codegen.expressions import Statement, component_name
+from motorcade.ga.codegen.expressions import Body, BranchStatement, Statement, component_name
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.tape import Operand, Tape
@@ -40,6 +40,26 @@ def declarations(body: Iterable[Statement], number: str, boolean: str) -> list[s
         f"{boolean if statement.boolean else number} {statement.name} = {statement.expression};"
         for statement in body
     ]
+
+
+def branching_declarations(
+    body: Body, number: str, boolean: str, declared: tuple[str, ...] = ()
+) -> list[str]:
+    """The statements as constants of a type; values of choices are declared before the branch."""
+    lines = []
+    for item in body:
+        if isinstance(item, BranchStatement):
+            condition = item.condition.removeprefix("(").removesuffix(")")
+            lines += [f"{number} {', '.join(item.names)};", f"if ({condition}) {{"]
+            for part in (item.chosen, item.otherwise):
+                inside = branching_declarations(part, number, boolean, item.names)
+                lines += [f"    {line}" for line in inside]
+                lines += ["} else {" if part is item.chosen else "}"]
+        elif item.name in declared:
+            lines.append(f"{item.name} = {item.expression};")
+        else:
+            lines += declarations([item], f"const {number}", f"const {boolean}")
+    return lines
 
 
 def loads(
