@@ -17,7 +17,7 @@ READY   := $(VENV)/.ready
 NATIVE  := CMakeLists.txt pyproject.toml constraints.txt $(wildcard ga/kernels/generated/c/* $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(kind) */*/native/generated/*.$(kind))))
 
 # C and C++ that people write.
-WRITTEN := $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(kind) tests/bench/*/*.$(kind) tests/bench/*/*/*.$(kind)))
+WRITTEN := $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(kind) */*/*/native/*.$(kind) docs/examples/*.$(kind) tests/bench/*/*.$(kind) tests/bench/*/*/*.$(kind)))
 
 .PHONY: demo test test-slow bench mutation fuzz sanitize docs lint wheel kernels names system browser clean
 .DEFAULT_GOAL := demo
@@ -61,9 +61,11 @@ lint: $(READY) names
 docs: $(READY) names
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 
-# Writes the kernels' C and NumPy code anew from their definitions; `make` then compiles it.
+# Writes the kernels' C and NumPy code, and the C header of the filters, anew from their definitions;
+# `make` then compiles it.
 kernels: $(READY)
 	$(BIN)/python -m motorcade.ga.codegen
+	$(BIN)/python -m motorcade.fusion.smoothing.header
 
 wheel: $(READY)
 	bash .ci/check_wheel
