@@ -5,7 +5,8 @@ stamps and frames. Parameters are physical: metres, radians, seconds, hertz. Dev
 densities are those of one axis. Rotation errors and rates stand in the moving frame.
 
 `smooth` runs a method of `METHODS` on a whole path, by default the one that `choose` picks; filters
-such as `OneEuro` take poses one after another. `Representation` says what is averaged.
+such as `OneEuro` take poses one after another, and
+`LiveSmoother` does so with nothing to tune. `Representation` says what is averaged.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from motorcade.fusion.smoothing.causal import (
     SmoothedStates,
     smoothed_states,
 )
+from motorcade.fusion.smoothing.live import LiveSmoother
 from motorcade.fusion.smoothing.methods import METHODS, method_parameters, smooth
 from motorcade.fusion.smoothing.representations import REPRESENTATIONS, Representation
 from motorcade.fusion.smoothing.window import automatic_window_s
@@ -32,6 +34,7 @@ __all__ = [
     "ConstantVelocityFilter",
     "DoubleExponential",
     "Exponential",
+    "LiveSmoother",
     "OneEuro",
     "Representation",
     "RobustPath",
