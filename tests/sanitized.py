@@ -26,6 +26,7 @@ BUILD = REPOSITORY / "build/sanitized"
 MODULES = {
     "motorcade.ga.kernels._compiled",
     "motorcade.fusion.smoothing.native._scans",
+    "motorcade.fusion.smoothing.native._live",
     "motorcade.fusion.orientation.native._orientation",
     "motorcade.fusion.filter.native._filter",
     "motorcade.animation.native._runtime",
@@ -38,6 +39,7 @@ TESTS = (
     "tests/fusion/smoothing/test_native_verbs.py",
     "tests/fusion/smoothing/test_causal.py",
     "tests/fusion/smoothing/test_kalman.py",
+    "tests/fusion/smoothing/test_live.py",
     "tests/fusion/orientation/test_orientation.py",
     "tests/fusion/filter/test_filter.py",
     "tests/fusion/filter/test_pose_filter.py",

@@ -41,8 +41,8 @@ class LiveSmoother:
         ValueError: a negative lag, or a memory that is not positive.
 
     It breaks down where noise is no noise but motion: drift and errors that last longer than the
-    memory stay, and wrong poses that agree with each other for longer than 0.1 s are followed. Until
-    the fifth pose those given come back as they are.
+    memory stay, and wrong poses that agree with each other for longer than 0.1 s are followed.
+    Until the fifth pose those given come back as they are.
 
     Examples:
         >>> import numpy as np
@@ -110,7 +110,9 @@ class LiveSmoother:
             ValueError: poses with a scale, which this smoother knows nothing of.
         """
         if not isinstance(trajectory.poses, Motor):
-            raise ValueError("trajectory: expected rigid poses, got similarities; .rigid gives them")
+            raise ValueError(
+                "trajectory: expected rigid poses, got similarities; .rigid gives them"
+            )
         if len(trajectory) < _FEWEST:
             return trajectory
         poses = trajectory.motors.astype(np.float64)

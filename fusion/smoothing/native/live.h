@@ -106,8 +106,8 @@ private:
     static constexpr std::size_t JUMP_POSES = 3;
 
     template <std::size_t Order> using Row = std::array<Follower<G, Order>, CUTOFFS>;
-    template <std::size_t Order> using States =
-        std::array<typename Follower<G, Order>::State, CUTOFFS>;
+    template <std::size_t Order>
+    using States = std::array<typename Follower<G, Order>::State, CUTOFFS>;
 
     // What the filters knew at a stamp, how far the next one is, and whether they began anew there.
     struct Past {

@@ -26,9 +26,9 @@ template <std::size_t N> std::array<double, N> numbers(nb::handle given, const c
                           view.format[0] == 'd' && view.format[1] == '\0';
         if (fits)
             for (std::size_t k = 0; k < N; ++k)
-                made[k] = *reinterpret_cast<const double *>(static_cast<const char *>(view.buf) +
-                                                            static_cast<Py_ssize_t>(k) *
-                                                                view.strides[0]);
+                made[k] =
+                    *reinterpret_cast<const double *>(static_cast<const char *>(view.buf) +
+                                                      static_cast<Py_ssize_t>(k) * view.strides[0]);
         PyBuffer_Release(&view);
         if (fits) return made;
     }
@@ -60,8 +60,7 @@ StampedPose checked_pose(double time_s, nb::handle position_m, nb::handle wxyz) 
     const double length = std::sqrt(dot(q, q));
     if (!(length > 1e-150) || !std::isfinite(length))
         throw std::invalid_argument("wxyz: expected a quaternion of finite length above 0");
-    return {time_s, position,
-            {q[0] / length, -q[1] / length, -q[2] / length, -q[3] / length}};
+    return {time_s, position, {q[0] / length, -q[1] / length, -q[2] / length, -q[3] / length}};
 }
 
 nb::object array_of(const double *from, std::size_t count, const nb::object &empty) {
