@@ -60,6 +60,7 @@ from motorcade.fusion.motions.degradations import (
 from motorcade.fusion.smoothing import (
     METHODS,
     ConstantVelocityFilter,
+    LiveSmoother,
     automatic_window_s,
     choose,
     estimate_path,
@@ -182,6 +183,7 @@ FUNCTIONS: dict[str, Callable[[Case], object]] = {
     "smooth spline rotor": lambda case: smooth(case.noisy, "spline", "rotor"),
     "choose": lambda case: choose(case.noisy).smooth(case.noisy),
     "smoothed_states": lambda case: smoothed_states(case.noisy, ConstantVelocityFilter()),
+    "LiveSmoother": lambda case: LiveSmoother(0.1).smooth(case.noisy.rigid),
     "log_likelihood": lambda case: ConstantVelocityFilter().log_likelihood(case.noisy),
     "frame_change_defect": lambda case: frame_change_defect(
         partial(smooth, method="spline"), case.noisy, *Motor.random(_rng(), (2,))
