@@ -16,6 +16,7 @@ LONG = {
     "ar_on_my_video",
     "calibrate_camera_and_imu",
     "compare_representations",
+    "filters_in_c",
     "imu_and_camera",
     "rendering",
 }
