@@ -32,6 +32,7 @@ MODULES = {
     "motorcade.animation.native._runtime",
     "motorcade.tracking.markers.native._quads",
     "motorcade.tracking.native._flow",
+    "motorcade.tracking.native._least_squares",
 }
 TESTS = (
     "tests/ga/kernels/test_kernels.py",
@@ -46,6 +47,7 @@ TESTS = (
     "tests/animation/test_runtime.py",
     "tests/animation/skin",
     "tests/tracking/markers/test_detection.py",
+    "tests/tracking/optimise",
     "tests/tracking/test_pictures.py",
     # Thousands of samples for the accuracy, and an hour of them, on paths that the others take.
     "--deselect=tests/ga/kernels/test_kernels.py::test_backends_agree_on_hard_motors",

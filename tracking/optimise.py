@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.tracking.native._least_squares import eliminate, invert, substitute
 
 __all__ = [
     "BlockEquations",
@@ -29,8 +29,6 @@ __all__ = [
     "sum_by",
 ]
 
-_CHUNK = 256
-_SMALL = 32
 _FLOOR = 1e-9  # keeps parameters that nothing speaks of where they are
 
 
@@ -108,10 +106,7 @@ class BlockEquations:
         """The same step, its kept parameters in a row: some may follow those of the groups."""
         matrix, right, inverted = self._reduced(damping)
         kept = np.asarray(-np.linalg.solve(matrix, right), np.float64) if len(right) else right
-        pull = self.block_gradient.copy()
-        for rows, columns, coupling in self._chunks:
-            pull[rows] += coupling @ kept[columns]
-        return kept, -(inverted @ pull[..., None])[..., 0]
+        return kept, substitute(inverted, *self._met, kept)
 
     @property
     def reduced_information(self) -> FloatArray:
@@ -120,37 +115,15 @@ class BlockEquations:
 
     def _reduced(self, damping: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Matrix and right-hand side without the blocks, and the blocks inverted."""
-        inverted = np.asarray(np.linalg.inv(_damped(self.blocks, damping)), np.float64)
-        matrix, right = _damped(self.information, damping), self.gradient.copy()
-        for rows, columns, coupling in self._chunks:
-            scaled = inverted[rows] @ coupling
-            matrix[np.ix_(columns, columns)] -= _product(coupling, scaled)
-            right[columns] -= np.einsum("bij,bi->j", scaled, self.block_gradient[rows])
-        return matrix, right, inverted
+        inverted = invert(_damped(self.blocks, damping))
+        if inverted is None:
+            raise np.linalg.LinAlgError("a block has no inverse")
+        kept = _damped(self.information, damping), self.gradient
+        return *eliminate(inverted, *self._met, *kept), inverted
 
-    @cached_property
-    def _chunks(self) -> list[tuple[slice, IntArray, FloatArray]]:
-        """Blocks a few at a time, the columns ``(c,)`` of the groups that meet any of them, and
-        their dense coupling ``(few, s, c)``.
-
-        Blocks that stand together meet few groups, so a long path costs no more than its parts.
-        """
-        order = np.argsort(self.block_of, kind="stable")
-        block_of, group_of = self.block_of[order], self.group_of[order]
-        coupling = self.coupling[order]
-        size, width = coupling.shape[1:]
-        chunks = []
-        for start in range(0, len(self.blocks), _CHUNK):
-            stop = min(start + _CHUNK, len(self.blocks))
-            mine = slice(*np.searchsorted(block_of, (start, stop)))
-            groups, place = np.unique(group_of[mine], return_inverse=True)
-            if not len(groups):
-                continue
-            dense = np.zeros((stop - start, size, len(groups), width))
-            dense[block_of[mine] - start, :, place] = coupling[mine]
-            columns = (width * groups[:, None] + np.arange(width)).ravel()
-            chunks.append((slice(start, stop), columns, dense.reshape(len(dense), size, -1)))
-        return chunks
+    @property
+    def _met(self) -> tuple[FloatArray, IntArray, IntArray, FloatArray]:
+        return self.block_gradient, self.block_of, self.group_of, self.coupling
 
 
 def sum_by(values: FloatArray, owner: IntArray, count: int) -> FloatArray:
@@ -211,20 +184,6 @@ def _damped(information: FloatArray, damping: float) -> FloatArray:
     diagonal = np.einsum("...ii->...i", information)
     more = (damping * diagonal + _FLOOR)[..., None] * np.eye(information.shape[-1])
     return np.asarray(information + more, np.float64)
-
-
-def _product(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Sum of ``a^T b`` over the blocks, in products so small that BLAS starts no threads.
-
-    Threads cost more than they bring here, and sums would depend on how many there are.
-    """
-    missing = -len(a) % _SMALL
-    groups = []
-    for one in (a, b):
-        padded = np.concatenate([one, np.zeros((missing, *one.shape[1:]))]) if missing else one
-        groups.append(padded.reshape(-1, one.shape[1] * _SMALL, one.shape[-1]))
-    products: FloatArray = np.matmul(groups[0].transpose(0, 2, 1), groups[1]).sum(axis=0)
-    return products
 
 
 def huber(size: FloatArray, limit: float) -> tuple[FloatArray, FloatArray]:

@@ -1,1 +1,1 @@
-"""Follows corners from picture to picture, compiled from the C++ files beside this one."""
+"""Corners followed from picture to picture, and equations of what is seen: the C++ beside this."""

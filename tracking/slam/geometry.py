@@ -10,7 +10,7 @@ Sources: Hartley & Zisserman 2003, ch. 12; Barath et al. 2020 (MAGSAC++, in Open
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 
 import cv2
 import numpy as np
@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 
 from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
-from motorcade.tracking.cameras.camera import Camera, reproject, to_frame
-from motorcade.tracking.optimise import NormalEquations, Stop, huber_cauchy, minimise
+from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.native._least_squares import Lens, View
+from motorcade.tracking.optimise import NormalEquations, Stop, minimise
 
 BoolArray = NDArray[np.bool_]
 
@@ -149,29 +150,29 @@ def points_in_world(world_T_map: Similarity, points: FloatArray) -> FloatArray:
     return moved
 
 
+@lru_cache(maxsize=8)
+def lens_of(camera: Camera) -> Lens:
+    """The camera as compiled equations take it."""
+    return Lens(camera.model, camera.fx, camera.fy, camera.cx, camera.cy, camera.distortion)
+
+
 class _Reprojection:
     """Points against their reprojection from one pose; those behind the camera pull nowhere."""
 
-    def __init__(self, points: FloatArray, px: FloatArray, camera: Camera, pose: Motor) -> None:
-        pixels, by_twist, _ = reproject(camera, to_frame(pose, points))
-        behind = ~np.isfinite(pixels[:, 0])
-        self.residuals = np.where(behind[:, None], 0.0, pixels - px)
-        self.by_twist = np.where(behind[:, None, None], 0.0, by_twist)
-        size = np.where(behind, np.inf, np.linalg.norm(self.residuals, axis=-1))
-        self.error_px = size
-        loss, self._weight = huber_cauchy(size, _HUBER_PX, OUTLIER_PX)
-        self.cost = float(loss.sum())
+    def __init__(self, view: View, pose: Motor) -> None:
+        self._view, self._camera_T_world = view, pose.inverse().as_matrix()
+        self.cost, self.error_px = view.evaluate(self._camera_T_world)
 
     @cached_property
     def equations(self) -> NormalEquations:
-        return self._equations(np.repeat(self._weight, 2))
+        return self._equations(np.inf)
 
-    def _equations(self, weight: FloatArray) -> NormalEquations:
-        return NormalEquations.of(self.by_twist.reshape(-1, 6), self.residuals.ravel(), weight)
+    def _equations(self, most_px: float) -> NormalEquations:
+        return NormalEquations(*self._view.linearise(self._camera_T_world, most_px))
 
     def covariance(self, inliers: BoolArray, sigma: float) -> FloatArray:
         """Of the pose by the inliers alone; infinite where they do not fix it."""
-        equations = self._equations(np.repeat(inliers.astype(np.float64), 2))
+        equations = self._equations(OUTLIER_PX)
         if np.count_nonzero(inliers) < _FEWEST or np.linalg.cond(equations.information) >= 1e14:
             return np.full((6, 6), np.inf)
         return equations.covariance(sigma)
@@ -207,7 +208,8 @@ def refine_pose(
     True
     """
     start = Motor.normalize(world_T_camera.coefficients)
-    found = minimise(start, partial(_Reprojection, points, px, camera), Motor.retract, _STOP)
+    view = View(lens_of(camera), points, px, _HUBER_PX, OUTLIER_PX)
+    found = minimise(start, partial(_Reprojection, view), Motor.retract, _STOP)
     error = found.evaluation.error_px
     inliers = error <= OUTLIER_PX
     rms = float(np.sqrt(np.mean(error[inliers] ** 2))) if inliers.any() else float("inf")

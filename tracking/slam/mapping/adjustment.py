@@ -16,9 +16,10 @@ import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.cameras.camera import Camera, by_twist
-from motorcade.tracking.optimise import BlockEquations, Stop, huber, minimise, sum_by
-from motorcade.tracking.slam.geometry import BoolArray, is_native
+from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.native._least_squares import Sight
+from motorcade.tracking.optimise import BlockEquations, Stop, minimise
+from motorcade.tracking.slam.geometry import BoolArray, lens_of
 
 _HUBER = 1.5
 _NEAREST = 1e-3  # depths below it, and behind the camera, count as it
@@ -51,10 +52,25 @@ class Bundle:
     depth_sigma_px: float
 
     @cached_property
-    def slot(self) -> IntArray:
-        """Which of the free poses each observation ``(n,)`` belongs to; -1 for none."""
+    def slots(self) -> IntArray:
+        """Numbers ``(k,)`` of the free poses, from 0 on; -1 for those that stay."""
         free = ~self.fixed
-        return np.where(free, np.cumsum(free) - 1, -1)[self.pose_of]
+        return np.where(free, np.cumsum(free) - 1, -1)
+
+    @cached_property
+    def sight(self) -> Sight:
+        """What stays of it while poses and points move."""
+        return Sight(
+            lens_of(self.camera),
+            self.pose_of,
+            self.point_of,
+            self.slots,
+            self.px,
+            self.depth,
+            self.disparity_px_m / self.depth_sigma_px,
+            _HUBER,
+            _NEAREST,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,65 +116,35 @@ def _retract(bundle: Bundle, state: _State, step: tuple[FloatArray, FloatArray])
 
 
 class BundleReprojection:
-    """All observations against their reprojection: two residuals of the pixel, one of the depth."""
+    """All observations against their reprojection: two residuals of the pixel, one of the depth.
+
+    Args:
+        bundle: what was seen; state: poses and points, instead of the bundle's own.
+
+    Fields:
+        cost: sum of Huber's losses.
+        error_px: how far each observation ``(n,)`` is from its pixel; infinite behind the camera.
+    """
 
     def __init__(self, bundle: Bundle, state: _State) -> None:
-        self._bundle = bundle
-        poses = state[0].inverse().as_matrix()
-        self._turns = poses[bundle.pose_of, :3, :3]
-        turned = self._turns @ state[1][bundle.point_of][..., None]
-        in_camera = turned[..., 0] + poses[bundle.pose_of, :3, 3]
-        if is_native(bundle.camera):  # it sees all around
-            self._before = np.ones(len(in_camera), dtype=np.bool_)
-        else:
-            self._before = in_camera[:, 2] > 0.0
-            np.maximum(in_camera[:, 2], _NEAREST, out=in_camera[:, 2])
-        self._in_camera = in_camera
-        self._disparity = bundle.disparity_px_m / bundle.depth_sigma_px
-        self._pixel = bundle.camera.project(in_camera) - bundle.px
-        self._along = self._disparity / in_camera[:, 2] - self._disparity / bundle.depth
-        self._along = np.nan_to_num(self._along)
-        self._size = np.linalg.norm(self._pixel, axis=-1)
-        of_pixel, self._pixel_weight = huber(self._size, _HUBER)
-        of_depth, self._depth_weight = huber(np.abs(self._along), _HUBER)
-        self.cost = float(of_pixel.sum()) + float(of_depth.sum())
-
-    @property
-    def error_px(self) -> FloatArray:
-        """How far each observation ``(n,)`` is from its pixel; infinite behind the camera."""
-        return np.where(self._before, self._size, np.inf)
+        self._bundle, self._state = bundle, (state[0].inverse().as_matrix(), state[1])
+        self.cost, self.error_px = bundle.sight.evaluate(*self._state)
 
     @cached_property
     def equations(self) -> BlockEquations:
         """Of the free poses, six numbers each, and the points."""
-        bundle, slot = self._bundle, self._bundle.slot
-        residuals = np.concatenate([self._pixel, self._along[:, None]], axis=-1)
-        weight = np.stack([self._pixel_weight, self._pixel_weight, self._depth_weight], axis=-1)
-        by_camera_point = self._by_camera_point()
-        by_pose = by_twist(self._in_camera, by_camera_point)
-        by_point = by_camera_point @ self._turns
-        shifted = np.swapaxes(by_point * weight[..., None], -1, -2)
-        seen = slot >= 0
-        by_pose, own = by_pose[seen], slot[seen]
-        turned = np.swapaxes(by_pose * weight[seen][..., None], -1, -2)
-        free, count = int(np.count_nonzero(~bundle.fixed)), len(bundle.points)
+        bundle = self._bundle
+        own, gradient, *of_points, coupling = bundle.sight.linearise(*self._state)
+        free, every = len(own), np.arange(len(own))
         information = np.zeros((free, 6, free, 6))
-        every = np.arange(free)
-        information[every, :, every] = sum_by(turned @ by_pose, own, free)
+        information[every, :, every] = own
+        slot = bundle.slots[bundle.pose_of]
+        seen = slot >= 0
         return BlockEquations(
             information.reshape(6 * free, 6 * free),
-            sum_by((turned @ residuals[seen][..., None])[..., 0], own, free).ravel(),
-            sum_by(shifted @ by_point, bundle.point_of, count),
-            sum_by((shifted @ residuals[..., None])[..., 0], bundle.point_of, count),
+            gradient.ravel(),
+            *of_points,
             bundle.point_of[seen],
-            own,
-            shifted[seen] @ by_pose,
+            slot[seen],
+            coupling,
         )
-
-    def _by_camera_point(self) -> FloatArray:
-        """Derivative ``(n, 3, 3)`` of the residuals by the point in the camera's frame."""
-        found = np.zeros((len(self._in_camera), 3, 3))
-        found[:, :2] = self._bundle.camera.project_jacobian(self._in_camera)[1]
-        slope = -self._disparity / self._in_camera[:, 2] ** 2
-        found[:, 2, 2] = np.where(np.isfinite(self._bundle.depth), slope, 0.0)
-        return found
