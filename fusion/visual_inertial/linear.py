@@ -19,9 +19,13 @@ _BIAS_ROUNDS = 3
 
 
 def linear_start(
-    camera: Trajectory, imu: ImuStream, noise: ImuNoise, imu_T_camera: Motor
+    camera: Trajectory,
+    imu: ImuStream,
+    noise: ImuNoise,
+    imu_T_camera: Motor,
+    scale: float | None = None,
 ) -> tuple[float, FloatArray]:
-    """Metres a unit of the camera's world, and gravity ``(3,)`` in it (m/s²).
+    """Metres a unit of the camera's world, unless they are known, and gravity ``(3,)`` in it.
 
     Raises:
         ValueError: fewer than four poses, or motion that gives no scale above zero.
@@ -38,7 +42,11 @@ def linear_start(
         by_bias = summed.bias_jacobian[:, :3, :3]
         bias = bias + np.linalg.lstsq(by_bias.reshape(-1, 3), left.ravel(), rcond=None)[0]
     matrix, right = _system(camera, rotor.as_matrix(), camera_T_imu, summed)
+    if scale is not None:
+        matrix, right = matrix[:, :-1], right - scale * matrix[:, -1]
     found: FloatArray = np.linalg.lstsq(matrix, right, rcond=None)[0].astype(np.float64)
+    if scale is not None:
+        return scale, found[-3:]
     scale, gravity = float(found[-1]), found[-4:-1]
     if not scale > 0.0:
         raise ValueError(

@@ -54,7 +54,7 @@ class InertialFrame:
 
     Args:
         time_ns: stamp.
-        state: "initialising" without a map, "visual" while the map has no metres, "tracking" by
+        state: "initialising" without a map, "visual" while the IMU tells nothing, "tracking" by
             pictures and IMU, "inertial" by the IMU alone, "lost" where that is too long ago.
         world_T_camera: metres, z up; None before the map has metres, and where lost.
         covariance: ``(6, 6)`` of the right perturbation, rotation (rad) then translation (m).
@@ -98,13 +98,16 @@ class InertialSlamResult:
 
 
 class InertialSlam:
-    """Tracks a camera that an IMU sits on; feed samples up to each frame's stamp, then the frame.
+    """Tracks a camera, or a rectified pair, that an IMU sits on, in metres with z up.
+
+    Feed samples up to each frame's stamp, then the frame. A pair has metres from the start, and
+    waits for the IMU only to know what is up and how it moves.
 
     Args:
-        camera: the camera.
+        camera: the camera, the left one of a pair.
         noise: the IMU's.
-        imu_T_camera: pose of the camera on the IMU, metres.
-        settings: of visual SLAM, without threads.
+        imu_T_camera: its pose on the IMU, metres.
+        settings: of visual SLAM, without threads; `baseline_m` for a pair.
         gravity_m_s2: size of gravity.
         sigma_px: noise of a pixel's coordinate.
         readout_s: from the first row of a picture to the last; 0 for a global shutter. Stamps are
@@ -152,8 +155,13 @@ class InertialSlam:
         """
         self._samples.add(samples)
 
-    def track(self, time_ns: int, gray: GrayImage) -> InertialFrame:
+    def track(self, time_ns: int, gray: GrayImage, right: GrayImage | None = None) -> InertialFrame:
         """Take the next frame.
+
+        Args:
+            time_ns: its stamp.
+            gray: its picture.
+            right: the right picture of a rectified pair, which needs `SlamSettings.baseline_m`.
 
         Raises:
             ValueError: samples that do not reach the stamp, or what `VisualSlam.track` refuses.
@@ -164,7 +172,7 @@ class InertialSlam:
         before = self._advanced(time_ns)
         expected = None if before is None else before.world_T_camera
         closed = len(self._slam.loops)
-        seen = self._slam.track(time_ns, gray, predicted=expected)
+        seen = self._slam.track(time_ns, gray, right=right, predicted=expected)
         # A loop moves the world under the filter, which would predict in the old one for seconds.
         self._replays |= len(self._slam.loops) > closed
         if seen.world_T_camera is not None and self._mapped_ns is None:
@@ -297,7 +305,9 @@ class InertialSlam:
             return
         given = PoseMeasurements(path, found.covariance + np.diag(FLOOR))
         try:
-            start = start_inertial(given, self._samples.all(), self._noise, self._imu_T_camera)
+            start = start_inertial(
+                given, self._samples.all(), self._noise, self._imu_T_camera, metric=found.metric
+            )
         except ValueError:
             return  # too little motion so far: the frame's state stays "visual", which says so
         if (

@@ -76,7 +76,12 @@ class InertialStart:
 
 
 def start_inertial(
-    measurements: PoseMeasurements, imu: ImuStream, noise: ImuNoise, imu_T_camera: Motor
+    measurements: PoseMeasurements,
+    imu: ImuStream,
+    noise: ImuNoise,
+    imu_T_camera: Motor,
+    *,
+    metric: bool = False,
 ) -> InertialStart:
     """Find scale, up, velocities and biases from poses of a camera and the IMU it sits on.
 
@@ -89,6 +94,7 @@ def start_inertial(
         imu: the stream, on the same clock.
         noise: its densities and walks.
         imu_T_camera: pose of the camera on the IMU, metres.
+        metric: whether the poses are in metres already, as by a stereo pair: the scale is 1 then.
 
     Raises:
         ValueError: fewer than four poses within the IMU's span, motion that gives no scale, or an
@@ -112,9 +118,10 @@ def start_inertial(
         True
     """
     used, imu = covered(measurements.trajectory, imu, 0.0, 0.0)
-    scale, gravity = linear_start(_spaced(used), imu, noise, imu_T_camera)
+    known = 1.0 if metric else None
+    scale, gravity = linear_start(_spaced(used), imu, noise, imu_T_camera, known)
     fall = STANDARD_GRAVITY_M_S2 / float(np.linalg.norm(gravity)) * gravity
-    beliefs = Beliefs(0.0, 0.0, 0.0, GRAVITY_SIGMA_M_S2, np.inf)
+    beliefs = Beliefs(0.0, 0.0, 0.0, GRAVITY_SIGMA_M_S2, 0.0 if metric else np.inf)
     start = Shared(0.0, imu_T_camera, fall, scale)
     variances = np.median(np.einsum("kii->ki", measurements.covariance), axis=0)
     turn, shift = np.sqrt(variances.reshape(2, 3).mean(axis=-1))

@@ -1,4 +1,4 @@
-"""SLAM by one camera with the recorded IMU inside: metres and up while the map is made."""
+"""SLAM with the recorded IMU inside: metres and up while the map is made."""
 
 from __future__ import annotations
 
@@ -37,13 +37,15 @@ class MappedWithImu:
 
 
 def carries_imu(recording: Recording) -> bool:
-    """Whether a camera by itself was recorded with an IMU that sits somewhere known, all along."""
+    """Whether a camera or a pair was recorded with an IMU that sits somewhere known, all along."""
     imu, stamps = recording.imu, recording.frames.time_ns
     if imu is None or recording.imu_T_camera is None or len(imu) <= _FEWEST_SAMPLES:
         return False
     outside_ns = max(imu.time_ns[0] - stamps[0], stamps[-1] - imu.time_ns[-_FEWEST_SAMPLES])
-    alone = recording.baseline_m is None and recording.frames[0].read_depth is None
-    return alone and recording.slam_map is None and bool(outside_ns <= 1e9 * _MOST_OUTSIDE_S)
+    without_depth = recording.frames[0].read_depth is None
+    return (
+        without_depth and recording.slam_map is None and bool(outside_ns <= 1e9 * _MOST_OUTSIDE_S)
+    )
 
 
 def mapped_with_imu(recording: Recording, settings: SlamSettings) -> MappedWithImu | None:
@@ -62,7 +64,8 @@ def mapped_with_imu(recording: Recording, settings: SlamSettings) -> MappedWithI
     for row in track(covered.tolist(), "mapping with the IMU", len(covered)):
         frame = recording.frames[row]
         fed = _fed(slam, imu, fed, frame.time_ns)
-        slam.track(frame.time_ns, frame.gray())
+        right = None if settings.baseline_m is None else frame.right()
+        slam.track(frame.time_ns, frame.gray(), right)
     return _told(recording, slam.finish())
 
 

@@ -53,9 +53,9 @@ def slam_poses(
     frame's pose within the map; that the map itself drifts is not in it.
 
     With depth, the surfaces of keyframes are laid on each other in the end, and the path follows.
-    One camera by itself that was recorded with an IMU goes over to metres and up as soon as the IMU
-    tells them, and is mapped and tracked with it from then on; if it never tells them, what the
-    pictures alone gave is adjusted with the IMU afterwards.
+    One camera or a pair that was recorded with an IMU goes over to metres and up as soon as the IMU
+    tells them, and is mapped and tracked with it from then on; if it never tells them, what one
+    camera's pictures alone gave is adjusted with the IMU afterwards.
 
     `adjust` and `close_loops` switched off show what the map's adjustment and its loops are worth;
     `threads` maps in a second thread, after which two runs may differ, and `imu_inside` switched
@@ -173,11 +173,14 @@ def _by_inertia(recording: Recording, found: SlamResult, metres: Metres, start: 
 def _with_imu_inside(recording: Recording, mapped: MappedWithImu, start: float) -> SlamPoses:
     """The path in metres, z up, that SLAM with an IMU inside gave."""
     found, told, measurements = mapped.found, mapped.told, mapped.measurements
-    scale = (
-        f"by one camera with the IMU inside, metres and up {told.metric_from_s:.1f} s after the "
-        f"first frame (the map's unit was {told.metres_a_unit:.4g} m ± "
-        f"{100 * told.scale_sigma:.2g} % then)"
-    )
+    after = f"{told.metric_from_s:.1f} s after the first frame"
+    scale, unit, sigma = f"by a stereo pair with the IMU inside, upright {after}", None, None
+    if recording.baseline_m is None:
+        unit, sigma = told.metres_a_unit, told.scale_sigma
+        scale = (
+            f"by one camera with the IMU inside, metres and up {after} (the map's unit was "
+            f"{unit:.4g} m ± {100 * sigma:.2g} % then)"
+        )
     return SlamPoses(
         measurements,
         recording.frames.time_ns,
@@ -185,8 +188,8 @@ def _with_imu_inside(recording: Recording, mapped: MappedWithImu, start: float) 
         "slam",
         _summary(recording, found, scale),
         points=found.map.points,
-        metres_a_unit=told.metres_a_unit,
-        scale_sigma=told.scale_sigma,
+        metres_a_unit=unit,
+        scale_sigma=sigma,
         sighted=_sighted(recording, found.map, measurements.trajectory),
         seconds=time.perf_counter() - start,
         slam_map=found.map,

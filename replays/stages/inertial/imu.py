@@ -100,11 +100,13 @@ def _simulated(
 
 def _on_camera_clock(imu: UsedImu, recorded: ImuStream, camera_poses: CameraPoses) -> UsedImu:
     """The IMU with the offset by which its stamps are carried over to the camera's clock."""
-    if camera_poses.metres_a_unit is not None or not camera_poses.metric:
+    from_imu = camera_poses.metres_a_unit is not None or camera_poses.inertial is not None
+    if from_imu or not camera_poses.metric:
         raise ValueError(
-            "imu.sync=estimate needs a path whose metres do not come from the IMU itself; find the "
-            "offset on another recording (motorcade sync), and state it in a manifest "
-            "([imu] clock_offset_s = ...)"
+            "imu.sync=estimate needs a path in metres that does not come from the IMU itself: with "
+            "a pair slam_poses.imu_inside=false gives one; with one camera find the offset on "
+            "another recording (motorcade sync), and state it in a manifest ([imu] clock_offset_s "
+            "= ...)"
         )
     found = synchronise(camera_poses.measurements.trajectory, recorded, imu.noise)
     return replace(imu, clock_offset_s=found.offset_s, clock_offset_sigma_s=found.offset_sigma_s)

@@ -46,6 +46,28 @@ def recorded(
     return simulated.path.transformed_by(right=IMU_T_CAMERA), simulated
 
 
+@pytest.mark.parametrize("at_rest", [False, True])
+def test_poses_in_metres_keep_them_and_need_no_motion_to_stand_upright(rng, at_rest):
+    """Of a pair, say: its scale is not to be found, nor lost where nothing accelerates."""
+    truth, simulated = recorded(rng)
+    stream = simulated.stream
+    if at_rest:
+        still = Motor.stack([truth.motors[0]] * len(truth))
+        truth = Trajectory(truth.time_ns, still)
+        world_T_imu = truth.transformed_by(right=IMU_T_CAMERA.inverse(), child="imu")
+        stream = simulate_imu(world_T_imu, 100.0, ADIS16448, rng).stream
+    world_T_level = Motor.from_euler_translation([0.5, -0.8, 2.0], [1.0, 2.0, 3.0])
+    leaning = truth.transformed_by(left=world_T_level)
+    noisy = simulate_camera_poses(leaning, 20.0, 0.005, np.deg2rad(0.2), rng)
+    start = start_inertial(noisy, stream, ADIS16448, IMU_T_CAMERA, metric=True)
+    assert float(start.world_T_visual.scale) == pytest.approx(1.0, abs=1e-12)
+    assert start.log_scale_sigma == 0.0
+    up = (start.world_T_visual.rotor @ world_T_level.rotor).apply([0.0, 0.0, 1.0])
+    assert np.arccos(up[2]) < 3.0 * start.tilt_sigma_rad
+    # At rest a lean and a bias of the accelerometer look alike.
+    assert start.tilt_sigma_rad < np.deg2rad(3.5 if at_rest else 0.2)
+
+
 def scale_error(start: InertialStart) -> float:
     return float(np.log(start.world_T_visual.scale / UNIT_M))
 

@@ -14,6 +14,7 @@ from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera import depth, inertial_slam, slam_poses
+from motorcade.replays.stages.inertial.imu import imu
 from motorcade.tracking import Camera, MapSnapshot, PoseMeasurements
 from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.slam import SlamHistory, SlamResult
@@ -107,7 +108,7 @@ class FedInertialSlam:
         assert not self.samples_ns or samples.time_ns[0] > self.samples_ns[-1]
         self.samples_ns += samples.time_ns.tolist()
 
-    def track(self, time_ns: int, _gray: object) -> None:
+    def track(self, time_ns: int, _gray: object, _right: object) -> None:
         assert self.samples_ns[-1] >= time_ns
 
     def finish(self) -> InertialSlamResult:
@@ -194,5 +195,19 @@ def test_an_imu_goes_in_where_it_covers_the_pictures(
 ) -> None:
     one = carried(first_ns, last_ns)
     assert inertial_slam.carries_imu(one) == carries
-    for lacking in ({"imu": None}, {"imu_T_camera": None}, {"baseline_m": 0.1}):
+    for lacking in ({"imu": None}, {"imu_T_camera": None}):
         assert not inertial_slam.carries_imu(replace(one, **lacking))
+
+
+def test_a_pair_with_an_imu_has_metres_of_its_own(
+    fed: type[FedInertialSlam], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("motorcade.replays.recording.Frame.right", lambda _: None)
+    monkeypatch.setattr(slam_poses, "audited_pair", lambda _: FOUND_OUT)
+    found = slam_poses.slam_poses(replace(carried(), baseline_m=0.1))
+    assert "by a stereo pair with the IMU inside, upright 0.1 s after" in found.summary
+    assert (found.metres_a_unit, found.scale_sigma) == (None, None)
+    assert found.inertial is not None
+    assert found.audit == (FOUND_OUT,)
+    with pytest.raises(ValueError, match="imu_inside=false"):
+        imu(carried(), found, sync="estimate")
