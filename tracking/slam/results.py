@@ -16,6 +16,7 @@ from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.frame_history import SlamEvent, SlamHistory, SlamState
 from motorcade.tracking.slam.geometry import in_world
+from motorcade.tracking.slam.mapping.culling import CulledKeyframe
 from motorcade.tracking.slam.mapping.loops import ClosedLoop
 from motorcade.tracking.slam.mapping.map import MapSnapshot, SlamMap
 
@@ -159,6 +160,7 @@ class RunLog:
     def __init__(self) -> None:
         self.frames: list[_Seen] = []
         self._entries: list[_Entry] = []
+        self._entries_of: dict[int, list[int]] = {}
 
     def saw(self, frame: SlamFrame, keyframes: int) -> None:
         """Remember what became of a frame, and how many keyframes there are after it."""
@@ -186,7 +188,23 @@ class RunLog:
         relative = anchor.world_T_camera.inverse() @ world_T_camera
         given = world_T_camera if online else None
         where = anchor.row, anchor.scale, anchor.map_number
+        self._entries_of.setdefault(anchor.row, []).append(len(self._entries))
         self._entries.append(_Entry(time_ns, *where, relative, covariance, given))
+
+    def hang_on(self, culled: CulledKeyframe) -> None:
+        """Tell the frames of a keyframe that left the map by the one that stands for it."""
+        mine = self._entries_of.pop(culled.row, [])
+        for row in mine:
+            one = self._entries[row]
+            relative, covariance = _stretched(one, culled.scale)
+            self._entries[row] = replace(
+                one,
+                keyframe=culled.kept,
+                scale=culled.kept_scale,
+                keyframe_T_camera=culled.kept_T_culled @ relative,
+                covariance=covariance,
+            )
+        self._entries_of.setdefault(culled.kept, []).extend(mine)
 
     def rescale(self, world_T_map: Similarity, keyframes: IntArray) -> None:
         """Tell what was noted by these keyframes in another world, to which they were taken."""
@@ -288,14 +306,17 @@ def _corrected(slam_map: SlamMap, entries: list[_Entry]) -> tuple[list[Motor], F
     poses, covariances = [], np.zeros((len(entries), 6, 6))
     for row, one in enumerate(entries):
         keyframe = slam_map.keyframes[one.keyframe]
-        stretch = keyframe.scale / one.scale
-        relative = Motor.from_rotor_translation(
-            one.keyframe_T_camera.rotor, stretch * one.keyframe_T_camera.translation_m
-        )
+        relative, covariances[row] = _stretched(one, keyframe.scale)
         poses.append(keyframe.world_T_camera @ relative)
-        units = np.repeat([1.0, stretch], 3)
-        covariances[row] = units[:, None] * one.covariance * units
     return poses, covariances
+
+
+def _stretched(one: _Entry, scale: float) -> tuple[Motor, FloatArray]:
+    """A frame's pose from its keyframe, and its covariance, in the unit that is valid there now."""
+    stretch, pose = scale / one.scale, one.keyframe_T_camera
+    units = np.repeat([1.0, stretch], 3)
+    relative = Motor.from_rotor_translation(pose.rotor, stretch * pose.translation_m)
+    return relative, units[:, None] * one.covariance * units
 
 
 def _trajectory(stamps: list[int], poses: list[Motor]) -> Trajectory | None:

@@ -135,7 +135,7 @@ class VisualSlam:
         else:
             frame = self._tracked(picture, predicted)
         self._state = frame.state
-        self._log.saw(frame, len(self._map.keyframes))
+        self._log.saw(frame, len(self._map.keyframe_rows))
         spent = time.perf_counter() - started
         if not self.settings.threads:
             spent -= self._seconds["mapping"] - waited
@@ -278,6 +278,8 @@ class VisualSlam:
         self._tracker.anchor(tracked, self._anchor.world_T_camera, jumped)
         number = self._mapper.active
         self._anchor = KeyframeAnchor(self._anchor.row, number, tracked.world_T_camera, stretch)
+        if inserted.culled is not None:
+            self._log.hang_on(inserted.culled)
         if inserted.closed is not None:
             self._loops.append(inserted.closed)
         self._seconds["mapping"] += inserted.seconds

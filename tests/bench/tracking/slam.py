@@ -35,6 +35,7 @@ _RUNS = (
 _SWITCHES: dict[str, dict[str, bool]] = {
     "": {},
     "no local mapping": {"adjust": False},
+    "no culling": {"cull_keyframes": False},
     "two threads": {"threads": True},
 }
 _LOOP = {**_SWITCHES, "no loop closing": {"close_loops": False}}
@@ -128,7 +129,7 @@ def _figures(path: Trajectory, truth: Trajectory, metric: bool) -> dict[str, Any
 
 def slam_table(found: Mapping[str, Any]) -> str:
     """A line a run and path."""
-    heads = ("APE mm", "0-99 mm", "APE/path%", "end deg/m", "ms", "worst ms")
+    heads = ("APE mm", "0-99 mm", "APE/path%", "end deg/m", "ms", "worst ms", "keyframes")
     lines = [f"{'visual SLAM, every frame':<60}{'poses':>9}" + "".join(f"{h:>10}" for h in heads)]
     for row in found["rows"]:
         for which in ("online", "final"):
@@ -143,7 +144,7 @@ def slam_table(found: Mapping[str, Any]) -> str:
                 f"{name:<60}{poses:>9}{1e3 * path['ape_rmse_m']:>10.2f}"
                 f"{1e3 * path['first_100_ape_rmse_m']:>10.2f}{100 * path['ape_over_path']:>10.3f}"
                 f"{path['end_rotation_deg_m']:>10.4f}{row['frame_mean_ms']:>10.1f}"
-                f"{row['frame_worst_ms']:>10.1f}"
+                f"{row['frame_worst_ms']:>10.1f}{row['keyframes']:>10}"
             )
     lines += [f"left out: {reason}" for reason in found["left_out"]]
     return "\n".join(lines)

@@ -22,7 +22,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera, to_frame
 from motorcade.tracking.slam.features import Corners, find_corners
 from motorcade.tracking.slam.geometry import BoolArray, refine_pose
-from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
+from motorcade.tracking.slam.mapping.map import GONE, Keyframe, SlamMap
 from motorcade.tracking.slam.mapping.matching import (
     RecognisedKeyframe,
     alike_where_expected,
@@ -89,7 +89,7 @@ def find_loop(slam_map: SlamMap, features: int, camera: Camera) -> LoopClosure |
         return None
     number = np.array([one.map_number for one in slam_map.keyframes])
     apart = ~_tied(slam_map, newest.ids) & (np.arange(new + 1) <= new - _APART)
-    untied = np.flatnonzero(np.where(number == newest.map_number, apart, True))
+    untied = np.flatnonzero(np.where(number == newest.map_number, apart, number != GONE))
     if not len(untied):
         return None
     corners = find_corners(newest.gray, features)
@@ -189,6 +189,24 @@ def close_loop(slam_map: SlamMap, loop: LoopClosure, camera: Camera) -> ClosedLo
     stretch = newest.scale / scale_before
     after = Similarity.from_motor_scale(newest.world_T_camera, stretch)
     return ClosedLoop(old.time_ns, newest.time_ns, (gone, into), before.inverse() @ after)
+
+
+def windows_along(rows: IntArray, old: int, size: int) -> list[tuple[IntArray, IntArray]]:
+    """Windows of keyframes to adjust after a loop, with those that each may be held by.
+
+    They overlap by half, from the newest keyframe back to the old one. The first is held by the old
+    pass alone, which draws it there; the others carry that on.
+
+    Args:
+        rows: of the map's keyframes, rising.
+        old: the row that was recognised.
+        size: of a window.
+    """
+    first = max(int(np.searchsorted(rows, old)) - size, 1)  # the map's first one stays
+    stops = range(len(rows), first, -(size // 2))
+    free = [rows[max(stop - size, first) : stop] for stop in stops]
+    holders = [rows[: max(len(rows) - 2 * size, 1)], *[rows] * len(free)]
+    return list(zip(free, holders, strict=False))
 
 
 def _spread(slam_map: SlamMap, loop: LoopClosure) -> None:

@@ -23,6 +23,7 @@ from motorcade.tracking.slam.geometry import BoolArray, in_world, points_in_worl
 from motorcade.tracking.slam.mapping.vocabulary import KeyframeIndex
 
 _FORMAT = "motorcade slam map 2"
+GONE = -1
 
 
 @dataclass(eq=False)
@@ -35,7 +36,8 @@ class Keyframe:
         ids: ``(n,)`` numbers of the points seen, rising.
         px: ``(n, 2)`` where; depth: ``(n,)`` NaN where not measured.
         gray: the picture, while it may still serve to find points again; then None.
-        map_number: in which world; maps that were not connected have worlds of their own.
+        map_number: in which world; maps that were not connected have worlds of their own. `GONE`
+            for a keyframe that left its map, of which only the row remains.
         scale: by how much lengths around it were stretched since it was made.
     """
 
@@ -222,6 +224,22 @@ class SlamMap:
         """Rows of one map's keyframes, the oldest first."""
         mine = [row for row, one in enumerate(self.keyframes) if one.map_number == number]
         return np.array(mine, dtype=np.int64)
+
+    @property
+    def keyframe_rows(self) -> IntArray:
+        """Rows of the keyframes of all maps, but for those that are gone."""
+        kept = [row for row, one in enumerate(self.keyframes) if one.map_number != GONE]
+        return np.array(kept, dtype=np.int64)
+
+    def remove_keyframe(self, row: int) -> None:
+        """Take a keyframe out of its map, and points that nothing else sees with it."""
+        keyframe = self.keyframes[row]
+        left, keyframe.map_number, keyframe.gray = keyframe.ids, GONE, None
+        keyframe.keep(np.zeros(0, dtype=np.int64))
+        seen = np.zeros(self._count, dtype=np.bool_)
+        for one in self.keyframes:
+            seen[one.ids] = True
+        self.alive[left[~seen[left]]] = False
 
     def points_of(self, number: int) -> IntArray:
         """Numbers of one map's located points."""

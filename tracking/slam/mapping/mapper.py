@@ -23,11 +23,12 @@ from motorcade.tracking.slam.features import (
 )
 from motorcade.tracking.slam.geometry import OUTLIER_PX, parallax_rad, triangulate
 from motorcade.tracking.slam.mapping.adjustment import AdjustedBundle, Adjuster, Bundle, adjust
+from motorcade.tracking.slam.mapping.culling import CulledKeyframe, cull
 from motorcade.tracking.slam.mapping.loops import (
     ClosedLoop,
-    LoopClosure,
     close_loop,
     find_loop,
+    windows_along,
 )
 from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
 from motorcade.tracking.slam.mapping.matching import alike_where_expected, any_in_view, in_view
@@ -54,12 +55,14 @@ class InsertedKeyframe:
     Args:
         tracked: its points, to be tracked from here.
         closed: the loop that it closed, or None; stretch: by how much that stretched its lengths.
+        culled: an older keyframe that it made redundant, or None.
         seconds: what it took.
     """
 
     tracked: TrackedPoints
     closed: ClosedLoop | None
     stretch: float
+    culled: CulledKeyframe | None
     seconds: float
 
 
@@ -127,8 +130,19 @@ class Mapper:
             self.adjusts_all = False
         elif self._windows_left and self.settings.adjust:
             self._adjust_between(*self._windows_left.pop(0))
-        tracked = self._newest(picture)
-        return InsertedKeyframe(tracked, closed, newest.scale, time.perf_counter() - started)
+        tracked, culled = self._newest(picture), self._culled()
+        seconds = time.perf_counter() - started
+        return InsertedKeyframe(tracked, closed, newest.scale, culled, seconds)
+
+    def _culled(self) -> CulledKeyframe | None:
+        """Let the keyframe that has left the window leave the map too, if others make up for it."""
+        mine = self.map.rows_of(self.active)
+        # An IMU's samples link each keyframe to the next.
+        if not self.settings.cull_keyframes or self.adjuster is not None:
+            return None
+        if len(mine) <= self.settings.window:
+            return None
+        return cull(self.map, int(mine[-1 - self.settings.window]))
 
     def _closed(self) -> ClosedLoop | None:
         """Close a loop, or join two maps, where the newest keyframe shows one."""
@@ -140,22 +154,9 @@ class Mapper:
         if self.adjuster is not None:
             # It measures from one keyframe to the next, from the first to the newest.
             self.adjusts_all = self.settings.adjust
-        self._windows_left = self._windows_of(loop)
-        return closed
-
-    def _windows_of(self, loop: LoopClosure) -> list[tuple[IntArray, IntArray]]:
-        """Rows of windows that overlap by half, from the newest keyframe back to the old one, and
-        of the keyframes that each may be held by.
-
-        The first is held by the old pass alone, which draws it there; the others carry that on.
-        """
         mine = self.map.rows_of(self.active)
-        size = self.settings.window
-        first = max(int(np.searchsorted(mine, loop.old)) - size, 1)  # the map's first one stays
-        stops = range(len(mine), first, -(size // 2))
-        frees = [mine[max(stop - size, first) : stop] for stop in stops]
-        holders = [mine[: max(len(mine) - 2 * size, 1)], *[mine] * len(frees)]
-        return list(zip(frees, holders, strict=False))
+        self._windows_left = windows_along(mine, loop.old, self.settings.window)
+        return closed
 
     def append(self, picture: SlamPicture, pose: Motor, ids: IntArray, px: FloatArray) -> Keyframe:
         """Make a keyframe of a picture; a measured depth locates points that are not yet."""
@@ -248,9 +249,8 @@ class Mapper:
         Looked for where the camera has been before: around old keyframes that share points with
         what is tracked now.
         """
-        old = sum(one.gray is None for one in self.map.keyframes)
         mine = self.map.rows_of(self.active)
-        mine = mine[mine < old]
+        mine = mine[[self.map.keyframes[row].gray is None for row in mine]]
         near = np.flatnonzero(self.map.shared(ids)[mine] >= _FEWEST_HIDDEN)
         around = np.unique(near[:, None] + np.arange(-_AROUND, _AROUND + 1))
         around = mine[around[(around >= 0) & (around < len(mine))]]
@@ -296,6 +296,10 @@ class Mapper:
 
     def _adjust_between(self, free: IntArray, holders: IntArray) -> None:
         """Adjust keyframes `free` amid the map, between those of `holders` that see the same."""
+        live = self.map.rows_of(self.active)
+        free, holders = (rows[np.isin(rows, live)] for rows in (free, holders))
+        if not len(free):
+            return
         seen = self._points_seen(free)
         shared = np.zeros(len(self.map.keyframes), dtype=np.int64)
         shared[holders] = self.map.shared(seen)[holders]

@@ -122,7 +122,7 @@ def candidates(
     slam_map: SlamMap, corners: Corners, count: int, allowed: IntArray | None = None
 ) -> IntArray:
     """Rows of up to `count` keyframes (of `allowed`, if given) that look most like the corners."""
-    rows = np.arange(len(slam_map.keyframes)) if allowed is None else allowed
+    rows = slam_map.keyframe_rows if allowed is None else allowed
     return slam_map.alike(corners.descriptors, rows, count)
 
 
