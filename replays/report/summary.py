@@ -37,37 +37,17 @@ LEFT_AS_IT_WAS = (
 
 def summarise(findings: Findings) -> dict[str, Any]:
     """The report's figures as a JSON-ready tree."""
-    poses, film, start = findings.camera_poses, findings.overlay, findings.convergence
+    film, start = findings.overlay, findings.convergence
     tree = {
         "recording": findings.recording.name,
-        "camera_poses": {
-            "origin": poses.origin,
-            "summary": poses.summary,
-            "skipped": list(poses.skipped),
-            "scale": "metric" if poses.metric else "free",
-            "metres_a_unit": poses.metres_a_unit,
-            "scale_sigma": poses.scale_sigma,
-            "frames": len(poses.frame_times_ns),
-            "measured": len(poses.measurements.trajectory),
-            "reprojection_median_px": float(np.median(poses.reprojection_px)),
-            "damaged_pictures": list(findings.recording.damaged),
-            "slam": None if poses.slam_history is None else poses.slam_history.as_dict(),
-            "inertial": None if poses.inertial is None else poses.inertial.as_dict(),
-        },
+        "camera_poses": _camera_poses(findings),
         "imu": {
             "origin": findings.imu.origin,
             "samples": _samples(findings),
             "clock_offset_s": findings.imu.clock_offset_s,
             "clock_offset_sigma_s": findings.imu.clock_offset_sigma_s,
         },
-        "fused": {
-            "by": findings.fused.by,
-            "summary": findings.fused.summary,
-            "nis_per_dimension": findings.nis_per_dimension,
-            "left_out": int(np.count_nonzero(~findings.fused.accepted)),
-            "noise": None if findings.fused.noise is None else findings.fused.noise.as_dict(),
-            "latency": _latency(findings),
-        },
+        "fused": _fused(findings),
         "smoothed": {"window_s": findings.smoothed.window_s},
         "integrity": findings.integrity.as_dict(),
         "align": findings.errors.align,
@@ -92,6 +72,36 @@ def summarise(findings: Findings) -> dict[str, Any]:
     }
     cleaned: dict[str, Any] = without_nan(tree)
     return cleaned
+
+
+def _camera_poses(findings: Findings) -> dict[str, Any]:
+    poses = findings.camera_poses
+    return {
+        "origin": poses.origin,
+        "summary": poses.summary,
+        "skipped": list(poses.skipped),
+        "scale": "metric" if poses.metric else "free",
+        "metres_a_unit": poses.metres_a_unit,
+        "scale_sigma": poses.scale_sigma,
+        "frames": len(poses.frame_times_ns),
+        "measured": len(poses.measurements.trajectory),
+        "reprojection_median_px": float(np.median(poses.reprojection_px)),
+        "damaged_pictures": list(findings.recording.damaged),
+        "slam": None if poses.slam_history is None else poses.slam_history.as_dict(),
+        "inertial": None if poses.inertial is None else poses.inertial.as_dict(),
+    }
+
+
+def _fused(findings: Findings) -> dict[str, Any]:
+    fused = findings.fused
+    return {
+        "by": fused.by,
+        "summary": fused.summary,
+        "nis_per_dimension": findings.nis_per_dimension,
+        "left_out": int(np.count_nonzero(~fused.accepted)),
+        "noise": None if fused.noise is None else fused.noise.as_dict(),
+        "latency": _latency(findings),
+    }
 
 
 def _latency(findings: Findings) -> list[dict[str, float]] | None:
