@@ -6,13 +6,10 @@ bytes stand in a file or its name, so that a command can print them as they are.
 
 from __future__ import annotations
 
-import difflib
 import reprlib
-from collections.abc import Iterable
 from pathlib import Path
 
 _PATH_SHOWN = 300
-_NAMES_SHOWN = 12
 
 
 class RecordingError(ValueError):
@@ -68,17 +65,6 @@ def one_line(value: object, limit: int = 60) -> str:
         text = str(value)
     text = _printable(text[: limit + 1])
     return repr(text if len(text) <= limit else text[: limit - 3] + "...")
-
-
-def did_you_mean(name: str, allowed: Iterable[str]) -> str:
-    """Give the nearest valid name, or the first dozen of them, as advice for an unknown one."""
-    names = list(allowed)
-    near = difflib.get_close_matches(name[:100], names, n=1, cutoff=0.5)
-    if near:
-        return f"did you mean {near[0]}?"
-    shown = ", ".join(names[:_NAMES_SHOWN]) or "none"
-    more = len(names) - _NAMES_SHOWN
-    return f"known here: {shown}" + (f" and {more} more" if more > 0 else "")
 
 
 def _printable(text: str) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from typing import Any
+from typing import Any, overload
 
 from motorcade.fusion.smoothing.auto import auto
 from motorcade.fusion.smoothing.batch import robust_map, spline
@@ -22,9 +22,11 @@ from motorcade.fusion.smoothing.causal import (
     rts_constant_acceleration,
     rts_constant_velocity,
 )
+from motorcade.fusion.smoothing.given import with_trajectories
 from motorcade.fusion.smoothing.representations import representation_named
 from motorcade.fusion.smoothing.window import gaussian, local_polynomial, savitzky_golay
 from motorcade.ga import Trajectory
+from motorcade.ga.names import did_you_mean
 
 Method = Callable[..., Trajectory]
 
@@ -46,23 +48,49 @@ METHODS: dict[str, Method] = {
 """Every method by name; each is called as ``method(trajectory, representation, **parameters)``."""
 
 
+@overload
 def smooth(
     trajectory: Trajectory,
+    method: str = ...,
+    representation: str = ...,
+    *,
+    time_s: None = ...,
+    **parameters: Any,
+) -> Trajectory: ...
+@overload
+def smooth(
+    trajectory: Any,
+    method: str = ...,
+    representation: str = ...,
+    *,
+    time_s: Any = ...,
+    **parameters: Any,
+) -> Any: ...
+def smooth(
+    trajectory: Any,
     method: str = "auto",
     representation: str = "motor",
+    *,
+    time_s: Any = None,
     **parameters: Any,
-) -> Trajectory:
-    """Smooth a trajectory; the result has the same stamps and frames.
+) -> Any:
+    """Smooth poses; the result comes as they did, with the same stamps and frames.
 
     Args:
-        trajectory: at any sampling, even or not.
+        trajectory: at any sampling, even or not: a Trajectory, an array ``(N, 7)`` of
+            x, y, z, qx, qy, qz, qw or ``(N, 4, 4)``, scipy's Rotation or RigidTransform, a pandas
+            DataFrame, evo's PoseTrajectory3D, a torch tensor, gtsam's poses; several at once as a
+            dict or a stack. See `motorcade.fusion.smoothing.given`.
         method: a name of `METHODS`.
         representation: a name of `REPRESENTATIONS`: what the poses are averaged as.
+        time_s: ``(N,)`` seconds or datetimes, for poses that come without stamps.
         parameters: of the method, in physical units; see its own docstring.
 
     Raises:
         ValueError: an unknown method, representation or parameter (the message lists those there
-            are), a parameter out of its range, or fewer poses than the method needs.
+            are), a parameter out of its range, fewer poses than the method needs, or stamps that
+            are missing or do not fit.
+        TypeError: poses of a kind that is not known.
 
     Examples:
         >>> import numpy as np
@@ -76,15 +104,22 @@ def smooth(
         ...     print(f"{1e3 * evaluate(path, true).ape_m.rmse:.1f} mm")
         17.5 mm
         11.9 mm
+        >>> rows = np.column_stack([noisy.motors.translation_m, np.tile([0, 0, 0, 1.0], (121, 1))])
+        >>> smooth(rows, time_s=noisy.time_s).shape  # an array in, an array out
+        (121, 7)
     """
     function = method_named(method)
     known = method_parameters(method)
     for name in parameters:
         if name not in known:
             raise ValueError(
-                f"parameters: expected of {method} {', '.join(known) or 'none'}, got {name!r}"
+                f"parameters: expected of {method} {', '.join(known) or 'none'}, got {name!r}; "
+                + did_you_mean(name, known)
             )
-    return function(trajectory, representation_named(representation), **parameters)
+    averaged_as = representation_named(representation)
+    return with_trajectories(
+        trajectory, time_s, lambda path: function(path, averaged_as, **parameters)
+    )
 
 
 def method_named(name: str) -> Method:
@@ -94,7 +129,8 @@ def method_named(name: str) -> Method:
         ValueError: a name that is not in `METHODS`; the message lists those that are.
     """
     if name not in METHODS:
-        raise ValueError(f"method: expected one of {', '.join(METHODS)}, got {name!r}")
+        near = did_you_mean(name, METHODS)
+        raise ValueError(f"method: expected one of {', '.join(METHODS)}, got {name!r}; {near}")
     return METHODS[name]
 
 

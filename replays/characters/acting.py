@@ -16,7 +16,7 @@ from motorcade.animation.retarget import legs_of, retarget
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.files import files_now, files_read, is_there, put_on_record
-from motorcade.replays.errors import did_you_mean
+from motorcade.ga.names import did_you_mean
 
 MANNEQUIN = "mannequin"
 IDLE = "idle"

@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
-from motorcade.replays.errors import did_you_mean
+from motorcade.ga.names import did_you_mean
 
 Subparsers = Any
 """What `argparse` calls `_SubParsersAction`: it has no public name."""

@@ -10,6 +10,7 @@ from types import ModuleType
 from typing import TextIO
 
 from motorcade import __version__
+from motorcade.ga.names import did_you_mean
 from motorcade.replays.cli.arguments import one_line
 from motorcade.replays.cli.characters import author, blend
 from motorcade.replays.cli.recordings import demo, export, graph, inspect, run, sweep
@@ -24,7 +25,6 @@ from motorcade.replays.cli.sensors import (
 )
 from motorcade.replays.cli.tools import doctor, generate
 from motorcade.replays.cli.trajectories import compare, consistency, evaluate, smooth, trajectory
-from motorcade.replays.errors import did_you_mean
 
 COMMANDS = (
     demo,

@@ -28,7 +28,7 @@ from motorcade.fusion.motions.degradations import (
 )
 from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
 from motorcade.ga import Motor
-from motorcade.replays.errors import did_you_mean
+from motorcade.ga.names import did_you_mean
 
 SLOW = ("auto", "robust_map")
 """Methods whose cells are computed apart; see `standard`."""

@@ -18,9 +18,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
+from motorcade.ga.names import did_you_mean
 from motorcade.replays.engine.stage import Choice, GraphError, Stage, Unavailable
 from motorcade.replays.engine.store import Computed, StageStore
-from motorcade.replays.errors import did_you_mean
 
 log = logging.getLogger("motorcade.graph")
 

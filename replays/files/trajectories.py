@@ -25,7 +25,8 @@ from numpy.typing import NDArray
 
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.replays.errors import did_you_mean, refusal
+from motorcade.ga.names import did_you_mean
+from motorcade.replays.errors import refusal
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.readers.columns import POSITION, QUATERNION, read_columns
 from motorcade.replays.readers.ros.naming import split_bag_name

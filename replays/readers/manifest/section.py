@@ -11,7 +11,8 @@ import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from motorcade.replays.errors import RecordingError, did_you_mean, one_line, refusal
+from motorcade.ga.names import did_you_mean
+from motorcade.replays.errors import RecordingError, one_line, refusal
 from motorcade.replays.files.door import read_bounded
 from motorcade.replays.markers.loose import LooseMarkers
 from motorcade.replays.readers.calibration import (

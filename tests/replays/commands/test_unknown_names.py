@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
+from motorcade.ga.names import did_you_mean
 from motorcade.replays.cli import main
-from motorcade.replays.errors import did_you_mean
 from motorcade.replays.pipeline import Job, run_job
 
 

@@ -1,0 +1,180 @@
+"""Poses of other libraries go in and come out as they came, smoothed as trajectories are."""
+
+from __future__ import annotations
+
+import datetime
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import RigidTransform, Rotation
+
+from motorcade.fusion.motions import MOTIONS
+from motorcade.fusion.motions.degradations import Gaussian
+from motorcade.fusion.smoothing import smooth
+from motorcade.fusion.smoothing.given import with_trajectories
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
+
+STILL = np.tile([1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0], (5, 1))
+COLUMNS = ["x", "y", "z", "qx", "qy", "qz", "qw"]
+
+
+def noisy(count: int = 40) -> Trajectory:
+    true = MOTIONS["tumble"].sampled(30.0, (count - 1) / 30.0).rigid
+    return Gaussian(0.005, 0.01).apply(true, np.random.default_rng(1))
+
+
+def rows_of(path: Trajectory) -> FloatArray:
+    wxyz, position_m = path.motors.as_quaternion_translation()
+    return np.concatenate([position_m, wxyz[:, 1:], wxyz[:, :1]], axis=-1)
+
+
+def unchanged(path: Trajectory) -> Trajectory:
+    return path
+
+
+def smoothed(path: Trajectory) -> Trajectory:
+    return smooth(path, "gaussian")
+
+
+def differs_in_rotation_and_position(ours: FloatArray, expected: FloatArray) -> tuple[float, float]:
+    turned = Rotation.from_quat(ours[:, 3:]).inv() * Rotation.from_quat(expected[:, 3:])
+    return float(turned.magnitude().max()), float(np.abs(ours[:, :3] - expected[:, :3]).max())
+
+
+@pytest.mark.parametrize("signs", [False, True])
+def test_rows_come_back_to_the_last_digits(signs: bool) -> None:
+    """Signs that leap from row to row come back as they were."""
+    path = noisy()
+    rows = rows_of(path)
+    if signs:
+        rows[:, 3:] *= np.where(np.random.default_rng(2).random((len(rows), 1)) < 0.5, -1.0, 1.0)
+    back = with_trajectories(rows, path.time_s, unchanged)
+    np.testing.assert_allclose(back, rows, rtol=0.0, atol=1e-15)
+    ours = with_trajectories(rows, path.time_s, smoothed)
+    expected = rows_of(smooth(path, "gaussian"))
+    assert max(differs_in_rotation_and_position(ours, expected)) < 1e-7
+
+
+def test_rows_with_stamps_matrices_and_stacks() -> None:
+    path = noisy()
+    rows, expected = rows_of(path), rows_of(smooth(path, "gaussian"))
+    stamped = np.column_stack([path.time_s, rows])
+    ours = smooth(stamped, "gaussian")
+    np.testing.assert_array_equal(ours[:, 0], path.time_s)
+    assert max(differs_in_rotation_and_position(ours[:, 1:], expected)) < 1e-7
+    matrices = path.motors.as_matrix()
+    by_matrix = smooth(matrices, "gaussian", time_s=path.time_s)
+    assert by_matrix.shape == (40, 4, 4)
+    np.testing.assert_allclose(by_matrix, smooth(path, "gaussian").motors.as_matrix(), atol=1e-7)
+    np.testing.assert_allclose(
+        with_trajectories(matrices, path.time_s, unchanged), matrices, rtol=0.0, atol=2e-15
+    )
+    two = smooth(np.stack([rows, rows[::-1]]), "gaussian", time_s=path.time_s)
+    assert two.shape == (2, 40, 7)
+    assert max(differs_in_rotation_and_position(two[0], expected)) < 1e-7
+    assert smooth(rows.astype(np.float32), "gaussian", time_s=path.time_s).dtype == np.float32
+
+
+def test_scipy_and_motors() -> None:
+    path = noisy()
+    expected = smooth(path, "gaussian", "rotor")
+    transform = RigidTransform.from_matrix(path.motors.as_matrix())
+    made = smooth(transform, "gaussian", "rotor", time_s=path.time_s)
+    assert isinstance(made, RigidTransform)
+    np.testing.assert_allclose(made.as_matrix(), expected.motors.as_matrix(), atol=1e-7)
+    turned = Rotation.from_quat(rows_of(path)[:, 3:])
+    made = smooth(turned, "gaussian", "rotor", time_s=path.time_s)
+    assert isinstance(made, Rotation)
+    both = (made.inv() * Rotation.from_quat(rows_of(expected)[:, 3:])).magnitude()
+    assert both.max() < 1e-7
+    motors = smooth(path.motors, "gaussian", time_s=path.time_s)
+    assert isinstance(motors, Motor)
+    by_name = smooth({"hand": path.motors, "head": path.motors}, "gaussian", time_s=path.time_s)
+    np.testing.assert_array_equal(by_name["head"].coefficients, motors.coefficients)
+
+
+def test_tables_keep_their_columns_and_index() -> None:
+    pandas = pytest.importorskip("pandas")
+    path = noisy()
+    stamps = pandas.to_datetime(path.time_ns, utc=True)
+    table = pandas.DataFrame(rows_of(path), columns=COLUMNS, index=stamps).assign(note="kept")
+    made = smooth(table, "gaussian")
+    assert list(made.columns) == [*COLUMNS, "note"]
+    assert made.index.equals(table.index)
+    expected = rows_of(smooth(path, "gaussian"))
+    assert max(differs_in_rotation_and_position(made[COLUMNS].to_numpy(), expected)) < 1e-7
+    by_column = table.reset_index(drop=True).assign(timestamp=path.time_s)
+    again = smooth(by_column, "gaussian")[COLUMNS].to_numpy()
+    assert max(differs_in_rotation_and_position(again, expected)) < 1e-6
+    with pytest.raises(ValueError, match="none named qw; did you mean q_w"):
+        smooth(table.rename(columns={"qw": "q_w"}))
+    with pytest.raises(ValueError, match="time_s: expected a column named"):
+        smooth(table.reset_index(drop=True))
+
+
+def test_evo_and_gtsam() -> None:
+    trajectory = pytest.importorskip("evo.core.trajectory")
+    gtsam = pytest.importorskip("gtsam")
+    path = noisy()
+    rows, expected = rows_of(path), rows_of(smooth(path, "gaussian"))
+    theirs = trajectory.PoseTrajectory3D(
+        rows[:, :3], rows[:, [6, 3, 4, 5]], path.time_s, meta={"frame_id": "map"}
+    )
+    made = smooth(theirs, "gaussian")
+    assert isinstance(made, trajectory.PoseTrajectory3D)
+    assert made.meta == {"frame_id": "map"}
+    np.testing.assert_array_equal(made.timestamps, path.time_s)
+    ours = np.column_stack([made.positions_xyz, made.orientations_quat_wxyz[:, [1, 2, 3, 0]]])
+    assert max(differs_in_rotation_and_position(ours, expected)) < 1e-6
+    poses = [gtsam.Pose3(matrix) for matrix in path.motors.as_matrix()]
+    made = smooth(poses, "gaussian", time_s=path.time_s)
+    np.testing.assert_allclose(
+        [one.matrix() for one in made], smooth(path, "gaussian").motors.as_matrix(), atol=1e-6
+    )
+
+
+def test_stamps_of_every_kind_are_the_same_stamps() -> None:
+    """Seconds, datetimes with and without a zone, numpy's and whole nanoseconds of them."""
+    path = noisy()
+    zone = datetime.timezone(datetime.timedelta(hours=2))
+    start = datetime.datetime(2026, 5, 4, 12, 0, tzinfo=zone)
+    moments = [start + datetime.timedelta(milliseconds=33 * k) for k in range(len(path))]
+    plain = [one.astimezone(datetime.UTC).replace(tzinfo=None) for one in moments]
+    seen = []
+
+    def keep(one: Trajectory) -> Trajectory:
+        seen.append(one.time_ns)
+        return one
+
+    for stamps in (moments, plain, np.array(plain, dtype="datetime64[us]")):
+        with_trajectories(path.motors, stamps, keep)
+    with_trajectories(path.motors, [one.timestamp() for one in moments], keep)
+    for other in seen[:3]:
+        np.testing.assert_array_equal(other, seen[0])
+    np.testing.assert_allclose(seen[3] - seen[3][0], seen[0] - seen[0][0], atol=300)
+
+
+@pytest.mark.parametrize(
+    ("given", "time_s", "kind", "says"),
+    [
+        (np.zeros((5, 6)), np.arange(5.0), ValueError, r"expected an array \(N, 7\)"),
+        (STILL, None, ValueError, "expected the stamps of these poses, got none"),
+        (STILL, np.arange(4.0), ValueError, "expected 5 stamps"),
+        (np.ones((5, 8)), np.arange(5.0), ValueError, "expected none beside rows"),
+        (np.ones((5, 7)), np.arange(5.0), ValueError, "a length off by 1"),
+        (np.ones((5, 4, 4)), np.arange(5.0), ValueError, "matrix"),
+        (np.full((5, 7), np.nan), np.arange(5.0), ValueError, "finite"),
+        ("poses.tum", None, TypeError, "expected a Trajectory, an array"),
+    ],
+)
+def test_what_is_no_path_is_refused(given: object, time_s: object, kind: type, says: str) -> None:
+    with pytest.raises(kind, match=says):
+        smooth(given, time_s=time_s)
+
+
+def test_near_misses_of_names_are_told() -> None:
+    with pytest.raises(ValueError, match="did you mean robust_map"):
+        smooth(noisy(), "robustmap")
+    with pytest.raises(ValueError, match="did you mean sigma_s"):
+        smooth(noisy(), "gaussian", sigma=0.1)
