@@ -7,8 +7,6 @@ import json
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
-from motorcade.ga.names import did_you_mean
-
 Subparsers = Any
 """What `argparse` calls `_SubParsersAction`: it has no public name."""
 
@@ -65,6 +63,9 @@ def check_known(option: str, names: Iterable[str], known: Collection[str]) -> No
     """ValueError with the nearest known name where one of the names of an option is unknown."""
     for name in names:
         if name not in known:
+            # Not at the top: commands such as doctor run where kernels do not load.
+            from motorcade.ga.names import did_you_mean
+
             raise ValueError(f"{option}: unknown {name!r}; {did_you_mean(name, known)}")
 
 

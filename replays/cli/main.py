@@ -10,7 +10,6 @@ from types import ModuleType
 from typing import TextIO
 
 from motorcade import __version__
-from motorcade.ga.names import did_you_mean
 from motorcade.replays.cli.arguments import one_line
 from motorcade.replays.cli.characters import author, blend
 from motorcade.replays.cli.recordings import demo, export, graph, inspect, run, sweep
@@ -61,6 +60,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     named = NAMES.get(given[0]) if given else None
     parser = _parser(COMMANDS if named is None else (named,))
     if named is None and given and not given[0].startswith("-"):
+        # Not at the top: commands such as doctor run where kernels do not load.
+        from motorcade.ga.names import did_you_mean
+
         parser.error(f"no command {given[0]!r}; {did_you_mean(given[0], NAMES)}")
     arguments = parser.parse_args(given)
     _set_up_logging(arguments.verbose)
