@@ -4,7 +4,8 @@
 
 What a user gets wrong is planted in what a recording says of itself: focal lengths, depth, its
 extrinsics and scale, boards, distortion, left and right, the IMU's extrinsics, axes, units and
-clock. A line each: what was planted, the finding's name that must contradict it, what was found.
+clock, sizes of markers, odometry's extrinsics and the cameras of a rig. A line each: what was
+planted, the finding's name that must contradict it, what was found.
 Then the same recordings as they are, of which nothing may be doubted.
 """
 
@@ -15,16 +16,23 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
-from motorcade.ga import Motor
+import numpy as np
+
+from motorcade.ga import Motor, Rotor
 from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.readers.opening import open_recording
-from motorcade.replays.recording import Frame, Recording
+from motorcade.replays.readers.tagslam.corners import TagSlamRecording
+from motorcade.replays.readers.tagslam.corners import read as read_tagslam
+from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.board_audit import audited_board
 from motorcade.replays.stages.camera.sensor_audit import audited_depth, audited_pair
 from motorcade.tracking import AuditFinding, Checkerboard, track_board
 from motorcade.tracking.depth import DepthCamera
+from motorcade.tracking.markers.corner_stream import CornerStream
+from motorcade.tracking.markers.scenes import FixedMarker, MarkerBody, map_scene
 from tests.fusion.health.cases import FAULTS, flown
 from tests.textured_room.recording import write_recording
 from tests.textured_room.scenarios import scenario
@@ -32,6 +40,7 @@ from tests.textured_room.scenarios import scenario
 Findings = tuple[AuditFinding, ...]
 MANIFESTS = Path(__file__).parents[2] / "docs" / "manifests"
 _BOARD_FRAMES = 60
+_TAG_FRAMES = 600
 
 
 @dataclass(frozen=True)
@@ -82,19 +91,12 @@ def pairs(scratch: Path) -> Iterator[Planted]:
     write_recording(scratch, scenario("handheld", frames=30), name="drawn pair")
     recording = open_recording(scratch)
 
-    class Swapped:
-        """Right pictures for left ones."""
-
-        def __len__(self) -> int:
-            return len(recording.frames)
-
-        def __getitem__(self, index: int) -> Frame:
-            one = recording.frames[index]
-            if one.read_right is None:
-                raise ValueError("expected a right picture, got none")
-            return replace(one, read_image=one.read_right, read_right=one.gray)
-
-    swapped = replace(recording, frames=Swapped())  # type: ignore[arg-type]
+    frames = recording.frames
+    if not isinstance(frames, PictureFrames):
+        raise ValueError(f"{scratch}: expected picture files")
+    swapped = replace(
+        recording, frames=replace(frames, files=frames.right_files, right_files=frames.files)
+    )
     yield Planted(
         "drawn pair", "left for right", "left_and_right", lambda: (audited_pair(swapped),)
     )
@@ -106,7 +108,85 @@ def flights(data: Path) -> Iterator[Planted]:
     chosen = ("extrinsics transposed", "extrinsics off by 20°", "x and y swapped", "deg/s")
     for what in (*chosen, "half a second late", ""):
         expected = FAULTS[what][1] if what else ""
-        yield Planted("V1_02", what, expected, lambda what=what: _health(data, what))  # type: ignore[misc]
+        yield Planted("V1_02", what, expected, partial(_health, data, what))
+
+
+def tags(data: Path) -> Iterator[Planted]:
+    """Markers that cameras on a body saw, and what is stated of them."""
+    changes: dict[str, tuple[str, str, Callable[[TagSlamRecording], TagSlamRecording]]] = {
+        "marker stated a quarter too large": ("test_23", "marker_sizes", _larger_marker),
+        "odometry's pose on its body inverted": (
+            "test_21",
+            "odometry_extrinsics",
+            _inverted_odometry,
+        ),
+        "cameras of the rig swapped": ("test_11", "stated_poses", _swapped_cameras),
+    }
+    for what, (name, expected, change) in changes.items():
+        yield Planted(name, what, expected, partial(_scene_of, data, name, change))
+    for name in ("test_11", "test_21", "test_23"):
+        yield Planted(name, "", "", partial(_scene_of, data, name, lambda one: one))
+
+
+def _scene_of(
+    data: Path, name: str, change: Callable[[TagSlamRecording], TagSlamRecording]
+) -> Findings:
+    given = change(read_tagslam(data / "tags" / "tagslam" / name))
+    streams = {camera: _first_frames(stream) for camera, stream in given.streams.items()}
+    return map_scene(streams, given.scene).audit
+
+
+def _first_frames(stream: CornerStream) -> CornerStream:
+    """Up to half a minute, which is enough to tell."""
+    kept = stream.frame < _TAG_FRAMES
+    return CornerStream(
+        stream.camera,
+        stream.time_ns[:_TAG_FRAMES],
+        stream.frame[kept],
+        stream.marker_ids[kept],
+        stream.corners_px[kept],
+    )
+
+
+def _larger_marker(one: TagSlamRecording) -> TagSlamRecording:
+    """The marker that is seen most often beside others."""
+    stream = next(iter(one.streams.values()))
+    beside = np.bincount(stream.frame)[stream.frame] > 1
+    wrong = int(np.argmax(np.bincount(stream.marker_ids[beside & (stream.frame < _TAG_FRAMES)])))
+
+    def changed(body: MarkerBody, row: int) -> MarkerBody:
+        if one.scene.body_of(wrong) != row:
+            return body
+        stated = body.markers.get(wrong) or FixedMarker(one.side_m[wrong])
+        larger = replace(stated, side_m=1.25 * stated.side_m)
+        return replace(body, markers={**body.markers, wrong: larger})
+
+    bodies = tuple(changed(body, row) for row, body in enumerate(one.scene.bodies))
+    return replace(one, scene=replace(one.scene, bodies=bodies))
+
+
+def _inverted_odometry(one: TagSlamRecording) -> TagSlamRecording:
+    """Stated half a turn from the body a pose is its own inverse, so it is turned by 120° first."""
+    other = Motor.from_rotor_translation(
+        Rotor.from_rotation_vector(np.deg2rad(120.0) / np.sqrt(3.0) * np.ones(3)), np.zeros(3)
+    )
+
+    def changed(body: MarkerBody) -> MarkerBody:
+        if body.odometry is None:
+            return body
+        path = body.odometry.trajectory.transformed_by(right=other)
+        body_T_odometry = body.odometry.body_T_odometry @ other
+        wrong = replace(body.odometry, trajectory=path, body_T_odometry=body_T_odometry.inverse())
+        return replace(body, odometry=wrong)
+
+    bodies = tuple(map(changed, one.scene.bodies))
+    return replace(one, scene=replace(one.scene, bodies=bodies))
+
+
+def _swapped_cameras(one: TagSlamRecording) -> TagSlamRecording:
+    first, second, *others = one.scene.cameras.values()
+    swapped = dict(zip(one.scene.cameras, (second, first, *others), strict=True))
+    return replace(one, scene=replace(one.scene, cameras=swapped))
 
 
 def _health(data: Path, what: str) -> Findings:
@@ -231,7 +311,13 @@ def main() -> int:
     data = Path(os.environ.get("MOTORCADE_DATA") or "../shared/data")
     missed = 0
     with tempfile.TemporaryDirectory() as scratch:
-        for planted in (kitchens(data), boards(data), pairs(Path(scratch)), flights(data)):
+        for planted in (
+            kitchens(data),
+            boards(data),
+            pairs(Path(scratch)),
+            flights(data),
+            tags(data),
+        ):
             for one in planted:
                 right, told = judged(one)
                 missed += not right

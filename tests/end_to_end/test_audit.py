@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from tests.end_to_end.audit import boards, flights, judged, kitchens, pairs
+from tests.end_to_end.audit import boards, flights, judged, kitchens, pairs, tags
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("planting", [kitchens, boards, flights])
+@pytest.mark.parametrize("planting", [kitchens, boards, flights, tags])
 def test_each_contradiction_planted_in_a_recording_is_named(planting, data_dir: Path) -> None:
     wrong = {
         (one.recording, one.what): told

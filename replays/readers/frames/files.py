@@ -194,8 +194,10 @@ class PictureFrames:
 
     def first_depth_size(self) -> tuple[int, int]:
         """Width and height of the first depth picture; raises as `first_size`."""
-        index = next(k for k, path in enumerate(self.depth_files) if path is not None)
-        data = pictures.read_picture_bytes(self.depth_files[index], f"depth of frame {index}", None)
+        index, path = next(
+            (index, path) for index, path in enumerate(self.depth_files) if path is not None
+        )
+        data = pictures.read_picture_bytes(path, f"depth of frame {index}", None)
         return pictures.picture_size(data)
 
     def _all_files(self, what: str) -> Iterator[tuple[Path, str]]:

@@ -182,16 +182,16 @@ def _stated(found: MappedScene) -> AuditFinding:
 
 
 def _never_fits(found: MappedScene) -> NDArray[np.bool_]:
-    """``(P,)``: markers most of whose sightings lie far off, since they were stated too surely."""
+    """``(P,)``: cameras and markers most of whose sightings lie far off: stated too surely."""
     seen = found.seen
     good = np.isfinite(found.error_px)
-    limit_px = _limit_px(found)
-    size = len(seen.marker_ids)
-    sightings = np.bincount(seen.marker[good], minlength=size)
-    off = np.bincount(seen.marker[good], found.error_px[good] > limit_px, minlength=size)
+    far = found.error_px[good] > _limit_px(found)
     rows = np.zeros(seen.rows, bool)
-    first = len(seen.names)
-    rows[first : first + size] = (2.0 * off > sightings) & (sightings >= _FEWEST_FRAMES)
+    cameras, markers = len(seen.names), len(seen.marker_ids)
+    for first, size, owner in ((0, cameras, seen.camera), (cameras, markers, seen.marker)):
+        sightings = np.bincount(owner[good], minlength=size)
+        off = np.bincount(owner[good], far, minlength=size)
+        rows[first : first + size] = (2.0 * off > sightings) & (sightings >= _FEWEST_FRAMES)
     return rows
 
 
