@@ -24,6 +24,8 @@ from motorcade.replays.pipeline import pipeline_graph
 from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.recording import Recording
 from motorcade.replays.results import trajectories
+from motorcade.replays.stages.camera.as_found import as_found
+from motorcade.replays.stages.camera.offered import camera_of
 from motorcade.tracking.cameras.camera import Camera
 
 MAX_LOG_BYTES = 1 << 24
@@ -91,6 +93,7 @@ def open_run(folder: Path) -> Shown:
         parse_knobs(origin.settings, graph),
     )
     placed, found = run.outputs["placed"], run.outputs["camera_poses"]
+    recording = as_found(recording, found.camera, found.depth_camera)
     character = character_named(placed.character)
     clip = clip_named(character, placed.clip)
     if len(placed.path_m):
@@ -99,7 +102,7 @@ def open_run(folder: Path) -> Shown:
         )
     return Shown(
         recording,
-        recording.camera.undistorted(),
+        camera_of(recording).undistorted(),
         trajectories(run),
         run.outputs["integrity"].drawn,
         character,

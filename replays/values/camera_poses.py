@@ -13,6 +13,7 @@ from motorcade.replays.values.inertial_history import InertialHistory
 from motorcade.replays.values.sighted_points import SightedPoints
 from motorcade.tracking import PoseMeasurements
 from motorcade.tracking.audit import AuditFinding
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.depth.cameras import DepthCamera
 from motorcade.tracking.frame_history import SlamHistory
 
@@ -39,8 +40,8 @@ class CameraPoses:
         slam_history: what became of every frame, where SLAM tracked them.
         inertial: when and how the IMU told metres, where SLAM ran with one inside.
         audit: whether what was told of cameras, rig, board or markers agrees with what was seen.
-        depth_camera: what took the depth pictures, where they do not lie on colour as the recording
-            has it; whatever reads depth along these poses reads it through this one.
+        camera, depth_camera: what took the pictures and their depth, where the recording states
+            otherwise than was found; whatever shows pictures along these poses takes these.
         has_odometry: whether the recorded odometry is in the poses already.
         seconds: what tracking took, reading and decoding the pictures included.
 
@@ -72,6 +73,7 @@ class CameraPoses:
     slam_history: SlamHistory | None = None
     inertial: InertialHistory | None = None
     audit: tuple[AuditFinding, ...] = ()
+    camera: Camera | None = None
     depth_camera: DepthCamera | None = None
     has_odometry: bool = False
     seconds: float = field(default=0.0, metadata=ASIDE)

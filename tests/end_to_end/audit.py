@@ -56,8 +56,8 @@ class Planted:
 def kitchens(data: Path) -> Iterator[Planted]:
     """Depth and colour of 7-Scenes."""
     changes: dict[str, tuple[str, Callable[[PictureFrames], PictureFrames]]] = {
-        "colour's focal length 5 % too long": ("depth_on_colour", _colour_zoomed(1.05)),
-        "colour's focal length 5 % too short": ("depth_on_colour", _colour_zoomed(0.95)),
+        "colour's focal length 5 % too long": ("depth_on_colour", colour_zoomed(1.05)),
+        "colour's focal length 5 % too short": ("depth_on_colour", colour_zoomed(0.95)),
         "depth's focal length that of colour": ("depth_on_colour", _depth_zoomed(525.0 / 585.0)),
         "depth 10 px to the right": ("depth_on_colour", _shifted),
         "depth camera's extrinsics inverted": ("depth_on_colour", _inverted),
@@ -206,15 +206,17 @@ def _health(data: Path, what: str) -> Findings:
 def _depth_of(
     root: Path, change: Callable[[PictureFrames], PictureFrames]
 ) -> Callable[[], Findings]:
-    def findings() -> Findings:
-        recording = open_recording(root)
-        frames = recording.frames
-        if not isinstance(frames, PictureFrames):
-            raise ValueError(f"{root}: expected picture files")
-        changed = change(frames)
-        return audited_depth(replace(recording, frames=changed, camera=changed.colour_camera))[1]
+    return lambda: audited_depth(changed_kitchen(root, change))[1]
 
-    return findings
+
+def changed_kitchen(root: Path, change: Callable[[PictureFrames], PictureFrames]) -> Recording:
+    """A recording of 7-Scenes of which something else is stated."""
+    recording = open_recording(root)
+    frames = recording.frames
+    if not isinstance(frames, PictureFrames):
+        raise ValueError(f"{root}: expected picture files")
+    changed = change(frames)
+    return replace(recording, frames=changed, camera=changed.colour_camera)
 
 
 def _sensor(frames: PictureFrames) -> DepthCamera:
@@ -223,7 +225,7 @@ def _sensor(frames: PictureFrames) -> DepthCamera:
     return frames.depth_camera
 
 
-def _colour_zoomed(factor: float) -> Callable[[PictureFrames], PictureFrames]:
+def colour_zoomed(factor: float) -> Callable[[PictureFrames], PictureFrames]:
     def change(frames: PictureFrames) -> PictureFrames:
         camera = frames.colour_camera
         if camera is None:

@@ -6,7 +6,17 @@ from pathlib import Path
 
 import pytest
 
-from tests.end_to_end.audit import boards, flights, judged, kitchens, pairs, tags
+from motorcade.replays.stages.camera.focal_lengths import found_cameras
+from tests.end_to_end.audit import (
+    boards,
+    changed_kitchen,
+    colour_zoomed,
+    flights,
+    judged,
+    kitchens,
+    pairs,
+    tags,
+)
 
 
 @pytest.mark.slow
@@ -19,6 +29,26 @@ def test_each_contradiction_planted_in_a_recording_is_named(planting, data_dir: 
         if not right
     }
     assert not wrong
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "enough"), [("7scenes_redkitchen", True), ("7scenes_redkitchen_200", False)]
+)
+def test_which_focal_length_is_wrong_is_told_or_left_open(
+    name: str, enough: bool, data_dir: Path
+) -> None:
+    """The second recording's first 150 frames hardly turn: the less is claimed of them."""
+    wrong = changed_kitchen(data_dir / "replays" / name, colour_zoomed(1.05))
+    found = found_cameras(wrong)
+    told = found.audit[-1]
+    assert told.name == "focal_lengths"
+    assert (told.verdict == "contradicted") or not enough
+    if told.verdict == "contradicted":
+        assert found.camera is not None
+        assert found.depth_camera is not None
+        assert found.camera.fx == pytest.approx(525.0, rel=0.02)
+        assert found.depth_camera.camera.fx == pytest.approx(585.0, rel=0.02)
 
 
 @pytest.mark.slow

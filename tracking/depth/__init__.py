@@ -21,13 +21,20 @@ A wall 2 m away, seen by a depth camera that sits 25 mm to the left of the colou
 from motorcade.tracking.depth.cameras import DepthCamera, register_depth
 from motorcade.tracking.depth.edges import EdgeOffset, edge_offset
 from motorcade.tracking.depth.lattice import inverse_depth_step
-from motorcade.tracking.depth.refine import RefinedByDepth, refine_by_depth
+from motorcade.tracking.depth.refine import (
+    FocalFactor,
+    RefinedByDepth,
+    focal_factor,
+    refine_by_depth,
+)
 
 __all__ = [
     "DepthCamera",
     "EdgeOffset",
+    "FocalFactor",
     "RefinedByDepth",
     "edge_offset",
+    "focal_factor",
     "inverse_depth_step",
     "refine_by_depth",
     "register_depth",

@@ -17,14 +17,14 @@ cameras in one adjustment).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.depth.cameras import DepthCamera
 from motorcade.tracking.depth.residuals import (
@@ -68,7 +68,8 @@ class RgbdFit:
     """Where an adjustment ended.
 
     Fields:
-        state: poses and cameras; covariance: ``(8, 8)`` of the globals, scaled by the scatter.
+        state: poses and cameras.
+        covariance: ``(8, 8)`` of the globals, by what single frames change of them.
         cost: mean robust loss of a residual.
         corner_px, plane_m: median reprojection error and median distance between the surfaces.
         count: residuals that took part.
@@ -159,23 +160,40 @@ class _Problem:
     def fit(self, state: RgbdState) -> RgbdFit:
         here = _Evaluation(self, state)
         sizes = np.concatenate([here.corner_size, here.depth_size])
-        # The robust scatter of what should be one standard deviation each.
-        scale = max(
-            float(np.median(here.depth_size)) / 0.6745 if len(here.depth_size) else 1.0, 1.0
-        )
-        covariance = np.zeros((GLOBALS, GLOBALS))
-        shared = self.free[:GLOBALS]
-        if shared.any():
-            count = int(np.count_nonzero(shared))
-            covariance[np.ix_(shared, shared)] = here.equations.covariance(scale)[:count, :count]
         return RgbdFit(
             state,
-            covariance,
+            self._covariance(here),
             here.cost / max(len(sizes), 1),
             CORNER_PX * float(np.median(here.corner_size)) if len(here.corner_size) else np.nan,
             float(np.median(here.distance_m)) if len(here.distance_m) else np.nan,
             len(sizes),
         )
+
+    def _covariance(self, here: _Evaluation) -> FloatArray:
+        """Of the globals ``(8, 8)``, by what they would be without one frame or the other.
+
+        A sensor's errors are alike all over a picture, so that thousands of residuals say little
+        more than one does: those of a frame are left out together (the jackknife, in one step).
+        """
+        covariance, shared = np.zeros((GLOBALS, GLOBALS)), self.free[:GLOBALS]
+        if not shared.any():
+            return covariance
+        whole, size = here.equations.information, len(self.free)
+        frames: dict[int, NormalEquations] = {}
+        for first, columns, own in here.by_pair():
+            frame = frames.setdefault(
+                first, NormalEquations(np.zeros((size, size)), np.zeros(size))
+            )
+            frame.information[np.ix_(columns, columns)] += own.information
+            frame.gradient[columns] += own.gradient
+        without = []
+        for frame in frames.values():
+            left = whole - frame.information[np.ix_(self.free, self.free)]
+            moved = np.linalg.pinv(left, rcond=1e-9, hermitian=True) @ frame.gradient[self.free]
+            without.append(moved[: np.count_nonzero(shared)])
+        off = np.array(without) - np.mean(without, axis=0)
+        covariance[np.ix_(shared, shared)] = (1.0 - 1.0 / len(without)) * off.T @ off
+        return covariance
 
 
 class _Evaluation:
@@ -205,10 +223,22 @@ class _Evaluation:
 
     @cached_property
     def equations(self) -> NormalEquations:
-        size = GLOBALS + 6 * len(self._state.world_T_colour)
+        size = len(self._problem.free)
         information, gradient = np.zeros((size, size)), np.zeros(size)
-        shared = self._by_globals()
+        for _, columns, own in self.by_pair():
+            information[np.ix_(columns, columns)] += own.information
+            gradient[columns] += own.gradient
+        sigma = self._problem.prior.sigma
+        for index in np.flatnonzero(sigma > 0.0):
+            information[index, index] += sigma[index] ** -2
+            gradient[index] += self._prior[index] / sigma[index]
+        free = self._problem.free
+        return NormalEquations(information[np.ix_(free, free)], gradient[free])
+
+    def by_pair(self) -> Iterator[tuple[int, IntArray, NormalEquations]]:
+        """The first frame of each pair, the unknowns that its residuals speak of, and what of."""
         corners, depths = self._problem.corners.pairs, self._problem.depths.pairs
+        shared = self._by_globals()
         for pairs, residual, link, weight, by_globals in (
             (corners, self._corner, self._corner_in_second, self._corner_weight, shared[0]),
             (depths, self._depth, self._depth_in_second, self._depth_weight, shared[1]),
@@ -217,11 +247,6 @@ class _Evaluation:
                 jacobian = np.concatenate(
                     [by_globals[rows], link.by_first[rows], link.by_second[rows]], axis=-1
                 ).reshape(-1, GLOBALS + 12)
-                own = NormalEquations.of(
-                    jacobian,
-                    residual[rows].ravel(),
-                    np.repeat(weight[rows], residual.shape[1]),
-                )
                 columns = np.concatenate(
                     [
                         np.arange(GLOBALS),
@@ -229,14 +254,8 @@ class _Evaluation:
                         GLOBALS + 6 * second + np.arange(6),
                     ]
                 )
-                information[np.ix_(columns, columns)] += own.information
-                gradient[columns] += own.gradient
-        sigma = self._problem.prior.sigma
-        for index in np.flatnonzero(sigma > 0.0):
-            information[index, index] += sigma[index] ** -2
-            gradient[index] += self._prior[index] / sigma[index]
-        free = self._problem.free
-        return NormalEquations(information[np.ix_(free, free)], gradient[free])
+                weights = np.repeat(weight[rows], residual.shape[1])
+                yield first, columns, NormalEquations.of(jacobian, residual[rows].ravel(), weights)
 
     def _by_globals(self) -> tuple[FloatArray, FloatArray]:
         """Derivatives by the globals, by differences: they are few, and the planes stay."""

@@ -18,6 +18,7 @@ from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.depth.adjustment import (
     CamerasPrior,
     NothingShared,
+    RgbdFit,
     adjust_rgbd,
     plane_distance_m,
 )
@@ -29,6 +30,8 @@ from motorcade.tracking.slam.mapping.map import MapSnapshot
 _MOST_FRAMES = 60
 """Keyframes, and as many between: equations of so many poses are solved in a tenth of a second, and
 their surfaces fill 60 MB. What lies between moves as they do."""
+_FOCAL_SIGMA = 0.1
+"""Share by which a stated focal length is believed to be wrong where it contradicts."""
 _NEIGHBOURS = 2
 _PARTNERS = 12
 _FEWEST_SHARED = 20
@@ -74,31 +77,16 @@ def refine_by_depth(
         frames that see too little of the same), and where the surfaces lie no nearer to each other
         afterwards: then the path is better left as it was tracked.
     """
-    own = np.flatnonzero(np.isin(found.time_ns, path.time_ns))
     between = path.time_ns[:: max(-(-len(path) // _MOST_FRAMES), 1)]
-    own = own[:: max(-(-len(own) // _MOST_FRAMES), 1)]
-    pictures = {
-        stamp: depth_at(stamp)
-        for stamp in np.union1d(found.time_ns[own], between).astype(np.int64).tolist()
-    }
-    stamps = np.array([stamp for stamp, one in pictures.items() if one is not None], np.int64)
-    if len(stamps) < 2:
+    seen = RgbdFrames.of(found, path, between, colour, taken_by, depth_at)
+    fit = None if seen is None else seen.adjusted(np.zeros(GLOBALS))
+    if seen is None or fit is None:
         return None
-    rows = own[np.isin(found.time_ns[own], stamps)]
-    surfaces = DepthSurfaces.of([one for one in pictures.values() if one is not None])
-    start = RgbdState(path.motors_at(stamps), colour, taken_by)
-    matches = _matches(found, rows, np.searchsorted(stamps, found.time_ns[rows]))
-    pairs = _overlapping(start.world_T_colour, surfaces)
-    prior = CamerasPrior(colour, taken_by, np.zeros(GLOBALS))
-    try:
-        fit = adjust_rgbd(start, surfaces, matches, pairs, [0], prior)
-    except NothingShared:
-        return None
-    before_m = plane_distance_m(start, surfaces, pairs)
-    after_m = plane_distance_m(fit.state, surfaces, pairs)
+    before_m = plane_distance_m(seen.start, seen.surfaces, seen.pairs)
+    after_m = plane_distance_m(fit.state, seen.surfaces, seen.pairs)
     if not after_m < before_m:  # NaN, where no surfaces meet, neither
         return None
-    moved = _Moved(stamps, start.world_T_colour, fit.state.world_T_colour)
+    moved = _Moved(seen.time_ns, seen.start.world_T_colour, fit.state.world_T_colour)
     keyframes = moved.poses(found.time_ns, found.world_T_camera)
     refined = Trajectory(path.time_ns, moved.poses(path.time_ns, path.motors))
     return RefinedByDepth(
@@ -107,6 +95,101 @@ def refine_by_depth(
         before_m,
         after_m,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class FocalFactor:
+    """By what both focal lengths, of colour and of depth, have to be multiplied; its deviation."""
+
+    factor: float
+    sigma: float
+
+
+def focal_factor(
+    found: MapSnapshot,
+    path: Trajectory,
+    colour: Camera,
+    taken_by: DepthCamera,
+    depth_at: Callable[[int], DepthImage | None],
+) -> FocalFactor | None:
+    """Find by what both focal lengths are wrong alike, of depth that lies on colour.
+
+    Edges that fit tell the ratio of both, and nothing else: here they are found each for itself, by
+    corners and by surfaces that a moving camera saw again, and the mean of both is taken. (It needs
+    rotation: a camera that only shifts sees the same with longer lenses and farther away.)
+
+    Args:
+        found: the map.
+        path: poses of frames, keyframes among them.
+        colour: the camera of the map's pixels.
+        taken_by: the depth pictures' camera.
+        depth_at: the depth picture of a keyframe, by its stamp.
+
+    Returns:
+        None where frames see too little of the same.
+    """
+    seen = RgbdFrames.of(found, path, found.time_ns[:0], colour, taken_by, depth_at)
+    sigma = np.zeros(GLOBALS)
+    sigma[:2] = _FOCAL_SIGMA
+    fit = None if seen is None else seen.adjusted(sigma)
+    if fit is None:
+        return None
+    state = fit.state
+    longer = state.colour.fx / colour.fx * state.depth.camera.fx / taken_by.camera.fx
+    spread = float(np.sqrt(fit.covariance[:2, :2].sum())) / 2.0
+    return FocalFactor(float(np.sqrt(longer)), float(np.sqrt(longer)) * spread)
+
+
+@dataclass(frozen=True, eq=False)
+class RgbdFrames:
+    """Frames of a path that have depth, as an adjustment takes them.
+
+    Fields:
+        time_ns: their stamps ``(k,)``.
+        start: their poses and cameras; surfaces: of their depth.
+        matches: corners that keyframes share.
+        pairs: frames that look at the same.
+    """
+
+    time_ns: IntArray
+    start: RgbdState
+    surfaces: DepthSurfaces
+    matches: Matches
+    pairs: list[tuple[int, int]]
+
+    @classmethod
+    def of(
+        cls,
+        found: MapSnapshot,
+        path: Trajectory,
+        between: IntArray,
+        colour: Camera,
+        taken_by: DepthCamera,
+        depth_at: Callable[[int], DepthImage | None],
+    ) -> RgbdFrames | None:
+        """Of a map's keyframes and frames between; None with fewer than two that have depth."""
+        own = np.flatnonzero(np.isin(found.time_ns, path.time_ns))
+        own = own[:: max(-(-len(own) // _MOST_FRAMES), 1)]
+        pictures = {
+            stamp: depth_at(stamp)
+            for stamp in np.union1d(found.time_ns[own], between).astype(np.int64).tolist()
+        }
+        stamps = np.array([stamp for stamp, one in pictures.items() if one is not None], np.int64)
+        if len(stamps) < 2:
+            return None
+        rows = own[np.isin(found.time_ns[own], stamps)]
+        surfaces = DepthSurfaces.of([one for one in pictures.values() if one is not None])
+        start = RgbdState(path.motors_at(stamps), colour, taken_by)
+        matches = _matches(found, rows, np.searchsorted(stamps, found.time_ns[rows]))
+        return cls(stamps, start, surfaces, matches, _overlapping(start.world_T_colour, surfaces))
+
+    def adjusted(self, sigma: FloatArray) -> RgbdFit | None:
+        """Adjust the poses, and the cameras by deviations ``(8,)``; None without enough to see."""
+        prior = CamerasPrior(self.start.colour, self.start.depth, sigma)
+        try:
+            return adjust_rgbd(self.start, self.surfaces, self.matches, self.pairs, [0], prior)
+        except NothingShared:
+            return None
 
 
 @dataclass(frozen=True, eq=False)

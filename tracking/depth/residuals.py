@@ -22,10 +22,12 @@ from motorcade.tracking.planes.finding import depth_sigma_m
 GLOBALS = 8
 """Logarithms of the scales of both focal lengths (colour, depth), then a twist of the depth camera
 in its own frame: rotation (rad), translation (m)."""
-CORNER_PX = 4.0
-"""Of corners: tracked from picture to picture they drift alike, so that many weigh little more than
-one does, and hold what depth alone does not (a flat wall). On frames 0 to 399 of 7-Scenes' kitchen
-surfaces 300 frames apart end 8.0 mm from each other with 0.5 px, 6.8 with 2 px, 6.6 without any."""
+CORNER_PX = 4.5
+"""Of corners: a structured-light sensor matches windows of 9 pixels, so that the surface behind a
+corner may be that of half a window beside it. Counted as surely as it was tracked, to half a pixel,
+a corner pulls surfaces apart; as it is, corners hold what depth alone does not (a flat wall). On
+frames 0 to 399 of 7-Scenes' kitchen surfaces 300 frames apart ended 8.0 mm from each other with
+0.5 px, 6.8 with 2 and with 4 px."""
 GATE = 6.0
 _COSINE = 0.7
 """Surfaces that face further apart than 45 degrees are not the same."""

@@ -14,9 +14,9 @@ import numpy as np
 from motorcade.ga import Motor, Rotor
 from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.recording import DepthArray, ImageArray, Recording
+from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.camera.depth import measured_depth
 from motorcade.replays.stages.camera.offered import camera_of
-from motorcade.replays.stages.camera.registered import registered_by
 from motorcade.tracking.audit import AuditFinding, Verdict
 from motorcade.tracking.depth.cameras import DepthCamera
 from motorcade.tracking.depth.edges import EdgeOffset, edge_offset
@@ -62,7 +62,7 @@ def audited_depth(
         found = AuditFinding("depth_on_colour", "consistent", stated.px, "px", summary)
         return None, (*findings, found)
     corrected = _corrected(recording, stated)
-    anew = registered_by(recording, corrected)
+    anew = as_found(recording, None, corrected)
     again = edge_offset(grays, [_registered(anew, number) for number in numbers])
     mended = np.isfinite(again.px) and again.px <= _OFF_PX
     verdict: Verdict = "contradicted" if stated.px > _CLEARLY_PX else "doubtful"

@@ -16,7 +16,9 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.engine.progress import track
 from motorcade.replays.recording import Recording
+from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.camera.depth import refined_by_depth
+from motorcade.replays.stages.camera.focal_lengths import found_cameras
 from motorcade.replays.stages.camera.inertial_slam import (
     MappedWithImu,
     carries_imu,
@@ -24,15 +26,13 @@ from motorcade.replays.stages.camera.inertial_slam import (
 )
 from motorcade.replays.stages.camera.metres import Metres, NoMetres, in_metres
 from motorcade.replays.stages.camera.offered import camera_of, require_pictures
-from motorcade.replays.stages.camera.registered import registered_by
-from motorcade.replays.stages.camera.sensor_audit import audited_depth, audited_pair
+from motorcade.replays.stages.camera.sensor_audit import audited_pair
 from motorcade.replays.values.sighted_points import SightedPoints
 from motorcade.replays.values.slam_poses import SlamPoses
 from motorcade.tracking import PoseMeasurements, TrackingError
 from motorcade.tracking.slam.geometry import seen_through
 
 if TYPE_CHECKING:
-    from motorcade.tracking.cameras.camera import Camera
     from motorcade.tracking.slam import MapSnapshot, SlamResult, SlamSettings
 
 _SIGMA_FLOOR_RAD, _SIGMA_FLOOR_M = 1e-4, 1e-4
@@ -65,7 +65,7 @@ def slam_poses(
         NotOffered: no camera known, or no pictures.
         TrackingError: nothing in the pictures from which a map could start.
     """
-    camera = camera_of(recording)
+    camera_of(recording)
     require_pictures(recording)
     from motorcade.tracking.slam import SlamSettings
 
@@ -77,26 +77,32 @@ def slam_poses(
         threads=threads,
         baseline_m=recording.baseline_m if paired else None,
     )
-    depth_camera, audit = audited_depth(recording)
-    recording = registered_by(recording, depth_camera)
+    cameras = found_cameras(recording)
+    audit = cameras.audit
+    recording = as_found(recording, cameras.camera, cameras.depth_camera)
     if paired:
         audit = (*audit, audited_pair(recording))
     if imu_inside and adjust and not threads and carries_imu(recording):
         mapped = mapped_with_imu(recording, settings)
         if mapped is not None:
             return replace(_with_imu_inside(recording, mapped, start), audit=audit)
-    found = _by_vision(recording, camera, settings)
+    found = _by_vision(recording, settings)
     if found.metric and adjust and not paired and recording.slam_map is None:
         found = refined_by_depth(recording, found) or found
-    return replace(_measured(recording, found, start), audit=audit, depth_camera=depth_camera)
+    return replace(
+        _measured(recording, found, start),
+        audit=audit,
+        camera=cameras.camera,
+        depth_camera=cameras.depth_camera,
+    )
 
 
-def _by_vision(recording: Recording, camera: Camera, settings: SlamSettings) -> SlamResult:
+def _by_vision(recording: Recording, settings: SlamSettings) -> SlamResult:
     """A finished run by pictures, and depth or right pictures where there are some."""
     from motorcade.tracking.slam import VisualSlam
 
     known = recording.slam_map
-    slam = VisualSlam(camera, settings, known=known, extend=known is not None)
+    slam = VisualSlam(camera_of(recording), settings, known=known, extend=known is not None)
     for frame in track(recording.frames, "mapping", len(recording.frames)):
         right = None if settings.baseline_m is None else frame.right()
         slam.track(frame.time_ns, frame.gray(), frame.depth_m(), right)

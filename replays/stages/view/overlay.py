@@ -26,7 +26,7 @@ from motorcade.replays.engine.progress import track
 from motorcade.replays.engine.stage import Unavailable
 from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.recording import Frame, Recording
-from motorcade.replays.stages.camera.registered import registered_by
+from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.view.ground import prints_of
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.integrity import Integrity
@@ -91,7 +91,7 @@ def overlay(
             lasting_s=1e-9 * float(np.ptp(recording.frames.time_ns)),
         )
     start = time.perf_counter()
-    recording = registered_by(recording, camera_poses.depth_camera)
+    recording = as_found(recording, camera_poses.camera, camera_poses.depth_camera)
     footage = _Footage(recording, distorted=lens == "distort")
     lighting, lit_by = None, "a fixed light"
     marker_map = None if marker_poses is None else marker_poses.marker_map

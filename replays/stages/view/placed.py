@@ -19,7 +19,7 @@ from motorcade.replays.characters.acting import (
     walked,
 )
 from motorcade.replays.recording import Recording
-from motorcade.replays.stages.camera.registered import registered_by
+from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.view.ground import (
     Ground,
     ground_on_board,
@@ -78,7 +78,7 @@ def placed(
     """
     if position_m and len(position_m) != 2:
         raise ValueError(f"placed.position_m: expected x,y, got {len(position_m)} numbers")
-    recording = registered_by(recording, camera_poses.depth_camera)
+    recording = as_found(recording, camera_poses.camera, camera_poses.depth_camera)
     marker_map = None if marker_poses is None else marker_poses.marker_map
     way = path_of(path) if path else None
     seen_from = integrity.drawn

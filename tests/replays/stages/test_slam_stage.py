@@ -14,6 +14,7 @@ from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera import depth, inertial_slam, slam_poses
+from motorcade.replays.stages.camera.focal_lengths import FoundCameras
 from motorcade.replays.stages.inertial.imu import imu
 from motorcade.tracking import Camera, MapSnapshot, PoseMeasurements
 from motorcade.tracking.audit import AuditFinding
@@ -78,7 +79,8 @@ def test_what_was_found_of_the_sensors_stays_with_the_poses(
 
     given = recording(PINHOLE)
     monkeypatch.setattr("motorcade.tracking.slam.VisualSlam", Tracked)
-    monkeypatch.setattr(slam_poses, "audited_depth", lambda _: (None, (FOUND_OUT,)))
+    cameras = FoundCameras(None, None, (FOUND_OUT,))
+    monkeypatch.setattr(slam_poses, "found_cameras", lambda _: cameras)
     monkeypatch.setattr(slam_poses, "track", lambda *_: ())  # no picture is read
     found = slam_poses.slam_poses(given, adjust=False)
     assert found.metric == metric

@@ -10,8 +10,13 @@ import pytest
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.tracking import Camera, MapSnapshot
-from motorcade.tracking.depth import DepthCamera, refine_by_depth
-from motorcade.tracking.depth.adjustment import CamerasPrior, adjust_rgbd, plane_distance_m
+from motorcade.tracking.depth import DepthCamera, focal_factor, refine_by_depth
+from motorcade.tracking.depth.adjustment import (
+    CamerasPrior,
+    _Problem,
+    adjust_rgbd,
+    plane_distance_m,
+)
 from motorcade.tracking.depth.residuals import GLOBALS, Matches, RgbdState
 from motorcade.tracking.depth.surfaces import DepthSurfaces
 from motorcade.tracking.slam.geometry import parallax_rad
@@ -85,6 +90,24 @@ def test_a_wrong_registration_is_found() -> None:
     assert np.all(np.abs(apart[3:]) < 0.006), apart
 
 
+def test_what_is_counted_twice_is_not_known_better() -> None:
+    """The pixels of a picture share its errors: only other frames add to what is known."""
+    given, one = surfaces(), matches(np.random.default_rng(5))
+    there = one.first, one.second, one.px, one.second_px
+    back = one.second, one.first, one.second_px, one.px
+    shared = Matches(*map(np.concatenate, zip(there, back, strict=True)))
+    twice = Matches(*map(np.concatenate, zip(there, back, there, back, strict=True)))
+    state = RgbdState(truth(), COLOUR, TAKEN_BY)
+    prior = CamerasPrior(COLOUR, TAKEN_BY, np.array([0.1, 0.1, *[0.0] * 6]))
+    free = np.array([True, True, *[False] * 12, *[True] * 18])
+    once, again = (
+        _Problem(state, given, of, pairs, prior, free).fit(state).covariance[:2, :2]
+        for of, pairs in ((shared, PAIRS), (twice, [*PAIRS, *PAIRS]))
+    )
+    assert np.all(np.diag(once) > 0.0)
+    np.testing.assert_allclose(again, once, rtol=0.05)
+
+
 def mapped(poses: Motor, colour: Camera) -> tuple[MapSnapshot, Trajectory]:
     """A map of points that keyframes at the frames' true poses saw, and the path, as given."""
     at = np.random.default_rng(5).integers((30, 30), (290, 210), (60, 2))
@@ -124,6 +147,21 @@ def test_a_path_and_its_map_are_refined(colour: Camera) -> None:
     assert found.after_m < 0.5 * found.before_m
     left = np.abs(truth().local(found.trajectory.motors)).max(axis=0)
     assert np.all(left < 0.5 * np.abs(drift).max(axis=0)), left
+
+
+@pytest.mark.parametrize("times", [0.95, 1.05])
+def test_focal_lengths_that_are_wrong_alike_are_found(times: float) -> None:
+    """Edges that fit tell their ratio alone."""
+    longer, lens = (
+        replace(one, fx=times * one.fx, fy=times * one.fy) for one in (COLOUR, TAKEN_BY.camera)
+    )
+    known, path = mapped(truth(), COLOUR)
+    sensor = DepthCamera(lens, TAKEN_BY.colour_T_depth)
+    found = focal_factor(known, path, longer, sensor, measured)
+    assert found is not None
+    assert 0.0 < found.sigma < 0.02
+    assert found.factor * times == pytest.approx(1.0, abs=min(4.0 * found.sigma, 0.01))
+    assert focal_factor(known, path, longer, sensor, lambda _: None) is None
 
 
 def test_a_path_that_surfaces_do_not_mend_is_left_as_it_was(
