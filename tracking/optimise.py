@@ -148,6 +148,7 @@ class PairIndex:
 
     Attributes:
         rows, columns: ``(m,)`` of each pair, rising.
+        pair_of: ``(n,)`` which pair each is.
 
     >>> import numpy as np
     >>> from motorcade.tracking.optimise import PairIndex
@@ -162,6 +163,8 @@ class PairIndex:
         self._order = np.argsort(pairs, kind="stable")
         pairs = pairs[self._order]
         self._starts = np.flatnonzero(np.diff(pairs, prepend=-1))
+        self.pair_of: IntArray = np.empty(len(pairs), np.int64)
+        self.pair_of[self._order] = np.cumsum(np.diff(pairs, prepend=-1) > 0) - 1
         self.rows: IntArray = pairs[self._starts] // width
         self.columns: IntArray = pairs[self._starts] % width
 

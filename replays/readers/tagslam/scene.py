@@ -27,6 +27,8 @@ _STAMP_NS = 1000
 """Seconds of this century have no more digits in a double."""
 _RIG = "rig"
 _PIXEL = 1.0
+_FIXED = 1e-5
+"""Radians and metres: what a camera wiggles where nothing is stated, below what corners tell."""
 _HIGHEST = 1e9
 _LATEST_S = 1e18
 """Stamps end at 9e9 s; what is written for "for ever" may be later, but must fit in nanoseconds."""
@@ -93,6 +95,7 @@ def read_scene(root: Path, odometry: Mapping[str, Trajectory]) -> MarkerScene:
             _coordinates(path, content.get("coordinate_measurements"))
             + _planes(path, content.get("plane_measurements")),
             sigma_px,
+            _wiggles(root / "cameras.yaml"),
         )
     except ValueError as fault:
         raise refusal(path, str(fault)) from fault
@@ -152,6 +155,19 @@ def _carriers(path: Path, bodies: Sequence[MarkerBody]) -> dict[str, str]:
         str(name): str(entry.get("rig_body", usual)) if isinstance(entry, dict) else usual
         for name, entry in read_yaml(path).items()
     }
+
+
+def _wiggles(path: Path) -> dict[str, tuple[float, float]]:
+    """How far cameras turn (rad) and move (m) from frame to frame, of those that do at all."""
+    found = {}
+    for name, entry in read_yaml(path).items():
+        table = entry if isinstance(entry, dict) else {}
+        turned, moved = (
+            _parameter(path, table, f"wiggle_{one}", _FIXED) for one in ("rotation", "translation")
+        )
+        if max(turned, moved) > _FIXED:
+            found[str(name)] = (max(turned, _FIXED), max(moved, _FIXED))
+    return found
 
 
 def _distances(path: Path, value: object) -> tuple[CornerDistance, ...]:

@@ -68,3 +68,13 @@ def test_amnesia_is_said_not_to_be_heeded(folder: Path, caplog: pytest.LogCaptur
         file.write("amnesia: true\n")
     read_scene(folder, {})
     assert "amnesia is not heeded" in caplog.text
+
+
+def test_cameras_wiggle_as_far_as_is_stated(folder: Path) -> None:
+    assert not read_scene(folder, {}).wiggle
+    path = folder / "cameras.yaml"
+    path.write_text("cam0: {rig_body: rig, wiggle_rotation: 0.02}\ncam1: {wiggle_rotation: 0}\n")
+    assert read_scene(folder, {}).wiggle == {"cam0": (0.02, 1e-5)}
+    path.write_text("cam0: {rig_body: rig, wiggle_rotation: -1}\n")
+    with pytest.raises(RecordingError, match="wiggle_rotation: expected 0 to"):
+        read_scene(folder, {})

@@ -126,6 +126,25 @@ def test_two_bodies_that_move_are_both_found(rng: np.random.Generator) -> None:
     assert set(verdicts(found).values()) == {"consistent"}
 
 
+def test_a_camera_that_wiggles_pulls_no_frame_off(rng: np.random.Generator) -> None:
+    truth = rig_path(rng)
+    wiggle = Motor.exp(0.02 * rng.standard_normal((FRAMES, 6)))
+    seen = {"camera": seen_by(truth, rng), "loose": seen_by(truth @ wiggle, rng)}
+    stated = replace(
+        scene(),
+        camera_body={"camera": "rig", "loose": "rig"},
+        cameras={name: StatedPose(Motor.identity(), SURE) for name in seen},
+        wiggle={"loose": (0.02, 0.02)},
+    )
+    found, alone = map_scene(seen, stated), map_scene({"camera": seen["camera"]}, scene())
+    off = [float(np.median(off_m(one, "rig", truth))) for one in (found, alone)]
+    assert off[0] < 1.1 * off[1]
+    assert found.camera("loose").isclose(Motor.identity(), atol=1e-3).all()
+    assert set(verdicts(found).values()) == {"consistent"}
+    spread = [one.body("rig").covariance.diagonal(axis1=1, axis2=2) for one in (found, alone)]
+    assert np.median(spread[0]) > 0.6 * np.median(spread[1])  # half, were both cameras sure
+
+
 def test_a_camera_that_stands_still_is_seen_from_what_moves(rng: np.random.Generator) -> None:
     still = Motor.stack([rig_path(rng)[0]] * FRAMES)
     stated = scene()
@@ -230,6 +249,7 @@ def test_measured_distances_are_heeded(rng: np.random.Generator) -> None:
         (lambda: CornerCoordinate(1, -1, (0, 0, 1), 0.5, 0.01), "CornerCoordinate.corner"),
         (lambda: CornerCoordinate(1, 0, (0, 0, np.inf), 0.5, 0.01), "CornerCoordinate.direction"),
         (lambda: CornerCoordinate(1, None, (0, 0, 1), 0.5, -0.01), "CornerCoordinate.sigma_m"),
+        (lambda: replace(scene(), wiggle={"camera": (0.01, 0.0)}), "MarkerScene.wiggle of camera"),
         (lambda: replace(scene(), sigma_px=0.0), "MarkerScene.sigma_px"),
         (lambda: replace(scene(), sigma_px=np.inf), "MarkerScene.sigma_px"),
     ],
@@ -250,6 +270,11 @@ def test_covariances_that_weigh_nothing_are_refused(covariance: FloatArray) -> N
     ):
         with pytest.raises(ValueError, match=f"covariance of {name}"):
             replace(good, bodies=(room, *good.bodies[1:]))
+
+
+def test_only_cameras_of_the_scene_wiggle() -> None:
+    with pytest.raises(ValueError, match="wiggle: other is no camera"):
+        replace(scene(), wiggle={"other": (0.01, 0.01)})
 
 
 def test_streams_of_no_camera_and_of_strange_cameras_are_refused(rng: np.random.Generator) -> None:

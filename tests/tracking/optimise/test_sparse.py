@@ -6,11 +6,11 @@ import pytest
 from motorcade.tracking.optimise import PairIndex
 from motorcade.tracking.sparse import PassingEquations
 
-STAYING, FRAMES, WIDTH = 4, 30, 6
+STAYING, FRAMES, WIDTH = 4, 6, 6
 
 
-def equations(rng: np.random.Generator, joined: bool) -> PassingEquations:
-    """Frames that each meet three of four poses that stay, and, if so, the next frame."""
+def equations(rng: np.random.Generator, joined: bool, many: int = 1) -> PassingEquations:
+    """Poses that each meet three of four that stay, so many a frame; if joined, they also meet."""
     passing = np.arange(STAYING + FRAMES) >= STAYING
     pairs = [(frame, (frame + k) % STAYING) for frame in np.flatnonzero(passing) for k in range(3)]
     if joined:
@@ -29,15 +29,32 @@ def equations(rng: np.random.Generator, joined: bool) -> PassingEquations:
                 blocks.append(jacobian[a].T @ jacobian[b])
     index = PairIndex(np.array(rows), np.array(columns))
     sums = index.sums(np.array(blocks))
-    return PassingEquations(index.rows, index.columns, sums, gradient, passing)
+    frame = np.where(passing, np.arange(len(passing)) - STAYING, -1) // many
+    return PassingEquations(index.rows, index.columns, sums, gradient, frame)
 
 
-@pytest.mark.parametrize("joined", [False, True])
+def test_a_covariance_is_that_of_a_frame_alone(rng: np.random.Generator) -> None:
+    some = equations(rng, joined=True, many=FRAMES)
+    doubt = np.full(WIDTH, 10.0)
+    passing = np.flatnonzero(some.frame >= 0)
+    dense = np.zeros((len(some.frame), WIDTH, len(some.frame), WIDTH))
+    dense[some.rows, :, some.columns] = some.blocks
+    own = dense[np.ix_(passing, range(WIDTH), passing, range(WIDTH))]
+    own = own.reshape(FRAMES * WIDTH, -1) + 0.01 * np.eye(FRAMES * WIDTH)
+    expected = np.linalg.inv(own).reshape(FRAMES, WIDTH, FRAMES, WIDTH)
+    found = some.covariance(doubt)
+    for k, row in enumerate(passing):
+        np.testing.assert_allclose(found[row], expected[k, :, k], rtol=1e-6, atol=1e-9)
+    stays = np.linalg.inv(dense[0, :, 0] + 0.01 * np.eye(WIDTH))
+    np.testing.assert_allclose(found[0], stays, rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize(("joined", "many"), [(False, 1), (True, 1), (False, 3), (True, FRAMES)])
 @pytest.mark.parametrize("damping", [0.0, 0.1])
 def test_a_step_is_that_of_the_dense_system(
-    rng: np.random.Generator, joined: bool, damping: float
+    rng: np.random.Generator, joined: bool, many: int, damping: float
 ) -> None:
-    some = equations(rng, joined)
+    some = equations(rng, joined, many)
     count = len(some.gradient)
     dense = np.zeros((count, WIDTH, count, WIDTH))
     dense[some.rows, :, some.columns] = some.blocks

@@ -72,13 +72,8 @@ def map_scene(
     for _ in range(_ROUNDS):
         start.place_again(poses)
         poses, equations = adjust_scene(seen, scene, Motor(start.poses), start.known, bounded=True)
-    information = np.zeros((seen.rows, 6, 6))
-    own = equations.rows == equations.columns
-    information[equations.rows[own]] = equations.blocks[own]
-    information += np.diag(1.0 / np.repeat([1.0, 10.0], 3) ** 2)
-    covariance = np.linalg.inv(information)
+    covariance = equations.covariance(np.repeat([1.0, 10.0], 3))
     errors = np.where(start.known[seen.chain].all(axis=1), seen.errors_px(poses), np.inf)
-    covariance = 0.5 * (covariance + covariance.swapaxes(-1, -2))
     found = MappedScene(scene, seen, poses, start.known, errors, covariance)
     return replace(found, audit=(*told, *scene_audit(found)))
 

@@ -24,7 +24,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.markers.families import marker_points_m
 from motorcade.tracking.markers.scenes.scene import BodyOdometry, MarkerScene
 from motorcade.tracking.markers.scenes.start import stated_rows
-from motorcade.tracking.markers.scenes.table import SceneSightings
+from motorcade.tracking.markers.scenes.table import CAMERA, SceneSightings
 from motorcade.tracking.optimise import PairIndex, Stop, huber, huber_cauchy, minimise
 from motorcade.tracking.sparse import PassingEquations
 
@@ -38,8 +38,9 @@ _STEP = 1e-6
 class _Linear(Protocol):
     """Factors of a kind at one table of poses, each upon k poses."""
 
-    cost: float
-    """Half the squares of their residuals, in deviations, or a robust loss."""
+    @property
+    def cost(self) -> float:
+        """Half the squares of their residuals, in deviations, or a robust loss."""
 
     def product(self, a: int, b: int) -> FloatArray:
         """``J_a^T J_b``, ``(n, 6, 6)``: derivatives by the poses in two columns."""
@@ -206,7 +207,18 @@ def scene_factors(
             sigma = apart * np.repeat(body.still, 3)
             none = Motor.identity((len(frames) - 1,))
             factors.append(between(first + frames[:-1], first + frames[1:], none, sigma))
-    return factors + _lengths(seen, scene, known)
+    return factors + _wiggles(seen, scene, known) + _lengths(seen, scene, known)
+
+
+def _wiggles(seen: SceneSightings, scene: MarkerScene, known: NDArray[np.bool_]) -> list[Factors]:
+    """Poses of cameras in single frames, about their usual ones."""
+    usual, own = np.unique(np.stack([seen.usual_camera, seen.chain[:, CAMERA]]), axis=1)
+    loose = (usual != own) & known[usual] & known[own]
+    usual, own = usual[loose], own[loose]
+    if not len(own):
+        return []
+    sigma = np.array([np.repeat(scene.wiggle.get(name, (1.0, 1.0)), 3) for name in seen.names])
+    return [between(usual, own, Motor.identity((len(own),)), sigma[usual])]
 
 
 def odometry_steps(odometry: BodyOdometry, time_ns: IntArray) -> tuple[Motor, FloatArray]:
@@ -277,8 +289,8 @@ def _coordinate_m(poses: Motor, point: FloatArray, direction: FloatArray) -> Flo
 class _Graph:
     """All factors, and which poses meet: the same at every table of poses."""
 
-    def __init__(self, factors: list[Factors], passing: NDArray[np.bool_]) -> None:
-        self.factors, self.passing = factors, passing
+    def __init__(self, factors: list[Factors], frame: IntArray) -> None:
+        self.factors, self.frame = factors, frame
 
     @cached_property
     def pulls(self) -> list[list[PairIndex]]:
@@ -324,7 +336,7 @@ class _Evaluated:
     def equations(self) -> PassingEquations:
         graph = self._graph
         blocks: list[FloatArray] = []
-        gradient = np.zeros((len(graph.passing), 6))
+        gradient = np.zeros((len(graph.frame), 6))
         for one, pulls, products in zip(self._linear, graph.pulls, graph.products, strict=True):
             for a, whose in enumerate(pulls):
                 gradient[whose.rows] += whose.sums(one.pull(a))
@@ -334,7 +346,7 @@ class _Evaluated:
                     blocks.append(blocks[-1].swapaxes(-1, -2))
         joined = graph.joined
         summed = joined.sums(np.concatenate(blocks))
-        return PassingEquations(joined.rows, joined.columns, summed, gradient, graph.passing)
+        return PassingEquations(joined.rows, joined.columns, summed, gradient, graph.frame)
 
 
 def adjust_scene(
@@ -362,10 +374,7 @@ def adjust_scene(
         corners(seen, used, scene.sigma_px, bounded),
         *scene_factors(seen, scene, known),
     ]
-    passing = np.ones(seen.rows, bool)
-    passing[: len(seen.names) + len(seen.marker_ids)] = False
-    passing[seen.first_row[[not body.moves for body in scene.bodies]]] = False
-    graph = _Graph(factors, passing)
+    graph = _Graph(factors, seen.frame_of)
     found = minimise(poses, partial(_Evaluated, graph), _retract, _STOP)
     return found.state, found.evaluation.equations
 

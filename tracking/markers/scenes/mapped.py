@@ -43,7 +43,7 @@ class MappedScene:
         poses: Motor ``(P,)``, the table of `seen`.
         known: ``(P,)`` which of them were found.
         error_px: ``(N,)`` reprojection error of each sighting; infinite where a pose is unknown.
-        covariance: ``(P, 6, 6)`` of each pose, all others taken as they stand.
+        covariance: ``(P, 6, 6)`` of each pose; what stays and other frames taken as they stand.
         audit: whether what was stated agrees with what was seen.
     """
 
@@ -68,7 +68,7 @@ class MappedScene:
         return self.poses[row] if self.known[row] else None
 
     def camera(self, name: str) -> Motor | None:
-        """``body_T_camera``; None where it was not found."""
+        """``body_T_camera``, the usual one if it wiggles; None where it was not found."""
         row = self.seen.names.index(name)
         return self.poses[row] if self.known[row] else None
 

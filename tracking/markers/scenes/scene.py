@@ -202,10 +202,13 @@ class MarkerScene:
         cameras: ``body_T_camera`` of those that were stated.
         distances, coordinates: measured by hand.
         sigma_px: noise of a corner's coordinate, as stated.
+        wiggle: ``(2,)`` deviations, rad and m, of each frame's pose of a camera on its body about
+            its usual one, of those that sit loosely or expose apart from the others.
 
     Raises:
         ValueError: no body that stands still, a camera on a body that is not there, a marker on
-            two bodies, noise that is not above 0, or a covariance that is not positive definite.
+            two bodies, a camera that wiggles and is not there, noise or a wiggle that is not above
+            0, or a covariance that is not positive definite.
     """
 
     bodies: tuple[MarkerBody, ...]
@@ -214,6 +217,7 @@ class MarkerScene:
     distances: tuple[CornerDistance, ...] = ()
     coordinates: tuple[CornerCoordinate, ...] = ()
     sigma_px: float = 1.0
+    wiggle: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if all(body.moves for body in self.bodies):
@@ -228,6 +232,10 @@ class MarkerScene:
         if len(set(listed)) < len(listed):
             raise ValueError("MarkerScene.bodies: expected a marker on one body, got it on two")
         _above_zero("MarkerScene.sigma_px", self.sigma_px)
+        for camera, deviations in self.wiggle.items():
+            if camera not in self.camera_body:
+                raise ValueError(f"MarkerScene.wiggle: {camera} is no camera of the scene")
+            _above_zero(f"MarkerScene.wiggle of {camera}", *deviations)
         for what, stated in self._stated_poses():
             if not positive_definite(stated.covariance):
                 raise ValueError(

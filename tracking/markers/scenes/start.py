@@ -44,6 +44,7 @@ class Start:
 
     def __init__(self, seen: SceneSightings, scene: MarkerScene) -> None:
         self._seen, self._scene = seen, scene
+        self._chain = seen.usual_chain
         self.poses = np.tile(Motor.identity().coefficients, (seen.rows, 1))
         self.known = np.zeros(seen.rows, bool)
         self._staying = np.zeros(seen.rows, bool)
@@ -60,7 +61,8 @@ class Start:
                 continue
             if self._lead_on() or self._state(sure=False):
                 continue
-            return
+            break
+        self._wiggle()
 
     def place_again(self, poses: Motor) -> None:
         """Place frames anew that an adjustment left far from what they show.
@@ -71,6 +73,13 @@ class Start:
         self.poses = poses.coefficients.copy()
         self._frames_off()
         self.fill()
+
+    def _wiggle(self) -> None:
+        """Poses of a camera's frames begin as its usual one."""
+        usual, own = self._seen.usual_camera, self._seen.chain[:, CAMERA]
+        new = ~self.known[own] & self.known[usual]
+        self.poses[own[new]] = self.poses[usual[new]]
+        self.known[own[new]] = True
 
     def _frames_off(self) -> None:
         errors = self._seen.errors_px(Motor(self.poses))
@@ -125,12 +134,12 @@ class Start:
 
     def _see(self) -> bool:
         """Poses that sightings propose; whether any was found."""
-        missing = ~self.known[self._seen.chain]
+        missing = ~self.known[self._chain]
         one = np.flatnonzero(np.count_nonzero(missing, axis=1) == 1)
         if not len(one):
             return False
         slot = np.argmax(missing[one], axis=1)
-        target = self._seen.chain[one, slot]
+        target = self._chain[one, slot]
         passing = ~self._staying[target]
         if passing.any():
             self._place(one[passing], target[passing], slot[passing])
@@ -139,7 +148,7 @@ class Start:
 
     def _proposed(self, rows: IntArray, which: IntArray, slot: IntArray) -> Motor:
         """Missing poses by sightings ``(n,)``, of each by one of its planar poses."""
-        chain, table = self._seen.chain[rows], Motor(self.poses)
+        chain, table = self._chain[rows], Motor(self.poses)
         camera, carrier, body, marker = (table[chain[:, k]] for k in range(4))
         seen = self._seen.camera_T_marker[rows, which]
         found = np.empty((len(rows), 8))
@@ -222,7 +231,7 @@ class Start:
 
     def _cost(self, rows: IntArray, target: IntArray, proposed: Motor) -> FloatArray:
         """Squared errors (px²), bounded, of sightings whose missing pose is as proposed."""
-        chain, table = self._seen.chain[rows], Motor(self.poses)
+        chain, table = self._chain[rows], Motor(self.poses)
         given = [
             Motor(
                 np.where(

@@ -2,13 +2,15 @@
 
 A corner is seen through a chain of four poses, ``camera_T_marker = (world_T_carrier @
 carrier_T_camera).inverse() @ world_T_body @ body_T_marker``. The table holds a row for each camera,
-each marker, each body that stands still, and each frame of each body that moves.
+each marker, each body that stands still, each frame of each body that moves, and each frame of each
+camera that wiggles.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,9 +42,10 @@ class SceneSightings:
         side_m: ``(M,)``.
         marker_body: ``(M,)`` row of the body that each marker is on.
         first_row: ``(B,)`` row of the table where each body begins.
-        rows: how many the table has.
+        frame_of: ``(P,)`` the frame that each row belongs to; -1 where the pose stays.
         frame, camera, marker: ``(N,)``.
         chain: ``(N, 4)`` rows of the table.
+        usual_camera: ``(N,)`` the row of the camera's usual pose, wiggle it or not.
         corners_px: ``(N, 4, 2)``.
         camera_T_marker: Motor ``(N, 2)``, both planar poses.
         probability: ``(N, 2)`` of each, by how well it reprojects.
@@ -56,11 +59,12 @@ class SceneSightings:
     side_m: FloatArray
     marker_body: IntArray
     first_row: IntArray
-    rows: int
+    frame_of: IntArray
     frame: IntArray
     camera: IntArray
     marker: IntArray
     chain: IntArray
+    usual_camera: IntArray
     corners_px: FloatArray
     camera_T_marker: Motor
     probability: FloatArray
@@ -69,6 +73,18 @@ class SceneSightings:
     def __len__(self) -> int:
         """Number of sightings."""
         return len(self.frame)
+
+    @property
+    def rows(self) -> int:
+        """How many the table has."""
+        return len(self.frame_of)
+
+    @property
+    def usual_chain(self) -> IntArray:
+        """``(N, 4)`` rows of the table, no camera wiggling."""
+        chain = self.chain.copy()
+        chain[:, CAMERA] = self.usual_camera
+        return chain
 
     @property
     def points_m(self) -> FloatArray:
@@ -143,43 +159,29 @@ def gather_scene(
         raise ValueError(f"streams: expected cameras of the scene ({cameras}), got {strange[0]}")
     time_ns, frames = merged_frames([streams[name].time_ns for name in names], sync_s)
     body_at = {body.name: row for row, body in enumerate(scene.bodies)}
+    carriers = np.array([body_at[scene.camera_body[name]] for name in names])
     seen_ids = np.unique(np.concatenate([streams[name].marker_ids for name in names]))
     known = {int(one): row for one in seen_ids if (row := scene.body_of(int(one))) is not None}
     sides = {one: float(scene.side_m(one) or 0.0) for one in known}
-    parts = []
-    for which, name in enumerate(names):
-        stream, carrier = streams[name], body_at[scene.camera_body[name]]
-        owner = np.array([known.get(int(one), carrier) for one in stream.marker_ids], np.int64)
-        mine = np.flatnonzero(owner != carrier)
-        side_m = np.array([sides[int(one)] for one in stream.marker_ids[mine]], np.float64)
-        rows, both, error_px = planar_poses(stream.camera, stream.corners_px[mine], side_m)
-        mine = mine[rows]
-        parts.append(
-            (
-                np.full(len(mine), which),
-                frames[which][stream.frame[mine]],
-                stream.marker_ids[mine],
-                stream.corners_px[mine],
-                both.coefficients,
-                error_px,
-            )
-        )
-    marker_ids = np.array(sorted(known), np.int64)
-    marker_body = np.array([known[int(one)] for one in marker_ids], np.int64)
-    sizes = [len(time_ns) if body.moves else 1 for body in scene.bodies]
-    begin = len(names) + len(marker_ids)
-    first_row = begin + np.concatenate([[0], np.cumsum(sizes)])
+    parts = [
+        _posed(streams[name], which, int(carriers[which]), frames[which], known, sides)
+        for which, name in enumerate(names)
+    ]
     camera, frame, ids, corners, poses, errors = (
         np.concatenate([part[column] for part in parts]) for column in range(6)
     )
+    marker_ids = np.array(sorted(known), np.int64)
+    marker_body = np.array([known[int(one)] for one in marker_ids], np.int64)
     marker = np.searchsorted(marker_ids, ids)
     order = np.lexsort((marker, camera, frame))
     frame, camera, marker = frame[order], camera[order], marker[order]
     noise_px = corner_noise_or(errors[:, 0], None) if len(errors) else 1.0
+    frame_of, first_row, first_wiggle = _layout(scene, names, len(marker_ids), len(time_ns))
     moves = np.array([body.moves for body in scene.bodies])
-    carriers = np.array([body_at[scene.camera_body[name]] for name in names])
     chain = np.empty((len(frame), 4), np.int64)
-    chain[:, CAMERA], chain[:, MARKER] = camera, len(names) + marker
+    chain[:, MARKER] = len(names) + marker
+    chain[:, CAMERA] = np.where(first_wiggle < 0, np.arange(len(names)), first_wiggle)[camera]
+    chain[:, CAMERA] += np.where(first_wiggle[camera] < 0, 0, frame)
     for column, body in ((CARRIER, carriers[camera]), (BODY, marker_body[marker])):
         chain[:, column] = first_row[body] + np.where(moves[body], frame, 0)
     return SceneSightings(
@@ -189,17 +191,60 @@ def gather_scene(
         marker_ids,
         np.array([sides[int(one)] for one in marker_ids], np.float64),
         marker_body,
-        first_row[:-1],
-        int(first_row[-1]),
+        first_row,
+        frame_of,
         frame,
         camera,
         marker,
         chain,
+        camera,
         corners[order],
         Motor(poses[order]),
         _probabilities(errors[order], noise_px),
         noise_px,
     )
+
+
+def _posed(
+    stream: CornerStream,
+    which: int,
+    carrier: int,
+    frames: IntArray,
+    known: Mapping[int, int],
+    sides: Mapping[int, float],
+) -> tuple[NDArray[Any], ...]:
+    """Camera, frame, id, corners, planar poses and their errors of what can be posed."""
+    owner = np.array([known.get(int(one), carrier) for one in stream.marker_ids], np.int64)
+    mine = np.flatnonzero(owner != carrier)
+    side_m = np.array([sides[int(one)] for one in stream.marker_ids[mine]], np.float64)
+    rows, both, error_px = planar_poses(stream.camera, stream.corners_px[mine], side_m)
+    mine = mine[rows]
+    return (
+        np.full(len(mine), which),
+        frames[stream.frame[mine]],
+        stream.marker_ids[mine],
+        stream.corners_px[mine],
+        both.coefficients,
+        error_px,
+    )
+
+
+def _layout(
+    scene: MarkerScene, names: tuple[str, ...], markers: int, frames: int
+) -> tuple[IntArray, IntArray, IntArray]:
+    """Frames of the table's rows, the first row of each body, and that of each camera's frames.
+
+    The last is -1 for a camera that does not wiggle.
+    """
+    stays, passes = np.array([-1]), np.arange(frames)
+    parts = [np.full(len(names) + markers, -1)]
+    parts += [passes if body.moves else stays for body in scene.bodies]
+    wiggling = np.array([name in scene.wiggle for name in names])
+    parts += [passes for _ in range(np.count_nonzero(wiggling))]
+    begins = np.cumsum([len(part) for part in parts[:-1]])
+    first_wiggle = np.full(len(names), -1)
+    first_wiggle[wiggling] = begins[len(scene.bodies) :]
+    return np.concatenate(parts), begins[: len(scene.bodies)], first_wiggle
 
 
 def _probabilities(errors_px: FloatArray, noise_px: float) -> FloatArray:
