@@ -87,13 +87,12 @@ def fused(
     _check_choice(by, chosen, camera_poses, imu, odometry, to_the_end)
     harm: str | None = None
 
-    def path_of(poses: CameraPoses) -> FusedPath:
+    def path_of(poses: CameraPoses, whole: FusedPath | None = None) -> FusedPath:
         if chosen == "nothing":
             return _as_tracked(poses, harm or _reason(poses, imu, odometry, by))
         if chosen == "odometry":
             return _with_the_rest(_by_odometry(poses, odometry), poses)
-        curve_asked = lag_curve and poses is camera_poses
-        return _with_the_rest(_by_imu(poses, recording, imu, asked, curve_asked), poses)
+        return _with_the_rest(_by_imu(poses, recording, imu, asked, lag_curve, whole), poses)
 
     if chosen == "odometry" and by == "auto":
         harm = _harm(camera_poses, path_of)
@@ -107,7 +106,7 @@ def fused(
     return replace(
         found,
         looked_ahead=chosen != "nothing" and look_ahead,
-        held_out=None if kept is None else path_of(kept).trajectory,
+        held_out=None if kept is None else path_of(kept, found).trajectory,
     )
 
 
@@ -251,20 +250,30 @@ def _by_odometry(camera_poses: CameraPoses, odometry: Odometry | None) -> FusedP
 
 
 def _by_imu(
-    poses: CameraPoses, recording: Recording, imu: UsedImu, asked: _FilterKnobs, lag_curve: bool
+    poses: CameraPoses,
+    recording: Recording,
+    imu: UsedImu,
+    asked: _FilterKnobs,
+    lag_curve: bool,
+    whole: FusedPath | None,
 ) -> FusedPath:
-    """The filter's path at the times of the frames, with what was learnt on the way."""
+    """The filter's path at the times of the frames, with what was learnt on the way.
+
+    Of some poses alone it takes what was learnt of the noise from the `whole` path: a few figures
+    of thousands of readings hardly know the others. What is wrong was told with that.
+    """
     noise = assumed_noise(imu.noise, imu.origin, asked.noise_factor, asked.walk_factor)
     stream = imu.stream(recording)
     level = levelled(poses, imu, stream)
     settings = filter_settings(
         imu, asked.initial_tilt_deg, asked.alignment_sigma_deg, asked.gate, leaned=level.leaned
     )
-    learnt = None
-    if asked.learn_noise:
+    learnt = None if whole is None else whole.noise
+    if asked.learn_noise and learnt is None:
         upright = replace(settings, initial_tilt_error_rad=0.0)
         given = level.measurements, stream, noise, imu.imu_T_camera
         learnt = noise_of(*given, settings=upright)
+    if learnt is not None:
         noise = learnt.noise
 
     def with_lag(lag_s: float, *, judged: bool = False) -> Fused:
@@ -279,8 +288,8 @@ def _by_imu(
             state_covariances=False,
         )
 
-    found = _in_their_world(with_lag(asked.ahead_s, judged=True), imu, level, asked.lag_s)
-    curve = latency_curve(with_lag) if lag_curve else None
+    found = _in_their_world(with_lag(asked.ahead_s, judged=whole is None), imu, level, asked.lag_s)
+    curve = latency_curve(with_lag) if lag_curve and whole is None else None
     return replace(found, latency=curve, noise=learnt)
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from motorcade.fusion.filter.learning import LearntNoise
 from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
 from motorcade.fusion.metrics import absolute_translation_m, evaluate
 from motorcade.fusion.motions.standard import MOTIONS
@@ -355,3 +356,24 @@ def test_what_was_learnt_of_the_noise_is_told(stream: ImuStream) -> None:
     assert found.noise is not None
     assert "24 s of poses are needed to learn it, and there are 10" in found.noise.summary
     assert both(one, poses)[1].noise is None
+
+
+def test_what_was_told_and_learnt_of_a_path_serves_the_one_it_is_judged_by(
+    stream: ImuStream, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Noise is learnt once and a fault told once, though a second path is made of fewer poses."""
+    learnt: list[int] = []
+
+    def learn(measurements: PoseMeasurements, *_: Any, **__: Any) -> LearntNoise:
+        learnt.append(len(measurements))
+        return LearntNoise(ADIS16448.scaled(20.0), True, "learnt")
+
+    monkeypatch.setattr("motorcade.replays.stages.inertial.fused.noise_of", learn)
+    negated = ImuStream(stream.time_ns, -stream.angular_rate_rad_s, stream.specific_force_m_s2)
+    poses = measured()
+    _, found = both(with_imu(negated), poses, learn_noise=True)
+    assert found.held_out is not None
+    assert learnt == [len(poses.measurements)]
+    told = [one.getMessage() for one in caplog.records if one.name == "motorcade.fuse"]
+    assert told
+    assert len(told) == len(set(told))
