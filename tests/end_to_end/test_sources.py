@@ -181,22 +181,36 @@ def test_recorded_corners_run_to_a_report_without_a_video(
 
 
 @pytest.mark.slow
-def test_an_imu_gives_one_camera_its_metres(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("by", "frames"), [("inside", 150), ("afterwards", 90)])
+def test_an_imu_gives_one_camera_its_metres(by: str, frames: int, tmp_path: Path) -> None:
     folder = tmp_path / "room"
-    write_recording(folder, scenario("handheld", frames=90), name="room", imu=True)
+    write_recording(folder, scenario("handheld", frames=frames), name="room", imu=True)
     (folder / "depth.txt").unlink()
     manifest = folder / "motorcade.toml"
     camera, _, rest = manifest.read_text().partition("[stereo]")
     manifest.write_text(camera + rest[rest.index("[imu]") :])
-    found = report(tmp_path / "out", folder, "--set", "errors.align=auto")
+    inside = "true" if by == "inside" else "false"
+    settings = ("errors.align=auto", f"slam_poses.imu_inside={inside}")
+    found = report(tmp_path / "out", folder, *(part for one in settings for part in ("--set", one)))
     poses = found["camera_poses"]
     assert (poses["origin"], poses["scale"], found["align"]) == ("slam", "metric", "se3")
-    assert "metres and up found by the IMU" in poses["summary"]
+    told = poses["inertial"]
+    if by == "inside":
+        assert "with the IMU inside, metres and up" in poses["summary"]
+        assert told["metric_from_s"] < 5.0
+        assert told["frames_in_state"]["tracking"] > 10
+        # The camera looks level: gravity is along its y, and the report says how surely.
+        assert told["gravity_direction"][1] > np.cos(np.deg2rad(30.0))
+        assert 0.0 < told["tilt_sigma_deg"] < 1.2
+        assert told["states"][-1]["state"] == "tracking"
+    else:
+        assert "metres and up found by the IMU" in poses["summary"]
+        assert told is None
     assert 0.0 < poses["scale_sigma"] < 0.1
     assert (found["imu"]["origin"], found["fused"]["by"]) == ("recorded", "imu")
     assert found["errors"]["fused"]["ape_rmse_m"] < 0.01
     path = read_trajectory(tmp_path / "out" / "trajectories" / "fused_motor.tum")
-    truth = scenario("handheld", frames=90).truth()
+    truth = scenario("handheld", frames=frames).truth()
     assert evaluate(path, truth, align="sim3").scale == pytest.approx(1.0, abs=0.03)
     # Up is up: but for where it starts and which way it looks, the path needs no alignment.
     tilt = evaluate(path, truth, align="se3")

@@ -137,6 +137,8 @@ def _as_mapped(recording: Recording, found: SlamResult, scale: str, start: float
     resumed = recording.slam_map is not None
     first_T_world = Motor.identity() if resumed else path.motors[0].inverse()
     in_world = path.transformed_by(left=first_T_world)
+    if recording.readout_s > 0.0:
+        scale += f", the readout time of {1e3 * recording.readout_s:g} ms left aside without an IMU"
     return SlamPoses(
         PoseMeasurements(in_world, covariance),
         recording.frames.time_ns,

@@ -181,6 +181,7 @@ def test_an_imu_that_tells_no_metres_leaves_pictures_alone(
         found = slam_poses.slam_poses(one)
         assert not found.metric
         assert found.inertial is None
+        assert "the readout time of 10 ms left aside without an IMU" in found.summary
 
 
 @pytest.mark.parametrize(
