@@ -2,7 +2,8 @@
 
 Corners are tracked by pyramidal Lucas-Kanade flow. A corner counts as found if the flow back from
 its new place ends where it began. What is found is right to some tenths of a pixel. The compiled
-flow gives what OpenCV's gives, several times faster.
+flow gives what OpenCV's gives, several times faster, on as many
+threads as `motorcade.ga.kernels.threads` says.
 
 Sources: Lucas & Kanade 1981; Bouguet 2000 (pyramids); Kalal et al. 2010 (forward-backward check).
 """
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray
+from motorcade.ga.kernels import threads
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.native._flow import Pyramid, follow_corners
 
@@ -65,6 +67,6 @@ def track_corners(
     if not len(px):
         return np.zeros((0, 2)), np.zeros(0, dtype=np.bool_)
     one, other = (of if isinstance(of, Pyramid) else Pyramid(of) for of in (before, after))
-    there, found = follow_corners(one, other, px, guess, return_px)
+    there, found = follow_corners(one, other, px, guess, return_px, threads())
     limit = (other.width - 1 - border_px, other.height - 1 - border_px)
     return there, found & np.all((there >= border_px) & (there <= limit), axis=-1)

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from motorcade.tracking.native._flow import Pyramid
+from motorcade.tracking.native._flow import Pyramid, follow_corners
 from motorcade.tracking.pictures import track_corners
 
 HEIGHT, WIDTH = 210, 290
@@ -78,6 +78,15 @@ def test_pyramids_and_pictures_give_the_same(texture: np.ndarray, corners: np.nd
     by_columns = track_corners(np.asfortranarray(before), after, corners, corners)
     for ours, theirs in zip((*one, *one), (*other, *by_columns), strict=True):
         assert np.array_equal(ours, theirs)
+
+
+def test_any_number_of_threads_finds_the_same(texture: np.ndarray, corners: np.ndarray) -> None:
+    before, after = (Pyramid(taken(texture, 0.0, shift)) for shift in ((0.0, 0.0), (2.0, 1.0)))
+    px = np.repeat(corners, 3, axis=0)[:250] + np.linspace(0.0, 9.0, 250)[:, None]
+    one, *others = (follow_corners(before, after, px, px, 0.7, n) for n in (1, 0, 2, 3, 300))
+    for other in others:
+        assert np.array_equal(one[0], other[0])
+        assert np.array_equal(one[1], other[1])
 
 
 @pytest.mark.parametrize(

@@ -21,4 +21,5 @@ def follow_corners(
     px: FloatArray,
     guess: FloatArray,
     return_px: float,
+    threads: int,
 ) -> tuple[FloatArray, NDArray[np.bool_]]: ...

@@ -38,6 +38,14 @@ class View:
         self, lens: Lens, points: FloatArray, px: FloatArray, huber: float, outlier: float
     ) -> None: ...
     def evaluate(self, camera_T_world: FloatArray) -> tuple[float, FloatArray]: ...
+    def refine(
+        self,
+        world_T_camera: FloatArray,
+        steps: int,
+        gain: float,
+        damping: float,
+        most_damping: float,
+    ) -> tuple[FloatArray, FloatArray]: ...
     def linearise(
         self, camera_T_world: FloatArray, most_px: float
     ) -> tuple[FloatArray, FloatArray]: ...

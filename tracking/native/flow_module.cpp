@@ -4,14 +4,18 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/pair.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
+#include <thread>
+#include <vector>
 
 #include "flow.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
+namespace flow = motorcade::flow;
 using namespace motorcade::flow;
 
 namespace {
@@ -37,10 +41,41 @@ Array owned(std::unique_ptr<Kept[]> values, std::initializer_list<std::size_t> s
     return Array(data, shape, owner);
 }
 
-// Forward from the coarsest level, then back in the finest alone, since it begins where it should
-// end: found is what comes back.
+struct Corners {
+    const Pyramid &before, &after;
+    const double *from, *guess;
+    double return_px, *there;
+    bool *found;
+
+    // Forward from the coarsest level, then back in the finest alone, since it begins where it
+    // should end: found is what comes back.
+    void follow(std::size_t first, std::size_t last) const {
+        for (std::size_t k = first; k < last; ++k) {
+            const Place start = {from[2 * k], from[2 * k + 1]};
+            Place at = {guess[2 * k], guess[2 * k + 1]}, back = start;
+            found[k] = flow::follow(before, after, coarsest, start, at) &&
+                       flow::follow(after, before, 0, at, back) &&
+                       std::hypot(back.x - start.x, back.y - start.y) < return_px;
+            there[2 * k] = at.x;
+            there[2 * k + 1] = at.y;
+        }
+    }
+};
+
+constexpr std::size_t per_thread = 64;  // corners that are worth a thread
+
+void follow_all(const Corners &corners, std::size_t count, unsigned threads) {
+    const std::size_t shares = std::clamp<std::size_t>(threads, 1, count / per_thread + 1);
+    const std::size_t share = (count + shares - 1) / shares;
+    std::vector<std::thread> others;
+    for (std::size_t first = share; first < count; first += share)
+        others.emplace_back(&Corners::follow, &corners, first, std::min(first + share, count));
+    corners.follow(0, std::min(share, count));
+    for (std::thread &other : others) other.join();
+}
+
 std::pair<Places, Flags> follow_corners(const Pyramid &before, const Pyramid &after, Pixels from,
-                                        Pixels guess, double return_px) {
+                                        Pixels guess, double return_px, unsigned threads) {
     const std::size_t count = from.shape(0);
     if (guess.shape(0) != count)
         throw std::invalid_argument("guess: expected one for each of the corners");
@@ -48,15 +83,9 @@ std::pair<Places, Flags> follow_corners(const Pyramid &before, const Pyramid &af
     auto found = std::make_unique<bool[]>(count);
     {
         nb::gil_scoped_release unlocked;
-        for (std::size_t k = 0; k < count; ++k) {
-            const Place start = {from.data()[2 * k], from.data()[2 * k + 1]};
-            Place there = {guess.data()[2 * k], guess.data()[2 * k + 1]}, back = start;
-            found[k] = follow(before, after, coarsest, start, there) &&
-                       follow(after, before, 0, there, back) &&
-                       std::hypot(back.x - start.x, back.y - start.y) < return_px;
-            places[2 * k] = there.x;
-            places[2 * k + 1] = there.y;
-        }
+        const Corners corners{before,    after,        from.data(), guess.data(),
+                              return_px, places.get(), found.get()};
+        follow_all(corners, count, threads);
     }
     return {owned<double, Places>(std::move(places), {count, 2}),
             owned<bool, Flags>(std::move(found), {count})};
@@ -78,5 +107,5 @@ NB_MODULE(_flow, module) {
         .def_prop_ro("width", [](const Pyramid &of) { return of[0].width; })
         .def_prop_ro("height", [](const Pyramid &of) { return of[0].height; });
     module.def("follow_corners", &follow_corners, "before"_a, "after"_a, "px"_a, "guess"_a,
-               "return_px"_a);
+               "return_px"_a, "threads"_a);
 }

@@ -151,6 +151,21 @@ nb::tuple evaluate_view(const View &view, Matrix camera_T_world) {
     return nb::make_tuple(cost, error_px.array);
 }
 
+nb::tuple refine_view(const View &view, Given<nb::shape<8>> world_T_camera, int steps, double gain,
+                      double damping, double most_damping) {
+    const Fit fit = view.fit();
+    const Zeros error_px({fit.count}), made({8});
+    Motor start;
+    std::copy_n(world_T_camera.data(), 8, start.data());
+    {
+        nb::gil_scoped_release unlocked;
+        const Stop stop{steps, gain, damping, most_damping};
+        const Motor found = refine(fit, start, stop, error_px.data);
+        std::copy(found.begin(), found.end(), made.data);
+    }
+    return nb::make_tuple(made.array, error_px.array);
+}
+
 nb::tuple linearise_view(const View &view, Matrix camera_T_world, double most_px) {
     const Zeros information({6, 6}), gradient({6});
     linearise(view.fit(), pose_of(camera_T_world), most_px, information.data, gradient.data);
@@ -240,6 +255,8 @@ NB_MODULE(_least_squares, module) {
             },
             "lens"_a, "points"_a, "px"_a, "huber"_a, "outlier"_a)
         .def("evaluate", &evaluate_view, "camera_T_world"_a)
+        .def("refine", &refine_view, "world_T_camera"_a, "steps"_a, "gain"_a, "damping"_a,
+             "most_damping"_a)
         .def("linearise", &linearise_view, "camera_T_world"_a, "most_px"_a);
     module.def("invert", &invert_blocks, "blocks"_a);
     module.def("eliminate", &eliminate_blocks, "inverted"_a, "gradient"_a, "block_of"_a,

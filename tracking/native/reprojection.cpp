@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
+#include "blocks.h"
 #include "support.h"
+#include "versors.h"
 
 namespace motorcade::adjusting {
 
@@ -218,6 +221,64 @@ void linearise(const Fit &fit, const Pose &pose, double most_px, double *informa
     }
     for (std::size_t i = 0; i < 6; ++i)
         for (std::size_t j = 0; j < i; ++j) information[6 * j + i] = information[6 * i + j];
+}
+
+namespace {
+
+constexpr double floor_of_diagonal = 1e-9, least_damping = 1e-12;
+
+Pose seen_from(const Motor &world_T_camera) {
+    const std::array<double, 12> rows = versors::matrix34(versors::inverse(world_T_camera));
+    return pose_of(rows.data());
+}
+
+// False where the damped equations have no solution.
+bool solve(const double *information, const double *gradient, double damping,
+           std::array<double, 6> &step) {
+    std::array<double, 36> damped;
+    std::copy_n(information, 36, damped.data());
+    for (std::size_t i = 0; i < 6; ++i)
+        damped[7 * i] += damping * information[7 * i] + floor_of_diagonal;
+    if (!invert(damped.data(), 1, 6)) return false;
+    for (std::size_t i = 0; i < 6; ++i) {
+        step[i] = 0.0;
+        for (std::size_t j = 0; j < 6; ++j) step[i] -= damped[6 * i + j] * gradient[j];
+    }
+    return true;
+}
+
+}  // namespace
+
+Motor refine(const Fit &fit, const Motor &world_T_camera, const Stop &stop, double *error_px) {
+    Motor best = world_T_camera;
+    double information[36], gradient[6], damping = stop.damping;
+    double cost = evaluate(fit, seen_from(best), error_px);
+    std::vector<double> tried_px(fit.count);
+    bool formed = false;
+    for (int k = 0; k < stop.steps; ++k) {
+        if (!formed) linearise(fit, seen_from(best), infinity, information, gradient);
+        formed = true;
+        std::array<double, 6> step;
+        Motor tried = best;
+        double there = infinity;
+        if (solve(information, gradient, damping, step)) {
+            tried = versors::retract(best, step);
+            there = evaluate(fit, seen_from(tried), tried_px.data());
+        }
+        if (!(there <= cost)) {
+            damping *= 10.0;
+            if (damping > stop.most_damping) break;
+            continue;
+        }
+        const bool settled = cost - there <= stop.gain * cost;
+        best = tried;
+        cost = there;
+        std::copy(tried_px.begin(), tried_px.end(), error_px);
+        damping = std::max(0.1 * damping, least_damping);
+        formed = false;
+        if (settled) break;
+    }
+    return best;
 }
 
 }  // namespace motorcade::adjusting

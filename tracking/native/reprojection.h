@@ -80,6 +80,18 @@ struct Fit {
     double huber, outlier;
 };
 
+using Motor = std::array<double, 8>;
+
+// When a minimisation ends; see motorcade.tracking.optimise.
+struct Stop {
+    int steps;
+    double gain, damping, most_damping;
+};
+
+// The world_T_camera near another that the points agree with best, and the sizes of residuals
+// there: Levenberg's and Marquardt's steps as `minimise` takes them.
+Motor refine(const Fit &fit, const Motor &world_T_camera, const Stop &stop, double *error_px);
+
 // Cost at a pose; sizes of residuals, infinite behind the camera.
 double evaluate(const Fit &fit, const Pose &pose, double *error_px);
 // By the loss's weights, or by those residuals alone that are not larger than `most_px`.

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from operator import attrgetter
 from typing import Any
 
 import cv2
@@ -24,6 +25,7 @@ from motorcade.tracking.pictures import track_corners
 DepthImage = NDArray[np.float32]
 Descriptors = NDArray[np.uint8]
 
+_RESPONSE = attrgetter("response")
 _FAST_THRESHOLD = 7
 _CANDIDATES_A_CORNER = 6
 _FINER = 4  # at most one corner in a cell of a grid so much finer than one a corner
@@ -86,7 +88,7 @@ def find_corners(gray: GrayImage, count: int, taken_px: FloatArray | None = None
     if not found or len(taken) >= count:
         return nothing
     px = np.asarray(cv2.KeyPoint.convert(found), dtype=np.float64)
-    strength = np.fromiter((point.response for point in found), np.float64, len(found))
+    strength = np.fromiter(map(_RESPONSE, found), np.float64, len(found))
     order = np.lexsort((px[:, 0], px[:, 1], -strength))
     fine = grid_cells(px, gray.shape, _FINER * count)
     _, first = np.unique(fine[order], return_index=True)

@@ -9,8 +9,8 @@ Sources: Hartley & Zisserman 2003, ch. 12; Barath et al. 2020 (MAGSAC++, in Open
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from dataclasses import astuple, dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -20,7 +20,7 @@ from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.native._least_squares import Lens, View
-from motorcade.tracking.optimise import NormalEquations, Stop, minimise
+from motorcade.tracking.optimise import NormalEquations, Stop
 
 BoolArray = NDArray[np.bool_]
 
@@ -156,26 +156,13 @@ def lens_of(camera: Camera) -> Lens:
     return Lens(camera.model, camera.fx, camera.fy, camera.cx, camera.cy, camera.distortion)
 
 
-class _Reprojection:
-    """Points against their reprojection from one pose; those behind the camera pull nowhere."""
-
-    def __init__(self, view: View, pose: Motor) -> None:
-        self._view, self._camera_T_world = view, pose.inverse().as_matrix()
-        self.cost, self.error_px = view.evaluate(self._camera_T_world)
-
-    @cached_property
-    def equations(self) -> NormalEquations:
-        return self._equations(np.inf)
-
-    def _equations(self, most_px: float) -> NormalEquations:
-        return NormalEquations(*self._view.linearise(self._camera_T_world, most_px))
-
-    def covariance(self, inliers: BoolArray, sigma: float) -> FloatArray:
-        """Of the pose by the inliers alone; infinite where they do not fix it."""
-        equations = self._equations(OUTLIER_PX)
-        if np.count_nonzero(inliers) < _FEWEST or np.linalg.cond(equations.information) >= 1e14:
-            return np.full((6, 6), np.inf)
-        return equations.covariance(sigma)
+def _covariance(view: View, pose: Motor, inliers: BoolArray, sigma: float) -> FloatArray:
+    """Of the pose by the inliers alone; infinite where they do not fix it."""
+    camera_T_world = pose.inverse().as_matrix()
+    equations = NormalEquations(*view.linearise(camera_T_world, OUTLIER_PX))
+    if np.count_nonzero(inliers) < _FEWEST or np.linalg.cond(equations.information) >= 1e14:
+        return np.full((6, 6), np.inf)
+    return equations.covariance(sigma)
 
 
 def refine_pose(
@@ -209,13 +196,12 @@ def refine_pose(
     """
     start = Motor.normalize(world_T_camera.coefficients)
     view = View(lens_of(camera), points, px, _HUBER_PX, OUTLIER_PX)
-    found = minimise(start, partial(_Reprojection, view), Motor.retract, _STOP)
-    error = found.evaluation.error_px
+    found, error = view.refine(start.coefficients, *astuple(_STOP))
+    pose = Motor.normalize(found)
     inliers = error <= OUTLIER_PX
     rms = float(np.sqrt(np.mean(error[inliers] ** 2))) if inliers.any() else float("inf")
     sigma = max(rms / np.sqrt(2.0), _SIGMA_FLOOR_PX)
-    covariance = found.evaluation.covariance(inliers, sigma)
-    return FittedPose(found.state, covariance, inliers, rms)
+    return FittedPose(pose, _covariance(view, pose, inliers, sigma), inliers, rms)
 
 
 def pose_by_sampling(points: FloatArray, px: FloatArray, camera: Camera) -> FittedPose | None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, IntArray
@@ -250,8 +251,7 @@ class Tracker:
         known = start.px[located][usable]
         rows = np.flatnonzero(located)[usable]
         unlocated = np.setdiff1d(np.arange(len(guess)), rows)
-        apart = np.sum((guess[unlocated, None] - known[None]) ** 2, axis=-1)
-        near = np.argpartition(apart, _NEIGHBOURS - 1, axis=1)[:, :_NEIGHBOURS]
+        near = KDTree(known).query(guess[unlocated], _NEIGHBOURS)[1]
         guess[unlocated] += np.median(motion[usable][near], axis=1)
         guess[rows] = known + motion[usable]
         return guess

@@ -56,6 +56,7 @@ _SINGLE = {
     "local": ("rotor_local", "local", "similarity_local"),
     "adjoint": ("rotor_adjoint", "adjoint", "similarity_adjoint"),
     "normalize": ("normalize",),
+    "matrix34": ("matrix34",),
     "rotor_translation_scale": ("rotor_translation_scale",),
     "similarity_of": ("similarity_of_motor",),
 }

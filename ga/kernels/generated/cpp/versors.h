@@ -1455,6 +1455,43 @@ inline std::array<Real, 8> normalize(const std::array<Real, 8> &m)
 }
 
 /*
+ * 3×4 matrix of a motor, by rows
+ * m: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
+ * returns: m00 m01 m02 m03 m10 m11 m12 m13 m20 m21 m22 m23
+ */
+template <class Real>
+inline std::array<Real, 12> matrix34(const std::array<Real, 8> &m)
+{
+    const Real m0 = m[0], m1 = m[1], m2 = m[2], m3 = m[3];
+    const Real m4 = m[4], m5 = m[5], m6 = m[6], m7 = m[7];
+    const Real t0 = m0 * m0;
+    const Real t1 = m3 * m3;
+    const Real t2 = t0 - t1;
+    const Real t3 = m2 * m2;
+    const Real t4 = m1 * m1;
+    const Real t5 = m0 * m3 * Real(2.0);
+    const Real t6 = Real(2.0) * (m2 * m1);
+    const Real t7 = m3 * m1;
+    const Real t8 = m0 * m2;
+    const Real t9 = m3 * m2;
+    const Real t10 = m0 * m1;
+    return {
+        t2 - t3 + t4,
+        t5 + t6,
+        Real(2.0) * (t7 - t8),
+        Real(-2.0) * (m0 * m4 + m3 * m5 - m2 * m6 + m1 * m7),
+        t6 - t5,
+        t2 + t3 - t4,
+        Real(2.0) * (t9 + t10),
+        Real(-2.0) * (m0 * m5 - m3 * m4 + m2 * m7 + m1 * m6),
+        Real(2.0) * (t7 + t8),
+        Real(2.0) * (t9 - t10),
+        t1 + (t0 - (t3 + t4)),
+        Real(-2.0) * (m2 * m4 - m1 * m5 + m0 * m6 + m3 * m7),
+    };
+}
+
+/*
  * Rotor, translation and scale of a similarity
  * m: 1 e23 e31 e12 E e23E e31E e12E e1∞ e2∞ e3∞ e123∞
  * returns: 1 e23 e31 e12 x y z scale
