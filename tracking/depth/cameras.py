@@ -78,11 +78,11 @@ def register_depth(depth_m: DepthImage, taken_by: DepthCamera, colour: Camera) -
         raise ValueError(
             f"depth_m: expected shape {(camera.height, camera.width)}, got {depth_m.shape}"
         )
-    finer = colour.fx / camera.fx
-    if finer > FINEST:
+    finer = np.array([colour.fx / camera.fx, colour.fy / camera.fy])
+    if np.any(finer > FINEST):
         raise ValueError(
             f"colour: expected at most {FINEST} times the depth camera's focal length in pixels, "
-            f"got {finer:.0f} times"
+            f"got {finer.max():.0f} times"
         )
     known = np.isfinite(depth_m) & (depth_m > 0.0)
     rays = _rays(camera)[known]
@@ -90,16 +90,17 @@ def register_depth(depth_m: DepthImage, taken_by: DepthCamera, colour: Camera) -
     pose = taken_by.colour_T_depth.as_matrix()
     seen = points @ pose[:3, :3].T + pose[:3, 3]
     px = colour.project(seen)
-    # Half the side of the square that a pixel of the depth camera makes in the other picture.
-    half = np.maximum(0.5 * finer * points[:, 2] / np.abs(seen[:, 2]), 0.5)
+    # Half the sides of the rectangle that a pixel of the depth camera makes in the other picture.
+    half = np.maximum(0.5 * finer * (points[:, 2] / np.abs(seen[:, 2]))[:, None], 0.5)
     nearest = np.full(colour.height * colour.width, np.inf, dtype=np.float32)
     usable = np.isfinite(px[:, 0])
     px, half, ahead = px[usable], half[usable], seen[usable, 2].astype(np.float32)
-    first = np.ceil(px - half[:, None]).astype(np.int64)
-    last = np.ceil(px + half[:, None]).astype(np.int64) - 1
-    widest = int(np.minimum(np.max(last - first, initial=0), max(_WIDEST, np.ceil(finer))))
-    for right in range(widest + 1):
-        for down in range(widest + 1):
+    first = np.ceil(px - half).astype(np.int64)
+    last = np.ceil(px + half).astype(np.int64) - 1
+    most = np.maximum(_WIDEST, np.ceil(finer)).astype(np.int64)
+    wide, high = np.minimum(np.max(last - first, axis=0, initial=0), most).tolist()
+    for right in range(wide + 1):
+        for down in range(high + 1):
             column, row = first[:, 0] + right, first[:, 1] + down
             inside = (column <= last[:, 0]) & (row <= last[:, 1])
             inside &= (column >= 0) & (row >= 0) & (column < colour.width) & (row < colour.height)

@@ -233,9 +233,11 @@ class _Manifest:
             raise section.fault("", "expected a [camera] to register depth to, got none")
         stated = "width" in section or "height" in section
         lens = self._camera(section, None if stated else frames.first_depth_size())
-        if colour.fx > FINEST * lens.fx:
-            expected = f"expected at least a {FINEST}th of the camera's {colour.fx:g} px"
-            raise section.fault("fx", f"{expected}, got {lens.fx:g}")
+        for key in ("fx", "fy"):
+            whole, own = getattr(colour, key), getattr(lens, key)
+            if whole > FINEST * own:
+                expected = f"expected at least a {FINEST}th of the camera's {whole:g} px"
+                raise section.fault(key, f"{expected}, got {own:g}")
         pose = transform(section["colour_T_depth"], self.path, "[depth_camera] colour_T_depth")
         taken_by = DepthCamera(lens, pose)
         return replace(made, frames=replace(frames, depth_camera=taken_by, colour_camera=colour))

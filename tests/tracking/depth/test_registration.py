@@ -79,6 +79,17 @@ def test_colour_too_fine_for_its_depth_is_refused() -> None:
         register_depth(np.full((3, 4), 2.0, np.float32), DepthCamera(tiny), COLOUR)
 
 
+@pytest.mark.parametrize("size", [(40, 15), (20, 30)])
+def test_pixels_of_a_sensor_that_are_not_square_leave_no_gaps(size: tuple[int, int]) -> None:
+    width, height = size
+    right, down = width / 320, height / 240
+    middle = 160.0 * right - 0.5, 120.0 * down - 0.5
+    sensor = Camera(width, height, COLOUR.fx * right, COLOUR.fy * down, *middle)
+    wall = np.full((height, width), 2.0, np.float32)
+    registered = register_depth(wall, DepthCamera(sensor), COLOUR)
+    assert np.mean(registered == 2.0) > 0.99
+
+
 def test_unknown_depth_stays_unknown_and_other_sizes_are_refused() -> None:
     nothing = np.full((240, 320), np.nan, np.float32)
     nothing[3, 4], nothing[5, 6] = 0.0, -1.0
