@@ -42,7 +42,7 @@ class Setting:
             ValueError: what the method refuses, or a result that runs away.
         """
         parameters: dict[str, Any] = dict(self.parameters)
-        made = smooth(trajectory, self.method, self.representation, **parameters)
+        made: Trajectory = smooth(trajectory, self.method, self.representation, **parameters)
         farthest = float(np.max(np.abs(made.poses.coefficients)))
         if not farthest < _FARTHEST:
             raise ValueError(f"the result runs away, to coefficients of {farthest:.3g}")

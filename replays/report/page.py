@@ -196,7 +196,7 @@ def _errors_caption(findings: Findings) -> str:
         "se3": "after rigid alignment (SE3)",
         "sim3": "after alignment with scale (Sim3)",
     }[errors.align]
-    tint = "" if findings.smoothed.window_s is None else "The best of a column is tinted. "
+    tint = "" if findings.smoothed.method is None else "The best of a column is tinted. "
     against = f"Against the recording's ground truth, {how}; root mean squares. {tint}"
     return against + _smoothing(findings)
 
@@ -220,10 +220,14 @@ def _stages(findings: Findings) -> str:
 
 
 def _smoothing(findings: Findings) -> str:
-    window_s = findings.smoothed.window_s
-    if window_s is None:
+    method, parameters = findings.smoothed.method, findings.smoothed.parameters
+    if method is None:
         return LEFT_AS_IT_WAS
-    return f"Smoothed over windows of {window_s:.2f} s."
+    numbers = (
+        f"{name} {value:.3g}" if isinstance(value, float) else f"{name} {value}"
+        for name, value in parameters.items()
+    )
+    return f"Smoothed by {method}: {', '.join(numbers) or 'at its defaults'}."
 
 
 def _rows(figures: dict[str, dict[str, float | None]], keys: list[str]) -> list[dict[str, Any]]:

@@ -31,7 +31,7 @@ COLUMNS = {
 
 LEFT_AS_IT_WAS = (
     "The fused path was left as it is: any more smoothing would take away motion, not noise, so "
-    "the representations do not differ here (smoothed.window_s asks for it)."
+    "the representations do not differ here (smoothed.window_s or smoothed.parameters ask for it)."
 )
 
 
@@ -48,7 +48,7 @@ def summarise(findings: Findings) -> dict[str, Any]:
             "clock_offset_sigma_s": findings.imu.clock_offset_sigma_s,
         },
         "fused": _fused(findings),
-        "smoothed": {"window_s": findings.smoothed.window_s},
+        "smoothed": {"method": findings.smoothed.method, **findings.smoothed.parameters},
         "integrity": findings.integrity.as_dict(),
         "align": findings.errors.align,
         "unaligned": findings.errors.unaligned or None,
@@ -161,7 +161,7 @@ def as_table(summary: Mapping[str, Any]) -> str:
         cells = [line[0].ljust(widths[0])]
         cells += [cell.rjust(width) for cell, width in zip(line[1:], widths[1:], strict=True)]
         lines.append("  ".join(cells))
-    if summary.get("smoothed") == {"window_s": None}:
+    if summary.get("smoothed") == {"method": None}:
         lines.append(LEFT_AS_IT_WAS)
     if summary.get("unaligned"):
         lines.append(f"No error can be told: {summary['unaligned']}.")

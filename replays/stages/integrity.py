@@ -37,6 +37,7 @@ SIGMAS = 3.0
 """Registration counts as worse beyond so many times that of the measured poses."""
 FREEDOM = 6
 """Of a pose."""
+_SMOOTH_LESS = "smooth less (smoothed.window_s, smoothed.parameters)"
 
 
 def integrity(
@@ -133,7 +134,7 @@ def _registration_check(
         f"path lies more than {limit_px:.2g} px off: {_shown(_median(found))} px in the median, "
         f"{_shown(_median(registration['measured']))} px along the measured poses"
     )
-    advice = "smooth less (smoothed.window_s), or look at what the filter made of the poses"
+    advice = f"{_SMOOTH_LESS}, or look at what the filter made of the poses"
     return _counted("registration", off, len(found), allowed, summary, advice)
 
 
@@ -153,7 +154,9 @@ def _agreement(camera_poses: CameraPoses, path: Trajectory) -> AuditFinding:
         f"the smoothed path misses {beyond} of {len(apart)} measured poses (up to {allowed} may): "
         f"by {_shown(shifted)} {unit} and {_shown(turned)}° in the median"
     )
-    advice = "smooth less (smoothed.window_s), or state the poses' noise as it is"
+    advice = (
+        "smooth less (smoothed.window_s, smoothed.parameters), or state the poses' noise as it is"
+    )
     return _counted("agreement", beyond, len(apart), allowed, summary, advice)
 
 

@@ -62,17 +62,18 @@ class FusedPath:
 class SmoothedPaths:
     """The smoothed path `world_T_camera`, a trajectory for each representation.
 
-    `window_s` is the width of the window used; None where the path was left as it was, because
-    any smoothing would have taken away motion or was done in fusing. `held_out` is the first
-    representation's path, made of `FusedPath.held_out`.
+    `method` is the smoother's name and `parameters` are its numbers, in its own units; None and
+    empty where the path was left as it was, because any smoothing would have taken away motion or
+    was done in fusing. `held_out` is the first representation's path, made of `FusedPath.held_out`.
 
     >>> from motorcade.fusion.motions import MOTIONS
     >>> from motorcade.replays import SmoothedPaths
     >>> path = MOTIONS["handheld"].sampled(rate_hz=50.0, duration_s=1.0)
-    >>> list(SmoothedPaths({"motor": path, "euler": path}, window_s=None).trajectories)
+    >>> list(SmoothedPaths({"motor": path, "euler": path}, None, {}).trajectories)
     ['motor', 'euler']
     """
 
     trajectories: dict[str, Trajectory]
-    window_s: float | None
+    method: str | None
+    parameters: dict[str, float | str]
     held_out: Trajectory | None = None

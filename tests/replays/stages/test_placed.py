@@ -306,5 +306,5 @@ def test_depth_is_seen_as_the_poses_were_found_with_it(
         lambda pictures, *_, **__: hiding.extend(depth_m for _, _, depth_m in pictures),
     )
     monkeypatch.setattr("motorcade.replays.stages.view.overlay.write_video", lambda *_: None)
-    overlay(told_wrong, given, SmoothedPaths({"motor": path.drawn}, None), path, found)
+    overlay(told_wrong, given, SmoothedPaths({"motor": path.drawn}, None, {}), path, found)
     np.testing.assert_allclose(hiding[0], frames[0].depth_m(), atol=1e-6)

@@ -69,8 +69,8 @@ def test_where_all_are_equal_none_is_best() -> None:
 
 
 def test_that_nothing_was_smoothed_is_told_below_the_table() -> None:
-    smoothed = as_table({"errors": FIGURES, "smoothed": {"window_s": 0.2}})
-    left = as_table({"errors": FIGURES, "smoothed": {"window_s": None}})
+    smoothed = as_table({"errors": FIGURES, "smoothed": {"method": "gaussian"}})
+    left = as_table({"errors": FIGURES, "smoothed": {"method": None}})
     assert left == f"{smoothed}\n{LEFT_AS_IT_WAS}"
 
 
