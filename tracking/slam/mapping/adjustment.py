@@ -134,7 +134,7 @@ class BundleReprojection:
     def equations(self) -> BlockEquations:
         """Of the free poses, six numbers each, and the points."""
         bundle = self._bundle
-        own, gradient, *of_points, coupling = bundle.sight.linearise(*self._state)
+        own, gradient, blocks, pull, coupling = bundle.sight.linearise(*self._state)
         free, every = len(own), np.arange(len(own))
         information = np.zeros((free, 6, free, 6))
         information[every, :, every] = own
@@ -143,7 +143,8 @@ class BundleReprojection:
         return BlockEquations(
             information.reshape(6 * free, 6 * free),
             gradient.ravel(),
-            *of_points,
+            blocks,
+            pull,
             bundle.point_of[seen],
             slot[seen],
             coupling,
