@@ -19,7 +19,8 @@ class SlamSettings:
         adjust: adjust the window at each keyframe, after a loop an older one beside it until the
             whole loop was, and the whole map at the end; off shows what that is worth.
         close_loops: recognise where the camera was before, and join maps; off shows its worth.
-        cull_keyframes: drop keyframes whose points others see as well; off shows its worth.
+        cull_keyframes: drop keyframes whose points others see as well, where lengths are metres
+            (one camera's unit would drift more); off shows its worth.
         new_maps: begin a new map, with a world of its own, where the camera stays lost; off leaves
             it lost until it is found.
         threads: map in a second thread, so that no frame waits for a keyframe to be worked in. What

@@ -191,24 +191,6 @@ def close_loop(slam_map: SlamMap, loop: LoopClosure, camera: Camera) -> ClosedLo
     return ClosedLoop(old.time_ns, newest.time_ns, (gone, into), before.inverse() @ after)
 
 
-def windows_along(rows: IntArray, old: int, size: int) -> list[tuple[IntArray, IntArray]]:
-    """Windows of keyframes to adjust after a loop, with those that each may be held by.
-
-    They overlap by half, from the newest keyframe back to the old one. The first is held by the old
-    pass alone, which draws it there; the others carry that on.
-
-    Args:
-        rows: of the map's keyframes, rising.
-        old: the row that was recognised.
-        size: of a window.
-    """
-    first = max(int(np.searchsorted(rows, old)) - size, 1)  # the map's first one stays
-    stops = range(len(rows), first, -(size // 2))
-    free = [rows[max(stop - size, first) : stop] for stop in stops]
-    holders = [rows[: max(len(rows) - 2 * size, 1)], *[rows] * len(free)]
-    return list(zip(free, holders, strict=False))
-
-
 def _spread(slam_map: SlamMap, loop: LoopClosure) -> None:
     """Spread the drift over the keyframes of one map, and move the points along."""
     rows = slam_map.rows_of(slam_map.keyframes[loop.new].map_number)

@@ -28,10 +28,15 @@ from motorcade.tracking.slam.mapping.loops import (
     ClosedLoop,
     close_loop,
     find_loop,
-    windows_along,
 )
 from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
 from motorcade.tracking.slam.mapping.matching import alike_where_expected, any_in_view, in_view
+from motorcade.tracking.slam.mapping.windows import (
+    connected,
+    held_by,
+    points_seen,
+    windows_along,
+)
 from motorcade.tracking.slam.settings import SlamSettings
 from motorcade.tracking.slam.tracker import TrackedPoints
 
@@ -137,8 +142,9 @@ class Mapper:
     def _culled(self) -> CulledKeyframe | None:
         """Let the keyframe that has left the window leave the map too, if others make up for it."""
         mine = self.map.rows_of(self.active)
-        # An IMU's samples link each keyframe to the next.
-        if not self.settings.cull_keyframes or self.adjuster is not None:
+        # An IMU's samples link each keyframe to the next; one camera's unit is handed on by nothing
+        # but what its keyframes share, and drifts the more the fewer there are.
+        if not self.settings.cull_keyframes or self.adjuster is not None or not self.metric:
             return None
         if len(mine) <= self.settings.window:
             return None
@@ -282,17 +288,23 @@ class Mapper:
             self.map.points[ids[good]] = points[good]
 
     def adjust_window(self) -> None:
-        """Adjust the newest keyframes and their points; older ones that see these stay fixed."""
+        """Adjust the newest keyframes and their points; older ones that see these stay fixed.
+
+        Where the camera was put elsewhere, those from before have nothing to do with the newest.
+        """
         mine = self.map.rows_of(self.active)
         free = mine[-self.settings.window :]
-        seen = self._points_seen(free)
+        if self.adjuster is None:
+            free = connected(self.map, free, _FEWEST_HELD)
+        seen = points_seen(self.map, free)
         shared = self.map.shared(seen)
         shared[free] = 0
         if self.adjuster is not None and len(mine) > len(free):
             shared[mine[-1 - len(free)]] = len(seen) + 1  # motion is measured from the one before
         fixed = np.argsort(-shared, kind="stable")[:_MOST_FIXED]
         fixed = np.sort(fixed[shared[fixed] > 0])
-        self._adjust(np.concatenate([fixed, free]), len(fixed), seen)
+        rows = np.concatenate([fixed, free])
+        self._adjust(rows, len(fixed), held_by(self.map, rows, seen))
 
     def _adjust_between(self, free: IntArray, holders: IntArray) -> None:
         """Adjust keyframes `free` amid the map, between those of `holders` that see the same."""
@@ -300,7 +312,7 @@ class Mapper:
         free, holders = (rows[np.isin(rows, live)] for rows in (free, holders))
         if not len(free):
             return
-        seen = self._points_seen(free)
+        seen = points_seen(self.map, free)
         shared = np.zeros(len(self.map.keyframes), dtype=np.int64)
         shared[holders] = self.map.shared(seen)[holders]
         shared[free] = 0
@@ -309,15 +321,7 @@ class Mapper:
         if not len(fixed):
             return
         rows = np.concatenate([fixed, free])
-        # A point that only one of them sees, and others elsewhere, is held by those.
-        _, ids, _, depth = self.map.observations(rows)
-        held = np.bincount(ids, 1.0 + np.isfinite(depth), len(self.map.alive))
-        self._adjust(rows, len(fixed), seen[held[seen] >= 2.0])
-
-    def _points_seen(self, rows: IntArray) -> IntArray:
-        """Numbers of the located points that some keyframes see."""
-        seen = np.unique(self.map.observations(rows)[1])
-        return seen[self.map.located[seen]]
+        self._adjust(rows, len(fixed), held_by(self.map, rows, seen))
 
     def adjust_all(self, iterations: int = 20) -> None:
         """Adjust the whole active map; its first keyframe stays where it is."""

@@ -1,4 +1,4 @@
-"""What a loop moved is adjusted a window at a time, so that no frame waits for the whole map."""
+"""Windows of adjustment: amid the map after a loop, and where the camera was put elsewhere."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ SETTINGS = SlamSettings(window=WINDOW)
 PICTURE = SlamPicture(0, np.zeros((240, 320), np.uint8))
 
 
-def _along(rng: np.random.Generator) -> tuple[SlamMap, Motor]:
-    """Keyframes along a wall 2 m away and back; all but the first stand a little elsewhere."""
-    truth = Motor.from_translation(PLACE_M[:, None] * [1.0, 0.0, 0.0])
+def _along(rng: np.random.Generator, place_m: np.ndarray = PLACE_M) -> tuple[SlamMap, Motor]:
+    """Keyframes along a wall 2 m away; all but the first stand a little elsewhere."""
+    truth = Motor.from_translation(place_m[:, None] * [1.0, 0.0, 0.0])
     slam_map = SlamMap()
     slam_map.metric = [True]
-    far = PLACE_M.max() + 1.0
+    far = place_m.max() + 1.0
     points = rng.uniform((-1.0, -0.7, 1.8), (far, 0.7, 2.4), (NEW * COUNT, 3))
     ids = slam_map.add_points(rng.integers(0, 256, (len(points), 32), dtype=np.uint8))
-    step = rng.normal(size=(COUNT, 6)) * np.repeat([MOVED_RAD, MOVED_M], 3)
+    step = rng.normal(size=(len(place_m), 6)) * np.repeat([MOVED_RAD, MOVED_M], 3)
     step[0] = 0.0
     for row, (pose, moved) in enumerate(zip(truth, truth.retract(step), strict=True)):
         px, _ = project(CAMERA, pose, points)
@@ -115,3 +115,25 @@ def test_the_first_keyframe_stays_where_the_world_is(
     first, second = (slam_map.keyframes[row].world_T_camera for row in (0, 1))
     assert np.array_equal(first.coefficients, truth[0].coefficients)
     assert np.abs(second.local(truth[1])).max() < 0.6 * MOVED_M
+
+
+def test_a_camera_put_back_is_held_by_the_keyframes_that_were_there(
+    rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Those it was at just before see nothing of what it sees now, and are many."""
+    monkeypatch.setattr(mapper_module, "_MOST_FIXED", 3)
+    place_m = np.concatenate([0.2 * np.arange(8), 6.0 + 0.05 * np.arange(24), [2.0]])
+    slam_map, truth = _along(rng, place_m)
+    mapper = Mapper(slam_map, CAMERA, SETTINGS)
+    mapper.adjust_all()
+    newest = slam_map.keyframes[-1]
+    seen = np.intersect1d(newest.ids, slam_map.keyframes[7].ids)
+    seen = seen[slam_map.located[seen]]
+    away = slam_map.keyframes[-2].world_T_camera
+    newest.world_T_camera = newest.world_T_camera.retract([0.0, 0.0, 0.0, 0.02, 0.0, 0.02])
+    mapper.adjust_window()
+    assert len(seen) > 50
+    assert np.mean(slam_map.located[seen]) > 0.95
+    aligned = slam_map.keyframes[7].world_T_camera @ truth[7].inverse() @ truth[-1]
+    assert np.linalg.norm(newest.world_T_camera.local(aligned)[3:]) < 0.01
+    assert slam_map.keyframes[-2].world_T_camera is away  # nothing ties it to what is seen here
