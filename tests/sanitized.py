@@ -25,6 +25,7 @@ REPOSITORY = Path(__file__).resolve().parents[1]
 BUILD = REPOSITORY / "build/sanitized"
 MODULES = {
     "motorcade.ga.kernels._compiled",
+    "motorcade.fusion.smoothing.native._columns",
     "motorcade.fusion.smoothing.native._scans",
     "motorcade.fusion.smoothing.native._live",
     "motorcade.fusion.orientation.native._orientation",

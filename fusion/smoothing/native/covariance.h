@@ -66,7 +66,7 @@ template <std::size_t N> struct Cholesky {
 
 // What white noise of unit density on the highest derivative adds in dt.
 template <std::size_t S> Square<S> diffusion(double dt) {
-    constexpr double factorial[] = {1.0, 1.0, 2.0};
+    constexpr double factorial[] = {1.0, 1.0, 2.0, 6.0};
     double power[2 * S];
     power[0] = 1.0;
     for (std::size_t k = 1; k < 2 * S; ++k) power[k] = power[k - 1] * dt;

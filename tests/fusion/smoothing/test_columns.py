@@ -1,0 +1,59 @@
+"""Splines of single columns: scipy's own, and what each value would be without itself."""
+
+import numpy as np
+import pytest
+
+from motorcade.fusion.smoothing.batch.columns import ColumnModel, ColumnStretch, chosen, splined
+from motorcade.ga.arrays import FloatArray
+
+
+def column(rng: np.random.Generator, noise: float) -> tuple[FloatArray, FloatArray]:
+    time_s = np.cumsum(rng.uniform(0.5, 1.5, 200)) / 20.0
+    return time_s, np.sin(2.0 * time_s) + noise * rng.standard_normal(200)
+
+
+def test_the_spline_is_scipys(rng: np.random.Generator) -> None:
+    interpolate = pytest.importorskip("scipy.interpolate")
+    time_s, values = column(rng, 0.05)
+    found = splined(time_s, values, np.ones(200), 1, 5.0)
+    theirs = interpolate.make_smoothing_spline(time_s, values, lam=5.0**-2)
+    np.testing.assert_allclose(found.values, theirs(time_s), atol=2e-4)  # its prior, wide as it is
+    np.testing.assert_allclose(found.values[20:-20], theirs(time_s)[20:-20], atol=1e-6)
+
+
+@pytest.mark.parametrize("order", [0, 1, 2, 3])
+@pytest.mark.parametrize("row", [60, 90, 199])
+def test_residuals_are_from_what_the_other_values_make(
+    order: int, row: int, rng: np.random.Generator
+) -> None:
+    time_s, values = column(rng, 0.05)
+    weights = rng.uniform(0.5, 2.0, 200)
+    weights[40:50] = 0.0
+    whole = splined(time_s, values, weights, order, 20.0)
+    weights[row] = 0.0
+    without = splined(time_s, values, weights, order, 20.0)
+    assert whole.left_out[row] == pytest.approx(values[row] - without.values[row], rel=1e-8)
+    assert whole.left_out[row] == pytest.approx(without.left_out[row], rel=1e-8)
+    assert whole.variance[row] == pytest.approx(without.variance[row], rel=1e-8)
+
+
+@pytest.mark.parametrize("noise", [1e-3, 0.03, 0.3])
+def test_noise_is_told_from_motion(noise: float, rng: np.random.Generator) -> None:
+    time_s, values = column(rng, noise)
+    model, _ = chosen([ColumnStretch(time_s, values[:, None], np.ones(200))], 0)
+    assert model.noise == pytest.approx(noise, rel=0.2)
+    smoothed = splined(time_s, values, np.ones(200), model.order, model.ratio).values
+    truth = np.sin(2.0 * time_s)
+    assert np.std(smoothed - truth) < 0.75 * np.std(values - truth)
+
+
+def test_density_is_of_the_process() -> None:
+    assert ColumnModel(order=1, ratio=4.0, noise=0.5).density == 2.0
+
+
+def test_refused_are_too_few_values(rng: np.random.Generator) -> None:
+    time_s, values = column(rng, 0.1)
+    weights = np.zeros(200)
+    weights[:2] = 1.0
+    with pytest.raises(ValueError, match="more values than derivatives"):
+        splined(time_s, values, weights, 2, 1.0)
