@@ -11,7 +11,12 @@ such as `OneEuro` take poses one after another, and
 
 from __future__ import annotations
 
-from motorcade.fusion.smoothing.auto import SmootherChoice, choose
+from motorcade.fusion.smoothing.auto import (
+    AutomaticPath,
+    SmootherChoice,
+    choose,
+    smoothed_automatically,
+)
 from motorcade.fusion.smoothing.batch import RobustPath, estimate_path
 from motorcade.fusion.smoothing.causal import (
     ConstantAccelerationFilter,
@@ -30,6 +35,7 @@ from motorcade.fusion.smoothing.window import automatic_window_s
 __all__ = [
     "METHODS",
     "REPRESENTATIONS",
+    "AutomaticPath",
     "ConstantAccelerationFilter",
     "ConstantVelocityFilter",
     "DoubleExponential",
@@ -45,5 +51,6 @@ __all__ = [
     "estimate_path",
     "method_parameters",
     "smooth",
+    "smoothed_automatically",
     "smoothed_states",
 ]

@@ -52,7 +52,7 @@ METHODS: dict[str, Method] = {
 def smooth(
     trajectory: Trajectory,
     method: str = ...,
-    representation: str = ...,
+    representation: str | None = ...,
     *,
     time_s: None = ...,
     **parameters: Any,
@@ -61,7 +61,7 @@ def smooth(
 def smooth(
     trajectory: Any,
     method: str = ...,
-    representation: str = ...,
+    representation: str | None = ...,
     *,
     time_s: Any = ...,
     **parameters: Any,
@@ -69,7 +69,7 @@ def smooth(
 def smooth(
     trajectory: Any,
     method: str = "auto",
-    representation: str = "motor",
+    representation: str | None = None,
     *,
     time_s: Any = None,
     **parameters: Any,
@@ -82,7 +82,8 @@ def smooth(
             DataFrame, evo's PoseTrajectory3D, a torch tensor, gtsam's poses; several at once as a
             dict or a stack. See `motorcade.fusion.smoothing.given`.
         method: a name of `METHODS`.
-        representation: a name of `REPRESENTATIONS`: what the poses are averaged as.
+        representation: a name of `REPRESENTATIONS`: what the poses are averaged as; by default
+            motors, of "auto" what predicts better.
         time_s: ``(N,)`` seconds or datetimes, for poses that come without stamps.
         parameters: of the method, in physical units; see its own docstring.
 
@@ -116,7 +117,8 @@ def smooth(
                 f"parameters: expected of {method} {', '.join(known) or 'none'}, got {name!r}; "
                 + did_you_mean(name, known)
             )
-    averaged_as = representation_named(representation)
+    own = representation is None and function is auto
+    averaged_as = None if own else representation_named(representation or "motor")
     return with_trajectories(
         trajectory, time_s, lambda path: function(path, averaged_as, **parameters)
     )

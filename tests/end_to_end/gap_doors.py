@@ -65,6 +65,7 @@ from motorcade.fusion.smoothing import (
     choose,
     estimate_path,
     smooth,
+    smoothed_automatically,
     smoothed_states,
 )
 from motorcade.fusion.visual_inertial import InertialSlam, start_inertial
@@ -182,6 +183,7 @@ FUNCTIONS: dict[str, Callable[[Case], object]] = {
     "smooth spline euler": lambda case: smooth(case.noisy, "spline", "euler"),
     "smooth spline rotor": lambda case: smooth(case.noisy, "spline", "rotor"),
     "choose": lambda case: choose(case.noisy).smooth(case.noisy),
+    "smoothed_automatically": lambda case: smoothed_automatically(case.noisy),
     "smoothed_states": lambda case: smoothed_states(case.noisy, ConstantVelocityFilter()),
     "LiveSmoother": lambda case: LiveSmoother(0.1).smooth(case.noisy.rigid),
     "log_likelihood": lambda case: ConstantVelocityFilter().log_likelihood(case.noisy),

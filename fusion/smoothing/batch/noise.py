@@ -78,7 +78,7 @@ def estimate_noise(
             f"{len(trajectory)}"
         )
     trajectory = in_double(trajectory)
-    wide = kept = _chain(trajectory, *_first_sizes(trajectory))
+    wide = kept = _chain(trajectory, *first_sizes(trajectory))
     if not np.all(wide):
         _, sizes, _ = _likeliest(_stretches(trajectory[wide]), 1, representation)
         kept = _chain(trajectory, sizes[0], sizes[1])
@@ -94,7 +94,7 @@ def _chain(trajectory: Trajectory, rotation: Sizes, translation: Sizes) -> NDArr
     return inlier_poses(trajectory.time_s, trajectory.poses.rigid, rotation, translation)
 
 
-def _first_sizes(trajectory: Trajectory) -> tuple[Sizes, Sizes]:
+def first_sizes(trajectory: Trajectory) -> tuple[Sizes, Sizes]:
     """Rotation and translation, as differences of measured poses tell: on the wide side."""
     time_s, poses = trajectory.time_s, trajectory.poses.rigid
     interval_s = np.diff(time_s)[:, None]

@@ -22,7 +22,9 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("input", type=Path, metavar="IN", help="trajectory file")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT")
-    parser.add_argument("--representation", default="motor", metavar="R", help="motor by default")
+    parser.add_argument(
+        "--representation", metavar="R", help="motor by default; of auto what predicts better"
+    )
     parser.add_argument(
         "--method", default="auto", metavar="M", help="auto by default, which says what it picked"
     )
@@ -45,27 +47,32 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def smooth_file(arguments: argparse.Namespace) -> None:
     """Read, smooth, write; say what "auto" picked and, where asked, what changed."""
-    from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS, choose, smooth
+    from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS, smooth, smoothed_automatically
     from motorcade.fusion.smoothing.changes import changes
     from motorcade.replays.cli.arguments import check_known, print_json
     from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
 
     check_known("--method", [arguments.method], METHODS)
-    check_known("--representation", [arguments.representation], REPRESENTATIONS)
+    if arguments.representation is not None:
+        check_known("--representation", [arguments.representation], REPRESENTATIONS)
     method, parameters = arguments.method, parsed_settings(arguments.set, arguments.method)
     trajectory = read_trajectory(arguments.input, arguments.format, rate_hz=arguments.rate_hz)
     picked = None
     if method == "auto":
-        picked = choose(trajectory, arguments.representation)
-        smoothed = picked.smooth(trajectory)
+        found = smoothed_automatically(trajectory, arguments.representation)
+        picked, smoothed = found.choice, found.trajectory
     else:
         smoothed = smooth(trajectory, method, arguments.representation, **parameters)
     write_trajectory(smoothed, arguments.output, arguments.format)
     if arguments.report:
-        used = {"method": method, "representation": arguments.representation} | parameters
+        used = {
+            "method": method,
+            "representation": arguments.representation or "motor",
+        } | parameters
         if picked is not None:
-            used |= {"method": picked.method} | picked.parameters
-            used["outliers"] = picked.noise.outliers
+            used["representation"] = picked.representation
+            used |= {"noise_m": picked.noise_m, "noise_rad": picked.noise_rad}
+            used |= {"outliers": picked.outliers, "even_stamps": picked.even_stamps}
         print_json(used | changes(trajectory, smoothed))
     elif picked is not None:
         print(f"auto: {picked}")

@@ -6,7 +6,7 @@ import pytest
 from motorcade.fusion.metrics import jitter
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian, Outliers, PlanarFlips, StampJitter
-from motorcade.fusion.smoothing import REPRESENTATIONS, choose, smooth
+from motorcade.fusion.smoothing import REPRESENTATIONS, choose, smooth, smoothed_automatically
 from motorcade.fusion.smoothing.batch.noise import estimate_noise
 from motorcade.fusion.smoothing.changes import changes
 from motorcade.ga import Motor, Similarity, Trajectory
@@ -25,7 +25,7 @@ def errors(found: Trajectory, truth: Trajectory) -> FloatArray:
 @pytest.mark.parametrize("name", RIGID)
 def test_a_path_without_noise_is_left_as_it_is(name: str) -> None:
     truth = MOTIONS[name].sampled(30.0, 8.0)
-    assert choose(truth).noise.outliers == 0.0
+    assert choose(truth).outliers == 0.0
     assert np.all(errors(smooth(truth), truth) < 1e-4)
 
 
@@ -34,9 +34,9 @@ def test_noise_is_told_and_taken_away_without_lag(name: str, rng: np.random.Gene
     truth = MOTIONS[name].sampled(30.0, 15.0)
     noisy = Gaussian(0.005, np.deg2rad(0.5)).apply(truth, rng)
     picked = choose(noisy)
-    assert picked.method.startswith("rts_")
-    assert picked.noise.translation.noise == pytest.approx(0.005, rel=0.25)
-    assert picked.noise.rotation.noise == pytest.approx(np.deg2rad(0.5), rel=0.25)
+    assert picked.outliers < 0.01
+    assert picked.noise_m == pytest.approx(0.005, rel=0.25)
+    assert picked.noise_rad == pytest.approx(np.deg2rad(0.5), rel=0.25)
     found = picked.smooth(noisy)
     assert np.all(errors(found, truth) < 0.7 * errors(noisy, truth))
     before, after = jitter(noisy, truth), jitter(found, truth)
@@ -66,8 +66,7 @@ def test_wrong_poses_call_for_the_robust_estimate(name: str, rng: np.random.Gene
     noisy = Gaussian(0.005, np.deg2rad(0.5)).apply(truth, rng)
     degraded = PlanarFlips(0.02).apply(Outliers(0.05, 0.3, 0.5).apply(noisy, rng), rng)
     picked = choose(degraded)
-    assert picked.method == "robust_map"
-    assert 0.03 < picked.noise.outliers < 0.15
+    assert 0.03 < picked.outliers < 0.15
     assert "outliers" in str(picked)
     found = picked.smooth(degraded)
     right = np.linalg.norm((noisy.poses.inverse() @ degraded.poses).as_twist(), axis=1) < 1e-9
@@ -90,7 +89,7 @@ def test_scales_are_smoothed_too(rng: np.random.Generator) -> None:
     truth = MOTIONS["zoom"].sampled(30.0, 10.0)
     noisy = Gaussian(0.005, 0.01, 0.01).apply(truth, rng)
     picked = choose(noisy, "similarity")
-    assert picked.noise.scale.noise == pytest.approx(0.01, rel=0.3)
+    assert picked.noise_scale == pytest.approx(0.01, rel=0.3)
     found = picked.smooth(noisy)
     assert isinstance(found.poses, Similarity)
     assert isinstance(truth.poses, Similarity)
@@ -115,3 +114,54 @@ def test_changes_say_how_far_poses_moved(rng: np.random.Generator) -> None:
         changes(noisy, truth[1:])
     assert changes(noisy[:2], truth[:2])["raw_linear_jitter_m_s2"] is None
     assert changes(noisy[:9], truth[:9])["smoothed_angular_jitter_rad_s2"] is None  # no spectrum
+
+
+def test_axes_are_those_of_the_body_where_noise_is(rng: np.random.Generator) -> None:
+    truth = MOTIONS["handheld"].sampled(30.0, 15.0)
+    deep = rng.standard_normal((len(truth), 3)) * [0.001, 0.001, 0.02]
+    shifted = truth.motors @ Motor.from_translation(deep)
+    noisy = Trajectory(truth.time_ns, shifted, truth.parent, truth.child)
+    picked = choose(noisy)
+    assert picked.representation == "motor"
+    noise = [one.noise for one in picked.models[3:]]
+    np.testing.assert_allclose(noise, [0.001, 0.001, 0.02], rtol=0.3)
+    assert choose(Gaussian(0.005, 0.01).apply(truth, rng)).representation == "rotor"
+
+
+def test_stamps_that_tremble_are_taken_for_even(rng: np.random.Generator) -> None:
+    truth = MOTIONS["handheld"].sampled(30.0, 15.0)
+    noisy = Gaussian(0.002, np.deg2rad(0.2)).apply(truth, rng)
+    off = (1e9 / 30.0 * rng.uniform(-0.35, 0.35, len(truth))).astype(np.int64)
+    trembling = Trajectory(truth.time_ns + off, noisy.poses, truth.parent, truth.child)
+    picked = choose(trembling)
+    assert picked.even_stamps
+    assert "stamps taken for even" in str(picked)
+    found = picked.smooth(trembling)
+    assert np.array_equal(found.time_ns, trembling.time_ns)
+    assert np.all(errors(found, truth) < 0.7 * errors(noisy, truth))
+    # Poses that were taken at such stamps are left at them.
+    inside = trembling.time_ns.clip(*truth.time_ns[[0, -1]])
+    inside = inside[np.concatenate([[True], np.diff(inside) > 0])]
+    honest = Gaussian(0.002, np.deg2rad(0.2)).apply(truth.resampled(inside), rng)
+    assert not choose(honest).even_stamps
+
+
+def test_what_is_known_comes_with_the_path(rng: np.random.Generator) -> None:
+    truth = MOTIONS["handheld"].sampled(30.0, 15.0)
+    noisy = Gaussian(0.005, np.deg2rad(0.5)).apply(truth, rng)
+    wrong = Outliers(0.05, 0.3, 0.5).apply(noisy, rng)
+    struck = np.linalg.norm((noisy.poses.inverse() @ wrong.poses).as_twist(), axis=1) > 0.1
+    found = smoothed_automatically(wrong)
+    assert np.all(found.weights[struck] == 0.0)
+    assert np.mean(found.weights[~struck] > 0.3) > 0.98
+    off = found.trajectory.motors.translation_m - truth.motors.translation_m
+    normalised = off[~struck] / found.deviations[~struck, 3:]
+    assert 0.7 < np.sqrt(np.mean(normalised**2)) < 1.4
+
+
+def test_noise_of_rotation_alone_leaves_positions(rng: np.random.Generator) -> None:
+    """Where an axis has no noise, motion that its spline misses makes no pose an outlier."""
+    truth = MOTIONS["handheld"].sampled(20.0, 20.0)
+    found = smoothed_automatically(Gaussian(0.01, 0.0).apply(truth, rng))
+    assert np.all(found.weights > 0.0)
+    assert errors(found.trajectory, truth)[1] < 1e-4

@@ -53,12 +53,12 @@ def test_auto_says_what_it_picked(poses: Path, capsys: pytest.CaptureFixture[str
     out = poses.with_name("out.tum")
     assert run("smooth", poses, "-o", out) == 0
     said = capsys.readouterr().out
-    assert said.startswith("auto: rts_constant_")
-    assert "noise_m" in said
+    assert said.startswith("auto: splines on ")
+    assert "mm and" in said
     assert run("smooth", poses, "-o", out, "--report") == 0
     figures = json.loads(capsys.readouterr().out)
     assert figures["smoothed_linear_jitter_m_s2"] < figures["raw_linear_jitter_m_s2"]
-    assert figures["method"].startswith("rts_constant_")
+    assert figures["representation"] in ("rotor", "motor")
     assert figures["noise_m"] == pytest.approx(0.005, rel=0.4)
 
 

@@ -1,0 +1,154 @@
+"""Where `method="auto"` starts: a path's longest smooth chain, and even stamps for its own."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+from importlib.util import find_spec
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.fusion.smoothing.batch.apart import Measured, chosen_models
+from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, inlier_poses
+from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
+from motorcade.fusion.smoothing.batch.noise import first_sizes
+from motorcade.fusion.smoothing.batch.problem import with_rigid
+from motorcade.fusion.smoothing.representations import REPRESENTATIONS, Representation
+from motorcade.fusion.smoothing.window import gaussian
+from motorcade.ga import Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray
+
+log = logging.getLogger("motorcade.smooth")
+
+# Runs of so many rejected poses may be a flat marker's other candidate, read with a loss so wide.
+_RUN, _WIDTH = 4, 3.5
+# Deviation of the window that a first path is averaged by, in usual intervals.
+_FIRST_WINDOW = 2.0
+# Stamps that are off even ones by no more than this share of the interval are taken as they are.
+_STEADY = 0.02
+# The interval may be off the median one by this share, and is told from so many stamps at first.
+_DETUNED, _COUNTED_FIRST = 0.1, 500
+
+
+@dataclass(frozen=True, eq=False)
+class PathStart:
+    """A path's longest smooth chain.
+
+    Fields:
+        trajectory: with runs of a marker's other candidate mirrored back.
+        weights: 1 where a pose belongs to the chain, else 0.
+        mirrored: which poses were.
+    """
+
+    trajectory: Trajectory
+    weights: FloatArray
+    mirrored: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, trajectory: Trajectory) -> PathStart:
+        """The chain of a trajectory of 16 poses or more."""
+        time_s, poses = trajectory.time_s, trajectory.poses
+        kept = inlier_poses(time_s, poses.rigid, *first_sizes(trajectory))
+        mirrored = np.zeros_like(kept)
+        if np.all(kept):
+            return cls(trajectory, kept.astype(np.float64), mirrored)
+        sizes = cls(trajectory, kept.astype(np.float64), mirrored)._sizes()
+        kept = inlier_poses(time_s, poses.rigid, *sizes[:2])
+        if _has_runs(kept):
+            rigid, mirrored = mirrored_back(time_s, poses.rigid, kept, sizes, _WIDTH)
+            if np.any(mirrored):
+                poses = with_rigid(poses, rigid)
+                kept = inlier_poses(time_s, rigid, *sizes[:2])
+                trajectory = Trajectory(
+                    trajectory.time_ns, poses, trajectory.parent, trajectory.child
+                )
+        return cls(trajectory, kept.astype(np.float64), mirrored)
+
+    def _sizes(self) -> tuple[Sizes, Sizes, Sizes]:
+        """Noise and white acceleration of rotation, translation and scale, the likeliest."""
+        measured, path = self.written(REPRESENTATIONS["rotor"], False)
+        columns = chosen_models(measured, path, self.weights, (1,), float("inf")).columns
+        made = [
+            Sizes(
+                max(_root_mean_square([one.noise for one in part]), 1e-8),
+                max(_root_mean_square([one.density for one in part]), 1e-8),
+            )
+            for part in (columns[:3], columns[3:6], columns[6:])
+        ]
+        return made[0], made[1], made[2]
+
+    def written(self, representation: Representation, even: bool) -> tuple[Measured, FloatArray]:
+        """The measured poses, and the chain's with what lies between them, as coordinates."""
+        poses, kept = self.trajectory.poses, self.weights > 0.0
+        time_s = self.trajectory.time_s
+        rigid = bridged(time_s, poses.rigid, kept)
+        between = poses
+        if isinstance(poses, Similarity):
+            log_scale = np.interp(time_s, time_s[kept], np.log(poses.scale[kept]))
+            between = Similarity.from_motor_scale(rigid, np.exp(log_scale))
+        else:
+            between = rigid
+        if representation.coupled:
+            # Summed up along a path with noise, steps would wander.
+            usual_s = float(np.median(np.diff(time_s)))
+            steady = Trajectory(self.trajectory.time_ns, between)
+            between = gaussian(steady, representation, sigma_s=_FIRST_WINDOW * usual_s).poses
+        path = representation.coordinates(between)
+        own = representation.coordinates(poses)
+        given_s = even_stamps(time_s) if even else None
+        return (
+            Measured(
+                representation,
+                time_s - time_s[0] if given_s is None else given_s,
+                np.array(representation.continued(own, path)),
+            ),
+            path,
+        )
+
+
+def _has_runs(kept: NDArray[np.bool_]) -> bool:
+    """Whether there are runs to be read, and scipy to read them; a warning where it is missing."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], ~kept, [0]])))
+    if not np.any(edges[1::2] - edges[::2] >= _RUN):
+        return False
+    if find_spec("scipy") is not None:
+        return True
+    log.warning(
+        "auto: runs of wrong poses are left out; reading them as a flat marker's other candidate "
+        "needs the Python package 'scipy' (pip install \"motorcade[pipeline]\" brings it)"
+    )
+    return False
+
+
+def even_stamps(time_s: FloatArray) -> FloatArray | None:
+    """Even stamps that these may tremble about, from 0 on; None where they need or may not.
+
+    The interval is that of the strongest line of the stamps' spectrum, near their median one; it is
+    refined as more and more of them are counted off by it.
+    """
+    passed_s = time_s - time_s[0]
+    usual_s = float(np.median(np.diff(time_s)))
+    count = min(len(time_s), _COUNTED_FIRST)
+    finest = 0.25 * usual_s / float(passed_s[count - 1])
+    rates = (1.0 + np.arange(-_DETUNED, _DETUNED, finest)) / usual_s
+    lines = [abs(np.mean(np.exp(2j * np.pi * rate * passed_s[:count]))) for rate in rates]
+    each_s, first_s = 1.0 / rates[int(np.argmax(lines))], 0.0
+    turn = np.mean(np.exp(2j * np.pi / each_s * passed_s[:count]))
+    first_s = float(np.angle(turn)) / (2.0 * np.pi) * each_s
+    while True:
+        places = np.round((passed_s[:count] - first_s) / each_s)
+        if np.any(np.diff(places) < 1.0):
+            return None
+        each_s, first_s = np.polyfit(places, passed_s[:count], 1)
+        if count == len(time_s):
+            break
+        count = min(len(time_s), 2 * count)
+    even_s = first_s + each_s * places
+    if np.max(np.abs(even_s - passed_s)) <= _STEADY * each_s:
+        return None
+    return np.asarray(even_s - even_s[0], dtype=np.float64)
+
+
+def _root_mean_square(sizes: list[float]) -> float:
+    return float(np.sqrt(np.mean(np.square(sizes)))) if sizes else 0.0
