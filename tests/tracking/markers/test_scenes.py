@@ -12,6 +12,7 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.tracking import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.families import marker_points_m
+from motorcade.tracking.markers.planar import planar_poses
 from motorcade.tracking.markers.scenes import (
     BodyOdometry,
     CornerCoordinate,
@@ -282,3 +283,30 @@ def test_streams_of_no_camera_and_of_strange_cameras_are_refused(rng: np.random.
         map_scene({}, scene())
     with pytest.raises(ValueError, match="of the scene \\(camera\\), got other"):
         map_scene({"other": seen_by(rig_path(rng), rng)}, scene())
+
+
+def test_a_noisy_marker_alone_turns_no_frame_over(rng: np.random.Generator) -> None:
+    truth = rig_path(rng)
+    stream = seen_by(truth, rng)
+    frame, marker = 20, 3
+    alone = (stream.frame != frame) | (stream.marker_ids == marker)
+    row = int(np.flatnonzero(alone & (stream.frame == frame))[0])
+    true = truth[frame].inverse() @ ROOM[marker]
+    clean = CAMERA.project(true.apply(marker_points_m(SIDE_M)))
+    for _ in range(1000):  # until the wrong one of both planar poses fits better by far
+        corners = clean + 1.5 * rng.standard_normal((4, 2))
+        _, both, error_px = planar_poses(CAMERA, corners[None], np.array([SIDE_M]))
+        turned = (both[0].inverse() @ true).rotor.angle()
+        better = 4.0 * (error_px[0, 1] ** 2 - error_px[0, 0] ** 2) / 0.2**2
+        if turned[0] > np.radians(30.0) and turned[1] < turned[0] / 2.0 and better > 40.0:
+            break
+    else:
+        pytest.fail("no draw")
+    noisy = stream.corners_px.copy()
+    noisy[row] = corners
+    part = CornerStream(
+        CAMERA, TIME_NS, stream.frame[alone], stream.marker_ids[alone], noisy[alone]
+    )
+    found = map_scene({"camera": part}, scene()).body("rig").trajectory
+    off = found.motors[int(np.searchsorted(found.time_ns, TIME_NS[frame]))].inverse() @ truth[frame]
+    assert off.rotor.angle() < np.radians(30.0)

@@ -26,7 +26,8 @@ _MOST_VOTES = 100
 _FAR_PX = 20.0
 _ANOTHER_RAD = np.radians(10.0)
 _AMBIGUOUS = 16.0
-"""Beyond this many χ² a pose is not the other one: 1 of 3,000 by chance."""
+"""Beyond this many χ² a pose is not the other one: 1 of 3,000 by chance. Where a frame's best pose
+fits worse than noise allows, noise is taken to be as large as the misfit."""
 _OFF, _OFF_PX = 4.0, 1.0
 """A sighting is off beyond so many times the median error, and pixels; a frame with half of its."""
 _NEAR_NS = 1_000_000_000
@@ -185,6 +186,9 @@ class Start:
         cost = self._cost(rows[judge], target[judge], proposed[each])
         total = np.bincount(each, cost, minlength=len(offer))
         chi2 = np.asarray(4.0 * total / self._seen.noise_px**2, np.float64)
+        best = np.full(len(starts), np.inf)
+        np.minimum.at(best, group[offer], chi2)
+        chi2 /= np.maximum(best / (8 * counts - 6), 1.0)[group[offer]]  # noisier than the others
         self._choose(target[offer], proposed, chi2)
 
     def _choose(self, target: IntArray, proposed: Motor, chi2: FloatArray) -> None:
