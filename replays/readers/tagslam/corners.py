@@ -22,7 +22,13 @@ from motorcade.replays.files.door import read_bounded
 from motorcade.replays.readers.calibration import make_camera, read_yaml, yaml_floats
 from motorcade.replays.readers.ros.bag import read_bag
 from motorcade.replays.readers.ros.reader import header_stamp_ns
-from motorcade.replays.readers.tagslam.scene import MarkerRemap, read_remaps, read_scene
+from motorcade.replays.readers.tagslam.scene import (
+    MarkerRemap,
+    SquashedTags,
+    read_remaps,
+    read_scene,
+    read_squashed,
+)
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.scenes import BodyOdometry, MarkerScene
@@ -80,6 +86,7 @@ def read(root: Path) -> TagSlamRecording:
     cameras = _cameras(root / "cameras.yaml")
     path = bag_file(root, "tag_detections")
     remaps = read_remaps(root / "tagslam.yaml")
+    squashed = read_squashed(root / "tagslam.yaml")
     topics = {topic: name for name, (_, topic) in cameras.items()}
     frames: dict[str, list[tuple[int, Sequence[Any]]]] = {name: [] for name in cameras}
     odometry: dict[str, dict[int, Motor]] = {}
@@ -104,7 +111,7 @@ def read(root: Path) -> TagSlamRecording:
         if not frames[name]:
             raise refusal(path, f"expected messages on {one_line(topic)}, got none", field=name)
         try:
-            streams[name] = _stream(camera, name, frames[name], scene, remaps)
+            streams[name] = _stream(camera, name, frames[name], scene, remaps, squashed)
         except ValueError as fault:
             raise refusal(path, str(fault), field=one_line(topic)) from fault
     seen = np.unique(np.concatenate([one.marker_ids for one in streams.values()]))
@@ -173,6 +180,7 @@ def _stream(
     frames: Sequence[tuple[int, Sequence[Any]]],
     scene: MarkerScene,
     remaps: Sequence[MarkerRemap],
+    squashed: Sequence[SquashedTags],
 ) -> CornerStream:
     """All detections of one camera, in the order of their stamps; sorted by id in a frame."""
     ordered = sorted(frames, key=lambda one: one[0])
@@ -180,10 +188,13 @@ def _stream(
     for row, (time_ns, tags) in enumerate(ordered):
         named = [(_meant(int(tag.id), time_ns, name, remaps), tag) for tag in tags]
         for marker, tag in sorted(named, key=lambda one: one[0]):
-            if scene.side_m(marker) is not None:
-                rows.append(row)
-                ids.append(marker)
-                corners.append([(corner.x, corner.y) for corner in tag.corners])
+            found = [(corner.x, corner.y) for corner in tag.corners]
+            left_out = any(one.leaves_out(int(tag.id), time_ns) for one in squashed)
+            if scene.side_m(marker) is None or left_out:
+                continue
+            rows.append(row)
+            ids.append(marker)
+            corners.append(found)
     return CornerStream(
         camera=camera,
         time_ns=np.array([time_ns for time_ns, _ in ordered]),

@@ -84,8 +84,9 @@ def read_scene(root: Path, odometry: Mapping[str, Trajectory]) -> MarkerScene:
     sigma_px = _parameter(path, parameters, "pixel_noise", _PIXEL)
     if sigma_px == 0.0:
         raise refusal(path, "expected pixels above 0, got 0", field="pixel_noise")
-    if content.get("amnesia") is True:
-        _LOG.warning("%s: amnesia is not heeded: frames are mapped together, none alone", path)
+    unheeded = _unheeded(content, parameters)
+    for told in unheeded:
+        _LOG.warning("%s: %s", path, told)
     try:
         return MarkerScene(
             bodies,
@@ -96,9 +97,20 @@ def read_scene(root: Path, odometry: Mapping[str, Trajectory]) -> MarkerScene:
             + _planes(path, content.get("plane_measurements")),
             sigma_px,
             _wiggles(root / "cameras.yaml"),
+            unheeded,
         )
     except ValueError as fault:
         raise refusal(path, str(fault)) from fault
+
+
+def _unheeded(content: Mapping[str, object], parameters: Mapping[str, object]) -> tuple[str, ...]:
+    """What is stated and not used."""
+    told = []
+    if content.get("amnesia") is True:
+        told.append("amnesia is not heeded: frames are mapped together, none alone")
+    if parameters.get("minimum_tag_area"):
+        told.append("minimum_tag_area is not heeded: small tags weigh as little as their corners")
+    return tuple(told)
 
 
 def _parameter(path: Path, table: Mapping[str, object], key: str, usual: float) -> float:
@@ -122,6 +134,39 @@ def read_remaps(path: Path) -> tuple[MarkerRemap, ...]:
             )
             first, last = (_stamp_ns(path, one, key) for key in ("start_time", "end_time"))
             found.append(MarkerRemap(marker, instead, first, last, str(one.get("camera", ""))))
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class SquashedTags:
+    """Tags that are left out at one stamp, badly read as they are (`squash`).
+
+    Fields:
+        time_ns: when.
+        markers: their printed ids.
+    """
+
+    time_ns: int
+    markers: frozenset[int]
+
+    def leaves_out(self, marker: int, time_ns: int) -> bool:
+        """Whether a tag that was seen is one of them."""
+        return abs(time_ns - self.time_ns) <= _STAMP_NS and marker in self.markers
+
+
+def read_squashed(path: Path) -> tuple[SquashedTags, ...]:
+    """Tags that are to be left out.
+
+    Raises:
+        RecordingError: lists or numbers that are none.
+    """
+    found = []
+    for entry in _tables(path, read_yaml(path).get("squash"), "squash"):
+        tags = entry.get("tags")
+        if not isinstance(tags, list) or len(tags) > _MOST_MEASURED:
+            raise refusal(path, f"expected a list, got {one_line(tags)}", field="squash.tags")
+        markers = frozenset(_whole(path, {"tags": one}, "tags") for one in tags)
+        found.append(SquashedTags(_stamp_ns(path, entry, "time"), markers))
     return tuple(found)
 
 

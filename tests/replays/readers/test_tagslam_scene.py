@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from motorcade.replays.errors import RecordingError
-from motorcade.replays.readers.tagslam.scene import read_remaps, read_scene
+from motorcade.replays.readers.tagslam.scene import read_remaps, read_scene, read_squashed
 
 FILES = {
     "cameras.yaml": "cam0: {rig_body: rig}\n",
@@ -61,13 +61,36 @@ def test_information_gives_the_covariance_that_it_states(folder: Path, deviation
     np.testing.assert_allclose(stated.covariance, deviation**2 * np.eye(6), rtol=1e-9)
 
 
-def test_amnesia_is_said_not_to_be_heeded(folder: Path, caplog: pytest.LogCaptureFixture) -> None:
-    read_scene(folder, {})
-    assert "amnesia" not in caplog.text
+@pytest.mark.parametrize(
+    ("key", "text"),
+    [
+        ("amnesia", "amnesia: true\n"),
+        ("minimum_tag_area", "tagslam_parameters: {minimum_tag_area: 2000}\n"),
+    ],
+)
+def test_what_is_not_heeded_is_said(
+    folder: Path, caplog: pytest.LogCaptureFixture, key: str, text: str
+) -> None:
+    assert not read_scene(folder, {}).unheeded
+    assert not caplog.text
     with (folder / "tagslam.yaml").open("a") as file:
-        file.write("amnesia: true\n")
-    read_scene(folder, {})
-    assert "amnesia is not heeded" in caplog.text
+        file.write(text)
+    (told,) = read_scene(folder, {}).unheeded
+    assert f"{key} is not heeded" in told
+    assert told in caplog.text
+
+
+def test_squashed_tags_are_left_out_at_their_stamp(tmp_path: Path) -> None:
+    path = tmp_path / "tagslam.yaml"
+    path.write_text('squash: [{time: "1527206556.891942748", tags: [85, 8]}]\n')
+    (one,) = read_squashed(path)
+    time_ns = 1527206556891942748
+    assert one.leaves_out(85, time_ns)
+    assert not one.leaves_out(85, time_ns + 10_000_000)
+    assert not one.leaves_out(7, time_ns)
+    path.write_text('squash: [{time: "1527206556.891942748", tags: 85}]\n')
+    with pytest.raises(RecordingError, match=r"squash\.tags: expected a list"):
+        read_squashed(path)
 
 
 def test_cameras_wiggle_as_far_as_is_stated(folder: Path) -> None:

@@ -133,7 +133,10 @@ def odometry_finding(name: str, found: HandEye | None) -> AuditFinding:
 
 def scene_audit(found: MappedScene) -> tuple[AuditFinding, ...]:
     """Connection, stated poses, stated sizes and corners of a scene as it was found."""
-    return (_connection(found), _stated(found), _sizes(found), _corners(found))
+    told = [
+        AuditFinding("unheeded_statement", "unknown", None, "", one) for one in found.scene.unheeded
+    ]
+    return (_connection(found), _stated(found), _sizes(found), _corners(found), *told)
 
 
 def _connection(found: MappedScene) -> AuditFinding:
