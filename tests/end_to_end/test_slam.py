@@ -23,6 +23,14 @@ def test_a_kidnapped_camera_is_found_or_begins_a_new_map_and_is_never_wrong() ->
     assert any(one.new_map for one in taken)
 
 
+def test_one_camera_put_elsewhere_is_never_wrong() -> None:
+    taken = list(kidnappings(0, "one camera", count=5))
+    assert len(taken) == 5
+    assert not any(one.wrong for one in taken), taken
+    assert all(one.frames is not None for one in taken), taken
+    assert all(not one.new_map for one in taken if one.mapped), taken
+
+
 def test_a_second_session_that_begins_elsewhere_ends_in_the_map_of_the_first() -> None:
     found = sessions(0)
     assert found.connected
