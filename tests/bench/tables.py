@@ -13,6 +13,7 @@ SUITES: Mapping[str, tuple[str, str, str]] = {
     "accuracy": ("algebra.accuracy", "bench_accuracy", "accuracy_table"),
     "table3": ("algebra.table3.measure", "bench_table3", "table3_table"),
     "smooth": ("smoothing.smooth", "bench_smooth", "smooth_table"),
+    "smoothers": ("smoothing.smoothers", "bench_smoothers", "smoothers_table"),
     "lag": ("smoothing.lag", "bench_lag", "lag_table"),
     "slam": ("tracking.slam", "bench_slam", "slam_table"),
     "fusion": ("fusion.suite", "bench_fusion", "fusion_table"),
