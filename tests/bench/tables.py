@@ -15,6 +15,7 @@ SUITES: Mapping[str, tuple[str, str, str]] = {
     "smooth": ("smoothing.smooth", "bench_smooth", "smooth_table"),
     "smoothers": ("smoothing.smoothers", "bench_smoothers", "smoothers_table"),
     "lag": ("smoothing.lag", "bench_lag", "lag_table"),
+    "live": ("smoothing.live", "bench_live", "live_table"),
     "slam": ("tracking.slam", "bench_slam", "slam_table"),
     "fusion": ("fusion.suite", "bench_fusion", "fusion_table"),
     "tracking": ("tracking.suite", "bench_tracking", "tracking_table"),
