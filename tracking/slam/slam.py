@@ -135,7 +135,7 @@ class VisualSlam:
         else:
             frame = self._tracked(picture, predicted)
         self._state = frame.state
-        self._log.saw(frame, len(self._map.keyframe_rows))
+        self._log.saw(frame, self._map.keyframe_count)
         spent = time.perf_counter() - started
         if not self.settings.threads:
             spent -= self._seconds["mapping"] - waited

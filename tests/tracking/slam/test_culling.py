@@ -41,6 +41,7 @@ def test_a_keyframe_whose_points_three_others_see_leaves_the_map(rng: np.random.
     assert (culled.row, culled.kept) == (MIDDLE, MIDDLE - 1)
     assert slam_map.rows_of(0).tolist() == [0, 1, 2, 4, 5]
     assert slam_map.keyframe_rows.tolist() == [0, 1, 2, 4, 5]
+    assert slam_map.keyframe_count == COUNT - 1
     assert slam_map.keyframes[MIDDLE].map_number == GONE
     assert len(slam_map.snapshot(0).time_ns) == COUNT - 1
     assert slam_map.located.all()
@@ -81,6 +82,24 @@ def test_the_first_and_the_newest_stay(rng: np.random.Generator, row: int) -> No
 def test_neighbours_are_not_left_far_apart_in_time(rng: np.random.Generator) -> None:
     assert cull(along(rng, step_ns=249_000_000), MIDDLE) is not None
     assert cull(along(rng, step_ns=251_000_000), MIDDLE) is None
+
+
+@pytest.mark.parametrize("since_ns", [-STEP_NS * COUNT, -STEP_NS * 2, 0])
+def test_stamps_of_another_session_are_not_compared(
+    rng: np.random.Generator, since_ns: int
+) -> None:
+    """A stored map's clock is its own: what follows it may seem near in time, or earlier."""
+    unknown = np.full(50, np.nan)
+    slam_map = SlamMap.of(along(rng).snapshot(0))
+    for row in range(COUNT):
+        pose = Motor.from_translation([0.02 * (COUNT + row), 0.0, 0.0])
+        px = CAMERA.project(slam_map.points - pose.translation_m)
+        time_ns = COUNT * STEP_NS + since_ns + row * STEP_NS
+        slam_map.keyframes.append(Keyframe(time_ns, pose, np.arange(50), px, unknown, None))
+    for row in range(1, COUNT + 1):
+        assert is_redundant(slam_map, row)
+        assert cull(slam_map, row) is None, row
+    assert cull(slam_map, COUNT + 1) is not None
 
 
 def test_it_is_not_looked_for_any_more(rng: np.random.Generator) -> None:

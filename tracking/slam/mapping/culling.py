@@ -63,7 +63,8 @@ def is_redundant(slam_map: SlamMap, row: int) -> bool:
 def cull(slam_map: SlamMap, row: int) -> CulledKeyframe | None:
     """Take a keyframe out of its map if it is redundant there; a map's first and last one stay.
 
-    It stays where it would leave its neighbours far apart in time.
+    It stays where it would leave its neighbours far apart in time, and beside keyframes of a stored
+    map, whose stamps are of another clock.
     """
     keyframe = slam_map.keyframes[row]
     mine = slam_map.rows_of(keyframe.map_number)
@@ -72,7 +73,9 @@ def cull(slam_map: SlamMap, row: int) -> CulledKeyframe | None:
         return None
     before, after = (int(mine[position + step]) for step in (-1, 1))
     gap_ns = slam_map.keyframes[after].time_ns - slam_map.keyframes[before].time_ns
-    if gap_ns > _LONGEST_GAP_NS or not is_redundant(slam_map, row):
+    if before < slam_map.stored_count or not 0 < gap_ns <= _LONGEST_GAP_NS:
+        return None
+    if not is_redundant(slam_map, row):
         return None
     kept = slam_map.keyframes[before]
     relative = kept.world_T_camera.inverse() @ keyframe.world_T_camera

@@ -164,11 +164,14 @@ class SlamMap:
     Fields:
         keyframes: of all maps, in the order in which they were made.
         metric: of each map by its number whether its lengths are metres.
+        stored_count: how many keyframes, the first ones, an earlier session left, by its own clock.
     """
 
     def __init__(self) -> None:
         self.keyframes: list[Keyframe] = []
         self.metric: list[bool] = [False]
+        self.stored_count = 0
+        self._removed_count = 0
         self._index = KeyframeIndex()
         self._count = 0
         self._points = np.zeros((0, 3))
@@ -231,9 +234,15 @@ class SlamMap:
         kept = [row for row, one in enumerate(self.keyframes) if one.map_number != GONE]
         return np.array(kept, dtype=np.int64)
 
+    @property
+    def keyframe_count(self) -> int:
+        """How many keyframes all maps have, but for those that are gone."""
+        return len(self.keyframes) - self._removed_count
+
     def remove_keyframe(self, row: int) -> None:
         """Take a keyframe out of its map, and points that nothing else sees with it."""
         keyframe = self.keyframes[row]
+        self._removed_count += 1
         left, keyframe.map_number, keyframe.gray = keyframe.ids, GONE, None
         keyframe.keep(np.zeros(0, dtype=np.int64))
         seen = np.zeros(self._count, dtype=np.bool_)
@@ -312,6 +321,7 @@ class SlamMap:
             )
             keyframe.keep(np.argsort(keyframe.ids))
             found.keyframes.append(keyframe)
+        found.stored_count = len(found.keyframes)
         return found
 
     def snapshot(self, number: int) -> MapSnapshot:
