@@ -96,6 +96,20 @@ def test_no_keyframe_is_followed_by_more_than_a_window(
     assert _error_px(slam_map) < 2.0 * NOISE_PX
 
 
+def test_windows_wait_while_the_camera_is_in_another_map(
+    rng: np.random.Generator, closing: list[int]
+) -> None:
+    slam_map, _ = _along(rng)
+    mapper = Mapper(slam_map, CAMERA, SETTINGS)
+    _insert(mapper, 1)
+    mapper.begin_map()
+    _insert(mapper, 2 * COUNT // WINDOW)
+    assert len(closing) == 1
+    mapper.active = 0
+    _insert(mapper, 2 * COUNT // WINDOW)
+    assert _error_px(slam_map) < 2.0 * NOISE_PX
+
+
 def test_no_point_is_lost_for_being_seen_once_in_a_window(
     rng: np.random.Generator, closing: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:

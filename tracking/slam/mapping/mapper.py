@@ -84,7 +84,7 @@ class Mapper:
 
     A loop moves the whole map, and adjusting all of that at once would hold up the frame that
     closes it. The pose graph has brought keyframes near already, so their windows are adjusted one
-    after the other instead, one with each keyframe that is inserted.
+    after the other instead, one with each keyframe that is inserted into that map.
     """
 
     def __init__(self, slam_map: SlamMap, camera: Camera, settings: SlamSettings) -> None:
@@ -96,7 +96,7 @@ class Mapper:
         self.active = 0
         self.adjuster: Adjuster | None = None
         self.adjusts_all = False
-        self._windows_left: list[tuple[IntArray, IntArray]] = []
+        self._windows_left: dict[int, list[tuple[IntArray, IntArray]]] = {}  # by map number
         if settings.close_loops:
             import scipy.sparse.linalg  # noqa: F401  # so that no frame that closes a loop waits for it
 
@@ -130,11 +130,12 @@ class Mapper:
         self._fill(picture, pose, ids, px)
         newest = self.map.keyframes[-1]
         closed = self._closed() if self.settings.close_loops else None
+        windows = self._windows_left.get(self.active)
         if self.adjusts_all:
             self.adjust_all(_ALL_ITERATIONS)
             self.adjusts_all = False
-        elif self._windows_left and self.settings.adjust:
-            self._adjust_between(*self._windows_left.pop(0))
+        elif windows and self.settings.adjust:
+            self._adjust_between(*windows.pop(0))
         tracked, culled = self._newest(picture), self._culled()
         seconds = time.perf_counter() - started
         return InsertedKeyframe(tracked, closed, newest.scale, culled, seconds)
@@ -161,7 +162,8 @@ class Mapper:
             # It measures from one keyframe to the next, from the first to the newest.
             self.adjusts_all = self.settings.adjust
         mine = self.map.rows_of(self.active)
-        self._windows_left = windows_along(mine, loop.old, self.settings.window)
+        self._windows_left.pop(closed.maps[0], None)
+        self._windows_left[self.active] = windows_along(mine, loop.old, self.settings.window)
         return closed
 
     def append(self, picture: SlamPicture, pose: Motor, ids: IntArray, px: FloatArray) -> Keyframe:
