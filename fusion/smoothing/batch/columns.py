@@ -30,7 +30,12 @@ _COARSE, _FINE = np.arange(-28.0, 8.5, 3.0), np.array([-2.0, -1.0, 1.0, 2.0])
 # Values farther apart than this do not resolve what hands and vehicles do, and any model takes such
 # motion for noise: the spline then goes through every one.
 _UNRESOLVED_S = 0.125
-_EXACT = np.array([14.0])
+_EXACT = 14.0
+# Hands tremble at up to 12 Hz and wheels hop as fast: values farther apart than this fold such
+# motion back. Where the spline besides follows motion of fewer values a turn than that, too narrow
+# a band is left to tell noise in, and it goes through every value. The latter was set on KITTI's
+# roads; V1_02 and synthetic motions lose nothing by it.
+_FOLDED_S, _FEWEST_A_TURN = 1.0 / 24.0, 3.5
 # Predictions count as equal up to so many standard errors of their difference. Chosen on V1_02 and
 # synthetic motions.
 EQUAL = 1.0
@@ -123,20 +128,24 @@ def chosen(
     """
     parts = [(one.time_s, one.values[:, column], one.weights) for one in stretches]
     interval_s = float(np.median(np.diff(parts[0][0])))
-    levels, fine = (_COARSE, _FINE) if interval_s <= _UNRESOLVED_S else (_EXACT, _FINE[:0])
+    levels, fine = (
+        (_COARSE, _FINE) if interval_s <= _UNRESOLVED_S else (np.array([_EXACT]), _FINE[:0])
+    )
     tried: list[_Prediction] = []
+
+    def predicted(level: float, order: int) -> _Prediction:
+        ratio = float(np.exp(0.5 * level)) / interval_s ** (order + 0.5)
+        return _Prediction.by(parts, order, ratio)
+
     for order in orders:
-
-        def predicted(level: float, order: int = order) -> _Prediction:
-            ratio = float(np.exp(0.5 * level)) / interval_s ** (order + 0.5)
-            return _Prediction.by(parts, order, ratio)
-
-        coarse = [predicted(level) for level in levels]
+        coarse = [predicted(level, order) for level in levels]
         best = levels[int(np.argmin([one.score for one in coarse]))]
-        tried += coarse + [predicted(level) for level in best + fine]
+        tried += coarse + [predicted(level, order) for level in best + fine]
     best_of_all = min(tried, key=lambda one: one.score)
     equals = [one for one in tried if one.standard_errors_behind(best_of_all) <= equal]
     taken = max(equals, key=lambda one: _likelihood(parts, one.order, one.ratio))
+    if interval_s > _FOLDED_S and taken.values_a_turn(interval_s) < _FEWEST_A_TURN:
+        taken = predicted(_EXACT, taken.order)
     rows = sum(len(weight) for _, _, weight in parts)
     density = -0.5 * rows * float(np.log(max(best_of_all.score, 1e-300)))
     return ColumnModel(taken.order, taken.ratio, taken.noise), density
@@ -168,6 +177,11 @@ class _Prediction:
     @property
     def score(self) -> float:
         return float(np.mean(self.squares))
+
+    def values_a_turn(self, interval_s: float) -> float:
+        """Of the fastest motion that the spline follows, where process and noise are as strong."""
+        rate = (self.ratio / np.sqrt(interval_s)) ** (1.0 / (self.order + 1))
+        return float(2.0 * np.pi / (rate * interval_s))
 
     def standard_errors_behind(self, other: _Prediction) -> float:
         differences = self.squares - other.squares

@@ -57,3 +57,16 @@ def test_refused_are_too_few_values(rng: np.random.Generator) -> None:
     weights[:2] = 1.0
     with pytest.raises(ValueError, match="more values than derivatives"):
         splined(time_s, values, weights, 2, 1.0)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_motion_that_stamps_do_not_resolve_is_left(seed: int) -> None:
+    """A car's body shakes at 8 Hz: at 10 Hz that is folded back, and looks like noise."""
+    rng = np.random.default_rng(seed)
+    time_s, rates_hz = np.arange(1000) / 10.0, np.arange(0.05, 8.0, 0.0137)
+    sizes = np.minimum(1.0, 0.5 / rates_hz) ** 1.5 * rng.standard_normal(len(rates_hz))
+    phases = rng.uniform(0.0, 2.0 * np.pi, len(rates_hz))
+    motion = np.sin(2.0 * np.pi * time_s[:, None] * rates_hz + phases) @ sizes
+    model, _ = chosen([ColumnStretch(time_s, motion[:, None], np.ones(1000))], 0)
+    left = splined(time_s, motion, np.ones(1000), model.order, model.ratio).values
+    assert np.std(left - motion) < 0.002 * np.std(motion)

@@ -43,6 +43,19 @@ def test_trajectories_of_slam_come_no_farther_from_the_truth_and_jitter_less(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("estimate", ["KITTI_00_ORB.txt", "KITTI_00_SPTAM.txt"])
+def test_a_car_turns_from_pose_to_pose_as_it_was_estimated(estimate: str, data_dir: Path) -> None:
+    """Its body shakes faster than pictures at 10 Hz resolve."""
+    folder = data_dir / "trajectories"
+    times = folder / "KITTI_00_gt_times.txt"
+    raw = read_trajectory(folder / estimate, times=times)
+    reference = read_trajectory(folder / "KITTI_00_gt.txt", times=times)
+    before, after = (evaluate(path, reference, "se3") for path in (raw, choose(raw).smooth(raw)))
+    for kind in ("rpe_rot_deg", "rpe_trans_m", "ape_m", "rotation_deg"):
+        assert getattr(after, kind).rmse < 1.001 * getattr(before, kind).rmse
+
+
+@pytest.mark.slow
 def test_a_tracked_board_is_left_where_it_is_and_jitters_less(data_dir: Path) -> None:
     """The reference was measured from the same pictures and jitters as they do, so that jitter is
     told without it.
