@@ -24,6 +24,7 @@ Other libraries are not imported: what comes brings its own.
 from __future__ import annotations
 
 import copy
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -34,6 +35,8 @@ from motorcade.ga.arrays import FloatArray, IntArray, checked_floats
 from motorcade.ga.names import did_you_mean
 
 Back = Callable[[Trajectory], Any]
+# Poses farther apart are no path; stamps that seem so are in milliseconds or nanoseconds.
+_SLOWEST_S = 1000.0
 # Quaternions that were written with three digits are off by no more.
 _ROUNDED = 2e-3
 _POSITION, _QUATERNION = ("x", "y", "z"), ("qx", "qy", "qz", "qw")
@@ -56,11 +59,16 @@ def with_trajectories(given: Any, time_s: Any, verb: Callable[[Trajectory], Traj
         if time_s is not None:
             raise ValueError("time_s: expected none beside a trajectory, which has its own stamps")
         return verb(given)
+    if getattr(given, "shape", None) and 0 in given.shape:
+        raise ValueError(f"poses: expected at least one, got an array of shape {given.shape}")
     if isinstance(given, dict):
         return {name: with_trajectories(one, time_s, verb) for name, one in given.items()}
+    if _library(given) == "torch":
+        made = with_trajectories(given.detach().cpu().numpy(), time_s, verb)
+        tensor = sys.modules["torch"].from_numpy(made).to(given.device)
+        return tensor.to(given.dtype) if given.is_floating_point() else tensor
     if _bodies(given):
-        each = [with_trajectories(one, time_s, verb) for one in given]
-        return np.stack(each) if isinstance(given, np.ndarray) else type(each[0]).stack(each)
+        return np.stack([with_trajectories(one, time_s, verb) for one in given])
     path, back = _read(given, time_s)
     return back(verb(path))
 
@@ -70,9 +78,10 @@ def _library(given: Any) -> str:
 
 
 def _bodies(given: Any) -> bool:
-    shape = tuple(getattr(given, "shape", ()))
-    arrays = isinstance(given, np.ndarray) or _library(given) == "torch"
-    return arrays and (shape[2:] in ((7,), (8,)) or (len(shape) == 4 and shape[2:] == (4, 4)))
+    if not isinstance(given, np.ndarray):
+        return False
+    shape = given.shape
+    return shape[2:] in ((7,), (8,)) or (len(shape) == 4 and shape[2:] == (4, 4))
 
 
 def _read(given: Any, time_s: Any) -> tuple[Trajectory, Back]:
@@ -81,9 +90,6 @@ def _read(given: Any, time_s: Any) -> tuple[Trajectory, Back]:
         return _stamped(given, time_s), lambda made: made.motors
     if isinstance(given, np.ndarray):
         return _array(given, time_s)
-    if _library(given) == "torch":
-        path, back = _array(given.detach().cpu().numpy(), time_s)
-        return path, lambda made: given.new_tensor(back(made))
     if _library(given) == "scipy" and kind in ("Rotation", "RigidTransform"):
         return _scipy(given, time_s)
     if _library(given) == "pandas" and kind == "DataFrame":
@@ -109,19 +115,30 @@ def _nanoseconds(time_s: Any, count: int) -> IntArray:
         raise ValueError("time_s: expected the stamps of these poses, got none")
     stamps = np.asarray(time_s)
     if stamps.dtype == object:
-        stamps = np.array([np.datetime64(_naive(one)) for one in stamps.ravel()])
+        stamps = np.array([_moment(one) for one in stamps.ravel()])
     if stamps.shape != (count,):
         raise ValueError(f"time_s: expected {count} stamps, got shape {stamps.shape}")
     if stamps.dtype.kind in "mM":
+        if np.isnat(stamps).any():
+            raise ValueError("time_s: expected a moment for every pose, got NaT")
         unit = "datetime64[ns]" if stamps.dtype.kind == "M" else "timedelta64[ns]"
         return stamps.astype(unit).astype(np.int64)
-    return np.round(1e9 * checked_floats(stamps, "time_s", ())).astype(np.int64)
+    seconds = checked_floats(stamps, "time_s", ())
+    if count > 1 and float(np.median(np.diff(seconds))) > _SLOWEST_S:
+        raise ValueError(
+            "time_s: expected seconds, got stamps that lie "
+            f"{float(np.median(np.diff(seconds))):.3g} s apart; divide nanoseconds by 1e9"
+        )
+    return np.round(1e9 * seconds).astype(np.int64)
 
 
-def _naive(moment: Any) -> Any:
-    """A datetime of the universal time, which numpy wants without a zone."""
+def _moment(moment: Any) -> np.datetime64:
+    """A datetime, or a stamp of pandas to the nanosecond, in universal time."""
+    if hasattr(moment, "as_unit"):
+        return np.datetime64(moment.as_unit("ns").value, "ns")
     offset = moment.utcoffset() if hasattr(moment, "utcoffset") else None
-    return moment if offset is None else (moment - offset).replace(tzinfo=None)
+    plain = moment if offset is None else (moment - offset).replace(tzinfo=None)
+    return np.datetime64(plain, "ns")
 
 
 def _from_rows(rows: FloatArray) -> Motor:

@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.fusion.smoothing.native._live import Live
+from motorcade.fusion.smoothing.native import _live
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_positive
 
@@ -33,7 +33,7 @@ class LiveSmoother:
 
     Args:
         lag_s: how far behind the latest pose the smoothed one is, in seconds. 0 gives the pose now;
-            a tenth of a second halves what noise is left. Memory and time grow with the poses
+            a tenth of a second takes away more noise. Memory and time grow with the poses
             within it.
         memory_s: time constant in seconds by which the weights of the filters follow.
 
@@ -68,7 +68,7 @@ class LiveSmoother:
 
     def reset(self) -> None:
         """Forget all poses."""
-        self._live = Live(self.lag_s, self.memory_s)
+        self._live = _live.Live(self.lag_s, self.memory_s)
 
     def update(
         self, time_s: float, position_m: ArrayLike, wxyz: ArrayLike
@@ -97,7 +97,7 @@ class LiveSmoother:
             time_s: not before the latest pose. Beyond a tenth of a second no model foretells hands.
 
         Raises:
-            ValueError: a time before the latest pose, or no pose yet.
+            ValueError: a time before the latest pose or beyond float64, or no pose yet.
         """
         return self._live.predict(time_s)
 
@@ -120,6 +120,6 @@ class LiveSmoother:
         out = np.empty_like(given)
         # Seconds since the first stamp: those since 1970 would be rounded to a quarter microsecond.
         time_s = 1e-9 * (trajectory.time_ns - trajectory.time_ns[0])
-        Live(self.lag_s, self.memory_s).run(time_s, np.ascontiguousarray(given), out)
+        _live.smooth(self.lag_s, self.memory_s, time_s, np.ascontiguousarray(given), out)
         made = Motor.from_rotor_translation(Rotor(out[:, 3:]), out[:, :3])
         return Trajectory(trajectory.time_ns, made, trajectory.parent, trajectory.child)

@@ -8,7 +8,7 @@ parameters mean, where it breaks down and whose it is.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, overload
 
 from motorcade.fusion.smoothing.auto import auto
@@ -150,3 +150,39 @@ def method_parameters(name: str) -> dict[str, Any]:
         for parameter in signature.parameters.values()
         if parameter.kind is inspect.Parameter.KEYWORD_ONLY
     }
+
+
+def parsed_parameters(
+    name: str, settings: Iterable[str], called: str = "parameters"
+) -> dict[str, Any]:
+    """``["sigma_s=0.1", ...]`` as parameters of a method, each read as its default is written.
+
+    Args:
+        name: of the method.
+        settings: name=value each.
+        called: what messages call the settings.
+
+    Raises:
+        ValueError: an unknown method or parameter, or a value of the wrong kind.
+
+    Examples:
+        >>> from motorcade.fusion.smoothing.methods import parsed_parameters
+        >>> parsed_parameters("gaussian", ["sigma_s=0.2", "order=0"])
+        {'sigma_s': 0.2, 'order': 0}
+    """
+    known, made = method_parameters(name), dict[str, Any]()
+    for setting in settings:
+        key, equals, text = (part.strip() for part in setting.partition("="))
+        if not known:
+            raise ValueError(f"{called}: {name} takes no parameters; choose another method first")
+        if not equals or key not in known:
+            raise ValueError(
+                f"{called}: expected name=value, names of {name}: {', '.join(known)}; got "
+                f"{setting!r}; {did_you_mean(key, known)}"
+            )
+        kind = type(known[key])
+        try:
+            made[key] = kind(text)
+        except ValueError:
+            raise ValueError(f"{called} {key}: expected {kind.__name__}, got {text!r}") from None
+    return made

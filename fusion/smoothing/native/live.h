@@ -219,6 +219,9 @@ struct StampedPose {
 
 class Live {
 public:
+    // So many poses fit every filter; none can be preferred before.
+    static constexpr std::size_t OPENING = 4;
+
     Live(double lag_s, double memory_s) : lag_s_(lag_s), memory_s_(memory_s) {}
 
     // The smoothed pose that is due: at the newest stamp that lies `lag_s` back, or the first.
@@ -249,12 +252,12 @@ public:
     StampedPose ahead(double time_s) const {
         if (stamps_.empty())
             throw std::invalid_argument("predict: expected a pose before it, got none");
-        if (seen_ <= OPENING) return {time_s, last_.position, last_.rotor};
         const double dt = time_s - stamps_.back();
-        if (!(dt >= 0.0))
-            throw std::invalid_argument("time_s: expected no stamp before " +
+        if (!(dt >= 0.0) || !std::isfinite(dt))
+            throw std::invalid_argument("time_s: expected a finite stamp, none before " +
                                         std::to_string(stamps_.back()) + ", got " +
                                         std::to_string(time_s));
+        if (seen_ <= OPENING) return {time_s, last_.position, last_.rotor};
         return {time_s, positions_.ahead(dt), rotations_.ahead(dt)};
     }
 
@@ -285,8 +288,6 @@ private:
 
     // After half a second without a pose it is anybody's guess how hands have moved on.
     static constexpr double GAP_S = 0.5, GAP_POSES = 4.0;
-    // So many poses fit every filter; none can be preferred before.
-    static constexpr std::size_t OPENING = 4;
     // So much must both misses together fall, as a logarithm, before stamps are doubted.
     static constexpr double SURE = 0.2;
 

@@ -89,11 +89,13 @@ using Stamps = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::
 using Made = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
 // Poses of rows (N, 7), position before rotor, at N stamps; what comes out is laid out alike.
-void run(Live &live, const Stamps &time_s, const Rows &poses, const Made &out) {
+void smooth(double lag_s, double memory_s, const Stamps &time_s, const Rows &poses,
+            const Made &out) {
     const std::size_t count = time_s.shape(0);
-    if (poses.shape(0) != count || out.shape(0) != count || poses.shape(1) != 7 ||
-        out.shape(1) != 7)
-        throw std::invalid_argument("poses: expected rows of 7 numbers, one for each stamp");
+    if (count <= Live::OPENING || poses.shape(0) != count || out.shape(0) != count ||
+        poses.shape(1) != 7 || out.shape(1) != 7)
+        throw std::invalid_argument("poses: expected at least 5 rows of 7 numbers and as many "
+                                    "stamps");
     const auto given = [&](std::size_t k) -> StampedPose {
         const double *row = poses.data() + 7 * k;
         return {time_s.data()[k], {row[0], row[1], row[2]}, {row[3], row[4], row[5], row[6]}};
@@ -104,7 +106,7 @@ void run(Live &live, const Stamps &time_s, const Rows &poses, const Made &out) {
         row = std::copy_n(pose.rotor.data(), 4, row);
     };
     nb::gil_scoped_release unlocked;
-    live.run(count, given, write);
+    Live(lag_s, memory_s).run(count, given, write);
 }
 
 nb::object predict(const Live &live, double time_s) { return told(live.ahead(time_s)); }
@@ -116,6 +118,7 @@ NB_MODULE(_live, module) {
     nb::class_<Live>(module, "Live")
         .def(nb::init<double, double>(), "lag_s"_a, "memory_s"_a)
         .def("update", &update, "time_s"_a, "position_m"_a, "wxyz"_a)
-        .def("predict", &predict, "time_s"_a)
-        .def("run", &run, "time_s"_a, "poses"_a, "out"_a);
+        .def("predict", &predict, "time_s"_a);
+    module.def("smooth", &smooth, "lag_s"_a, "memory_s"_a, "time_s"_a, "poses"_a,
+               "out"_a.noconvert());
 }

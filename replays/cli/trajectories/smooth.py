@@ -49,13 +49,15 @@ def smooth_file(arguments: argparse.Namespace) -> None:
     """Read, smooth, write; say what "auto" picked and, where asked, what changed."""
     from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS, smooth, smoothed_automatically
     from motorcade.fusion.smoothing.changes import changes
+    from motorcade.fusion.smoothing.methods import parsed_parameters
     from motorcade.replays.cli.arguments import check_known, print_json
     from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
 
     check_known("--method", [arguments.method], METHODS)
     if arguments.representation is not None:
         check_known("--representation", [arguments.representation], REPRESENTATIONS)
-    method, parameters = arguments.method, parsed_settings(arguments.set, arguments.method)
+    method = arguments.method
+    parameters = parsed_parameters(method, arguments.set, "--set")
     trajectory = read_trajectory(arguments.input, arguments.format, rate_hz=arguments.rate_hz)
     picked = None
     if method == "auto":
@@ -76,33 +78,6 @@ def smooth_file(arguments: argparse.Namespace) -> None:
         print_json(used | changes(trajectory, smoothed))
     elif picked is not None:
         print(f"auto: {picked}")
-
-
-def parsed_settings(settings: Sequence[str], method: str) -> dict[str, Any]:
-    """``["sigma_s=0.1", ...]`` as parameters, read by the kind of their defaults.
-
-    Raises:
-        ValueError: an unknown method or parameter, or a value of the wrong kind.
-    """
-    from motorcade.fusion.smoothing import method_parameters
-
-    known = method_parameters(method)
-    if settings and not known:
-        raise ValueError(f"--set: {method} takes no parameters; give --method first")
-    made: dict[str, Any] = {}
-    for setting in settings:
-        name, equals, text = (part.strip() for part in setting.partition("="))
-        if not equals or name not in known:
-            names = ", ".join(known) or "none"
-            raise ValueError(
-                f"--set: expected name=value, names of {method}: {names}; got {setting!r}"
-            )
-        kind = type(known[name])
-        try:
-            made[name] = kind(text)
-        except ValueError:
-            raise ValueError(f"--set {name}: expected {kind.__name__}, got {text!r}") from None
-    return made
 
 
 class _List(argparse.Action):

@@ -155,12 +155,25 @@ def test_stamps_of_every_kind_are_the_same_stamps() -> None:
     np.testing.assert_allclose(seen[3] - seen[3][0], seen[0] - seen[0][0], atol=300)
 
 
+def test_tensors_stay_tensors() -> None:
+    torch = pytest.importorskip("torch")
+    path = noisy()
+    rows = rows_of(path)
+    made = smooth(torch.tensor(np.stack([rows, rows])), "gaussian", time_s=path.time_s)
+    assert made.shape == (2, 40, 7)
+    expected = rows_of(smooth(path, "gaussian"))
+    assert max(differs_in_rotation_and_position(made[0].numpy(), expected)) < 1e-7
+
+
 @pytest.mark.parametrize(
     ("given", "time_s", "kind", "says"),
     [
         (np.zeros((5, 6)), np.arange(5.0), ValueError, r"expected an array \(N, 7\)"),
         (STILL, None, ValueError, "expected the stamps of these poses, got none"),
         (STILL, np.arange(4.0), ValueError, "expected 5 stamps"),
+        (STILL, np.arange(5) * 33_333_333, ValueError, "divide nanoseconds by 1e9"),
+        (STILL, np.array(["2026-01-01"] * 4 + ["NaT"], "datetime64[ns]"), ValueError, "got NaT"),
+        (np.zeros((0, 7)), [], ValueError, "expected at least one"),
         (np.ones((5, 8)), np.arange(5.0), ValueError, "expected none beside rows"),
         (np.ones((5, 7)), np.arange(5.0), ValueError, "a length off by 1"),
         (np.ones((5, 4, 4)), np.arange(5.0), ValueError, "matrix"),

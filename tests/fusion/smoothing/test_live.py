@@ -242,6 +242,11 @@ def test_arguments_and_poses_that_do_not_fit() -> None:
         LiveSmoother(memory_s=0.0)
     with pytest.raises(ValueError, match="expected a pose before"):
         LiveSmoother().predict(0.0)
+    live = LiveSmoother()
+    live.update(0.0, [1.0, 2.0, 3.0], STILL)
+    for late in (-5.0, np.nan, np.inf):
+        with pytest.raises(ValueError, match="expected a finite stamp, none before 0"):
+            live.predict(late)
     path = MOTIONS["zoom"].sampled(30.0, 1.0)
     assert isinstance(path.poses, Similarity)
     with pytest.raises(ValueError, match="expected rigid poses"):

@@ -103,7 +103,11 @@ def edited(poses: Path, edit: str) -> Path:
         ("", ["--method", "exponential", "--set", "cutoff_hz=16"], "below half the sampling rate"),
         ("", ["--method", "kalman"], "--method: unknown 'kalman'; known here: auto, .* and 1 more"),
         ("", ["--method", "gausian"], "--method: unknown 'gausian'; did you mean gaussian"),
-        ("", ["--set", "sigma_s=1"], "--set: auto takes no parameters; give --method first"),
+        (
+            "",
+            ["--set", "sigma_s=1"],
+            "--set: auto takes no parameters; choose another method first",
+        ),
         ("", ["--method", "gaussian", "--set", "sigma=1"], "sigma_s, truncate, order; got"),
         ("", ["--method", "gaussian", "--set", "sigma_s=wide"], "sigma_s: expected float, got"),
         ("", ["--method", "gaussian", "--set", "sigma_s=-1"], "sigma_s: expected a positive"),

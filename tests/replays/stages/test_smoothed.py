@@ -7,7 +7,7 @@ import pytest
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
-from motorcade.fusion.smoothing import METHODS, choose, smooth
+from motorcade.fusion.smoothing import METHODS, smooth
 from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.pipeline import pipeline_graph
 from motorcade.replays.stages.smoothed import smoothed
@@ -27,12 +27,10 @@ def test_every_method_of_the_library_is_within_reach(method: str) -> None:
     """What the stage gives is what the library gives, on each representation."""
     given = fused()
     made = smoothed(given, method=method, representations=("motor", "rotor"))
-    settings = made.parameters
-    assert made.method is not None
+    assert made.method == method
     for name, path in made.trajectories.items():
-        expected = smooth(given.trajectory, made.method, name, **settings)
+        expected = smooth(given.trajectory, method, name, **made.parameters)
         np.testing.assert_array_equal(path.motors.coefficients, expected.motors.coefficients)
-    assert made.method == (choose(given.trajectory).method if method == "auto" else method)
 
 
 def test_numbers_of_a_method_come_by_name() -> None:
@@ -52,7 +50,8 @@ def test_a_path_that_looked_ahead_is_left_unless_smoothing_is_asked_for() -> Non
     given = fused(looked_ahead=True)
     assert smoothed(given).method is None
     assert smoothed(given).trajectories["motor"] is given.trajectory
-    assert smoothed(given, window_s=0.3).parameters == {"order": 2, "window_s": 0.3}
+    assert smoothed(given, window_s=0.3).parameters == {"window_s": 0.3}
+    assert smoothed(given, order=3).parameters["order"] == 3
     assert smoothed(given, method="gaussian").method == "gaussian"
     assert smoothed(fused(0.3), method="auto").method is None
 
@@ -62,7 +61,10 @@ def test_a_path_that_looked_ahead_is_left_unless_smoothing_is_asked_for() -> Non
     [
         ({"method": "robustmap"}, "did you mean robust_map"),
         ({"method": "one_euro", "window_s": 0.3}, "expected none with one_euro"),
-        ({"method": "one_euro", "parameters": ("beta=1",)}, "expected of one_euro"),
+        ({"method": "gaussian", "order": 7}, "order"),
+        ({"method": "one_euro", "order": 1}, "expected none with one_euro"),
+        ({"method": "auto", "parameters": ("x=3",)}, "auto takes no parameters"),
+        ({"method": "one_euro", "parameters": ("beta=1",)}, "names of one_euro"),
         ({"method": "one_euro", "parameters": ("min_cutoff_hz",)}, "expected name=value"),
         ({"method": "one_euro", "parameters": ("min_cutoff_hz=fast",)}, "expected float"),
         ({"representations": ()}, "expected at least one"),
