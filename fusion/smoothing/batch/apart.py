@@ -193,9 +193,12 @@ def _developed(measured: Measured, path: FloatArray) -> tuple[FloatArray, FloatA
 
 
 def _stretches(time_s: FloatArray, offset: FloatArray, weights: FloatArray) -> list[ColumnStretch]:
-    count = len(time_s)
-    if count <= _STRETCHES * _STRETCH:
+    if len(time_s) <= _STRETCHES * _STRETCH:
         return [ColumnStretch(time_s, offset, weights)]
-    starts = np.linspace(0, count - _STRETCH, _STRETCHES).astype(np.int64)
-    rows = [slice(start, start + _STRETCH) for start in starts]
+    # Rows of no weight tell nothing, and long runs of them leave a stretch without any.
+    kept = np.flatnonzero(weights)
+    rows = [kept]
+    if len(kept) > _STRETCHES * _STRETCH:
+        starts = np.linspace(0, len(kept) - _STRETCH, _STRETCHES).astype(np.int64)
+        rows = [kept[start : start + _STRETCH] for start in starts]
     return [ColumnStretch(time_s[row], offset[row], weights[row]) for row in rows]

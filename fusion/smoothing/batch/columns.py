@@ -197,4 +197,6 @@ def _likelihood(parts: Sequence[_Part], order: int, ratio: float) -> float:
             time_s, np.ascontiguousarray(column[:, None]), weights, order, ratio
         )
         rows, squares, logarithms = rows + found[0], squares + found[1], logarithms + found[2]
+    if rows == 0.0:
+        return -float("inf")  # all of them only open the state, and tell no model from another
     return -0.5 * (rows * float(np.log(max(squares, 1e-300) / rows)) + logarithms + rows)

@@ -1,4 +1,4 @@
-"""Measurement and process noise of a path: what `method="auto"` goes by.
+"""Measurement and process noise of a path; `method="auto"` takes its first guess alone.
 
 A first guess of the noise is what third differences leave, by their medians. Poses that belong to
 no smooth chain are then set aside as outliers (a second time with what the first told), and of what

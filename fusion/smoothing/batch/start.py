@@ -29,6 +29,9 @@ _FIRST_WINDOW = 2.0
 _STEADY = 0.02
 # The interval may be off the median one by this share, and is told from so many stamps at first.
 _DETUNED, _COUNTED_FIRST = 0.1, 500
+# So many intervals a stamp these may span: over longer gaps stamps that tremble by a tenth of the
+# interval do not tell how many of it passed, and the lines to be looked at grow with the gap.
+_LONGEST_SPAN = 16.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +133,10 @@ def even_stamps(time_s: FloatArray) -> FloatArray | None:
     passed_s = time_s - time_s[0]
     usual_s = float(np.median(np.diff(time_s)))
     count = min(len(time_s), _COUNTED_FIRST)
-    finest = 0.25 * usual_s / float(passed_s[count - 1])
+    span = float(passed_s[count - 1]) / usual_s
+    if span > _LONGEST_SPAN * count:
+        return None
+    finest = 0.25 / span
     rates = (1.0 + np.arange(-_DETUNED, _DETUNED, finest)) / usual_s
     lines = [abs(np.mean(np.exp(2j * np.pi * rate * passed_s[:count]))) for rate in rates]
     each_s, first_s = 1.0 / rates[int(np.argmax(lines))], 0.0

@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
+from motorcade.fusion.smoothing import REPRESENTATIONS
+from motorcade.fusion.smoothing.batch.apart import Measured, chosen_models
 from motorcade.fusion.smoothing.batch.columns import ColumnModel, ColumnStretch, chosen, splined
+from motorcade.fusion.smoothing.batch.start import even_stamps
+from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 
 
@@ -49,6 +53,35 @@ def test_noise_is_told_from_motion(noise: float, rng: np.random.Generator) -> No
 
 def test_density_is_of_the_process() -> None:
     assert ColumnModel(order=1, ratio=4.0, noise=0.5).density == 2.0
+
+
+def test_rows_that_only_open_the_state_tell_no_model(rng: np.random.Generator) -> None:
+    time_s, values = column(rng, 0.1)
+    weights = np.zeros(200)
+    weights[:4] = 1.0
+    model, score = chosen([ColumnStretch(time_s, values[:, None], weights)], 0, (3,))
+    assert model.order == 3
+    assert np.isfinite(score)
+
+
+@pytest.mark.parametrize("first", [0, 4900])
+def test_runs_left_out_of_long_paths_tell_nothing_of_the_models(
+    first: int, rng: np.random.Generator
+) -> None:
+    noise, weights = 0.01 * rng.standard_normal((6000, 6)), np.ones(6000)
+    weights[first : first + 1100] = 0.0
+    rotor = REPRESENTATIONS["rotor"]
+    path = rotor.coordinates(Motor.identity((6000,)))
+    measured = Measured(rotor, np.arange(6000) / 30.0, rotor.retract(path, noise))
+    found = chosen_models(measured, path, weights, (1,))
+    assert [one.noise for one in found.columns] == pytest.approx([0.01] * 6, rel=0.05)
+
+
+def test_even_stamps_are_not_sought_over_long_gaps(rng: np.random.Generator) -> None:
+    time_s = np.arange(1000) / 30.0 + rng.uniform(-0.003, 0.003, 1000)
+    assert even_stamps(time_s) is not None
+    time_s[250:] += 1e9
+    assert even_stamps(time_s) is None
 
 
 def test_refused_are_too_few_values(rng: np.random.Generator) -> None:
