@@ -63,7 +63,9 @@ static int smoothed_by_rts(poses *all) {
     const int status =
         motorcade_rts(&model, all->motors, all->time_ns, all->count, NULL, all->motors, NULL, work);
     free(work);
-    return status == MOTORCADE_OK ? 0 : refused(motorcade_message(status), all->count - 1);
+    if (status == MOTORCADE_OK) return 0;
+    fprintf(stderr, "smooth: %s\n", motorcade_message(status)); /* of which row it does not say */
+    return 1;
 }
 
 static int filtered(poses *all, int by_one_euro) {

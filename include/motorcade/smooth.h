@@ -789,6 +789,15 @@ static inline void motorcade_inner_step(motorcade_kalman *filter, const double m
     motorcade_inner_moved(filter->pose, correction, filter->pose);
 }
 
+/* Whether pose, rates and variances are numbers: one that is not would spoil the pose later. */
+static inline int motorcade_inner_sound(const motorcade_kalman *filter) {
+    const int order = filter->model.order;
+    double total = 0.0;
+    for (int k = 0; k < 6 * order; ++k) total += filter->rates[k / 6][k % 6] * 0.0;
+    for (int k = 0; k < 6 * (order + 1); ++k) total += filter->covariance.at[k][k] * 0.0;
+    return total == 0.0 && motorcade_inner_finite(filter->pose);
+}
+
 /*
  * The filtered motor at a stamp, from a measured one, which it may replace; the first comes back as
  * it is. Gaps need no care: all steps are by time.
@@ -807,7 +816,7 @@ MOTORCADE_API int motorcade_kalman_update(motorcade_kalman *filter, const double
         if (filter->poses == 1) motorcade_inner_open(&next, measured, dt);
         motorcade_inner_step(&next, measured, dt);
     }
-    if (!motorcade_inner_finite(next.pose)) return MOTORCADE_BAD_POSE;
+    if (!motorcade_inner_sound(&next)) return MOTORCADE_BAD_POSE;
     next.time_ns = time_ns;
     next.poses = filter->poses + 1;
     *filter = next;
@@ -969,7 +978,9 @@ MOTORCADE_API size_t motorcade_one_euro_size(void) { return sizeof(motorcade_one
 
 /*
  * A filter that has seen nothing. Python's defaults are 0.5 Hz, 10 Hz a rad/s, 10 Hz a m/s and 2
- * Hz. Cut-offs are positive and below half the rate of the poses, betas 0 or more.
+ * Hz. Cut-offs are positive, betas 0 or more; all else is MOTORCADE_BAD_MODEL. A cut-off above half
+ * the rate of the poses is not refused, as the rate is not known: it takes three quarters of each
+ * step and more, so hardly smooths.
  */
 MOTORCADE_API int motorcade_one_euro_start(motorcade_one_euro *filter, double min_cutoff_hz,
                                            double beta_per_rad, double beta_per_m,

@@ -142,6 +142,10 @@ def test_what_is_refused_leaves_a_filter_as_it_was(header: Header) -> None:
         setattr(wrong, name, value)
         with pytest.raises(ValueError, match="order 1 or 2"):
             header.kalman(wrong)
+    endless = header.c.motorcade_constant_velocity()
+    endless.noise_m = 1e200  # whose square is infinite
+    with pytest.raises(ValueError, match="finite"):
+        header.kalman(endless).update(motors[0], 0)
     with pytest.raises(ValueError, match="positive"):
         header.one_euro(0.0, 1.0, 1.0, 1.0)
     with pytest.raises(ValueError, match="stamp after"):
@@ -212,6 +216,10 @@ def test_the_example_in_c_is_clean_and_gives_pythons_numbers(
         done = subprocess.run([example, method], input=given, capture_output=True, text=True)
         assert done.returncode == 1
         assert problem in done.stderr
+    if method == "rts":  # all poses are smoothed at once, and no row is named
+        good = "2,0,0,0,1,0,0,0\n"
+        done = subprocess.run([example, method], input=2 * good, capture_output=True, text=True)
+        assert done.stderr == "smooth: time_ns: expected a stamp after the one before\n"
 
 
 @pytest.fixture(scope="module")

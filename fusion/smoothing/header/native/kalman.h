@@ -141,6 +141,15 @@ static inline void motorcade_inner_step(motorcade_kalman *filter, const double m
     motorcade_inner_moved(filter->pose, correction, filter->pose);
 }
 
+/* Whether pose, rates and variances are numbers: one that is not would spoil the pose later. */
+static inline int motorcade_inner_sound(const motorcade_kalman *filter) {
+    const int order = filter->model.order;
+    double total = 0.0;
+    for (int k = 0; k < 6 * order; ++k) total += filter->rates[k / 6][k % 6] * 0.0;
+    for (int k = 0; k < 6 * (order + 1); ++k) total += filter->covariance.at[k][k] * 0.0;
+    return total == 0.0 && motorcade_inner_finite(filter->pose);
+}
+
 /*
  * The filtered motor at a stamp, from a measured one, which it may replace; the first comes back as
  * it is. Gaps need no care: all steps are by time.
@@ -159,7 +168,7 @@ MOTORCADE_API int motorcade_kalman_update(motorcade_kalman *filter, const double
         if (filter->poses == 1) motorcade_inner_open(&next, measured, dt);
         motorcade_inner_step(&next, measured, dt);
     }
-    if (!motorcade_inner_finite(next.pose)) return MOTORCADE_BAD_POSE;
+    if (!motorcade_inner_sound(&next)) return MOTORCADE_BAD_POSE;
     next.time_ns = time_ns;
     next.poses = filter->poses + 1;
     *filter = next;

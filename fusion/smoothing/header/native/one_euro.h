@@ -15,7 +15,9 @@ MOTORCADE_API size_t motorcade_one_euro_size(void) { return sizeof(motorcade_one
 
 /*
  * A filter that has seen nothing. Python's defaults are 0.5 Hz, 10 Hz a rad/s, 10 Hz a m/s and 2
- * Hz. Cut-offs are positive and below half the rate of the poses, betas 0 or more.
+ * Hz. Cut-offs are positive, betas 0 or more; all else is MOTORCADE_BAD_MODEL. A cut-off above half
+ * the rate of the poses is not refused, as the rate is not known: it takes three quarters of each
+ * step and more, so hardly smooths.
  */
 MOTORCADE_API int motorcade_one_euro_start(motorcade_one_euro *filter, double min_cutoff_hz,
                                            double beta_per_rad, double beta_per_m,
