@@ -1,9 +1,9 @@
 """Grey levels between pixels, and corners of one picture found in the next.
 
 Corners are tracked by pyramidal Lucas-Kanade flow. A corner counts as found if the flow back from
-its new place ends where it began. What is found is right to some tenths of a pixel. The compiled
-flow gives what OpenCV's gives in half of its time, in a fifth where pyramids are kept, on as many
-threads as `motorcade.ga.kernels.threads` says.
+its new place ends where it began. Places that are found are right to some tenths of a pixel. The
+compiled flow finds what OpenCV's finds, in half of its time, or in a fifth where pyramids are kept.
+It runs on as many threads as `motorcade.ga.kernels.threads` says.
 
 Sources: Lucas & Kanade 1981; Bouguet 2000 (pyramids); Kalal et al. 2010 (forward-backward check).
 """

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+
 import cv2
 import numpy as np
 import pytest
@@ -89,6 +93,32 @@ def test_any_number_of_threads_finds_the_same(texture: np.ndarray, corners: np.n
         assert np.array_equal(one[1], other[1])
 
 
+WITHOUT_THREADS = """
+import resource
+import numpy as np
+from motorcade.tracking.native._flow import Pyramid, follow_corners
+
+picture = Pyramid(np.random.default_rng(0).integers(0, 255, (90, 90)).astype(np.uint8))
+px = np.random.default_rng(1).uniform(20.0, 70.0, (1280, 2))
+expected = follow_corners(picture, picture, px, px + 0.5, 0.7, 1)
+for spare in (1 << 20, 20 << 20):  # less than the stack of one thread, and than those of three
+    pages = int(open("/proc/self/statm").read().split()[0])
+    most = pages * resource.getpagesize() + spare
+    resource.setrlimit(resource.RLIMIT_AS, (most, resource.RLIM_INFINITY))
+    made = follow_corners(picture, picture, px, px + 0.5, 0.7, 20)
+    assert all(map(np.array_equal, made, expected))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits and /proc of Linux")
+def test_threads_that_cannot_be_made_are_done_without() -> None:
+    alone = {**os.environ, "LD_PRELOAD": "", "OPENBLAS_NUM_THREADS": "1"}
+    done = subprocess.run(
+        [sys.executable, "-c", WITHOUT_THREADS], env=alone, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+
+
 @pytest.mark.parametrize(
     "start", [(-1e300, 50.0), (50.0, 1e300), (np.nan, 50.0), (np.inf, np.inf), (-25.0, 50.0)]
 )
@@ -114,12 +144,30 @@ def test_nothing_is_found_where_nothing_is_seen(shape: tuple[int, int]) -> None:
     assert not found.any()
 
 
+def test_beyond_its_edge_a_picture_goes_on_as_the_edge(
+    texture: np.ndarray, rng: np.random.Generator
+) -> None:
+    """A picture too small for levels, against one that holds what is beyond its edges."""
+    before, after = (taken(texture, 0.0, (s, s))[:39, :37] for s in (0.0, 1.5))
+    px = rng.uniform(-12.0, 50.0, (600, 2))
+    guess = px + rng.normal(0, 4.0, px.shape)
+    one, wider = Pyramid(before), Pyramid(np.pad(after, 32, mode="edge"))
+    there, _ = follow_corners(one, Pyramid(after), px, guess, 0.7, 1)
+    expected, _ = follow_corners(one, wider, px, guess + 32.0, 0.7, 1)
+    followed = np.any(there != guess, axis=1)
+    window = there[followed] - 10.0
+    beyond = np.any((window < 0.0) | (window + 20.0 > np.array([36.0, 38.0])), axis=1)
+    assert np.count_nonzero(beyond) > 200
+    np.testing.assert_allclose(there[followed], expected[followed] - 32.0, atol=1e-3)
+
+
 def test_every_place_to_the_edge_can_be_looked_at(rng: np.random.Generator) -> None:
     """Windows reach beyond all edges of all levels; `make sanitize` runs this."""
     noise = rng.integers(0, 255, (61, 47)).astype(np.uint8)
     px = rng.uniform(-22.0, 83.0, (400, 2))
-    there, _ = track_corners(noise, noise[::-1], px, px + rng.normal(0, 9.0, px.shape))
-    assert there.shape == px.shape
+    there, found = track_corners(noise, noise[::-1], px, px + rng.normal(0, 9.0, px.shape))
+    assert np.isfinite(there).all()
+    assert np.all((there[found] >= 12.0) & (there[found] <= (46.0 - 12.0, 60.0 - 12.0)))
 
 
 def test_pictures_that_are_none_are_refused() -> None:

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <memory>
 #include <stdexcept>
 #include <thread>
@@ -68,8 +69,14 @@ void follow_all(const Corners &corners, std::size_t count, unsigned threads) {
     const std::size_t shares = std::clamp<std::size_t>(threads, 1, count / per_thread + 1);
     const std::size_t share = (count + shares - 1) / shares;
     std::vector<std::thread> others;
-    for (std::size_t first = share; first < count; first += share)
-        others.emplace_back(&Corners::follow, &corners, first, std::min(first + share, count));
+    others.reserve(shares);
+    std::size_t left = share;
+    try {
+        for (; left < count; left += share)
+            others.emplace_back(&Corners::follow, &corners, left, std::min(left + share, count));
+    } catch (const std::exception &) {
+        corners.follow(left, count);  // no more threads, or no memory for one: it is done here
+    }
     corners.follow(0, std::min(share, count));
     for (std::thread &other : others) other.join();
 }
