@@ -113,8 +113,9 @@ class Camera:
         """Map points in the camera frame, ``(*, 3)`` metres, to pixels ``(*, 2)``.
 
         Points that the model gives no image (at or behind the camera's plane; for "equidistant"
-        only the camera centre itself) become NaN. Far outside the calibrated field a radtan
-        polynomial may fold back into the picture; nothing here can know where it was fitted.
+        only the camera centre and what is straight behind it) become NaN. Far outside the
+        calibrated field a radtan polynomial may fold back into the picture; nothing here can know
+        where it was fitted.
 
         Args:
             points_camera: the points.

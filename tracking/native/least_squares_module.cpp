@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "blocks.h"
 #include "reprojection.h"
@@ -63,8 +64,12 @@ Lens lens_of(const std::string &model, double fx, double fy, double cx, double c
              const std::vector<double> &distortion) {
     check(distortion.size() <= 8, "distortion: expected up to 8 numbers");
     Lens lens{Model::pinhole, fx, fy, cx, cy, {}};
-    if (model == "radtan") lens.model = Model::radtan;
-    if (model == "equidistant") lens.model = Model::equidistant;
+    if (model == "radtan")
+        lens.model = Model::radtan;
+    else if (model == "equidistant")
+        lens.model = Model::equidistant;
+    else
+        check(model == "pinhole", "model: expected pinhole, radtan or equidistant");
     std::copy(distortion.begin(), distortion.end(), lens.k.begin());
     return lens;
 }
@@ -122,15 +127,6 @@ nb::tuple linearise_sight(const Sight &sight, Matrices poses, Points points) {
                           coupling.array);
 }
 
-Pose pose_of(const Matrix &matrix) {
-    Pose pose;
-    for (std::size_t i = 0; i < 3; ++i) {
-        std::copy_n(matrix.data() + 4 * i, 3, pose.turn[i]);
-        pose.shift[i] = matrix.data()[4 * i + 3];
-    }
-    return pose;
-}
-
 // Points and pixels of one pose.
 struct View {
     Lens lens;
@@ -147,7 +143,7 @@ struct View {
 nb::tuple evaluate_view(const View &view, Matrix camera_T_world) {
     const Fit fit = view.fit();
     const Zeros error_px({fit.count});
-    const double cost = evaluate(fit, pose_of(camera_T_world), error_px.data);
+    const double cost = evaluate(fit, pose_of(camera_T_world.data()), error_px.data);
     return nb::make_tuple(cost, error_px.array);
 }
 
@@ -168,7 +164,7 @@ nb::tuple refine_view(const View &view, Given<nb::shape<8>> world_T_camera, int 
 
 nb::tuple linearise_view(const View &view, Matrix camera_T_world, double most_px) {
     const Zeros information({6, 6}), gradient({6});
-    linearise(view.fit(), pose_of(camera_T_world), most_px, information.data, gradient.data);
+    linearise(view.fit(), pose_of(camera_T_world.data()), most_px, information.data, gradient.data);
     return nb::make_tuple(information.array, gradient.array);
 }
 

@@ -62,27 +62,17 @@ Image through_equidistant(const Lens &lens, const Three &point) {
               lens.fy * y * by_depth}}};
 }
 
-Pose pose_of(const double *matrix) {
-    Pose pose;
-    for (std::size_t i = 0; i < 3; ++i) {
-        std::copy_n(matrix + 4 * i, 3, pose.turn[i]);
-        pose.shift[i] = matrix[4 * i + 3];
-    }
-    return pose;
-}
-
-// A point in the camera's frame, kept before a pinhole.
+// A point in the camera's frame, kept where the lens sees.
 struct Placed {
     Three point;
-    bool before;
+    bool seen;
 };
 
 Placed placed(const Lens &lens, const Pose &pose, const double *world, double nearest) {
     Three point = pose.apply(world);
-    if (lens.sees_behind()) return {point, true};
-    const bool before = point[2] > 0.0;
-    point[2] = std::max(point[2], nearest);
-    return {point, before};
+    const bool seen = lens.sees(point);
+    if (!seen || !lens.sees_behind()) point[2] = std::max(point[2], nearest);
+    return {point, seen};
 }
 
 double huber(double size, double limit) {
@@ -121,7 +111,7 @@ double evaluate(const Observations &seen, double *error_px) {
             std::hypot(image.pixel[0] - seen.px[2 * k], image.pixel[1] - seen.px[2 * k + 1]);
         of_pixels += huber(size, seen.huber);
         of_depths += huber(std::fabs(along(seen, k, at.point[2])), seen.huber);
-        error_px[k] = at.before ? size : infinity;
+        error_px[k] = at.seen ? size : infinity;
     }
     return of_pixels + of_depths;
 }
@@ -179,7 +169,7 @@ double evaluate(const Fit &fit, const Pose &pose, double *error_px) {
     for (std::size_t k = 0; k < fit.count; ++k) {
         const Three point = pose.apply(fit.points + 3 * k);
         double size = infinity;
-        if (fit.lens.sees_behind() || point[2] > 0.0) {
+        if (fit.lens.sees(point)) {
             const Image image = image_of(fit.lens, point);
             size = std::hypot(image.pixel[0] - fit.px[2 * k], image.pixel[1] - fit.px[2 * k + 1]);
         }
@@ -199,7 +189,7 @@ void linearise(const Fit &fit, const Pose &pose, double most_px, double *informa
     std::fill_n(gradient, 6, 0.0);
     for (std::size_t k = 0; k < fit.count; ++k) {
         const Three point = pose.apply(fit.points + 3 * k);
-        if (!fit.lens.sees_behind() && !(point[2] > 0.0)) continue;
+        if (!fit.lens.sees(point)) continue;
         const Image image = image_of(fit.lens, point);
         const double residual[2] = {image.pixel[0] - fit.px[2 * k],
                                     image.pixel[1] - fit.px[2 * k + 1]};

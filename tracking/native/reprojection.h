@@ -22,6 +22,12 @@ struct Lens {
     std::array<double, 8> k;
 
     bool sees_behind() const { return model == Model::equidistant; }
+
+    // A pinhole sees what is before it; an equidistant lens anything but what is straight behind,
+    // which it would draw as a circle.
+    bool sees(const Three &point) const {
+        return point[2] > 0.0 || (sees_behind() && (point[0] != 0.0 || point[1] != 0.0));
+    }
 };
 
 // A pixel and its derivative by the point in the camera's frame.
@@ -29,7 +35,7 @@ struct Image {
     double pixel[2], by_point[2][3];
 };
 
-// The point lies before the camera; of an equidistant lens anywhere but in it.
+// The lens sees the point.
 Image image_of(const Lens &lens, const Three &point);
 
 // Turns a point of the world into the camera's frame: rows of a rotation, and a translation.
@@ -44,6 +50,16 @@ struct Pose {
         return there;
     }
 };
+
+// Of a matrix with four numbers a row.
+inline Pose pose_of(const double *matrix) {
+    Pose pose;
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t j = 0; j < 3; ++j) pose.turn[i][j] = matrix[4 * i + j];
+        pose.shift[i] = matrix[4 * i + 3];
+    }
+    return pose;
+}
 
 // Derivative by the twist of the camera's pose, rotation before translation, of a number whose
 // derivative by the point in its frame is given: the point moves by X x d(rotation) - d(place).
@@ -63,7 +79,8 @@ struct Observations {
     double disparity, huber, nearest;
 };
 
-// Sizes of the pixels' residuals, infinite behind the camera; returns the sum of Huber's losses.
+// Sizes of the pixels' residuals, infinite where the lens does not see; returns the sum of Huber's
+// losses.
 double evaluate(const Observations &seen, double *error_px);
 
 // Sums into `information` (free, 6, 6) and `gradient` (free, 6) of the poses, `blocks` (points, 3,
@@ -92,7 +109,7 @@ struct Stop {
 // there: Levenberg's and Marquardt's steps as `minimise` takes them.
 Motor refine(const Fit &fit, const Motor &world_T_camera, const Stop &stop, double *error_px);
 
-// Cost at a pose; sizes of residuals, infinite behind the camera.
+// Cost at a pose; sizes of residuals, infinite where the lens does not see.
 double evaluate(const Fit &fit, const Pose &pose, double *error_px);
 // By the loss's weights, or by those residuals alone that are not larger than `most_px`.
 void linearise(const Fit &fit, const Pose &pose, double most_px, double *information,

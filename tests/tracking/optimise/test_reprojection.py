@@ -12,7 +12,7 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking import Camera
 from motorcade.tracking.cameras.camera import to_frame
-from motorcade.tracking.native._least_squares import Sight, View, eliminate, invert
+from motorcade.tracking.native._least_squares import Lens, Sight, View, eliminate, invert
 from motorcade.tracking.optimise import huber, huber_cauchy
 from motorcade.tracking.slam.geometry import lens_of
 from motorcade.tracking.slam.mapping.adjustment import Bundle, BundleReprojection
@@ -129,6 +129,30 @@ def test_what_is_behind_a_pinhole_is_infinitely_far_off(rng: np.random.Generator
     assert np.array_equal(np.flatnonzero(np.isinf(error_px)), [3])
     assert np.isfinite(cost)
     assert np.isfinite(view.linearise(np.eye(4), np.inf)[0]).all()
+
+
+@pytest.mark.parametrize("z", [-2.0, 0.0])
+def test_what_is_straight_behind_a_fisheye_is_infinitely_far_off(z: float) -> None:
+    """It would be drawn all around the picture; not in its middle, where it was seen here."""
+    lens, middle = lens_of(CAMERAS[2]), np.tile([320.0, 240.0], (3, 1))
+    points = np.array([[0.0, 0.0, 2.0], [0.0, 0.0, z], [0.1, 0.0, -2.0]])
+    view = View(lens, points, middle, 1.5, 3.0)
+    cost, error_px = view.evaluate(np.eye(4))
+    assert error_px[0] == 0.0
+    assert np.array_equal(np.isinf(error_px), [False, True, False])
+    assert np.isfinite(cost)
+    assert all(np.isfinite(one).all() for one in view.linearise(np.eye(4), np.inf))
+    at, rows = np.zeros(3, np.int64), np.arange(3)
+    seen = Sight(lens, at, rows, at[:1], middle, np.full(3, np.nan), 1.0, 1.5, 1e-3)
+    cost, error_px = seen.evaluate(np.eye(4)[None], points)
+    assert np.array_equal(np.isinf(error_px), [False, True, False])
+    assert np.isfinite(cost)
+    assert all(np.isfinite(one).all() for one in seen.linearise(np.eye(4)[None], points))
+
+
+def test_lenses_that_are_not_known_are_refused() -> None:
+    with pytest.raises(ValueError, match="model: expected pinhole, radtan or equidistant"):
+        Lens("fov", 300.0, 300.0, 320.0, 240.0, ())
 
 
 def test_rows_that_are_not_there_are_refused(rng: np.random.Generator) -> None:
