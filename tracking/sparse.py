@@ -134,7 +134,7 @@ class PassingEquations(SparseEquations):
         """Whether no frame meets another one, and what is left is small."""
         a, b = self.frame[self.rows], self.frame[self.columns]
         met = bool(((a >= 0) & (b >= 0) & (a != b)).any())
-        few = np.count_nonzero(self.frame < 0) <= _MOST_KEPT
+        few = bool(np.count_nonzero(self.frame < 0) <= _MOST_KEPT)
         return not met and few and int(self._place.max(initial=0)) < _MOST_IN_A_FRAME
 
     @cached_property

@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, IntArray
@@ -240,6 +239,8 @@ class Tracker:
 
     def _guess(self, start: TrackedPoints, pose: Motor) -> FloatArray:
         """Where corners should be: by their point, or else moved as located neighbours."""
+        from scipy.spatial import KDTree
+
         located = start.located
         points = start.points[located]
         there, _ = project(self.camera, pose, points)
