@@ -131,6 +131,17 @@ def odometry_finding(name: str, found: HandEye | None) -> AuditFinding:
     return AuditFinding(what, "contradicted", float(stated), "deg", told, mend)
 
 
+def misfit_finding(misfit: int, alone: int, limit_px: float) -> AuditFinding:
+    """What is said of frames that were left without a pose, as their only sighting misfits."""
+    told = (
+        f"{misfit} of {alone} frames that one sighting alone places have no pose: its corners "
+        f"misfit by more than {limit_px:.2g} px"
+    )
+    verdict: Verdict = "doubtful" if misfit > _CONTAMINATION * alone else "consistent"
+    advice = "check the camera's focal length and distortion, and the stated noise of corners"
+    return AuditFinding("misfit_frames", verdict, float(misfit), "frames", told, advice)
+
+
 def scene_audit(found: MappedScene) -> tuple[AuditFinding, ...]:
     """Connection, stated poses, stated sizes and corners of a scene as it was found."""
     told = [

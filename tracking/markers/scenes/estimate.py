@@ -6,20 +6,30 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.ga import Motor
+from motorcade.ga.arrays import IntArray
 from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.markers.corner_stream import CornerStream
-from motorcade.tracking.markers.scenes.audit import hand_eye, odometry_finding, scene_audit
+from motorcade.tracking.markers.scenes.audit import (
+    hand_eye,
+    misfit_finding,
+    odometry_finding,
+    scene_audit,
+)
 from motorcade.tracking.markers.scenes.graph import adjust_scene
 from motorcade.tracking.markers.scenes.mapped import MappedScene
 from motorcade.tracking.markers.scenes.scene import MarkerScene
 from motorcade.tracking.markers.scenes.start import Start
-from motorcade.tracking.markers.scenes.table import SceneSightings, gather_scene
+from motorcade.tracking.markers.scenes.table import BODY, CARRIER, SceneSightings, gather_scene
 from motorcade.tracking.pose import TrackingError
 
 _SYNC_S = 0.05
 _ROUNDS = 2
+_MISFIT = 13.8
+"""χ² with two degrees of freedom, of eight residuals less six of the pose, exceeds it once in a
+thousand: a wrong pose costs more than one frame of a thousand does."""
 
 
 def map_scene(
@@ -28,7 +38,7 @@ def map_scene(
     """Find all poses of a scene from the corners that its cameras saw.
 
     Poses are found one after another, then adjusted together on corners, stated poses, odometry
-    and measured lengths.
+    and measured lengths. A frame that one sighting alone places has no pose where this misfits.
 
     Args:
         streams: by camera.
@@ -73,9 +83,33 @@ def map_scene(
         start.place_again(poses)
         poses, equations = adjust_scene(seen, scene, Motor(start.poses), start.known, bounded=True)
     covariance = equations.covariance(np.repeat([1.0, 10.0], 3))
+    misfit, alone, limit_px = _misfits(seen, scene, poses, start.known)
+    start.known[misfit] = False
+    if len(misfit):
+        told.append(misfit_finding(len(misfit), alone, limit_px))
     errors = np.where(start.known[seen.chain].all(axis=1), seen.errors_px(poses), np.inf)
     found = MappedScene(scene, seen, poses, start.known, errors, covariance)
     return replace(found, audit=(*told, *scene_audit(found)))
+
+
+def _misfits(
+    seen: SceneSightings, scene: MarkerScene, poses: Motor, known: NDArray[np.bool_]
+) -> tuple[IntArray, int, float]:
+    """Rows of frames whose only sighting misfits, how many have but one, and the limit.
+
+    Noise is what the adjustment weighed corners by, or what they show where that is more.
+    """
+    limit_px = float(np.sqrt(_MISFIT / 4.0)) * max(scene.sigma_px, seen.noise_px)
+    free = np.array(
+        [one.moves and one.odometry is None and one.still is None for one in scene.bodies]
+    )
+    used = np.flatnonzero(known[seen.chain].all(axis=1))
+    rows = seen.chain[used][:, [CARRIER, BODY]]
+    single = np.bincount(rows.ravel(), minlength=seen.rows)[rows] == 1
+    owner = np.searchsorted(seen.first_row, rows, side="right") - 1
+    single &= (seen.frame_of[rows] >= 0) & free[owner]
+    off = seen.errors_px(poses)[used] > limit_px
+    return rows[single & off[:, None]], int(np.count_nonzero(single)), limit_px
 
 
 def _with_good_odometry(
