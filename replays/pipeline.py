@@ -93,7 +93,7 @@ def pipeline_graph() -> Graph:
     >>> list(graph.stages["fused"].inputs)
     ['recording', 'camera_poses', 'imu']
     >>> sorted(graph.stages["smoothed"].knobs)
-    ['order', 'representations', 'window_s']
+    ['method', 'order', 'parameters', 'representations', 'window_s']
     """
     return Graph(STAGES, {"recording": Recording})
 

@@ -102,7 +102,7 @@ def test_depth_that_is_not_on_the_colour_pixels_is_refused(
     cv2.imwrite(str(path), depth[::2, ::2])
     error = refused(capsys, "run", room, "--out", tmp_path / "out")
     assert f"{path.name}, depth of frame 3: expected 160 x 120" in error
-    assert "register it to that camera first" in error
+    assert "depth on pixels of its own needs [depth_camera]" in error
     cv2.imwrite(str(path), (depth >> 8).astype(np.uint8))
     error = refused(capsys, "run", room, "--out", tmp_path / "out")
     assert "expected one channel of uint16, got uint8" in error
