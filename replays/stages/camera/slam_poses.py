@@ -82,15 +82,18 @@ def slam_poses(
     recording = as_found(recording, cameras.camera, cameras.depth_camera)
     if paired:
         audit = (*audit, audited_pair(recording))
+    mapped = None
     if imu_inside and adjust and not threads and carries_imu(recording):
         mapped = mapped_with_imu(recording, settings)
-        if mapped is not None:
-            return replace(_with_imu_inside(recording, mapped, start), audit=audit)
-    found = _by_vision(recording, settings)
-    if found.metric and adjust and not paired and recording.slam_map is None:
-        found = refined_by_depth(recording, found) or found
+    if mapped is not None:
+        poses = _with_imu_inside(recording, mapped, start)
+    else:
+        found = _by_vision(recording, settings)
+        if found.metric and adjust and not paired and recording.slam_map is None:
+            found = refined_by_depth(recording, found) or found
+        poses = _measured(recording, found, start)
     return replace(
-        _measured(recording, found, start),
+        poses,
         audit=audit,
         camera=cameras.camera,
         depth_camera=cameras.depth_camera,

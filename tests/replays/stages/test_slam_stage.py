@@ -18,6 +18,7 @@ from motorcade.replays.stages.camera.focal_lengths import FoundCameras
 from motorcade.replays.stages.inertial.imu import imu
 from motorcade.tracking import Camera, MapSnapshot, PoseMeasurements
 from motorcade.tracking.audit import AuditFinding
+from motorcade.tracking.depth import DepthCamera
 from motorcade.tracking.slam import SlamHistory, SlamResult
 
 PINHOLE = Camera(640, 480, 300.0, 300.0, 319.5, 239.5)
@@ -162,6 +163,17 @@ def test_an_imu_goes_into_slam_and_what_it_told_stays_with_the_poses(
     assert (figures["metric_from_s"], figures["readout_s"]) == (0.1, 0.01)
     # The poses stay in the upright world, and so do the points.
     np.testing.assert_array_equal(found.points, mapped(metric=True).map.points)
+
+
+def test_cameras_that_were_found_stay_with_poses_by_an_imu(
+    fed: type[FedInertialSlam], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cameras = FoundCameras(BENT, DepthCamera(PINHOLE, Motor.identity()), (FOUND_OUT,))
+    monkeypatch.setattr(slam_poses, "found_cameras", lambda _: cameras)
+    found = slam_poses.slam_poses(carried())
+    assert found.inertial is not None
+    assert (found.camera, found.depth_camera) == (cameras.camera, cameras.depth_camera)
+    assert found.audit == (FOUND_OUT,)
 
 
 def test_an_imu_that_tells_no_metres_leaves_pictures_alone(
