@@ -36,7 +36,7 @@ def test_each_contradiction_planted_in_a_recording_is_named(planting, data_dir: 
     ("name", "share"), [("7scenes_redkitchen", 0.02), ("7scenes_redkitchen_200", 0.03)]
 )
 def test_which_focal_length_is_wrong_is_told(name: str, share: float, data_dir: Path) -> None:
-    """The second recording's first 150 frames turn less, and say less."""
+    """The second recording's first five seconds turn less, and say less."""
     wrong = changed_kitchen(data_dir / "replays" / name, colour_zoomed(1.05))
     found = found_cameras(wrong)
     told = found.audit[-1]

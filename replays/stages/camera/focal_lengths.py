@@ -23,11 +23,13 @@ from motorcade.tracking.depth.cameras import DepthCamera
 from motorcade.tracking.depth.refine import FocalFactor, focal_factor
 from motorcade.tracking.slam.geometry import seen_through
 
-_FRAMES = 150
-"""Five seconds: a hand turns a camera by tens of degrees in them."""
+_FIRST_S = 5.0
+"""A hand turns a camera by tens of degrees in that time."""
 _OFF = 0.02
 """Share of a focal length that is worth telling: calibrations are good to a hundredth."""
 _DEVIATIONS = 3.0
+_FARTHEST = 2.0 * _OFF
+"""So far may the deviations reach: a lens that is wrong by 5 % still differs from a right one."""
 _NAME = "focal_lengths"
 
 
@@ -42,14 +44,16 @@ class FoundCameras:
 
 def found_cameras(recording: Recording) -> FoundCameras:
     """Look whether depth lies on colour; where it does not, find the cameras with which it does."""
-    stated = measured_depth(recording)[0].camera
     depth_camera, audit = audited_depth(recording)
-    if depth_camera is None or abs(np.log(depth_camera.camera.fx / stated.fx)) < _OFF:
+    if depth_camera is None:
+        return FoundCameras(None, None, audit)
+    stated = measured_depth(recording)[0].camera
+    if abs(np.log(depth_camera.camera.fx / stated.fx)) < _OFF:
         return FoundCameras(None, depth_camera, audit)
     registered = as_found(recording, None, depth_camera)
     found = _factor(registered)
-    if found is None or _DEVIATIONS * found.sigma > 2.0 * _OFF:
-        summary = f"{_FRAMES} frames do not tell which of the focal lengths is wrong"
+    if found is None or _DEVIATIONS * found.sigma > _FARTHEST:
+        summary = f"the first {_FIRST_S:g} s do not tell which focal length is wrong"
         told = AuditFinding(_NAME, "unknown", None, "share", f"{summary}; depth's was corrected")
         return FoundCameras(None, depth_camera, (*audit, told))
     colour = _longer(camera_of(recording), found.factor)
@@ -64,7 +68,7 @@ def _factor(recording: Recording) -> FocalFactor | None:
 
     frames, camera = recording.frames, camera_of(recording)
     slam = VisualSlam(camera)
-    count = min(_FRAMES, len(frames))
+    count = int(np.searchsorted(frames.time_ns - frames.time_ns[0], 1e9 * _FIRST_S))
     for number in track(range(count), "finding focal lengths", count):
         frame = frames[number]
         slam.track(frame.time_ns, frame.gray(), frame.depth_m(), None)
