@@ -43,6 +43,7 @@ _HUBER, _OUTLIER = 1.5, 3.0
 _ROUNDS = 8
 _FAR_M = 0.1
 """Surfaces farther apart than that are two, when distances are only measured."""
+_FEWEST_FRAMES = 3
 _STEP = 1e-6
 _STOP = Stop(steps=6, gain=1e-5)
 
@@ -69,7 +70,8 @@ class RgbdFit:
 
     Fields:
         state: poses and cameras.
-        covariance: ``(8, 8)`` of the globals, by what single frames change of them.
+        covariance: ``(8, 8)`` of the globals, by what single frames change of them; infinite
+            where fewer than three are compared with later ones.
         cost: mean robust loss of a residual.
         corner_px, plane_m: median reprojection error and median distance between the surfaces.
         count: residuals that took part.
@@ -174,6 +176,7 @@ class _Problem:
 
         A sensor's errors are alike all over a picture, so that thousands of residuals say little
         more than one does: those of a frame are left out together (the jackknife, in one step).
+        Where fewer than three can be left out, their spread says nothing.
         """
         covariance, shared = np.zeros((GLOBALS, GLOBALS)), self.free[:GLOBALS]
         if not shared.any():
@@ -186,6 +189,8 @@ class _Problem:
             )
             frame.information[np.ix_(columns, columns)] += own.information
             frame.gradient[columns] += own.gradient
+        if len(frames) < _FEWEST_FRAMES:
+            return np.diag(np.where(shared, np.inf, 0.0))
         without = []
         for frame in frames.values():
             left = whole - frame.information[np.ix_(self.free, self.free)]

@@ -108,6 +108,19 @@ def test_what_is_counted_twice_is_not_known_better() -> None:
     np.testing.assert_allclose(again, once, rtol=0.05)
 
 
+@pytest.mark.parametrize("pairs", [[(0, 1), (0, 2), (0, 3)], [(0, 1)]])
+def test_too_few_frames_do_not_make_the_cameras_certain(pairs: list[tuple[int, int]]) -> None:
+    given = matches(np.random.default_rng(5))
+    kept = given.second <= pairs[-1][1]
+    shared = Matches(given.first[kept], given.second[kept], given.px[kept], given.second_px[kept])
+    prior = CamerasPrior(COLOUR, TAKEN_BY, np.array([0.1, 0.1, *[0.0] * 6]))
+    free = np.array([True, True, *[False] * 12, *[True] * 18])
+    at = RgbdState(truth(), COLOUR, TAKEN_BY)
+    covariance = _Problem(at, surfaces(), shared, pairs, prior, free).fit(at).covariance
+    assert np.all(np.isinf(np.diag(covariance)[:2]))
+    assert not covariance[2:, 2:].any()
+
+
 def mapped(poses: Motor, colour: Camera) -> tuple[MapSnapshot, Trajectory]:
     """A map of points that keyframes at the frames' true poses saw, and the path, as given."""
     at = np.random.default_rng(5).integers((30, 30), (290, 210), (60, 2))
