@@ -67,8 +67,8 @@ def mirrored_back(
         if last - first < _SHORTEST:
             continue
         part = slice(max(0, first - _AROUND), min(len(poses), last + _AROUND))
-        if not np.any(kept[part]):
-            continue  # nothing is left around the run to read it by
+        if np.count_nonzero(kept[part]) < 2:
+            continue  # not even a velocity is left around the run to read it by
         run = slice(first - part.start, last - part.start)
         read = _Run.likelier(time_s[part], poses[part], kept[part], run, sizes, width).read()
         if read is not None:

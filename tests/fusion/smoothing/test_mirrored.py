@@ -11,6 +11,8 @@ from motorcade.fusion.motions.degradations import (
     wrong_planar_pose,
 )
 from motorcade.fusion.smoothing.batch import estimate_path
+from motorcade.fusion.smoothing.batch.inliers import Sizes
+from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 
@@ -89,3 +91,13 @@ def test_outliers_and_flips_cost_little_over_many_seeds(name: str) -> None:
     over = np.count_nonzero(np.max(ratios, axis=1) > 1.3)
     print(f"\n{name}: mean {mean.round(2)} worst {worst.round(2)} beyond 1.3: {over} of 10")
     assert np.all(mean < 1.3)
+
+
+def test_a_run_beside_a_single_pose_is_left_as_it_is() -> None:
+    kept = np.zeros(400, dtype=np.bool_)
+    kept[382] = True
+    still = Motor.identity((400,))
+    size = Sizes(0.01, 1.0)
+    found, mirrored = mirrored_back(np.arange(400) / 30.0, still, kept, (size, size, size), 3.5)
+    assert not np.any(mirrored)
+    np.testing.assert_array_equal(found.coefficients, still.coefficients)
