@@ -186,7 +186,9 @@ class _Pictures:
         self.loops: tuple[int, ...] = ()
         self.asked: list[int] = []
 
-    def track(self, time_ns: int, gray: object, *, predicted: Motor | None) -> SlamFrame:
+    def track(
+        self, time_ns: int, gray: object, *, right: object, predicted: Motor | None
+    ) -> SlamFrame:
         self._stamps.append(time_ns)
         if time_ns == self._loop_ns:
             self.loops = (time_ns,)

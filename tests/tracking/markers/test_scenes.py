@@ -127,7 +127,6 @@ def test_two_bodies_that_move_are_both_found(rng: np.random.Generator) -> None:
     assert set(verdicts(found).values()) == {"consistent"}
 
 
-@pytest.mark.slow
 def test_a_camera_that_wiggles_pulls_no_frame_off(rng: np.random.Generator) -> None:
     truth = rig_path(rng)
     wiggle = Motor.exp(0.02 * rng.standard_normal((FRAMES, 6)))
