@@ -199,7 +199,7 @@ class _Pictures:
         self.asked.append(self._stamps[-1])
         path = Trajectory(np.array(self._stamps), Motor.stack([self._pose()] * len(self._stamps)))
         spread = np.broadcast_to(np.eye(6) * 1e-8, (len(path), 6, 6))
-        return SimpleNamespace(trajectory=path, covariance=spread)
+        return SimpleNamespace(trajectory=path, covariance=spread, metric=False)
 
     def _pose(self) -> Motor:
         return Motor.from_translation([self._moved_m * len(self.loops), 0.0, 0.0])
@@ -246,7 +246,7 @@ def test_a_start_that_the_imu_never_tells_is_tried_at_growing_intervals(
     assert np.all(np.diff(tried[3:]) >= 0.2 * tried[3:-1] - 1e-9)
 
 
-def _too_little_motion(*_: object) -> None:
+def _too_little_motion(*_: object, **__: object) -> None:
     raise ValueError("too little motion")
 
 
