@@ -57,15 +57,15 @@ def test_a_car_turns_from_pose_to_pose_as_it_was_estimated(estimate: str, data_d
 
 @pytest.mark.slow
 def test_a_tracked_board_is_left_where_it_is_and_jitters_less(data_dir: Path) -> None:
-    """The reference was measured from the same pictures and jitters as they do, so that jitter is
-    told without it.
+    """The reference was measured from the same pictures and jitters as they do: jitter is told
+    without it, and what leaves that jitter out lies farther from it, here by 5 of 1,212 µm.
     """
     recording = open_recording(data_dir / "replays" / "vamr_board", MANIFESTS / "vamr_board.toml")
     raw = board_poses(recording).measurements.trajectory
     assert recording.truth is not None
     smoothed = choose(raw).smooth(raw)
     before, after = (evaluate(path, recording.truth) for path in (raw, smoothed))
-    assert after.ape_m.rmse < 1.001 * before.ape_m.rmse
+    assert after.ape_m.rmse < 1.01 * before.ape_m.rmse
     figures = changes(raw, smoothed)
     for kind in ("linear_jitter_m_s2", "angular_jitter_rad_s2"):
         jitter, raw_jitter = figures[f"smoothed_{kind}"], figures[f"raw_{kind}"]
