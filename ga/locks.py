@@ -31,11 +31,11 @@ def try_lock(file: int) -> bool | None:
 
 
 @contextmanager
-def locked(folder: Path) -> Iterator[bool]:
+def locked(folder: Path, wait_s: float = WAIT_S) -> Iterator[bool]:
     """Keep others that ask for it out of a folder within the block, as far as that is possible.
 
     Gives whether it is locked: False where the file system has no locks, or another has kept it for
-    `WAIT_S` seconds.
+    `wait_s` seconds.
 
     Raises:
         OSError: the folder cannot be opened.
@@ -49,7 +49,7 @@ def locked(folder: Path) -> Iterator[bool]:
     """
     file = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
-        end = time.monotonic() + WAIT_S
+        end = time.monotonic() + wait_s
         while (ours := try_lock(file)) is False and time.monotonic() < end:
             time.sleep(_AGAIN_S)
         yield ours is True

@@ -14,6 +14,9 @@ PID namespace and process. What the dead leave is removed by the next run, where
 | | free | is removed where hosts see each other's locks, else stays, with a warning |
 
 Numbers of processes alone say nothing: those of another container or host are not ours.
+
+Places are begun, and looked at, while the folder that they lie in is locked. So one without a mark
+is of the dead too: its builder was killed as it began, or as it removed the place.
 """
 
 from __future__ import annotations
@@ -32,7 +35,7 @@ from functools import cache
 from pathlib import Path
 
 from motorcade.ga.files import off_record, read_bounded
-from motorcade.ga.locks import try_lock
+from motorcade.ga.locks import locked, try_lock
 
 log = logging.getLogger("motorcade.unfinished")
 
@@ -40,7 +43,10 @@ NAME = re.compile(r"\.unfinished-[0-9a-f]{16}")
 """Nothing of another name is ever removed."""
 MOUNTS = Path("/proc/self/mountinfo")
 MARKED_WITHIN_S = 3600.0
-"""A place without a mark is one whose builder has just begun, or, after so long, died there."""
+"""Where folders cannot be locked, a place without a mark is one whose builder has just begun, or,
+after so long, died there."""
+BEGUN_WITHIN_S = 0.2
+"""To begin a place takes well below a millisecond; see `ga.locks` on whoever keeps a folder longer."""
 
 MARK_BYTES = 4096
 
@@ -84,9 +90,20 @@ def unfinished(folder: Path) -> Iterator[Path]:
 
 def remove_unfinished(folder: Path) -> None:
     """Remove from `folder` what is surely nobody's any more; see the table of this module."""
-    for place in folder.glob(".unfinished-*"):
-        if NAME.fullmatch(place.name) and _is_abandoned(place):
-            shutil.rmtree(place, ignore_errors=True)
+    if not (places := _places(folder)):
+        return
+    try:
+        with locked(folder, BEGUN_WITHIN_S) as ours:
+            none_begins = ours and _locks_reach_other_hosts(folder)
+            gone = [place for place in places if _is_abandoned(place, none_begins)]
+    except OSError:  # whoever cannot look into the folder removes nothing from it
+        return
+    for place in gone:
+        shutil.rmtree(place, ignore_errors=True)
+
+
+def _places(folder: Path) -> list[Path]:
+    return [path for path in folder.glob(".unfinished-*") if NAME.fullmatch(path.name)]
 
 
 @cache
@@ -138,24 +155,28 @@ class _Mark:
 def _begin(place: Path) -> int:
     """Make, lock, then mark a place; gives the open lock. OSError names the folder it lies in."""
     try:
-        place.mkdir(parents=True)
-        lock = os.open(place / "lock", os.O_RDWR | os.O_CREAT, 0o666)
-        try:
-            mark = _Mark.own(locked=try_lock(lock) is True)
-            (place / "mark").write_text(json.dumps(asdict(mark)) + "\n")
-        except OSError:
-            os.close(lock)
-            raise
+        if not place.parent.exists():
+            place.parent.mkdir(parents=True, exist_ok=True)
+        with locked(place.parent, BEGUN_WITHIN_S):
+            place.mkdir()
+            lock = os.open(place / "lock", os.O_RDWR | os.O_CREAT, 0o666)
+            try:
+                mark = _Mark.own(locked=try_lock(lock) is True)
+                (place / "mark").write_text(json.dumps(asdict(mark)) + "\n")
+            except OSError:
+                os.close(lock)
+                raise
     except OSError as fault:
         raise OSError(fault.errno, fault.strerror, str(place.parent)) from fault
     return lock
 
 
-def _is_abandoned(place: Path) -> bool:
-    """Whether the builder of a place is surely gone."""
+def _is_abandoned(place: Path, none_begins: bool) -> bool:
+    """Whether the builder of a place is surely gone, and whether none can be about to begin one."""
     mark = _Mark.read(place)
     try:
-        if mark is None and time.time() - place.stat().st_mtime < MARKED_WITHIN_S:
+        begun_s = time.time() - place.stat().st_mtime
+        if mark is None and not none_begins and begun_s < MARKED_WITHIN_S:
             return False
         lock = os.open(place / "lock", os.O_RDWR | os.O_NOFOLLOW)
     except FileNotFoundError:

@@ -4,6 +4,7 @@ import errno
 import fcntl
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -14,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from motorcade.ga import unfinished as module
+from motorcade.ga.locks import locked
 from motorcade.ga.unfinished import remove_unfinished, unfinished
 
 DEAD = 4_194_999
@@ -187,22 +189,49 @@ HOSTILE = [
 
 
 @pytest.mark.parametrize("mark", [None, *HOSTILE, b"", b'{"host": "a"', b"[]", b'{"host": "a"}'])
-def test_a_place_without_a_mark_is_left_to_a_builder_that_has_just_begun(
+def test_a_place_without_a_mark_stays_while_its_builder_may_be_beginning(
     mark: bytes | None, tmp_path: Path
 ) -> None:
     place = left(tmp_path)
     (place / "mark").unlink()
     if mark is not None:
         (place / "mark").write_bytes(mark)
-    remove_unfinished(tmp_path)
-    assert place.exists()
-    long_ago = time.time() - 2 * module.MARKED_WITHIN_S
-    os.utime(place, (long_ago, long_ago))
-    with held(place):
+    with locked(tmp_path):
         remove_unfinished(tmp_path)
         assert place.exists()
+        long_ago = time.time() - 2 * module.MARKED_WITHIN_S
+        os.utime(place, (long_ago, long_ago))
+        with held(place):
+            remove_unfinished(tmp_path)
+            assert place.exists()
+        remove_unfinished(tmp_path)
+    assert not place.exists()
+
+
+@pytest.mark.parametrize("lost", [["mark"], ["lock", "mark"]])
+def test_a_place_that_its_builder_was_killed_in_the_middle_of_is_removed(
+    lost: list[str], tmp_path: Path
+) -> None:
+    place = left(tmp_path)
+    for name in lost:
+        (place / name).unlink()
+    if lost == ["mark"]:
+        with held(place):
+            remove_unfinished(tmp_path)
+            assert place.exists()
     remove_unfinished(tmp_path)
     assert not place.exists()
+
+
+def test_folders_whose_locks_other_hosts_do_not_see_keep_a_place_without_a_mark(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "mounts").write_text("31 30 0:31 / / rw - nfs server:/data rw,vers=3,nolock\n")
+    monkeypatch.setattr(module, "MOUNTS", tmp_path / "mounts")
+    place = left(tmp_path)
+    (place / "mark").unlink()
+    remove_unfinished(tmp_path)
+    assert place.exists()
 
 
 @pytest.mark.parametrize("name", ["mark", "lock"])
@@ -237,6 +266,42 @@ def test_nothing_of_another_name_is_removed(tmp_path: Path) -> None:
     assert sorted(tmp_path.iterdir()) == before
     assert (place / "film.mp4").exists()
     remove_unfinished(tmp_path / "nowhere")
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from motorcade.ga.unfinished import unfinished
+
+left = int(sys.argv[2])
+
+def killed(event, given):
+    global left
+    if given and any(name in str(given[0]) for name in (".unfinished-", "lock", "mark")):
+        left -= 1
+        if left < 0:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+sys.addaudithook(killed)
+with unfinished(Path(sys.argv[1])):
+    pass
+"""
+
+
+def test_a_builder_that_is_killed_at_any_step_leaves_nothing_for_long(tmp_path: Path) -> None:
+    """What it leaves is removed by whoever builds next."""
+    left_something = 0
+    for step in range(100):
+        folder = tmp_path / str(step)
+        killed = subprocess.run([sys.executable, "-c", KILLED, str(folder), str(step)], check=False)
+        if killed.returncode == 0:
+            break
+        assert killed.returncode == -signal.SIGKILL
+        left_something += folder.exists() and any(folder.iterdir())
+        with unfinished(folder):
+            assert len(list(folder.iterdir())) == 1, step
+        assert list(folder.iterdir()) == [], step
+    assert step > left_something >= 5
 
 
 BUILDER = """
