@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self, SupportsIndex
+from typing import Any, ClassVar, Self, SupportsFloat, SupportsIndex, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,6 +25,7 @@ __all__ = [
     "IntArray",
     "broadcast_batch",
     "checked_floats",
+    "checked_number",
     "checked_positive",
     "common_precision",
     "frozen",
@@ -82,12 +83,28 @@ def common_precision(*given: Any) -> np.dtype[Any]:
     return np.dtype(np.float32 if kinds == {np.dtype(np.float32)} else np.float64)
 
 
+def checked_number(value: object, name: str) -> float:
+    """One real number, as Python's or as a single one of NumPy's; True and False are none.
+
+    Raises:
+        TypeError: another kind of thing.
+    """
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return float(value)
+    single = isinstance(value, SupportsFloat) and getattr(value, "ndim", 0) == 0
+    if not single or np.asarray(value).dtype.kind not in "fiuO":
+        raise TypeError(f"{name}: expected a number, got {type(value).__name__}")
+    return float(cast(SupportsFloat, value))
+
+
 def checked_positive(value: float, name: str, unit: str = "") -> float:
     """A finite number above 0.
 
     Raises:
         ValueError: another one.
+        TypeError: no number.
     """
+    checked_number(value, name)
     if not 0.0 < value < np.inf:
         expected = f"a positive number of {unit}" if unit else "a number above 0"
         raise ValueError(f"{name}: expected {expected}, got {value}")

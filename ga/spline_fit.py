@@ -13,6 +13,8 @@ Twists are (rotation, translation); a control moves by ``C exp(step)``, a pose b
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +34,10 @@ _MOST_DAMPING = 1.0
 _CONVERGED = 1e-9
 _SMOOTHNESS = 1e-6
 _CHUNK = 512
+# A control's say fades by 0.43, the pole of quintic splines, from knot to knot; where the roughness
+# alone tells controls it does so over some knots. Of long splines so many controls are fitted at a
+# time, and so many more to either side, past which nothing that float64 shows is left.
+_KEPT, _OVERLAP = 1000, 100
 _FOURTH_DIFFERENCE = (1.0, -4.0, 6.0, -4.0, 1.0)
 
 
@@ -52,7 +58,31 @@ def fit_controls(
     Raises:
         ModuleNotFoundError: scipy is missing.
     """
-    damping, equations = 0.0, _normal_equations(controls, segment, weights, poses)
+    strength = _SMOOTHNESS * len(segment) / (len(controls) - 5)
+    made = np.array(controls.coefficients)
+    for part, kept in _parts(len(controls)):
+        rows = slice(*np.searchsorted(segment, [part.start, part.stop - 5]).tolist())
+        fitted = _fitted(
+            controls[part], segment[rows] - part.start, weights[:, rows], poses[rows], strength
+        )
+        if fitted is None:
+            return None
+        made[kept] = fitted.coefficients[kept.start - part.start : kept.stop - part.start]
+    return Motor(made)
+
+
+def _parts(count: int) -> Iterator[tuple[slice, slice]]:
+    """Controls that are fitted together, and those of them that are kept, which join up."""
+    edges = np.linspace(0, count, max(1, count // _KEPT) + 1).astype(np.int64).tolist()
+    for first, last in pairwise(edges):
+        yield slice(max(0, first - _OVERLAP), min(count, last + _OVERLAP)), slice(first, last)
+
+
+def _fitted(
+    controls: Motor, segment: IntArray, weights: FloatArray, poses: Motor, strength: float
+) -> Motor | None:
+    """`fit_controls` of one part, whose roughness counts by `strength`."""
+    damping, equations = 0.0, _normal_equations(controls, segment, weights, poses, strength)
     level = 0
     for _ in range(_MAX_STEPS):
         step = _solve_band(equations, damping)
@@ -60,7 +90,7 @@ def fit_controls(
         # The six weights of a pose sum to one, most of it on the middle two controls.
         if float(np.max(np.abs(step[2:-2]))) < _CONVERGED * (1.0 + damping):
             return moved
-        reached = _normal_equations(moved, segment, weights, poses)
+        reached = _normal_equations(moved, segment, weights, poses, strength)
         flat = abs(reached.cost - equations.cost) <= _LEVEL * equations.cost
         level = level + 1 if flat else 0
         if reached.cost <= equations.cost * (1.0 + _ROUNDING):
@@ -146,7 +176,7 @@ class _Equations(NamedTuple):
 
 
 def _normal_equations(
-    controls: Motor, segment: IntArray, weights: FloatArray, poses: Motor
+    controls: Motor, segment: IntArray, weights: FloatArray, poses: Motor, strength: float
 ) -> _Equations:
     chain, segments = _Chain.of(controls), len(controls) - 5
     made = _Equations(np.zeros((6 * len(controls), 36)), np.zeros(6 * len(controls)), 0.0)
@@ -157,7 +187,6 @@ def _normal_equations(
         residual = _residuals(pose, poses[part])
         cost += float(np.sum(residual**2))
         made.add(int(segment[start]), *_summed(jacobian, residual, segment[part] - segment[start]))
-    strength = _SMOOTHNESS * len(segment) / segments
     for start in range(0, segments, _CHUNK):
         rough, jacobian = _roughness(chain, start, min(segments, start + _CHUNK))
         turned = strength * np.swapaxes(jacobian, -1, -2)

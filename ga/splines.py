@@ -43,6 +43,7 @@ _GAP_KNOTS = 4.0
 _MOST_KNOTS, _MOST_KNOTS_A_POSE = 2_000, 20
 # Steps whose median tells the rate of a motion.
 _RATE_STEPS = 15
+_CHUNK = 4096
 
 
 def _basis_polynomials() -> FloatArray:
@@ -251,9 +252,12 @@ def _fastest_rad_s(trajectory: Trajectory) -> float:
     rotors = trajectory.motors.rotor
     turns = (rotors[:-1].inverse() @ rotors[1:]).as_rotation_vector()
     rates = turns / np.diff(trajectory.time_s)[:, None]
-    width = min(_RATE_STEPS, len(rates))
-    medians = np.median(np.lib.stride_tricks.sliding_window_view(rates, width, axis=0), axis=-1)
-    return float(np.max(np.linalg.norm(medians, axis=-1)))
+    windows = np.lib.stride_tricks.sliding_window_view(rates, min(_RATE_STEPS, len(rates)), axis=0)
+    # Some at a time, as a median copies what it is taken of.
+    return max(
+        float(np.max(np.linalg.norm(np.median(windows[start : start + _CHUNK], axis=-1), axis=-1)))
+        for start in range(0, len(windows), _CHUNK)
+    )
 
 
 def _check_spacing(knot_spacing_s: float) -> None:

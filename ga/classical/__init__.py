@@ -27,8 +27,10 @@ from motorcade.ga.classical.dual_quaternion import (
 from motorcade.ga.classical.euler import (
     EulerPose,
     euler_rates_from_body,
+    follow_euler,
     interpolate_euler,
     nearest_branch,
+    nearest_euler,
 )
 from motorcade.ga.classical.pose import Pose
 from motorcade.ga.classical.quaternion import (
@@ -64,8 +66,10 @@ __all__ = [
     "dual_quaternion_normalize",
     "dual_quaternion_screw",
     "euler_rates_from_body",
+    "follow_euler",
     "interpolate_euler",
     "nearest_branch",
+    "nearest_euler",
     "nearest_sign",
     "quaternion_apply",
     "quaternion_as_matrix",

@@ -14,18 +14,34 @@ from numpy.typing import ArrayLike
 
 from motorcade.ga.arrays import FloatArray, checked_floats
 
-__all__ = ["SEQUENCES", "euler_from_matrix", "matrix_from_euler"]
+__all__ = [
+    "LOCKED",
+    "SEQUENCES",
+    "axes_of",
+    "euler_from_matrix",
+    "lock_levers",
+    "matrix_from_euler",
+]
 
 SEQUENCES = (
     "xyz", "yzx", "zxy", "xzy", "yxz", "zyx",
     "xyx", "xzx", "yxy", "yzy", "zxz", "zyz",
 )  # fmt: skip
-# Where the lever arm of the first angle is below this, the angle is noise: gimbal lock.
-_LOCKED = 4e-15
+LOCKED = 4e-15
+"""Where the lever arm of the first angle is below this, the angle is noise: gimbal lock."""
 
 
-def _axes(sequence: str) -> tuple[int, int, int, float]:
-    """First, second and remaining axis, and +1 where they are in cyclic order, else -1."""
+def axes_of(sequence: str) -> tuple[int, int, int, float]:
+    """First, second and remaining axis by number, and +1 where they are in cyclic order, else -1.
+
+    Raises:
+        ValueError: an unknown sequence.
+
+    Examples:
+        >>> from motorcade.ga.versors.euler_angles import axes_of
+        >>> axes_of("zxz")
+        (2, 0, 1, 1.0)
+    """
     if sequence not in SEQUENCES:
         raise ValueError(f"sequence: expected one of {', '.join(SEQUENCES)}, got {sequence!r}")
     i, j = "xyz".index(sequence[0]), "xyz".index(sequence[1])
@@ -57,7 +73,7 @@ def matrix_from_euler(
         >>> np.round(yawed @ [1.0, 0.0, 0.0], 6) + 0.0
         array([0., 1., 0.])
     """
-    i, j, _, _ = _axes(sequence)
+    i, j, _, _ = axes_of(sequence)
     angles = checked_floats(angles_rad, "angles_rad", (3,))
     if extrinsic:
         return matrix_from_euler(angles[..., ::-1], sequence[::-1])
@@ -88,9 +104,9 @@ def euler_from_matrix(
         array([ 0.0379, -0.2201,  0.2858])
     """
     if extrinsic:
-        _axes(sequence)
+        axes_of(sequence)
         return euler_from_matrix(matrix, sequence[::-1])[..., ::-1]
-    i, j, k, cyclic = _axes(sequence)
+    i, j, k, cyclic = axes_of(sequence)
     m = checked_floats(matrix, "matrix", (3, 3))
     if sequence[0] == sequence[2]:
         lever = np.hypot(m[..., j, i], m[..., k, i])
@@ -100,10 +116,36 @@ def euler_from_matrix(
         lever = np.hypot(m[..., j, k], m[..., k, k])
         first = np.arctan2(-cyclic * m[..., j, k], m[..., k, k])
         middle = np.arctan2(cyclic * m[..., i, k], lever)
-    first = np.where(lever > _LOCKED, first, 0.0)
+    first = np.where(lever > LOCKED, first, 0.0)
     cosine, sine = np.cos(first)[..., None], cyclic * np.sin(first)[..., None]
     rest = cosine * m[..., j, :] + sine * m[..., k, :]
     other = k if sequence[0] == sequence[2] else i
     sign = -cyclic if other == k else cyclic
     third = np.arctan2(sign * rest[..., other], rest[..., j])
     return np.stack([first, middle, third], axis=-1)
+
+
+def lock_levers(matrix: ArrayLike, sequence: str = "xyz") -> FloatArray:
+    """How far rotations ``(*, 3, 3)`` are from the gimbal lock of an intrinsic sequence, ``(*)``.
+
+    It is the sine of the angle between the first and the last axis: 1 where the three axes stand
+    square on each other, 0 at gimbal lock. Noise of the rotation reaches the first and the last
+    angle divided by it. The sequences ``xyx`` and ``xzx`` have the same (so for y and z): their
+    first and last angles differ by a quarter turn, and nothing else.
+
+    Raises:
+        ValueError: an unknown sequence, wrong shape, NaN or infinity.
+
+    Examples:
+        >>> from motorcade.ga.versors.euler_angles import lock_levers, matrix_from_euler
+        >>> up = matrix_from_euler([0.3, 1.5, 0.2])  # pitched by 86 degrees
+        >>> print(f"{lock_levers(up):.2f} as x-y'-z'', {lock_levers(up, 'zyz'):.2f} as z-y'-z''")
+        0.07 as x-y'-z'', 1.00 as z-y'-z''
+    """
+    axes_of(sequence)
+    m = checked_floats(matrix, "matrix", (3, 3))
+    row, column = "xyz".index(sequence[0]), "xyz".index(sequence[2])
+    # The other entries of the row, since 1 - m² loses the lever's digits near 0.
+    others = [m[..., row, k] for k in range(3) if k != column]
+    levers: FloatArray = np.hypot(*others)
+    return levers

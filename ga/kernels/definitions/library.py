@@ -55,6 +55,11 @@ _SINGLE = {
     "retract": ("rotor_retract", "retract", "similarity_retract"),
     "local": ("rotor_local", "local", "similarity_local"),
     "adjoint": ("rotor_adjoint", "adjoint", "similarity_adjoint"),
+    "left_jacobian_inverse": (
+        "rotor_left_jacobian_inverse",
+        "left_jacobian_inverse",
+        "similarity_left_jacobian_inverse",
+    ),
     "normalize": ("normalize",),
     "matrix34": ("matrix34",),
     "rotor_translation_scale": ("rotor_translation_scale",),

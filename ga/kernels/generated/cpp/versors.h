@@ -1430,6 +1430,511 @@ inline std::array<Real, 49> adjoint(const std::array<Real, 12> &m)
 }
 
 /*
+ * Inverse left Jacobian of a rotor's exponential, singular at full turns
+ * twist: rx ry rz
+ * returns: m00 m01 m02 m10 m11 m12 m20 m21 m22
+ */
+inline std::array<double, 9> left_jacobian_inverse(const std::array<double, 3> &twist)
+{
+    const double twist0 = twist[0], twist1 = twist[1], twist2 = twist[2];
+    const double t0 = -0.5 * twist1;
+    const double t1 = -0.5 * twist2;
+    const double t2 = twist2 * t1;
+    const double t3 = -0.5 * twist0;
+    const double t4 = t1 * t1 + t0 * t0 + t3 * t3;
+    double t29;
+    if (t4 < 2.4674011002723395) {
+        const double t5 = std::min(t4, 2.4674011002723395);
+        const double t6 = t5 * (t5 * (4.190860689573733e-14 * t5 + -3.105093875068576e-13) +
+            2.52116134224849e-12);
+        const double t7 = t5 * (t5 * (t6 + -4.868906238981723e-13) + 7.053760152595475e-11) +
+            5.42546914811746e-10;
+        const double t8 = t5 * (t5 * (t5 * t7 + 5.574566759681558e-09) + 5.479985772581718e-08) +
+            5.411083420356027e-07;
+        const double t9 = t5 * (t5 * (t5 * t8 + 5.344447517065357e-06) + 5.2910053333655655e-05) +
+            0.0005291005290594417;
+        t29 = t5 * (t5 * t9 + 0.0055555555555571205) + 0.08333333333333333;
+    } else {
+        const bool t10 = (t4 < 2.4684011002723394);
+        double t26, t27;
+        if (t10) {
+            const double t11 = t4 * (t4 * (t4 * 4.608909074888812e-14 + -1.146289561457958e-11) +
+                2.0876561604575935e-09);
+            const double t12 = t4 * (t4 * (t11 + -2.7557316386461366e-07) + 2.4801587277366174e-05)
+                + -0.0013888888888772708;
+            const double t13 = t4 * (t4 * (t4 * 2.721539074015491e-15 + -7.643023238169083e-13) +
+                1.6058940754212953e-10);
+            const double t14 = t4 * (t4 * (t13 + -2.505210688815946e-08) + 2.755731921120387e-06) +
+                -0.00019841269841208527;
+            t26 = 1.0 + t4 * (t4 * (t4 * t12 + 0.041666666666663875) + -0.4999999999999997);
+            t27 = 1.0 + t4 * (t4 * (t4 * t14 + 0.008333333333333186) + -0.16666666666666666);
+        } else {
+            const double t15 = std::sqrt(t4);
+            const double t16 = std::floor(0.3183098861837907 * t15 + 0.5);
+            const double t17 = 1.0 - 2.0 * (t16 - std::floor(0.5 * t16) * 2.0);
+            const double t18 = t15 - t16 * 3.1415926218032837 - t16 * 3.1786509424591713e-08 - t16 *
+                1.2246467202362698e-16;
+            const double t19 = t18 - t16 * 7.891108333126411e-24;
+            const double t20 = t19 * t19;
+            const double t21 = 2.0876561604575935e-09 + t20 * (-1.146289561457958e-11 +
+                4.608909074888812e-14 * t20);
+            const double t22 = -0.0013888888888772708 + t20 * (2.4801587277366174e-05 + t20 *
+                (-2.7557316386461366e-07 + t20 * t21));
+            const double t23 = 1.6058940754212953e-10 + t20 * (-7.643023238169083e-13 + t20 *
+                2.721539074015491e-15);
+            const double t24 = -0.00019841269841208527 + t20 * (2.755731921120387e-06 + t20 *
+                (-2.505210688815946e-08 + t20 * t23));
+            const double t25 = t17 * t19 * (1.0 + t20 * (-0.16666666666666666 + t20 *
+                (0.008333333333333186 + t20 * t24)));
+            t26 = t17 * (1.0 + t20 * (-0.4999999999999997 + t20 * (0.041666666666663875 + t20 *
+                t22)));
+            t27 = t25 / std::max(1.0, t15);
+        }
+        const double t28 = 1.0 - t26 * (((t27 < 0.0) ? -1.0 : 1.0) / std::max(std::abs(t27),
+            4.930380657631324e-32));
+        t29 = t28 / (4.0 * std::max(t4, 2.4674011002723395));
+    }
+    const double t30 = 2.0 * t29;
+    const double t31 = t3 * 2.0;
+    const double t32 = t3 * t31;
+    const double t33 = t0 * 2.0;
+    return {
+        1.0 + (twist1 * t0 + t2) * t30,
+        t30 * (t0 * t31) - t1,
+        t0 + t30 * (t1 * t31),
+        t1 - t30 * (twist1 * t3),
+        -(-1.0 + t30 * (t32 - t2)),
+        t30 * (t1 * t33) - t3,
+        -(t30 * (twist2 * t3)) - t0,
+        t3 - t30 * (twist2 * t0),
+        1.0 + t30 * (-t32 - t0 * t33),
+    };
+}
+
+/*
+ * Inverse left Jacobian of a motor's exponential, singular at full turns
+ * twist: rx ry rz x y z
+ * returns: m00 m01 m02 m03 m04 m05 m10 m11 m12 m13 m14 m15 m20 m21 m22 m23 m24 m25 m30 m31 m32 m33
+ *     m34 m35 m40 m41 m42 m43 m44 m45 m50 m51 m52 m53 m54 m55
+ */
+inline std::array<double, 36> left_jacobian_inverse(const std::array<double, 6> &twist)
+{
+    const double twist0 = twist[0], twist1 = twist[1], twist2 = twist[2], twist3 = twist[3];
+    const double twist4 = twist[4], twist5 = twist[5];
+    const double t0 = -0.5 * twist2;
+    const double t1 = -0.5 * twist1;
+    const double t2 = -0.5 * twist0;
+    const double t3 = t0 * t0 + t1 * t1 + t2 * t2;
+    const bool t4 = (t3 < 2.4674011002723395);
+    double t36, t37;
+    if (t4) {
+        const double t5 = std::min(t3, 2.4674011002723395);
+        const double t6 = t5 * (t5 * (4.190860689573733e-14 * t5 + -3.105093875068576e-13) +
+            2.52116134224849e-12);
+        const double t7 = t5 * (t5 * (t6 + -4.868906238981723e-13) + 7.053760152595475e-11) +
+            5.42546914811746e-10;
+        const double t8 = t5 * (t5 * (t5 * t7 + 5.574566759681558e-09) + 5.479985772581718e-08) +
+            5.411083420356027e-07;
+        const double t9 = t5 * (t5 * (t5 * t8 + 5.344447517065357e-06) + 5.2910053333655655e-05) +
+            0.0005291005290594417;
+        const double t10 = t5 * (t5 * (t5 * 8.561420266877998e-15 + -7.887796790985613e-14) +
+            5.840902112904286e-13);
+        const double t11 = t5 * (t5 * (t10 + -1.1102488422040386e-12) + 1.0866640876189362e-11) +
+            5.0219390448129135e-11;
+        const double t12 = t5 * (t5 * (t5 * t11 + 5.222702207898614e-10) + 4.4936669940499006e-09) +
+            3.8880353832927835e-08;
+        const double t13 = t5 * (t5 * (t5 * t12 + 3.288872381982998e-07) + 2.705505882992825e-06) +
+            2.137779906977056e-05;
+        const double t14 = t5 * (t5 * (t5 * t13 + 0.00015873015873738575) + 0.0010582010582008187) +
+            0.005555555555555557;
+        t36 = t5 * (t5 * t9 + 0.0055555555555571205) + 0.08333333333333333;
+        t37 = t14;
+    } else {
+        const bool t15 = (t3 < 2.4684011002723394);
+        double t31, t32;
+        if (t15) {
+            const double t16 = t3 * (t3 * (t3 * 4.608909074888812e-14 + -1.146289561457958e-11) +
+                2.0876561604575935e-09);
+            const double t17 = t3 * (t3 * (t16 + -2.7557316386461366e-07) + 2.4801587277366174e-05)
+                + -0.0013888888888772708;
+            const double t18 = t3 * (t3 * (t3 * 2.721539074015491e-15 + -7.643023238169083e-13) +
+                1.6058940754212953e-10);
+            const double t19 = t3 * (t3 * (t18 + -2.505210688815946e-08) + 2.755731921120387e-06) +
+                -0.00019841269841208527;
+            t31 = 1.0 + t3 * (t3 * (t3 * t17 + 0.041666666666663875) + -0.4999999999999997);
+            t32 = 1.0 + t3 * (t3 * (t3 * t19 + 0.008333333333333186) + -0.16666666666666666);
+        } else {
+            const double t20 = std::sqrt(t3);
+            const double t21 = std::floor(0.3183098861837907 * t20 + 0.5);
+            const double t22 = 1.0 - 2.0 * (t21 - std::floor(0.5 * t21) * 2.0);
+            const double t23 = t20 - t21 * 3.1415926218032837 - t21 * 3.1786509424591713e-08 - t21 *
+                1.2246467202362698e-16;
+            const double t24 = t23 - t21 * 7.891108333126411e-24;
+            const double t25 = t24 * t24;
+            const double t26 = 2.0876561604575935e-09 + t25 * (-1.146289561457958e-11 +
+                4.608909074888812e-14 * t25);
+            const double t27 = -0.0013888888888772708 + t25 * (2.4801587277366174e-05 + t25 *
+                (-2.7557316386461366e-07 + t25 * t26));
+            const double t28 = 1.6058940754212953e-10 + t25 * (-7.643023238169083e-13 + t25 *
+                2.721539074015491e-15);
+            const double t29 = -0.00019841269841208527 + t25 * (2.755731921120387e-06 + t25 *
+                (-2.505210688815946e-08 + t25 * t28));
+            const double t30 = t22 * t24 * (1.0 + t25 * (-0.16666666666666666 + t25 *
+                (0.008333333333333186 + t25 * t29)));
+            t31 = t22 * (1.0 + t25 * (-0.4999999999999997 + t25 * (0.041666666666663875 + t25 *
+                t27)));
+            t32 = t30 / std::max(1.0, t20);
+        }
+        const double t33 = ((t32 < 0.0) ? -1.0 : 1.0) / std::max(std::abs(t32),
+            4.930380657631324e-32);
+        const double t34 = t31 * t33;
+        const double t35 = std::max(t3, 2.4674011002723395);
+        t36 = (1.0 - t34) / (4.0 * t35);
+        t37 = (t34 + t33 * t33 - 2.0) / (t35 * (t35 * 8.0));
+    }
+    const double t38 = twist1 * t1;
+    const double t39 = twist2 * t0;
+    const double t40 = 2.0 * (t38 + t39);
+    const double t41 = t2 * 2.0;
+    const double t42 = 2.0 * (t1 * t41);
+    const double t43 = t36 * t42 - t0;
+    const double t44 = 2.0 * (t0 * t41);
+    const double t45 = 2.0 * (twist1 * t2);
+    const double t46 = t0 - t36 * t45;
+    const double t47 = t2 * t41;
+    const double t48 = 2.0 * (t47 - t39);
+    const double t49 = t1 * 2.0;
+    const double t50 = 2.0 * (t0 * t49);
+    const double t51 = t36 * t50 - t2;
+    const double t52 = 2.0 * (twist2 * t2);
+    const double t53 = 2.0 * (twist2 * t1);
+    const double t54 = t2 - t36 * t53;
+    const double t55 = t1 * t49;
+    const double t56 = 2.0 * (-t47 - t55);
+    const double t57 = -0.5 * twist5;
+    const double t58 = 2.0 * t57;
+    const double t59 = -0.5 * twist4;
+    const double t60 = twist2 * t57;
+    const double t61 = 2.0 * t36;
+    const double t62 = -0.5 * twist3;
+    const double t63 = t37 * (2.0 * (t2 * t62 + (t0 * t57 + t1 * t59)));
+    const double t64 = 2.0 * t62;
+    const double t65 = t0 * 2.0;
+    const double t66 = -(t41 * t62);
+    const double t67 = 2.0 * t59;
+    return {
+        1.0 + t36 * t40,
+        t43,
+        t1 + t36 * t44,
+        0.0,
+        0.0,
+        0.0,
+        t46,
+        -(-1.0 + t36 * t48),
+        t51,
+        0.0,
+        0.0,
+        0.0,
+        -(t36 * t52) - t1,
+        t54,
+        1.0 + t36 * t56,
+        0.0,
+        0.0,
+        0.0,
+        (t1 * twist4 - t0 * t58 + twist1 * t59 + t60) * t61 + t40 * t63,
+        t61 * (t1 * t64 + t41 * t59) + t42 * t63 - t57,
+        t59 + (t61 * (t41 * t57 - t0 * twist3) + t44 * t63),
+        1.0 + t61 * (t38 - t0 * t65),
+        t43,
+        t1 - t61 * (t0 * twist0),
+        t57 + (-(t61 * (twist1 * t62 + t2 * twist4)) - t45 * t63),
+        t61 * (t60 + (t66 - t2 * t64 + t0 * twist5)) - t48 * t63,
+        t61 * (t0 * t67 + t49 * t57) + t50 * t63 - t62,
+        t46,
+        1.0 + (t39 - t47) * t61,
+        t51,
+        t61 * (t2 * t58 - twist2 * t62) - t52 * t63 - t59,
+        t62 + (-(t61 * (twist2 * t59 + t1 * twist5)) - t53 * t63),
+        t61 * (t66 - t49 * t59 - t1 * t67 + t2 * twist3) + t56 * t63,
+        t61 * (t2 * t65) - t1,
+        t54,
+        1.0 + t61 * (twist0 * t2 - t55),
+    };
+}
+
+/*
+ * Inverse left Jacobian of a similarity's exponential, singular at full turns
+ * twist: rx ry rz x y z log_scale
+ * returns: m00 m01 m02 m03 m04 m05 m06 m10 m11 m12 m13 m14 m15 m16 m20 m21 m22 m23 m24 m25 m26 m30
+ *     m31 m32 m33 m34 m35 m36 m40 m41 m42 m43 m44 m45 m46 m50 m51 m52 m53 m54 m55 m56 m60 m61 m62
+ *     m63 m64 m65 m66
+ */
+inline std::array<double, 49> left_jacobian_inverse(const std::array<double, 7> &twist)
+{
+    const double twist0 = twist[0], twist1 = twist[1], twist2 = twist[2], twist3 = twist[3];
+    const double twist4 = twist[4], twist5 = twist[5], twist6 = twist[6];
+    const double t0 = twist0 * twist0;
+    const double t1 = twist1 * twist1;
+    const double t2 = t0 + t1;
+    const double t3 = twist2 * twist2;
+    const double t4 = t2 + t3;
+    const double t5 = 0.25 * t4;
+    const bool t6 = (t5 < 2.4674011002723395);
+    const bool t7 = (t5 < 2.4684011002723394);
+    double t27, t28, t29;
+    if (t7) {
+        const double t8 = t5 * (t5 * (t4 * 1.152227268722203e-14 + -1.146289561457958e-11) +
+            2.0876561604575935e-09);
+        const double t9 = t5 * (t5 * (t8 + -2.7557316386461366e-07) + 2.4801587277366174e-05) +
+            -0.0013888888888772708;
+        const double t10 = t5 * (t5 * (t4 * 6.803847685038728e-16 + -7.643023238169083e-13) +
+            1.6058940754212953e-10);
+        const double t11 = t5 * (t5 * (t10 + -2.505210688815946e-08) + 2.755731921120387e-06) +
+            -0.00019841269841208527;
+        const double t12 = t5 * (t5 * (t4 * 5.443092660432092e-15 + -5.350144126598709e-12) +
+            9.635366495989451e-10);
+        const double t13 = t5 * (t5 * (t12 + -1.2526053501698183e-07) + 1.1022927685256208e-05) +
+            -0.0005952380952367574;
+        t27 = 1.0 + t5 * (t5 * (t5 * t9 + 0.041666666666663875) + -0.4999999999999997);
+        t28 = 1.0 + t5 * (t5 * (t5 * t11 + 0.008333333333333186) + -0.16666666666666666);
+        t29 = -0.16666666666666666 + t5 * (t5 * t13 + 0.01666666666666651);
+    } else {
+        const double t14 = std::sqrt(t5);
+        const double t15 = std::floor(0.3183098861837907 * t14 + 0.5);
+        const double t16 = 1.0 - 2.0 * (t15 - std::floor(0.5 * t15) * 2.0);
+        const double t17 = t14 - t15 * 3.1415926218032837 - t15 * 3.1786509424591713e-08 - t15 *
+            1.2246467202362698e-16;
+        const double t18 = t17 - t15 * 7.891108333126411e-24;
+        const double t19 = t18 * t18;
+        const double t20 = 2.0876561604575935e-09 + t19 * (-1.146289561457958e-11 +
+            4.608909074888812e-14 * t19);
+        const double t21 = -0.0013888888888772708 + t19 * (2.4801587277366174e-05 + t19 *
+            (-2.7557316386461366e-07 + t19 * t20));
+        const double t22 = t16 * (1.0 + t19 * (-0.4999999999999997 + t19 * (0.041666666666663875 +
+            t19 * t21)));
+        const double t23 = 1.6058940754212953e-10 + t19 * (-7.643023238169083e-13 + t19 *
+            2.721539074015491e-15);
+        const double t24 = -0.00019841269841208527 + t19 * (2.755731921120387e-06 + t19 *
+            (-2.505210688815946e-08 + t19 * t23));
+        const double t25 = t16 * t18 * (1.0 + t19 * (-0.16666666666666666 + t19 *
+            (0.008333333333333186 + t19 * t24)));
+        const double t26 = t25 / std::max(1.0, t14);
+        t27 = t22;
+        t28 = t26;
+        t29 = (t22 - t26) / (t4 * 0.5);
+    }
+    double t40, t41;
+    if (t6) {
+        const double t30 = std::min(t5, 2.4674011002723395);
+        const double t31 = t30 * (t30 * (4.190860689573733e-14 * t30 + -3.105093875068576e-13) +
+            2.52116134224849e-12);
+        const double t32 = t30 * (t30 * (t31 + -4.868906238981723e-13) + 7.053760152595475e-11) +
+            5.42546914811746e-10;
+        const double t33 = t30 * (t30 * (t30 * t32 + 5.574566759681558e-09) + 5.479985772581718e-08)
+            + 5.411083420356027e-07;
+        const double t34 = t30 * (t30 * (t30 * t33 + 5.344447517065357e-06) +
+            5.2910053333655655e-05) + 0.0005291005290594417;
+        const double t35 = t30 * (t30 * -4.653304211418644e-15 + 5.362814048940375e-13) +
+            -4.605580928658353e-11;
+        const double t36 = t30 * (t30 * (t30 * t35 + 3.1322658499179184e-09) +
+            -1.644445954441792e-07) + 6.413339737800479e-06;
+        const double t37 = t30 * (t30 * (t30 * t36 + -0.00017636684303014454) +
+            0.0031746031746025262) + -0.033333333333333284;
+        t40 = t30 * (t30 * t34 + 0.0055555555555571205) + 0.08333333333333333;
+        t41 = t30 * t37 + 0.16666666666666666;
+    } else {
+        const double t38 = 1.0 - t27 * (((t28 < 0.0) ? -1.0 : 1.0) / std::max(std::abs(t28),
+            4.930380657631324e-32));
+        const double t39 = 1.0 / (4.0 * std::max(t5, 2.4674011002723395));
+        t40 = t38 * t39;
+        t41 = t39 * (1.0 - t27 * t28);
+    }
+    const double t42 = t1 + t3;
+    const double t43 = 1.0 - t40 * t42;
+    const double t44 = twist0 * twist1;
+    const double t45 = t40 * t44;
+    const double t46 = twist2 * -0.5;
+    const double t47 = t45 - t46;
+    const double t48 = twist1 * -0.5;
+    const double t49 = twist0 * twist2;
+    const double t50 = t40 * t49;
+    const double t51 = t48 + t50;
+    const double t52 = t45 + t46;
+    const double t53 = t0 + t3;
+    const double t54 = 1.0 - t40 * t53;
+    const double t55 = twist1 * twist2;
+    const double t56 = t40 * t55;
+    const double t57 = twist0 * -0.5;
+    const double t58 = t56 - t57;
+    const double t59 = t50 - t48;
+    const double t60 = t56 + t57;
+    const double t61 = 1.0 - t2 * t40;
+    const double t62 = 2.0 * (twist0 * t43 + twist1 * t52 + twist2 * t59);
+    const double t63 = twist6 * twist6;
+    const double t64 = 1.0 / std::max(t4 + t63, 1.0947644252537633e-47);
+    const double t65 = std::floor(0.5 + 1.4426950408889634 * twist6);
+    const double t66 = twist6 - t65 * 0.6931471675634384 - t65 * 1.2996506893889889e-08;
+    const double t67 = t66 * (t66 * (2.5110372746250102e-08 * t66 + 2.763307546557511e-07) +
+        2.755724001024349e-06);
+    const double t68 = t66 * (t66 * (t67 + 2.4801484301104542e-05) + 0.0001984126989089813) +
+        0.0013888888953421457;
+    const double t69 = t66 * (t66 * (t66 * t68 + 0.00833333333331928) + 0.04166666666648393) +
+        0.16666666666666682;
+    const double t70 = std::exp2(t65) * (1.0 + t66 * (1.0 + t66 * (t66 * t69 +
+        0.5000000000000019)));
+    const double t71 = t28 * (0.5 * t28);
+    const double t72 = 0.25 * (t27 * t29 - t71);
+    const double t73 = t63 * t64;
+    const bool t74 = (std::abs(twist6) < 1.0);
+    double t83, t84;
+    if (t74) {
+        const double t75 = std::max(-1.0, std::min(1.0, twist6));
+        const double t76 = t75 * (t75 * 7.746377957473813e-13 + 1.1639533539491848e-11) +
+            1.6057674136158497e-10;
+        const double t77 = t75 * (t75 * (t75 * t76 + 2.087442623329743e-09) +
+            2.5052117752083137e-08) + 2.7557335164569814e-07;
+        const double t78 = t75 * (t75 * (t75 * t77 + 2.755731919111943e-06) +
+            2.4801587245650116e-05) + 0.00019841269841324745;
+        const double t79 = t75 * (t75 * (t75 * t78 + 0.0013888888888982337) + 0.008333333333333299)
+            + 0.04166666666666608;
+        const double t80 = 0.5 + t75 * (0.16666666666666666 + t75 * t79);
+        t83 = 1.0 + t75 * t80;
+        t84 = t80;
+    } else {
+        const double t81 = 1.0 / ((twist6 < 0.0) ? std::min(-1.0, twist6) : std::max(1.0, twist6));
+        const double t82 = (t70 - 1.0) * t81;
+        t83 = t82;
+        t84 = t81 * (t82 - 1.0);
+    }
+    const double t85 = t83 - t84;
+    const double t86 = t73 * t85 + t70 * (1.0 - t73) * (t71 - twist6 * t41);
+    const double t87 = t64 * (t70 * (0.5 * (1.0 - t4 * t41) + twist6 * t72) - t86);
+    const double t88 = twist2 * twist4 - twist1 * twist5;
+    const double t89 = t64 * (twist6 * (t70 * t71 - t85) + t41 * (t4 * t70));
+    const double t90 = t64 * (t70 * (0.25 * twist6 * (t28 * t29) - t72) - t89);
+    const double t91 = twist1 * twist3 - twist0 * twist4;
+    const double t92 = twist2 * twist3 - twist0 * twist5;
+    const double t93 = twist1 * t91 + twist2 * t92;
+    const double t94 = t87 * t88 + t90 * t93;
+    const double t95 = t59 * twist4 - t52 * twist5;
+    const double t96 = t52 * twist3 - t43 * twist4;
+    const double t97 = t59 * twist3 - t43 * twist5;
+    const double t98 = t62 * t94 + t86 * t95 + t89 * (t52 * t91 + t59 * t92 + (twist1 * t96 + twist2
+        * t97));
+    const double t99 = 1.0 / t83;
+    const double t100 = t4 * t89;
+    const double t101 = t83 - t100;
+    const double t102 = t101 * t101 + t86 * (t4 * t86);
+    const double t103 = t86 / t102;
+    const double t104 = twist0 * t92 + twist1 * t88;
+    const double t105 = t90 * t104 - t87 * t91;
+    const double t106 = twist0 * t91 - twist2 * t88;
+    const double t107 = t83 * twist4 + t86 * t92 + t89 * t106;
+    const double t108 = t62 * t105 - t107 - t86 * t96 + t89 * (t43 * t92 + t52 * t88 + (twist0 * t97
+        + twist1 * t95));
+    const double t109 = t83 * twist5 - t86 * t91 + t89 * t104;
+    const double t110 = t87 * t92 + t90 * t106;
+    const double t111 = t109 + t62 * t110 + t86 * t97 + t89 * (t43 * t91 - t59 * t88 + (twist0 * t96
+        - twist2 * t95));
+    const double t112 = twist1 * t108 - twist2 * t111;
+    const double t113 = (t86 * t86 - t89 * t101) / (t83 * t102);
+    const double t114 = twist0 * t111 + twist1 * t98;
+    const double t115 = twist2 * t98 + twist0 * t108;
+    const double t116 = 2.0 * (twist0 * t47 + twist1 * t54 + twist2 * t60);
+    const double t117 = t60 * twist4 - t54 * twist5;
+    const double t118 = t54 * twist3 - t47 * twist4;
+    const double t119 = t60 * twist3 - t47 * twist5;
+    const double t120 = t109 + t94 * t116 + t86 * t117 + t89 * (t54 * t91 + t60 * t92 + (twist1 *
+        t118 + twist2 * t119));
+    const double t121 = t83 * twist3 - t86 * t88 - t89 * t93;
+    const double t122 = t121 + t105 * t116 - t86 * t118 + t89 * (t47 * t92 + t54 * t88 + (twist0 *
+        t119 + twist1 * t117));
+    const double t123 = t110 * t116 + t86 * t119 + t89 * (t47 * t91 - t60 * t88 + (twist0 * t118 -
+        twist2 * t117));
+    const double t124 = twist1 * t122 - twist2 * t123;
+    const double t125 = twist0 * t123 + twist1 * t120;
+    const double t126 = twist2 * t120 + twist0 * t122;
+    const double t127 = 2.0 * (twist0 * t51 + twist1 * t58 + twist2 * t61);
+    const double t128 = t58 * twist3 - t51 * twist4;
+    const double t129 = t61 * twist3 - t51 * twist5;
+    const double t130 = t61 * twist4 - t58 * twist5;
+    const double t131 = t105 * t127 - t86 * t128 + t89 * (t51 * t92 + t58 * t88 + (twist0 * t129 +
+        twist1 * t130));
+    const double t132 = t110 * t127 - t121 + t86 * t129 + t89 * (t51 * t91 - t61 * t88 + (twist0 *
+        t128 - twist2 * t130));
+    const double t133 = twist1 * t131 - twist2 * t132;
+    const double t134 = t107 - t94 * t127 - t86 * t130 - t89 * (t58 * t91 + t61 * t92 + (twist1 *
+        t128 + twist2 * t129));
+    const double t135 = twist0 * t132 - twist1 * t134;
+    const double t136 = twist0 * t131 - twist2 * t134;
+    const double t137 = twist2 * t103;
+    const double t138 = t44 * t113;
+    const double t139 = t49 * t113;
+    const double t140 = twist1 * t103;
+    const double t141 = t64 * (t100 + twist6 * (t86 - t84));
+    const double t142 = t64 * (t84 - t86 + twist6 * t89);
+    const double t143 = t84 * twist3 - t88 * t141 - t93 * t142;
+    const double t144 = t84 * twist4 + t92 * t141 + t106 * t142;
+    const double t145 = t84 * twist5 - t91 * t141 + t104 * t142;
+    const double t146 = twist2 * t144 - twist1 * t145;
+    const double t147 = twist1 * t143 - twist0 * t144;
+    const double t148 = twist2 * t143 - twist0 * t145;
+    const double t149 = twist0 * t103;
+    const double t150 = t55 * t113;
+    return {
+        t43,
+        t47,
+        t51,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        t52,
+        t54,
+        t58,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        t59,
+        t60,
+        t61,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        t98 * t99 + t103 * t112 - t113 * (twist1 * t114 + twist2 * t115),
+        t99 * t120 + t103 * t124 - t113 * (twist1 * t125 + twist2 * t126),
+        t103 * t133 - t99 * t134 - t113 * (twist1 * t135 + twist2 * t136),
+        t99 - t42 * t113,
+        t137 + t138,
+        t139 - t140,
+        t99 * t143 + t103 * t146 - t113 * (twist1 * t147 + twist2 * t148),
+        t113 * (twist0 * t114 - twist2 * t112) - (t99 * t111 + t103 * t115),
+        t113 * (twist0 * t125 - twist2 * t124) - (t99 * t123 + t103 * t126),
+        t113 * (twist0 * t135 - twist2 * t133) - (t99 * t132 + t103 * t136),
+        t138 - t137,
+        t99 - t53 * t113,
+        t149 + t150,
+        t99 * t144 - t103 * t148 + t113 * (twist0 * t147 - twist2 * t146),
+        t103 * t114 - t99 * t108 + t113 * (twist0 * t115 + twist1 * t112),
+        t103 * t125 - t99 * t122 + t113 * (twist0 * t126 + twist1 * t124),
+        t103 * t135 - t99 * t131 + t113 * (twist0 * t136 + twist1 * t133),
+        t139 + t140,
+        t150 - t149,
+        t99 - t2 * t113,
+        t99 * t145 + t103 * t147 + t113 * (twist0 * t148 + twist1 * t146),
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        1.0,
+    };
+}
+
+/*
  * The motor nearest to an even element
  * m: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
  * returns: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
