@@ -4,13 +4,17 @@ Character space: metres, z up, facing +x, soles at z = 0. Triangles run counter-
 from outside; vertex colours are sRGB from 0 to 1.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from motorcade.animation.appearance import Appearance
 from motorcade.animation.clip import Clip
+from motorcade.animation.morphs import MorphTarget, morphed
 from motorcade.animation.skeleton import Skeleton
+from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 
 WEIGHT_TOLERANCE = 1e-6
@@ -31,6 +35,12 @@ class Character:
         weights: (V, 4) shares of these joints, not negative, summing to 1.
         clips: motions of this skeleton with different names.
         notices: what was left out or assumed when it was read from a file.
+        character_T_file: from the axes and unit of the file's scene to character space.
+        found_pose: Motor or Similarity (J,), the pose in which the nodes of the file stand; by
+            default the rest pose.
+        appearance: materials with their textures, which `colors` stand in for where a renderer
+            samples none; None where there are only colours.
+        morphs: targets that weights mix into the rest pose.
 
     Raises:
         ValueError: a shape, an index or a weight out of range, or a clip for another skeleton.
@@ -61,6 +71,10 @@ class Character:
     weights: FloatArray
     clips: tuple[Clip, ...] = ()
     notices: tuple[str, ...] = ()
+    character_T_file: Similarity = field(default_factory=Similarity.identity)
+    found_pose: Motor | Similarity | None = None
+    appearance: Appearance | None = None
+    morphs: tuple[MorphTarget, ...] = ()
 
     def __post_init__(self) -> None:
         count = len(np.asarray(self.vertices))
@@ -81,6 +95,15 @@ class Character:
             object.__setattr__(self, name, given_numbers)
         self._check_ranges()
         self._check_clips()
+        if self.appearance is not None:
+            self.appearance.check(self.vertices, self.triangles, "Character")
+        if self.found_pose is None:
+            object.__setattr__(self, "found_pose", self.skeleton.rest)
+        elif self.found_pose.shape != (len(self.skeleton),):
+            raise ValueError(
+                f"Character.found_pose: expected poses of {len(self.skeleton)} joints, got "
+                f"{self.found_pose.shape}"
+            )
 
     def _check_ranges(self) -> None:
         length = np.linalg.norm(self.normals, axis=1)
@@ -107,7 +130,14 @@ class Character:
         names = [clip.name for clip in self.clips]
         if len(set(names)) != len(names):
             raise ValueError(f"Character.clips: expected different names, got {names}")
+        for target in self.morphs:
+            _numbers(target.rows, "Character.morphs", target.rows.shape[:1], len(self.vertices))
         for clip in self.clips:
+            if clip.morphs is not None and clip.morphs.weights.shape[1] != len(self.morphs):
+                raise ValueError(
+                    f"Character.clips: expected weights of {len(self.morphs)} morph targets, got "
+                    f"{clip.morphs.weights.shape[1]} in '{clip.name}'"
+                )
             if clip.poses.shape[1] != len(self.skeleton):
                 raise ValueError(
                     f"Character.clips: expected poses of {len(self.skeleton)} joints, got "
@@ -118,6 +148,17 @@ class Character:
     def height_m(self) -> float:
         """Height of the rest pose above z = 0."""
         return float(self.vertices[:, 2].max())
+
+    def shaped(self, weights: ArrayLike | None = None) -> "Character":
+        """The same with morph targets mixed into its rest pose, by weights (W,) or those at rest.
+
+        Raises:
+            ValueError: another number of weights.
+        """
+        vertices, normals = morphed(self.vertices, self.normals, self.morphs, weights)
+        if vertices is self.vertices:
+            return self
+        return replace(self, vertices=vertices, normals=normals)
 
     @cached_property
     def influences(self) -> tuple[IntArray, FloatArray]:

@@ -11,6 +11,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from motorcade.animation.morphs import MorphTrack
 from motorcade.ga import Motor, Similarity, Versor
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 
@@ -32,6 +33,7 @@ class Clip:
         looped: whether the motion repeats; its last pose must then equal its first.
         key_count: how many keys the fullest channel of its file had, where the motion is sampled
             more finely; by default the number of samples.
+        morphs: weights of morph targets over the same clock, or None where they stay at rest.
 
     Raises:
         ValueError: an empty name, times that do not increase, shapes that do not fit, a count of
@@ -54,6 +56,7 @@ class Clip:
     poses: Motor | Similarity
     looped: bool = False
     key_count: int = 0
+    morphs: MorphTrack | None = None
 
     def __post_init__(self) -> None:
         if not self.name:
@@ -102,15 +105,28 @@ class Clip:
         wanted = checked_floats(time_s, "Clip.at(time_s)", ())
         if len(self.time_s) == 1:
             return self.poses[np.zeros(wanted.shape, dtype=np.int64)]
-        first, last = self.time_s[0], self.time_s[-1]
-        if self.looped:
-            clock = first + np.mod(wanted - first, last - first)
-        else:
-            clock = np.clip(wanted, first, last)
+        clock = self._clock(wanted)
         before = np.searchsorted(self.time_s, clock, side="right") - 1
         before = np.clip(before, 0, len(self.time_s) - 2)
         fraction = (clock - self.time_s[before]) / np.diff(self.time_s)[before]
         return _between(self.poses, before, fraction)
+
+    def morph_weights(self, time_s: ArrayLike) -> FloatArray | None:
+        """Weights of the morph targets (*, W) at times (*); None where they stay at rest.
+
+        Raises:
+            ValueError: NaN or infinite times.
+        """
+        if self.morphs is None:
+            return None
+        return self.morphs.at(self._clock(checked_floats(time_s, "Clip.morph_weights", ())))
+
+    def _clock(self, wanted: FloatArray) -> FloatArray:
+        """Times within the span: repeated in a loop, else held at its ends."""
+        first, last = self.time_s[0], self.time_s[-1]
+        if self.looped:
+            return np.asarray(first + np.mod(wanted - first, last - first))
+        return np.clip(wanted, first, last)
 
 
 def _gap(poses: Poses) -> FloatArray:

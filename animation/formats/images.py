@@ -1,4 +1,4 @@
-"""Textures, only to be sampled at vertices: the colour of a texture's nearest pixel.
+"""Textures as their files have them, and the colours of their nearest pixels at vertices.
 
 Pillow decodes; nothing but the four formats below is tried, and no picture of more than
 MAX_IMAGE_PIXELS.
@@ -11,36 +11,40 @@ import warnings
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.animation.formats.errors import FormatError, shown
 from motorcade.animation.formats.limits import MAX_IMAGE_PIXELS
 from motorcade.ga.arrays import FloatArray
 
 FORMATS = ("PNG", "JPEG", "TGA", "BMP")
+WITH_ALPHA = ("RGBA", "LA", "PA", "P")
+"""Modes of Pillow that may hold alpha."""
 
 
 class Texture:
     """An sRGB picture to be sampled.
 
     Args:
-        pixels: (h, w, 3) uint8, top row first.
+        pixels: (h, w, 4) uint8, top row first, with alpha.
+        encoded: the file it was in, where that is PNG or JPEG.
     """
 
-    def __init__(self, pixels: np.ndarray[tuple[int, int, int], np.dtype[np.uint8]]) -> None:
-        self._pixels = pixels
+    def __init__(self, pixels: NDArray[np.uint8], encoded: bytes = b"") -> None:
+        self.pixels, self.encoded = pixels, encoded
 
     def at(self, uv: FloatArray) -> FloatArray:
         """Colours (V, 3), sRGB, at coordinates (V, 2) from the upper left corner, repeating."""
-        height, width = self._pixels.shape[:2]
+        height, width = self.pixels.shape[:2]
         parts = np.mod(uv, 1.0)
         columns = np.minimum((parts[:, 0] * width).astype(np.int64), width - 1)
         rows = np.minimum((parts[:, 1] * height).astype(np.int64), height - 1)
-        return self._pixels[rows, columns] / 255.0
+        return self.pixels[rows, columns, :3] / 255.0
 
     @property
     def pixel_count(self) -> int:
         """Width times height."""
-        return self._pixels.shape[0] * self._pixels.shape[1]
+        return int(self.pixels.shape[0] * self.pixels.shape[1])
 
 
 def decode_texture(data: bytes, limit: int = MAX_IMAGE_PIXELS) -> Texture:
@@ -60,9 +64,11 @@ def decode_texture(data: bytes, limit: int = MAX_IMAGE_PIXELS) -> Texture:
                     raise FormatError(
                         f"expected at most {limit} pixels, got {opened.width} x {opened.height}"
                     )
-                if opened.mode not in ("RGB", "RGBA"):
-                    return Texture(np.asarray(opened.convert("RGB")))
-                return Texture(np.asarray(opened)[..., :3])
+                kept = data if opened.format in ("PNG", "JPEG") else b""
+                plain = opened if opened.mode in WITH_ALPHA else opened.convert("RGB")
+                pixels = np.asarray(plain.convert("RGBA"))
+                pixels.setflags(write=False)
+                return Texture(pixels, kept)
     except FormatError:
         raise
     except Exception as fault:  # decoders raise whatever comes to hand on broken pictures

@@ -26,11 +26,15 @@ from motorcade.animation.formats.rig.curves import (
     with_times,
 )
 from motorcade.animation.formats.rig.joints import HELPER
+from motorcade.animation.formats.rig.sampling import divided
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, RigClip
 from motorcade.ga.arrays import FloatArray, IntArray
 
 PATHS = {"rotation": "VEC4", "translation": "VEC3", "scale": "VEC3"}
+KINDS = PATHS | {"weights": "SCALAR"}
+CUBIC_PARTS = 16
+"""Straight lines for each piece of a cubic of weights: off by a 256th of its bulge at most."""
 INTERPOLATIONS = ("LINEAR", "STEP", "CUBICSPLINE")
 
 
@@ -57,33 +61,58 @@ class _Group:
         return with_times(self.keys, self.values, times)
 
 
+@dataclass(frozen=True, eq=False)
+class _Weights:
+    """Morph weights of one node: keys (K,), and values (K, M) or (K, 3, M) as of `_Group`."""
+
+    interpolation: str
+    keys: FloatArray
+    node: int
+    values: FloatArray
+
+    def track(self) -> tuple[FloatArray, FloatArray]:
+        """Times and weights (n, M) between which straight lines do."""
+        times = key_times([self.keys], [self.interpolation == "STEP"])
+        if self.interpolation == "CUBICSPLINE":
+            times = divided(self.keys, np.full(len(self.keys) - 1, CUBIC_PARTS))
+            into, values, out = (self.values[:, part] for part in range(3))
+            return times, hermite(self.keys, values, into, out, times)
+        if self.interpolation == "STEP":
+            return times, stepped(self.keys, self.values, times)
+        return times, self.values
+
+
 def read_animations(
-    document: Document, accessors: Accessors, nodes: Nodes
+    document: Document, accessors: Accessors, nodes: Nodes, targets: dict[int, int]
 ) -> tuple[tuple[RigClip, ...], list[str]]:
-    """Clips of a document, and what was left out.
+    """Clips of a document, and what was left out; `targets` counts nodes' morph targets.
 
     Raises:
         FormatError: keys that do not increase, NaN, or outputs that do not fit their inputs.
     """
     entries = document.entries("animations")
     check_count("animations", len(entries), MAX_CLIPS)
-    reader = _ChannelReader(accessors, nodes)
+    reader = _ChannelReader(accessors, nodes, targets)
     clips = []
     for number, one in enumerate(entries):
         given = table(one, f"animations[{number}]")
-        groups = reader.groups(given, f"animations[{number}]")
-        if groups:
-            clips.append(_clip(given, groups, nodes))
+        groups, weights = reader.groups(given, f"animations[{number}]")
+        if groups or weights:
+            clips.append(_clip(given, groups, weights, nodes))
     notices = []
     if reader.left_out:
         notices.append(f"{reader.left_out} channels that move no joint are left out")
     return tuple(clips), notices
 
 
-def _clip(given: dict[str, Any], groups: list[_Group], nodes: Nodes) -> RigClip:
-    steps = [group.interpolation == "STEP" for group in groups]
-    times = key_times([group.keys for group in groups], steps)
-    moving = np.unique(np.concatenate([group.nodes for group in groups]))
+def _clip(
+    given: dict[str, Any], groups: list[_Group], weights: list[_Weights], nodes: Nodes
+) -> RigClip:
+    channels: list[_Group | _Weights] = [*groups, *weights]
+    steps = [one.interpolation == "STEP" for one in channels]
+    times = key_times([one.keys for one in channels], steps)
+    none = np.zeros(0, dtype=np.int64)
+    moving = np.unique(np.concatenate([none, *(group.nodes for group in groups)]))
     extras = given.get("extras")
     return RigClip(
         str(given.get("name", ""))[:200],
@@ -92,7 +121,8 @@ def _clip(given: dict[str, Any], groups: list[_Group], nodes: Nodes) -> RigClip:
         moving,
         straight=all(group.interpolation == "LINEAR" for group in groups),
         looped=isinstance(extras, dict) and extras.get("looped") is True,
-        key_count=max(len(group.keys) for group in groups),
+        key_count=max(len(one.keys) for one in channels),
+        weights={one.node: one.track() for one in weights},
     )
 
 
@@ -145,17 +175,20 @@ class _ChannelReader:
     Args:
         accessors: the document's arrays.
         nodes: its nodes.
+        targets: how many morph targets nodes have, by the file's numbers.
     """
 
-    def __init__(self, accessors: Accessors, nodes: Nodes) -> None:
+    def __init__(self, accessors: Accessors, nodes: Nodes, targets: dict[int, int]) -> None:
+        self._targets = targets
         self._accessors = accessors
         self._number = nodes.number
         self._keys: dict[int, tuple[FloatArray, bytes]] = {}
         self._total = 0
         self.left_out = 0
 
-    def groups(self, given: dict[str, Any], field: str) -> list[_Group]:
-        """Channels of an animation by path, keys and interpolation."""
+    def groups(self, given: dict[str, Any], field: str) -> tuple[list[_Group], list[_Weights]]:
+        """Channels of an animation by path, keys and interpolation; those of weights by node."""
+        weights: dict[int, _Weights] = {}
         samplers = listed(given.get("samplers"), f"{field}.samplers")
         gathered: dict[tuple[str, str, bytes], tuple[FloatArray, list[int], list[Any]]] = {}
         nodes = len(self._number) - 1
@@ -164,11 +197,22 @@ class _ChannelReader:
                 raise expected(f"{field}.channels", "objects with a target", channel)
             target = channel["target"]
             path = target.get("path")
-            if type(path) is not str or path not in PATHS or "node" not in target:
+            known = type(path) is str and (path in PATHS or path == "weights")
+            if not known or "node" not in target:
                 self.left_out += 1
                 continue
             node = integer(target["node"], "animation target.node", 0, nodes)
             which = integer(channel.get("sampler"), "animation sampler", 0, len(samplers) - 1)
+            if path == "weights":
+                if node not in self._targets:
+                    self.left_out += 1
+                    continue
+                interpolation, times, _, output = self._sampler(
+                    samplers[which], field, path, self._targets[node]
+                )
+                own = int(self._number[node])
+                weights[own] = _weights(interpolation, times, own, output, field)
+                continue
             interpolation, times, mark, output = self._sampler(samplers[which], field, path)
             group = gathered.setdefault((path, interpolation, mark), (times, [], []))
             group[1].append(node)
@@ -176,10 +220,10 @@ class _ChannelReader:
         return [
             _group(path, interpolation, times, self._number[held], values, field)
             for (path, interpolation, _), (times, held, values) in gathered.items()
-        ]
+        ], list(weights.values())
 
     def _sampler(
-        self, given: object, field: str, path: str
+        self, given: object, field: str, path: str, each: int = 1
     ) -> tuple[str, FloatArray, bytes, NDArray[Any]]:
         """Interpolation, keys, the keys' bytes, and values of a sampler."""
         sampler = table(given, field)
@@ -191,15 +235,25 @@ class _ChannelReader:
             times = _keys(self._accessors, source, f"{field} input")
             self._keys[source] = times, times.tobytes()
         times, mark = self._keys[source]
-        output = self._accessors.unread(sampler.get("output"), field, PATHS[path])
+        output = self._accessors.unread(sampler.get("output"), field, KINDS[path])
         if output.dtype.kind != "f":
-            output = self._accessors.floats(sampler.get("output"), field, PATHS[path])
-        if len(output) != len(times) * (3 if interpolation == "CUBICSPLINE" else 1):
+            output = self._accessors.floats(sampler.get("output"), field, KINDS[path])
+        if len(output) != each * len(times) * (3 if interpolation == "CUBICSPLINE" else 1):
             raise expected(f"{field} {path}", f"{len(times)} keys", len(output))
         self._total += len(output)
         if self._total > MAX_POSES:  # many channels may share one array
             raise expected("animations", f"at most {MAX_POSES} keys in all", "more")
         return interpolation, times, mark, output
+
+
+def _weights(
+    interpolation: str, keys: FloatArray, node: int, output: NDArray[Any], field: str
+) -> _Weights:
+    values = widened(output)
+    if not (values.max() <= 1e6 and values.min() >= -1e6):  # NaN fails both
+        raise expected(f"{field} weights", "finite keys up to 1e6", "others")
+    shape = (len(keys), 3, -1) if interpolation == "CUBICSPLINE" else (len(keys), -1)
+    return _Weights(interpolation, keys, node, values.reshape(shape))
 
 
 def _group(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 KINDS = {"<f4": 5126, "<u4": 5125, "<u2": 5123, "|u1": 5121}
-TYPES = {1: "SCALAR", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
+TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
 VERTICES, INDICES = 34962, 34963
 
 
@@ -27,6 +27,13 @@ class BinaryBuffer:
     def data(self) -> bytes:
         """All arrays, one after the other."""
         return bytes(self._data)
+
+    def add_bytes(self, data: bytes) -> int:
+        """Add a file, such as a picture; returns the number of its view."""
+        self._data += b"\0" * (-len(self._data) % 4)
+        self.views.append({"buffer": 0, "byteOffset": len(self._data), "byteLength": len(data)})
+        self._data += data
+        return len(self.views) - 1
 
     def add(
         self, values: ArrayLike, kind: str = "<f4", *, target: int = 0, bounds: bool = False

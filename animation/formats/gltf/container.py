@@ -62,6 +62,18 @@ def integer(value: object, field: str, low: int, high: int) -> int:
     raise expected(field, f"a whole number from {low} to {high}", value)
 
 
+def number(value: object, field: str) -> float:
+    """A finite number."""
+    return float(floats([value], field, 1)[0])
+
+
+def boolean(value: object, field: str) -> bool:
+    """True or false."""
+    if not isinstance(value, bool):
+        raise expected(field, "true or false", value)
+    return value
+
+
 def floats(value: object, field: str, count: int) -> FloatArray:
     """An array of `count` finite numbers."""
     given = listed(value, field)

@@ -1,129 +1,24 @@
-"""Meshes and skins of a glTF document as surfaces.
-
-Every vertex has one colour. Vertex colours, base colour textures and base colour factors are
-multiplied, in linear light, as the format says; textures are sampled where the vertices are.
-"""
+"""Meshes and skins of a glTF document as surfaces."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from motorcade.animation.appearance import Material
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.gltf.accessors import Accessors
-from motorcade.animation.formats.gltf.container import (
-    Document,
-    floats,
-    integer,
-    listed,
-    load,
-    table,
-    text,
-)
+from motorcade.animation.formats.gltf.container import Document, floats, integer, listed, table
+from motorcade.animation.formats.gltf.materials import GltfMaterials
 from motorcade.animation.formats.gltf.nodes import Nodes
-from motorcade.animation.formats.images import Texture, Textures
-from motorcade.animation.formats.limits import MAX_VERTICES, check_count
-from motorcade.animation.formats.rig.values import RigSurface, Skin
-from motorcade.animation.srgb import to_linear, to_srgb
+from motorcade.animation.formats.limits import MAX_VALUES, MAX_VERTICES, check_count
+from motorcade.animation.formats.rig.values import RigMorph, RigSurface, Skin
 from motorcade.ga.arrays import FloatArray, IntArray
 
 STRIP, FAN, TRIANGLES = 5, 6, 4
 """Primitive modes of glTF."""
-PLAIN = 0.6
-"""Linear grey in the place of a texture that is missing."""
-SPECULAR = "KHR_materials_pbrSpecularGlossiness"
-
-
-class GltfMaterials:
-    """Reads the materials of one document; textures are decoded once.
-
-    Args:
-        document: whose materials.
-    """
-
-    def __init__(self, document: Document) -> None:
-        self._document = document
-        self._textures = Textures()
-
-    @property
-    def notices(self) -> list[str]:
-        """Textures that could not be read."""
-        return self._textures.notices
-
-    def colors(
-        self,
-        part: dict[str, Any],
-        attributes: dict[str, Any],
-        accessors: Accessors,
-        name: str,
-        count: int,
-    ) -> FloatArray:
-        """Colours (V, 3), sRGB, of a mesh primitive."""
-        factor, texture, coordinates = self._base(part, name)
-        linear = np.repeat(factor[None], count, axis=0)
-        if "COLOR_0" in attributes:
-            linear *= self._vertex_colors(attributes["COLOR_0"], accessors, name, count)
-        if texture is not None and f"TEXCOORD_{coordinates}" in attributes:
-            field = f"'{name}'.TEXCOORD_{coordinates}"
-            uv = accessors.floats(attributes[f"TEXCOORD_{coordinates}"], field, "VEC2")
-            if len(uv) != count or np.abs(uv).max() > 1e6:
-                raise expected(field, f"{count} values up to 1e6", len(uv))
-            linear *= to_linear(texture.at(uv))
-        return to_srgb(linear)
-
-    def _vertex_colors(
-        self, index: object, accessors: Accessors, name: str, count: int
-    ) -> FloatArray:
-        number = integer(index, f"'{name}'.COLOR_0", 0, 1 << 30)
-        entry = self._document.entry("accessors", number, f"'{name}'.COLOR_0")
-        kind = "VEC3" if entry.get("type") == "VEC3" else "VEC4"
-        values = accessors.floats(number, f"'{name}'.COLOR_0", kind)
-        if len(values) != count:
-            raise expected(f"'{name}'.COLOR_0", f"{count} values", len(values))
-        return np.clip(values[:, :3], 0.0, 1.0)
-
-    def _base(self, part: dict[str, Any], name: str) -> tuple[FloatArray, Texture | None, int]:
-        """Base colour (3,) in linear light, texture, and which coordinates it goes by."""
-        factor = np.ones(3)
-        if "material" not in part:
-            return factor, None, 0
-        material = self._document.entry("materials", part["material"], f"'{name}'.material")
-        base = table(material.get("pbrMetallicRoughness", {}), "pbrMetallicRoughness")
-        key, image = "baseColorFactor", "baseColorTexture"
-        extensions = table(material.get("extensions", {}), "material.extensions")
-        if SPECULAR in extensions and not (base.keys() & {key, image}):
-            base = table(extensions[SPECULAR], SPECULAR)
-            key, image = "diffuseFactor", "diffuseTexture"
-        if key in base:
-            factor = np.clip(floats(base[key], key, 4)[:3], 0.0, 1.0)
-        if image not in base:
-            return factor, None, 0
-        link = table(base[image], image)
-        coordinates = integer(link.get("texCoord", 0), f"{image}.texCoord", 0, 15)
-        texture = self._document.entry("textures", link.get("index"), f"{image}.index")
-        if "source" not in texture:
-            return factor, None, 0
-        source = integer(texture["source"], "texture.source", 0, 1 << 30)
-        picture = self._texture(source)
-        return (factor * PLAIN if picture is None else factor), picture, coordinates
-
-    def _texture(self, source: int) -> Texture | None:
-        image = self._document.entry("images", source, "texture.source")
-        name = str(image.get("uri", image.get("name", source)))[:100]
-        return self._textures.read(
-            name, lambda: self._bytes(image, f"images[{source}]"), str(source)
-        )
-
-    def _bytes(self, image: dict[str, Any], field: str) -> bytes:
-        if "uri" in image:
-            return load(text(image["uri"], f"{field}.uri"), self._document.folder, f"{field}.uri")
-        view = self._document.entry("bufferViews", image.get("bufferView"), f"{field}.bufferView")
-        buffers = self._document.buffers
-        data = buffers[integer(view.get("buffer"), f"{field}.buffer", 0, len(buffers) - 1)]
-        start = integer(view.get("byteOffset", 0), f"{field}.byteOffset", 0, len(data))
-        size = integer(view.get("byteLength"), f"{field}.byteLength", 1, len(data) - start)
-        return data[start : start + size]
 
 
 class Meshes:
@@ -139,17 +34,16 @@ class Meshes:
         self._document = document
         self._accessors = accessors
         self._nodes = nodes
-        self._materials = GltfMaterials(document)
-        self._morphs = 0
+        self._materials = GltfMaterials(document, accessors)
+        self._morphs = 0  # numbers that targets unpack to
         self._lines = 0
         self._total = 0
+        self._unplaced: list[str] = []
 
     @property
     def notices(self) -> list[str]:
         """What was left out or assumed."""
-        notices = list(self._materials.notices)
-        if self._morphs:
-            notices.append(f"morph targets of {self._morphs} meshes are left out")
+        notices = [*self._materials.notices, *self._unplaced]
         if self._lines:
             notices.append(f"{self._lines} meshes of points or lines are left out")
         return notices
@@ -175,9 +69,11 @@ class Meshes:
                 skin = skins[integer(given["skin"], f"node {node} skin", 0, len(skins) - 1)]
             name = str(given.get("name") or mesh.get("name") or f"mesh {given['mesh']}")[:100]
             for part in listed(mesh.get("primitives"), f"mesh '{name}'.primitives"):
-                surface = self._surface(table(part, f"mesh '{name}'"), name, node, skin)
+                one = table(part, f"mesh '{name}'")
+                surface = self._surface(one, name, node, skin)
                 if surface is not None:
-                    made.append(surface)
+                    morphs = self._targets(one, mesh, given, name, len(surface.vertices))
+                    made.append(replace(surface, morphs=morphs))
         return tuple(made), tuple(sorted(joints))
 
     def _skin(self, number: int) -> Skin:
@@ -206,7 +102,6 @@ class Meshes:
         if mode not in (TRIANGLES, STRIP, FAN):
             self._lines += 1
             return None
-        self._morphs += "targets" in part
         given = table(part.get("attributes"), f"mesh '{name}'.attributes")
         if "KHR_draco_mesh_compression" in table(part.get("extensions", {}), "extensions"):
             raise expected(f"mesh '{name}'", "plain data", "KHR_draco_mesh_compression")
@@ -222,11 +117,69 @@ class Meshes:
         triangles = self._triangles(part, name, count, mode)
         self._total += max(count, len(triangles))
         check_count("vertices and triangles", self._total, MAX_VERTICES)
-        colors = self._materials.colors(part, given, self._accessors, name, count)
+        material = self._materials.material(part, name)
+        coordinates = self._materials.coordinates(given, name, count)
+        tints = self._materials.vertex_colors(given, name, count)
+        made = RigSurface(
+            name,
+            node,
+            vertices,
+            normals,
+            triangles,
+            self._materials.colors(material, coordinates, tints, count),
+            material=self._placed(material, len(coordinates), name),
+            coordinates=coordinates,
+            vertex_colors=tints,
+            flat=normals is None,
+        )
         if skin is None:
-            return RigSurface(name, node, vertices, normals, triangles, colors)
+            return made
         numbers, weights = self._influences(given, name, count, len(skin.nodes))
-        return RigSurface(name, node, vertices, normals, triangles, colors, skin, numbers, weights)
+        return replace(made, skin=skin, influences=numbers, weights=weights)
+
+    def _targets(
+        self,
+        part: dict[str, Any],
+        mesh: dict[str, Any],
+        node: dict[str, Any],
+        name: str,
+        count: int,
+    ) -> tuple[RigMorph, ...]:
+        """Morph targets of a primitive, with the weights that its node or mesh gives at rest."""
+        entries = listed(part.get("targets", []), f"'{name}'.targets")
+        self._morphs += 6 * count * len(entries)
+        check_count("numbers of morph targets", self._morphs, MAX_VALUES)
+        given = node.get("weights", mesh.get("weights", [0.0] * len(entries)))
+        weights = floats(given, f"'{name}'.weights", len(entries))
+        extras = mesh.get("extras")
+        names = extras.get("targetNames") if isinstance(extras, dict) else None
+        made = []
+        for number, one in enumerate(entries):
+            field = f"'{name}'.targets[{number}]"
+            target = table(one, field)
+            positions, normals = np.zeros((count, 3)), None
+            if "POSITION" in target:
+                positions = self._same(target["POSITION"], f"{field}.POSITION", "VEC3", count)
+            if "NORMAL" in target:
+                normals = self._same(target["NORMAL"], f"{field}.NORMAL", "VEC3", count)
+            if (
+                max(np.abs(positions).max(), 0.0 if normals is None else np.abs(normals).max())
+                > 1e9
+            ):
+                raise expected(field, "numbers up to 1e9", "larger ones")
+            named = isinstance(names, list) and number < len(names)
+            label = str(names[number])[:100] if named and names else ""
+            made.append(RigMorph(label, float(weights[number]), positions, normals))
+        return tuple(made)
+
+    def _placed(self, material: Material, sets: int, name: str) -> Material:
+        """A material without the maps for which a mesh has no coordinates."""
+        lost = [key for key, one in material.maps.items() if one.coordinate_set >= sets]
+        if not lost:
+            return material
+        self._unplaced.append(f"'{name}' has no coordinates for its {', '.join(lost)}")
+        bare: dict[str, Any] = dict.fromkeys(lost)
+        return replace(material, **bare)
 
     def _same(self, index: object, field: str, kind: str, count: int) -> FloatArray:
         values = self._accessors.floats(index, field, kind)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from motorcade.animation.formats.gltf.accessors import Accessors
 from motorcade.animation.formats.gltf.animations import read_animations
 from motorcade.animation.formats.gltf.container import open_gltf
@@ -26,7 +28,11 @@ def read_gltf(path: Path) -> Rig:
     nodes = read_nodes(document)
     meshes = Meshes(document, accessors, nodes)
     surfaces, joints = meshes.surfaces()
-    clips, notices_of_clips = read_animations(document, accessors, nodes)
+    own = np.argsort(nodes.number)
+    targets = {
+        int(own[surface.node]): len(surface.morphs) for surface in surfaces if surface.morphs
+    }
+    clips, notices_of_clips = read_animations(document, accessors, nodes, targets)
     generator = document.root["asset"].get("generator")
     return Rig(
         nodes.tree,

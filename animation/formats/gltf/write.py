@@ -15,9 +15,10 @@ import numpy as np
 
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
-from motorcade.animation.formats.gltf.binary import INDICES, VERTICES, BinaryBuffer, write_glb
+from motorcade.animation.formats.gltf.binary import VERTICES, BinaryBuffer, write_glb
+from motorcade.animation.formats.gltf.write_materials import LookWriter
 from motorcade.animation.formats.rig.sampling import divided, parts_of_steps
-from motorcade.animation.srgb import to_linear
+from motorcade.animation.morphs import MorphTrack
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_positive
 
@@ -71,7 +72,7 @@ def write_gltf(
     camera: CameraPath | None = None,
     points_m: FloatArray | None = None,
 ) -> None:
-    """Write a character with its skeleton, skin, vertex colours and clips.
+    """Write a character with its skeleton, skin, materials, morph targets and clips.
 
     On a path every animation also carries the character, and the camera if there is one: time
     zero is the path's first stamp, and a looped clip is repeated until the path ends. The world
@@ -123,10 +124,9 @@ def write_gltf(
         "scene": 0,
         "scenes": [{"nodes": [0, first + len(character.skeleton)]}],
         "nodes": _nodes(character, world_T_character is not None, camera is not None),
-        "meshes": [{"primitives": [_primitive(buffer, character)]}],
         "skins": [_skin(buffer, character, first)],
-        "materials": [{"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.9}}],
     }
+    document["meshes"] = [LookWriter(buffer, document).mesh(character)]
     if camera is not None:
         lens = {"yfov": camera.vertical_field_rad, "aspectRatio": camera.aspect, "znear": 0.01}
         document["cameras"] = [{"type": "perspective", "perspective": lens}]
@@ -218,21 +218,6 @@ def _nodes(character: Character, on_path: bool, filmed: bool) -> list[dict[str, 
     return nodes
 
 
-def _primitive(buffer: BinaryBuffer, character: Character) -> dict[str, Any]:
-    kind = "|u1" if len(character.skeleton) <= 256 else "<u2"
-    return {
-        "attributes": {
-            "POSITION": buffer.add(character.vertices, target=VERTICES, bounds=True),
-            "NORMAL": buffer.add(character.normals, target=VERTICES),
-            "COLOR_0": buffer.add(to_linear(character.colors), target=VERTICES),
-            "JOINTS_0": buffer.add(character.joints, kind, target=VERTICES),
-            "WEIGHTS_0": buffer.add(character.weights, target=VERTICES),
-        },
-        "indices": buffer.add(character.triangles.reshape(-1), "<u4", target=INDICES),
-        "material": 0,
-    }
-
-
 def _skin(buffer: BinaryBuffer, character: Character, first: int) -> dict[str, Any]:
     matrices = character.skeleton.rest_world_inverse.as_matrix()
     columns = matrices.swapaxes(1, 2).reshape(-1, 16)
@@ -268,6 +253,8 @@ class _Animation:
         times = self._dense(clip.time_s, clip.poses)
         poses = clip.at(times)
         wxyz, places, scale = _parts(poses)
+        if clip.morphs is not None:
+            self._weights(clip, clip.morphs, first + clip.poses.shape[1], path)
         if path is not None:
             span_s = 1e-9 * float(path.time_ns[-1] - path.time_ns[0])
             times, rows = _repeated(times - times[0], span_s, looped=clip.looped)
@@ -279,6 +266,17 @@ class _Animation:
             self._add(keys, node, "translation", places[:, joint])
             if isinstance(poses, Similarity):
                 self._add(keys, node, "scale", np.repeat(scale[:, joint, None], 3, axis=1))
+
+    def _weights(self, clip: Clip, track: MorphTrack, node: int, path: Trajectory | None) -> None:
+        """A channel of the mesh's morph weights, on the clip's clock."""
+        first, last = clip.time_s[0], clip.time_s[-1]
+        times = np.unique(np.clip(np.concatenate([track.time_s, [first, last]]), first, last))
+        weights = track.at(times)
+        if path is not None:
+            span_s = 1e-9 * float(path.time_ns[-1] - path.time_ns[0])
+            times, rows = _repeated(times - first, span_s, looped=clip.looped)
+            weights = weights[rows]
+        self._add(self._buffer.add(times, bounds=True), node, "weights", weights.reshape(-1))
 
     def path(self, path: Trajectory, node: int, start_ns: int, before: Rotor) -> None:
         """Channels that carry a node; `before` turns what it carries."""

@@ -17,6 +17,7 @@ from motorcade.animation.formats.rig.sampling import Sampler
 from motorcade.animation.formats.rig.surfaces import BoundMesh, bound_mesh
 from motorcade.animation.formats.rig.transforms import scaled_matrices
 from motorcade.animation.formats.rig.values import Rig, RigClip
+from motorcade.animation.morphs import MorphTrack
 from motorcade.animation.skeleton import Skeleton, local_poses
 from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
@@ -69,8 +70,10 @@ def assemble_character(rig: Rig, unit_m: float | None) -> Character:
         raise NoMeshError("meshes: expected one or more, got none; read_motion reads the rest")
     stage = _Stance.of(rig, unit_m)
     binding = bind(stage.joints, stage.rest, rig.surfaces)
-    mesh = bound_mesh(rig.tree, stage.joints, binding, rig.surfaces)
-    notices = [*stage.notices, *mesh.notices, *_lost(stage.rest, mesh)]
+    mesh = bound_mesh(rig.tree, stage.joints, binding, rig.surfaces, stage.world)
+    notices = [*stage.notices, *mesh.notices]
+    if rig.clips or any(surface.skin is not None for surface in rig.surfaces):
+        notices += _lost(stage.rest, mesh)
     soles_m = float(mesh.vertices[:, 2].min())
     lift = Motor.from_translation((0.0, 0.0, -soles_m))
     skeleton = _skeleton(stage.joints, lift @ binding.world)
@@ -82,6 +85,12 @@ def assemble_character(rig: Rig, unit_m: float | None) -> Character:
     watched = _carrying(stage.joints, mesh)
     height_m = float(max(vertices[:, 2].max(), 1e-6))
     clips, notice = stage.clips(rig, binding.scale, height_m, watched)
+    clips = tuple(
+        replace(clip, morphs=_track(given, mesh))
+        for clip, given in zip(clips, rig.clips, strict=True)
+    )
+    rest = joint_poses(rig.tree, stage.joints, rig.tree.rest[None], stage.world)
+    growth = np.abs(rest.scale / binding.scale)
     return Character(
         skeleton,
         vertices,
@@ -92,6 +101,10 @@ def assemble_character(rig: Rig, unit_m: float | None) -> Character:
         mesh.weights,
         clips,
         (*notices, *notice),
+        Similarity.from_motor_scale(stage.world.motor, stage.world.unit_m),
+        _growing(stage.joints, rest.motors(), growth)[0],
+        mesh.appearance,
+        mesh.morphs,
     )
 
 
@@ -175,6 +188,19 @@ class _Stance:
             poses = _growing(self.joints, motors[where], growth[where])
             made.append(_clip(given, name, sampled.times[number], poses))
         return tuple(made), notices
+
+
+def _track(given: RigClip, mesh: BoundMesh) -> MorphTrack | None:
+    """Weights of all targets; those that the clip does not move stay at rest."""
+    if not given.weights:
+        return None
+    times = np.unique(np.concatenate([one for one, _ in given.weights.values()]))
+    made = np.tile([target.weight for target in mesh.morphs], (len(times), 1))
+    for column, (node, number) in enumerate(mesh.morph_nodes):
+        if node in given.weights:
+            own, values = given.weights[node]
+            made[:, column] = np.interp(times, own, values[:, number])
+    return MorphTrack(times, made)
 
 
 def _clip(given: RigClip, name: str, times: FloatArray, poses: Motor | Similarity) -> Clip:

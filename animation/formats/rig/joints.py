@@ -16,7 +16,7 @@ import numpy as np
 
 from motorcade.animation.formats.errors import FormatError
 from motorcade.animation.formats.limits import MAX_NODES, check_count
-from motorcade.animation.formats.rig.transforms import Transforms
+from motorcade.animation.formats.rig.transforms import Transforms, scaled_matrices
 from motorcade.animation.formats.rig.values import NodeTree, Rig
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
@@ -47,9 +47,14 @@ class Joints:
 
 
 def joints_of(rig: Rig) -> Joints:
-    """The joints that the file names, or else the nodes of its largest animated tree."""
-    chosen = sorted(set(rig.joints)) or _moving_tree(rig)
+    """The joints that the file names, or else the nodes of its trees that carry surfaces.
+
+    A surface outside of them, such as the ground or another prop, makes its own node a joint.
+    """
     tree = rig.tree
+    held = set(rig.joints) or set(_moving_trees(rig))
+    loose = {surface.node for surface in rig.surfaces if surface.skin is None}
+    chosen = sorted(held | {node for node in loose if not _is_below(tree, node, held)})
     number = {node: joint for joint, node in enumerate(chosen)}
     above = tree.parents.tolist()
     parents, chains = [], []
@@ -76,16 +81,25 @@ def nearest_joints(tree: NodeTree, joints: Joints) -> IntArray:
     return nearest
 
 
-def _moving_tree(rig: Rig) -> list[int]:
-    """Nodes of the tree with most moving nodes; a node with surfaces counts as moving.
+def _is_below(tree: NodeTree, node: int, held: set[int]) -> bool:
+    """Whether a node or one above it is among those held."""
+    while node >= 0 and node not in held:
+        node = int(tree.parents[node])
+    return node >= 0
 
-    Cameras and lights that move too stand in trees of their own, under a root that stands still.
+
+def _moving_trees(rig: Rig) -> list[int]:
+    """Nodes of the trees that carry surfaces; without any, of the tree with most moving nodes.
+
+    A node with surfaces counts as moving. Cameras and lights that move too stand in trees of their
+    own, under a root that stands still.
     """
     tree = rig.tree
     moving = np.zeros(len(tree.names), dtype=bool)
     for clip in rig.clips:
         moving[clip.nodes] = True
-    moving[[surface.node for surface in rig.surfaces]] = True
+    bearing = [surface.node for surface in rig.surfaces]
+    moving[bearing] = True
     if not moving.any():
         raise FormatError("nodes: expected joints, a skin or an animation, got none")
     top = np.arange(len(tree.names))
@@ -97,7 +111,8 @@ def _moving_tree(rig: Rig) -> list[int]:
         if not still[parent]:
             top[node] = top[parent]
     largest = int(np.argmax(np.bincount(top[moving], minlength=len(top))))
-    inside = np.flatnonzero((top == largest) & ~still)
+    kept = np.unique(top[bearing]) if bearing else np.array([largest])
+    inside = np.flatnonzero(np.isin(top, kept) & ~still)
     return [int(node) for node in inside if HELPER not in tree.names[node]] or [largest]
 
 
@@ -135,6 +150,16 @@ class World:
     def motor(self) -> Motor:
         """The rigid part."""
         return Motor.from_rotor_translation(self.turn, (0.0, 0.0, -self.lowered_m))
+
+
+def node_matrices(tree: NodeTree, world: World) -> FloatArray:
+    """Where the nodes stand: (N, 4, 4) from their frames, with all scale and shear, to `world`."""
+    made = tree.rest.as_matrices()
+    start = scaled_matrices(world.motor, np.array(world.unit_m))
+    for level in tree.levels:
+        above = tree.parents[level]
+        made[level] = (start if above[0] < 0 else made[above]) @ made[level]
+    return made
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,14 +5,17 @@ Influences are cut to four, and normals made where a file has none.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from motorcade.animation.appearance import Appearance, MaterialPart
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.rig.binding import Binding
-from motorcade.animation.formats.rig.joints import Joints, nearest_joints
-from motorcade.animation.formats.rig.values import NodeTree, RigSurface, Skin
+from motorcade.animation.formats.rig.joints import Joints, World, nearest_joints, node_matrices
+from motorcade.animation.formats.rig.values import NodeTree, RigMorph, RigSurface, Skin
+from motorcade.animation.morphs import MorphTarget
 from motorcade.animation.vectors import UP, unit
 from motorcade.ga.arrays import FloatArray, IntArray
 
@@ -111,32 +114,34 @@ class BoundMesh:
     joints: IntArray
     weights: FloatArray
     notices: tuple[str, ...]
+    appearance: Appearance | None = None
+    morphs: tuple[MorphTarget, ...] = ()
+    morph_nodes: tuple[tuple[int, int], ...] = ()
+    """For each target its node, and its number among the targets of that."""
 
 
 def bound_mesh(
-    tree: NodeTree, joints: Joints, binding: Binding, surfaces: tuple[RigSurface, ...]
+    tree: NodeTree, joints: Joints, binding: Binding, surfaces: tuple[RigSurface, ...], world: World
 ) -> BoundMesh:
     """Merge surfaces; a surface without a skin follows the joint above it.
 
     Raises:
-        FormatError: no surface is carried by the skeleton, or weights or numbers out of range.
+        FormatError: weights or numbers out of range.
     """
     nearest = nearest_joints(tree, joints)
     frames = binding.frames()
-    parts, notices = [], []
+    stands = node_matrices(tree, world)
+    parts: list[BoundMesh] = []
+    notices: list[str] = []
     for surface in surfaces:
         if surface.skin is None:
             joint = int(nearest[surface.node])
-            if joint < 0:
-                notices.append(f"'{surface.name}' hangs on no joint: left out")
-                continue
-            part = _hanging(tree, joints, frames, surface, joint)
+            from_found = frames[joint] @ np.linalg.inv(binding.found[joint])
+            part = _hanging(surface, joint, from_found @ stands[surface.node])
         else:
             part = _skinned(joints, frames, surface, surface.skin)
         parts.append(part)
         notices += part.notices
-    if not parts:
-        raise FormatError("meshes: expected one or more that joints carry, got none")
     starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
     return BoundMesh(
         np.concatenate([part.vertices for part in parts]),
@@ -148,22 +153,71 @@ def bound_mesh(
         np.concatenate([part.joints for part in parts]),
         np.concatenate([part.weights for part in parts]),
         tuple(notices),
+        _appearance(surfaces),
+        *_morphs(surfaces, parts),
     )
 
 
-def _hanging(
-    tree: NodeTree, joints: Joints, frames: FloatArray, surface: RigSurface, joint: int
-) -> BoundMesh:
-    """A surface that one joint carries, by the nodes between."""
-    below = np.eye(4)
-    node = surface.node
-    while node != joints.nodes[joint]:
-        below = tree.rest[node].as_matrices() @ below
-        node = int(tree.parents[node])
+def _morphs(
+    surfaces: tuple[RigSurface, ...], parts: list[BoundMesh]
+) -> tuple[tuple[MorphTarget, ...], tuple[tuple[int, int], ...]]:
+    """Targets of all surfaces; those of one node and number are one, whatever primitive."""
+    pieces: dict[tuple[int, int], list[MorphTarget]] = {}
+    start = 0
+    for surface, part in zip(surfaces, parts, strict=True):
+        for number, one in enumerate(part.morphs):
+            moved = replace(one, rows=one.rows + start)
+            pieces.setdefault((surface.node, number), []).append(moved)
+        start += len(part.vertices)
+    made = tuple(
+        MorphTarget(
+            held[0].name,
+            np.concatenate([one.rows for one in held]),
+            np.concatenate([one.positions for one in held]),
+            np.concatenate([one.normals for one in held]),
+            held[0].weight,
+        )
+        for held in pieces.values()
+    )
+    return made, tuple(pieces)
+
+
+def _appearance(surfaces: tuple[RigSurface, ...]) -> Appearance | None:
+    """The materials of surfaces, one after another; None where they have none."""
+    if any(surface.material is None for surface in surfaces):
+        return None
+    sets = max(len(surface.coordinates) for surface in surfaces)
+    count = sum(len(surface.vertices) for surface in surfaces)
+    coordinates = np.zeros((sets, count, 2), np.float32)
+    tinted = any(surface.vertex_colors is not None for surface in surfaces)
+    colors = np.ones((count, 4), np.float32) if tinted else None
+    parts: list[MaterialPart] = []
+    vertex, triangle = 0, 0
+    for surface in surfaces:
+        where = slice(vertex, vertex + len(surface.vertices))
+        for number, given in enumerate(surface.coordinates):
+            coordinates[number, where] = given
+        if colors is not None and surface.vertex_colors is not None:
+            colors[where] = surface.vertex_colors
+        end = triangle + len(surface.triangles)
+        last = parts[-1] if parts else None
+        assert surface.material is not None  # looked at above
+        alike = last and last.material is surface.material and last.flat == surface.flat
+        # Parts through which one sees are drawn one by one, from the farthest.
+        if last and alike and last.material.alpha_mode != "blend":
+            parts[-1] = replace(last, stop=end)
+        else:
+            parts.append(MaterialPart(surface.material, triangle, end, surface.flat))
+        vertex, triangle = where.stop, end
+    return Appearance(tuple(parts), coordinates, colors)
+
+
+def _hanging(surface: RigSurface, joint: int, matrix: FloatArray) -> BoundMesh:
+    """A surface that one joint carries, placed by a matrix (4, 4) that may shear."""
     count = len(surface.vertices)
     numbers, weights = np.zeros((count, 4), dtype=np.int64), np.zeros((count, 4))
     numbers[:, 0], weights[:, 0] = joint, 1.0
-    return _placed(surface, (frames[joint] @ below)[None], numbers, weights, ())
+    return _placed(surface, matrix[None], numbers, weights, ())
 
 
 def _skinned(joints: Joints, frames: FloatArray, surface: RigSurface, skin: Skin) -> BoundMesh:
@@ -210,20 +264,45 @@ def _placed(
         normals, mended = _normals(blocks, mirrored, given, vertices, triangles)
         if mended:
             notices += (f"'{surface.name}': {mended} normals of length zero made anew",)
-    return BoundMesh(vertices, normals, triangles, surface.colors, numbers, weights, notices)
+    morphs = tuple(_morph(one, blocks, mirrored) for one in surface.morphs)
+    return BoundMesh(
+        vertices, normals, triangles, surface.colors, numbers, weights, notices, morphs=morphs
+    )
+
+
+def _morph(given: RigMorph, blocks: FloatArray, mirrored: NDArray[np.bool_]) -> MorphTarget:
+    """A target turned and scaled as its surface was."""
+    rows = np.flatnonzero(given.positions.any(axis=1))
+    if given.normals is not None:
+        rows = np.flatnonzero(given.positions.any(axis=1) | given.normals.any(axis=1))
+    own = np.broadcast_to(blocks, (len(given.positions), 3, 3))[rows]
+    positions = np.einsum("vij,vj->vi", own, given.positions[rows])
+    normals = np.zeros_like(positions)
+    if given.normals is not None and len(rows):
+        cofactors = _cofactors(own, np.broadcast_to(mirrored, len(given.positions))[rows])
+        # Where scale is uniform, this is what makes the surface's own normal unit.
+        size = np.linalg.norm(cofactors, axis=(1, 2)) / np.sqrt(3.0)
+        turned = np.einsum("vij,vj->vi", cofactors, given.normals[rows])
+        normals = turned / np.maximum(size, 1e-30)[:, None]
+    return MorphTarget(given.name, rows, positions, normals, given.weight)
+
+
+def _cofactors(blocks: FloatArray, mirrored: NDArray[np.bool_]) -> FloatArray:
+    """What turns normals as blocks (V, 3, 3) turn vertices."""
+    a, b, c = blocks[:, 0], blocks[:, 1], blocks[:, 2]
+    cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
+    return cofactors * np.where(mirrored, -1.0, 1.0)[:, None, None]
 
 
 def _normals(
     blocks: FloatArray,
-    mirrored: np.ndarray[tuple[int], np.dtype[np.bool_]],
+    mirrored: NDArray[np.bool_],
     given: FloatArray,
     vertices: FloatArray,
     triangles: IntArray,
 ) -> tuple[FloatArray, int]:
     """Normals turned by the cofactors of the blocks, and how many were made anew."""
-    a, b, c = blocks[:, 0], blocks[:, 1], blocks[:, 2]
-    cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
-    cofactors = cofactors * np.where(mirrored, -1.0, 1.0)[:, None, None]
+    cofactors = _cofactors(blocks, mirrored)
     if len(blocks) == 1:
         normals = given @ cofactors[0].T
     else:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
+from motorcade.animation.appearance import Material
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.limits import MAX_DEPTH, MAX_NODES, check_count
 from motorcade.animation.formats.rig.curves import great_arc, with_times
@@ -82,6 +84,28 @@ class Skin:
 
 
 @dataclass(frozen=True, eq=False)
+class RigMorph:
+    """What one weight of a node adds to a surface.
+
+    Args:
+        name: what it is called; may be empty.
+        weight: at rest.
+        positions: (V, 3) in the mesh's own frame and the file's unit.
+        normals: (V, 3), or None for none.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.formats.rig.values import RigMorph
+    >>> RigMorph("smile", 0.5, np.zeros((4, 3)), None).weight
+    0.5
+    """
+
+    name: str
+    weight: float
+    positions: FloatArray
+    normals: FloatArray | None
+
+
+@dataclass(frozen=True, eq=False)
 class RigSurface:
     """Triangles that hang on a node, or are carried by a skin.
 
@@ -95,6 +119,11 @@ class RigSurface:
         skin: what carries it, or None.
         influences: (V, K) numbers of joints of the skin.
         weights: (V, K) their shares, 0 or more.
+        material: what a renderer that samples textures draws, or None where `colors` say it all.
+        coordinates: sets of texture coordinates, (V, 2) each.
+        vertex_colors: (V, 4) linear, which multiply the material's base colour; None for white.
+        flat: whether each triangle is shaded by its own plane.
+        morphs: what the weights of its node add to vertices and normals, in the mesh's own frame.
 
     >>> import numpy as np
     >>> from motorcade.animation.formats.rig import RigSurface
@@ -113,6 +142,11 @@ class RigSurface:
     skin: Skin | None = None
     influences: IntArray = field(default_factory=lambda: np.zeros((0, 0), dtype=np.int64))
     weights: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    material: Material | None = None
+    coordinates: tuple[NDArray[np.float32], ...] = ()
+    vertex_colors: FloatArray | None = None
+    flat: bool = False
+    morphs: tuple[RigMorph, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,6 +162,8 @@ class RigClip:
         straight: whether between keys turns follow the great arc and translations a line.
         looped: whether the file says that it repeats.
         key_count: how many keys the fullest channel has; by default the number of `key_times`.
+        weights: by node, times (K,) and weights (K, M) of its M morph targets, on straight lines
+            between.
 
     >>> import numpy as np
     >>> from motorcade.animation.formats.rig import RigClip
@@ -145,6 +181,7 @@ class RigClip:
     straight: bool = True
     looped: bool = False
     key_count: int = 0
+    weights: Mapping[int, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
 
     @staticmethod
     def of_all_nodes(

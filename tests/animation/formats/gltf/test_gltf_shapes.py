@@ -13,7 +13,7 @@ from PIL import Image
 from scipy.linalg import polar
 
 from motorcade.animation import Character
-from motorcade.animation.formats import FormatError, read_character, read_motion
+from motorcade.animation.formats import read_character, read_motion
 from motorcade.animation.srgb import to_srgb
 from tests.animation.formats import samples
 from tests.animation.formats.samples import Gltf, Write
@@ -308,7 +308,7 @@ def test_channels_that_move_no_joint_are_left_out_and_told(write: Write) -> None
     assert "2 channels that move no joint are left out" in found.notices
 
 
-def test_a_mesh_that_hangs_on_no_joint_is_left_out_and_told(write: Write) -> None:
+def test_a_mesh_outside_of_the_skeleton_is_a_joint_of_its_own(write: Write) -> None:
     made = samples.gltf_tower()
     ground = json.loads(json.dumps(part_of(made)))
     for name in ("JOINTS_0", "WEIGHTS_0"):
@@ -316,11 +316,9 @@ def test_a_mesh_that_hangs_on_no_joint_is_left_out_and_told(write: Write) -> Non
     made.document["meshes"].append({"primitives": [ground]})
     made.document["nodes"].append({"name": "ground", "mesh": 1})
     found = read_character(write("ground.glb", made.glb()))
-    assert len(found.vertices) == 12
-    assert "'ground' hangs on no joint: left out" in found.notices
-    made.document["nodes"][3].pop("mesh")
-    with pytest.raises(FormatError, match="one or more that joints carry, got none"):
-        read_character(write("bare.glb", made.glb()))
+    assert len(found.vertices) == 24
+    assert found.skeleton.names[-1] == "ground"
+    assert set(found.joints[12:, 0]) == {found.skeleton.index("ground")}
 
 
 def test_extensions_that_change_nothing_here_may_be_required(write: Write) -> None:

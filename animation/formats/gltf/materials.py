@@ -1,0 +1,257 @@
+"""Materials of a glTF document, and the colours that they give to vertices.
+
+A surface keeps its whole material for renderers that sample textures at every pixel. Besides, every
+vertex has one colour, for those that do not: vertex colours, base colour textures and base colour
+factors multiplied, in linear light, as the format says, with textures sampled at the vertices.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import cos, sin
+from typing import Any, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.animation.appearance import MOST_SETS, AlphaMode, Material, TextureMap, Wrap
+from motorcade.animation.formats.errors import expected
+from motorcade.animation.formats.gltf.accessors import Accessors
+from motorcade.animation.formats.gltf.container import (
+    Document,
+    boolean,
+    floats,
+    integer,
+    load,
+    number,
+    table,
+    text,
+)
+from motorcade.animation.formats.images import Texture, Textures
+from motorcade.animation.srgb import to_linear, to_srgb
+from motorcade.ga.arrays import FloatArray
+
+PLAIN = 0.6
+"""Linear grey in the place of a texture that is missing."""
+SPECULAR = "KHR_materials_pbrSpecularGlossiness"
+TRANSFORM = "KHR_texture_transform"
+DRAWN = {SPECULAR, "KHR_materials_unlit", "KHR_materials_emissive_strength"}
+"""Extensions of materials that are read; all others are named in one notice."""
+WRAPS: dict[int, Wrap] = {10497: "repeat", 33071: "clamp", 33648: "mirror"}
+NEAREST, LINEAR = 9728, 9729
+MAPS = {
+    "baseColorTexture": "base_map",
+    "metallicRoughnessTexture": "metallic_roughness_map",
+    "normalTexture": "normal_map",
+    "occlusionTexture": "occlusion_map",
+    "emissiveTexture": "emission_map",
+}
+
+
+class GltfMaterials:
+    """Reads the materials of one document; each of them, and each texture, once.
+
+    Args:
+        document: whose materials.
+        accessors: its arrays.
+    """
+
+    def __init__(self, document: Document, accessors: Accessors) -> None:
+        self._document = document
+        self._accessors = accessors
+        self._textures = Textures()
+        self._made: dict[int, Material] = {}
+        self._plainer: set[str] = set()
+
+    @property
+    def notices(self) -> list[str]:
+        """Textures that could not be read, and what is not drawn."""
+        notices = list(self._textures.notices)
+        if self._plainer:
+            notices.append(f"materials are drawn without {', '.join(sorted(self._plainer))}")
+        return notices
+
+    def material(self, part: dict[str, Any], name: str) -> Material:
+        """The material of a mesh primitive; glTF's default where it names none."""
+        if "material" not in part:
+            return Material()
+        which = integer(part["material"], f"'{name}'.material", 0, 1 << 30)
+        given = self._document.entry("materials", which, f"'{name}'.material")
+        if which not in self._made:
+            self._made[which] = self._material(given)
+        return self._made[which]
+
+    def coordinates(
+        self, attributes: dict[str, Any], name: str, count: int
+    ) -> tuple[NDArray[np.float32], ...]:
+        """Sets of texture coordinates, (V, 2) each."""
+        made = []
+        for which in range(MOST_SETS):
+            key = f"TEXCOORD_{which}"
+            if key not in attributes:
+                break
+            uv = self._accessors.floats(attributes[key], f"'{name}'.{key}", "VEC2")
+            if len(uv) != count or np.abs(uv).max(initial=0.0) > 1e6:
+                raise expected(f"'{name}'.{key}", f"{count} values up to 1e6", len(uv))
+            made.append(uv.astype(np.float32))
+        return tuple(made)
+
+    def vertex_colors(self, attributes: dict[str, Any], name: str, count: int) -> FloatArray | None:
+        """Linear colours with alpha (V, 4), where the primitive has any."""
+        if "COLOR_0" not in attributes:
+            return None
+        field = f"'{name}'.COLOR_0"
+        which = integer(attributes["COLOR_0"], field, 0, 1 << 30)
+        entry = self._document.entry("accessors", which, field)
+        kind = "VEC3" if entry.get("type") == "VEC3" else "VEC4"
+        values = self._accessors.floats(which, field, kind)
+        if len(values) != count:
+            raise expected(field, f"{count} values", len(values))
+        made = np.ones((count, 4))
+        made[:, : values.shape[1]] = np.clip(values, 0.0, 1.0)
+        return made
+
+    def colors(
+        self,
+        material: Material,
+        coordinates: tuple[NDArray[np.float32], ...],
+        vertex_colors: FloatArray | None,
+        count: int,
+    ) -> FloatArray:
+        """Colours (V, 3), sRGB, at the vertices."""
+        linear = np.repeat(np.clip(np.array([material.base_color[:3]]), 0.0, 1.0), count, axis=0)
+        if vertex_colors is not None:
+            linear *= vertex_colors[:, :3]
+        base = material.base_map
+        if base is not None and base.coordinate_set < len(coordinates):
+            turned = np.array(base.transform)
+            uv = coordinates[base.coordinate_set] @ turned[:, :2].T + turned[:, 2]
+            linear *= to_linear(Texture(base.pixels).at(uv))
+        return to_srgb(linear)
+
+    def _material(self, given: dict[str, Any]) -> Material:
+        name = str(given.get("name", ""))[:100]
+        extensions = table(given.get("extensions", {}), "material.extensions")
+        self._plainer |= {str(one)[:60] for one in extensions.keys() - DRAWN}
+        base = table(given.get("pbrMetallicRoughness", {}), "pbrMetallicRoughness")
+        keys = {"baseColorFactor", "baseColorTexture"}
+        if SPECULAR in extensions and not (base.keys() & keys):
+            base = _from_specular(table(extensions[SPECULAR], SPECULAR))
+        color = floats(base.get("baseColorFactor", [1.0, 1.0, 1.0, 1.0]), "baseColorFactor", 4)
+        emission = floats(given.get("emissiveFactor", [0.0, 0.0, 0.0]), "emissiveFactor", 3)
+        stronger = table(extensions.get("KHR_materials_emissive_strength", {}), "emissive_strength")
+        emission = emission * number(stronger.get("emissiveStrength", 1.0), "emissiveStrength")
+        mode = given.get("alphaMode", "OPAQUE")
+        if mode not in ("OPAQUE", "MASK", "BLEND"):
+            raise expected(f"material '{name}'.alphaMode", "OPAQUE, MASK or BLEND", mode)
+        alpha_mode: AlphaMode = get_args(AlphaMode)[("OPAQUE", "MASK", "BLEND").index(mode)]
+        both = {**given, **base}
+        maps: dict[str, Any] = {}
+        for key, into in MAPS.items():
+            found = self._map(both[key], key) if key in both else None
+            if found is not None:
+                maps[into] = found
+            elif key == "baseColorTexture" and key in both and self._has_source(both[key]):
+                color[:3] *= PLAIN
+        normal = table(given.get("normalTexture", {}), "normalTexture")
+        occlusion = table(given.get("occlusionTexture", {}), "occlusionTexture")
+        return replace(
+            Material(name, tuple(np.clip(color, 0.0, 1.0).tolist())),
+            metallic=_share(base.get("metallicFactor", 1.0), "metallicFactor"),
+            roughness=_share(base.get("roughnessFactor", 1.0), "roughnessFactor"),
+            emission=tuple(np.clip(emission, 0.0, 1e6).tolist()),
+            normal_scale=number(normal.get("scale", 1.0), "normalTexture.scale"),
+            occlusion_strength=_share(occlusion.get("strength", 1.0), "occlusion strength"),
+            alpha_mode=alpha_mode,
+            alpha_cutoff=number(given.get("alphaCutoff", 0.5), "alphaCutoff"),
+            double_sided=boolean(given.get("doubleSided", False), "doubleSided"),
+            unlit="KHR_materials_unlit" in extensions,
+            **maps,
+        )
+
+    def _has_source(self, link: object) -> bool:
+        texture = self._document.entry("textures", table(link, "texture").get("index"), "texture")
+        return "source" in texture
+
+    def _map(self, given: object, field: str) -> TextureMap | None:
+        """A picture with its sampler and transform; None where it cannot be read."""
+        link = table(given, field)
+        which = link.get("texCoord", 0)
+        extensions = table(link.get("extensions", {}), f"{field}.extensions")
+        moved = table(extensions.get(TRANSFORM, {}), TRANSFORM)
+        which = integer(moved.get("texCoord", which), f"{field}.texCoord", 0, 15)
+        texture = self._document.entry("textures", link.get("index"), f"{field}.index")
+        if "source" not in texture:
+            return None
+        source = integer(texture["source"], "texture.source", 0, 1 << 30)
+        picture = self._texture(source)
+        if picture is None:
+            return None
+        if which >= MOST_SETS:
+            self._plainer.add(f"{field}s of more than {MOST_SETS} sets of coordinates")
+            return None
+        sampler: dict[str, Any] = {}
+        if "sampler" in texture:
+            sampler = self._document.entry("samplers", texture["sampler"], "texture.sampler")
+        magnify = _code(sampler, "magFilter", LINEAR, (NEAREST, LINEAR))
+        minify = _code(sampler, "minFilter", 9987, (NEAREST, LINEAR, 9984, 9985, 9986, 9987))
+        s, t = (_code(sampler, key, 10497, tuple(WRAPS)) for key in ("wrapS", "wrapT"))
+        return TextureMap(
+            picture.pixels,
+            which,
+            (WRAPS[s], WRAPS[t]),
+            "nearest" if magnify == NEAREST else "linear",
+            "nearest" if minify in (NEAREST, 9984, 9986) else "linear",
+            None if minify < 9984 else ("nearest" if minify < 9986 else "linear"),
+            _transform(moved),
+            picture.encoded,
+        )
+
+    def _texture(self, source: int) -> Texture | None:
+        image = self._document.entry("images", source, "texture.source")
+        name = str(image.get("uri", image.get("name", source)))[:100]
+        return self._textures.read(
+            name, lambda: self._bytes(image, f"images[{source}]"), str(source)
+        )
+
+    def _bytes(self, image: dict[str, Any], field: str) -> bytes:
+        if "uri" in image:
+            return load(text(image["uri"], f"{field}.uri"), self._document.folder, f"{field}.uri")
+        view = self._document.entry("bufferViews", image.get("bufferView"), f"{field}.bufferView")
+        buffers = self._document.buffers
+        data = buffers[integer(view.get("buffer"), f"{field}.buffer", 0, len(buffers) - 1)]
+        start = integer(view.get("byteOffset", 0), f"{field}.byteOffset", 0, len(data))
+        size = integer(view.get("byteLength"), f"{field}.byteLength", 1, len(data) - start)
+        return data[start : start + size]
+
+
+def _code(sampler: dict[str, Any], key: str, default: int, known: tuple[int, ...]) -> int:
+    """A sampler's filter or wrapping: one of the whole numbers that glTF knows."""
+    field = f"sampler.{key}"
+    code = integer(sampler.get(key, default), field, 0, 1 << 30)
+    if code not in known:
+        raise expected(field, f"one of {', '.join(map(str, known))}", code)
+    return code
+
+
+def _share(value: object, field: str) -> float:
+    return min(max(number(value, field), 0.0), 1.0)
+
+
+def _from_specular(given: dict[str, Any]) -> dict[str, Any]:
+    """A material of diffuse and specular colours as a dielectric of the same base and gloss."""
+    made: dict[str, Any] = {"metallicFactor": 0.0}
+    for old, new in (("diffuseFactor", "baseColorFactor"), ("diffuseTexture", "baseColorTexture")):
+        if old in given:
+            made[new] = given[old]
+    gloss = number(given.get("glossinessFactor", 1.0), "glossinessFactor")
+    return made | {"roughnessFactor": 1.0 - gloss}
+
+
+def _transform(given: dict[str, Any]) -> tuple[tuple[float, ...], ...]:
+    """The (2, 3) matrix of KHR_texture_transform: scaled, turned, then moved."""
+    u, v = floats(given.get("offset", [0.0, 0.0]), "offset", 2).tolist()
+    wide, high = floats(given.get("scale", [1.0, 1.0]), "scale", 2).tolist()
+    turn = number(given.get("rotation", 0.0), "rotation")
+    c, s = cos(turn), sin(turn)
+    return (c * wide, s * high, u), (-s * wide, c * high, v)

@@ -1,0 +1,205 @@
+"""Materials, pictures and morph targets of a glTF file that is being written."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.animation.appearance import Material, TextureMap
+from motorcade.animation.character import Character
+from motorcade.animation.formats.gltf.binary import INDICES, VERTICES, BinaryBuffer
+from motorcade.animation.formats.gltf.materials import MAPS, TRANSFORM, WRAPS
+from motorcade.animation.srgb import to_linear
+from motorcade.ga.arrays import IntArray
+
+PLAIN = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.9}}
+"""The material of a character that has colours alone."""
+WRAP_CODES = {name: code for code, name in WRAPS.items()}
+MAGNIFY = {"nearest": 9728, "linear": 9729}
+MINIFY = {
+    ("nearest", None): 9728,
+    ("linear", None): 9729,
+    ("nearest", "nearest"): 9984,
+    ("linear", "nearest"): 9985,
+    ("nearest", "linear"): 9986,
+    ("linear", "linear"): 9987,
+}
+
+
+class LookWriter:
+    """Writes what a character looks like into a document, each picture once.
+
+    Args:
+        buffer: where arrays and pictures go.
+        document: gets `materials`, `textures`, `images`, `samplers` and the extensions used.
+    """
+
+    def __init__(self, buffer: BinaryBuffer, document: dict[str, Any]) -> None:
+        self._buffer, self._document = buffer, document
+        self._images: dict[int, int] = {}
+        self._materials: dict[int, int] = {}
+        self._extensions: set[str] = set()
+
+    def mesh(self, character: Character) -> dict[str, Any]:
+        """The mesh, a primitive for each part with a material of its own."""
+        look = character.appearance
+        if look is None:
+            everything = np.arange(len(character.vertices))
+            one = self._primitive(character, everything, character.triangles, flat=False)
+            colors = to_linear(character.colors)
+            one["attributes"]["COLOR_0"] = self._buffer.add(colors, target=VERTICES)
+            one["material"] = 0
+            self._document["materials"] = [PLAIN]
+            return self._with_names(character, [one])
+        primitives = []
+        for part in look.parts:
+            if part.stop == part.first:
+                continue
+            rows, numbers = np.unique(
+                character.triangles[part.first : part.stop], return_inverse=True
+            )
+            one = self._primitive(character, rows, numbers.reshape(-1, 3), flat=part.flat)
+            for number, uv in enumerate(look.coordinates):
+                key = f"TEXCOORD_{number}"
+                one["attributes"][key] = self._buffer.add(uv[rows], target=VERTICES)
+            if look.colors is not None:
+                one["attributes"]["COLOR_0"] = self._buffer.add(look.colors[rows], target=VERTICES)
+            one["material"] = self._material(part.material)
+            primitives.append(one)
+        if self._extensions:
+            self._document["extensionsUsed"] = sorted(self._extensions)
+        return self._with_names(character, primitives)
+
+    def _with_names(self, character: Character, primitives: list[Any]) -> dict[str, Any]:
+        made: dict[str, Any] = {"primitives": primitives}
+        if character.morphs:
+            made["weights"] = [target.weight for target in character.morphs]
+            made["extras"] = {"targetNames": [target.name for target in character.morphs]}
+        return made
+
+    def _primitive(
+        self, character: Character, rows: IntArray, triangles: IntArray, *, flat: bool
+    ) -> dict[str, Any]:
+        """Vertices (R,) and triangles that count among them."""
+        kind = "|u1" if len(character.skeleton) <= 256 else "<u2"
+        add = self._buffer.add
+        attributes = {"POSITION": add(character.vertices[rows], target=VERTICES, bounds=True)}
+        if not flat:
+            attributes["NORMAL"] = add(character.normals[rows], target=VERTICES)
+        attributes["JOINTS_0"] = add(character.joints[rows], kind, target=VERTICES)
+        attributes["WEIGHTS_0"] = add(character.weights[rows], target=VERTICES)
+        made: dict[str, Any] = {
+            "attributes": attributes,
+            "indices": add(triangles.reshape(-1), "<u4", target=INDICES),
+        }
+        targets = []
+        for target in character.morphs:
+            whole = np.zeros((2, len(character.vertices), 3))
+            whole[0, target.rows], whole[1, target.rows] = target.positions, target.normals
+            given = {"POSITION": add(whole[0, rows], target=VERTICES, bounds=True)}
+            if not flat:
+                given["NORMAL"] = add(whole[1, rows], target=VERTICES)
+            targets.append(given)
+        if targets:
+            made["targets"] = targets
+        return made
+
+    def _material(self, given: Material) -> int:
+        if id(given) not in self._materials:
+            listed = self._document.setdefault("materials", [])
+            self._materials[id(given)] = len(listed)
+            listed.append(self._described(given))
+        return self._materials[id(given)]
+
+    def _described(self, given: Material) -> dict[str, Any]:
+        """A material as it stands in the file."""
+        base: dict[str, Any] = {
+            "baseColorFactor": list(given.base_color),
+            "metallicFactor": given.metallic,
+            "roughnessFactor": given.roughness,
+        }
+        made: dict[str, Any] = {"pbrMetallicRoughness": base, "alphaMode": given.alpha_mode.upper()}
+        if given.name:
+            made["name"] = given.name
+        if given.alpha_mode == "mask":
+            made["alphaCutoff"] = given.alpha_cutoff
+        if given.double_sided:
+            made["doubleSided"] = True
+        strength = max(1.0, *given.emission)
+        if any(given.emission):
+            made["emissiveFactor"] = [part / strength for part in given.emission]
+        extensions: dict[str, Any] = {}
+        if strength > 1.0:
+            extensions["KHR_materials_emissive_strength"] = {"emissiveStrength": strength}
+        if given.unlit:
+            extensions["KHR_materials_unlit"] = {}
+        if extensions:
+            self._extensions |= extensions.keys()
+            made["extensions"] = extensions
+        for key, name in MAPS.items():
+            one = given.maps.get(name)
+            if one is not None:
+                holder = base if name in ("base_map", "metallic_roughness_map") else made
+                holder[key] = self._link(one)
+        if given.normal_map is not None:
+            made["normalTexture"]["scale"] = given.normal_scale
+        if given.occlusion_map is not None:
+            made["occlusionTexture"]["strength"] = given.occlusion_strength
+        return made
+
+    def _link(self, given: TextureMap) -> dict[str, Any]:
+        sampler = {
+            "magFilter": MAGNIFY[given.magnify],
+            "minFilter": MINIFY[given.minify, given.mipmaps],
+            "wrapS": WRAP_CODES[given.wrap[0]],
+            "wrapT": WRAP_CODES[given.wrap[1]],
+        }
+        texture = {
+            "source": self._image(given),
+            "sampler": _number(self._document.setdefault("samplers", []), sampler),
+        }
+        made: dict[str, Any] = {
+            "index": _number(self._document.setdefault("textures", []), texture),
+            "texCoord": given.coordinate_set,
+        }
+        moved = np.array(given.transform)
+        if not np.array_equal(moved, np.eye(2, 3)):
+            self._extensions.add(TRANSFORM)
+            made["extensions"] = {TRANSFORM: _parts_of(moved)}
+        return made
+
+    def _image(self, given: TextureMap) -> int:
+        if id(given.pixels) not in self._images:
+            images = self._document.setdefault("images", [])
+            self._images[id(given.pixels)] = len(images)
+            data = given.encoded or _as_png(given.pixels)
+            kind = "image/png" if data.startswith(b"\x89PNG") else "image/jpeg"
+            images.append({"bufferView": self._buffer.add_bytes(data), "mimeType": kind})
+        return self._images[id(given.pixels)]
+
+
+def _number(listed: list[Any], entry: dict[str, Any]) -> int:
+    """Where an entry stands in a list, to which it is added if need be."""
+    if entry not in listed:
+        listed.append(entry)
+    return listed.index(entry)
+
+
+def _parts_of(matrix: NDArray[np.float64]) -> dict[str, Any]:
+    """Offset, turn and scale of KHR_texture_transform, from a matrix (2, 3) without shear."""
+    turn = float(np.arctan2(-matrix[1, 0], matrix[0, 0]))
+    c, s = np.cos(turn), np.sin(turn)
+    wide = c * matrix[0, 0] - s * matrix[1, 0]
+    high = s * matrix[0, 1] + c * matrix[1, 1]
+    return {"offset": matrix[:, 2].tolist(), "rotation": turn, "scale": [float(wide), float(high)]}
+
+
+def _as_png(pixels: NDArray[np.uint8]) -> bytes:
+    from PIL import Image
+
+    made = io.BytesIO()
+    Image.fromarray(pixels).save(made, "PNG")
+    return made.getvalue()
