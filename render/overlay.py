@@ -197,7 +197,8 @@ class _Stage:
         prints: Prints | None,
     ) -> None:
         self.lens = LensWarp(camera)
-        self._skinner = Skinner(character, "linear")
+        self._shaped = character.shaped()
+        self._skinner = Skinner(self._shaped, "linear")
         self.character, self.clip, self.placement, self.look = character, clip, placement, look
         self.given, self.prints = lighting, prints
         self.height_m = placement.scale * character.height_m
@@ -211,6 +212,7 @@ class _Stage:
             character.triangles,
             character.colors,
             roughness=0.42,
+            appearance=character.appearance,
         )
 
     def _light(self, lighting: Lighting) -> None:
@@ -239,7 +241,7 @@ class _Stage:
             self._light(self.given.rotated_by(now_T_start.rotor.inverse(), about_m))
             if self.ground_light[2] > -LEAST_FALL:  # the ground has turned away from the sun
                 self.ground_light, self.strength = np.array([0.0, 0.0, -1.0]), 0.0
-        vertices, normals = self._skinned(self.clip.at(time_s))
+        vertices, normals = self._skinned(self.clip.at(time_s), self.clip.morph_weights(time_s))
         stand, own_m = self.placement.world_T_character, self.placement.scale * vertices
         renderer.move(0, stand.apply(own_m), stand.rotor.apply(normals))
         center_m = self._center(own_m)
@@ -285,10 +287,13 @@ class _Stage:
         seen = shade_in_picture(stored, self.half_width_m, self.lens.pinhole, camera_T_shade)
         return seen if seen is None else self.lens.smooth(seen)
 
-    def _skinned(self, pose: Motor | Similarity) -> tuple[FloatArray, FloatArray]:
+    def _skinned(
+        self, pose: Motor | Similarity, weights: FloatArray | None
+    ) -> tuple[FloatArray, FloatArray]:
         """Vertices and normals in character space, compiled where joints are rigid."""
-        if isinstance(pose, Similarity):
-            return skin(self.character, pose)
+        if isinstance(pose, Similarity) or weights is not None:
+            shaped = self._shaped if weights is None else self.character.shaped(weights)
+            return skin(shaped, pose)
         vertices, normals = self._skinner.skin(pose)
         return vertices.astype(np.float64), normals.astype(np.float64)
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.animation.appearance import Appearance
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 
@@ -30,6 +31,8 @@ class Surface:
         texture: (h, w, 3) uint8 sRGB, or None.
         texture_coordinates: (V, 2), needed with a texture.
         roughness: 0 mirror-like to 1 chalk.
+        appearance: materials and textures for renderers that draw them (the fast one), in place of
+            `colors`, `texture` and `roughness`; or None.
 
     Raises:
         ValueError: shapes that do not fit, or a texture without coordinates.
@@ -49,6 +52,7 @@ class Surface:
     texture: ImageArray | None = None
     texture_coordinates: FloatArray | None = None
     roughness: float = 0.6
+    appearance: Appearance | None = None
 
     def __post_init__(self) -> None:
         count = len(self.vertices)
@@ -63,6 +67,8 @@ class Surface:
                 raise ValueError(
                     f"Surface.{name}: expected shape ({count}, {width}), got {given.shape}"
                 )
+        if self.appearance is not None:
+            self.appearance.check(self.vertices, self.triangles, "Surface")
         if (self.texture is None) != (self.texture_coordinates is None):
             raise ValueError("Surface: expected texture and texture_coordinates both or neither")
         if self.texture is not None and (self.texture.ndim != 3 or self.texture.shape[2] != 3):

@@ -15,15 +15,15 @@ from typing import Any
 import numpy as np
 
 from motorcade.animation.srgb import to_linear
+from motorcade.animation.vectors import box_corners
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.backends.platform import choose_platform
 from motorcade.render.backends.renderer import (
-    FAR_M,
-    NEAR_M,
     OPENCV_T_OPENGL,
     Renderer,
     check_vertices,
+    clip_range,
     shadow_camera,
 )
 from motorcade.render.scene import Lamp, Layer, Lighting, Sun, Surface
@@ -65,7 +65,7 @@ class OffscreenRenderer(Renderer):
         if lighting is not None:
             self._add_lights(lighting)
         self._camera: Any = self._scene.add(
-            pyrender.IntrinsicsCamera(1.0, 1.0, 0.0, 0.0, znear=NEAR_M, zfar=FAR_M)
+            pyrender.IntrinsicsCamera(1.0, 1.0, 0.0, 0.0, znear=1.0, zfar=2.0)
         )
 
     def _light(self, lighting: Lighting) -> None:
@@ -87,6 +87,7 @@ class OffscreenRenderer(Renderer):
         lens = self._camera.camera
         lens.fx, lens.fy = camera.fx, camera.fy
         lens.cx, lens.cy = camera.cx + 0.5, camera.cy + 0.5
+        lens.znear, lens.zfar = self._depths(world_T_camera)
         self._scene.set_pose(self._camera, (world_T_camera @ OPENCV_T_OPENGL).as_matrix())
         flags = self._pyrender.RenderFlags.OFFSCREEN | self._pyrender.RenderFlags.RGBA
         if self._lighting is not None:
@@ -95,6 +96,13 @@ class OffscreenRenderer(Renderer):
             flags |= self._pyrender.RenderFlags.FLAT
         rgba, depth = self._renderer.render(self._scene, flags)
         return Layer(np.ascontiguousarray(rgba), np.ascontiguousarray(depth))
+
+    def _depths(self, world_T_camera: Motor) -> tuple[float, float]:
+        """Nearest and farthest depth of the primitives' boxes."""
+        boxes = [box_corners(one.positions) for one in self._primitives if len(one.positions)]
+        if not boxes:
+            return clip_range(np.zeros(0))
+        return clip_range(world_T_camera.inverse().apply(np.concatenate(boxes))[:, 2])
 
     def _primitive(self, surface: Surface, *, lit: bool) -> Any:
         """A surface in pyrender's form; vertex colours become linear unless they are shown flat."""

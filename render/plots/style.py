@@ -14,13 +14,14 @@ import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from html import escape
-from itertools import pairwise
+from itertools import cycle, pairwise
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray
+from motorcade.ga.versors.euler_angles import SEQUENCES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,6 +42,7 @@ HUES: Mapping[str, tuple[str, str]] = MappingProxyType(
         "orange": ("#dd7800", "#ffb925"),
         "pink": ("#b379af", "#be8ab8"),
         "vermilion": ("#b6540f", "#b14e00"),
+        "brown": ("#401a03", "#7f6173"),
     }
 )
 """Shades of lines on a light and on a dark page."""
@@ -53,13 +55,15 @@ _HUE_OF = {
     "rotor": "sky",
     "dual_quaternion": "blue",
     "quaternion": "orange",
+    "euler_best": "brown",
     "euler_unwrapped": "pink",
     "euler": "vermilion",
     "euler_exact": "pink",
-}
+} | dict(zip((f"euler_{order}" for order in SEQUENCES), cycle(("brown", "pink", "vermilion"))))
 
 COLOURS = {"truth": INK} | {name: HUES[hue][0] for name, hue in _HUE_OF.items()}
-"""One colour a name, the same in every report; no plot has both of two that share one."""
+"""One colour a name, the same in every report; no plot has both of two that share one, but those
+of Euler angles in more than three orders."""
 
 ON_PAGES = {"truth": "var(--ink)"} | {name: f"var(--line-{hue})" for name, hue in _HUE_OF.items()}
 ON_PAGES |= {"x": "var(--line-vermilion)", "y": "var(--line-green)", "z": "var(--line-blue)"}

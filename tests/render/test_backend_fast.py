@@ -195,6 +195,18 @@ def test_what_does_not_fit_a_surface_is_refused(renderer: FastRenderer) -> None:
         new_renderer("slow", 10, 10)
 
 
+@pytest.mark.parametrize("size_m", [1e-3, 1.0, 80.0, 3000.0])
+def test_a_figure_of_any_size_is_drawn_whole(size_m: float) -> None:
+    shape, place = ball(np.zeros(3), 0.4, 12), Motor.from_translation([0.0, 0.0, -2.0 * size_m])
+    alone = drawn("fast", [ball(np.array([0.0, 0.0, 2.0]), 0.4, 12)], None)
+    for name in ("fast", "pyrender"):
+        with new_renderer(name, CAMERA.width, CAMERA.height) as renderer:
+            renderer.show([Surface(size_m * shape.vertices, shape.normals, shape.triangles)], None)
+            seen = renderer.render(CAMERA, place)
+        np.testing.assert_array_equal(seen.rgba[..., 3], alone.rgba[..., 3])
+        np.testing.assert_allclose(seen.depth_m, size_m * alone.depth_m, rtol=1e-4)
+
+
 def test_a_camera_inside_a_mesh_sees_out_of_it() -> None:
     around, outside = ball(np.zeros(3), 0.5), wall(2.0)
     for name in ("fast", "pyrender"):
@@ -204,7 +216,7 @@ def test_a_camera_inside_a_mesh_sees_out_of_it() -> None:
             renderer.show([outside], LIGHTING)
             alone = renderer.render(CAMERA, Motor.identity())
         # backs are not drawn; they throw no shadow on the wall either way it is looked at
-        np.testing.assert_array_equal(inside.depth_m, alone.depth_m)
+        np.testing.assert_allclose(inside.depth_m, alone.depth_m, rtol=1e-5)
         assert inside.depth_m.max() == pytest.approx(2.0, rel=1e-3)
 
 

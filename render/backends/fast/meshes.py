@@ -11,7 +11,9 @@ from motorcade.animation import Character, Placement
 from motorcade.animation.skin.skinning import SKIN_KERNELS, SkinMethod, checked_method
 from motorcade.animation.srgb import to_linear
 from motorcade.animation.vectors import box_corners
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga import Motor, Similarity
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.render.backends.fast.materials import DrawnPart, Pictures, appearance_of
 from motorcade.render.backends.fast.programs import Programs
 from motorcade.render.backends.renderer import check_vertices
 from motorcade.render.scene import Surface
@@ -22,7 +24,8 @@ _ROWS: dict[SkinMethod, int] = {"linear": 3, "dual_quaternion": 2, "motor": 2, "
 class RenderMesh:
     """One surface: its vertices in a buffer that may change, the rest in buffers that do not.
 
-    `corners_m` (8, 3) hold it, where it is known how far it reaches.
+    `corners_m` (8, 3) hold it, where it is known how far it reaches; `reach_m` (N, 3) are corners
+    that hold it or nearly so.
 
     Args:
         gl: moderngl's context.
@@ -30,19 +33,49 @@ class RenderMesh:
         surface: what is drawn.
         lit: whether light falls on it.
         lamps: how many lamps there are.
+        pictures: of the same context, where the scene's surfaces have materials of their own.
     """
 
     def __init__(
-        self, gl: Any, programs: Programs, surface: Surface, *, lit: bool, lamps: int
+        self,
+        gl: Any,
+        programs: Programs,
+        surface: Surface,
+        *,
+        lit: bool,
+        lamps: int,
+        pictures: Pictures | None = None,
     ) -> None:
         self._gl = gl
-        self._parts: list[Any] = []
+        self._held: list[Any] = []
         self.shape = surface.vertices.shape
         self.roughness = surface.roughness
         self.texture: Any = None
         self.corners_m: FloatArray | None = _corners(surface.vertices)
+        self.reach_m = _reach(self.corners_m)
         self.vertices = self._buffer(_interleaved(surface.vertices, surface.normals), dynamic=True)
-        content = [(self.vertices, "3f4 3f4" if lit else "3f4 12x", *_vertex_names(lit))]
+        self.parts: list[DrawnPart] = []
+        self._seen_through: list[IntArray] = []
+        if pictures is None:
+            self.program = self._plain(programs, surface, lit=lit, lamps=lamps)
+            self.programs = [self.program]
+            casting = surface.triangles
+        else:
+            casting = self._materials(programs, pictures, surface, lit=lit, lamps=lamps)
+            self.programs = [part.program for part in self.parts]
+        self.both_sides = any(part.material.double_sided for part in self.parts)
+        self.middles_m = self._middles(surface.vertices)
+        self.in_shadow_map: Any = None
+        if lit and len(casting):
+            position = [(self.vertices, "3f4 12x", "in_position")]
+            corners = self._buffer(casting.astype(np.uint32))
+            self.in_shadow_map = self._array(programs.shadow(), position, corners)
+
+    def _plain(self, programs: Programs, surface: Surface, *, lit: bool, lamps: int) -> Any:
+        """Colours and one texture; gives the program that draws them."""
+        content: list[tuple[Any, ...]] = [
+            (self.vertices, "3f4 3f4" if lit else "3f4 12x", *_vertex_names(lit))
+        ]
         if surface.colors is not None:
             shown = to_linear(surface.colors) if lit else surface.colors
             content.append((self._buffer(shown.astype(np.float32)), "3f4", "in_color"))
@@ -50,23 +83,57 @@ class RenderMesh:
             places = surface.texture_coordinates.astype(np.float32)
             content.append((self._buffer(places), "2f4", "in_texture"))
             self.texture = self._textured(surface.texture)
-        self.program = programs.surface(
+        program = programs.surface(
             lit=lit,
             colored=surface.colors is not None,
             textured=surface.texture is not None,
             lamps=lamps,
         )
         corners = self._buffer(surface.triangles.astype(np.uint32))
-        self.in_picture = self._array(self.program, content, corners)
-        position = [(self.vertices, "3f4 12x", "in_position")]
-        self.in_shadow_map: Any = None
-        if lit:
-            self.in_shadow_map = self._array(programs.shadow(), position, corners)
+        self.in_picture = self._array(program, content, corners)
+        return program
+
+    def _materials(
+        self, programs: Programs, pictures: Pictures, surface: Surface, *, lit: bool, lamps: int
+    ) -> IntArray:
+        """One vertex array a material; gives the triangles that throw shadows."""
+        look = appearance_of(surface)
+        shared: list[tuple[Any, ...]] = [(self.vertices, "3f4 3f4", "in_position", "in_normal")]
+        if look.colors is not None:
+            shared.append((self._buffer(look.colors.astype(np.float32)), "4f4", "in_color"))
+        sets = [self._buffer(one.astype(np.float32)) for one in look.coordinates]
+        casting = [surface.triangles[:0]]
+        for given in look.parts:
+            if given.stop == given.first:
+                continue
+            part = DrawnPart(
+                programs, pictures, given, lit=lit, colored=look.colors is not None, lamps=lamps
+            )
+            triangles = surface.triangles[given.first : given.stop]
+            content = list(shared)
+            for number, name in zip(part.sets, ("in_first", "in_second"), strict=False):
+                content.append((sets[number], "2f4", name))
+            corners = self._buffer(triangles.astype(np.uint32))
+            # What a program does not look at is left out.
+            part.array = self._gl.vertex_array(part.program, content, corners, skip_errors=True)
+            self._held.append(part.array)
+            self.parts.append(part)
+            if part.blended:
+                self._seen_through.append(np.unique(triangles))
+            else:
+                casting.append(triangles)
+        return np.concatenate(casting)
+
+    def _middles(self, vertices: FloatArray) -> list[FloatArray]:
+        """Middles (3,) of the parts through which one sees."""
+        return [vertices[rows].mean(axis=0) for rows in self._seen_through]
 
     def move(self, vertices: FloatArray, normals: FloatArray) -> None:
         """Write new vertices and normals."""
         check_vertices(self.shape, vertices, normals)
         self.corners_m = _corners(vertices)
+        self.reach_m = _reach(self.corners_m)
+        self.middles_m = self._middles(vertices)
         self.vertices.write(_interleaved(vertices, normals))
 
     def read(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -76,25 +143,25 @@ class RenderMesh:
 
     def release(self) -> None:
         """Free everything."""
-        for part in reversed(self._parts):
+        for part in reversed(self._held):
             part.release()
-        self._parts = []
+        self._held = []
 
     def _buffer(self, data: NDArray[Any], *, dynamic: bool = False) -> Any:
         made = self._gl.buffer(np.ascontiguousarray(data), dynamic=dynamic)
-        self._parts.append(made)
+        self._held.append(made)
         return made
 
     def _array(self, program: Any, content: Any, corners: Any) -> Any:
         made = self._gl.vertex_array(program, content, corners)
-        self._parts.append(made)
+        self._held.append(made)
         return made
 
     def _textured(self, picture: NDArray[np.uint8]) -> Any:
         # OpenGL counts rows from the bottom.
         data = np.ascontiguousarray(picture[::-1])
         made = self._gl.texture((picture.shape[1], picture.shape[0]), 3, data, alignment=1)
-        self._parts.append(made)
+        self._held.append(made)
         made.build_mipmaps()
         made.filter = self._gl.LINEAR_MIPMAP_LINEAR, self._gl.LINEAR
         return made
@@ -130,6 +197,7 @@ class SkinnedMesh:
         if self._shape[0] > most:
             raise ValueError(f"bind(character): expected at most {most} joints")
         self._program = programs.carry(SKIN_KERNELS[known], _ROWS[known], signed=known != "linear")
+        self._method, self._corners_m = known, box_corners(character.vertices)
         self._rest = gl.buffer(_interleaved(character.vertices, character.normals))
         joints, weights = character.influences
         self._joints = gl.buffer(np.ascontiguousarray(joints, np.uint16))
@@ -151,11 +219,31 @@ class SkinnedMesh:
             )
         matrix = np.eye(4) if placement is None else placement.as_matrix()
         self._mesh.corners_m = None
+        self._mesh.reach_m = _homogeneous(self._reach(entries)) @ matrix[:3].T
         self._palette.write(np.ascontiguousarray(entries, np.float32))
         self._palette.use(0)
         self._program["palette"] = 0
         self._program["world_from_character"].write(column_major(matrix))
         self._array.transform(self._mesh.vertices, self._gl.POINTS, vertices=self._mesh.shape[0])
+
+    def _reach(self, entries: FloatArray) -> FloatArray:
+        """Where the joints take the rest pose's box, made larger by half: what they carry is there.
+
+        A blend of rigid motions may bulge a little out of the hull of its parts.
+        """
+        middle = self._corners_m.mean(axis=0)
+        corners = middle + 1.5 * (self._corners_m - middle)
+        given = np.asarray(entries, np.float64)[:, None]
+        if self._method == "linear":
+            rows = given.reshape(-1, 3, 4)
+            return np.concatenate(np.einsum("jrk,ck->jcr", rows, _homogeneous(corners)))
+        if self._method == "similarity":
+            moved = Similarity.normalize(given).apply(corners)
+        elif self._method == "dual_quaternion":
+            moved = Motor.from_dual_quaternion(given).apply(corners)
+        else:
+            moved = Motor.normalize(given).apply(corners)
+        return moved.reshape(-1, 3)
 
     def release(self) -> None:
         """Free everything."""
@@ -171,6 +259,14 @@ def column_major(matrix: FloatArray) -> bytes:
 def _corners(vertices: FloatArray) -> FloatArray | None:
     """Corners of the box around vertices; None without any."""
     return box_corners(vertices) if len(vertices) else None
+
+
+def _reach(corners_m: FloatArray | None) -> FloatArray:
+    return np.zeros((0, 3)) if corners_m is None else corners_m
+
+
+def _homogeneous(points: FloatArray) -> FloatArray:
+    return np.concatenate([points, np.ones((len(points), 1))], axis=1)
 
 
 def _vertex_names(lit: bool) -> tuple[str, ...]:

@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from motorcade.animation.srgb import to_linear, to_srgb
 from motorcade.ga import kernels
 from motorcade.render.backends.platform import RenderUnavailable
-from motorcade.render.backends.renderer import FAR_M, NEAR_M
 from motorcade.render.scene import DepthArray, Layer
 
 _SHADERS = Path(__file__).parent / "shaders"
@@ -39,6 +40,15 @@ class Programs:
             ("surface", lit, colored, textured, lamps),
             vertex_shader=head + _text("surface.vert"),
             fragment_shader=head + _text("surface.frag"),
+        )
+
+    def material(self, defined: dict[str, str]) -> Any:
+        """Draws parts of meshes with one kind of material."""
+        head = _head(defined)
+        return self._program(
+            ("material", *sorted(defined.items())),
+            vertex_shader=head + _text("material.vert"),
+            fragment_shader=head + _text("material.frag"),
         )
 
     def shadow(self) -> Any:
@@ -88,7 +98,7 @@ Box = tuple[int, int, int, int]
 """Left, bottom, width and height in pixels, rows from the bottom."""
 
 SAMPLES = 4
-_FALL = NEAR_M / (FAR_M - NEAR_M)
+SRGB8_ALPHA8, FRAMEBUFFER_SRGB = 0x8C43, 0x8DB9
 
 
 class Framebuffer:
@@ -107,6 +117,7 @@ class Framebuffer:
     def __init__(self, gl: Any, size: tuple[int, int], finish: Callable[[], None]) -> None:
         self._gl, self._size, self._finish = gl, size, finish
         self._box: Box = (0, 0, *size)
+        self._depths, self._encode = (1.0, 2.0), False
         self._parts: list[Any] = []
         import moderngl
 
@@ -119,8 +130,17 @@ class Framebuffer:
                 f"no memory for pictures of {size[0]} x {size[1]} with {SAMPLES} samples: {refused}"
             ) from refused
 
-    def begin(self, box: Box | None) -> None:
-        """Draw into it from now on, after clearing; with a box, nothing lies outside of it."""
+    def begin(self, box: Box | None, depths: tuple[float, float], *, encode: bool) -> None:
+        """Draw depths from near to far from now on, after clearing; nothing lies outside a box.
+
+        With `encode` colours are drawn in linear light, blended and averaged in it, and encoded as
+        sRGB where they are stored; else they are stored as they come.
+        """
+        self._depths, self._encode = depths, encode
+        if encode:
+            self._gl.enable_direct(FRAMEBUFFER_SRGB)
+        else:
+            self._gl.disable_direct(FRAMEBUFFER_SRGB)
         self._box = (0, 0, *self._size) if box is None else box
         self._resolved.scissor = self._box
         self.drawn.scissor = self._box
@@ -137,10 +157,12 @@ class Framebuffer:
         rgba, depth = np.empty((high, wide, 4), np.uint8), np.empty((high, wide), np.float32)
         self._resolved.read_into(rgba, viewport=self._box, components=4)
         self._resolved.read_into(depth, self._box, 1, attachment=-1, dtype="f4")
+        if self._encode:
+            _premultiply_encoded(rgba)
         layer = Layer(np.zeros((height, width, 4), np.uint8), np.zeros((height, width), np.float32))
         # OpenGL's rows begin at the bottom.
         held = slice(height - bottom - high, height - bottom), slice(left, left + wide)
-        layer.rgba[held], layer.depth_m[held] = rgba[::-1], _metres(depth)[::-1]
+        layer.rgba[held], layer.depth_m[held] = rgba[::-1], _metres(depth, *self._depths)[::-1]
         return layer
 
     def release(self) -> None:
@@ -150,7 +172,8 @@ class Framebuffer:
         self._parts = []
 
     def _framebuffer(self, samples: int) -> Any:
-        color = self._gl.renderbuffer(self._size, 4, samples=samples)
+        kind = {"internal_format": SRGB8_ALPHA8}
+        color = self._gl.texture(self._size, 4, samples=samples, **kind)
         self._parts.append(color)
         depth = self._gl.depth_renderbuffer(self._size, samples=samples)
         self._parts.append(depth)
@@ -184,12 +207,22 @@ class ShadowMap:
         self._texture.release()
 
 
-def _metres(stored: DepthArray) -> DepthArray:
+def _premultiply_encoded(rgba: NDArray[np.uint8]) -> None:
+    """Encoded light times alpha, in place, from encoded products of light and alpha."""
+    partly = (rgba[..., 3] > 0) & (rgba[..., 3] < 255)
+    given = rgba[partly] / np.float64(255.0)
+    alpha = given[:, 3:]
+    own = to_srgb(to_linear(given[:, :3]) / alpha)
+    rgba[partly, :3] = np.rint(255.0 * own * alpha)
+
+
+def _metres(stored: DepthArray, near: float, far: float) -> DepthArray:
     """Depth along the optical axis from OpenGL's, which is 1 where nothing was drawn."""
     empty = stored == 1.0
     # 1 - d has no rounding; a projection matrix is undone in one division.
     np.subtract(np.float32(1.0), stored, out=stored)
-    stored += np.float32(_FALL)
-    np.divide(np.float32(NEAR_M * (1.0 + _FALL)), stored, out=stored)
+    fall = near / (far - near)
+    stored += np.float32(fall)
+    np.divide(np.float32(near * (1.0 + fall)), stored, out=stored)
     stored[empty] = 0.0
     return stored

@@ -17,14 +17,15 @@ from numpy.typing import NDArray
 from motorcade.animation import Character, Placement
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
+from motorcade.render.backends.fast.materials import DrawnPart, Pictures, tell
 from motorcade.render.backends.fast.meshes import RenderMesh, SkinnedMesh, column_major
 from motorcade.render.backends.fast.programs import Box, Framebuffer, Programs, ShadowMap
 from motorcade.render.backends.platform import Context, RenderUnavailable
 from motorcade.render.backends.renderer import (
-    NEAR_M,
     OPENCV_T_OPENGL,
     Renderer,
     check_size,
+    clip_range,
     projection,
     shadow_camera,
 )
@@ -37,6 +38,7 @@ _SHADOW_UNIT, _TEXTURE_UNIT = 0, 1
 _SHADOW_SIZE, _LARGE_SHADOW_SIZE = 1024, 2048
 # Keeps triangles that the sun grazes from shading themselves.
 _SLOPE, _UNITS = 2.0, 1.0
+_ALPHA_TO_COVERAGE, _ALPHA_TO_ONE = 0x809E, 0x809F
 
 
 class FastRenderer(Renderer):
@@ -49,10 +51,13 @@ class FastRenderer(Renderer):
     def _set_up(self) -> None:
         self._meshes: list[RenderMesh] = []
         self._skinned: dict[int, SkinnedMesh] = {}
+        self._by_material = False
         self._shadow_map: ShadowMap | None = None
         self._gl = _moderngl_context(self._context)
         check_size(*self._size, self._gl.info["GL_MAX_RENDERBUFFER_SIZE"])
         finish = ctypes.CFUNCTYPE(None)(self._context.address("glFinish"))
+        kind = ctypes.CFUNCTYPE(None, ctypes.c_uint, ctypes.c_uint, ctypes.c_float)
+        self._pictures = Pictures(self._gl, kind(self._context.address("glTexParameterf")))
         self._framebuffer = Framebuffer(self._gl, self._size, finish)
         self._programs = Programs(self._gl)
         self._gl.enable_only(self._gl.CULL_FACE | self._gl.DEPTH_TEST)
@@ -65,9 +70,15 @@ class FastRenderer(Renderer):
     def _show(self, surfaces: Sequence[Surface], lighting: Lighting | None) -> None:
         self._clear()
         lamps = 0 if lighting is None else len(lighting.lamps)
+        self._by_material = any(surface.appearance is not None for surface in surfaces)
+        pictures = self._pictures if self._by_material else None
         for surface in surfaces:
             lit = lighting is not None
-            self._meshes.append(RenderMesh(self._gl, self._programs, surface, lit=lit, lamps=lamps))
+            self._meshes.append(
+                RenderMesh(
+                    self._gl, self._programs, surface, lit=lit, lamps=lamps, pictures=pictures
+                )
+            )
         if lighting is not None:
             self._light(lighting)
 
@@ -149,6 +160,7 @@ class FastRenderer(Renderer):
             skinned.release()
         for mesh in self._meshes:
             mesh.release()
+        self._pictures.release()
         self._forget()
 
     def _light(self, lighting: Lighting) -> None:
@@ -160,13 +172,14 @@ class FastRenderer(Renderer):
         shadow = self._programs.shadow()
         shadow["light_from_world"].write(seen)
         travels = np.array(lighting.sun.direction)
-        for program in {mesh.program for mesh in self._meshes}:
-            program["light_from_world"].write(seen)
-            program["shadow_map"] = _SHADOW_UNIT
-            program["ambient"] = lighting.ambient
-            program["to_sun"] = tuple(-travels / np.linalg.norm(travels))
-            program["sun"] = tuple(lighting.sun.intensity * np.array(lighting.sun.color))
-            if lighting.lamps:
+        for program in {program for mesh in self._meshes for program in mesh.programs}:
+            if "light_from_world" in program:
+                program["light_from_world"].write(seen)
+            tell(program, "shadow_map", _SHADOW_UNIT)
+            tell(program, "ambient", lighting.ambient)
+            tell(program, "to_sun", tuple(-travels / np.linalg.norm(travels)))
+            tell(program, "sun", tuple(lighting.sun.intensity * np.array(lighting.sun.color)))
+            if lighting.lamps and "lamp" in program:
                 places = np.array([lamp.position_m for lamp in lighting.lamps], np.float32)
                 light = [lamp.intensity * np.array(lamp.color) for lamp in lighting.lamps]
                 program["lamp_position"].write(places.tobytes())
@@ -178,14 +191,22 @@ class FastRenderer(Renderer):
         self._shadow_map.drawn.clear(depth=1.0)
         self._gl.polygon_offset = _SLOPE, _UNITS
         for mesh in self._meshes:
-            mesh.in_shadow_map.render()
+            self._cull(both_sides=mesh.both_sides)
+            if mesh.in_shadow_map is not None:
+                mesh.in_shadow_map.render()
         self._gl.polygon_offset = 0.0, 0.0
         self._shadow_map.use(_SHADOW_UNIT)
 
     def _draw(self, camera: Camera, world_T_camera: Motor) -> None:
         opengl_T_world = (world_T_camera @ OPENCV_T_OPENGL).inverse()
-        seen = column_major(projection(camera) @ opengl_T_world.as_matrix())
-        self._framebuffer.begin(_seen_box(self._meshes, camera, world_T_camera))
+        depths = _depths(self._meshes, world_T_camera)
+        seen = column_major(projection(camera, *depths) @ opengl_T_world.as_matrix())
+        box = _seen_box(self._meshes, camera, world_T_camera, depths[0])
+        self._framebuffer.begin(box, depths, encode=self._by_material)
+        if self._by_material:
+            self._draw_materials(seen, world_T_camera)
+            return
+        self._cull(both_sides=False)
         for mesh in self._meshes:
             mesh.program["clip_from_world"].write(seen)
             if self._lighting is not None:
@@ -195,6 +216,67 @@ class FastRenderer(Renderer):
                 mesh.texture.use(_TEXTURE_UNIT)
                 mesh.program["surface_texture"] = _TEXTURE_UNIT
             mesh.in_picture.render()
+
+    def _draw_materials(self, seen: bytes, world_T_camera: Motor) -> None:
+        """What hides, then from the farthest on what lets shine through, then its depth too."""
+        eye = tuple(world_T_camera.translation_m)
+        self._pictures.use_table()
+        for program in {program for mesh in self._meshes for program in mesh.programs}:
+            program["clip_from_world"].write(seen)
+            tell(program, "eye", eye)
+        camera_T_world = world_T_camera.inverse()
+        waiting = []
+        for mesh in self._meshes:
+            middles = iter(mesh.middles_m)
+            for part in mesh.parts:
+                if part.blended:
+                    waiting.append((float(camera_T_world.apply(next(middles))[2]), part))
+                else:
+                    self._draw_part(part)
+        if not waiting:
+            return
+        waiting.sort(key=lambda one: -one[0])
+        drawn = self._framebuffer.drawn
+        drawn.depth_mask = False
+        drawn.use()  # masks hold from then on
+        self._gl.enable(self._gl.BLEND)
+        self._gl.blend_func = self._gl.ONE, self._gl.ONE_MINUS_SRC_ALPHA
+        for _, part in waiting:
+            self._draw_part(part)
+        self._gl.disable(self._gl.BLEND)
+        drawn.depth_mask, drawn.color_mask = True, (False,) * 4
+        drawn.use()
+        for _, part in waiting:
+            self._draw_part(part)
+        drawn.color_mask = (True,) * 4
+        drawn.use()
+
+    def _draw_part(self, part: DrawnPart) -> None:
+        part.use()
+        masked = part.material.alpha_mode == "mask"
+        if masked:
+            self._gl.enable_direct(_ALPHA_TO_COVERAGE)
+            self._gl.enable_direct(_ALPHA_TO_ONE)
+        if part.material.double_sided and part.blended:
+            # Backs first: they lie behind.
+            self._cull(both_sides=False)
+            self._gl.cull_face = "front"
+            part.array.render()
+            self._gl.cull_face = "back"
+            part.array.render()
+        else:
+            self._cull(both_sides=part.material.double_sided)
+            part.array.render()
+        if masked:
+            self._gl.disable_direct(_ALPHA_TO_COVERAGE)
+            self._gl.disable_direct(_ALPHA_TO_ONE)
+
+    def _cull(self, *, both_sides: bool) -> None:
+        """Whether the backs of triangles are drawn too."""
+        if both_sides:
+            self._gl.disable(self._gl.CULL_FACE)
+        else:
+            self._gl.enable(self._gl.CULL_FACE)
 
 
 class _Loader:
@@ -221,14 +303,24 @@ def _moderngl_context(context: Context) -> Any:
     return moderngl.create_context(context=loader)
 
 
-def _seen_box(meshes: Sequence[RenderMesh], camera: Camera, world_T_camera: Motor) -> Box | None:
+def _depths(meshes: Sequence[RenderMesh], world_T_camera: Motor) -> tuple[float, float]:
+    """Nearest and farthest depth of what the meshes reach."""
+    corners = [mesh.reach_m for mesh in meshes if len(mesh.reach_m)]
+    if not corners:
+        return clip_range(np.zeros(0))
+    return clip_range(world_T_camera.inverse().apply(np.concatenate(corners))[:, 2])
+
+
+def _seen_box(
+    meshes: Sequence[RenderMesh], camera: Camera, world_T_camera: Motor, near: float
+) -> Box | None:
     """The part of the picture that can hold anything, or None where all of it can."""
     corners = [mesh.corners_m for mesh in meshes if mesh.corners_m is not None]
     if len(corners) < len(meshes) or not corners:
         return None
     seen = world_T_camera.inverse().apply(np.concatenate(corners))
     # A pixel's samples lie up to half a pixel about its centre.
-    first, last = seen_extent(camera, seen, NEAR_M, 0.5)
+    first, last = seen_extent(camera, seen, near, 0.5)
     wide, high = last - first + 1
     return int(first[0]), int(camera.height - 1 - last[1]), int(wide), int(high)
 

@@ -28,7 +28,16 @@ SEEN_BY = {
         [0.004733, 0.691367, 0.303900],
     ]),
 }  # fmt: skip
-REPORT = ("measured", "fused", "motor", "quaternion", "euler_unwrapped", "euler", "truth")
+REPORT = (
+    "measured",
+    "fused",
+    "motor",
+    "quaternion",
+    "euler_best",
+    "euler_unwrapped",
+    "euler",
+    "truth",
+)
 COMPARISON = (
     "truth",
     "motor",
@@ -37,6 +46,7 @@ COMPARISON = (
     "dual_quaternion",
     "quaternion",
     "euler",
+    "euler_best",
     "euler_unwrapped",
 )
 CONSISTENCY = ("motor", "quaternion", "euler", "euler_exact")

@@ -1,0 +1,200 @@
+"""Parts of a mesh with materials of their own, in the memory of the renderer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.animation.appearance import Appearance, Material, MaterialPart, TextureMap
+from motorcade.animation.srgb import to_linear
+from motorcade.render.backends.fast.facets import SIZE, mirrored_table
+from motorcade.render.backends.fast.programs import SRGB8_ALPHA8, Programs
+from motorcade.render.scene import Surface
+
+MAPS = {
+    "base_map": "BASE_MAP",
+    "metallic_roughness_map": "ROUGH_MAP",
+    "normal_map": "NORMAL_MAP",
+    "occlusion_map": "OCCLUSION_MAP",
+    "emission_map": "EMISSION_MAP",
+}
+ENCODED = ("base_map", "emission_map")
+"""Maps whose pictures are sRGB."""
+FIRST_UNIT = 1
+"""Texture unit of the first map; the shadow map has the one before."""
+TABLE_UNIT = FIRST_UNIT + len(MAPS)
+SHARPER = -0.5
+"""Levels of mipmaps by which linear textures are read sharper than OpenGL would: between two levels
+it reads as if a texel had the size of the coarser, half a level too soft in the mean."""
+TEXTURE_2D, WRAP_S, WRAP_T, MIRRORED_REPEAT, LOD_BIAS = 0x0DE1, 0x2802, 0x2803, 0x8370, 0x8501
+
+
+class Pictures:
+    """Textures of one context; surfaces that show the same pixels share one.
+
+    Args:
+        gl: moderngl's context.
+        set_parameter: OpenGL's glTexParameterf, for what moderngl cannot say.
+    """
+
+    def __init__(self, gl: Any, set_parameter: Callable[[int, int, float], None]) -> None:
+        self._gl, self._set_parameter = gl, set_parameter
+        self._made: dict[tuple[object, ...], tuple[Any, NDArray[np.uint8]]] = {}
+        self._table: Any = None
+
+    def texture(self, given: TextureMap, *, encoded: bool) -> Any:
+        """A texture with the map's sampler; `encoded` pixels are turned into linear light."""
+        sampling = given.wrap, given.magnify, given.minify, given.mipmaps
+        key = id(given.pixels), encoded, sampling
+        if key not in self._made:
+            # The pixels are kept, so that their number is not given to others.
+            self._made[key] = self._upload(given, encoded=encoded), given.pixels
+        return self._made[key][0]
+
+    def use_table(self) -> None:
+        """Bind what rough surfaces mirror to its unit."""
+        if self._table is None:
+            self._table = self._gl.texture((SIZE, SIZE), 2, mirrored_table(), dtype="f4")
+            self._table.repeat_x = self._table.repeat_y = False
+        self._table.use(TABLE_UNIT)
+
+    def release(self) -> None:
+        """Free them."""
+        if self._table is not None:
+            self._table.release()
+            self._table = None
+        for texture, _ in self._made.values():
+            texture.release()
+        self._made = {}
+
+    def _upload(self, given: TextureMap, *, encoded: bool) -> Any:
+        import moderngl
+
+        pixels = np.ascontiguousarray(given.pixels)
+        most = int(self._gl.info["GL_MAX_TEXTURE_SIZE"])
+        step = -(-max(pixels.shape[:2]) // most)
+        pixels = np.ascontiguousarray(pixels[::step, ::step])
+        size = pixels.shape[1], pixels.shape[0]
+        kind = {"internal_format": SRGB8_ALPHA8} if encoded else {}
+        made = self._gl.texture(size, 4, pixels, **kind)
+        made.repeat_x, made.repeat_y = (way == "repeat" for way in given.wrap)
+        made.use(FIRST_UNIT)
+        for name, way in zip((WRAP_S, WRAP_T), given.wrap, strict=True):
+            if way == "mirror":
+                self._set_parameter(TEXTURE_2D, name, MIRRORED_REPEAT)
+        filters = {
+            ("nearest", None): moderngl.NEAREST,
+            ("linear", None): moderngl.LINEAR,
+            ("nearest", "nearest"): moderngl.NEAREST_MIPMAP_NEAREST,
+            ("linear", "nearest"): moderngl.LINEAR_MIPMAP_NEAREST,
+            ("nearest", "linear"): moderngl.NEAREST_MIPMAP_LINEAR,
+            ("linear", "linear"): moderngl.LINEAR_MIPMAP_LINEAR,
+        }
+        if given.mipmaps is not None:
+            made.build_mipmaps()
+            if not encoded:
+                self._set_parameter(TEXTURE_2D, LOD_BIAS, SHARPER)
+        magnify = moderngl.NEAREST if given.magnify == "nearest" else moderngl.LINEAR
+        made.filter = filters[given.minify, given.mipmaps], magnify
+        return made
+
+
+class DrawnPart:
+    """Triangles of one material.
+
+    Args:
+        programs: of the context.
+        pictures: of the context.
+        part: which triangles, and their material.
+        lit: whether light falls on it.
+        colored: whether its vertices have colours.
+        lamps: how many lamps there are.
+    """
+
+    def __init__(
+        self,
+        programs: Programs,
+        pictures: Pictures,
+        part: MaterialPart,
+        *,
+        lit: bool,
+        colored: bool,
+        lamps: int,
+    ) -> None:
+        material = part.material
+        self.part, self.material = part, material
+        sets = sorted({one.coordinate_set for one in material.maps.values()})
+        self.sets = sets[:2]
+        self.maps = {
+            name: one for name, one in material.maps.items() if one.coordinate_set in self.sets
+        }
+        defined = {
+            "LIT": lit and not material.unlit,
+            "COLORED": colored,
+            "FLAT": part.flat,
+            "TWO_SIDED": material.double_sided,
+            "MASKED": material.alpha_mode == "mask",
+            "BLENDED": material.alpha_mode == "blend",
+            "FIRST_SET": len(self.sets) > 0,
+            "SECOND_SET": len(self.sets) > 1,
+        }
+        heads = {name: "" for name, wanted in defined.items() if wanted}
+        heads |= {
+            MAPS[name]: ("first_set", "second_set")[self.sets.index(one.coordinate_set)]
+            for name, one in self.maps.items()
+        }
+        self.program = programs.material({**heads, "LAMPS": str(lamps)})
+        self._textures = {
+            name: pictures.texture(one, encoded=name in ENCODED) for name, one in self.maps.items()
+        }
+        self.array: Any = None
+
+    @property
+    def blended(self) -> bool:
+        """Whether what lies behind shines through."""
+        return self.material.alpha_mode == "blend"
+
+    def use(self) -> None:
+        """Tell the program of this material."""
+        material, program = self.material, self.program
+        tell(program, "base_color", material.base_color)
+        tell(program, "emission", material.emission)
+        tell(program, "mirrored_table", TABLE_UNIT)
+        for name in ("metallic", "roughness", "normal_scale", "occlusion_strength", "alpha_cutoff"):
+            tell(program, name, getattr(material, name))
+        for unit, (name, one) in enumerate(self.maps.items(), start=FIRST_UNIT):
+            texture = self._textures[name]
+            texture.use(unit)
+            tell(program, name, unit)
+            place = np.array(one.transform, np.float32).T
+            tell(program, f"{name}_place", tuple(place.reshape(-1).tolist()))
+
+
+def appearance_of(surface: Surface) -> Appearance:
+    """A surface's own appearance; where it has none, one that looks as its other fields say."""
+    if surface.appearance is not None:
+        return surface.appearance
+    base, coordinates = None, np.zeros((0, len(surface.vertices), 2), np.float32)
+    if surface.texture is not None and surface.texture_coordinates is not None:
+        pixels = np.full((*surface.texture.shape[:2], 4), 255, np.uint8)
+        pixels[..., :3] = surface.texture
+        base = TextureMap(pixels)
+        # A surface's rows count from the bottom, those of materials from the top.
+        turned = surface.texture_coordinates * (1.0, -1.0) + (0.0, 1.0)
+        coordinates = turned[None].astype(np.float32)
+    colors = None
+    if surface.colors is not None:
+        colors = np.ones((len(surface.colors), 4), np.float32)
+        colors[:, :3] = to_linear(surface.colors)
+    material = Material(metallic=0.0, roughness=surface.roughness, base_map=base)
+    return Appearance((MaterialPart(material, 0, len(surface.triangles)),), coordinates, colors)
+
+
+def tell(program: Any, name: str, value: object) -> None:
+    """Set a uniform, where the program has it: compilers drop those that change nothing."""
+    member = program.get(name, None)
+    if member is not None:
+        member.value = value

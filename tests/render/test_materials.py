@@ -1,0 +1,111 @@
+"""Materials as the fast renderer draws them: alpha, sides, wrapping, and light that is linear."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from motorcade.animation.appearance import Appearance, Material, MaterialPart, TextureMap
+from motorcade.animation.srgb import to_srgb
+from motorcade.ga import Motor
+from motorcade.render import Layer, Lighting, Sun, Surface
+from motorcade.render.backends.fast.facets import mirrored_table
+from motorcade.render.backends.fast.renderer import FastRenderer
+from motorcade.tracking.cameras.camera import Camera
+
+pytestmark = pytest.mark.usefixtures("opengl")
+
+CAMERA = Camera(32, 32, 32.0, 32.0, 15.5, 15.5)
+AHEAD = Lighting((0.0, 0.0, 0.0), Sun((0.0, 0.0, 1.0), np.pi), (), (0.0, 0.0, 1e6), 1.0)
+WHITE = Material(unlit=True)
+
+
+def wall(material: Material, depth_m: float, *, turned: bool = False) -> Surface:
+    """A square that fills the picture, its texture once across it."""
+    uv = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]])
+    places = np.column_stack([(uv - 0.5) * 1.02 * depth_m, np.full(4, depth_m)])
+    triangles = np.array([[0, 1, 2], [0, 2, 3]])
+    if turned:
+        triangles = triangles[:, ::-1]
+    look = Appearance((MaterialPart(material, 0, 2),), uv[None].astype(np.float32))
+    return Surface(places, np.tile([0.0, 0.0, -1.0], (4, 1)), triangles, appearance=look)
+
+
+def drawn(*surfaces: Surface, lighting: Lighting | None = None) -> Layer:
+    with FastRenderer(CAMERA.width, CAMERA.height) as renderer:
+        renderer.show(surfaces, lighting)
+        return renderer.render(CAMERA, Motor.identity())
+
+
+def level(linear: float) -> float:
+    return 255.0 * float(to_srgb(np.array(linear)))
+
+
+def test_base_colour_is_encoded_as_srgb_and_not_by_a_power() -> None:
+    for linear in (0.002, 0.02, 0.2, 0.9):
+        seen = drawn(wall(replace(WHITE, base_color=(linear,) * 3 + (1.0,)), 1.0))
+        assert seen.rgba[16, 16, 0] == pytest.approx(level(linear), abs=0.6)
+
+
+def test_what_is_seen_through_is_mixed_in_linear_light_from_the_farthest_on() -> None:
+    black = wall(replace(WHITE, base_color=(0.0, 0.0, 0.0, 1.0)), 3.0)
+    red = wall(replace(WHITE, base_color=(1.0, 0.0, 0.0, 0.5), alpha_mode="blend"), 1.0)
+    green = wall(replace(WHITE, base_color=(0.0, 1.0, 0.0, 0.5), alpha_mode="blend"), 2.0)
+    for order in ((black, red, green), (green, red, black)):
+        seen = drawn(*order)
+        expected = [level(0.5), level(0.25), 0.0, 255.0]
+        np.testing.assert_allclose(seen.rgba[16, 16], expected, atol=1.5)
+        assert seen.depth_m[16, 16] == pytest.approx(1.0, rel=1e-3)
+    alone = drawn(red)
+    np.testing.assert_allclose(alone.rgba[16, 16], [127.5, 0.0, 0.0, 127.5], atol=1.0)
+
+
+def test_backs_are_drawn_of_two_sided_materials_alone() -> None:
+    for both in (False, True):
+        seen = drawn(wall(replace(WHITE, double_sided=both), 1.0, turned=True))
+        assert seen.rgba[16, 16, 3] == 255 * both
+
+
+def picture(alpha: bool = False) -> np.ndarray:
+    """Left half black, right half white; or left half transparent."""
+    made = np.full((8, 8, 4), 255, np.uint8)
+    made[:, :4, 3 if alpha else slice(0, 3)] = 0
+    return made
+
+
+def test_a_mask_draws_what_reaches_its_cutoff() -> None:
+    one = TextureMap(picture(alpha=True), magnify="nearest", mipmaps=None)
+    seen = drawn(wall(replace(WHITE, base_map=one, alpha_mode="mask"), 1.0))
+    assert seen.rgba[16, 4, 3] == 0
+    np.testing.assert_array_equal(seen.rgba[16, 28], 255)
+    whole = drawn(wall(replace(WHITE, base_map=one), 1.0))
+    assert whole.rgba[16, 4, 3] == 255  # an opaque material has no alpha
+
+
+@pytest.mark.parametrize(
+    ("wrap", "row"),
+    [("repeat", [0, 255, 0, 255]), ("mirror", [0, 255, 255, 0]), ("clamp", [0, 255, 255, 255])],
+)
+def test_pictures_go_on_beyond_their_sides_as_samplers_say(wrap: str, row: list[int]) -> None:
+    twice = ((2.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    one = TextureMap(picture(), 0, (wrap, "clamp"), "nearest", mipmaps=None, transform=twice)
+    seen = drawn(wall(replace(WHITE, base_map=one), 1.0))
+    np.testing.assert_array_equal(seen.rgba[16, [4, 12, 20, 28], 0], row)
+
+
+def test_a_rough_white_surface_gives_back_what_falls_on_it() -> None:
+    """A sun of irradiance pi that faces a white surface: all of it, within what facets mirror."""
+    seen = drawn(wall(Material(metallic=0.0), 1.0), lighting=AHEAD)
+    assert seen.rgba[16, 16, 0] == pytest.approx(level(0.97), abs=2)
+    lamp_off = drawn(
+        wall(Material(emission=(0.2, 0.0, 0.0)), 1.0),
+        lighting=replace(AHEAD, sun=Sun((0.0, 0.0, -1.0), 1.0)),
+    )
+    np.testing.assert_allclose(lamp_off.rgba[16, 16, :3], [level(0.2), 0, 0], atol=0.6)
+
+
+def test_nothing_is_mirrored_that_did_not_arrive() -> None:
+    table = mirrored_table().sum(axis=-1)
+    assert table.max() <= 1.0 + 0.02
+    assert table[:, 0].min() > 0.95  # smooth facets lose next to nothing
+    np.testing.assert_array_less(table[16, 1:], table[16, :-1] + 0.01)
