@@ -17,7 +17,7 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.averages import polynomial_at_centre, weighted_vectors
+from motorcade.fusion.smoothing.averages import Windows, polynomial_at_centre, weighted_vectors
 from motorcade.fusion.smoothing.checks import checked_length
 from motorcade.fusion.smoothing.representations import REPRESENTATIONS
 from motorcade.fusion.smoothing.window import shifted_windows
@@ -148,11 +148,9 @@ def differentiated(
     made = coordinates.copy()
     for start in range(0, len(trajectory), _STRETCH):
         part = slice(start, min(start + _STRETCH, len(trajectory)))
-        windows = part, first[part], last[part]
+        windows = Windows.of(trajectory.time_ns, part, first, last, weights)
         for _ in range(_ROUNDS):
-            found[:, part] = weighted_vectors(
-                trajectory.time_ns, coordinates, made[part], representation, windows, weights
-            )
+            found[:, part] = weighted_vectors(coordinates, made[part], representation, windows)
             made[part] = representation.retract(made[part], found[0, part])
     poses = representation.poses(made)
     assert isinstance(poses, Motor | Similarity)

@@ -26,6 +26,8 @@ BUILD = REPOSITORY / "build/sanitized"
 MODULES = {
     "motorcade.ga.kernels._compiled",
     "motorcade.fusion.smoothing.native._columns",
+    "motorcade.fusion.smoothing.native._inliers",
+    "motorcade.fusion.smoothing.native._robust_map",
     "motorcade.fusion.smoothing.native._scans",
     "motorcade.fusion.smoothing.native._live",
     "motorcade.fusion.orientation.native._orientation",
@@ -42,6 +44,9 @@ TESTS = (
     "tests/fusion/smoothing/test_causal.py",
     "tests/fusion/smoothing/test_kalman.py",
     "tests/fusion/smoothing/test_live.py",
+    "tests/fusion/smoothing/test_columns.py",
+    "tests/fusion/smoothing/test_inliers.py",
+    "tests/fusion/smoothing/test_robust_map.py",
     "tests/fusion/orientation/test_orientation.py",
     "tests/fusion/filter/test_filter.py",
     "tests/fusion/filter/test_pose_filter.py",

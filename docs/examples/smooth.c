@@ -72,7 +72,7 @@ static int filtered(poses *all, int by_one_euro) {
     motorcade_one_euro one_euro;
     motorcade_kalman kalman;
     const motorcade_model model = motorcade_constant_velocity();
-    motorcade_one_euro_start(&one_euro, 0.5, 10.0, 10.0, 2.0);
+    motorcade_one_euro_start(&one_euro, 1.0, 100.0, 100.0, 1.0);
     motorcade_kalman_start(&kalman, &model);
     for (size_t k = 0; k < all->count; ++k) {
         double *motor = all->motors + 8 * k;

@@ -61,7 +61,7 @@ if (method === "rts") {
     const filter = c.malloc(isKalman ? c.motorcade_kalman_size() : c.motorcade_one_euro_size());
     check(isKalman
         ? c.motorcade_kalman_start(filter, model)
-        : c.motorcade_one_euro_start(filter, 0.5, 10, 10, 2));
+        : c.motorcade_one_euro_start(filter, 1, 100, 100, 1));
     const update = isKalman ? c.motorcade_kalman_update : c.motorcade_one_euro_update;
     for (let k = 0; k < count; ++k) {
         const motor = motors + 64 * k;

@@ -2,50 +2,58 @@
 
 Each axis of rotation and of translation is smoothed by the spline that predicts its poses best from
 their neighbours, under a velocity, an acceleration or a jerk that white noise changes (see
-`batch.columns`); poses that none of them explain are told apart (`batch.apart`). Three things more
-are found out from the path: whether its axes are those of the world or of the body (a camera knows
-depth less than width; a vehicle goes where it points); whether errors have heavy tails; and whether
-stamps tremble that should be even. Where nothing tells noise from motion the path stays as it is.
-
-Reading runs of a flat marker's other candidate needs scipy. Where that is missing they are left out
-like other wrong poses, with a warning.
+`batch.columns`); poses that none of them explain are told apart (`batch.per_axis`). Three things
+more are found out from the path: whether its axes are those of the world or of the body (a camera
+knows depth less than width; a vehicle goes where it points); whether errors have heavy tails; and
+whether stamps tremble that should be even. Where nothing tells noise from motion the path stays as
+it is.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from motorcade.fusion.smoothing.batch.apart import (
+from motorcade.fusion.smoothing.batch.columns import (
+    NO_JUMPS,
+    ColumnModel,
+    noise_in_words,
+    told_noise,
+)
+from motorcade.fusion.smoothing.batch.first import FIRST_STEPS, first_path, in_better_axes
+from motorcade.fusion.smoothing.batch.jumps import with_jumps
+from motorcade.fusion.smoothing.batch.noise import FEWEST_POSES, warn_of_untold
+from motorcade.fusion.smoothing.batch.per_axis import (
     HEAVY_TAILS,
     NORMAL_TAILS,
-    ApartModels,
-    ApartPath,
+    AxisModels,
     Measured,
+    PerAxisPath,
     chosen_models,
-    smoothed_apart,
+    smoothed_per_axis,
     tails_of,
     weights_of,
 )
-from motorcade.fusion.smoothing.batch.columns import ColumnModel
-from motorcade.fusion.smoothing.batch.noise import FEWEST_POSES
+from motorcade.fusion.smoothing.batch.predicted import unresolved
 from motorcade.fusion.smoothing.batch.start import PathStart, even_stamps
 from motorcade.fusion.smoothing.checks import in_double
+from motorcade.fusion.smoothing.knobs import SmootherKnobs
+from motorcade.fusion.smoothing.live import LiveSmoother
 from motorcade.fusion.smoothing.representations import (
-    REPRESENTATIONS,
     Representation,
     representation_named,
     restored,
 )
 from motorcade.ga import Trajectory
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 # Axes of the world, and of the body.
 _WORLD, _BODY = "rotor", "motor"
-_FIRST_STEPS, _LAST_STEPS = 3, 5
-# By how much the logarithm of poses must be likelier with even stamps for these to be taken.
-_LIKELIER = 10.0
+_LAST_STEPS = 5
+_AXES = 3
+# A dual part is half the position times the quaternion, whose error the position's size enlarges.
+_MIXED = "dual parts mix positions with rotations"
 
 
 @dataclass(frozen=True)
@@ -54,11 +62,15 @@ class SmootherChoice:
 
     Fields:
         representation: a name of `REPRESENTATIONS`, in whose vectors the axes are.
-        models: of each axis: order of the motion, its process noise and the measurement noise.
+        models: of each axis: order of the motion, its process noise and the measurement noise, NaN
+            where the path does not tell it.
         tails: degrees of freedom of the errors; infinite where they are normal.
         even_stamps: whether the stamps tremble about even ones, which are then taken.
         outliers: share of the poses that are left out.
+        jumps: how often the level jumps; on another path they are looked for anew.
         axes: how many of the models are of rotation, and of rotation and translation.
+        knobs: what was asked for.
+        raw: why poses are left as they are; empty where they are smoothed.
 
     Examples:
         >>> import numpy as np
@@ -82,23 +94,53 @@ class SmootherChoice:
     tails: float
     even_stamps: bool
     outliers: float
+    jumps: int
     axes: tuple[int, int]
+    knobs: SmootherKnobs = field(default_factory=SmootherKnobs)
+    raw: str = ""
 
     @property
-    def noise_rad(self) -> float:
-        """Deviation of a good rotation about an axis, in rad; half that of quaternions."""
-        return _root_mean_square([one.noise for one in self.models[: self.axes[0]]])
+    def noise_rad(self) -> float | None:
+        """Deviation of a good rotation about an axis, in rad.
+
+        None where the path tells it of no axis, or not of all components of quaternions.
+        """
+        models = self.models[: self.axes[0]]
+        if len(models) == _AXES:
+            return told_noise(models)
+        if any(one.untold for one in models):
+            return None
+        # Four components have the errors of three half angles, shared as the pose turns.
+        squares = sum(one.noise**2 for one in models) / _AXES
+        return float(np.sqrt(squares)) / representation_named(self.representation).units[0]
 
     @property
-    def noise_m(self) -> float:
-        """Deviation of a good position an axis, in m."""
-        return _root_mean_square([one.noise for one in self.models[slice(*self.axes)]])
+    def noise_m(self) -> float | None:
+        """Deviation of a good position an axis, in m; None where the path tells it of none.
+
+        Dual quaternions do not tell it.
+        """
+        return None if self._mixed else told_noise(self.models[slice(*self.axes)])
 
     @property
     def noise_scale(self) -> float | None:
-        """Deviation of a good scale; None of rigid poses."""
-        left = [one.noise for one in self.models[self.axes[1] :]]
-        return _root_mean_square(left) if left else None
+        """Deviation of a good scale; None of rigid poses, or where the path does not tell it."""
+        return told_noise(self.models[self.axes[1] :])
+
+    @property
+    def untold(self) -> str:
+        """Why the noise of some axes is not told; empty where it is of all."""
+        reasons = [one.untold for one in self.models] + [_MIXED if self._mixed else ""]
+        return ", ".join(dict.fromkeys(one for one in reasons if one))
+
+    @property
+    def _mixed(self) -> bool:
+        return self.axes[1] - self.axes[0] != _AXES
+
+    @property
+    def memory_s(self) -> float:
+        """Of the axis whose errors last longest, in which one decays to a third; 0 if none last."""
+        return max(one.memory_s for one in self.models)
 
     def smooth(self, trajectory: Trajectory) -> Trajectory:
         """Smooth a trajectory as was chosen."""
@@ -106,18 +148,32 @@ class SmootherChoice:
 
     def __str__(self) -> str:
         """The choice in one line."""
+        if self.raw:
+            return f"poses left as they are: {self.raw}"
         orders = "/".join(str(one.order) for one in self.models)
         frame = {_WORLD: "axes of the world", _BODY: "axes of the body"}
         told = [
             f"splines on {self.representation} ({frame.get(self.representation, 'components')})",
             f"order {orders}",
-            f"noise {1e3 * self.noise_m:.3g} mm and {np.rad2deg(self.noise_rad):.3g}° an axis",
+            f"noise {noise_in_words(self.noise_m, self.noise_rad)} an axis",
             f"{100.0 * self.outliers:.1f} % outliers",
         ]
+        if self.untold:
+            told.append(f"not told of an axis: {self.untold}")
+        if self.jumps:
+            many = "jump" if self.jumps == 1 else "jumps"
+            told.append(f"{self.jumps} {many} of level kept")
         if self.tails != NORMAL_TAILS:
             told.append("heavy tails")
+        if self.memory_s > 0.0:
+            told.append(f"errors last for {1e3 * self.memory_s:.0f} ms")
         if self.even_stamps:
             told.append("stamps taken for even")
+        if self.knobs.smoothness:
+            told.append(f"smoothness {self.knobs.smoothness:+g}")
+        for name, noise in (("m", self.knobs.noise_m), ("rad", self.knobs.noise_rad)):
+            if noise is not None:
+                told.append(f"noise_{name} given")
         return "; ".join(told)
 
 
@@ -129,7 +185,10 @@ class AutomaticPath:
         trajectory: with the stamps and frames of the measured one.
         choice: what was found out.
         weights: ``(N,)`` about 1 where a measured pose counts fully, 0 where it is left out.
-        deviations: ``(N, d)`` of the smoothed poses along the representation's axes.
+        deviations: ``(N, d)`` of the smoothed poses along the representation's axes, for the
+            choice's noise; NaN along those whose noise is not told. Motion that is smoothed away
+            where more smoothness is asked for is not in them.
+        jumps: rows before which the level jumps, as when a map was corrected; these are kept.
 
     Examples:
         >>> from motorcade.fusion.motions import screw
@@ -143,15 +202,26 @@ class AutomaticPath:
     choice: SmootherChoice
     weights: FloatArray
     deviations: FloatArray
+    jumps: IntArray
 
 
-def choose(trajectory: Trajectory, representation: str | None = None) -> SmootherChoice:
+def choose(
+    trajectory: Trajectory,
+    representation: str | None = None,
+    *,
+    smoothness: float = 0.0,
+    noise_m: float | None = None,
+    noise_rad: float | None = None,
+) -> SmootherChoice:
     """Find out what smoother a path calls for.
 
     Args:
         trajectory: at least 16 poses.
         representation: a name of `REPRESENTATIONS`: what is smoothed; by default the axes of the
             world or of the body, whichever predict better.
+        smoothness: as `auto`.
+        noise_m: as `auto`.
+        noise_rad: as `auto`.
 
     Raises:
         ValueError: fewer poses, or an unknown representation.
@@ -167,13 +237,19 @@ def choose(trajectory: Trajectory, representation: str | None = None) -> Smoothe
         >>> choose(noisy).even_stamps
         False
     """
-    return smoothed_automatically(trajectory, representation).choice
+    return smoothed_automatically(
+        trajectory, representation, smoothness=smoothness, noise_m=noise_m, noise_rad=noise_rad
+    ).choice
 
 
 def smoothed_automatically(
     trajectory: Trajectory,
     representation: str | None = None,
     choice: SmootherChoice | None = None,
+    *,
+    smoothness: float = 0.0,
+    noise_m: float | None = None,
+    noise_rad: float | None = None,
 ) -> AutomaticPath:
     """Smooth a trajectory as it calls for, and tell what is known of the result; see the module.
 
@@ -181,101 +257,140 @@ def smoothed_automatically(
         trajectory: at least 16 poses.
         representation: as `choose`.
         choice: what was found out already, on this path or another.
+        smoothness: as `auto`; a choice has its own, as of the noise.
+        noise_m: as `auto`.
+        noise_rad: as `auto`.
 
     Raises:
-        ValueError: fewer poses, or an unknown representation.
+        ValueError: fewer poses, an unknown representation, a knob out of its range or beside a
+            choice.
     """
     if len(trajectory) < FEWEST_POSES:
         raise ValueError(
             f"trajectory: expected at least {FEWEST_POSES} poses to tell noise from motion, got "
             f"{len(trajectory)}"
         )
-    named = representation_named((choice.representation if choice else representation) or _WORLD)
+    knobs = SmootherKnobs(smoothness, noise_m, noise_rad)
+    if choice is not None and knobs != SmootherKnobs():
+        raise ValueError(f"choice: expected none beside knobs, got {choice} and {knobs}")
     trajectory = in_double(trajectory)
     start = PathStart.of(trajectory)
-    if choice is not None:
-        models = ApartModels(choice.models, 0.0)
-        measured, path = start.written(named, choice.even_stamps)
-        found = smoothed_apart(measured, path, start.weights, models, HEAVY_TAILS, _FIRST_STEPS)
+    if choice is None:
+        choice, measured, found = _chosen(start, representation, knobs)
+        if knobs.noise_m is None and knobs.noise_rad is None:
+            made = restored(measured.representation, found.coordinates, start.trajectory)
+            choice = replace(choice, raw=unresolved(start.trajectory, made, found.weights > 0.0))
+    else:
+        named = representation_named(choice.representation)
+        models = AxisModels(choice.models, 0.0)
+        measured, path = start.written(named)
+        even_s = even_stamps(measured.time_s) if choice.even_stamps else None
+        measured = measured if even_s is None else replace(measured, time_s=even_s)
+        measured, _ = with_jumps(measured, path, start.weights, models)
+        found = smoothed_per_axis(measured, path, start.weights, models, HEAVY_TAILS, FIRST_STEPS)
         found = _settled(measured, found, models, choice.tails)
-        return _told(trajectory, measured, found, choice)
-    even, measured, found = _first(start, named)
-    models = chosen_models(measured, found.coordinates, found.weights)
-    if representation is None:
-        measured, found, models = _in_better_axes(start, measured, found, models, even)
-    columns = len(models.columns)
-    tails = tails_of(found.squares, found.weights, columns)
-    found = _settled(measured, found, models, tails)
-    columns_found = tuple(
-        replace(model, noise=float(size))
-        for model, size in zip(models.columns, found.noise, strict=True)
-    )
-    outliers = float(np.mean((found.weights == 0.0) | start.mirrored))
-    made = SmootherChoice(
-        measured.representation.name,
-        columns_found,
-        tails,
-        even,
-        outliers,
-        measured.representation.ends,
-    )
-    return _told(trajectory, measured, found, made)
+    return _told(trajectory, measured, _as_smooth_as_asked(measured, found, choice), choice)
 
 
-def auto(trajectory: Trajectory, representation: Representation | None) -> Trajectory:
+def auto(
+    trajectory: Trajectory,
+    representation: Representation | None,
+    *,
+    smoothness: float = 0.0,
+    noise_m: float | None = None,
+    noise_rad: float | None = None,
+    lag_s: float | None = None,
+) -> Trajectory:
     """Smooth as `choose` says: noise and motion are told from the path, wrong poses left out.
 
     Args:
         trajectory: at least 16 poses.
         representation: what is smoothed; None takes the axes that predict better.
+        smoothness: 0 smooths as the path calls for; each unit more doubles the time that a pose is
+            averaged over, each less halves it.
+        noise_m: deviation of positions an axis, where it is known: it is used, not searched for.
+        noise_rad: of rotations an axis, likewise.
+        lag_s: None: every pose knows the whole path. Otherwise it knows what was measured up to so
+            many seconds later, and `LiveSmoother` gives it.
 
     Raises:
-        ValueError: fewer poses.
+        ValueError: fewer poses, a knob out of its range, noise of a representation without axes, or
+            a lag beside other knobs or another representation than rotors.
     """
     name = None if representation is None else representation.name
-    return smoothed_automatically(trajectory, name).trajectory
+    if lag_s is None:
+        return smoothed_automatically(
+            trajectory, name, smoothness=smoothness, noise_m=noise_m, noise_rad=noise_rad
+        ).trajectory
+    if SmootherKnobs(smoothness, noise_m, noise_rad) != SmootherKnobs():
+        raise ValueError(
+            "lag_s: expected none beside smoothness and noise: a path that is smoothed as it comes "
+            "is weighed anew at every pose"
+        )
+    if name not in (None, _WORLD):
+        raise ValueError(f"lag_s: expected {_WORLD} or no representation beside it, got {name}")
+    return LiveSmoother(lag_s).smooth(trajectory)
 
 
-def _first(start: PathStart, representation: Representation) -> tuple[bool, Measured, ApartPath]:
-    """A first path, and whether stamps are taken for even for it."""
-    tried = []
-    for even in (False, True):
-        if even and even_stamps(start.trajectory.time_s) is None:
-            continue
-        measured, path = start.written(representation, even)
-        models = chosen_models(measured, path, start.weights, (2,))
-        handicap = _LIKELIER if even else 0.0
-        tried.append((models.score - handicap, even, measured, path, models))
-    _, even, measured, path, models = max(tried, key=lambda one: one[0])
-    found = smoothed_apart(measured, path, start.weights, models, HEAVY_TAILS, _FIRST_STEPS)
-    return even, measured, found
+def _chosen(
+    start: PathStart, representation: str | None, knobs: SmootherKnobs
+) -> tuple[SmootherChoice, Measured, PerAxisPath]:
+    """What a path calls for, and the path smoothed so."""
+    named = representation_named(representation or _WORLD, start.trajectory.poses)
+    even, measured, found = first_path(start, named)
+    if representation is None:
+        measured, found = in_better_axes(start, measured, found)
+    known = knobs.known_noise(measured.representation, found.noise.size)
+    models = chosen_models(measured, found.coordinates, found.weights, known=known)
+    warn_of_untold(models.columns, float(np.median(np.diff(measured.time_s))))
+    tails = tails_of(found.squares, found.weights, len(models.columns))
+    found = _settled(measured, found, models, tails)
+    noise = np.where(np.isnan(known), found.noise, known)
+    choice = SmootherChoice(
+        measured.representation.name,
+        tuple(
+            replace(model, noise=float("nan") if model.untold else float(size))
+            for model, size in zip(models.columns, noise, strict=True)
+        ),
+        tails,
+        even,
+        float(np.mean((found.weights == 0.0) | start.mirrored)),
+        len(measured.jumps),
+        measured.representation.ends,
+        knobs,
+    )
+    return choice, measured, found
 
 
-def _in_better_axes(
-    start: PathStart, measured: Measured, found: ApartPath, models: ApartModels, even: bool
-) -> tuple[Measured, ApartPath, ApartModels]:
-    """The same in axes of the body, where these predict better."""
-    body = REPRESENTATIONS[_BODY]
-    smooth = restored(measured.representation, found.coordinates, start.trajectory)
-    turned, _ = start.written(body, even)
-    path = body.coordinates(smooth.poses)
-    others = chosen_models(turned, path, found.weights)
-    if others.score <= models.score:
-        return measured, found, models
-    return turned, replace(found, coordinates=path), others
+def _as_smooth_as_asked(
+    measured: Measured, found: PerAxisPath, choice: SmootherChoice
+) -> PerAxisPath:
+    """The same at another smoothness; poses count as they did, however far it moves from them."""
+    smoothness = choice.knobs.smoothness
+    if smoothness == 0.0:
+        return found
+    interval_s = float(np.median(np.diff(measured.time_s)))
+    models = AxisModels(tuple(one.smoother(smoothness, interval_s) for one in choice.models), 0.0)
+    weights = found.weights
+    for _ in range(_LAST_STEPS):
+        found = smoothed_per_axis(measured, found.coordinates, weights, models, choice.tails, 1)
+    return found
 
 
-def _settled(measured: Measured, found: ApartPath, models: ApartModels, tails: float) -> ApartPath:
+def _settled(
+    measured: Measured, found: PerAxisPath, models: AxisModels, tails: float
+) -> PerAxisPath:
     weights = weights_of(found.squares, len(models.columns), tails)
-    return smoothed_apart(measured, found.coordinates, weights, models, tails, _LAST_STEPS)
+    return smoothed_per_axis(measured, found.coordinates, weights, models, tails, _LAST_STEPS)
 
 
 def _told(
-    trajectory: Trajectory, measured: Measured, found: ApartPath, choice: SmootherChoice
+    trajectory: Trajectory, measured: Measured, found: PerAxisPath, choice: SmootherChoice
 ) -> AutomaticPath:
+    if choice.raw:
+        untold = np.full(found.spread.shape, np.nan)
+        return AutomaticPath(trajectory, choice, np.ones(len(trajectory)), untold, NO_JUMPS)
     made = restored(measured.representation, found.coordinates, trajectory)
-    return AutomaticPath(made, choice, found.weights, np.sqrt(found.variance))
-
-
-def _root_mean_square(sizes: list[float]) -> float:
-    return float(np.sqrt(np.mean(np.square(sizes)))) if sizes else 0.0
+    # By the noise that was chosen or known: what a path smoothed as asked for leaves is not noise.
+    deviations = np.sqrt(found.spread) * [one.noise for one in choice.models]
+    return AutomaticPath(made, choice, found.weights, deviations, measured.jumps)

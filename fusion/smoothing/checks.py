@@ -10,6 +10,8 @@ from motorcade.ga import Trajectory
 from motorcade.ga.arrays import checked_positive
 
 LARGEST_ORDER = 5
+# Squares of sizes, and their products with those of the other kind, must not overflow.
+_SMALLEST = 1e-30
 
 
 def checked_order(order: int) -> int:
@@ -39,7 +41,18 @@ def checked_cutoff(cutoff_hz: float, trajectory: Trajectory, name: str = "cutoff
     return cutoff
 
 
+def checked_size(value: float, name: str, unit: str) -> float:
+    """A noise or a density from 1e-30 to 1e30 of its unit, or ValueError."""
+    if not _SMALLEST <= checked_positive(value, name, unit) <= 1.0 / _SMALLEST:
+        raise ValueError(
+            f"{name}: expected {_SMALLEST:g} to {1.0 / _SMALLEST:g} of {unit}, got {value}"
+        )
+    return float(value)
+
+
 def in_double(trajectory: Trajectory) -> Trajectory:
-    """The trajectory in float64, in which all estimates are made."""
+    """The trajectory in float64, in which all estimates are made; itself where it is."""
+    if trajectory.poses.coefficients.dtype == np.float64:
+        return trajectory
     poses = trajectory.poses.astype(np.float64)
     return Trajectory(trajectory.time_ns, poses, trajectory.parent, trajectory.child)

@@ -18,7 +18,9 @@ dict of any of these        each for itself                           `time_s`, 
 ==========================  ========================================  ==========================
 
 Arrays of floats come back in their own precision. A quaternion's sign comes back as it was given.
-Other libraries are not imported: what comes brings its own.
+Poses at other times have the sign of the nearest given one, and of tables and of evo's trajectories
+what stood beside the poses is left out. Other libraries are not imported: what comes brings its
+own.
 """
 
 from __future__ import annotations
@@ -26,21 +28,60 @@ from __future__ import annotations
 import copy
 import sys
 from collections.abc import Callable
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
 
 import numpy as np
 
+from motorcade.fusion.smoothing.given_stamps import nanoseconds_of, without_mask
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats
 from motorcade.ga.names import did_you_mean
+from motorcade.ga.stamps import checked_stamps
 
-Back = Callable[[Trajectory], Any]
-# Poses farther apart are no path; stamps that seem so are in milliseconds or nanoseconds.
-_SLOWEST_S = 1000.0
+R = TypeVar("R")
+
 # Quaternions that were written with three digits are off by no more.
 _ROUNDED = 2e-3
 _POSITION, _QUATERNION = ("x", "y", "z"), ("qx", "qy", "qz", "qw")
 _STAMPS = ("time_s", "timestamp", "time", "stamp", "t")
+
+
+@dataclass(frozen=True, eq=False)
+class GivenPoses:
+    """Poses as somebody keeps them.
+
+    Fields:
+        trajectory: the same as a trajectory.
+        written: a trajectory as they are kept. The stamps of others than those given are the second
+            argument, in the unit that they came in; None where they are the same.
+        stamped: whether times are nanoseconds, as of trajectories, or what `time_s` may be.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.smoothing.given import each_path
+        >>> rows = np.array([[0, 0, 0, 0, 0, 0, 1.0], [1, 0, 0, 0, 0, 0, 1.0]])
+        >>> given = each_path(rows, [0.0, 0.5], lambda one: one)
+        >>> given.trajectory
+        Trajectory(world_T_camera, 2 poses, 0.500 s)
+        >>> bool(np.all(given.written(given.trajectory, None) == rows))
+        True
+    """
+
+    trajectory: Trajectory
+    written: Callable[[Trajectory, Any], Any]
+    stamped: bool = False
+
+    def stamps_of(self, times: Any) -> IntArray:
+        """Times ``(M,)``, as these poses are stamped, in nanoseconds.
+
+        Raises:
+            ValueError: none, or no times.
+        """
+        given = np.asarray(times)
+        if self.stamped and given.dtype.kind != "O" and given.dtype.kind not in "mM":
+            return checked_stamps(given, "times")
+        return nanoseconds_of(times, given.size, "times")
 
 
 def with_trajectories(given: Any, time_s: Any, verb: Callable[[Trajectory], Trajectory]) -> Any:
@@ -55,22 +96,54 @@ def with_trajectories(given: Any, time_s: Any, verb: Callable[[Trajectory], Traj
         TypeError: poses of a kind that is not in the table.
         ValueError: poses without stamps, stamps that do not fit, or numbers that are no poses.
     """
+    made = each_path(given, time_s, lambda one: one.written(verb(one.trajectory), None))
+    return _stacked(made, given)
+
+
+def each_path(given: Any, time_s: Any, use: Callable[[GivenPoses], R]) -> Any:
+    """What a function makes of given poses; of a dict a dict of it, of a stack a list.
+
+    Args:
+        given: as `with_trajectories`.
+        time_s: as there.
+        use: of the poses of each body.
+
+    Raises:
+        TypeError: as there.
+        ValueError: as there.
+    """
     if isinstance(given, Trajectory):
         if time_s is not None:
             raise ValueError("time_s: expected none beside a trajectory, which has its own stamps")
-        return verb(given)
+        return use(GivenPoses(given, lambda made, _: made, stamped=True))
     if getattr(given, "shape", None) and 0 in given.shape:
         raise ValueError(f"poses: expected at least one, got an array of shape {given.shape}")
     if isinstance(given, dict):
-        return {name: with_trajectories(one, time_s, verb) for name, one in given.items()}
+        return {name: each_path(one, time_s, use) for name, one in given.items()}
     if _library(given) == "torch":
-        made = with_trajectories(given.detach().cpu().numpy(), time_s, verb)
-        tensor = sys.modules["torch"].from_numpy(made).to(given.device)
-        return tensor.to(given.dtype) if given.is_floating_point() else tensor
+        return each_path(
+            given.detach().cpu().numpy(), time_s, lambda one: use(_as_tensors(one, given))
+        )
     if _bodies(given):
-        return np.stack([with_trajectories(one, time_s, verb) for one in given])
-    path, back = _read(given, time_s)
-    return back(verb(path))
+        return [each_path(one, time_s, use) for one in given]
+    return use(_read(given, time_s))
+
+
+def _as_tensors(poses: GivenPoses, like: Any) -> GivenPoses:
+    def written(made: Trajectory, times: Any) -> Any:
+        tensor = sys.modules["torch"].from_numpy(poses.written(made, times)).to(like.device)
+        return tensor.to(like.dtype) if like.is_floating_point() else tensor
+
+    return replace(poses, written=written)
+
+
+def _stacked(made: Any, like: Any) -> Any:
+    """Bodies that came as a stack as one."""
+    if isinstance(like, dict):
+        return {name: _stacked(one, like[name]) for name, one in made.items()}
+    if not isinstance(made, list) or isinstance(like, list):
+        return made
+    return (sys.modules["torch"] if _library(like) == "torch" else np).stack(made)
 
 
 def _library(given: Any) -> str:
@@ -84,10 +157,10 @@ def _bodies(given: Any) -> bool:
     return shape[2:] in ((7,), (8,)) or (len(shape) == 4 and shape[2:] == (4, 4))
 
 
-def _read(given: Any, time_s: Any) -> tuple[Trajectory, Back]:
+def _read(given: Any, time_s: Any) -> GivenPoses:
     kind = type(given).__name__
     if isinstance(given, Motor):
-        return _stamped(given, time_s), lambda made: made.motors
+        return GivenPoses(_stamped(given, time_s), lambda made, _: made.motors)
     if isinstance(given, np.ndarray):
         return _array(given, time_s)
     if _library(given) == "scipy" and kind in ("Rotation", "RigidTransform"):
@@ -106,39 +179,7 @@ def _read(given: Any, time_s: Any) -> tuple[Trajectory, Back]:
 
 
 def _stamped(poses: Motor, time_s: Any) -> Trajectory:
-    return Trajectory(_nanoseconds(time_s, len(poses)), poses)
-
-
-def _nanoseconds(time_s: Any, count: int) -> IntArray:
-    """Whole nanoseconds of seconds since anything, of datetimes, or of numpy's stamps."""
-    if time_s is None:
-        raise ValueError("time_s: expected the stamps of these poses, got none")
-    stamps = np.asarray(time_s)
-    if stamps.dtype == object:
-        stamps = np.array([_moment(one) for one in stamps.ravel()])
-    if stamps.shape != (count,):
-        raise ValueError(f"time_s: expected {count} stamps, got shape {stamps.shape}")
-    if stamps.dtype.kind in "mM":
-        if np.isnat(stamps).any():
-            raise ValueError("time_s: expected a moment for every pose, got NaT")
-        unit = "datetime64[ns]" if stamps.dtype.kind == "M" else "timedelta64[ns]"
-        return stamps.astype(unit).astype(np.int64)
-    seconds = checked_floats(stamps, "time_s", ())
-    if count > 1 and float(np.median(np.diff(seconds))) > _SLOWEST_S:
-        raise ValueError(
-            "time_s: expected seconds, got stamps that lie "
-            f"{float(np.median(np.diff(seconds))):.3g} s apart; divide nanoseconds by 1e9"
-        )
-    return np.round(1e9 * seconds).astype(np.int64)
-
-
-def _moment(moment: Any) -> np.datetime64:
-    """A datetime, or a stamp of pandas to the nanosecond, in universal time."""
-    if hasattr(moment, "as_unit"):
-        return np.datetime64(moment.as_unit("ns").value, "ns")
-    offset = moment.utcoffset() if hasattr(moment, "utcoffset") else None
-    plain = moment if offset is None else (moment - offset).replace(tzinfo=None)
-    return np.datetime64(plain, "ns")
+    return Trajectory(nanoseconds_of(time_s, len(poses)), poses)
 
 
 def _from_rows(rows: FloatArray) -> Motor:
@@ -152,104 +193,154 @@ def _from_rows(rows: FloatArray) -> Motor:
     return Motor.from_quaternion_translation(wxyz / length, rows[:, :3])
 
 
-def _to_rows(poses: Motor, like_wxyz: FloatArray) -> FloatArray:
-    """Rows ``(N, 7)`` whose quaternions have the signs of others ``(N, 4)``."""
-    wxyz, translation = poses.as_quaternion_translation()
+def _to_rows(made: Trajectory, like_wxyz: FloatArray, like_ns: IntArray) -> FloatArray:
+    """Rows ``(M, 7)`` with the signs of the quaternions ``(N, 4)`` at the nearest of stamps."""
+    wxyz, translation = made.motors.as_quaternion_translation()
+    if not np.array_equal(made.time_ns, like_ns):
+        after = np.clip(np.searchsorted(like_ns, made.time_ns), 1, max(1, len(like_ns) - 1))
+        late = (
+            len(like_ns) > 1 and made.time_ns - like_ns[after - 1] > like_ns[after] - made.time_ns
+        )
+        like_wxyz = like_wxyz[np.where(late, after, after - 1)]
     wxyz *= np.where(np.sum(wxyz * like_wxyz, axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
     return np.concatenate([translation, wxyz[:, 1:], wxyz[:, :1]], axis=-1)
 
 
-def _array(given: np.ndarray[Any, Any], time_s: Any) -> tuple[Trajectory, Back]:
+def _array(given: np.ndarray[Any, Any], time_s: Any) -> GivenPoses:
     precision = given.dtype if given.dtype.kind == "f" else np.dtype(np.float64)
-    numbers = given.astype(np.float64)
+    if given.dtype.kind == "c":
+        raise ValueError(f"poses: expected real numbers, got dtype {given.dtype}")
+    numbers = without_mask(given, "poses").astype(np.float64)
     if numbers.ndim == 3 and numbers.shape[1:] == (4, 4):
         path = _stamped(Motor.from_matrix(numbers), time_s)
-        return path, lambda made: made.motors.as_matrix().astype(precision)
+        return GivenPoses(path, lambda made, _: made.motors.as_matrix().astype(precision))
     if numbers.ndim != 2 or numbers.shape[1] not in (7, 8):
         raise ValueError(
             "poses: expected an array (N, 7) of x, y, z, qx, qy, qz, qw, (N, 8) with a stamp "
             f"before it, or (N, 4, 4), got {given.shape}"
         )
-    rows = numbers[:, -7:]
-    if numbers.shape[1] == 8:
+    rows, own = numbers[:, -7:], numbers.shape[1] == 8
+    if own:
         if time_s is not None:
             raise ValueError("time_s: expected none beside rows that begin with a stamp")
         time_s = numbers[:, 0]
     path = _stamped(_from_rows(rows), time_s)
 
-    def back(made: Trajectory) -> np.ndarray[Any, Any]:
-        out = numbers.copy()
-        out[:, -7:] = _to_rows(made.motors, rows[:, [6, 3, 4, 5]])
+    def written(made: Trajectory, times: Any) -> np.ndarray[Any, Any]:
+        out = _to_rows(made, rows[:, [6, 3, 4, 5]], path.time_ns)
+        if own:
+            out = np.column_stack([time_s if times is None else _seconds(made, times), out])
         return out.astype(precision)
 
-    return path, back
+    return GivenPoses(path, written)
 
 
-def _scipy(given: Any, time_s: Any) -> tuple[Trajectory, Back]:
+def _seconds(made: Trajectory, times: Any) -> FloatArray:
+    """Other times as the seconds that poses were stamped with."""
+    given = np.asarray(times)
+    return np.asarray(given if given.dtype.kind in "fiu" else 1e-9 * made.time_ns, dtype=np.float64)
+
+
+def _scipy(given: Any, time_s: Any) -> GivenPoses:
     kind = type(given)
     if kind.__name__ == "RigidTransform":
         path = _stamped(Motor.from_matrix(given.as_matrix()), time_s)
-        return path, lambda made: kind.from_matrix(made.motors.as_matrix())
+        return GivenPoses(path, lambda made, _: kind.from_matrix(made.motors.as_matrix()))
     wxyz = np.atleast_2d(given.as_quat())[:, [3, 0, 1, 2]]
     turned = Motor.from_rotor_translation(Rotor.from_quaternion(wxyz), np.zeros((len(wxyz), 3)))
+    path = _stamped(turned, time_s)
 
-    def back(made: Trajectory) -> Any:
-        return kind.from_quat(_to_rows(made.motors, wxyz)[:, 3:])
+    def written(made: Trajectory, _: Any) -> Any:
+        return kind.from_quat(_to_rows(made, wxyz, path.time_ns)[:, 3:])
 
-    return _stamped(turned, time_s), back
+    return GivenPoses(path, written)
 
 
-def _table(given: Any, time_s: Any) -> tuple[Trajectory, Back]:
-    for name in (*_POSITION, *_QUATERNION):
-        if name not in given.columns:
+def _table(given: Any, time_s: Any) -> GivenPoses:
+    columns = [str(one) for one in given.columns]
+    expected = [*_POSITION, *_QUATERNION]
+    spare = [one for one in columns if one not in expected]
+    for name in expected:
+        if name not in columns:
             raise ValueError(
-                f"poses: expected columns {', '.join((*_POSITION, *_QUATERNION))}, got none named "
-                f"{name}; {did_you_mean(name, map(str, given.columns))}"
+                f"poses: expected columns {', '.join(expected)}, got none named {name}; "
+                + _near_column(name, spare)
             )
-    named = [name for name in _STAMPS if name in given.columns]
+    for name in (*expected, *_STAMPS):
+        if columns.count(name) > 1:
+            raise ValueError(
+                f"poses: expected one column of a name, got {columns.count(name)} named {name}"
+            )
+    named = [name for name in _STAMPS if name in columns]
+    kept = named[0] if named and time_s is None else None
     if time_s is None:
-        time_s = given[named[0]].to_numpy() if named else _index(given)
-    rows = given[[*_POSITION, *_QUATERNION]].to_numpy(dtype=np.float64)
+        time_s = _index(given, spare) if kept is None else given[kept].to_numpy()
+    rows = np.column_stack([_column(given, name) for name in expected])
+    path = _stamped(_from_rows(rows), time_s)
 
-    def back(made: Trajectory) -> Any:
-        out = given.copy()
-        out[[*_POSITION, *_QUATERNION]] = _to_rows(made.motors, rows[:, [6, 3, 4, 5]])
-        return out
+    def written(made: Trajectory, times: Any) -> Any:
+        moved = _to_rows(made, rows[:, [6, 3, 4, 5]], path.time_ns)
+        if times is None:
+            out = given.copy()
+            out[expected] = moved
+            return out
+        if kept is None:
+            return type(given)(moved, columns=expected, index=times)
+        return type(given)(moved, columns=expected).assign(**{kept: times})[[kept, *expected]]
 
-    return _stamped(_from_rows(rows), time_s), back
+    return GivenPoses(path, written)
 
 
-def _index(given: Any) -> Any:
+def _column(given: Any, name: str) -> FloatArray:
+    """The numbers ``(N,)`` of a table's column."""
+    if given[name].dtype.kind == "c":
+        raise ValueError(f"poses: expected real numbers in column {name}, got complex ones")
+    try:
+        return np.asarray(given[name].to_numpy(dtype=np.float64))
+    except (TypeError, ValueError) as no_numbers:
+        raise ValueError(f"poses: expected numbers in column {name}, {no_numbers}") from no_numbers
+
+
+def _near_column(name: str, spare: list[str]) -> str:
+    """Advice on a column's name: the same but for its case, else the nearest of those unused."""
+    alike = [one for one in spare if one.lower() == name]
+    return f"did you mean {alike[0]}?" if alike else did_you_mean(name, spare)
+
+
+def _index(given: Any, spare: list[str]) -> Any:
     """The index, where it is one of stamps and not of row numbers."""
     stamps = given.index
     if getattr(stamps, "tz", None) is not None:
         stamps = stamps.tz_convert("UTC").tz_localize(None)
     if stamps.dtype.kind in "mMf":
         return stamps.to_numpy()
+    near = [one for one in spare if "time" in one.lower() or "stamp" in one.lower()]
+    advice = f"; did you mean {near[0]}?" if near else ""
     raise ValueError(
         f"time_s: expected a column named {', '.join(_STAMPS)}, an index of stamps, or time_s"
+        + advice
     )
 
 
-def _evo(given: Any, time_s: Any) -> tuple[Trajectory, Back]:
+def _evo(given: Any, time_s: Any) -> GivenPoses:
     if time_s is not None:
         raise ValueError("time_s: expected none beside evo's trajectory, which has its own stamps")
     wxyz = np.asarray(given.orientations_quat_wxyz, dtype=np.float64)
-    poses = Motor.from_quaternion_translation(wxyz, given.positions_xyz)
+    path = _stamped(Motor.from_quaternion_translation(wxyz, given.positions_xyz), given.timestamps)
 
-    def back(made: Trajectory) -> Any:
-        rows = _to_rows(made.motors, wxyz)
+    def written(made: Trajectory, times: Any) -> Any:
+        rows = _to_rows(made, wxyz, path.time_ns)
         return type(given)(
             positions_xyz=rows[:, :3],
             orientations_quat_wxyz=rows[:, [6, 3, 4, 5]],
-            timestamps=np.array(given.timestamps),
+            timestamps=np.array(given.timestamps if times is None else _seconds(made, times)),
             meta=copy.deepcopy(given.meta),
         )
 
-    return _stamped(poses, given.timestamps), back
+    return GivenPoses(path, written)
 
 
-def _pose3(given: list[Any], time_s: Any) -> tuple[Trajectory, Back]:
+def _pose3(given: list[Any], time_s: Any) -> GivenPoses:
     kind = type(given[0])
     path = _stamped(Motor.from_matrix(np.array([one.matrix() for one in given])), time_s)
-    return path, lambda made: [kind(matrix) for matrix in made.motors.as_matrix()]
+    return GivenPoses(path, lambda made, _: [kind(matrix) for matrix in made.motors.as_matrix()])

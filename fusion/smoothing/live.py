@@ -19,13 +19,15 @@ from numpy.typing import ArrayLike
 
 from motorcade.fusion.smoothing.native import _live
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.ga.arrays import FloatArray, checked_positive
+from motorcade.ga.arrays import FloatArray, checked_number, checked_positive
 
 MEMORY_S = 2.0
 """How fast the past is forgotten: noise and motion of hands and drones change within seconds.
 Chosen on EuRoC's V1_02 and four synthetic motions, where 4 and 8 s do as well within 1 %."""
 
 _FEWEST = 5
+# Stamps are whole nanoseconds; no pose comes so soon after another that a shorter lag waits for it.
+_SHORTEST_S = 1e-9
 
 
 class LiveSmoother:
@@ -38,7 +40,9 @@ class LiveSmoother:
         memory_s: time constant in seconds by which the weights of the filters follow.
 
     Raises:
-        ValueError: a negative lag, or a memory that is not positive.
+        ValueError: a negative lag, one above 0 but below a nanosecond, or a memory that is not
+            positive.
+        TypeError: what is no number.
 
     It breaks down where noise is no noise but motion: drift and errors that last longer than the
     memory stay, and wrong poses that agree with each other for longer than 0.1 s are followed.
@@ -60,8 +64,10 @@ class LiveSmoother:
     """
 
     def __init__(self, lag_s: float = 0.0, memory_s: float = MEMORY_S) -> None:
-        if not 0.0 <= lag_s < np.inf:
+        if not 0.0 <= checked_number(lag_s, "lag_s") < np.inf:
             raise ValueError(f"lag_s: expected 0 or more seconds, got {lag_s}")
+        if 0.0 < lag_s < _SHORTEST_S:
+            raise ValueError(f"lag_s: expected 0, or {_SHORTEST_S:g} seconds or more, got {lag_s}")
         self.lag_s = float(lag_s)
         self.memory_s = checked_positive(memory_s, "memory_s", "seconds")
         self.reset()

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable
-from typing import Any, overload
+from typing import Any, Literal, overload
 
 from motorcade.fusion.smoothing.auto import auto
 from motorcade.fusion.smoothing.batch import robust_map, spline
@@ -22,8 +22,9 @@ from motorcade.fusion.smoothing.causal import (
     rts_constant_acceleration,
     rts_constant_velocity,
 )
-from motorcade.fusion.smoothing.given import with_trajectories
-from motorcade.fusion.smoothing.representations import representation_named
+from motorcade.fusion.smoothing.given import each_path, with_trajectories
+from motorcade.fusion.smoothing.representations import Representation, representation_named
+from motorcade.fusion.smoothing.results import SmoothingResult, smoothed_in_full
 from motorcade.fusion.smoothing.window import gaussian, local_polynomial, savitzky_golay
 from motorcade.ga import Trajectory
 from motorcade.ga.names import did_you_mean
@@ -55,8 +56,19 @@ def smooth(
     representation: str | None = ...,
     *,
     time_s: None = ...,
+    full: Literal[False] = ...,
     **parameters: Any,
 ) -> Trajectory: ...
+@overload
+def smooth(
+    trajectory: Trajectory,
+    method: str = ...,
+    representation: str | None = ...,
+    *,
+    time_s: None = ...,
+    full: Literal[True],
+    **parameters: Any,
+) -> SmoothingResult: ...
 @overload
 def smooth(
     trajectory: Any,
@@ -64,6 +76,7 @@ def smooth(
     representation: str | None = ...,
     *,
     time_s: Any = ...,
+    full: bool = ...,
     **parameters: Any,
 ) -> Any: ...
 def smooth(
@@ -72,6 +85,7 @@ def smooth(
     representation: str | None = None,
     *,
     time_s: Any = None,
+    full: bool = False,
     **parameters: Any,
 ) -> Any:
     """Smooth poses; the result comes as they did, with the same stamps and frames.
@@ -82,16 +96,19 @@ def smooth(
             DataFrame, evo's PoseTrajectory3D, a torch tensor, gtsam's poses; several at once as a
             dict or a stack. See `motorcade.fusion.smoothing.given`.
         method: a name of `METHODS`.
-        representation: a name of `REPRESENTATIONS`: what the poses are averaged as; by default
+        representation: a name of `REPRESENTATION_NAMES`: what the poses are averaged as; by default
             motors, of "auto" what predicts better.
         time_s: ``(N,)`` seconds or datetimes, for poses that come without stamps.
+        full: give a `SmoothingResult` instead, which holds the smoothed poses, covariances, rates,
+            weights, what "auto" chose, and the curve that resamples them; of several bodies a dict
+            or a list of them.
         parameters: of the method, in physical units; see its own docstring.
 
     Raises:
         ValueError: an unknown method, representation or parameter (the message lists those there
             are), a parameter out of its range, fewer poses than the method needs, or stamps that
             are missing or do not fit.
-        TypeError: poses of a kind that is not known.
+        TypeError: poses of a kind that is not known, or a parameter that is not of its kind.
 
     Examples:
         >>> import numpy as np
@@ -117,10 +134,22 @@ def smooth(
                 f"parameters: expected of {method} {', '.join(known) or 'none'}, got {name!r}; "
                 + did_you_mean(name, known)
             )
-    own = representation is None and function is auto
-    averaged_as = None if own else representation_named(representation or "motor")
+
+    def averaged_as(path: Trajectory) -> Representation | None:
+        if representation is None and function is auto:
+            return None
+        return representation_named(representation or "motor", path.poses)
+
+    if full:
+        return each_path(
+            trajectory,
+            time_s,
+            lambda given: smoothed_in_full(
+                given, method, averaged_as(given.trajectory), function, known | parameters
+            ),
+        )
     return with_trajectories(
-        trajectory, time_s, lambda path: function(path, averaged_as, **parameters)
+        trajectory, time_s, lambda path: function(path, averaged_as(path), **parameters)
     )
 
 
@@ -129,7 +158,10 @@ def method_named(name: str) -> Method:
 
     Raises:
         ValueError: a name that is not in `METHODS`; the message lists those that are.
+        TypeError: no name.
     """
+    if not isinstance(name, str):
+        raise TypeError(f"method: expected a name of METHODS, got {type(name).__name__}")
     if name not in METHODS:
         near = did_you_mean(name, METHODS)
         raise ValueError(f"method: expected one of {', '.join(METHODS)}, got {name!r}; {near}")
@@ -173,14 +205,12 @@ def parsed_parameters(
     known, made = method_parameters(name), dict[str, Any]()
     for setting in settings:
         key, equals, text = (part.strip() for part in setting.partition("="))
-        if not known:
-            raise ValueError(f"{called}: {name} takes no parameters; choose another method first")
         if not equals or key not in known:
             raise ValueError(
                 f"{called}: expected name=value, names of {name}: {', '.join(known)}; got "
                 f"{setting!r}; {did_you_mean(key, known)}"
             )
-        kind = type(known[key])
+        kind = float if known[key] is None else type(known[key])
         try:
             made[key] = kind(text)
         except ValueError:

@@ -1,9 +1,6 @@
-"""Poses as numbers that every smoother runs on: seven ways to write a path down and to average it.
+"""Poses as numbers that every smoother runs on: the ways to write a path down and to average it.
 
-A method sees coordinates ``(*, D)`` and two verbs. ``local(x, base)`` (⊟) is the vector ``(*, d)``
-from a base to `x` and ``retract(base, vector)`` (⊞) its mirror; whatever a method averages, filters
-or fits are such vectors, so that it is written once. What is a straight line in them is what tells
-the representations apart:
+What is a straight line in a representation's vectors is what tells it from the others:
 
 =====================  ===  ===  ==============================================================
 name                    D    d   local vector
@@ -13,28 +10,32 @@ name                    D    d   local vector
 ``rotor``                7    6  rotation vector in the base's body, translation in the world
 ``dual_quaternion``      8    8  components (signs follow), projected after every step
 ``quaternion``           7    7  components (signs follow), renormalised; translation apart
-``euler_unwrapped``      6    6  angles made continuous over time; translation apart
-``euler``                6    6  angles as they come, which leap at ±π; translation apart
+``euler_unwrapped``      6    6  x-y′-z″, each angle made continuous over time; translation apart
+``euler``                6    6  x-y′-z″ as they come, which leap at ±π; translation apart
+``euler_xyz``, ...       6    6  of an order, as triples nearest to the ones before
+``euler_best``           6    6  the one of these that stays farthest from its gimbal lock
 =====================  ===  ===  ==============================================================
 
-The last four are subtraction and addition, as practitioners do it. Euler angles are intrinsic
-x-y′-z″; the pitch folds back at ±90° while the other two leap by half a turn, which unwrapping does
-not cure. Of a path of similarities all but `similarity` carry the scale beside the rest as one more
-number, last of both D and d. Rotations come first, then translations.
+All but the first three are subtraction and addition, as practitioners do it. Of a path of
+similarities all but `similarity` carry the scale beside the rest as one more number, last of both D
+and d. Rotations come first, then translations.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from typing import ClassVar
-
 import numpy as np
 
+from motorcade.fusion.smoothing.euler import (
+    EULER_ORDERS,
+    EulerAngles,
+    UnwrappedEulerAngles,
+    best_euler_order,
+)
+from motorcade.fusion.smoothing.representation import Poses, Representation
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.classical import (
     dual_quaternion_normalize,
-    nearest_branch,
     nearest_sign,
     quaternion_normalize,
 )
@@ -45,110 +46,15 @@ from motorcade.ga.kernels import (
     VersorKernels,
 )
 
-Poses = Motor | Similarity
-
-
-class Representation(ABC):
-    """A way to write poses down; see the top of this module. All methods are batched in front.
-
-    Fields:
-        name: in `REPRESENTATIONS`.
-        ends: where rotation and translation end in a local vector of rigid poses.
-        units: components of a local vector for a radian and for a metre.
-        coupled: how many components compose as one motion, and so mix; 0 where all are added.
-        signed: leading components of coordinates whose common sign is free.
-        scale_beside: a scale is one more number behind the coordinates of the rigid pose.
-
-    Examples:
-        >>> import numpy as np
-        >>> from motorcade.fusion.smoothing import REPRESENTATIONS
-        >>> from motorcade.ga import Motor
-        >>> turned = Motor.from_euler_translation([[0, 0, 0], [0, 0, 0.5]], np.zeros((2, 3)))
-        >>> motors = REPRESENTATIONS["motor"]
-        >>> x = motors.coordinates(turned)
-        >>> motors.local(x[1], x[0]).round(6) + 0.0
-        array([0. , 0. , 0.5, 0. , 0. , 0. ])
-    """
-
-    name: ClassVar[str]
-    ends: ClassVar[tuple[int, int]] = (3, 6)
-    units: ClassVar[tuple[float, float]] = (1.0, 1.0)
-    coupled: ClassVar[int] = 0
-    signed: ClassVar[int] = 0
-    scale_beside: ClassVar[bool] = True
-    _rigid_size: ClassVar[int]
-
-    def coordinates(self, poses: Poses) -> FloatArray:
-        """Write down a path of poses ``(N,)`` as ``(N, D)``, continuous where the practice is."""
-        if not isinstance(poses, Similarity):
-            return self._rigid_coordinates(poses)
-        motor, scale = poses.as_motor_scale()
-        return np.concatenate([self._rigid_coordinates(motor), scale[..., None]], axis=-1)
-
-    def poses(self, coordinates: FloatArray) -> Poses:
-        """Poses ``(*)`` of coordinates ``(*, D)``; similarities where there is a scale.
-
-        Raises:
-            ValueError: coordinates of no pose, such as a scale that is not positive.
-        """
-        if coordinates.shape[-1] == self._rigid_size:
-            return self._rigid_poses(coordinates)
-        rigid = self._rigid_poses(coordinates[..., :-1])
-        return Similarity.from_motor_scale(rigid, coordinates[..., -1])
-
-    def local(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
-        """Vectors ``(*, d)`` from bases ``(*, D)`` to poses ``(*, D)``; batches broadcast."""
-        if coordinates.shape[-1] == self._rigid_size:
-            return self._rigid_local(coordinates, base)
-        rigid = self._rigid_local(coordinates[..., :-1], base[..., :-1])
-        scale = coordinates[..., -1:] - base[..., -1:]
-        return np.concatenate([rigid, scale], axis=-1)
-
-    def retract(self, base: FloatArray, vector: FloatArray) -> FloatArray:
-        """Coordinates ``(*, D)`` that lie a vector ``(*, d)`` from a base: mirrors `local`."""
-        if base.shape[-1] == self._rigid_size:
-            return self._rigid_retract(base, vector)
-        rigid = self._rigid_retract(base[..., :-1], vector[..., :-1])
-        return np.concatenate([rigid, base[..., -1:] + vector[..., -1:]], axis=-1)
-
-    def local_jacobians(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """How `local` vectors ``(N, d)`` change with small vectors of the base and of the pose.
-
-        Returns:
-            Two arrays ``(N, d, d)``, or ``(1, d, d)`` where they are the same for all.
-        """
-        size = self.ends[1]
-        rigid = self._rigid_local_jacobians(vector[..., :size])
-        if vector.shape[-1] == size:
-            return rigid
-        both = [np.zeros((len(part), size + 1, size + 1)) for part in rigid]
-        for whole, part, sign in zip(both, rigid, (-1.0, 1.0), strict=True):
-            whole[:, :size, :size], whole[:, size, size] = part, sign
-        return both[0], both[1]
-
-    def continued(self, coordinates: FloatArray, previous: FloatArray) -> FloatArray:
-        """The same poses ``(*, D)`` written as near as may be to others ``(*, D)``.
-
-        Scanned over a path it gives what `coordinates` gives: of the two signs or the many branches
-        of angles the nearest, where the practice takes it; the others return what they are given.
-        """
-        return coordinates
-
-    @abstractmethod
-    def _rigid_coordinates(self, poses: Motor) -> FloatArray: ...
-
-    @abstractmethod
-    def _rigid_poses(self, coordinates: FloatArray) -> Motor: ...
-
-    def _rigid_local(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
-        return coordinates - base
-
-    def _rigid_retract(self, base: FloatArray, vector: FloatArray) -> FloatArray:
-        return base + vector
-
-    def _rigid_local_jacobians(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
-        unit = np.eye(vector.shape[-1])[None]
-        return -unit, unit
+__all__ = [
+    "BEST_EULER",
+    "REPRESENTATIONS",
+    "REPRESENTATION_NAMES",
+    "Poses",
+    "Representation",
+    "representation_named",
+    "restored",
+]
 
 
 class MotorTwists(Representation):
@@ -303,36 +209,6 @@ class DualQuaternions(_SignedComponents):
         return dual_quaternion_normalize(base + vector)
 
 
-class EulerAngles(Representation):
-    """Intrinsic x-y′-z″ angles as they come, each averaged for itself: at ±π they leap."""
-
-    name = "euler"
-    _rigid_size = 6
-
-    def _rigid_coordinates(self, poses: Motor) -> FloatArray:
-        angles, translation = poses.astype(np.float64).as_euler_translation("xyz")
-        return np.concatenate([angles, translation], axis=-1)
-
-    def _rigid_poses(self, coordinates: FloatArray) -> Motor:
-        return Motor.from_euler_translation(coordinates[..., :3], coordinates[..., 3:], "xyz")
-
-
-class UnwrappedEulerAngles(EulerAngles):
-    """The same angles, each made continuous over time; the pitch still folds at ±90°."""
-
-    name = "euler_unwrapped"
-
-    def continued(self, coordinates: FloatArray, previous: FloatArray) -> FloatArray:
-        """Each angle on the branch nearest to the one before."""
-        angles = nearest_branch(coordinates[..., :3], previous[..., :3])
-        return np.concatenate([angles, coordinates[..., 3:]], axis=-1)
-
-    def _rigid_coordinates(self, poses: Motor) -> FloatArray:
-        made = super()._rigid_coordinates(poses)
-        made[:, :3] = np.unwrap(made[:, :3], axis=0)
-        return made
-
-
 REPRESENTATIONS: dict[str, Representation] = {
     one.name: one
     for one in (
@@ -345,19 +221,44 @@ REPRESENTATIONS: dict[str, Representation] = {
         EulerAngles(),
     )
 }
-"""Every representation that smoothers run on, by name."""
+"""The representations that smoothers are compared on, by name; `EULER_ORDERS` stand beside them."""
+
+BEST_EULER = "euler_best"
+
+REPRESENTATION_NAMES: tuple[str, ...] = (*REPRESENTATIONS, BEST_EULER, *EULER_ORDERS)
+"""Every name that `smooth` takes."""
 
 
-def representation_named(name: str) -> Representation:
+def representation_named(name: str, poses: Poses | None = None) -> Representation:
     """The representation of that name.
 
+    Args:
+        name: one of `REPRESENTATION_NAMES`.
+        poses: the whole path ``(N,)``, by which "euler_best" is decided.
+
     Raises:
-        ValueError: a name that is not in `REPRESENTATIONS`; the message lists those that are.
+        ValueError: an unknown name (the message lists those that are known), or "euler_best"
+            without a path.
+
+    Examples:
+        >>> from motorcade.fusion.motions import MOTIONS
+        >>> from motorcade.fusion.smoothing.representations import representation_named
+        >>> path = MOTIONS["handheld"].sampled(rate_hz=30.0, duration_s=10.0)
+        >>> representation_named("euler_best", path.poses).name
+        'euler_zyx'
     """
-    if name not in REPRESENTATIONS:
-        known = ", ".join(REPRESENTATIONS)
+    if name == BEST_EULER:
+        if poses is None:
+            raise ValueError(
+                f"representation: expected of Euler angles one of {', '.join(EULER_ORDERS)} where "
+                f"poses come one after another; {BEST_EULER} is decided by a whole path"
+            )
+        return best_euler_order(poses)
+    found = EULER_ORDERS.get(name) or REPRESENTATIONS.get(name)
+    if found is None:
+        known = ", ".join(REPRESENTATION_NAMES)
         raise ValueError(f"representation: expected one of {known}, got {name!r}")
-    return REPRESENTATIONS[name]
+    return found
 
 
 def restored(

@@ -222,14 +222,15 @@ def automatic_window_s(
     if len(trajectory) < 2 * _MOST + 1:
         return None
     interval_s = float(np.median(np.diff(trajectory.time_s)))
-    good: list[float] = []
+    motors, good = REPRESENTATIONS["motor"], list[float]()
     narrowest_size = None
     for neighbours in range(_FEWEST, _MOST + 1):
         share = white_noise_removed(neighbours, order)
         if share < 1e-6:
             continue  # so few poses are met exactly
         window_s = (2 * neighbours + 1) * interval_s
-        size = _mean_square_change(trajectory, covariance, window_s, order) / share
+        smoothed = local_polynomial(trajectory, motors, window_s=window_s, order=order)
+        size = mean_square_change(trajectory, smoothed, covariance) / share
         narrowest_size = size if narrowest_size is None else narrowest_size
         if size > _GROWTH * min(1.0, narrowest_size):
             break
@@ -238,12 +239,18 @@ def automatic_window_s(
     return good[-1] if len(good) > 1 else None
 
 
-def _mean_square_change(
-    trajectory: Trajectory, covariance: FloatArray, window_s: float, order: int
+def mean_square_change(
+    trajectory: Trajectory, smoothed: Trajectory, covariance: FloatArray
 ) -> float:
-    """Mean square of how far smoothing moves the poses, in their own standard deviations."""
-    motors = REPRESENTATIONS["motor"]
-    smoothed = local_polynomial(trajectory, motors, window_s=window_s, order=order)
+    """Mean square of how far smoothing moved poses, in their own deviations, a dimension.
+
+    Of white noise that smoothing takes away whole it is 1.
+
+    Args:
+        trajectory: N poses.
+        smoothed: the same stamps.
+        covariance: ``(N, 6, 6)`` of the right perturbation, rotation (rad) then translation (m).
+    """
     change = trajectory.motors.local(smoothed.motors)
     weighed = np.linalg.solve(covariance, change[..., None])[..., 0]
     return float(np.mean(change * weighed))

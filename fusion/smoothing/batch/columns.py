@@ -16,17 +16,18 @@ that lasts for some poses, likelihood alone is led astray by motion that the mod
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from motorcade.fusion.smoothing.native import _columns
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 ORDERS = (1, 2, 3)
 # Logarithms of the process's variance from one value to the next over the noise's that are tried:
 # from splines as stiff as a thousand values to such as go through every one; then around the best.
-_COARSE, _FINE = np.arange(-28.0, 8.5, 3.0), np.array([-2.0, -1.0, 1.0, 2.0])
+COARSE, FINE = np.arange(-28.0, 8.5, 3.0), np.array([-2.0, -1.0, 1.0, 2.0])
 # Values farther apart than this do not resolve what hands and vehicles do, and any model takes such
 # motion for noise: the spline then goes through every one.
 _UNRESOLVED_S = 0.125
@@ -39,10 +40,10 @@ _FOLDED_S, _FEWEST_A_TURN = 1.0 / 24.0, 3.5
 # Predictions count as equal up to so many standard errors of their difference. Chosen on V1_02 and
 # synthetic motions.
 EQUAL = 1.0
-
-
-# Stamps, values and weights.
-_Part = tuple[FloatArray, FloatArray, FloatArray]
+# Noise whose variance is less than a thousandth (e^-7) of what the process adds from one value to
+# the next is not seen beside it.
+_HIDDEN = 7.0
+NO_JUMPS: IntArray = np.empty(0, dtype=np.int64)
 
 
 @dataclass(frozen=True)
@@ -53,51 +54,109 @@ class ColumnModel:
         order: how many derivatives change smoothly.
         ratio: density of the noise that drives the highest, in deviations of a value.
         noise: deviation of a value.
+        memory_s: in which an error decays to a third (1/e); 0 where errors are white.
+        untold: why values do not tell their noise, whose size then says nothing; else empty.
     """
 
     order: int
     ratio: float
     noise: float
+    memory_s: float = 0.0
+    untold: str = ""
 
     @property
     def density(self) -> float:
         """Of the process, in the column's unit over s^(order + 1) √Hz."""
         return self.ratio * self.noise
 
+    def smoother(self, smoothness: float, interval_s: float) -> ColumnModel:
+        """The model that averages over ``2**smoothness`` times as long.
+
+        A spline that goes through every value is made smoother from where it first does not.
+        """
+        rate = _rate(self.order, self.ratio, interval_s)
+        if smoothness > 0.0:
+            rate = min(rate, np.pi / interval_s)
+        return replace(
+            self, ratio=float(np.sqrt(interval_s) * (rate * 2.0**-smoothness) ** (self.order + 1))
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class ColumnPath:
-    """A smoothed column.
+    """A smoothed column ``(N,)``, or several ``(N, K)`` of one model.
 
     Fields:
-        values: ``(N,)``.
-        left_out: ``(N,)`` measured values less what all others make of them.
-        variance: ``(N,)`` of what they make, in that of the noise of a value of weight 1.
+        values: smoothed.
+        left_out: measured values less what all others make of them.
+        variance: ``(N,)`` that these have beyond the noise's own, in that of the noise of a value
+            of weight 1; less than nothing where the others tell of its error.
+        spread: ``(N,)`` variance of the smoothed values, likewise.
     """
 
     values: FloatArray
     left_out: FloatArray
     variance: FloatArray
+    spread: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
 class ColumnStretch:
-    """Columns ``(N, K)`` at stamps ``(N,)`` with the weights ``(N,)`` of their rows; 0 is none."""
+    """Columns ``(N, K)`` at stamps ``(N,)`` with the weights ``(N,)`` of their rows; 0 is none.
+
+    Before the rows `jumps` their level jumps.
+    """
 
     time_s: FloatArray
     values: FloatArray
     weights: FloatArray
+    jumps: IntArray = field(default_factory=lambda: NO_JUMPS)
 
 
 def splined(
-    time_s: FloatArray, column: FloatArray, weights: FloatArray, order: int, ratio: float
+    time_s: FloatArray,
+    column: FloatArray,
+    weights: FloatArray,
+    order: int,
+    ratio: float,
+    jumps: IntArray = NO_JUMPS,
+    shocks: FloatArray | None = None,
+    memory_s: float = 0.0,
 ) -> ColumnPath:
-    """The smoothing spline of a column ``(N,)``, of which more than `order` rows have a weight."""
-    count = len(time_s)
-    values, left_out, variance = np.empty((count, 1)), np.empty((count, 1)), np.empty(count)
-    given = np.ascontiguousarray(column[:, None])
-    _columns.spline(time_s, given, weights, order, ratio, (values, left_out, variance))
-    return ColumnPath(values[:, 0], left_out[:, 0], variance)
+    """The smoothing spline of a column ``(N,)``, of which more than `order` rows have a weight.
+
+    Args:
+        time_s: ``(N,)`` increasing.
+        column: ``(N,)``.
+        weights: ``(N,)``, 0 where a row is not measured.
+        order: of the model.
+        ratio: of the model.
+        jumps: rows before which the level jumps, while derivatives go on; ascending.
+        shocks: ``(N, 1, 2)``, filled where given: by how many deviations, for unit noise, a jump of
+            the value and one of its slope before each row would differ from none.
+        memory_s: of the model's errors.
+    """
+    stretch = ColumnStretch(time_s, np.ascontiguousarray(column[:, None]), weights, jumps)
+    found, _ = _splined(stretch, order, ratio, memory_s, shocks)
+    return replace(found, values=found.values[:, 0], left_out=found.left_out[:, 0])
+
+
+def _splined(
+    stretch: ColumnStretch,
+    order: int,
+    ratio: float,
+    memory_s: float,
+    shocks: FloatArray | None = None,
+) -> tuple[ColumnPath, tuple[float, list[float], float]]:
+    """Splines of columns ``(N, K)``; of their innovations how many, squares and logarithms."""
+    columns, weights = stretch.values, stretch.weights
+    values, left_out = np.empty(columns.shape), np.empty(columns.shape)
+    variance, spread = np.empty((2, len(columns)))
+    out = (values, left_out, variance, spread)
+    innovations = _columns.spline(
+        stretch.time_s, columns, weights, stretch.jumps, order, ratio, memory_s, out, shocks
+    )
+    return ColumnPath(*out), innovations
 
 
 def noise_of(paths: Sequence[ColumnPath], weights: Sequence[FloatArray]) -> float:
@@ -111,92 +170,198 @@ def noise_of(paths: Sequence[ColumnPath], weights: Sequence[FloatArray]) -> floa
 
 def chosen(
     stretches: Sequence[ColumnStretch],
-    column: int,
     orders: tuple[int, ...] = ORDERS,
     equal: float = EQUAL,
-) -> tuple[ColumnModel, float]:
-    """The model that a column of some stretches calls for; see the module.
+    known: FloatArray | None = None,
+) -> list[ChosenColumn]:
+    """The models that the columns of some stretches call for; see the module.
 
     Args:
         stretches: of the path.
-        column: which one.
         orders: that come into question.
         equal: standard errors up to which predictions count as equal; infinite takes the likeliest.
-
-    Returns:
-        It, and the logarithm of the density of every value given the others, at its best scale.
+        known: ``(K,)`` deviations of the columns' values, NaN where they are to be found out.
+            Where they are known, predictions are judged by them: an unbiased estimate of the risk
+            (C. L. Mallows, Some comments on Cp, Technometrics 15, 1973) for cross-validation.
     """
-    parts = [(one.time_s, one.values[:, column], one.weights) for one in stretches]
-    interval_s = float(np.median(np.diff(parts[0][0])))
-    levels, fine = (
-        (_COARSE, _FINE) if interval_s <= _UNRESOLVED_S else (np.array([_EXACT]), _FINE[:0])
-    )
-    tried: list[_Prediction] = []
+    interval_s = float(np.median(np.diff(stretches[0].time_s)))
+    tried: dict[tuple[int, float], Prediction] = {}
 
-    def predicted(level: float, order: int) -> _Prediction:
-        ratio = float(np.exp(0.5 * level)) / interval_s ** (order + 0.5)
-        return _Prediction.by(parts, order, ratio)
+    def predicted(order: int, level: float) -> Prediction:
+        if (order, level) not in tried:
+            tried[order, level] = Prediction.by(
+                stretches, order, ratio_of(level, order, interval_s), 0.0
+            )
+        return tried[order, level]
 
-    for order in orders:
-        coarse = [predicted(level, order) for level in levels]
-        best = levels[int(np.argmin([one.score for one in coarse]))]
-        tried += coarse + [predicted(level, order) for level in best + fine]
-    best_of_all = min(tried, key=lambda one: one.score)
-    equals = [one for one in tried if one.standard_errors_behind(best_of_all) <= equal]
-    taken = max(equals, key=lambda one: _likelihood(parts, one.order, one.ratio))
-    if interval_s > _FOLDED_S and taken.values_a_turn(interval_s) < _FEWEST_A_TURN:
-        taken = predicted(_EXACT, taken.order)
-    rows = sum(len(weight) for _, _, weight in parts)
-    density = -0.5 * rows * float(np.log(max(best_of_all.score, 1e-300)))
-    return ColumnModel(taken.order, taken.ratio, taken.noise), density
+    columns = stretches[0].values.shape[1]
+    made = []
+    for column, noise in enumerate(np.full(columns, np.nan) if known is None else known):
+        searched = not np.isfinite(noise)
+        resolved = interval_s <= _UNRESOLVED_S or not searched
+        coarse, fine = (COARSE, FINE) if resolved else (np.array([_EXACT]), FINE[:0])
+        own = []
+        for order in orders:
+            tried_first = [predicted(order, level) for level in coarse]
+            best = coarse[int(np.argmin([one.score(column, noise) for one in tried_first]))]
+            own += tried_first + [predicted(order, best + step) for step in fine]
+        best_of_all = min(own, key=lambda one: one.score(column, noise))
+        behind = standard_errors_behind(own, best_of_all, column, noise)
+        equals = [one for one, by in zip(own, behind, strict=True) if by <= equal]
+        taken = max(equals, key=lambda one: one.likelihood(column, noise))
+        untold = "" if resolved else "its stamps lie too far apart to tell"
+        folded = searched and resolved and interval_s > _FOLDED_S
+        if folded and taken.values_a_turn(interval_s) < _FEWEST_A_TURN:
+            taken, untold = predicted(taken.order, _EXACT), "it moves as fast as its stamps resolve"
+        elif searched and resolved and taken.ratio > ratio_of(_HIDDEN, taken.order, interval_s):
+            untold = "its motion hides it"
+        rows = sum(len(one.weights) for one in stretches)
+        density = -0.5 * rows * float(np.log(max(best_of_all.scores[column], 1e-300)))
+        size = float(taken.noise[column] if searched else noise)
+        model = ColumnModel(taken.order, taken.ratio, size, untold=untold)
+        likelihood = max(one.likelihood(column, noise) for one in own)
+        made.append(ChosenColumn(model, density, best_of_all, likelihood))
+    return made
+
+
+class ChosenColumn(NamedTuple):
+    """What a column calls for.
+
+    Fields:
+        model: the column's.
+        density: logarithm of that of every value given the others, at its best scale.
+        best: what predicts the values best, which the model does as well.
+        likelihood: logarithm of that of the likeliest model.
+    """
+
+    model: ColumnModel
+    density: float
+    best: Prediction
+    likelihood: float
 
 
 @dataclass(frozen=True, eq=False)
-class _Prediction:
-    """How well a model predicts values from the others: squared residuals ``(N,)`` of each."""
+class Prediction:
+    """How well a model predicts values of columns from the others.
+
+    Fields:
+        order, ratio, memory_s: of the model.
+        noise: ``(K,)`` deviations of a value of weight 1.
+        squares: ``(K, N)`` squared residuals, those beside gaps, which tell little, made less.
+        scores: ``(K,)`` their means.
+        shares: ``(N,)`` of its noise that a value's residual from the spline has.
+        innovations: how many there are, the sum of their squares in unit noise ``(K,)``, and that
+            of the logarithms of their variances.
+    """
 
     order: int
     ratio: float
-    noise: float
+    memory_s: float
+    noise: FloatArray
     squares: FloatArray
+    scores: FloatArray
+    shares: FloatArray
+    innovations: tuple[float, FloatArray, float]
 
     @classmethod
-    def by(cls, parts: Sequence[_Part], order: int, ratio: float) -> _Prediction:
-        paths = [splined(*part, order, ratio) for part in parts]
-        weights = [weight for _, _, weight in parts]
-        all_weights = np.concatenate(weights)
-        used = all_weights > 0.0
-        kept = all_weights[used]
-        off = np.concatenate([path.left_out for path in paths])[used]
-        share = 1.0 / (1.0 + kept * np.concatenate([path.variance for path in paths])[used])
-        # Residuals over the mean share of its noise that a value's residual has: values beside
-        # gaps, which tell little, say little.
-        squares = kept * (off * share / float(np.mean(share))) ** 2
-        return cls(order, ratio, noise_of(paths, weights), squares)
+    def by(
+        cls, stretches: Sequence[ColumnStretch], order: int, ratio: float, memory_s: float
+    ) -> Prediction:
+        """How well a model predicts the values of some stretches that have a weight."""
+        found = [_splined(one, order, ratio, memory_s) for one in stretches]
+        weights = np.concatenate([one.weights for one in stretches])
+        used = np.flatnonzero(weights)
+        kept = weights[used]
+        off = np.concatenate([path.left_out for path, _ in found])[used]
+        squares = np.ascontiguousarray(off.T) ** 2
+        shares = 1.0 / (1.0 + kept * np.concatenate([path.variance for path, _ in found])[used])
+        noise = np.sqrt(squares @ (kept * shares) / len(kept))
+        squares *= kept * (shares / float(np.mean(shares))) ** 2
+        innovations = (
+            sum(one[0] for _, one in found),
+            np.asarray(np.sum([one[1] for _, one in found], axis=0), dtype=np.float64),
+            sum(one[2] for _, one in found),
+        )
+        scores = np.mean(squares, axis=1)
+        return cls(order, ratio, memory_s, noise, squares, scores, shares, innovations)
 
-    @property
-    def score(self) -> float:
-        return float(np.mean(self.squares))
+    def risks(self, column: int, noise: float) -> FloatArray:
+        """Of each value ``(N,)``: its squared residual, or with known noise what that tells of the
+        spline's own error.
+        """
+        if not np.isfinite(noise):
+            return np.asarray(self.squares[column], dtype=np.float64)
+        residuals = self.squares[column] * float(np.mean(self.shares)) ** 2
+        return np.asarray(residuals + noise**2 * (1.0 - 2.0 * self.shares), dtype=np.float64)
+
+    def score(self, column: int, noise: float) -> float:
+        """The mean of these; the less the better."""
+        if not np.isfinite(noise):
+            return float(self.scores[column])
+        return float(np.mean(self.risks(column, noise)))
+
+    def likelihood(self, column: int, noise: float) -> float:
+        """Logarithm of the likelihood of a column, at known noise or else the likeliest."""
+        rows, squares, logarithms = self.innovations
+        if rows == 0.0:
+            return -float("inf")  # all only open the state, and tell no model from another
+        likeliest = float(np.sqrt(max(float(squares[column]), 1e-300) / rows))
+        size = noise if np.isfinite(noise) else likeliest
+        return -0.5 * (
+            2.0 * rows * float(np.log(size)) + logarithms + float(squares[column]) / size**2
+        )
 
     def values_a_turn(self, interval_s: float) -> float:
-        """Of the fastest motion that the spline follows, where process and noise are as strong."""
-        rate = (self.ratio / np.sqrt(interval_s)) ** (1.0 / (self.order + 1))
-        return float(2.0 * np.pi / (rate * interval_s))
-
-    def standard_errors_behind(self, other: _Prediction) -> float:
-        differences = self.squares - other.squares
-        scatter = float(np.std(differences))
-        return float(np.mean(differences)) * np.sqrt(len(differences)) / scatter if scatter else 0.0
+        """Of the fastest motion that the spline follows."""
+        return 2.0 * float(np.pi) / (_rate(self.order, self.ratio, interval_s) * interval_s)
 
 
-def _likelihood(parts: Sequence[_Part], order: int, ratio: float) -> float:
-    """Logarithm of the likelihood of a column, at its likeliest noise."""
-    rows = squares = logarithms = 0.0
-    for time_s, column, weights in parts:
-        found = _columns.spline(
-            time_s, np.ascontiguousarray(column[:, None]), weights, order, ratio
-        )
-        rows, squares, logarithms = rows + found[0], squares + found[1], logarithms + found[2]
+def told_noise(models: Sequence[ColumnModel]) -> float | None:
+    """Root mean square deviation of the columns that tell theirs; None where none does."""
+    told = [one.noise for one in models if not one.untold]
+    return float(np.sqrt(np.mean(np.square(told)))) if told else None
+
+
+def noise_in_words(noise_m: float | None, noise_rad: float | None) -> str:
+    """Deviations of position and rotation, in mm and degrees."""
+    shift = "not told" if noise_m is None else f"{1e3 * noise_m:.3g} mm"
+    turn = "not told" if noise_rad is None else f"{np.rad2deg(noise_rad):.3g}°"
+    return f"{shift} and {turn}"
+
+
+def ratio_of(level: float, order: int, interval_s: float) -> float:
+    """Of a process whose variance from one value to the next has that logarithm, in the noise's."""
+    return float(np.exp(0.5 * level) / interval_s ** (order + 0.5))
+
+
+def likelihoods(
+    stretches: Sequence[ColumnStretch], order: int, ratio: float, memory_s: float
+) -> FloatArray:
+    """Logarithms of the likelihood of columns ``(K,)``, each at its likeliest noise."""
+    found = [
+        _columns.spline(one.time_s, one.values, one.weights, one.jumps, order, ratio, memory_s)
+        for one in stretches
+    ]
+    rows = sum(one[0] for one in found)
+    squares = np.maximum(np.sum([one[1] for one in found], axis=0), 1e-300)
     if rows == 0.0:
-        return -float("inf")  # all of them only open the state, and tell no model from another
-    return -0.5 * (rows * float(np.log(max(squares, 1e-300) / rows)) + logarithms + rows)
+        return np.full(len(squares), -np.inf)
+    logarithms = sum(one[2] for one in found)
+    return np.asarray(-0.5 * (rows * (np.log(squares / rows) + 1.0) + logarithms))
+
+
+def _rate(order: int, ratio: float, interval_s: float) -> float:
+    """In rad/s, at which process and noise of a model are as strong."""
+    return float((ratio / np.sqrt(interval_s)) ** (1.0 / (order + 1)))
+
+
+def standard_errors_behind(
+    tried: Sequence[Prediction], best: Prediction, column: int, noise: float
+) -> FloatArray:
+    """By how much predictions of a column are worse than the best, in its standard errors."""
+    differences = np.stack([one.risks(column, noise) for one in tried]) - best.risks(column, noise)
+    mean = np.mean(differences, axis=1)
+    square = np.einsum("ij,ij->i", differences, differences) / differences.shape[1]
+    scatter = np.sqrt(np.maximum(square - mean**2, 0.0) / differences.shape[1])
+    behind = np.divide(mean, scatter, out=np.zeros_like(mean), where=scatter > 0.0)
+    return np.asarray(behind, dtype=np.float64)

@@ -11,15 +11,15 @@ A run that no marker explains is left as it is.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.motions.degradations import wrong_planar_pose
-from motorcade.fusion.smoothing.batch.inliers import Sizes, inlier_poses
-from motorcade.fusion.smoothing.batch.problem import Linear, PathState, Problem
-from motorcade.fusion.smoothing.batch.tridiagonal import solved
+from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, inlier_poses
+from motorcade.fusion.smoothing.batch.problem import Charged, PathState, Problem, loss_weights
 from motorcade.fusion.smoothing.representations import REPRESENTATIONS, Representation
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
@@ -42,6 +42,8 @@ _THROWN, _EXPLAINED = 200.0, 25.0
 _GAIN = 30.0
 _ROUNDS = 8
 _STEP = 1e-6
+# The first fit of a marker: how far off a number pulls the most, in deviations; when it ends.
+_FITTED_WIDTH, _FITTED_ROUNDS, _SETTLED, _STIFF = 2.0, 50, 1e-6, 1e9
 
 
 def mirrored_back(
@@ -63,8 +65,9 @@ def mirrored_back(
     found = np.zeros(len(poses), dtype=np.bool_)
     coefficients = np.array(poses.coefficients)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], ~kept, [0]])))
+    off = np.concatenate([[0], np.cumsum(_off(time_s, poses, kept, sizes))])
     for first, last in edges.reshape(-1, 2):
-        if last - first < _SHORTEST:
+        if off[last] - off[first] < _SHORTEST:
             continue
         part = slice(max(0, first - _AROUND), min(len(poses), last + _AROUND))
         if np.count_nonzero(kept[part]) < 2:
@@ -75,6 +78,23 @@ def mirrored_back(
             rows = first + np.flatnonzero(read[1])
             coefficients[rows], found[rows] = read[0][read[1]].coefficients, True
     return Motor(coefficients), found
+
+
+def _off(
+    time_s: FloatArray, poses: Motor, kept: NDArray[np.bool_], sizes: tuple[Sizes, Sizes, Sizes]
+) -> NDArray[np.bool_]:
+    """Which poses that the chain leaves out lie off it: right ones between wrong ones do not."""
+    found, rows = ~kept, np.flatnonzero(kept)
+    lost = np.flatnonzero(found)
+    if rows.size < 2 or not lost.size:
+        return found
+    behind = np.searchsorted(rows, lost)
+    before_s = time_s[lost] - np.append(time_s[rows], -np.inf)[behind - 1]
+    behind_s = np.append(time_s[rows], np.inf)[behind] - time_s[lost]
+    path = bridged(time_s, poses, kept)[lost]
+    expected = _Expected(path, _deviation(sizes, _bridge_variance(before_s, behind_s)))
+    found[lost] = np.sum(expected.vectors(poses[lost]) ** 2, axis=1) > _EXPLAINED
+    return found
 
 
 class _Expected(NamedTuple):
@@ -108,25 +128,24 @@ class _Run:
         self.time_s, self.run, self.sizes, self.width = time_s, run, sizes, width
         self.poses, self.kept = poses[run], kept
         self.problem = Problem(representation, time_s, poses, kept, sizes)
-        self.linear = self.problem.narrowed("cauchy", width)
+        self.path = self.problem.narrowed("cauchy", width)
 
     def _doubt(self) -> float:
-        return self.problem.cost(self.linear, "cauchy", self.width, self.kept)
+        return self.problem.charged(self.path, "cauchy", self.width, self.kept).cost
 
     def read(self) -> tuple[Motor, NDArray[np.bool_]] | None:
         """The run's poses mirrored and which of them that explains; None where it is too few."""
-        linear = self.linear
-        marker = self._first_marker(self._expected(linear))
+        marker = self._first_marker(self._expected(self.path))
         if marker is None:
             return None
         everyone = np.ones(len(self.time_s), dtype=np.bool_)
-        plain = self.problem.descended(linear, "cauchy", self.width, everyone, _ROUNDS)
+        plain = self.problem.descended(self.path, "cauchy", self.width, everyone, _ROUNDS)
         marker, mirrored, turned = self._refined(marker)
-        before, after = (
-            self.problem.cost(one, "cauchy", self.width, everyone) for one in (plain, mirrored)
-        )
         explained = turned & (mirrored.squares[self.run] < _EXPLAINED)
-        if np.count_nonzero(explained) < _SHORTEST or before - after < _GAIN * _SHORTEST:
+        if (
+            np.count_nonzero(explained) < _SHORTEST
+            or plain.cost - mirrored.cost < _GAIN * _SHORTEST
+        ):
             return None
         return self._mirrored(marker), explained
 
@@ -135,19 +154,18 @@ class _Run:
         normal = marker[..., 3:] / np.linalg.norm(marker[..., 3:], axis=-1, keepdims=True)
         return wrong_planar_pose(self.poses, marker[..., None, :3], normal[..., None, :])
 
-    def _expected(self, linear: Linear) -> _Expected:
-        noise, density = (np.repeat(pair, 3) for pair in zip(*self.sizes[:2], strict=True))
-        spread = _bridge_variance(self.time_s, self.run)[:, None]
-        deviation = np.sqrt(2.0 * noise**2 + (_PROCESS_FACTOR * density) ** 2 * spread)
-        return _Expected(self._poses_of(linear.state.coordinates[self.run]), deviation)
+    def _expected(self, path: PathState) -> _Expected:
+        time_s, run = self.time_s, self.run
+        before_s = time_s[run] - (time_s[run.start - 1] if run.start > 0 else -np.inf)
+        behind_s = (time_s[run.stop] if run.stop < len(time_s) else np.inf) - time_s[run]
+        deviation = _deviation(self.sizes, _bridge_variance(before_s, behind_s))
+        return _Expected(self._poses_of(path.coordinates[run]), deviation)
 
     def _poses_of(self, coordinates: FloatArray) -> Motor:
         return self.problem.representation.poses(coordinates).rigid
 
     def _first_marker(self, expected: _Expected) -> FloatArray | None:
         """The marker that explains the run best beside the path without it; None without leaps."""
-        import scipy.optimize
-
         surest = np.argsort(expected.deviation[:, 3])[:_TRIED]
         thrown = np.sum(expected.vectors(self.poses)[surest] ** 2, axis=1) > _THROWN
         guesses = _markers(self.poses, expected, surest[thrown], self.sizes[0].noise)
@@ -158,51 +176,39 @@ class _Run:
             made = expected.vectors(self._mirrored(marker))[..., surest, :]
             return made.reshape(*marker.shape[:-1], -1)
 
-        def slopes(marker: FloatArray) -> FloatArray:
-            ahead, back = (vectors(marker + step * np.eye(6)) for step in (_STEP, -_STEP))
-            return np.asarray((ahead - back).T / (2.0 * _STEP), dtype=np.float64)
-
         squares = np.sum(vectors(guesses).reshape(len(guesses), -1, 6) ** 2, axis=-1)
         charged = np.sum(np.log1p(squares / self.width**2), axis=-1)
-        fitted = scipy.optimize.least_squares(
-            vectors,
-            guesses[int(np.argmin(charged))],
-            slopes,
-            loss="cauchy",
-            f_scale=2.0,
-            max_nfev=50,
-        )
-        return np.asarray(fitted.x, dtype=np.float64)
+        return _fitted(vectors, guesses[int(np.argmin(charged))])
 
-    def _refined(self, marker: FloatArray) -> tuple[FloatArray, Linear, NDArray[np.bool_]]:
+    def _refined(self, marker: FloatArray) -> tuple[FloatArray, Charged, NDArray[np.bool_]]:
         """Marker and path together, by Gauss-Newton; the path's own unknowns are eliminated.
 
         Every pose of the run is read anew each time, mirrored or as measured, whichever lies nearer
         to the path: with the wrong candidates the chain may leave out right poses beside them.
         """
         run, problem = self.run, self._with(marker)
-        linear, among = problem.narrowed("cauchy", self.width), np.ones(len(self.time_s), np.bool_)
+        path, among = problem.narrowed("cauchy", self.width), np.ones(len(self.time_s), np.bool_)
         for _ in range(_ROUNDS):
-            turned = self._read_anew(problem, marker, linear.state)
-            linear = problem.linearised(linear.state)
-            information = problem.information(linear, "cauchy", self.width, among)
-            equations = problem.equations(linear, information)
-            by_marker, ways = self._by_marker(marker, linear)
-            weighed = (turned[:, None] * information[run])[:, :, None] * by_marker
-            pull = np.zeros((*equations.right.shape, len(ways)))
-            back = np.swapaxes(linear.measured.by_target[run], 1, 2)
-            pull[run, : by_marker.shape[1]] = back @ weighed
-            alone, along = solved(equations, 0.0), solved(equations._replace(right=pull), 0.0)
+            turned = self._read_anew(problem, marker, path)
+            squares = problem.charged(path, "cauchy", self.width, among).squares[run]
+            weight = turned * loss_weights(squares, "cauchy", self.width)
+            by_marker, ways = self._by_marker(marker, path)
+            weighed = (weight[:, None] * problem.noise**-2.0)[:, :, None] * by_marker
+            vector = problem.representation.local(path.coordinates[run], problem.measured[run])
+            by_pose = problem.representation.local_jacobians(vector)[1]
+            pull = np.zeros((len(self.time_s), 2 * len(problem.noise), len(ways)))
+            pull[run, : by_marker.shape[1]] = np.swapaxes(by_pose, 1, 2) @ weighed
+            alone, along = problem.stepped(path, "cauchy", self.width, pull)
             normal = np.einsum("nik,nil->kl", weighed, by_marker)
             normal -= np.einsum("nik,nil->kl", pull, along)
-            right = -np.einsum("nik,ni->k", weighed, linear.measured.vector[run])
+            right = -np.einsum("nik,ni->k", weighed, vector)
             right -= np.einsum("nik,ni->k", pull, alone)
             step = np.linalg.lstsq(normal, right, rcond=1e-10)[0]
             marker = marker + step @ ways
             marker[3:] /= np.linalg.norm(marker[3:])
-            linear = problem.linearised(problem.retract(linear.state, alone - along @ step))
-        turned = self._read_anew(problem, marker, linear.state)
-        return marker, problem.linearised(linear.state), turned
+            path = problem.retract(path, alone - along @ step)
+        turned = self._read_anew(problem, marker, path)
+        return marker, problem.charged(path, "cauchy", self.width, among), turned
 
     def _read_anew(
         self, problem: Problem, marker: FloatArray, state: PathState
@@ -226,11 +232,11 @@ class _Run:
         kept = inlier_poses(self.time_s, poses, *self.sizes[:2])
         return Problem(self.problem.representation, self.time_s, poses, kept, self.sizes)
 
-    def _by_marker(self, marker: FloatArray, linear: Linear) -> tuple[FloatArray, FloatArray]:
+    def _by_marker(self, marker: FloatArray, path: PathState) -> tuple[FloatArray, FloatArray]:
         """Derivatives ``(K, 6, 5)`` of the residuals, and the ways ``(5, 6)`` a marker may go."""
         across = np.linalg.svd(marker[None, 3:])[2][1:]
         ways = np.block([[np.eye(3), np.zeros((3, 3))], [np.zeros((2, 3)), across]])
-        here = linear.state.coordinates[self.run]
+        here = path.coordinates[self.run]
         ahead, back = (
             self.problem.representation.local(
                 here, self.problem.representation.coordinates(self._mirrored(marker + step * ways))
@@ -240,15 +246,47 @@ class _Run:
         return np.moveaxis((ahead - back) / (2.0 * _STEP), 0, -1), ways
 
 
-def _bridge_variance(time_s: FloatArray, run: slice) -> FloatArray:
+def _fitted(vectors: Callable[[FloatArray], FloatArray], marker: FloatArray) -> FloatArray:
+    """The marker ``(6,)`` whose residuals ``(*, R)`` cost least by Cauchy's loss of each number.
+
+    By Levenberg and Marquardt's steps; the damping also holds the length of the normal, which
+    nothing tells.
+    """
+    found, damping = vectors(marker), 1e-3
+    for _ in range(_FITTED_ROUNDS):
+        ahead, back = (vectors(marker + step * np.eye(6)) for step in (_STEP, -_STEP))
+        slopes = (ahead - back).T / (2.0 * _STEP)
+        weighed = slopes.T / (1.0 + (found / _FITTED_WIDTH) ** 2)
+        normal = weighed @ slopes
+        held = damping * np.diag(np.diagonal(normal) + 1e-12 * np.trace(normal))
+        other = marker - np.linalg.lstsq(normal + held, weighed @ found, rcond=None)[0]
+        moved = vectors(other)
+        saved = float(np.sum(np.log1p((found / _FITTED_WIDTH) ** 2)))
+        saved -= float(np.sum(np.log1p((moved / _FITTED_WIDTH) ** 2)))
+        if saved <= 0.0:
+            damping *= 10.0
+            if damping > _STIFF:
+                break
+            continue
+        marker, found, damping = other, moved, 0.1 * damping
+        if saved < _SETTLED:
+            break
+    return marker
+
+
+def _deviation(sizes: tuple[Sizes, Sizes, Sizes], spread: FloatArray) -> FloatArray:
+    """Deviations ``(K, 6)`` of measured poses from what a path makes that others tell."""
+    noise, density = (np.repeat(pair, 3) for pair in zip(*sizes[:2], strict=True))
+    variance = 2.0 * noise**2 + (_PROCESS_FACTOR * density) ** 2 * spread[:, None]
+    return np.asarray(np.sqrt(variance), dtype=np.float64)
+
+
+def _bridge_variance(before_s: FloatArray, behind_s: FloatArray) -> FloatArray:
     """What white acceleration of unit density does to poses ``(K,)`` between known ones.
 
     With states known a seconds before and b behind, ``a³ b³ / 3 (a + b)³``; with one, ``a³ / 3``.
     """
-    own = time_s[run]
-    before = own - time_s[run.start - 1] if run.start > 0 else np.full(len(own), np.inf)
-    behind = time_s[run.stop] - own if run.stop < len(time_s) else np.full(len(own), np.inf)
-    return np.asarray((1.0 / before + 1.0 / behind) ** -3.0 / 3.0, dtype=np.float64)
+    return np.asarray((1.0 / before_s + 1.0 / behind_s) ** -3.0 / 3.0, dtype=np.float64)
 
 
 def _markers(poses: Motor, expected: _Expected, rows: IntArray, noise_rad: float) -> FloatArray:

@@ -10,12 +10,15 @@ likelier of the two models is taken. Rotation, translation and scale are searche
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import exp, log
 
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.fusion.smoothing.batch.columns import ColumnModel
 from motorcade.fusion.smoothing.batch.inliers import Sizes, inlier_poses
 from motorcade.fusion.smoothing.causal import (
     ConstantAccelerationFilter,
@@ -26,7 +29,11 @@ from motorcade.fusion.smoothing.checks import in_double
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 
+_LOG = logging.getLogger("motorcade.smooth")
+
 FEWEST_POSES = 16
+# Stamps in milliseconds that are read as seconds lie at least so far apart, up to 1 kHz.
+_COARSE_S = 1.0
 # The likelihood is taken over so many poses at most, in a few stretches of the path.
 _STRETCHES, _STRETCH = 4, 1000
 _ROUNDS = 2
@@ -197,3 +204,13 @@ def _filter(order: int, sizes: list[Sizes], representation: str) -> KalmanFilter
         scale.noise,
         representation,
     )
+
+
+def warn_of_untold(models: Sequence[ColumnModel], interval_s: float) -> None:
+    """Where no column tells its noise and poses lie far apart, stamps may be in another unit."""
+    if interval_s >= _COARSE_S and all(one.untold for one in models):
+        _LOG.warning(
+            "no axis tells its noise, and stamps lie %.3g s apart. Are they milliseconds? Seconds "
+            "are expected; divide by 1e3",
+            interval_s,
+        )

@@ -1,4 +1,8 @@
-"""The most probable path as a problem of least squares, and its descent; see `robust_map`."""
+"""The most probable path as a problem of least squares, and its descent; see `robust_map`.
+
+The state of a pose is its small move and the change of its velocity, 2 d numbers. Normal equations
+couple neighbours only, and are factored from the first pose to the last (`native/robust_map.h`).
+"""
 
 from __future__ import annotations
 
@@ -8,14 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged
-from motorcade.fusion.smoothing.batch.tridiagonal import (
-    Between,
-    Equations,
-    between,
-    component_sizes,
-    prior_cost,
-    solved,
-)
+from motorcade.fusion.smoothing.native import _robust_map
 from motorcade.fusion.smoothing.representations import Representation
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray
@@ -23,9 +20,9 @@ from motorcade.ga.arrays import FloatArray
 # The loss is this much wider than its own width at first, and halves until it is not.
 _WIDEST = 8.0
 LAST_STEPS = 60
-# Largest move of a last step, in deviations of the noise.
-_CONVERGED = 1e-5
-_NO_MORE_DAMPING = 1e8
+# Largest move of a last step, in deviations of the noise; and where the loss narrows again anyway,
+# which only has to lead to where that begins.
+_CONVERGED, _NEARLY = 1e-5, 0.1
 
 
 class PathState(NamedTuple):
@@ -35,13 +32,26 @@ class PathState(NamedTuple):
     velocity: FloatArray
 
 
-class Linear(NamedTuple):
-    """A state with its residuals and their derivatives."""
+class Charged(NamedTuple):
+    """A state, what its poses and the prior are charged, and squared residuals ``(N,)``."""
 
     state: PathState
-    steps: Between
-    measured: Between
+    cost: float
     squares: FloatArray
+
+
+def component_sizes(
+    representation: Representation, count: int, rotation: float, translation: float, scale: float
+) -> FloatArray:
+    """Sizes ``(d,)`` of the components of a difference for sizes in rad, m and log scale.
+
+    A small turn changes quaternion components by half of it, and so does a small shift the dual
+    part of a dual quaternion near the origin (further off, components are larger than that).
+    """
+    (turning, shifting), (a_radian, a_metre) = representation.ends, representation.units
+    sizes = np.full(count, scale)
+    sizes[:turning], sizes[turning:shifting] = a_radian * rotation, a_metre * translation
+    return sizes
 
 
 class Problem:
@@ -63,16 +73,15 @@ class Problem:
         self.noise = component_sizes(representation, d, *(size.noise for size in sizes))
         self.density = component_sizes(representation, d, *(size.acceleration for size in sizes))
 
-    def narrowed(self, loss: str, width: float) -> Linear:
+    def narrowed(self, loss: str, width: float) -> PathState:
         """The path of the poses to start from alone, by a loss that narrows down to its width."""
-        guess = self._first_guess()
-        self.measured = self.written(self.poses, guess.coordinates)
-        linear = self.linearised(guess)
+        state = self._first_guess()
+        self.measured = self.written(self.poses, state.coordinates)
         wide = _WIDEST * width
         while loss != "squares" and wide > width:
-            linear = self.descended(linear, loss, wide, self.start, steps=3)
+            state = self.descended(state, loss, wide, self.start, 3, _NEARLY).state
             wide *= 0.5
-        return linear
+        return state
 
     def written(self, poses: Motor | Similarity, near: FloatArray) -> FloatArray:
         """Coordinates of poses ``(K,)``, on the branches nearest to others ``(K, D)``."""
@@ -93,52 +102,38 @@ class Problem:
         velocity = np.concatenate([rate[:1], 0.5 * (rate[1:] + rate[:-1]), rate[-1:]])
         return PathState(coordinates, velocity)
 
-    def linearised(self, state: PathState) -> Linear:
-        """Residuals and derivatives at a state."""
-        x = state.coordinates
-        measured = between(self.representation, self.measured, x)
-        squares = np.sum((measured.vector / self.noise) ** 2, axis=1)
-        return Linear(state, between(self.representation, x[:-1], x[1:]), measured, squares)
-
-    def information(
-        self, linear: Linear, loss: str, width: float, among: NDArray[np.bool_]
-    ) -> FloatArray:
-        """Of the components of each measured pose ``(N, d)``, weights included."""
-        weight = loss_weights(linear.squares, loss, width) * among
-        return np.asarray(weight[:, None] * self.noise**-2.0, dtype=np.float64)
-
-    def equations(self, linear: Linear, information: FloatArray) -> Equations:
-        """The normal equations of a step."""
-        return Equations.of(
-            self.interval_s,
-            self.density,
-            linear.steps,
-            linear.state.velocity,
-            linear.measured,
-            information,
-        )
+    def charged(
+        self, state: PathState, loss: str, width: float, among: NDArray[np.bool_]
+    ) -> Charged:
+        """What the prior and some of the poses charge at a state."""
+        return self.descended(state, loss, width, among, steps=0)
 
     def descended(
-        self, linear: Linear, loss: str, width: float, among: NDArray[np.bool_], steps: int
-    ) -> Linear:
+        self,
+        state: PathState,
+        loss: str,
+        width: float,
+        among: NDArray[np.bool_],
+        steps: int,
+        converged: float = _CONVERGED,
+    ) -> Charged:
         """Lower the cost of a loss over some of the poses until it does not fall any more."""
-        damping = 0.0
-        cost = self.cost(linear, loss, width, among)
-        for _ in range(steps):
-            equations = self.equations(linear, self.information(linear, loss, width, among))
-            while True:
-                move = solved(equations, damping)
-                tried = self.linearised(self.retract(linear.state, move))
-                found = self.cost(tried, loss, width, among)
-                if found <= cost * (1.0 + 1e-12) or damping > _NO_MORE_DAMPING:
-                    break
-                damping = max(10.0 * damping, 1e-6)
-            if found > cost * (1.0 + 1e-12):
-                return linear
-            linear, cost, damping = tried, found, 0.1 * damping
-            if np.max(np.abs(move[:, : len(self.noise)]) / self.noise) < _CONVERGED:
-                break
-        return linear
+        moved = PathState(*(np.array(one, order="C") for one in state))
+        squares = np.empty(len(self.time_s))
+        cost = _robust_map.descend(
+            self._kind(), self._given(among), (loss, width), moved, steps, converged, squares
+        )
+        return Charged(moved, cost, squares)
+
+    def stepped(
+        self, state: PathState, loss: str, width: float, pull: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """The step downhill ``(N, 2 d)``, and those that pulls ``(N, 2 d, k)`` would make."""
+        alone = np.empty((len(self.time_s), 2 * len(self.noise)))
+        along = np.array(pull, order="C")
+        given = self._given(np.ones(len(self.time_s), np.bool_))
+        _robust_map.step(self._kind(), given, (loss, width), state, alone, along)
+        return alone, along
 
     def retract(self, state: PathState, move: FloatArray) -> PathState:
         """The state a step ``(N, 2 d)`` on."""
@@ -146,10 +141,15 @@ class Problem:
         coordinates = self.representation.retract(state.coordinates, move[:, :d])
         return PathState(coordinates, state.velocity + move[:, d:])
 
-    def cost(self, linear: Linear, loss: str, width: float, among: NDArray[np.bool_]) -> float:
-        """What the prior and some of the poses charge."""
-        prior = prior_cost(self.interval_s, self.density, linear.steps, linear.state.velocity)
-        return prior + float(np.sum(_charged(linear.squares, loss, width)[among]))
+    def _kind(self) -> tuple[str, bool]:
+        beside = self.representation.scale_beside and isinstance(self.poses, Similarity)
+        return self.representation.compiled, beside
+
+    def _given(
+        self, among: NDArray[np.bool_]
+    ) -> tuple[FloatArray, FloatArray, NDArray[np.bool_], FloatArray, FloatArray]:
+        measured = np.ascontiguousarray(self.measured)
+        return self.interval_s, measured, among, self.noise, self.density
 
 
 def with_rigid(poses: Motor | Similarity, rigid: Motor) -> Motor | Similarity:
@@ -157,16 +157,6 @@ def with_rigid(poses: Motor | Similarity, rigid: Motor) -> Motor | Similarity:
     if isinstance(poses, Similarity):
         return Similarity.from_motor_scale(rigid, poses.scale)
     return rigid
-
-
-def _charged(squares: FloatArray, loss: str, width: float) -> FloatArray:
-    """``ρ(s)``, equal to s where it is small."""
-    if loss == "cauchy":
-        return np.asarray(width**2 * np.log1p(squares / width**2), dtype=np.float64)
-    if loss == "huber":
-        beyond = 2.0 * width * np.sqrt(squares) - width**2
-        return np.where(squares <= width**2, squares, beyond)
-    return squares
 
 
 def loss_weights(squares: FloatArray, loss: str, width: float) -> FloatArray:

@@ -42,14 +42,14 @@ from numpy.typing import NDArray
 from motorcade.fusion.smoothing.batch.inliers import Sizes, inlier_poses
 from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
 from motorcade.fusion.smoothing.batch.problem import LAST_STEPS, Problem, loss_weights, with_rigid
-from motorcade.fusion.smoothing.checks import checked_length, in_double
+from motorcade.fusion.smoothing.checks import checked_length, checked_size, in_double
 from motorcade.fusion.smoothing.representations import (
     Representation,
     representation_named,
     restored,
 )
 from motorcade.ga import Trajectory
-from motorcade.ga.arrays import FloatArray, checked_positive
+from motorcade.ga.arrays import FloatArray
 
 # Times √2 τ after which 1e-9 is left.
 _FADED = 21.0
@@ -86,8 +86,6 @@ def _overlap(time_s: FloatArray, sizes: Sequence[Sizes]) -> int:
     return min(len(time_s), ceil(reach) + _REJECTED_POSES)
 
 
-# Squares of sizes, and their products with those of the other kind, must not overflow.
-_SMALLEST = 1e-30
 LOSSES = ("cauchy", "huber", "squares")
 # Poses that count less are rejected; runs of them may be read otherwise so many times.
 _REJECTED, _READINGS = 0.1, 2
@@ -156,7 +154,6 @@ def robust_map(
 
     Raises:
         ValueError: a size that is not positive, an unknown loss, a single pose.
-        ModuleNotFoundError: scipy is missing.
     """
     return estimate_path(
         trajectory,
@@ -200,11 +197,11 @@ def estimate_path(
         >>> print(int(found.rejected.sum()), "of", len(wild), "poses rejected")
         4 of 121 poses rejected
     """
-    chosen = representation_named(representation)
+    chosen = representation_named(representation, trajectory.poses)
     checked_length(trajectory, 2, "robust_map")
     if loss not in LOSSES:
         raise ValueError(f"loss: expected one of {', '.join(LOSSES)}, got {loss!r}")
-    _check_size(width, "width", "deviations")
+    checked_size(width, "width", "deviations")
     given = {
         "acceleration_m_s2": acceleration_m_s2,
         "angular_acceleration_rad_s2": angular_acceleration_rad_s2,
@@ -214,7 +211,7 @@ def estimate_path(
         "noise_scale": noise_scale,
     }
     for name, value in given.items():
-        _check_size(value, name, "its unit")
+        checked_size(value, name, "its unit")
     sizes = (
         Sizes(noise_rad, angular_acceleration_rad_s2),
         Sizes(noise_m, acceleration_m_s2),
@@ -227,13 +224,6 @@ def estimate_path(
         last = made[-1].velocity[-1] if made else None
         made.append(_kept(found, part.kept, last, chosen.signed))
     return made[0] if len(made) == 1 else _joined(made, trajectory)
-
-
-def _check_size(value: float, name: str, unit: str) -> None:
-    if not _SMALLEST <= checked_positive(value, name, unit) <= 1.0 / _SMALLEST:
-        raise ValueError(
-            f"{name}: expected {_SMALLEST:g} to {1.0 / _SMALLEST:g} of {unit}, got {value}"
-        )
 
 
 def _kept(found: RobustPath, rows: slice, last: FloatArray | None, signed: int) -> RobustPath:
@@ -282,20 +272,21 @@ def _estimated(
         if reading or np.any(mirrored):
             kept = inlier_poses(time_s, poses.rigid, *sizes[:2])
         problem = Problem(representation, time_s, poses, kept, sizes)
-        linear = problem.descended(
+        found = problem.descended(
             problem.narrowed(loss, width), loss, width, np.ones_like(kept), LAST_STEPS
         )
         if loss == "squares":
             break
-        kept = loss_weights(linear.squares, loss, width) >= _REJECTED
-    squares = linear.squares
+        kept = loss_weights(found.squares, loss, width) >= _REJECTED
+    squares = found.squares
     if np.any(mirrored):
         problem.measured = representation.coordinates(trajectory.poses)
-        squares = np.where(mirrored, problem.linearised(linear.state).squares, squares)
+        as_measured = problem.charged(found.state, loss, width, np.ones_like(kept))
+        squares = np.where(mirrored, as_measured.squares, squares)
     return RobustPath(
-        restored(representation, linear.state.coordinates, trajectory),
+        restored(representation, found.state.coordinates, trajectory),
         loss_weights(squares, loss, width),
         np.sqrt(squares),
         mirrored,
-        linear.state.velocity,
+        found.state.velocity,
     )

@@ -19,6 +19,8 @@ from motorcade.ga.stamps import stretches
 
 # As the fit of motors: decides what the poses leave open, and nothing else.
 _SMOOTHNESS = 1e-6
+# Poses that are taken from a spline at once, for the sake of memory.
+_CHUNK = 4096
 
 
 def spline(
@@ -78,7 +80,11 @@ def _smoothed(
 
 
 def _motors(trajectory: Trajectory, spacing_s: float) -> Motor:
-    return CumulativeBSpline.fit(trajectory, spacing_s).at(trajectory.time_ns)
+    fitted, made = CumulativeBSpline.fit(trajectory, spacing_s), np.empty((len(trajectory), 8))
+    for start in range(0, len(trajectory), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        made[part] = fitted.at(trajectory.time_ns[part]).coefficients
+    return Motor(made)
 
 
 def _components(trajectory: Trajectory, values: FloatArray, spacing_s: float) -> FloatArray:

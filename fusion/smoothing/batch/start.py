@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-import logging
 from dataclasses import dataclass
-from importlib.util import find_spec
 
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.batch.apart import Measured, chosen_models
+from motorcade.fusion.smoothing.batch.columns import NO_JUMPS
 from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, inlier_poses
 from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
 from motorcade.fusion.smoothing.batch.noise import first_sizes
+from motorcade.fusion.smoothing.batch.per_axis import Measured, chosen_models
+from motorcade.fusion.smoothing.batch.predicted import with_unpredicted
 from motorcade.fusion.smoothing.batch.problem import with_rigid
 from motorcade.fusion.smoothing.representations import REPRESENTATIONS, Representation
 from motorcade.fusion.smoothing.window import gaussian
 from motorcade.ga import Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 
-log = logging.getLogger("motorcade.smooth")
-
-# Runs of so many rejected poses may be a flat marker's other candidate, read with a loss so wide.
-_RUN, _WIDTH = 4, 3.5
+# Runs of a flat marker's other candidate are read with a loss so wide.
+_WIDTH = 3.5
 # Deviation of the window that a first path is averaged by, in usual intervals.
 _FIRST_WINDOW = 2.0
 # Stamps that are off even ones by no more than this share of the interval are taken as they are.
@@ -40,7 +38,8 @@ class PathStart:
 
     Fields:
         trajectory: with runs of a marker's other candidate mirrored back.
-        weights: 1 where a pose belongs to the chain, else 0.
+        weights: 1 where a pose belongs to the chain, or the chain does not tell where it should be
+            (see `predicted`), else 0.
         mirrored: which poses were.
     """
 
@@ -58,19 +57,17 @@ class PathStart:
             return cls(trajectory, kept.astype(np.float64), mirrored)
         sizes = cls(trajectory, kept.astype(np.float64), mirrored)._sizes()
         kept = inlier_poses(time_s, poses.rigid, *sizes[:2])
-        if _has_runs(kept):
-            rigid, mirrored = mirrored_back(time_s, poses.rigid, kept, sizes, _WIDTH)
-            if np.any(mirrored):
-                poses = with_rigid(poses, rigid)
-                kept = inlier_poses(time_s, rigid, *sizes[:2])
-                trajectory = Trajectory(
-                    trajectory.time_ns, poses, trajectory.parent, trajectory.child
-                )
+        rigid, mirrored = mirrored_back(time_s, poses.rigid, kept, sizes, _WIDTH)
+        if np.any(mirrored):
+            poses = with_rigid(poses, rigid)
+            kept = inlier_poses(time_s, rigid, *sizes[:2])
+            trajectory = Trajectory(trajectory.time_ns, poses, trajectory.parent, trajectory.child)
+        kept = with_unpredicted(time_s, poses.rigid, kept)
         return cls(trajectory, kept.astype(np.float64), mirrored)
 
     def _sizes(self) -> tuple[Sizes, Sizes, Sizes]:
         """Noise and white acceleration of rotation, translation and scale, the likeliest."""
-        measured, path = self.written(REPRESENTATIONS["rotor"], False)
+        measured, path = self.written(REPRESENTATIONS["rotor"])
         columns = chosen_models(measured, path, self.weights, (1,), float("inf")).columns
         made = [
             Sizes(
@@ -81,7 +78,7 @@ class PathStart:
         ]
         return made[0], made[1], made[2]
 
-    def written(self, representation: Representation, even: bool) -> tuple[Measured, FloatArray]:
+    def written(self, representation: Representation) -> tuple[Measured, FloatArray]:
         """The measured poses, and the chain's with what lies between them, as coordinates."""
         poses, kept = self.trajectory.poses, self.weights > 0.0
         time_s = self.trajectory.time_s
@@ -98,30 +95,18 @@ class PathStart:
             steady = Trajectory(self.trajectory.time_ns, between)
             between = gaussian(steady, representation, sigma_s=_FIRST_WINDOW * usual_s).poses
         path = representation.coordinates(between)
-        own = representation.coordinates(poses)
-        given_s = even_stamps(time_s) if even else None
-        return (
-            Measured(
-                representation,
-                time_s - time_s[0] if given_s is None else given_s,
-                np.array(representation.continued(own, path)),
-            ),
-            path,
+        return self.measured(representation, path), path
+
+    def measured(self, representation: Representation, path: FloatArray) -> Measured:
+        """The measured poses as coordinates on the branches of a path ``(N, D)``."""
+        own = representation.coordinates(self.trajectory.poses)
+        time_s = self.trajectory.time_s
+        return Measured(
+            representation,
+            time_s - time_s[0],
+            np.array(representation.continued(own, path)),
+            NO_JUMPS,
         )
-
-
-def _has_runs(kept: NDArray[np.bool_]) -> bool:
-    """Whether there are runs to be read, and scipy to read them; a warning where it is missing."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], ~kept, [0]])))
-    if not np.any(edges[1::2] - edges[::2] >= _RUN):
-        return False
-    if find_spec("scipy") is not None:
-        return True
-    log.warning(
-        "auto: runs of wrong poses are left out; reading them as a flat marker's other candidate "
-        "needs the Python package 'scipy' (pip install \"motorcade[pipeline]\" brings it)"
-    )
-    return False
 
 
 def even_stamps(time_s: FloatArray) -> FloatArray | None:
@@ -138,8 +123,7 @@ def even_stamps(time_s: FloatArray) -> FloatArray | None:
         return None
     finest = 0.25 / span
     rates = (1.0 + np.arange(-_DETUNED, _DETUNED, finest)) / usual_s
-    lines = [abs(np.mean(np.exp(2j * np.pi * rate * passed_s[:count]))) for rate in rates]
-    each_s, first_s = 1.0 / rates[int(np.argmax(lines))], 0.0
+    each_s, first_s = 1.0 / rates[int(np.argmax(_lines(rates, passed_s[:count])))], 0.0
     turn = np.mean(np.exp(2j * np.pi / each_s * passed_s[:count]))
     first_s = float(np.angle(turn)) / (2.0 * np.pi) * each_s
     while True:
@@ -154,6 +138,16 @@ def even_stamps(time_s: FloatArray) -> FloatArray | None:
     if np.max(np.abs(even_s - passed_s)) <= _STEADY * each_s:
         return None
     return np.asarray(even_s - even_s[0], dtype=np.float64)
+
+
+def _lines(rates: FloatArray, time_s: FloatArray) -> FloatArray:
+    """Strength of a spectrum at evenly spaced rates: a phase is that of every so many-th rate,
+    turned by what the rates between differ by.
+    """
+    each = int(np.ceil(np.sqrt(len(rates))))
+    some = np.exp(2j * np.pi * rates[::each, None] * time_s)
+    between = np.exp(2j * np.pi * (rates[:each, None] - rates[0]) * time_s)
+    return np.asarray(np.abs(some @ between.T).ravel()[: len(rates)], dtype=np.float64)
 
 
 def _root_mean_square(sizes: list[float]) -> float:

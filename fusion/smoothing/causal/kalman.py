@@ -39,6 +39,7 @@ from motorcade.fusion.smoothing.causal.stream import (
     trajectory_of,
 )
 from motorcade.fusion.smoothing.native import _scans
+from motorcade.fusion.smoothing.representations import representation_named
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
 
@@ -75,7 +76,11 @@ class KalmanFilter(CausalFilter):
     def _scan(self, scale: bool) -> _scans.Scan:
         first = self.noise[0].tolist()
         return _scans.kalman(
-            self.representation, scale, self.order, self.densities, (first[0], first[1], first[2])
+            self._averaged_as.compiled,
+            scale,
+            self.order,
+            self.densities,
+            (first[0], first[1], first[2]),
         )
 
     def update(
@@ -345,10 +350,12 @@ def smoothed_states(trajectory: Trajectory, model: KalmanFilter) -> SmoothedStat
         >>> print(f"the middle position is known to {1e3 * position_m:.1f} mm an axis")
         the middle position is known to 5.3 mm an axis
     """
-    ends, _, _ = _scans.layout(model.representation, isinstance(trajectory.poses, Similarity))
+    representation = representation_named(model.representation)
+    ends, _, _ = _scans.layout(representation.compiled, isinstance(trajectory.poses, Similarity))
     rates = np.empty((len(trajectory), model.order, ends[-1]))
     deviations = np.empty((len(trajectory), len(ends), model.order + 1))
     smoothed, log_likelihood = _scanned(trajectory, model, (rates, deviations))
+    rates = representation.vectors_from_compiled(rates)
     for array in (rates, deviations):
         array.setflags(write=False)
     return SmoothedStates(smoothed, rates, deviations, log_likelihood)
@@ -364,10 +371,11 @@ def _scanned(
     model: KalmanFilter,
     states: tuple[FloatArray, FloatArray] | None = None,
 ) -> tuple[Trajectory, float]:
-    given = coefficients_of(trajectory)
+    representation = representation_named(model.representation)
+    given = coefficients_of(trajectory, representation)
     out = np.empty_like(given)
     log_likelihood = _scans.rts(
-        model.representation,
+        representation.compiled,
         isinstance(trajectory.poses, Similarity),
         model.order,
         given,
@@ -377,7 +385,7 @@ def _scanned(
         out,
         states,
     )
-    return trajectory_of(trajectory, out), log_likelihood
+    return trajectory_of(trajectory, out, representation), log_likelihood
 
 
 rts_constant_velocity = FilterMethod(ConstantVelocityFilter, _smoothed)

@@ -49,7 +49,8 @@ class CausalFilter(ABC):
     _cutoffs_hz: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, representation: str = "motor") -> None:
-        self.representation = representation_named(representation).name
+        self._averaged_as = representation_named(representation)
+        self.representation = representation
         self.reset()
 
     @abstractmethod
@@ -78,8 +79,8 @@ class CausalFilter(ABC):
         if running is None or type(pose) is not self._kind:
             running = self._begin(pose)
         out = np.empty(pose._size)
-        running.update(pose.coefficients, time_ns, out)
-        return pose._trusted(out)
+        running.update(self._averaged_as.to_compiled(pose).coefficients, time_ns, out)
+        return self._averaged_as.from_compiled(pose._trusted(out))
 
     def smooth(self, trajectory: Trajectory) -> Trajectory:
         """What `update` gives for a trajectory's poses in turn, to the last bit.
@@ -98,10 +99,10 @@ class CausalFilter(ABC):
     def _run(
         self, scan: Scan, trajectory: Trajectory, noise: FloatArray | None = None
     ) -> Trajectory:
-        given = coefficients_of(trajectory)
+        given = coefficients_of(trajectory, self._averaged_as)
         out = np.empty_like(given)
         scan.run(given, trajectory.time_ns, out, noise)
-        return trajectory_of(trajectory, out)
+        return trajectory_of(trajectory, out, self._averaged_as)
 
     def _begin(self, pose: Motor | Similarity) -> Scan:
         if not isinstance(pose, Motor | Similarity):
@@ -118,14 +119,17 @@ class CausalFilter(ABC):
         return self._running
 
 
-def coefficients_of(trajectory: Trajectory) -> FloatArray:
+def coefficients_of(trajectory: Trajectory, representation: Representation) -> FloatArray:
     """Coefficients ``(N, 8)`` or ``(N, 12)`` as the compiled scans want them."""
-    return np.ascontiguousarray(trajectory.poses.coefficients, dtype=np.float64)
+    poses = representation.to_compiled(trajectory.poses)
+    return np.ascontiguousarray(poses.coefficients, dtype=np.float64)
 
 
-def trajectory_of(like: Trajectory, coefficients: FloatArray) -> Trajectory:
+def trajectory_of(
+    like: Trajectory, coefficients: FloatArray, representation: Representation
+) -> Trajectory:
     """Scanned coefficients with the stamps and frames of the trajectory that was scanned."""
-    poses = type(like.poses)._trusted(coefficients)
+    poses = representation.from_compiled(type(like.poses)._trusted(coefficients))
     return Trajectory(like.time_ns, poses, like.parent, like.child)
 
 

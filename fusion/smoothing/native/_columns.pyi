@@ -1,10 +1,13 @@
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 def spline(
     time_s: FloatArray,
     values: FloatArray,
     weights: FloatArray,
+    jumps: IntArray,
     order: int,
     density: float,
-    out: tuple[FloatArray, FloatArray, FloatArray] | None = None,
-) -> tuple[float, float, float]: ...
+    memory_s: float,
+    out: tuple[FloatArray, FloatArray, FloatArray, FloatArray] | None = None,
+    shocks: FloatArray | None = None,
+) -> tuple[float, list[float], float]: ...

@@ -5,9 +5,11 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <stdexcept>
+#include <vector>
 
 #include "columns.h"
 
@@ -18,38 +20,20 @@ using namespace motorcade::smooth;
 namespace {
 
 using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Places = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Made = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using MadeRows = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using Out = std::tuple<MadeRows, MadeRows, Made>;
+using MadeShocks = nb::ndarray<double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
+using Out = std::tuple<MadeRows, MadeRows, Made, Made>;
 
 void expect(bool holds, const char *what) {
     if (!holds) throw std::invalid_argument(what);
 }
 
-template <std::size_t Order, std::size_t D>
-Innovations run(const Column &given, double density, const std::optional<Spline> &out) {
-    Columns<Order, D> columns(given, density);
-    return out ? columns.smooth(*out) : columns.filter();
-}
-
-template <std::size_t Order>
-Innovations run(std::size_t columns, const Column &given, double density,
-                const std::optional<Spline> &out) {
-    switch (columns) {
-    case 1:
-        return run<Order, 1>(given, density, out);
-    case 3:
-        return run<Order, 3>(given, density, out);
-    case 4:
-        return run<Order, 4>(given, density, out);
-    default:
-        throw std::invalid_argument("values: expected 1, 3 or 4 columns");
-    }
-}
-
-nb::tuple spline(const Numbers &time_s, const Rows &values, const Numbers &weights, int order,
-                 double density, const std::optional<Out> &out) {
+nb::tuple spline(const Numbers &time_s, const Rows &values, const Numbers &weights,
+                 const Places &jumps, int order, double density, double memory_s,
+                 const std::optional<Out> &out, const std::optional<MadeShocks> &shocks) {
     const std::size_t count = time_s.shape(0), columns = values.shape(1);
     expect(values.shape(0) == count && weights.shape(0) == count,
            "columns: expected stamps, values and weights of equal length");
@@ -60,39 +44,72 @@ nb::tuple spline(const Numbers &time_s, const Rows &values, const Numbers &weigh
            "weights: expected more values than derivatives");
     std::optional<Spline> made;
     if (out) {
-        const auto &[smoothed, left_out, variance] = *out;
+        const auto &[smoothed, left_out, variance, spread] = *out;
         expect(smoothed.shape(0) == count && smoothed.shape(1) == columns &&
                    variance.shape(0) == count && left_out.shape(0) == count &&
-                   left_out.shape(1) == columns,
+                   left_out.shape(1) == columns && spread.shape(0) == count,
                "out: expected arrays as large as the values");
-        made = Spline{smoothed.data(), left_out.data(), variance.data()};
+        expect(!shocks || (shocks->shape(0) == count && shocks->shape(1) == columns &&
+                           shocks->shape(2) == 2),
+               "shocks: expected two numbers a value");
+        made = Spline{smoothed.data(), left_out.data(), variance.data(), spread.data(),
+                      shocks ? shocks->data() : nullptr};
     }
-    const Column given{time_s.data(), values.data(), weights.data(), count};
-    Innovations found;
+    const Column given{time_s.data(), values.data(), weights.data(),
+                       count,         jumps.data(),  jumps.shape(0)};
+    double rows = 0.0, logarithms = 0.0;
+    std::vector<double> squares;
+    // Innovations of as many columns as there are; their number is one of the program's own.
+    const auto run = [&]<std::size_t Order, std::size_t D>() {
+        const auto of_noise = [&]<bool COLOURED>() {
+            Columns<Order, D, COLOURED> splines(given, density, memory_s);
+            return made ? splines.smooth(*made) : splines.filter();
+        };
+        const auto found = memory_s > 0.0 ? of_noise.template operator()<true>()
+                                          : of_noise.template operator()<false>();
+        rows = found.rows, logarithms = found.logarithms;
+        squares.assign(found.squares.begin(), found.squares.end());
+    };
+    const auto of_order = [&]<std::size_t Order>() {
+        switch (columns) {
+        case 1:
+            return run.template operator()<Order, 1>();
+        case 6:
+            return run.template operator()<Order, 6>();
+        case 7:
+            return run.template operator()<Order, 7>();
+        case 8:
+            return run.template operator()<Order, 8>();
+        case 9:
+            return run.template operator()<Order, 9>();
+        default:
+            throw std::invalid_argument("values: expected 1, or 6 to 9 columns");
+        }
+    };
     {
         nb::gil_scoped_release unlocked;
         switch (order) {
         case 0:
-            found = run<0>(columns, given, density, made);
+            of_order.operator()<0>();
             break;
         case 1:
-            found = run<1>(columns, given, density, made);
+            of_order.operator()<1>();
             break;
         case 2:
-            found = run<2>(columns, given, density, made);
+            of_order.operator()<2>();
             break;
         default:
-            found = run<3>(columns, given, density, made);
+            of_order.operator()<3>();
             break;
         }
     }
-    return nb::make_tuple(found.rows, found.squares, found.logarithms);
+    return nb::make_tuple(rows, squares, logarithms);
 }
 
 }  // namespace
 
 NB_MODULE(_columns, module) {
     module.doc() = "Smoothing splines of columns; see motorcade.fusion.smoothing.batch.columns.";
-    module.def("spline", &spline, "time_s"_a, "values"_a, "weights"_a, "order"_a, "density"_a,
-               "out"_a = nb::none());
+    module.def("spline", &spline, "time_s"_a, "values"_a, "weights"_a, "jumps"_a, "order"_a,
+               "density"_a, "memory_s"_a, "out"_a = nb::none(), "shocks"_a = nb::none());
 }

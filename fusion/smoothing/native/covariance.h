@@ -7,51 +7,61 @@
 #include <cmath>
 #include <cstddef>
 
+#include "lanes.h"
 #include "vectors.h"
 
 namespace motorcade::smooth {
 
 template <std::size_t N> using Square = std::array<std::array<double, N>, N>;
 
-template <std::size_t N> Square<N> product(const Square<N> &a, const Square<N> &b) {
-    Square<N> made{};
-    for (std::size_t i = 0; i < N; ++i)
-        for (std::size_t k = 0; k < N; ++k)
-            for (std::size_t j = 0; j < N; ++j) made[i][j] += a[i][k] * b[k][j];
+template <std::size_t N>
+MOTORCADE_INLINE Square<N> product(const Square<N> &a, const Square<N> &b) {
+    Square<N> made;
+    for (std::size_t i = 0; i < N; ++i) {
+        LaneRow<N> row;
+        for (std::size_t k = 0; k < N; ++k) row.add(a[i][k], b[k].data());
+        row.write(made[i].data());
+    }
     return made;
 }
 
 // The upper factor U of a symmetric positive definite matrix Uᵀ U, its diagonal inverted; row by
-// row, so that all inner loops run along rows.
+// row, and whole rows, what is left of the diagonal meaning nothing.
 template <std::size_t N> struct Cholesky {
     Square<N> upper;
     double determinant = 1.0;
 
-    explicit Cholesky(const Square<N> &a) : upper(a) {
+    MOTORCADE_INLINE explicit Cholesky(const Square<N> &a) {
         for (std::size_t k = 0; k < N; ++k) {
+            LaneRow<N> row(a[k].data());
+            for (std::size_t m = 0; m < k; ++m) row.subtract(upper[m][k], upper[m].data());
+            row.write(upper[k].data());
             determinant *= upper[k][k];
-            const double inverse = upper[k][k] = 1.0 / std::sqrt(upper[k][k]);
-            for (std::size_t j = k + 1; j < N; ++j) upper[k][j] *= inverse;
-            for (std::size_t i = k + 1; i < N; ++i)
-                for (std::size_t j = i; j < N; ++j) upper[i][j] -= upper[k][i] * upper[k][j];
+            const double inverse = 1.0 / std::sqrt(upper[k][k]);
+            row.scale(inverse);
+            row.write(upper[k].data());
+            upper[k][k] = inverse;
         }
     }
 
     // a⁻¹ times N rows of M numbers, in place.
-    template <std::size_t M> void solve(std::array<std::array<double, M>, N> &rows) const {
-        for (std::size_t k = 0; k < N; ++k) {
-            for (std::size_t j = 0; j < M; ++j) rows[k][j] *= upper[k][k];
-            for (std::size_t i = k + 1; i < N; ++i)
-                for (std::size_t j = 0; j < M; ++j) rows[i][j] -= upper[k][i] * rows[k][j];
+    template <std::size_t M>
+    MOTORCADE_INLINE void solve(std::array<std::array<double, M>, N> &rows) const {
+        for (std::size_t i = 0; i < N; ++i) {
+            LaneRow<M> row(rows[i].data());
+            for (std::size_t k = 0; k < i; ++k) row.subtract(upper[k][i], rows[k].data());
+            row.scale(upper[i][i]);
+            row.write(rows[i].data());
         }
         for (std::size_t i = N; i-- > 0;) {
-            for (std::size_t k = i + 1; k < N; ++k)
-                for (std::size_t j = 0; j < M; ++j) rows[i][j] -= upper[i][k] * rows[k][j];
-            for (std::size_t j = 0; j < M; ++j) rows[i][j] *= upper[i][i];
+            LaneRow<M> row(rows[i].data());
+            for (std::size_t k = i + 1; k < N; ++k) row.subtract(upper[i][k], rows[k].data());
+            row.scale(upper[i][i]);
+            row.write(rows[i].data());
         }
     }
 
-    Vector<N> solved(Vector<N> right) const {
+    MOTORCADE_INLINE Vector<N> solved(Vector<N> right) const {
         for (std::size_t k = 0; k < N; ++k) {
             right[k] *= upper[k][k];
             for (std::size_t i = k + 1; i < N; ++i) right[i] -= upper[k][i] * right[k];
@@ -126,29 +136,38 @@ template <std::size_t N, std::size_t S> struct Covariance {
         }
         Gain gain{seen, Cholesky<N>(sum)};
         gain.factor.solve(gain.rows);
-        for (std::size_t i = N; i < ALL; ++i)
-            for (std::size_t c = 0; c < N; ++c)
-                for (std::size_t j = N; j < ALL; ++j) p[i][j] -= seen[c][i] * gain.rows[c][j];
-        for (std::size_t c = 0; c < N; ++c)
-            for (std::size_t j = 0; j < ALL; ++j) p[c][j] = variances[c] * gain.rows[c][j];
+        for (std::size_t i = N; i < ALL; ++i) {
+            LaneRow<ALL - N> row(&p[i][N]);
+            for (std::size_t c = 0; c < N; ++c) row.subtract(seen[c][i], &gain.rows[c][N]);
+            row.write(&p[i][N]);
+        }
+        for (std::size_t c = 0; c < N; ++c) {
+            LaneRow<ALL> row(gain.rows[c].data());
+            row.scale(variances[c]);
+            row.write(p[c].data());
+        }
         for (std::size_t i = N; i < ALL; ++i)
             for (std::size_t c = 0; c < N; ++c) p[i][c] = p[c][i];
-        mirror();
+        mirror(0, N);
+        mirror(N, ALL);
         return gain;
     }
 
-    // Q p⁻¹: of a residual behind a prediction `p` with that noise, how much is the noise's.
-    [[gnu::noinline]] Square<ALL> noise_share(const Vector<N> &densities, double dt) const {
+    // Q p⁻¹, p being factored: of a residual behind a prediction `p` with that noise, how much is
+    // the noise's.
+    [[gnu::noinline]] Square<ALL> noise_share(const Cholesky<ALL> &factor,
+                                              const Vector<N> &densities, double dt) const {
         Square<ALL> inverse{};
         for (std::size_t i = 0; i < ALL; ++i) inverse[i][i] = 1.0;
-        Cholesky<ALL>(p).solve(inverse);
+        factor.solve(inverse);
         return noise_times(densities, dt, inverse);
     }
 
     // The same times a residual.
-    [[gnu::noinline]] Vector<ALL> noise_share(const Vector<N> &densities, double dt,
+    [[gnu::noinline]] Vector<ALL> noise_share(const Cholesky<ALL> &factor,
+                                              const Vector<N> &densities, double dt,
                                               const Vector<ALL> &of) const {
-        const auto weighed = Cholesky<ALL>(p).solved(of);
+        const auto weighed = factor.solved(of);
         std::array<std::array<double, 1>, ALL> rows;
         for (std::size_t i = 0; i < ALL; ++i) rows[i][0] = weighed[i];
         rows = noise_times(densities, dt, rows);
@@ -192,7 +211,7 @@ template <std::size_t N, std::size_t S> struct Covariance {
         p = product(p, flipped);
         add_noise(densities, dt);
         p = product(known, p);
-        mirror();
+        mirror(0, ALL);
         propagate(turn, -dt);
     }
 
@@ -212,37 +231,47 @@ private:
         return made;
     }
 
-    void turned(const Square<N> &turn) {
+    MOTORCADE_INLINE void turned(const Square<N> &turn) {
         if constexpr (N > 1) {
-            std::array<std::array<double, ALL>, N> rows{};
-            for (std::size_t i = 0; i < N; ++i)
-                for (std::size_t k = 0; k < N; ++k)
-                    for (std::size_t j = 0; j < ALL; ++j) rows[i][j] += turn[i][k] * p[k][j];
-            Square<N> first{};
-            for (std::size_t i = 0; i < N; ++i)
-                for (std::size_t j = 0; j < N; ++j)
-                    for (std::size_t k = 0; k < N; ++k) first[i][j] += rows[i][k] * turn[j][k];
+            std::array<std::array<double, ALL>, N> rows;
+            Square<N> across;
             for (std::size_t i = 0; i < N; ++i) {
-                for (std::size_t j = 0; j < N; ++j) p[i][j] = first[i][j];
+                LaneRow<ALL> row;
+                for (std::size_t k = 0; k < N; ++k) row.add(turn[i][k], p[k].data());
+                row.write(rows[i].data());
+                for (std::size_t k = 0; k < N; ++k) across[k][i] = turn[i][k];
+            }
+            for (std::size_t i = 0; i < N; ++i) {
+                LaneRow<N> first;
+                for (std::size_t k = 0; k < N; ++k) first.add(rows[i][k], across[k].data());
+                first.write(p[i].data());
                 for (std::size_t j = N; j < ALL; ++j) p[i][j] = p[j][i] = rows[i][j];
             }
         }
     }
 
-    void drifted(double dt) {
+    MOTORCADE_INLINE void drifted(double dt) {
         const double half = 0.5 * dt * dt;
-        for (std::size_t i = 0; i + N < ALL; ++i)
-            for (std::size_t j = 0; j < ALL; ++j)
-                p[i][j] +=
-                    dt * p[i + N][j] + (i + 2 * N < ALL ? half * p[(i + 2 * N) % ALL][j] : 0.0);
+        for (std::size_t i = 0; i + N < ALL; ++i) moved<ALL>(p[i].data(), ALL * N, dt, half, i);
         for (auto &row : p)
-            for (std::size_t j = 0; j + N < ALL; ++j)
-                row[j] += dt * row[j + N] + (j + 2 * N < ALL ? half * row[(j + 2 * N) % ALL] : 0.0);
+            for (std::size_t j = 0; j + N < ALL; j += N) moved<N>(&row[j], N, dt, half, j);
     }
 
-    void mirror() {
-        for (std::size_t i = 0; i < ALL; ++i)
-            for (std::size_t j = 0; j < i; ++j) p[i][j] = p[j][i] = 0.5 * (p[i][j] + p[j][i]);
+    // Adds to numbers what lies one step behind them, and two: with `at` the component, where there
+    // is one.
+    template <std::size_t M>
+    MOTORCADE_INLINE static void moved(double *numbers, std::size_t step, double dt, double half,
+                                       std::size_t at) {
+        LaneRow<M> by;
+        by.add(dt, numbers + step);
+        if (at + 2 * N < ALL) by.add(half, numbers + 2 * step);
+        by.add(1.0, numbers);
+        by.write(numbers);
+    }
+
+    MOTORCADE_INLINE void mirror(std::size_t from, std::size_t to) {
+        for (std::size_t i = from; i < to; ++i)
+            for (std::size_t j = from; j < i; ++j) p[i][j] = p[j][i] = 0.5 * (p[i][j] + p[j][i]);
     }
 };
 

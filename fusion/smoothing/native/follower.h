@@ -21,13 +21,27 @@ struct Positions {
     using X = Three;
     static Three local(const X &x, const X &base) { return difference(x, base); }
     static X retract(const X &base, const Three &v) { return sum(base, v); }
+    static X normalized(const X &x) { return x; }
 };
 
 struct Rotations {
     using X = Four;
     static Three local(const X &x, const X &base) { return versors::local(base, x); }
+    static X normalized(const X &x) { return versors::renormalize(x); }
+
+    // From one pose to the next angles are small, and few terms tell cosine and sine to the last
+    // bit: with half the angle squared below 0.002 the next would be below 1e-19.
     static X retract(const X &base, const Three &v) {
-        return versors::renormalize(versors::retract(base, v));
+        const double x = 0.25 * dot(v, v), xx = x * x;
+        if (x > 2e-3) return versors::retract(base, v);
+        const double cosine =
+            1.0 - x / 2.0 + xx * (1.0 / 24.0 - x * (1.0 / 720.0) + xx * (1.0 / 40320.0));
+        const double sine = x * (1.0 / 12.0) - 0.5 + xx * (x * (1.0 / 10080.0) - 1.0 / 240.0);
+        const Three b = scaled(sine, v);
+        return {base[0] * cosine - base[1] * b[0] - base[2] * b[1] - base[3] * b[2],
+                base[0] * b[0] + base[1] * cosine + base[3] * b[1] - base[2] * b[2],
+                base[0] * b[1] + base[2] * cosine + base[1] * b[2] - base[3] * b[0],
+                base[0] * b[2] + base[3] * cosine + base[2] * b[0] - base[1] * b[1]};
     }
 };
 
@@ -62,12 +76,16 @@ public:
             now_.p[i][i] = WIDE * std::pow(dt, -2.0 * static_cast<double>(i));
     }
 
-    // Moves to the next stamp under a process of density q.
-    void predict(double dt, double q) {
+    // Moves to the next stamp; `added` is what a process of unit density adds meanwhile, q its
+    // density.
+    void predict(double dt, double q, const Square<S> &added) {
         now_.pose = ahead(dt);
         if constexpr (Order == 2)
             for (std::size_t k = 0; k < 3; ++k) now_.rates[0][k] += dt * now_.rates[1][k];
-        now_.p = grown(now_.p, dt, q);
+        drift_columns(now_.p, dt);
+        drift_rows(now_.p, dt);
+        for (std::size_t i = 0; i < S; ++i)
+            for (std::size_t j = 0; j < S; ++j) now_.p[i][j] += q * added[i][j];
     }
 
     X ahead(double dt) const {
@@ -77,20 +95,21 @@ public:
         return G::retract(now_.pose, step);
     }
 
-    // How far a measurement lies from the prediction, in its own deviations.
-    double distance(const X &z) const {
-        const Three v = G::local(z, now_.pose);
-        return std::sqrt(dot(v, v) / (variance() * (now_.p[0][0] + 1.0)));
+    // Meets a measurement, which `distance` and `update` are about.
+    void meet(const X &z) { innovation_ = G::local(z, now_.pose); }
+
+    // How far it lies from the prediction, in its own deviations.
+    double distance() const {
+        return std::sqrt(dot(innovation_, innovation_) / (variance() * (now_.p[0][0] + 1.0)));
     }
 
-    // Takes a measurement; `fading` is what a score keeps until the next.
-    void update(const X &z, double fading) {
-        const Three v = G::local(z, now_.pose);
-        const double spread = now_.p[0][0] + 1.0, square = dot(v, v) / (3.0 * spread);
+    // Takes it; `fading` is what a score keeps until the next.
+    void update(double fading) {
+        const double spread = now_.p[0][0] + 1.0;
+        const double square = dot(innovation_, innovation_) / (3.0 * spread);
         const double most = FARTHEST * FARTHEST / 3.0 * variance();
         const double counted = count_ < FEW ? square : std::min(square, most);
-        const double heard = square > counted ? counted / square : 1.0;
-        correct(v, 1.0 / heard);
+        correct(square > counted ? square / counted : 1.0);
         if (opened_ < S) {
             ++opened_;  // a line through two poses fits, whatever the noise
             return;
@@ -112,7 +131,7 @@ public:
     static State smoothed(const State &before, const State &after, double dt, double q) {
         Follower mover;
         mover.now_ = before;
-        mover.predict(dt, q);
+        mover.predict(dt, q, diffusion<S>(dt));
         const Square<S> gain = smoother_gain(before.p, mover.now_.p, dt);
         std::array<Three, S> off;
         off[0] = G::local(after.pose, mover.now_.pose);
@@ -123,7 +142,7 @@ public:
         for (std::size_t i = 0; i < S; ++i)
             for (std::size_t j = 0; j < S; ++j)
                 for (std::size_t k = 0; k < 3; ++k) moved[i][k] += gain[i][j] * off[j][k];
-        made.pose = G::retract(before.pose, moved[0]);
+        made.pose = G::normalized(G::retract(before.pose, moved[0]));
         for (std::size_t i = 1; i < S; ++i) made.rates[i - 1] = sum(before.rates[i - 1], moved[i]);
         return made;
     }
@@ -131,69 +150,52 @@ public:
 private:
     static constexpr double WIDE = 1e6, TINY = 1e-30, FEW = 8.0;
 
-    static Square<S> transition(double dt) {
-        Square<S> f{};
-        for (std::size_t i = 0; i < S; ++i) f[i][i] = 1.0;
-        if constexpr (S > 1) f[0][1] = dt;
-        if constexpr (S > 2) {
-            f[0][2] = 0.5 * dt * dt;
-            f[1][2] = dt;
-        }
-        return f;
-    }
-
-    // P F', with which both the prediction and the smoother's gain begin.
-    static Square<S> times_transition(const Square<S> &p, double dt) {
-        const Square<S> f = transition(dt);
-        Square<S> made{};
-        for (std::size_t i = 0; i < S; ++i)
-            for (std::size_t j = 0; j < S; ++j)
-                for (std::size_t k = j; k < S; ++k) made[i][j] += p[i][k] * f[j][k];
-        return made;
-    }
-
-    static Square<S> grown(const Square<S> &p, double dt, double q) {
-        static constexpr std::array<double, 3> factorial{1.0, 1.0, 2.0};
-        const Square<S> f = transition(dt), turned = times_transition(p, dt);
-        Square<S> made{};
-        for (std::size_t i = 0; i < S; ++i)
-            for (std::size_t j = 0; j < S; ++j)
-                for (std::size_t k = i; k < S; ++k) made[i][j] += f[i][k] * turned[k][j];
-        std::array<double, 2 * S> power{};
-        power[0] = q;
-        for (std::size_t i = 1; i < 2 * S; ++i) power[i] = power[i - 1] * dt;
-        for (std::size_t i = 0; i < S; ++i)
-            for (std::size_t j = 0; j < S; ++j) {
-                const std::size_t n = 2 * S - 1 - i - j;
-                made[i][j] += power[n] / (factorial[Order - i] * factorial[Order - j] *
-                                          static_cast<double>(n));
+    // P F', with which both the prediction and the smoother's gain begin; and F P.
+    static void drift_columns(Square<S> &p, double dt) {
+        for (auto &row : p) {
+            if constexpr (S > 1) row[0] += dt * row[1];
+            if constexpr (S > 2) {
+                row[0] += 0.5 * dt * dt * row[2];
+                row[1] += dt * row[2];
             }
-        return made;
+        }
+    }
+
+    static void drift_rows(Square<S> &p, double dt) {
+        for (std::size_t j = 0; j < S; ++j) {
+            if constexpr (S > 1) p[0][j] += dt * p[1][j];
+            if constexpr (S > 2) {
+                p[0][j] += 0.5 * dt * dt * p[2][j];
+                p[1][j] += dt * p[2][j];
+            }
+        }
     }
 
     static Square<S> smoother_gain(const Square<S> &p, const Square<S> &predicted, double dt) {
-        const Square<S> turned = times_transition(p, dt);
+        Square<S> turned = p;
+        drift_columns(turned, dt);
         const Cholesky<S> factor(predicted);
         Square<S> gain{};
         for (std::size_t i = 0; i < S; ++i) gain[i] = factor.solved(turned[i]);
         return gain;
     }
 
-    void correct(const Three &v, double noise) {
-        const double spread = now_.p[0][0] + noise;
-        std::array<double, S> gain;
-        for (std::size_t i = 0; i < S; ++i) gain[i] = now_.p[i][0] / spread;
-        now_.pose = G::retract(now_.pose, scaled(gain[0], v));
-        for (std::size_t i = 1; i < S; ++i)
-            now_.rates[i - 1] = sum(now_.rates[i - 1], scaled(gain[i], v));
+    void correct(double noise) {
         const auto row = now_.p[0];
-        for (std::size_t i = 0; i < S; ++i)
-            for (std::size_t j = 0; j < S; ++j) now_.p[i][j] -= gain[i] * row[j];
+        const double part = 1.0 / (row[0] + noise);
+        std::array<double, S> gain;
+        for (std::size_t i = 0; i < S; ++i) gain[i] = row[i] * part;
+        now_.pose = G::normalized(G::retract(now_.pose, scaled(gain[0], innovation_)));
+        for (std::size_t i = 1; i < S; ++i)
+            now_.rates[i - 1] = sum(now_.rates[i - 1], scaled(gain[i], innovation_));
+        for (std::size_t i = 1; i < S; ++i)
+            for (std::size_t j = 1; j < S; ++j) now_.p[i][j] -= gain[i] * row[j];
         // Exact where it would cancel: what is left of the pose's variance, and its row.
-        for (std::size_t j = 0; j < S; ++j) now_.p[0][j] = now_.p[j][0] = row[j] * noise / spread;
+        for (std::size_t j = 0; j < S; ++j) now_.p[0][j] = now_.p[j][0] = noise * gain[j];
     }
 
     State now_;
+    Three innovation_{};
     double count_ = 0.0, squares_ = 0.0, logs_ = 0.0;
     std::size_t opened_ = 0;
 };

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <vector>
 
 #include "covariance.h"
@@ -33,9 +34,11 @@ public:
     using X = Vector<R::size>;
     using V = Vector<R::freedom>;
 
-    struct State {
+    struct Mean {
         X pose{};
         std::array<V, Order> rates{};
+    };
+    struct Spread {
         Covariance<COUPLED, S> coupled{};
         std::array<Covariance<1, S>, BLOCKS> apart{};  // of blocks that are not coupled
 
@@ -47,6 +50,9 @@ public:
             return apart[block_of(component)].p[derivative][derivative];
         }
     };
+    struct State : Mean, Spread {};
+    template <bool WITH_COVARIANCE>
+    using Smoothed = std::conditional_t<WITH_COVARIANCE, State, Mean>;
 
     Kalman(const BlockValues &densities, const BlockValues &deviations)
         : densities_(densities), deviations_(deviations) {}
@@ -87,6 +93,21 @@ public:
         });
     }
 
+    // The spread of a prediction from a state of such a mean, and of what is measured then.
+    void predict(Spread &spread, const Mean &mean, double dt) const {
+        const V way = travel(mean, dt);
+        each_group(spread, [&]<std::size_t N>(Covariance<N, S> &covariance, std::size_t first,
+                                              std::size_t) {
+            covariance.propagate(turn<N>(way, 0.5), dt);
+            covariance.add_noise(process<N>(first), dt);
+        });
+    }
+    void measure(Spread &spread) const {
+        each_group(spread,
+                   [&]<std::size_t N>(Covariance<N, S> &covariance, std::size_t first,
+                                      std::size_t) { covariance.measured(measurement<N>(first)); });
+    }
+
     void step(const X &z, double dt) {
         if (steps_ == 0) open_rates(z, dt);
         const V way = travel(state_, dt);
@@ -120,48 +141,52 @@ public:
     }
 
     // The smoothed state at `filtered` from the one `dt` later: that is freed of what the noise in
-    // between may explain, and then taken back along its own motion (the RTS step). Its covariance
+    // between may explain, and then taken back along its own motion (the RTS step). `predicted` is
+    // the spread before that one was measured, and `spread()` the filtered one. A smoothed spread
     // only on demand.
-    template <bool WITH_COVARIANCE>
-    State smoothed(const State &filtered, const State &later, double dt) const {
+    template <bool WITH_COVARIANCE, class Filtered>
+    Smoothed<WITH_COVARIANCE> smoothed(const Mean &filtered, const Spread &predicted,
+                                       Filtered &&spread, const Smoothed<WITH_COVARIANCE> &later,
+                                       double dt) const {
         const V way = travel(filtered, dt);
-        const X predicted = unprojected<R>(filtered.pose, way);
-        auto made = filtered;
+        const X ahead = unprojected<R>(filtered.pose, way);
+        Smoothed<WITH_COVARIANCE> made;
         made.rates = drifted(filtered.rates, dt);
-        std::array<V, S> residual{R::local(later.pose, predicted)};
+        std::array<V, S> residual{R::local(later.pose, ahead)};
         for (std::size_t i = 0; i < Order; ++i)
             residual[i + 1] = sum(later.rates[i], scaled(-1.0, made.rates[i]));
         auto correction = residual;
-        // Over a long way the path back is no more linear in what is corrected at its end; what is
-        // known of the filtered state then bounds how far it goes.
-        const bool far = COUPLED > 0 && (turned(way) > FARTHEST || turned(residual[0]) > FARTHEST);
-        std::array<V, S> bounded{};
-        each_group(made, [&]<std::size_t N>(Covariance<N, S> &covariance, std::size_t first,
-                                            std::size_t end) {
+        each_group(predicted, [&]<std::size_t N>(const Covariance<N, S> &covariance,
+                                                 std::size_t first, std::size_t end) {
             const auto noise = process<N>(first);
-            const auto half = turn<N>(way, 0.5);
-            covariance.propagate(half, dt);
-            covariance.add_noise(noise, dt);
+            const Cholesky<N * S> factor(covariance.p);
             for (std::size_t at = first; at < end; at += N) {
-                Vector<N * S> part;
-                for (std::size_t i = 0; i < S; ++i)
-                    for (std::size_t c = 0; c < N; ++c) part[i * N + c] = residual[i][at + c];
-                if (far) {
-                    const auto gained = group<N>(filtered, at).gained(covariance, half, dt, part);
-                    for (std::size_t i = 0; i < S; ++i)
-                        for (std::size_t c = 0; c < N; ++c) bounded[i][at + c] = gained[i * N + c];
-                }
-                part = covariance.noise_share(noise, dt, part);
+                const auto part =
+                    covariance.noise_share(factor, noise, dt, gathered<N>(residual, at));
                 for (std::size_t i = 0; i < S; ++i)
                     for (std::size_t c = 0; c < N; ++c) correction[i][at + c] -= part[i * N + c];
             }
             if constexpr (WITH_COVARIANCE) {
-                const auto share = covariance.noise_share(noise, dt);
-                covariance = group<N>(later, first);
-                covariance.rts_step(share, noise, turn<N>(way, -0.5), dt);
+                auto &own = group<N>(made, first);
+                own = group<N>(later, first);
+                own.rts_step(covariance.noise_share(factor, noise, dt), noise, turn<N>(way, -0.5),
+                             dt);
             }
         });
-        if (far) {
+        // Over a long way the path back is no more linear in what is corrected at its end; what is
+        // known of the filtered state then bounds how far it goes.
+        if (COUPLED > 0 && (turned(way) > FARTHEST || turned(residual[0]) > FARTHEST)) {
+            std::array<V, S> bounded{};
+            const Spread known = spread();
+            each_group(predicted, [&]<std::size_t N>(const Covariance<N, S> &covariance,
+                                                     std::size_t first, std::size_t end) {
+                for (std::size_t at = first; at < end; at += N) {
+                    const auto gained = group<N>(known, at).gained(covariance, turn<N>(way, 0.5),
+                                                                   dt, gathered<N>(residual, at));
+                    for (std::size_t i = 0; i < S; ++i)
+                        for (std::size_t c = 0; c < N; ++c) bounded[i][at + c] = gained[i * N + c];
+                }
+            });
             made.pose = R::retract(filtered.pose, bounded[0]);
             for (std::size_t i = 0; i < Order; ++i)
                 made.rates[i] = sum(filtered.rates[i], bounded[i + 1]);
@@ -170,8 +195,8 @@ public:
         for (std::size_t i = 0; i < Order; ++i)
             made.rates[i] = sum(made.rates[i], correction[i + 1]);
         made.rates = drifted(made.rates, -dt);
-        made.pose = unprojected<R>(unprojected<R>(predicted, correction[0]),
-                                   scaled(-1.0, travel(made, dt)));
+        made.pose =
+            unprojected<R>(unprojected<R>(ahead, correction[0]), scaled(-1.0, travel(made, dt)));
         return made;
     }
 
@@ -188,18 +213,27 @@ private:
 
     // Calls `action<N>(covariance, first component, end)`: once for what couples, and for each
     // block that does not, whose components share their covariance.
-    template <class Action> static void each_group(State &state, Action &&action) {
-        if constexpr (COUPLED > 0) action.template operator()<COUPLED>(state.coupled, 0, COUPLED);
+    template <class Spreads, class Action>
+    static void each_group(Spreads &spread, Action &&action) {
+        if constexpr (COUPLED > 0) action.template operator()<COUPLED>(spread.coupled, 0, COUPLED);
         for (std::size_t b = 0, first = 0; b < BLOCKS; first = R::ends[b++])
-            if (first >= COUPLED) action.template operator()<1>(state.apart[b], first, R::ends[b]);
+            if (first >= COUPLED) action.template operator()<1>(spread.apart[b], first, R::ends[b]);
     }
 
-    template <std::size_t N>
-    static const Covariance<N, S> &group(const State &state, std::size_t first) {
+    template <std::size_t N, class Spreads> static auto &group(Spreads &spread, std::size_t first) {
         if constexpr (N == COUPLED)
-            return state.coupled;
+            return spread.coupled;
         else
-            return state.apart[block_of(first)];
+            return spread.apart[block_of(first)];
+    }
+
+    // N components from `first` on of a residual's derivatives, one derivative after another.
+    template <std::size_t N>
+    static Vector<N * S> gathered(const std::array<V, S> &residual, std::size_t first) {
+        Vector<N * S> made;
+        for (std::size_t i = 0; i < S; ++i)
+            for (std::size_t c = 0; c < N; ++c) made[i * N + c] = residual[i][first + c];
+        return made;
     }
 
     template <std::size_t N> static Square<N> turn(const V &way, double part) {
@@ -237,7 +271,7 @@ private:
         return std::sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
     }
 
-    static V travel(const State &state, double dt) {
+    static V travel(const Mean &state, double dt) {
         auto made = scaled(dt, state.rates[0]);
         if constexpr (Order == 2) made = sum(made, scaled(0.5 * dt * dt, state.rates[1]));
         return made;

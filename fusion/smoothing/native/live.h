@@ -23,13 +23,16 @@ namespace motorcade::smooth {
 inline constexpr std::size_t CUTOFFS = 12;
 inline constexpr double PI = 3.141592653589793;
 
-// Density of a process of an order whose filter's cut-off is the k-th below the sampling rate, the
-// noise being 1 a pose.
-template <std::size_t Order> double density_of(std::size_t k, double interval) {
-    const double angular = 8.0 * PI / (interval * static_cast<double>(std::size_t{1} << k));
-    double density = interval;
-    for (std::size_t i = 0; i <= Order; ++i) density *= angular * angular;
-    return density;
+// Densities of a process of an order, the noise being 1 a pose: the cut-off of the k-th filter lies
+// k octaves below four times the sampling rate.
+template <std::size_t Order> std::array<double, CUTOFFS> densities_of(double interval) {
+    const double highest = 8.0 * PI / interval;
+    std::array<double, CUTOFFS> made;
+    made[0] = interval;
+    for (std::size_t i = 0; i <= Order; ++i) made[0] *= highest * highest;
+    constexpr double octave = 1.0 / static_cast<double>(std::size_t{4} << (2 * Order));
+    for (std::size_t k = 1; k < CUTOFFS; ++k) made[k] = octave * made[k - 1];
+    return made;
 }
 
 // Filters of all orders and cut-offs over positions or over rotations.
@@ -56,11 +59,14 @@ public:
 
     // Takes the next pose. Where poses were found to have jumped it goes on from there.
     void update(const X &z, double dt, double usual, double fading) {
-        each([&](auto &one, auto order, std::size_t k) {
-            one.predict(dt, density_of<order.value>(k, usual));
+        each_order([&]<std::size_t Order>(Row<Order> &row) {
+            const auto densities = densities_of<Order>(usual);
+            const auto added = diffusion<Order + 1>(dt);
+            for (std::size_t k = 0; k < CUTOFFS; ++k) row[k].predict(dt, densities[k], added);
+            for (auto &one : row) one.meet(z);
         });
         if (has_jumped(z, dt)) return go_on_from(z, dt, usual);
-        each([&](auto &one, auto, std::size_t) { one.update(z, fading); });
+        each([&](auto &one, auto, std::size_t) { one.update(fading); });
         weigh();
         keep(dt, usual, false);
     }
@@ -93,7 +99,7 @@ public:
                 const auto &known = std::get<order.value>(at->states)[k];
                 state = at->broken ? known
                                    : Filter::smoothed(known, state, at->interval,
-                                                      density_of<order.value>(k, at->usual));
+                                                      densities_of<order.value>(at->usual)[k]);
             }
             return state.pose;
         });
@@ -122,6 +128,9 @@ private:
         std::size_t count = 0;
     };
 
+    template <class Verb> void each_order(Verb &&verb) {
+        std::apply([&](auto &...row) { (verb(row), ...); }, rows_);
+    }
     template <class Verb> void each(Verb &&verb) { each_of(rows_, verb); }
     template <class Verb> void each(Verb &&verb) const { each_of(rows_, verb); }
 
@@ -152,7 +161,7 @@ private:
         double nearest = 1e300, noise = 0.0;
         each([&](const auto &one, auto order, std::size_t k) {
             if (weights_[order.value][k] < NEGLIGIBLE) return;
-            nearest = std::min(nearest, one.distance(z));
+            nearest = std::min(nearest, one.distance());
             noise = std::max(noise, one.variance());
         });
         if (nearest < FARTHEST || noise == 0.0) {
@@ -232,7 +241,8 @@ public:
         return earliest();
     }
 
-    // Poses of a whole path, each as it falls due; what is left at the end by all of the path.
+    // Poses of a whole path, each once as it falls due; what is left at the end by all of the path.
+    // The newest pose is never due before the end, even where stamps are too large to tell the lag.
     template <class Given, class Write> void run(std::size_t count, Given &&given, Write &&write) {
         for (std::size_t k = 0; k < count; ++k) {
             if (lag_s_ == 0.0) {
@@ -241,12 +251,14 @@ public:
             }
             take(given(k));
             if (seen_ <= OPENING) continue;
-            while (stamps_.front() <= stamps_.back() - lag_s_ || k + 1 == count) {
+            while (stamps_.size() > 1 && stamps_.front() <= stamps_.back() - lag_s_) {
                 write(earliest());
-                if (stamps_.size() == 1) break;
                 forget_first();
             }
         }
+        if (lag_s_ == 0.0 || stamps_.empty()) return;
+        for (; stamps_.size() > 1; forget_first()) write(earliest());
+        write(earliest());
     }
 
     StampedPose ahead(double time_s) const {

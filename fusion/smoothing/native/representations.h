@@ -218,6 +218,36 @@ struct UnwrappedEulerAngles : EulerAngles {
     }
 };
 
+// The same angles, each triple the nearest to the one before of all that are its rotation: see
+// motorcade.ga.classical.nearest_euler. Other orders are these angles in other frames.
+struct FollowedEulerAngles : EulerAngles {
+    static constexpr const char *name = "euler_xyz";
+
+    static X continued(const X &x, const X &previous) {
+        constexpr double half_turn = 3.141592653589793;
+        X made = UnwrappedEulerAngles::continued(x, previous);
+        const X twin = UnwrappedEulerAngles::continued(
+            {x[0] + half_turn, half_turn - x[1], x[2] + half_turn, x[3], x[4], x[5]}, previous);
+        if (apart(twin, previous) < apart(made, previous)) made = twin;
+        if (std::abs(std::cos(made[1])) <= 8e-15) {
+            // Gimbal lock: only the sum or the difference is known, and both go half of the way.
+            const double way = std::sin(made[1]) > 0.0 ? 1.0 : -1.0;
+            const double half =
+                0.5 * std::remainder(made[0] - previous[0] + way * (made[2] - previous[2]),
+                                     2.0 * half_turn);
+            made[0] = previous[0] + half;
+            made[2] = previous[2] + way * half;
+        }
+        return made;
+    }
+
+private:
+    static double apart(const X &a, const X &b) {
+        const Three d{a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+        return dot(d, d);
+    }
+};
+
 // Twists with the logarithm of the scale, of poses that have a scale.
 struct Similarities {
     static constexpr const char *name = "similarity";
@@ -344,9 +374,11 @@ auto with_representation(const std::string &name, bool scale, Action &&action) {
         return with_rigid_or_scaled(scale, action, std::type_identity<EulerAngles>{});
     if (name == UnwrappedEulerAngles::name)
         return with_rigid_or_scaled(scale, action, std::type_identity<UnwrappedEulerAngles>{});
+    if (name == FollowedEulerAngles::name)
+        return with_rigid_or_scaled(scale, action, std::type_identity<FollowedEulerAngles>{});
     throw std::invalid_argument(
         "representation: expected one of motor, similarity, rotor, dual_quaternion, "
-        "quaternion, euler_unwrapped, euler, got '" +
+        "quaternion, euler_unwrapped, euler_xyz, euler, got '" +
         name + "'");
 }
 

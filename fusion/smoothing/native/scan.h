@@ -103,70 +103,81 @@ struct Smoothed {
     double *poses, *rates, *deviations;
 };
 
-template <Representation R, std::size_t Order>
-void write_state(const typename Kalman<R, Order>::State &state, std::size_t k,
-                 const Smoothed &out) {
+template <Representation R, std::size_t Order, class State>
+void write_state(const State &state, std::size_t k, const Smoothed &out) {
     const auto pose = R::write(projected<R>(state.pose));
     check_finite(pose);
     std::copy(pose.begin(), pose.end(), out.poses + k * R::pose_size);
-    if (out.rates == nullptr) return;
-    double *rates = out.rates + k * Order * R::freedom;
-    for (const auto &one : state.rates) rates = std::copy(one.begin(), one.end(), rates);
-    double *deviations = out.deviations + k * R::ends.size() * (Order + 1);
-    for (std::size_t b = 0, first = 0; b < R::ends.size(); first = R::ends[b++])
-        for (std::size_t i = 0; i <= Order; ++i) {
-            double total = 0.0;
-            for (std::size_t component = first; component < R::ends[b]; ++component)
-                total += state.variance(component, i);
-            const double mean = total / static_cast<double>(R::ends[b] - first);
-            *deviations++ = std::sqrt(std::max(0.0, mean)) / R::units[b];
-        }
+    if constexpr (requires { state.variance(0, 0); }) {
+        double *rates = out.rates + k * Order * R::freedom;
+        for (const auto &one : state.rates) rates = std::copy(one.begin(), one.end(), rates);
+        double *deviations = out.deviations + k * R::ends.size() * (Order + 1);
+        for (std::size_t b = 0, first = 0; b < R::ends.size(); first = R::ends[b++])
+            for (std::size_t i = 0; i <= Order; ++i) {
+                double total = 0.0;
+                for (std::size_t component = first; component < R::ends[b]; ++component)
+                    total += state.variance(component, i);
+                const double mean = total / static_cast<double>(R::ends[b] - first);
+                *deviations++ = std::sqrt(std::max(0.0, mean)) / R::units[b];
+            }
+    }
 }
 
-// Runs a Kalman filter over a path, and back over it with the smoother. Filtered states are kept a
-// stretch at a time and filtered again from the one before the stretch, so that memory does not
-// grow with them. `write` is called for each pose from the last to the first.
+// Runs a Kalman filter over a path, and back over it with the smoother. Filtered means are kept,
+// their spreads a stretch at a time and found again from the one before the stretch, so that memory
+// does not grow with them. `write` is called for each pose from the last to the first.
 template <Representation R, std::size_t Order> class Smoother {
 public:
     Smoother(const double *poses, const std::int64_t *time_ns, std::size_t count,
              const NoiseRows &noise, const BlockValues &densities)
-        : poses_(poses), time_ns_(time_ns), count_(count),
-          noise_(noise), now_{Kalman<R, Order>(densities, noise.row(0)), {}} {}
+        : poses_(poses), time_ns_(time_ns), count_(count), noise_(noise),
+          filter_(densities, noise.row(0)) {}
 
     // Returns the logarithm of the likelihood of the innovations.
     template <bool WITH_COVARIANCE, class Write> double run(Write &&write) {
-        std::vector<Point> marks;
+        std::vector<Spread> marks;
+        std::vector<Mean> means;
+        marks.reserve(count_ / STRETCH + 1);
+        means.reserve(count_);
         for (std::size_t k = 0; k < count_; ++k) {
             advance(k);
-            if (k % STRETCH == 0) marks.push_back(now_);
+            means.push_back(filter_.state());
+            if (k % STRETCH == 0) marks.push_back(filter_.state());
         }
-        const double log_likelihood = now_.filter.log_likelihood();
-        State later = now_.filter.state();
+        typename Filter::template Smoothed<WITH_COVARIANCE> later = filter_.state();
         write(later, count_ - 1);
-        std::vector<State> states(std::min(STRETCH, count_));
+        std::vector<Spread> predicted(STRETCH);
         for (std::size_t mark = marks.size(); mark-- > 0;) {
             const std::size_t first = mark * STRETCH, last = std::min(first + STRETCH, count_ - 1);
-            now_ = marks[mark];
+            Spread spread = marks[mark];
             for (std::size_t k = first; k < last; ++k) {
-                if (k > first) advance(k);
-                states[k - first] = now_.filter.state();
+                filter_.predict(spread, means[k], interval(k));
+                predicted[k - first] = spread;
+                spread = measured(spread, k + 1);
             }
             for (std::size_t k = last; k-- > first;) {
-                later = now_.filter.template smoothed<WITH_COVARIANCE>(states[k - first], later,
-                                                                       interval(k));
+                const auto filtered = [&] {
+                    return k == first ? marks[mark] : measured(predicted[k - 1 - first], k);
+                };
+                later = filter_.template smoothed<WITH_COVARIANCE>(means[k], predicted[k - first],
+                                                                   filtered, later, interval(k));
                 write(later, k);
             }
         }
-        return log_likelihood;
+        return filter_.log_likelihood();
     }
 
 private:
-    using State = typename Kalman<R, Order>::State;
-    static constexpr std::size_t STRETCH = 256;
-    struct Point {
-        Kalman<R, Order> filter;
-        Vector<R::size> measured;
-    };
+    using Filter = Kalman<R, Order>;
+    using Mean = typename Filter::Mean;
+    using Spread = typename Filter::Spread;
+    static constexpr std::size_t STRETCH = 64;
+
+    Spread measured(Spread spread, std::size_t k) {
+        filter_.measured_with(noise_.row(k));
+        filter_.measure(spread);
+        return spread;
+    }
 
     double interval(std::size_t k) const {
         return 1e-9 * static_cast<double>(time_ns_[k + 1] - time_ns_[k]);
@@ -176,27 +187,28 @@ private:
         Vector<R::pose_size> given;
         std::copy_n(poses_ + k * R::pose_size, R::pose_size, given.begin());
         const auto made = R::read(given);
-        return k == 0 ? made : R::continued(made, now_.measured);
+        return k == 0 ? made : R::continued(made, last_);
     }
 
     void advance(std::size_t k) {
-        now_.measured = read(k);
+        last_ = read(k);
         if (k == 0) {
-            now_.filter.start(now_.measured);
+            filter_.start(last_);
             if (count_ == 1) return;
-            now_.filter.measured_with(noise_.row(1));
-            now_.filter.open_rates(read(1), interval(0));
+            filter_.measured_with(noise_.row(1));
+            filter_.open_rates(read(1), interval(0));
             return;
         }
-        now_.filter.measured_with(noise_.row(k));
-        now_.filter.step(now_.measured, interval(k - 1));
+        filter_.measured_with(noise_.row(k));
+        filter_.step(last_, interval(k - 1));
     }
 
     const double *poses_;
     const std::int64_t *time_ns_;
     std::size_t count_;
     NoiseRows noise_;
-    Point now_;
+    Filter filter_;
+    Vector<R::size> last_{};
 };
 
 template <Representation R, std::size_t Order>

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.metrics import jitter
-from motorcade.fusion.motions import MOTIONS
+from motorcade.fusion.motions import MOTIONS, handheld
 from motorcade.fusion.motions.degradations import Gaussian, Outliers, PlanarFlips, StampJitter
 from motorcade.fusion.smoothing import REPRESENTATIONS, choose, smooth, smoothed_automatically
 from motorcade.fusion.smoothing.batch.noise import estimate_noise
@@ -165,3 +165,76 @@ def test_noise_of_rotation_alone_leaves_positions(rng: np.random.Generator) -> N
     found = smoothed_automatically(Gaussian(0.01, 0.0).apply(truth, rng))
     assert np.all(found.weights > 0.0)
     assert errors(found.trajectory, truth)[1] < 1e-4
+
+
+@pytest.mark.parametrize("name", REPRESENTATIONS)
+def test_similarities_are_smoothed_in_every_representation(
+    name: str, rng: np.random.Generator
+) -> None:
+    truth = MOTIONS["zoom"].sampled(30.0, 2.0)
+    noisy = Gaussian(0.005, 0.01, 0.005).apply(truth, rng)
+    made = smooth(noisy, "auto", name)
+    away = made.poses.translation_m - truth.poses.translation_m
+    raw = noisy.poses.translation_m - truth.poses.translation_m
+    assert np.sqrt(np.mean(away**2)) < 0.8 * np.sqrt(np.mean(raw**2))
+
+
+def test_errors_that_last_are_told_and_taken_away(rng: np.random.Generator) -> None:
+    """Of the body's own wandering at 20 Hz: each keeps 0.8 of the error before."""
+    truth = MOTIONS["tumble"].sampled(20.0, 30.0)
+    error = rng.standard_normal((len(truth), 3))
+    for k in range(1, len(truth)):
+        error[k] = 0.8 * error[k - 1] + 0.6 * error[k]
+    shifted = Motor.from_translation(0.005 * error) @ truth.motors
+    noisy = Trajectory(truth.time_ns, shifted, truth.parent, truth.child)
+    found = smoothed_automatically(noisy)
+    assert 0.1 < found.choice.memory_s < 0.6
+    assert "errors last for" in str(found.choice)
+    assert errors(found.trajectory, truth)[0] < 0.9 * errors(noisy, truth)[0]  # white: 0.93
+    white = Gaussian(0.005, 0.005).apply(truth, rng)
+    assert choose(white).memory_s == 0.0
+
+
+def test_noise_that_a_path_does_not_tell_is_not_named(rng: np.random.Generator) -> None:
+    coarse = Gaussian(0.005, 0.01).apply(MOTIONS["handheld"].sampled(5.0, 20.0), rng)
+    found = smoothed_automatically(coarse)
+    assert (found.choice.noise_m, found.choice.noise_rad) == (None, None)
+    assert "stamps lie too far apart" in str(found.choice)
+    assert np.all(np.isnan(found.deviations))
+    known = smoothed_automatically(coarse, noise_m=0.005)
+    assert known.choice.noise_m == pytest.approx(0.005)
+    assert np.all(np.isfinite(known.deviations[:, 3:]))
+    turning = Gaussian(0.005, 0.0).apply(MOTIONS["handheld"].sampled(30.0, 10.0), rng)
+    assert choose(turning).noise_rad is None
+    assert "its motion hides it" in str(choose(turning))
+
+
+@pytest.mark.parametrize("name", REPRESENTATIONS)
+def test_noise_is_that_of_poses_whatever_they_are_written_as(
+    name: str, rng: np.random.Generator
+) -> None:
+    true = MOTIONS["antipodal_crossing"].sampled(30.0, 5.0)
+    found = choose(Gaussian(0.005, np.deg2rad(0.5)).apply(true, rng), name)
+    if name != "euler":  # whose leaps are no noise
+        assert found.noise_rad == pytest.approx(np.deg2rad(0.5), rel=0.25)
+    if name != "dual_quaternion":
+        assert found.noise_m == pytest.approx(0.005, rel=0.25)
+    else:
+        assert found.noise_m is None
+        assert "dual parts mix" in found.untold
+
+
+@pytest.mark.parametrize("gap_s", [60.0, 3600.0, 3e7])
+@pytest.mark.parametrize("row", [1, 2, 100, 198])
+def test_poses_behind_a_long_gap_stay_by_those_that_were_measured(gap_s: float, row: int) -> None:
+    """Two recordings in one file, or a tracker that slept: neither side says where the other is."""
+    rng = np.random.default_rng(3)
+    whole = Gaussian(0.005, 0.005).apply(handheld(rng).sampled(30.0, 6.6), rng)
+    time_ns = whole.time_ns + np.where(np.arange(len(whole)) < row, 0, int(1e9 * gap_s))
+    smoothed = smooth(Trajectory(time_ns, whole.motors))
+    moved = smoothed.motors.translation_m - whole.motors.translation_m
+    assert np.max(np.linalg.norm(moved, axis=1)) < 6.0 * 0.005
+    beside = [smooth(part) for part in (whole[:row], whole[row:]) if len(part) > 50]
+    if len(beside) == 2:
+        apart = np.concatenate([one.motors.translation_m for one in beside])
+        assert np.max(np.linalg.norm(smoothed.motors.translation_m - apart, axis=1)) < 0.005

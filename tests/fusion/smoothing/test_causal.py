@@ -198,6 +198,19 @@ def test_a_steady_screw_is_followed_without_error(kind: type[CausalFilter]) -> N
     assert np.abs((truth.poses[-10:].inverse() @ made).as_twist()).max() < 1e-6
 
 
+@pytest.mark.parametrize("name", sorted(MOTIONS))
+def test_one_euro_adds_less_by_its_lag_than_it_takes_by_default(name: str) -> None:
+    """At 30 Hz with 5 mm and 0.01 rad, whatever moves: rotation and translation together."""
+    true = MOTIONS[name].sampled(30.0, 6.0).rigid
+    raw = Gaussian(0.005, 0.01).apply(true, np.random.default_rng(0))
+
+    def error(path: Trajectory) -> float:
+        rest = true.motors.local(path.motors) / ([0.01] * 3 + [0.005] * 3)
+        return float(np.sqrt(np.mean(rest**2)))
+
+    assert error(OneEuro().smooth(raw)) < error(raw)
+
+
 def test_float32_and_strided_poses_are_taken_as_they_are(rng: np.random.Generator) -> None:
     trajectory = noisy("handheld", rng)
     turned = Motor._trusted(np.asfortranarray(trajectory.poses.coefficients))

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import datetime
+import logging
+import sys
+import types
 
 import numpy as np
 import pytest
@@ -16,6 +19,7 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 
 STILL = np.tile([1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0], (5, 1))
+MASKED = np.ma.masked_array(STILL, np.isin(np.arange(35), [7, 23]).reshape(5, 7))
 COLUMNS = ["x", "y", "z", "qx", "qy", "qz", "qw"]
 
 
@@ -155,6 +159,60 @@ def test_stamps_of_every_kind_are_the_same_stamps() -> None:
     np.testing.assert_allclose(seen[3] - seen[3][0], seen[0] - seen[0][0], atol=300)
 
 
+class Tensor:
+    """As much of torch.Tensor as is asked of one."""
+
+    device, __module__ = "cuda:1", "torch"
+
+    def __init__(self, numbers: FloatArray) -> None:
+        self.numbers, self.dtype, self.shape = numbers, numbers.dtype, numbers.shape
+
+    def detach(self) -> Tensor:
+        return self
+
+    cpu = detach
+
+    def numpy(self) -> FloatArray:
+        return self.numbers
+
+    def is_floating_point(self) -> bool:
+        return self.dtype.kind == "f"
+
+    def to(self, where: object) -> Tensor:
+        if where == self.device:
+            return self
+        return Tensor(self.numbers.astype(where))
+
+
+def test_what_torch_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a stand-in, since torch itself is large: precision and shape come back, single or many."""
+    stand_in = types.SimpleNamespace(
+        from_numpy=Tensor, stack=lambda made: Tensor(np.stack([one.numbers for one in made]))
+    )
+    monkeypatch.setitem(sys.modules, "torch", stand_in)
+    path = noisy()
+    rows = rows_of(path)
+    for given in (rows, rows.astype(np.float32), np.stack([rows, rows]), path.motors.as_matrix()):
+        made = with_trajectories(Tensor(given), path.time_s, unchanged)
+        assert isinstance(made, Tensor)
+        assert made.dtype == given.dtype
+        np.testing.assert_allclose(made.numbers, given, atol=1e-15 if given.itemsize == 8 else 1e-7)
+    found = smooth(Tensor(rows), "gaussian", time_s=path.time_s, full=True)
+    assert found.at([0.01, 0.5]).shape == (2, 7)
+
+
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+def test_tensors_come_back(precision: str) -> None:
+    torch = pytest.importorskip("torch")
+    path = noisy()
+    rows = torch.tensor(rows_of(path), dtype=getattr(torch, precision))
+    atol = 1e-15 if precision == "float64" else 1e-7
+    for given in (rows, torch.stack([rows, rows]), torch.tensor(path.motors.as_matrix())):
+        made = with_trajectories(given, path.time_s, unchanged)
+        assert (made.dtype, made.device) == (given.dtype, given.device)
+        assert torch.allclose(made, given, rtol=0.0, atol=max(atol, 2e-15))
+
+
 def test_tensors_stay_tensors() -> None:
     torch = pytest.importorskip("torch")
     path = noisy()
@@ -163,6 +221,64 @@ def test_tensors_stay_tensors() -> None:
     assert made.shape == (2, 40, 7)
     expected = rows_of(smooth(path, "gaussian"))
     assert max(differs_in_rotation_and_position(made[0].numpy(), expected)) < 1e-7
+
+
+def test_columns_that_are_nearly_named_right_are_told() -> None:
+    pandas = pytest.importorskip("pandas")
+    path = noisy()
+    table = pandas.DataFrame(rows_of(path), columns=COLUMNS)
+    for wrong, says in (
+        (table.rename(columns={"x": "X"}), "none named x; did you mean X?"),
+        (table.rename(columns={"x": "tx"}), "none named x; did you mean tx?"),
+        (table.drop(columns="qw"), "none named qw; known here: none"),
+        (table.assign(Time=path.time_s), "or time_s; did you mean Time?"),
+        (table.assign(note=1), "an index of stamps, or time_s$"),
+    ):
+        with pytest.raises(ValueError, match=says.replace("?", r"\?")):
+            smooth(wrong)
+
+
+def test_columns_that_come_twice_or_hold_no_numbers_are_named() -> None:
+    pandas = pytest.importorskip("pandas")
+    path = noisy()
+    table = pandas.DataFrame(rows_of(path), columns=COLUMNS).assign(time_s=path.time_s)
+    twice = pandas.concat([table, table["x"]], axis=1)
+    for wrong, says in (
+        (twice, "poses: expected one column of a name, got 2 named x$"),
+        (table.assign(qw="a"), "poses: expected numbers in column qw, could not convert"),
+        (table.assign(qz=1j), "poses: expected real numbers in column qz, got complex"),
+    ):
+        with pytest.raises(ValueError, match=says):
+            smooth(wrong)
+
+
+def test_columns_of_zoned_datetimes_are_stamps() -> None:
+    """The night in which clocks go back is as long as it is."""
+    pandas = pytest.importorskip("pandas")
+    path = noisy()
+    start = pandas.Timestamp("2026-10-25T00:59:59.5", tz="UTC").value
+    utc = pandas.to_datetime(path.time_ns - path.time_ns[0] + start, utc=True)
+    table = pandas.DataFrame(rows_of(path), columns=COLUMNS)
+    by_zone = table.assign(stamp=utc.tz_convert("Europe/Berlin"))
+    assert len(set(by_zone["stamp"].dt.tz_localize(None).dt.hour)) == 1
+    made = smooth(by_zone, "gaussian")
+    expected = smooth(table, "gaussian", time_s=path.time_s)
+    np.testing.assert_allclose(made[COLUMNS], expected[COLUMNS], atol=1e-9)
+    assert made["stamp"].equals(by_zone["stamp"])
+
+
+@pytest.mark.parametrize(
+    ("stamps", "says"),
+    [
+        (["2026-01-01T12:00:00+02:00"] * 5, "got text such as '2026.*pandas.to_datetime reads it"),
+        ([datetime.datetime(2026, 1, 1)] + [datetime.datetime.now(datetime.UTC)] * 4, "got both"),
+        ([datetime.date(2026, 1, 1)] * 5, "expected seconds or datetimes, got date 2026-01-01"),
+        ([None] * 5, "expected a moment for every pose, got None"),
+    ],
+)
+def test_what_are_no_stamps_is_refused(stamps: list[object], says: str) -> None:
+    with pytest.raises(ValueError, match=says):
+        smooth(STILL, time_s=stamps)
 
 
 @pytest.mark.parametrize(
@@ -178,12 +294,29 @@ def test_tensors_stay_tensors() -> None:
         (np.ones((5, 7)), np.arange(5.0), ValueError, "a length off by 1"),
         (np.ones((5, 4, 4)), np.arange(5.0), ValueError, "matrix"),
         (np.full((5, 7), np.nan), np.arange(5.0), ValueError, "finite"),
+        (STILL, np.arange(5) / 30.0 + 1e10, ValueError, "divide milliseconds by 1e3, nanos"),
+        (STILL, np.arange("2500", "2505", dtype="M8[Y]"), ValueError, "of 1970, got 2500"),
+        (STILL, [datetime.datetime(2500, 1, 1 + k) for k in range(5)], ValueError, "of 1970"),
+        (MASKED, np.arange(5.0), ValueError, "poses: expected .*, got 2 masked: 1, 3; leave"),
+        (MASKED[None], np.arange(5.0), ValueError, "got 2 masked: 1, 3; leave"),
+        (STILL, np.ma.masked_less(np.arange(5.0), 1.0), ValueError, "time_s: .* 1 masked: 0;"),
+        (STILL + 1j, np.arange(5.0), ValueError, "poses: expected real numbers, got dtype complex"),
         ("poses.tum", None, TypeError, "expected a Trajectory, an array"),
     ],
 )
 def test_what_is_no_path_is_refused(given: object, time_s: object, kind: type, says: str) -> None:
     with pytest.raises(kind, match=says):
         smooth(given, time_s=time_s)
+
+
+@pytest.mark.parametrize(("unit", "warned"), [(1.0, False), (1e3, True)])
+def test_stamps_that_look_like_milliseconds_are_told(
+    unit: float, warned: bool, rng: np.random.Generator, caplog: pytest.LogCaptureFixture
+) -> None:
+    path = Gaussian(0.005, 0.01).apply(MOTIONS["handheld"].sampled(30.0, 2.0).rigid, rng)
+    with caplog.at_level(logging.WARNING, "motorcade.smooth"):
+        smooth(rows_of(path), time_s=unit * path.time_s)
+    assert ("stamps lie 33.3 s apart. Are they milliseconds?" in caplog.text) == warned
 
 
 def test_near_misses_of_names_are_told() -> None:

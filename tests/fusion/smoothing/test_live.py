@@ -13,6 +13,7 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import LiveSmoother
 from motorcade.fusion.smoothing.live import MEMORY_S
+from motorcade.fusion.smoothing.native import _live
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 
@@ -92,6 +93,20 @@ def test_filters_and_weights_are_those_of_the_textbook() -> None:
     live, interval_s = LiveSmoother(), 1.0 / 32.0  # an interval without a rounding of its own
     ours = np.array([live.update(i * interval_s, z, STILL)[1] for i, z in enumerate(positions)])
     np.testing.assert_allclose(ours[5:], textbook(positions, interval_s)[4:], atol=1e-7)
+
+
+@pytest.mark.parametrize("step_rad", [0.003, 0.3])
+@pytest.mark.parametrize("lag_s", [0.0, 0.2])
+def test_turns_about_one_axis_are_smoothed_as_numbers_are(step_rad: float, lag_s: float) -> None:
+    """Their angles add up as positions along one axis do, small steps and large ones."""
+    rng = np.random.default_rng(6)
+    angles = np.cumsum(step_rad * (1.0 + rng.uniform(-0.1, 0.1, 90)))
+    live = LiveSmoother(lag_s)
+    for k, angle in enumerate(angles.tolist()):
+        wxyz = [np.cos(angle / 2.0), np.sin(angle / 2.0), 0.0, 0.0]
+        _, position, turned = live.update(k / 30.0, [angle, 0.0, 0.0], wxyz)
+        expected = np.array([np.cos(position[0] / 2.0), np.sin(position[0] / 2.0), 0.0, 0.0])
+        assert abs(abs(turned @ expected) - 1.0) < 1e-13
 
 
 @pytest.mark.parametrize("lag_s", [0.0, 0.2])
@@ -238,6 +253,12 @@ def test_what_is_refused_changes_nothing(given: tuple, says: str) -> None:
 def test_arguments_and_poses_that_do_not_fit() -> None:
     with pytest.raises(ValueError, match="lag_s: expected 0 or more"):
         LiveSmoother(-0.1)
+    for short in (5e-324, 1e-300, 9e-10):
+        with pytest.raises(ValueError, match="lag_s: expected 0, or 1e-09 seconds or more"):
+            LiveSmoother(short)
+    for odd in (True, "0.1", None, [0.1, 0.2]):
+        with pytest.raises(TypeError, match="lag_s: expected a number"):
+            LiveSmoother(odd)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="memory_s"):
         LiveSmoother(memory_s=0.0)
     with pytest.raises(ValueError, match="expected a pose before"):
@@ -253,3 +274,16 @@ def test_arguments_and_poses_that_do_not_fit() -> None:
         LiveSmoother().smooth(path)
     short = path.rigid[:3]
     assert LiveSmoother().smooth(short) is short
+
+
+@pytest.mark.parametrize("lag_s", [5e-324, 1e-16, 1e-14])
+def test_every_pose_comes_out_once_at_a_lag_that_stamps_cannot_tell(lag_s: float) -> None:
+    """The newest stamp less such a lag is the newest stamp."""
+    poses = noisy("handheld", seconds=3.0).motors
+    given = np.concatenate([poses.translation_m, poses.rotor.coefficients], axis=-1)
+    time_s = np.arange(len(given)) * 2.0
+    room = np.full((3 * len(given), 7), np.nan)
+    _live.smooth(lag_s, MEMORY_S, time_s, np.ascontiguousarray(given), room[: len(given)])
+    assert np.all(np.isfinite(room[: len(given)]))
+    assert np.all(np.isnan(room[len(given) :]))
+    assert len(np.unique(room[: len(given)], axis=0)) == len(given)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import (
@@ -12,7 +13,7 @@ from motorcade.fusion.motions.degradations import (
 )
 from motorcade.fusion.smoothing.batch import estimate_path
 from motorcade.fusion.smoothing.batch.inliers import Sizes
-from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
+from motorcade.fusion.smoothing.batch.mirrored import _fitted, mirrored_back
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 
@@ -101,3 +102,23 @@ def test_a_run_beside_a_single_pose_is_left_as_it_is() -> None:
     found, mirrored = mirrored_back(np.arange(400) / 30.0, still, kept, (size, size, size), 3.5)
     assert not np.any(mirrored)
     np.testing.assert_array_equal(found.coefficients, still.coefficients)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_marker_is_fitted_as_scipy_fits_it(seed: int) -> None:
+    """Residuals that bend, some of them far off."""
+    rng = np.random.default_rng(seed)
+    mixed, true = rng.standard_normal((36, 6)), rng.standard_normal(6)
+
+    def curved(marker: FloatArray) -> FloatArray:
+        return 20.0 * np.asarray(np.sinh(0.3 * marker) @ mixed.T)
+
+    measured = curved(true) + rng.standard_normal(36) + 60.0 * (rng.random(36) < 0.15)
+    start = true + 0.2 * rng.standard_normal(6)
+
+    def residuals(marker: FloatArray) -> FloatArray:
+        return np.asarray(curved(marker) - measured)
+
+    found = _fitted(residuals, start)
+    theirs = least_squares(residuals, start, loss="cauchy", f_scale=2.0)
+    np.testing.assert_allclose(found, theirs.x, atol=1e-4)

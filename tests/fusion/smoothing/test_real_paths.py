@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.metrics import Align, evaluate
-from motorcade.fusion.smoothing import choose
+from motorcade.fusion.smoothing import choose, smooth
 from motorcade.fusion.smoothing.changes import changes
-from motorcade.ga import Motor
+from motorcade.ga import Motor, Trajectory
 from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.stages.camera.board_poses import board_poses
@@ -20,8 +20,8 @@ XYZ, DESK = "freiburg1_xyz-groundtruth.txt", "fr2_desk_groundtruth.txt"
 @pytest.mark.parametrize(
     ("estimate", "truth", "align", "jitter_ratios"),
     [
-        ("freiburg1_xyz-rgbdslam.txt", XYZ, "se3", (0.28, 0.9)),
-        ("fr2_desk_ORB.txt", DESK, "sim3", (0.26, 0.97)),
+        ("freiburg1_xyz-rgbdslam.txt", XYZ, "se3", (0.25, 0.9)),
+        ("fr2_desk_ORB.txt", DESK, "sim3", (0.25, 0.97)),
         # Keyframes at 5 Hz are left as they are.
         ("freiburg1_xyz-ORB_kf_mono.txt", XYZ, "sim3", (1.001, 1.001)),
     ],
@@ -32,7 +32,11 @@ def test_trajectories_of_slam_come_no_farther_from_the_truth_and_jitter_less(
 ) -> None:
     folder = data_dir / "trajectories"
     raw, reference = read_trajectory(folder / estimate), read_trajectory(folder / truth)
-    smoothed = choose(raw).smooth(raw)
+    choice = choose(raw)
+    smoothed = choice.smooth(raw)
+    # What cannot be told of the noise is not named, and nothing is at a floor of the search.
+    assert all(one.noise > 3e-4 for one in choice.models if not one.untold)
+    assert all(np.isnan(one.noise) for one in choice.models if one.untold)
     before, after = (evaluate(path, reference, align, 0.02) for path in (raw, smoothed))
     assert after.ape_m.rmse < 1.001 * before.ape_m.rmse
     assert after.rotation_deg.rmse < 1.01 * before.rotation_deg.rmse
@@ -46,13 +50,42 @@ def test_trajectories_of_slam_come_no_farther_from_the_truth_and_jitter_less(
 @pytest.mark.parametrize("estimate", ["KITTI_00_ORB.txt", "KITTI_00_SPTAM.txt"])
 def test_a_car_turns_from_pose_to_pose_as_it_was_estimated(estimate: str, data_dir: Path) -> None:
     """Its body shakes faster than pictures at 10 Hz resolve."""
-    folder = data_dir / "trajectories"
-    times = folder / "KITTI_00_gt_times.txt"
-    raw = read_trajectory(folder / estimate, times=times)
-    reference = read_trajectory(folder / "KITTI_00_gt.txt", times=times)
+    raw, reference = _kitti(data_dir, estimate), _kitti(data_dir, "KITTI_00_gt.txt")
     before, after = (evaluate(path, reference, "se3") for path in (raw, choose(raw).smooth(raw)))
     for kind in ("rpe_rot_deg", "rpe_trans_m", "ape_m", "rotation_deg"):
         assert getattr(after, kind).rmse < 1.001 * getattr(before, kind).rmse
+
+
+@pytest.mark.slow
+def test_what_looks_like_noise_of_s_ptam_is_a_picture_that_it_runs_ahead(data_dir: Path) -> None:
+    """Its rows are a picture early: the lag says so, and put right they turn to 0.12° as they are.
+
+    Against the early stamps an average over five poses seems to help, for it flattens turns that do
+    not match; at the right ones it takes away what the car did.
+    """
+    raw, reference = _kitti(data_dir, "KITTI_00_SPTAM.txt"), _kitti(data_dir, "KITTI_00_gt.txt")
+    averaged = smooth(raw, "savitzky_golay", "rotor", window_s=0.5, order=1)
+    paths = {"raw": raw, "auto": smooth(raw), "averaged": averaged}
+    early = {name: evaluate(path, reference, "se3") for name, path in paths.items()}
+    interval_ms = 1e3 * float(np.median(np.diff(raw.time_s)))
+    lag_ms = early["raw"].angular_rate_lag_ms
+    assert lag_ms is not None
+    assert round(lag_ms / interval_ms) == -1
+    right = {
+        name: evaluate(
+            Trajectory(raw.time_ns[1:], path.motors[:-1], raw.parent, raw.child), reference, "se3"
+        ).rpe_rot_deg.rmse
+        for name, path in paths.items()
+    }
+    assert early["averaged"].rpe_rot_deg.rmse < 0.9 * early["raw"].rpe_rot_deg.rmse
+    assert right["raw"] < 0.12
+    assert right["auto"] < 1.001 * right["raw"]
+    assert right["averaged"] > 1.5 * right["raw"]
+
+
+def _kitti(data_dir: Path, file: str) -> Trajectory:
+    folder = data_dir / "trajectories"
+    return read_trajectory(folder / file, times=folder / "KITTI_00_gt_times.txt")
 
 
 @pytest.mark.slow

@@ -11,8 +11,8 @@ from motorcade.fusion.motions.degradations import Gaussian, Outliers, PlanarFlip
 from motorcade.fusion.smoothing import REPRESENTATIONS, smooth
 from motorcade.fusion.smoothing.batch import estimate_path
 from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, inlier_poses
+from motorcade.fusion.smoothing.batch.problem import Problem
 from motorcade.fusion.smoothing.batch.robust_map import parts
-from motorcade.fusion.smoothing.batch.tridiagonal import between
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 
@@ -60,15 +60,15 @@ def test_derivatives_are_those_of_small_moves(
             for m in (base, target)
         )
     x, y = representation.coordinates(base), representation.coordinates(target)
-    found = between(representation, x, y)
-    np.testing.assert_allclose(found.vector, representation.local(y, x), atol=1e-9)
+    vector = representation.local(y, x)
+    by_base, by_target = representation.local_jacobians(vector)
     if name not in ("motor", "rotor", "similarity"):
         return  # plain components are not moved along a curve: the derivative is 1
-    for k in range(found.vector.shape[1]):
-        move = 1e-5 * np.eye(found.vector.shape[1])[k]
+    for k in range(vector.shape[1]):
+        move = 1e-5 * np.eye(vector.shape[1])[k]
         for by, pair in (
-            (found.by_target, lambda m: (representation.retract(y, m), x)),
-            (found.by_base, lambda m: (y, representation.retract(x, m))),
+            (by_target, lambda m: (representation.retract(y, m), x)),
+            (by_base, lambda m: (y, representation.retract(x, m))),
         ):
             ahead, back = (representation.local(*pair(m)) for m in (move, -move))
             np.testing.assert_allclose(by[:, :, k], (ahead - back) / 2e-5, atol=1e-7)
@@ -229,13 +229,44 @@ def test_bad_settings_are_refused(settings: dict[str, Any], message: str) -> Non
         smooth(path[:1], "robust_map")
 
 
-def test_what_is_missing_is_named_with_the_extra_that_brings_it(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize("loss", ["squares", "huber", "cauchy"])
+@pytest.mark.parametrize("name", ["motor", "similarity", "rotor", "euler_unwrapped"])
+@pytest.mark.parametrize("scaled", [False, True], ids=["rigid", "scaled"])
+def test_no_small_move_is_charged_less(
+    name: str, loss: str, scaled: bool, rng: np.random.Generator
 ) -> None:
-    monkeypatch.setitem(sys.modules, "scipy.linalg", None)
-    path = MOTIONS["screw"].sampled(30.0, 1.0)
-    with pytest.raises(ModuleNotFoundError, match=r'pip install "motorcade\[pipeline\]"'):
-        smooth(path, "robust_map")
+    path = measured("antipodal_crossing", rng, duration_s=0.5)[2]
+    poses: Any = path.poses
+    if scaled:
+        poses = Similarity.from_motor_scale(poses, np.exp(0.01 * rng.standard_normal(len(path))))
+    everyone = np.ones(len(path), dtype=np.bool_)
+    problem = Problem(
+        REPRESENTATIONS[name], path.time_s, poses, everyone, (*SIZES, Sizes(0.01, 0.5))
+    )
+    found = problem.descended(problem.narrowed(loss, 3.5), loss, 3.5, everyone, 60)
+    d = found.state.velocity.shape[1]
+    for row in range(0, len(path), 3):
+        for k in range(2 * d):
+            move = np.zeros((len(path), 2 * d))
+            move[row, k] = 1e-5
+            ahead, back = (
+                problem.charged(problem.retract(found.state, by), loss, 3.5, everyone).cost
+                for by in (move, -move)
+            )
+            bend = ahead + back - 2.0 * found.cost
+            assert bend > 0.0
+            assert abs(ahead - back) < 0.02 * bend + 1e-9 * found.cost
+
+
+def test_nothing_but_numpy_is_needed(
+    rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for absent in ("scipy", "scipy.linalg", "scipy.optimize", "casadi"):
+        monkeypatch.setitem(sys.modules, absent, None)
+    plain = MOTIONS["screw"].sampled(30.0, 1.0)
+    assert len(smooth(plain, "robust_map")) == 31
+    flipped = PlanarFlips(0.2, 6.0).apply(Gaussian(0.005, 0.01).apply(plain, rng), rng)
+    assert len(smooth(flipped, "robust_map")) == len(smooth(flipped)) == 31
 
 
 # Components are put back onto the sphere after each step, and settle less sharply.

@@ -8,6 +8,7 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import DroppedFrames, Gaussian
 from motorcade.fusion.smoothing import REPRESENTATIONS, smooth
 from motorcade.ga import CumulativeBSpline, Motor, Rotor, Similarity, Trajectory
+from motorcade.ga.spline_fit import fit_controls
 
 
 @pytest.mark.parametrize("representation", REPRESENTATIONS)
@@ -68,3 +69,15 @@ def test_bad_settings_are_refused() -> None:
         smooth(path, "spline", knot_spacing_s=0.0)
     with pytest.raises(ValueError, match="spline expected at least 2 poses, got 1"):
         smooth(path[:1], "spline")
+
+
+def test_a_long_spline_fitted_in_parts_is_the_whole(
+    rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    truth = MOTIONS["handheld"].sampled(30.0, 12.0)
+    path = Gaussian(0.005, 0.01).apply(truth, rng)
+    whole = CumulativeBSpline.fit(path, 0.2).controls
+    monkeypatch.setitem(fit_controls.__globals__, "_KEPT", 15)
+    monkeypatch.setitem(fit_controls.__globals__, "_OVERLAP", 25)
+    joined = CumulativeBSpline.fit(path, 0.2).controls
+    np.testing.assert_allclose(joined.coefficients[2:-2], whole.coefficients[2:-2], atol=1e-6)

@@ -6,9 +6,13 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import savgol_filter
+from scipy.spatial.transform import Rotation
 
+from motorcade.fusion.metrics import evaluate
+from motorcade.fusion.motions import MOTIONS
+from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import REPRESENTATIONS, smooth
-from motorcade.ga import Motor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory, mean
 from motorcade.ga.arrays import FloatArray, IntArray
 
 STEP_NS = 33_333_333
@@ -175,3 +179,49 @@ def test_an_order_beyond_all_bounds_is_refused(rng: np.random.Generator) -> None
     path = Trajectory(np.arange(9) * 33_333_333, Motor.random(rng, (9,)))
     with pytest.raises(ValueError, match="order: expected 0 to 5, got inf"):
         smooth(path, "gaussian", order=float("inf"))
+
+
+@pytest.mark.parametrize("representation", ["motor", "rotor", "similarity"])
+def test_averages_are_karcher_means(representation: str, rng: np.random.Generator) -> None:
+    """Where they end the weighted vectors to the poses cancel, wherever they were begun."""
+    path = noisy_path(rng, even(60))
+    found = smooth(path, "gaussian", representation, sigma_s=0.15, order=0)
+    one = REPRESENTATIONS[representation]
+    x, centres = (one.coordinates(p.poses) for p in (path, found))
+    offset_s = (path.time_ns[None] - path.time_ns[:, None]) * 1e-9
+    weight = np.where(np.abs(offset_s) <= 0.6, np.exp(-0.5 * (offset_s / 0.15) ** 2), 0.0)
+    weight /= weight.sum(axis=1, keepdims=True)
+    vectors = one.local(x[None], centres[:, None])
+    assert np.abs(np.einsum("ij,ijd->id", weight, vectors)).max() < 1e-10
+    if representation == "motor":
+        witness = mean(path.motors[12:49], weight[30, 12:49])
+        assert np.abs((found.motors[30].inverse() @ witness).as_twist()).max() < 1e-10
+
+
+def test_means_of_rotations_are_scipys_where_these_are_close(rng: np.random.Generator) -> None:
+    """SciPy's is the chordal mean: the same up to the cube of the spread."""
+    turns = 0.02 * rng.standard_normal((9, 3))
+    poses = Motor.from_rotor_translation(Rotor.from_rotation_vector(turns), np.zeros(3))
+    found = smooth(Trajectory(even(9), poses), "gaussian", "rotor", sigma_s=0.1, order=0)
+    weight = np.exp(-0.5 * ((even(9) - even(9)[4]) * 1e-9 / 0.1) ** 2)
+    witness = Rotation.from_rotvec(turns).mean(weights=weight).as_rotvec()
+    assert np.abs(found.motors[4].rotor.as_rotation_vector() - witness).max() < 0.02**3
+
+
+def test_twists_do_not_keep_the_noise_of_the_pose_they_were_begun_from() -> None:
+    """One step from the noisy pose left twice the jitter that components leave on a screw."""
+    true = MOTIONS["screw"].sampled(rate_hz=30.0, duration_s=12.0)
+    noisy = Gaussian(sigma_m=0.01, sigma_rad=0.02).apply(true, np.random.default_rng(0))
+    left = {}
+    for name in ("motor", "dual_quaternion"):
+        jitter = evaluate(smooth(noisy, "gaussian", name, sigma_s=0.2), true).jitter
+        assert jitter is not None
+        left[name] = np.array([jitter.linear_m_s2, jitter.angular_rad_s2])
+    np.testing.assert_allclose(left["motor"], left["dual_quaternion"], rtol=0.02)
+    assert np.all(left["motor"] < left["dual_quaternion"])
+
+
+def test_poses_too_far_apart_for_a_mean_stay_finite(rng: np.random.Generator) -> None:
+    path = Trajectory(even(50), Motor.random(rng, (50,)))
+    for method in ("gaussian", "savitzky_golay", "local_polynomial"):
+        assert np.all(np.isfinite(smooth(path, method).poses.coefficients))

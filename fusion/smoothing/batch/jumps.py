@@ -1,0 +1,138 @@
+"""Jumps of level: where a path goes on elsewhere, as after a map was corrected or the camera found.
+
+Nothing moves so: between two poses the value is another and its derivatives go on. Such a jump is
+kept, and the path is smoothed on both sides of it. It is told from one wrong pose, and from a
+camera that moves fast, by what each would save of squared residuals: a free value before a row, a
+free slope, and a pose left out, each of which costs one number an axis (I. Chang, G. C. Tiao, C.
+Chen, Estimation of time series parameters in the presence of outliers, Technometrics 30, 1988; C.
+Chen, L.-M. Liu, Joint estimation of model parameters and outlier effects in time series, J.
+American Statistical Association 88, 1993).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from statistics import NormalDist
+
+import numpy as np
+
+from motorcade.fusion.smoothing.batch.columns import splined
+from motorcade.fusion.smoothing.batch.per_axis import (
+    AxisModels,
+    Measured,
+    chosen_models,
+    developed,
+    least,
+)
+from motorcade.ga.arrays import FloatArray, IntArray
+
+# A path without jumps is told to have one this rarely.
+_FALSE_ALARM = 0.01
+# By how much larger than normal ones this quantile of errors is, so much more a jump must save: of
+# thousands of errors with heavy tails two or three look like one. Jumps themselves are fewer.
+_TAIL = 0.98
+# What a jump must save beside a free slope and a pose left out. Chosen on V1_02 and synthetic
+# motions.
+_AHEAD = 4.0 / 3.0
+# Rows to both sides in which the largest saving counts, and another cause is looked for.
+_NEAR = 2
+# Poses to both sides that tell how large errors are there.
+_AROUND = 40
+# Poses at an end that may not be a level of their own.
+_FEWEST_AT_LEVEL = 6
+_ROUNDS = 5
+
+
+def with_jumps(
+    measured: Measured, path: FloatArray, weights: FloatArray, models: AxisModels
+) -> tuple[Measured, AxisModels]:
+    """Measured poses with their jumps of level, and the models of order 2 that they then call for.
+
+    Args:
+        measured: poses.
+        path: near them ``(N, D)``.
+        weights: ``(N,)`` of the poses, 0 where one is left out.
+        models: that poses call for without jumps.
+    """
+    for _ in range(_ROUNDS):
+        more = _more_jumps(measured, path, weights, models)
+        if not more.size:
+            break
+        measured = replace(measured, jumps=np.union1d(measured.jumps, more))
+        models = chosen_models(measured, path, weights, (2,))
+    return measured, models
+
+
+def _more_jumps(
+    measured: Measured, path: FloatArray, weights: FloatArray, models: AxisModels
+) -> IntArray:
+    """Rows before which the level jumps, beside those that are known."""
+    kept = np.flatnonzero(weights)
+    jump, slope, single = _savings(measured, path, weights, models)
+    axes = len(models.columns)
+    tail = float(np.quantile(single[kept], _TAIL)) / _quantile(axes, _TAIL)
+    rare = _quantile(axes, 1.0 - _FALSE_ALARM / len(kept))
+    least_saved = max(1.0, tail) * rare * _size_around(single, kept, axes)
+    other = _largest_near(np.maximum(slope, single))
+    found = (jump > least_saved) & (jump >= _largest_near(jump)) & (jump > _AHEAD * other)
+    # Between two poses that count any row would do: the level changes with the later one.
+    rows = kept[np.searchsorted(kept, np.flatnonzero(found))]
+    edges = np.concatenate([[kept[0]], measured.jumps, [kept[-1] + 1]])
+    places, borders = np.searchsorted(kept, rows), np.searchsorted(kept, edges)
+    far = np.min(np.abs(places[:, None] - borders), axis=1, initial=len(kept))
+    return np.unique(rows[far >= _FEWEST_AT_LEVEL])
+
+
+def _savings(
+    measured: Measured, path: FloatArray, weights: FloatArray, models: AxisModels
+) -> FloatArray:
+    """Squared residuals ``(3, N)``, in the noise's variance, that each cause at a row would save.
+
+    These are a jump of the level before it, one of the slope, and that its pose is wrong.
+    """
+    summed, offset = developed(measured, path)
+    made, shocks = np.zeros((3, len(offset))), np.empty((len(offset), 1, 2))
+    for k, model in enumerate(models.columns):
+        column = splined(
+            measured.time_s,
+            offset[:, k],
+            weights,
+            model.order,
+            model.ratio,
+            measured.jumps,
+            shocks,
+            model.memory_s,
+        )
+        variance = least(model.noise, summed[:, k]) ** 2
+        made[:2] += shocks[:, 0].T ** 2 / variance
+        counted = weights > 0.0
+        made[2, counted] += (column.left_out**2 / (1.0 + column.variance))[counted] / variance
+    return made
+
+
+def _size_around(single: FloatArray, kept: IntArray, axes: int) -> FloatArray:
+    """How many times their variance the errors around each row ``(N,)`` have, but for the nearest.
+
+    Noise that grows for a while makes all savings larger, and so does motion beyond the model.
+    """
+    total = np.concatenate([[0.0], np.cumsum(single[kept])])
+    places = np.searchsorted(kept, np.arange(len(single)))
+    squares, rows = np.zeros((2, len(single)))
+    for first, last in ((-_AROUND, -_FEWEST_AT_LEVEL), (_FEWEST_AT_LEVEL, _AROUND)):
+        begin, end = (np.clip(places + far, 0, len(kept)) for far in (first, last))
+        squares += total[end] - total[begin]
+        rows += end - begin
+    return np.maximum(1.0, squares / np.maximum(rows, 1.0) / axes)
+
+
+def _largest_near(savings: FloatArray) -> FloatArray:
+    padded = np.pad(savings, _NEAR)
+    return np.asarray(
+        np.max(np.lib.stride_tricks.sliding_window_view(padded, 2 * _NEAR + 1), axis=1)
+    )
+
+
+def _quantile(freedom: int, probability: float) -> float:
+    """Of a sum of so many squares of normal numbers (E. B. Wilson, M. M. Hilferty, 1931)."""
+    ninth = 2.0 / (9.0 * freedom)
+    return float(freedom * (1.0 - ninth + NormalDist().inv_cdf(probability) * ninth**0.5) ** 3)

@@ -1,0 +1,120 @@
+"""Errors of columns that last for some values, as those of trackers do that reuse their features.
+
+A spline takes such for motion; but no body moves as they do: they wander as its position cannot,
+which has a velocity. So where errors that decay with a memory make the columns of rotation, or of
+translation, clearly likelier together than white ones, and predict each as well, they are taken (a
+process of G. E. Uhlenbeck, L. S. Ornstein, On the theory of the Brownian motion, Physical Review
+36, 1930; between even stamps it is autoregressive).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from motorcade.fusion.smoothing.batch.columns import (
+    COARSE,
+    EQUAL,
+    FINE,
+    ORDERS,
+    ChosenColumn,
+    ColumnModel,
+    ColumnStretch,
+    Prediction,
+    likelihoods,
+    ratio_of,
+    standard_errors_behind,
+)
+from motorcade.ga.arrays import FloatArray
+
+# Shares of an error that are left at the next value. Where errors have a memory at all, the first
+# explains them better than none does.
+_KEPT = (0.5, 0.3, 0.7, 0.8, 0.9, 0.95)
+
+
+def with_lasting_errors(
+    stretches: Sequence[ColumnStretch],
+    found: Sequence[ChosenColumn],
+    ends: Sequence[int],
+    known: FloatArray,
+) -> list[ColumnModel]:
+    """The models of columns, with errors that last where these are likelier.
+
+    Args:
+        stretches: of the path.
+        found: models with white errors, a column each.
+        ends: of the groups of columns whose errors have one memory.
+        known: ``(K,)`` deviations that are given, NaN where they are not: given errors are white.
+    """
+    models = [one.model for one in found]
+    for first, end in zip((0, *ends), (*ends, len(found)), strict=True):
+        group = range(first, end)
+        # What goes through its values shows no errors that could last.
+        if not group or any(models[k].untold or np.isfinite(known[k]) for k in group):
+            continue
+        for k, lasting in _likeliest(stretches, found, group).items():
+            behind = standard_errors_behind([lasting], found[k].best, k, np.nan)
+            if behind[0] <= EQUAL:
+                noise = float(lasting.noise[k])
+                models[k] = replace(
+                    models[k],
+                    order=lasting.order,
+                    ratio=lasting.ratio,
+                    noise=noise,
+                    memory_s=lasting.memory_s,
+                )
+    return models
+
+
+def _likeliest(
+    stretches: Sequence[ColumnStretch], found: Sequence[ChosenColumn], group: range
+) -> dict[int, Prediction]:
+    """The likeliest models of a group whose errors last; none where white ones do as well.
+
+    Their memory must make the values likelier by as much as G. Schwarz asks for of one number more
+    (Estimating the dimension of a model, Annals of Statistics 6, 1978). Where all motion would be
+    errors that last, as stiff as splines get, it is no memory that was found.
+    """
+    interval_s = float(np.median(np.diff(stretches[0].time_s)))
+    white = sum(found[k].likelihood for k in group)
+    if _searched(stretches, group, interval_s, _KEPT[0])[0] <= white:
+        return {}
+    tried = {kept: _searched(stretches, group, interval_s, kept) for kept in _KEPT}
+    kept = max(tried, key=lambda one: tried[one][0])
+    best, models = tried[kept]
+    rows = sum(len(one.time_s) for one in stretches) * len(group)
+    stiffest = min(level for _, level in models)
+    if best <= white + 0.5 * float(np.log(rows)) or stiffest <= COARSE[0]:
+        return {}
+    memory_s = -interval_s / float(np.log(kept))
+    return {
+        k: Prediction.by(stretches, order, ratio_of(level, order, interval_s), memory_s)
+        for k, (order, level) in zip(group, models, strict=True)
+    }
+
+
+def _searched(
+    stretches: Sequence[ColumnStretch], group: range, interval_s: float, kept: float
+) -> tuple[float, list[tuple[int, float]]]:
+    """How likely a group is with a memory, at its likeliest orders and levels, and these."""
+    memory_s = -interval_s / float(np.log(kept))
+    tried: dict[tuple[int, float], FloatArray] = {}
+
+    def likelihood(model: tuple[int, float], k: int) -> float:
+        if model not in tried:
+            order, level = model
+            tried[model] = likelihoods(
+                stretches, order, ratio_of(level, order, interval_s), memory_s
+            )
+        return float(tried[model][k])
+
+    coarse = [(order, float(level)) for order in ORDERS for level in COARSE]
+    total, models = 0.0, []
+    for k in group:
+        order, level = max(coarse, key=lambda model: likelihood(model, k))
+        near = [(order, level + step) for step in (0.0, *FINE.tolist())]
+        models.append(max(near, key=lambda model: likelihood(model, k)))
+        total += likelihood(models[-1], k)
+    return total, models
