@@ -17,8 +17,8 @@ from motorcade.fusion.smoothing import smooth
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.compare.measure.evaluator import METRICS, PathEvaluator
-from motorcade.replays.compare.measure.truth import truth_of
-from motorcade.replays.compare.plan import degradation_named
+from motorcade.replays.compare.measure.truth import RecordedMotion, truth_of
+from motorcade.replays.compare.plan import OWN, degradation_named
 
 RAW = ("raw", "none")
 """Method and representation of the row that measures the poses as they come."""
@@ -29,7 +29,7 @@ _FARTHEST = 1e9
 
 @dataclass(frozen=True)
 class Setting:
-    """A method in a representation with its parameters, as pairs of name and value."""
+    """A method in a representation, or `OWN`, with its parameters: pairs of name and value."""
 
     method: str
     representation: str
@@ -42,7 +42,8 @@ class Setting:
             ValueError: what the method refuses, or a result that runs away.
         """
         parameters: dict[str, Any] = dict(self.parameters)
-        made: Trajectory = smooth(trajectory, self.method, self.representation, **parameters)
+        name = None if self.representation == OWN else self.representation
+        made: Trajectory = smooth(trajectory, self.method, name, **parameters)
         farthest = float(np.max(np.abs(made.poses.coefficients)))
         if not farthest < _FARTHEST:
             raise ValueError(f"the result runs away, to coefficients of {farthest:.3g}")
@@ -74,26 +75,32 @@ class ComparisonCell:
     rate_hz: float
     duration_s: float
     settings: tuple[Setting, ...]
+    recorded: RecordedMotion | None = None
 
 
 def run_cell(cell: ComparisonCell) -> tuple[MeasuredRow, ...]:
     """The rows of a cell."""
     degraded, evaluator = inputs_of(
-        cell.motion, cell.degradation, cell.seed, cell.rate_hz, cell.duration_s
+        cell.motion, cell.degradation, cell.seed, cell.rate_hz, cell.duration_s, cell.recorded
     )
     return tuple(measured_rows(degraded, evaluator, cell.settings))
 
 
 def inputs_of(
-    motion: str, degradation: str, seed: int, rate_hz: float, duration_s: float
+    motion: str,
+    degradation: str,
+    seed: int,
+    rate_hz: float,
+    duration_s: float,
+    recorded: RecordedMotion | None = None,
 ) -> tuple[Trajectory, PathEvaluator]:
     """The degraded poses of a cell, and the evaluator of their stamps.
 
     Draws depend on the seed and the names alone: every method sees the same poses.
     """
-    truth = truth_of(motion, duration_s)
+    truth = truth_of(motion, duration_s, recorded)
     drawn = np.random.default_rng([seed, _number(motion), _number(degradation)])
-    clean = truth.motion.sampled(rate_hz, duration_s)
+    clean = truth.sampled(rate_hz, duration_s)
     degraded = degradation_named(degradation, truth.has_scale).apply(clean, drawn)
     return degraded, PathEvaluator(degraded.time_ns, truth)
 

@@ -11,7 +11,6 @@ named after the poses that they depend on.
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -21,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.fusion.metrics import Align, alignment_of, associate
-from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
+from motorcade.fusion.smoothing import METHODS
 from motorcade.ga import Trajectory
 from motorcade.replays.compare.cells import MeasuredRow, Setting, measured_rows
 from motorcade.replays.compare.figures.statistics import Sample
@@ -29,8 +28,9 @@ from motorcade.replays.compare.figures.tables import Outcome, write_tables
 from motorcade.replays.compare.measure.evaluator import PathEvaluator
 from motorcade.replays.compare.measure.ties import exact_ties
 from motorcade.replays.compare.measure.traits import measured_trait
-from motorcade.replays.compare.measure.truth import RecordedTruth
-from motorcade.replays.compare.tuning import BORROWS, Tuned, borrowed, tuned
+from motorcade.replays.compare.measure.truth import RecordedTruth, digest_of
+from motorcade.replays.compare.plan import COMPARED
+from motorcade.replays.compare.tuning import Tuned, tuned
 from motorcade.replays.engine.jobs import finished
 
 _FEWEST_IN_BLOCK = 50
@@ -50,10 +50,7 @@ class RecordedBlocks:
 
     def digest(self) -> str:
         """SHA-256 of all stamps and poses."""
-        content = hashlib.sha256()
-        for one in (self.truth, *self.paths):
-            content.update(one.time_ns.tobytes() + one.motors.coefficients.tobytes())
-        return content.hexdigest()
+        return digest_of(self.truth, *self.paths)
 
     def inputs(self) -> list[tuple[Trajectory, PathEvaluator]]:
         """Each block with the evaluator of its stamps."""
@@ -121,7 +118,7 @@ def compare_recorded(
             finished there is used.
         name: stands for the motion.
         methods: names of `METHODS`.
-        representations: names of `REPRESENTATIONS`.
+        representations: of `REPRESENTATION_NAMES`; by default those of the standard plan.
         align: "se3" where the worlds differ, "sim3" where the scale does too, else "none".
         executor: see `motorcade.replays.engine.executors.outcomes`.
 
@@ -134,7 +131,7 @@ def compare_recorded(
     """
     blocks = _blocks(_aligned(estimate, truth, align))
     judged = blocks[1::2]
-    pairs = [(m, r) for m in methods or METHODS for r in representations or REPRESENTATIONS]
+    pairs = [(m, r) for m in methods or METHODS for r in representations or COMPARED]
     found = _tuned(pairs, RecordedBlocks(blocks[::2], truth), out, executor)
     settings = tuple(found[pair].setting for pair in pairs)
     cells = [RecordedCell(settings, RecordedBlocks((path,), truth)) for path in judged]
@@ -153,7 +150,6 @@ def compare_recorded(
         "test_seeds": list(range(1, len(blocks), 2)),
         "tuning_seeds": list(range(0, len(blocks), 2)),
         "align": align,
-        "left_out": [],
         "blocks": [
             {
                 "seed": i,
@@ -194,15 +190,7 @@ def _blocks(path: Trajectory) -> tuple[Trajectory, ...]:
 def _tuned(
     pairs: Sequence[Pair], blocks: RecordedBlocks, out: Path, executor: str
 ) -> dict[Pair, Tuned]:
-    """What was found for every method and representation, and for those that others borrow from."""
-    lenders = {(method, one): (BORROWS.get(method, (method,))[0], one) for method, one in pairs}
-    searches = [RecordedSearch(pair, blocks) for pair in dict.fromkeys(lenders.values())]
-    about = {search: search.about() for search in searches}
+    """What was found for every method and representation."""
+    about = {search: search.about() for search in (RecordedSearch(pair, blocks) for pair in pairs)}
     results = finished(run_search, about, out, executor, "searches")
-    searched = {search.pair: result for search, result in results.items()}
-    found: dict[Pair, Tuned] = {}
-    for pair, lender in lenders.items():
-        found[lender] = searched[lender]
-        if pair != lender:
-            found[pair] = borrowed(*pair, searched[lender])
-    return found
+    return {search.pair: result for search, result in results.items()}

@@ -7,8 +7,8 @@ those that are judged; both lists are part of the plan and of the results.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from types import MappingProxyType
 from typing import Any
 
@@ -26,16 +26,28 @@ from motorcade.fusion.motions.degradations import (
     Quantised,
     StampJitter,
 )
-from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
-from motorcade.ga import Motor
+from motorcade.fusion.smoothing import METHODS, REPRESENTATION_NAMES, REPRESENTATIONS
+from motorcade.fusion.smoothing.representations import BEST_EULER
 from motorcade.ga.names import did_you_mean
+from motorcade.replays.compare.measure.truth import RecordedMotion
 
-SLOW = ("auto", "robust_map")
-"""Methods whose cells are computed apart; see `standard`."""
+SEEDS = 6
+"""Test seeds of the standard plan. What a mean over motions leaves open is the choice of motions
+far more than the noise; more seeds would hardly narrow its interval."""
 
-_SLOW_RUN_ON = ("gaussian", "outliers_and_flips")
 _MODERATE = Gaussian(0.005, float(np.deg2rad(0.5)), 0.005)
 _OUTLIERS = Outliers(0.05, 0.1, 0.2)
+
+COMPARED = tuple(
+    name
+    for one in REPRESENTATIONS
+    for name in ((BEST_EULER, one) if one == "euler_unwrapped" else (one,))
+)
+"""Representations of the standard plan: each of `REPRESENTATIONS`, and Euler angles of the order
+that stays farthest from its gimbal lock."""
+
+OWN = "own"
+"""What stands for a representation where `auto` takes the one that it finds best, its default."""
 
 DEGRADATIONS: Mapping[str, Degradation] = MappingProxyType(
     {
@@ -55,30 +67,19 @@ nanosecond apart, where second differences, and so jitter, mean nothing."""
 
 
 @dataclass(frozen=True)
-class LeftOut:
-    """What a plan does not run, and why: a method where all three of these hold."""
-
-    method: str
-    representations: tuple[str, ...]
-    motions: tuple[str, ...]
-    degradations: tuple[str, ...]
-    reason: str
-
-
-@dataclass(frozen=True)
 class ComparisonPlan:
     """A comparison; see the module.
 
     Args:
-        motions: names of `MOTIONS`.
+        motions: names of `MOTIONS` and of `recorded`.
         degradations: names of `DEGRADATIONS`.
         methods: names of `METHODS`.
-        representations: names of `REPRESENTATIONS`.
+        representations: of `REPRESENTATION_NAMES`.
         test_seeds: seeds of the cells that are judged.
         tuning_seeds: seeds on which parameters are chosen; none of them in `test_seeds`.
         rate_hz: poses a second.
         duration_s: of every motion.
-        left_out: what is not run all the same, and why.
+        recorded: true paths from files.
 
     Raises:
         ValueError: an unknown name, an empty list, one that says something twice, seeds below 0,
@@ -93,13 +94,16 @@ class ComparisonPlan:
     tuning_seeds: tuple[int, ...]
     rate_hz: float = 30.0
     duration_s: float = 12.0
-    left_out: tuple[LeftOut, ...] = field(default=())
+    recorded: tuple[RecordedMotion, ...] = ()
 
     def __post_init__(self) -> None:
-        _check_names("motions", self.motions, MOTIONS)
+        files = {one.name: one for one in self.recorded}
+        if len(files) < len(self.recorded) or set(files) & set(MOTIONS):
+            raise ValueError(f"plan.recorded: expected names of their own, got {list(files)}")
+        _check_names("motions", self.motions, {**MOTIONS, **files})
         _check_names("degradations", self.degradations, DEGRADATIONS)
         _check_names("methods", self.methods, METHODS)
-        _check_names("representations", self.representations, REPRESENTATIONS)
+        _check_names("representations", self.representations, REPRESENTATION_NAMES)
         _check_seeds("test_seeds", self.test_seeds)
         _check_seeds("tuning_seeds", self.tuning_seeds)
         both = sorted(set(self.test_seeds) & set(self.tuning_seeds))
@@ -111,26 +115,14 @@ class ComparisonPlan:
             if not 0.0 < getattr(self, name) < np.inf:
                 raise ValueError(f"plan.{name}: expected above 0, got {getattr(self, name)}")
 
-    def runs(self, motion: str, degradation: str, method: str, representation: str) -> bool:
-        """Whether the plan runs the method so; what it does not is in `left_out`."""
-        return not any(
-            one.method == method
-            and representation in one.representations
-            and motion in one.motions
-            and degradation in one.degradations
-            for one in self.left_out
-        )
+    def recording(self, motion: str) -> RecordedMotion | None:
+        """The file of a motion; None of those with a formula."""
+        return next((one for one in self.recorded if one.name == motion), None)
 
-    def pairs(
-        self, motion: str, degradation: str, methods: Sequence[str] = ()
-    ) -> list[tuple[str, str]]:
-        """Methods and representations that are run on a place, of `methods` or all."""
-        return [
-            (method, representation)
-            for method in (methods or self.methods)
-            for representation in self.representations
-            if self.runs(motion, degradation, method, representation)
-        ]
+    def pairs(self) -> list[tuple[str, str]]:
+        """Every method in every representation, and `auto` in its own."""
+        made = [(one, other) for one in self.methods for other in self.representations]
+        return [*made, ("auto", OWN)] if "auto" in self.methods else made
 
     def as_dict(self) -> dict[str, Any]:
         """All of it, ready for JSON, with what each degradation does."""
@@ -144,41 +136,23 @@ def degradation_named(name: str, similarities: bool) -> Degradation:
 
 
 def standard(
-    seeds: int = 20,
+    seeds: int = SEEDS,
     methods: Sequence[str] = (),
     representations: Sequence[str] = (),
     motions: Sequence[str] = (),
     degradations: Sequence[str] = (),
+    recorded: Sequence[RecordedMotion] = (),
 ) -> ComparisonPlan:
-    """The whole comparison, or the named parts of it, over so many test seeds and three for tuning.
-
-    The methods of `SLOW` cost some hundred times what the others do. They run on plain noise and on
-    outliers with flips, for which they are made; and not as `similarity` on rigid motions, where
-    it comes within hundredths of a millimetre of `motor`. A plan of one's own leaves nothing out.
-    """
-    named = ComparisonPlan(
-        motions=tuple(motions or MOTIONS),
+    """The whole comparison, or the named parts of it, over so many test seeds, tuned on two."""
+    return ComparisonPlan(
+        motions=tuple(motions or (*MOTIONS, *(one.name for one in recorded))),
         degradations=tuple(degradations or DEGRADATIONS),
         methods=tuple(methods or METHODS),
-        representations=tuple(representations or REPRESENTATIONS),
+        representations=tuple(representations or COMPARED),
         test_seeds=tuple(range(100, 100 + seeds)),
-        tuning_seeds=(1, 2, 3),
+        tuning_seeds=(1, 2),
+        recorded=tuple(recorded),
     )
-    return replace(named, left_out=tuple(_left_out(named)))
-
-
-def _left_out(plan: ComparisonPlan) -> Iterator[LeftOut]:
-    others = tuple(name for name in plan.degradations if name not in _SLOW_RUN_ON)
-    rigid = tuple(name for name in plan.motions if MOTIONS[name].versor is Motor)
-    for method in plan.methods:
-        if method not in SLOW:
-            continue
-        if others:
-            reason = "slow; run on plain noise and on outliers with flips, for which it is made"
-            yield LeftOut(method, plan.representations, plan.motions, others, reason)
-        if rigid and {"similarity", "motor"} <= set(plan.representations):
-            reason = "slow; on rigid poses within hundredths of a millimetre of motor"
-            yield LeftOut(method, ("similarity",), rigid, plan.degradations, reason)
 
 
 def quick() -> ComparisonPlan:
@@ -187,7 +161,7 @@ def quick() -> ComparisonPlan:
         motions=("gimbal_crossing", "walk_and_look", "zoom"),
         degradations=("gaussian", "outliers"),
         methods=("exponential", "one_euro", "rts_constant_velocity", "gaussian"),
-        representations=tuple(REPRESENTATIONS),
+        representations=COMPARED,
         test_seeds=(100, 101, 102, 103, 104),
         tuning_seeds=(1,),
         duration_s=6.0,
@@ -202,7 +176,7 @@ def _rigid(degradation: Degradation) -> Degradation:
     return degradation
 
 
-def _check_names(name: str, given: tuple[str, ...], known: Mapping[str, object]) -> None:
+def _check_names(name: str, given: tuple[str, ...], known: Collection[str]) -> None:
     if not given or len(set(given)) < len(given):
         raise ValueError(f"plan.{name}: expected one or more different names, got {given}")
     for one in given:

@@ -19,8 +19,8 @@ from motorcade.replays.compare.figures.statistics import Sample
 from motorcade.replays.compare.figures.tables import Outcome, write_tables
 from motorcade.replays.compare.measure.ties import exact_ties
 from motorcade.replays.compare.measure.traits import Trait, run_trait
-from motorcade.replays.compare.plan import SLOW, ComparisonPlan
-from motorcade.replays.compare.tuning import BORROWS, Tuned, Tuning, borrowed, run_tuning
+from motorcade.replays.compare.plan import ComparisonPlan
+from motorcade.replays.compare.tuning import SearchPlace, Tuned, Tuning, run_tuning
 from motorcade.replays.engine.jobs import finished
 
 
@@ -39,7 +39,7 @@ def run_comparison(plan: ComparisonPlan, out: Path, executor: str = "local") -> 
         OSError: a folder that cannot be written.
     """
     found = _tuned(plan, out, executor)
-    cells = [cell for batch in _batches(plan) for cell in _cells(plan, batch, found)]
+    cells = list(_cells(plan, found))
     measured = finished(run_cell, {cell: asdict(cell) for cell in cells}, out, executor, "cells")
     samples = tuple(Sample.of(cell, rows) for cell, rows in measured.items())
     traits = [
@@ -50,8 +50,9 @@ def run_comparison(plan: ComparisonPlan, out: Path, executor: str = "local") -> 
             plan.rate_hz,
             plan.duration_s,
             found[plan.motions[0], plan.degradations[0], *pair].setting,
+            plan.recording(plan.motions[0]),
         )
-        for pair in plan.pairs(plan.motions[0], plan.degradations[0])
+        for pair in plan.pairs()
     ]
     # Alone, one after another: they are timed.
     told = finished(run_trait, {trait: asdict(trait) for trait in traits}, out, "local", "times")
@@ -59,23 +60,21 @@ def run_comparison(plan: ComparisonPlan, out: Path, executor: str = "local") -> 
     return write_tables(outcome, out)
 
 
-def _batches(plan: ComparisonPlan) -> list[tuple[str, ...]]:
-    """Methods whose cells are computed together: slow ones alone, at the end."""
-    fast = tuple(method for method in plan.methods if method not in SLOW)
-    slow = [(method,) for method in plan.methods if method in SLOW]
-    return [batch for batch in (fast, *slow) if batch]
-
-
 def _cells(
-    plan: ComparisonPlan, methods: tuple[str, ...], found: dict[tuple[str, str, str, str], Tuned]
+    plan: ComparisonPlan, found: dict[tuple[str, str, str, str], Tuned]
 ) -> Iterator[ComparisonCell]:
     for motion in plan.motions:
         for degradation in plan.degradations:
-            pairs = plan.pairs(motion, degradation, methods)
-            settings = tuple(found[motion, degradation, *pair].setting for pair in pairs)
-            for seed in plan.test_seeds if settings else ():
+            settings = tuple(found[motion, degradation, *pair].setting for pair in plan.pairs())
+            for seed in plan.test_seeds:
                 yield ComparisonCell(
-                    motion, degradation, seed, plan.rate_hz, plan.duration_s, settings
+                    motion,
+                    degradation,
+                    seed,
+                    plan.rate_hz,
+                    plan.duration_s,
+                    settings,
+                    plan.recording(motion),
                 )
 
 
@@ -83,57 +82,44 @@ def _tuned(
     plan: ComparisonPlan, out: Path, executor: str
 ) -> dict[tuple[str, str, str, str], Tuned]:
     """What was found for (motion, degradation, method, representation)."""
-    searches = []
-    for motion in plan.motions:
-        for degradation, methods in _searched(plan).items():
-            pairs = tuple(
-                pair
-                for method in methods
-                for pair in _own(plan, motion, method)
-                if plan.runs(motion, degradation, *pair) or _lent(plan, method, degradation)
-            )
-            searches.append(
-                Tuning(motion, degradation, plan.tuning_seeds, plan.rate_hz, plan.duration_s, pairs)
-            )
-    found = {}
+    lenders = {
+        (motion, place): place.lender(_rigid(plan, motion))
+        for motion in plan.motions
+        for place in _places(plan)
+    }
+    wanted: dict[tuple[str, str], dict[tuple[str, str], None]] = {}
+    for (motion, _), one in lenders.items():
+        pairs = wanted.setdefault((motion, one.degradation), {})
+        pairs[one.method, one.representation] = None
+    searches = [
+        Tuning(
+            motion,
+            degradation,
+            plan.tuning_seeds,
+            plan.rate_hz,
+            plan.duration_s,
+            tuple(pairs),
+            plan.recording(motion),
+        )
+        for (motion, degradation), pairs in wanted.items()
+    ]
     about = {search: asdict(search) for search in searches}
-    for search, results in finished(run_tuning, about, out, executor, "searches").items():
-        for one in results:
-            place = (search.motion, search.degradation)
-            found[*place, one.setting.method, one.setting.representation] = one
-    for motion in plan.motions:
-        for degradation in plan.degradations:
-            for method, representation in plan.pairs(motion, degradation):
-                lender, lent_on = BORROWS.get(method, (method, degradation))
-                own = representation in _searched_in(plan, motion)
-                lent = found[motion, lent_on, lender, representation if own else "motor"]
-                if not own or lender != method:
-                    lent = borrowed(method, representation, lent)
-                found[motion, degradation, method, representation] = lent
+    searched = {
+        (search.motion, SearchPlace(search.degradation, *pair)): one
+        for search, results in finished(run_tuning, about, out, executor, "searches").items()
+        for pair, one in zip(search.pairs, results, strict=True)
+    }
+    found = {}
+    for (motion, place), lender in lenders.items():
+        result = searched[motion, lender]
+        key = (motion, place.degradation, place.method, place.representation)
+        found[key] = result if lender == place else place.borrowed(result)
     return found
 
 
-def _searched(plan: ComparisonPlan) -> dict[str, tuple[str, ...]]:
-    """Methods to search parameters for, by degradation; also what others borrow from."""
-    own = tuple(method for method in plan.methods if method not in BORROWS)
-    wanted = dict.fromkeys(plan.degradations, own)
-    for method in plan.methods:
-        lender, lent_on = BORROWS.get(method, ("", ""))
-        if lender and lender not in wanted.get(lent_on, ()):
-            wanted[lent_on] = (*wanted.get(lent_on, ()), lender)
-    return wanted
+def _places(plan: ComparisonPlan) -> list[SearchPlace]:
+    return [SearchPlace(name, *pair) for name in plan.degradations for pair in plan.pairs()]
 
 
-def _lent(plan: ComparisonPlan, method: str, degradation: str) -> bool:
-    """Whether others borrow what is found for a method there."""
-    return any(BORROWS.get(one) == (method, degradation) for one in plan.methods)
-
-
-def _own(plan: ComparisonPlan, motion: str, method: str) -> list[tuple[str, str]]:
-    return [(method, representation) for representation in _searched_in(plan, motion)]
-
-
-def _searched_in(plan: ComparisonPlan, motion: str) -> list[str]:
-    """Representations with a search of their own: on rigid motions similarities are motors."""
-    same = MOTIONS[motion].versor is Motor and "motor" in plan.representations
-    return [one for one in plan.representations if not (same and one == "similarity")]
+def _rigid(plan: ComparisonPlan, motion: str) -> bool:
+    return plan.recording(motion) is not None or MOTIONS[motion].versor is Motor

@@ -14,6 +14,8 @@ SUITES: Mapping[str, tuple[str, str, str]] = {
     "table3": ("algebra.table3.measure", "bench_table3", "table3_table"),
     "smooth": ("smoothing.smooth", "bench_smooth", "smooth_table"),
     "smoothers": ("smoothing.smoothers", "bench_smoothers", "smoothers_table"),
+    "smoother_speed": ("smoothing.long", "bench_long", "long_table"),
+    "orders": ("smoothing.orders", "bench_orders", "orders_table"),
     "lag": ("smoothing.lag", "bench_lag", "lag_table"),
     "live": ("smoothing.live", "bench_live", "live_table"),
     "slam": ("tracking.slam", "bench_slam", "slam_table"),

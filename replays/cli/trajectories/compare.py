@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from motorcade.replays.cli.arguments import Subparsers, add_executor, new_command
+
+if TYPE_CHECKING:
+    from motorcade.replays.compare.measure.truth import RecordedMotion
 
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -17,17 +21,23 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         shared,
         compare_smoothers,
         name="compare",
-        summary="compare smoothers and representations of poses, with intervals over seeds",
-        example="motorcade compare --trajectories gimbal_crossing handheld --seeds 20 --out out/c",
+        summary="compare smoothers and representations of poses, with intervals",
+        example="motorcade compare --trajectories gimbal_crossing handheld --seeds 5 --out out/c",
     )
     names = "names; all without"
-    parser.add_argument("--trajectories", nargs="+", default=[], metavar="NAME", help=names)
+    parser.add_argument(
+        "--trajectories",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="names of motions, files of true paths, or all for every name; all without",
+    )
     parser.add_argument(
         "--degradations", "--noise", nargs="+", default=[], metavar="NAME", help=names
     )
     parser.add_argument("--methods", nargs="+", default=[], metavar="NAME", help=names)
     parser.add_argument("--representations", nargs="+", default=[], metavar="NAME", help=names)
-    parser.add_argument("--seeds", type=int, metavar="N", help="test seeds (20)")
+    parser.add_argument("--seeds", type=int, metavar="N", help="test seeds (6)")
     parser.add_argument(
         "--input", type=Path, metavar="FILE", help="an estimated trajectory instead, with --truth"
     )
@@ -52,31 +62,30 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def compare_smoothers(arguments: argparse.Namespace) -> None:
     """Compare, write the tables and the report, print the findings."""
-    from motorcade.fusion.motions import MOTIONS
-    from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
+    from motorcade.fusion.smoothing import METHODS, REPRESENTATION_NAMES
     from motorcade.replays.cli.arguments import check_known
     from motorcade.replays.compare.figures.summary import as_text
-    from motorcade.replays.compare.plan import DEGRADATIONS, quick, standard
+    from motorcade.replays.compare.plan import DEGRADATIONS, SEEDS, quick, standard
     from motorcade.replays.compare.run import run_comparison
     from motorcade.replays.engine.executors import check_executor
     from motorcade.replays.results import require_writable
 
     if (arguments.input is None) != (arguments.truth is None):
         raise ValueError("compare: expected --input and --truth together, got one of them")
-    check_known("--trajectories", arguments.trajectories, MOTIONS)
     check_known("--degradations", arguments.degradations, DEGRADATIONS)
     check_known("--methods", arguments.methods, METHODS)
-    check_known("--representations", arguments.representations, REPRESENTATIONS)
+    check_known("--representations", arguments.representations, REPRESENTATION_NAMES)
     check_executor(arguments.executor)
+    if arguments.seeds is not None and arguments.seeds < 1:
+        raise ValueError(f"--seeds: expected 1 or more, got {arguments.seeds}")
+    recorded, motions = _motions(arguments.trajectories, arguments.rate_hz)
     require_writable(arguments.out)
     if arguments.input is not None:
         print(as_text(_recorded(arguments)))
         _report(arguments.out)
         return
-    if arguments.seeds is not None and arguments.seeds < 1:
-        raise ValueError(f"--seeds: expected 1 or more, got {arguments.seeds}")
     chosen = {
-        "motions": tuple(arguments.trajectories),
+        "motions": motions,
         "degradations": tuple(arguments.degradations),
         "methods": tuple(arguments.methods),
         "representations": tuple(arguments.representations),
@@ -85,11 +94,29 @@ def compare_smoothers(arguments: argparse.Namespace) -> None:
         given: dict[str, Any] = {name: value for name, value in chosen.items() if value}
         if arguments.seeds is not None:
             given["test_seeds"] = tuple(range(100, 100 + arguments.seeds))
-        plan = replace(quick(), **given)
+        plan = replace(quick(), recorded=recorded, **given)
     else:
-        plan = standard(20 if arguments.seeds is None else arguments.seeds, **chosen)
+        plan = standard(
+            SEEDS if arguments.seeds is None else arguments.seeds, **chosen, recorded=recorded
+        )
     print(as_text(run_comparison(plan, arguments.out, arguments.executor)))
     _report(arguments.out)
+
+
+def _motions(
+    given: Sequence[str], rate_hz: float | None
+) -> tuple[tuple[RecordedMotion, ...], tuple[str, ...]]:
+    """Those of the words that are files, and the names of all motions."""
+    from motorcade.fusion.motions import MOTIONS
+    from motorcade.replays.cli.arguments import check_known
+    from motorcade.replays.compare.measure.truth import RecordedMotion
+
+    files = [Path(one) for one in given if not one.isidentifier()]
+    names = [one for one in given if one.isidentifier()]
+    check_known("--trajectories", names, {*MOTIONS, "all"})
+    known = tuple(MOTIONS) if "all" in names else tuple(names)
+    recorded = tuple(RecordedMotion.of(one, rate_hz) for one in files)
+    return recorded, (*known, *(one.name for one in recorded))
 
 
 def _report(out: Path) -> None:

@@ -2,8 +2,8 @@
 
 A score is the geometric mean over the motions and degradations of a scope of (metric / raw metric),
 seed by seed; ``score`` is the same of the mean of the four ratios, which is what parameters are
-tuned by. Each seed gives one score, and seeds are drawn anew to tell how far scores and ranks can
-be trusted. Only what has a result in every cell of the scope is ranked.
+tuned by. Each seed of a motion gives one score; motions and their seeds are drawn anew to tell how
+far scores and ranks can be trusted. Only what has a result in every cell of the scope is ranked.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def rankings(groups: Sequence[Group]) -> list[dict[str, Any]]:
         names, scores, unranked = _scores(chosen)
         if not names:
             continue
-        counts = resampling(len(chosen[0].seeds))
+        counts = _resampled(chosen)
         for k, metric in enumerate(RANKED):
             rows = _ranked(names, scores[:, :, k], counts)
             made.append(
@@ -70,7 +70,7 @@ def ratios_to_motor(groups: Sequence[Group]) -> list[dict[str, Any]]:
         names, scores, unranked = _scores(chosen)
         if not names:
             continue
-        counts = resampling(len(chosen[0].seeds))
+        counts = _resampled(chosen)
         at = {name: i for i, name in enumerate(names)}
         parts: dict[str, list[FloatArray]] = {}
         partly = {method for method, _ in unranked}
@@ -98,23 +98,37 @@ def _scopes(groups: Sequence[Group]) -> list[tuple[str, list[Group]]]:
 
 
 def _scores(groups: Sequence[Group]) -> tuple[list[Name], FloatArray, list[Name]]:
-    """Names, logarithms of scores ``(S, P, 5)``, and the names that are not complete."""
+    """Names, logarithms of scores ``(M * S, P, 5)``, and the names that are not complete.
+
+    A row is a seed of a motion, the mean over its degradations; motions one after another.
+    """
     names = list(dict.fromkeys(name for group in groups for name in group.names))
-    total = np.zeros((len(groups[0].seeds), len(names), len(RANKED)))
+    motions, seeds = _motions(groups), len(groups[0].seeds)
+    total = np.zeros((len(motions) * seeds, len(names), len(RANKED)))
     for group in groups:
+        first = motions.index(group.motion) * seeds
+        part = total[first : first + seeds]
         column = {name: i for i, name in enumerate(group.names)}
         raw = group.values[:, column[RAW]][:, _COLUMNS]
         for i, name in enumerate(names):
             if name not in column:
-                total[:, i] = np.nan
+                part[:, i] = np.nan
                 continue
             with np.errstate(divide="ignore", invalid="ignore"):
                 ratio = group.values[:, column[name]][:, _COLUMNS] / raw
                 logs = np.log(np.concatenate([np.mean(ratio, axis=1)[:, None], ratio], axis=1))
-            total[:, i] += logs / len(groups)
+            part[:, i] += logs * (len(motions) / len(groups))
     whole = np.all(np.isfinite(total), axis=(0, 2))
     kept = [name for name, good in zip(names, whole, strict=True) if good]
     return kept, total[:, whole], [n for n, good in zip(names, whole, strict=True) if not good]
+
+
+def _resampled(groups: Sequence[Group]) -> FloatArray:
+    return resampling(len(groups[0].seeds), len(_motions(groups)))
+
+
+def _motions(groups: Sequence[Group]) -> list[str]:
+    return list(dict.fromkeys(group.motion for group in groups))
 
 
 def _ranked(names: list[Name], scores: FloatArray, counts: FloatArray) -> list[dict[str, Any]]:

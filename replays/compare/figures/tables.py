@@ -6,8 +6,8 @@ Keys of ``results.json``:
 - ``plan``: the fields of `ComparisonPlan`;
 - ``metrics``: name to practical floor, in the unit that the name ends with;
 - ``parameters``: a row a motion, degradation, method and representation: ``parameters``, ``how``
-  ("grid", "defaults", "borrowed"), ``objective``, ``trials``;
-- ``grids``: what was tried;
+  ("search", "defaults", "borrowed"), ``objective``, ``trials``;
+- ``ranges``: what was searched;
 - ``traits``: a row a method and representation: ``left_defect_m``, ``left_defect_rad`` (world's
   frame), ``right_defect_m``, ``right_defect_rad`` (sensor's frame), ``time_us_per_pose``;
 - ``failures``: a row a motion, degradation, method and representation that failed: on how many
@@ -51,10 +51,10 @@ from motorcade.replays.compare.figures.statistics import (
     verdicts,
 )
 from motorcade.replays.compare.measure.evaluator import METRICS
-from motorcade.replays.compare.tuning import GRIDS, Tuned
+from motorcade.replays.compare.tuning import RANGES, Tuned
 from motorcade.replays.files.atomic import write_bytes, write_csv
 
-FORMAT = "motorcade comparison 1"
+FORMAT = "motorcade comparison 2"
 _PLACE = ("motion", "degradation", "method", "representation")
 _CELLS = (
     "motion",
@@ -112,7 +112,7 @@ def write_tables(outcome: Outcome, out: Path) -> dict[str, Any]:
         "python": platform.python_version(),
         "plan": outcome.plan,
         "metrics": FLOORS,
-        "grids": {method: [asdict(one) for one in grid] for method, grid in GRIDS.items()},
+        "ranges": {method: [asdict(one) for one in ranges] for method, ranges in RANGES.items()},
         "parameters": [_parameters(place, one) for place, one in outcome.found.items()],
         "traits": list(outcome.traits),
         "failures": [row for group in groups for row in _failures(group)],

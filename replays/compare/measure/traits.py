@@ -9,6 +9,7 @@ import numpy as np
 from motorcade.fusion.metrics import frame_change_defect, seconds_per_pose
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.compare.cells import Setting, inputs_of, why
+from motorcade.replays.compare.measure.truth import RecordedMotion
 
 _FRAMES_SEED = 20240229
 
@@ -23,12 +24,18 @@ class Trait:
     rate_hz: float
     duration_s: float
     setting: Setting
+    recorded: RecordedMotion | None = None
 
 
 def run_trait(trait: Trait) -> dict[str, str | int | float]:
     """`measured_trait` on the poses of a cell."""
     degraded, _ = inputs_of(
-        trait.motion, trait.degradation, trait.seed, trait.rate_hz, trait.duration_s
+        trait.motion,
+        trait.degradation,
+        trait.seed,
+        trait.rate_hz,
+        trait.duration_s,
+        trait.recorded,
     )
     return measured_trait(trait.setting, degraded)
 

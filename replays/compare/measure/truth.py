@@ -1,9 +1,16 @@
-"""The true motion that smoothed paths are held against: a formula, or a recorded reference."""
+"""The true motion that smoothed paths are held against: a formula, or a recorded reference.
+
+A recorded motion is a true path from a file, such as a flight under motion capture; twelve seconds
+of it, or how long a plan takes, are sampled and degraded like any other motion.
+"""
 
 from __future__ import annotations
 
 import functools
+import hashlib
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +21,7 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.stamps import check_count, stretches
+from motorcade.replays.files.trajectories import read_trajectory
 
 _TABLE_STEP_S = 1e-3
 # The motions go on before and after; lags are sought within half a second.
@@ -90,6 +98,10 @@ class AnalyticTruth(Truth):
         """Whether its poses are similarities."""
         return self.motion.versor is Similarity
 
+    def sampled(self, rate_hz: float, duration_s: float) -> Trajectory:
+        """True poses at an even rate from time 0 on."""
+        return self.motion.sampled(rate_hz, duration_s)
+
     def poses(self, time_s: FloatArray) -> tuple[Motor, FloatArray | None]:
         """See `Truth`."""
         poses = self.motion.at(time_s).pose
@@ -122,7 +134,95 @@ class RecordedTruth(Truth):
         return self._path.poses(time_s), None
 
 
+@dataclass(frozen=True)
+class RecordedMotion:
+    """A true path from a file, as a motion of a comparison.
+
+    Fields:
+        name: what tables call it.
+        file: its absolute path; every process that computes reads it.
+        digest: SHA-256 of its stamps and poses.
+        rate_hz: of KITTI files, which have no stamps.
+    """
+
+    name: str
+    file: str
+    digest: str
+    rate_hz: float | None = None
+
+    @classmethod
+    def of(cls, path: Path, rate_hz: float | None = None) -> RecordedMotion:
+        """A trajectory file; named after it.
+
+        Raises:
+            RecordingError: a file that cannot be read.
+        """
+        found = read_trajectory(path, rate_hz=rate_hz)
+        return cls(path.stem, str(path.resolve()), digest_of(found), rate_hz)
+
+    def read(self) -> Trajectory:
+        """The whole path.
+
+        Raises:
+            ValueError: the file holds another path by now.
+        """
+        found = read_trajectory(self.file, rate_hz=self.rate_hz)
+        if digest_of(found) != self.digest:
+            raise ValueError(f"{self.file}: changed since the comparison began")
+        return found
+
+
+def digest_of(*paths: Trajectory) -> str:
+    """SHA-256 of all stamps and poses."""
+    content = hashlib.sha256()
+    for one in paths:
+        content.update(one.time_ns.tobytes() + one.motors.coefficients.tobytes())
+    return content.hexdigest()
+
+
+class RecordedMotionTruth(RecordedTruth):
+    """The middle of a recorded motion's longest stretch without a gap, and a margin about it.
+
+    Raises:
+        ValueError: no stretch is as long as the plan's duration and two margins.
+    """
+
+    has_scale = False
+
+    def __init__(self, recorded: RecordedMotion, duration_s: float) -> None:
+        path = recorded.read()
+        longest = max(stretches(path.time_ns), key=lambda part: _length_ns(path.time_ns[part]))
+        stamps = path.time_ns[longest]
+        spare_s = 1e-9 * _length_ns(stamps) - duration_s - 2.0 * _MARGIN_S
+        if spare_s < 0.0:
+            raise ValueError(
+                f"{recorded.file}: expected {duration_s + 2.0 * _MARGIN_S:g} s without a gap of "
+                f"10 s, got {1e-9 * _length_ns(stamps):.3g} s"
+            )
+        start_ns = int(stamps[0]) + round(1e9 * (0.5 * spare_s + _MARGIN_S))
+        margin_ns = round(1e9 * _MARGIN_S)
+        end_ns = start_ns + round(1e9 * duration_s) + margin_ns
+        first, last = np.searchsorted(path.time_ns, [start_ns - margin_ns, end_ns]).tolist()
+        super().__init__(path[max(first - 1, longest.start) : min(last + 1, longest.stop)])
+        self._start_ns = start_ns
+
+    def sampled(self, rate_hz: float, duration_s: float) -> Trajectory:
+        """True poses at an even rate."""
+        count = int(np.floor(duration_s * rate_hz * (1.0 + 1e-12))) + 1
+        time_ns = self._start_ns + np.round(1e9 / rate_hz * np.arange(count)).astype(np.int64)
+        poses, _ = self.poses(self.seconds(time_ns))
+        return Trajectory(time_ns, poses, self._kept.parent, self._kept.child)
+
+
+def _length_ns(time_ns: IntArray) -> int:
+    return int(time_ns[-1] - time_ns[0])
+
+
 @functools.cache
-def truth_of(motion: str, duration_s: float) -> AnalyticTruth:
-    """The ground truth of a named motion, made once in a process."""
+def truth_of(
+    motion: str, duration_s: float, recorded: RecordedMotion | None = None
+) -> AnalyticTruth | RecordedMotionTruth:
+    """The ground truth of a motion, by its name or from a file, made once in a process."""
+    if recorded is not None:
+        return RecordedMotionTruth(recorded, duration_s)
     return AnalyticTruth(motion, duration_s)

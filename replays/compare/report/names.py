@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from motorcade.ga.versors.euler_angles import SEQUENCES
+
 
 class Metric(NamedTuple):
     """Heading, shown unit, factor into it, one line of definition, and its source."""
@@ -120,8 +122,14 @@ REPRESENTATIONS = {
     "rotor": "rotation by logarithms, translation separately in the world",
     "dual_quaternion": "eight numbers averaged and projected back",
     "quaternion": "four numbers averaged and renormalised, translation separately",
-    "euler_unwrapped": "three angles made continuous over time, translation separately",
-    "euler": "three angles as they come, wrapped at ±180°, translation separately",
+    "euler_best": "three angles in the order of axes that stays farthest from gimbal lock, each "
+    "triple the nearest to the one before; translation separately",
+    "euler_unwrapped": "angles x-y′-z″, each made continuous for itself, translation separately",
+    "euler": "angles x-y′-z″ as they come, wrapped at ±180°, translation separately",
+} | {
+    f"euler_{order}": f"three angles in the order {order}, each triple the nearest to the one "
+    "before; translation separately"
+    for order in SEQUENCES
 }
 METHODS = {
     "auto": "estimates the noise and picks method and parameters",

@@ -29,7 +29,7 @@ from motorcade.replays.compare.report.pictures import (
     replay,
     small_panels,
 )
-from motorcade.replays.compare.report.results import Results, grid_ends
+from motorcade.replays.compare.report.results import Results, range_ends
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.pages import page_environment
 from motorcade.replays.pages.parts import PagePlot
@@ -139,7 +139,7 @@ def _overview(environment: Environment, results: Results) -> str:
         traits=trait_matrices(results),
         seeds={name: _spans(plan[name]) for name in ("test_seeds", "tuning_seeds")},
         failures=results.told["failures"],
-        grid_ends=grid_ends(results),
+        range_ends=range_ends(results),
     )
 
 
@@ -243,7 +243,7 @@ def _parameter_text(row: Mapping[str, Any] | None) -> list[str]:
     if row is None:
         return ["–"]
     lines = [f"{name} {value:.4g}" for name, value in row["parameters"].items()]
-    return [*(lines or ["its own choice"]), *([] if row["how"] == "grid" else [row["how"]])]
+    return [*(lines or ["its own choice"]), *([] if row["how"] == "search" else [row["how"]])]
 
 
 def _spans(seeds: list[int]) -> str:

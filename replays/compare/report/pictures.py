@@ -98,7 +98,8 @@ def replay(results: Results, motion: str, degradation: str, method: str) -> Repl
     rigid = MOTIONS[motion].versor is Motor and REFERENCE in results.representations
     paths = {}
     for (name, representation), row in results.parameters(motion, degradation).items():
-        if name != method or (rigid and representation == "similarity"):
+        drawn = representation in results.representations
+        if name != method or not drawn or (rigid and representation == "similarity"):
             continue
         if any(_at(one) == (motion, degradation, *_pair(row)) for one in results.told["failures"]):
             continue

@@ -1,4 +1,4 @@
-"""A finished comparison, read back from its folder; where its searches ended on their grids."""
+"""A finished comparison, read back from its folder; where its searches ended in their ranges."""
 
 from __future__ import annotations
 
@@ -155,26 +155,11 @@ class Results:
         }
 
     def best_ratio(self, scope: str, representation: str) -> tuple[Ratio, str] | None:
-        """What a representation leaves with the method that serves it best, and that method.
-
-        Methods that were not run on every representation are no part of it: they would serve some
-        representations and be kept from others.
-        """
+        """What a representation leaves with the method that serves it best, and that method."""
         for row in self.ranking(scope):
-            if row["representation"] == representation and self._ran_on_all(row["method"], scope):
+            if row["representation"] == representation:
                 return _ratio(row, "ratio_to_raw"), str(row["method"])
         return None
-
-    def _ran_on_all(self, method: str, scope: str) -> bool:
-        """Whether the plan left nothing of a method out in the places of a scope."""
-        places = set(self.places(scope))
-        return not any(
-            (motion, degradation) in places
-            for one in self.told["plan"].get("left_out", ())
-            if one["method"] == method
-            for motion in one["motions"]
-            for degradation in one["degradations"]
-        )
 
     def does_nothing(self, pair: Pair) -> bool:
         """Whether a smoother left all of the first place's poses as they were."""
@@ -228,14 +213,16 @@ def _ratio(row: Mapping[str, Any], key: str) -> Ratio:
 
 # Parameters that smooth more the larger they are; all others smooth less.
 _WIDTHS = ("sigma_s", "window_s", "knot_spacing_s")
+# Share of a range, in logarithms, within which a search ended at its end.
+_AT_AN_END = 0.03
 
 
-def grid_ends(results: Results) -> list[str]:
+def range_ends(results: Results) -> list[str]:
     """Sentences on what motors asked for with the first degradation, method by method.
 
-    A grid has an end with least smoothing and one with most. Least is asked for where any smoothing
-    costs more than it takes away, most where the motion is what the method takes for constant: then
-    a longer grid would be followed further, to little gain.
+    A range has an end with least smoothing and one with most. Least is asked for where any costs
+    more than it takes away, most where the motion is what the method takes for constant: then a
+    longer range would be followed further, to little gain.
     """
     found = sorted(_found(results), key=itemgetter(0, 1))
     made = []
@@ -252,9 +239,10 @@ def _found(results: Results) -> Iterator[tuple[bool, str, str]]:
         for (method, representation), row in results.parameters(
             motion, results.degradations[0]
         ).items():
-            if representation != REFERENCE or row["how"] != "grid":
+            if representation != REFERENCE or row["how"] != "search":
                 continue
-            for grid in results.told["grids"][method]:
-                value, values = row["parameters"][grid["parameter"]], grid["values"]
-                if value in (values[0], values[-1]):
-                    yield (grid["parameter"] in _WIDTHS) == (value == values[-1]), method, motion
+            for one in results.told["ranges"][method]:
+                value = row["parameters"][one["parameter"]]
+                place = math.log(value / one["low"]) / math.log(one["high"] / one["low"])
+                if not _AT_AN_END < place < 1.0 - _AT_AN_END:
+                    yield (one["parameter"] in _WIDTHS) == (place > 0.5), method, motion

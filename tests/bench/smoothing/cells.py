@@ -25,7 +25,20 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.files.trajectories import read_trajectory
 
-__all__ = ["JUDGED", "NOISES", "TUNED_ON", "Cell", "Left", "cell", "left", "motion"]
+__all__ = [
+    "FURTHER",
+    "JUDGED",
+    "NOISES",
+    "OUTLIERS",
+    "TUNED_ON",
+    "Cell",
+    "Left",
+    "cell",
+    "cells",
+    "errors",
+    "left",
+    "motion",
+]
 
 RATE_HZ, DURATION_S = 20.0, 30.0
 JUDGED = {
@@ -36,7 +49,13 @@ JUDGED = {
 """Flights of EuRoC that smoothers are judged on."""
 TUNED_ON = ("V1_02", "handheld", "walk_and_look", "stop_and_go", "tumble")
 """Motions that constants were chosen on: a flight and synthetic ones."""
-_FLIGHTS = {**JUDGED, "V1_02": "imu/V1_02_medium.csv"}
+FURTHER = ("V1_01", "gimbal_hover", "screw", "distant_circle", "fast_spin")
+"""A second group that no constant was chosen on: another flight and synthetic motions."""
+_FLIGHTS = {
+    **JUDGED,
+    "V1_01": "replays/euroc_V1_01/V1_01_easy_original.txt",
+    "V1_02": "imu/V1_02_medium.csv",
+}
 # Seconds after take-off begins in all of the flights.
 _START_S = 30.0
 
@@ -164,9 +183,9 @@ class Cell:
     true: Trajectory
 
 
-def motion(name: str, folder: Path) -> Trajectory | None:
+def motion(name: str, folder: Path, duration_s: float = DURATION_S) -> Trajectory | None:
     """A true motion at 20 Hz; None where its recording is not there."""
-    count = int(RATE_HZ * DURATION_S)
+    count = int(RATE_HZ * duration_s)
     if name not in _FLIGHTS:
         return MOTIONS[name].sampled(RATE_HZ, (count - 1) / RATE_HZ)
     file = folder / _FLIGHTS[name]
@@ -220,6 +239,12 @@ class Left:
 _NONE = np.array([1e-5, np.deg2rad(1e-3)])
 
 
+def errors(path: Trajectory, true: Trajectory) -> tuple[FloatArray, FloatArray]:
+    """Wrong rotation vectors in the body, and wrong positions in the world, each ``(N, 3)``."""
+    turn = (true.motors.rotor.inverse() @ path.motors.rotor).as_rotation_vector()
+    return turn, path.motors.translation_m - true.motors.translation_m
+
+
 def left(smoothed: Trajectory, of: Cell) -> Left:
     """Errors and jitter of a smoothed path beside the raw one's."""
     ours, raw = (_figures(path, of.true) for path in (smoothed, of.raw))
@@ -231,8 +256,7 @@ def left(smoothed: Trajectory, of: Cell) -> Left:
 
 def _figures(path: Trajectory, true: Trajectory) -> FloatArray:
     """RMS errors in m and rad, RMS of wrong acceleration in m/s² and rad/s²."""
-    shift = path.motors.translation_m - true.motors.translation_m
-    turn = (true.motors.rotor.inverse() @ path.motors.rotor).as_rotation_vector()
+    turn, shift = errors(path, true)
     both = (accelerations(true.time_s, one) for one in (path.motors, true.motors))
     wrong = (found - expected for found, expected in zip(*both, strict=True))
     return np.array([np.sqrt(np.mean(np.sum(e**2, axis=-1))) for e in (shift, turn, *wrong)])

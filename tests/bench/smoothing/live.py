@@ -61,7 +61,7 @@ def _rows(folder: Path) -> Iterator[LiveRow]:
         yield LiveRow(one.motion, one.noise, ours.e2, ours.s4, best, name)
 
 
-def _settings() -> Iterator[tuple[str, dict[str, float]]]:
+def _settings() -> Iterator[tuple[str, dict[str, Any]]]:
     """What peers are tuned over: below half the rate of 20 Hz."""
     for cutoff_hz in np.geomspace(0.3, 9.0, 10):
         yield "exponential", {"cutoff_hz": cutoff_hz}

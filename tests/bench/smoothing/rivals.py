@@ -100,10 +100,10 @@ class NumpyOneEuro:
             return self.pose
         dt, self.time_s = time_s - self.time_s, time_s
         step = _difference(np.concatenate([q, t]), self.pose)
-        share = _share(2.0, dt)
+        share = _share(1.0, dt)
         self.rate = share * step / dt + (1.0 - share) * self.rate
-        turn = _share(0.5 + 10.0 * float(np.linalg.norm(self.rate[:3])), dt)
-        push = _share(0.5 + 10.0 * float(np.linalg.norm(self.rate[3:])), dt)
+        turn = _share(1.0 + 100.0 * float(np.linalg.norm(self.rate[:3])), dt)
+        push = _share(1.0 + 100.0 * float(np.linalg.norm(self.rate[3:])), dt)
         self.pose = _moved(self.pose, np.concatenate([turn * step[:3], push * step[3:]]))
         return self.pose
 
@@ -126,11 +126,11 @@ class ScipyOneEuro:
             return np.concatenate([measured.as_quat(), t])
         dt, self.time_s = time_s - self.time_s, time_s
         turn = (self.turned.inv() * measured).as_rotvec()
-        share = _share(2.0, dt)
+        share = _share(1.0, dt)
         self.rate = share * np.concatenate([turn, t - self.t]) / dt + (1.0 - share) * self.rate
-        opened = _share(0.5 + 10.0 * float(np.linalg.norm(self.rate[:3])), dt)
+        opened = _share(1.0 + 100.0 * float(np.linalg.norm(self.rate[:3])), dt)
         self.turned = self.turned * self._rotation.from_rotvec(opened * turn)
-        self.t = self.t + _share(0.5 + 10.0 * float(np.linalg.norm(self.rate[3:])), dt) * (
+        self.t = self.t + _share(1.0 + 100.0 * float(np.linalg.norm(self.rate[3:])), dt) * (
             t - self.t
         )
         return np.concatenate([self.turned.as_quat(), self.t])

@@ -28,11 +28,11 @@ from tests.bench.data import data_folder
 
 __all__ = ["CAUSAL", "OFFLINE", "bench_board", "board_table", "position_jitter_m"]
 
-CAUSAL: tuple[str, dict[str, float]] = (
+CAUSAL: tuple[str, dict[str, Any]] = (
     "double_exponential",
     {"cutoff_hz": 8.0, "trend_cutoff_hz": 4.0},
 )
-OFFLINE: tuple[str, dict[str, float]] = ("local_polynomial", {"window_s": 0.24, "order": 2})
+OFFLINE: tuple[str, dict[str, Any]] = ("local_polynomial", {"window_s": 0.24, "order": 2})
 _MANIFEST = Path(__file__).parents[3] / "docs" / "manifests" / "vamr_board.toml"
 
 

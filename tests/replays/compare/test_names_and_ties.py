@@ -5,7 +5,7 @@ import math
 import pytest
 
 from motorcade.fusion.motions import MOTIONS
-from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
+from motorcade.fusion.smoothing import METHODS, REPRESENTATION_NAMES
 from motorcade.render.plots.style import COLOURS
 from motorcade.replays.compare.measure.evaluator import METRICS as RULER_METRICS
 from motorcade.replays.compare.plan import DEGRADATIONS
@@ -29,10 +29,10 @@ def test_ties(ratio: Ratio, tie: bool) -> None:
 
 def test_everything_that_can_be_compared_has_a_name_and_a_line() -> None:
     assert set(names.METHODS) == set(METHODS)
-    assert set(names.REPRESENTATIONS) == set(REPRESENTATIONS)
+    assert set(names.REPRESENTATIONS) == set(REPRESENTATION_NAMES)
     assert set(names.MOTIONS) == set(MOTIONS)
     assert set(names.DEGRADATIONS) == set(names.LABELS) == {*DEGRADATIONS, "recorded"}
     assert set(names.METRICS) == {"score", *RULER_METRICS}
     for method in names.CAUSAL:
         assert "causal" in names.METHODS[method]
-    assert set(COLOURS) >= set(REPRESENTATIONS)
+    assert set(COLOURS) >= set(REPRESENTATION_NAMES)

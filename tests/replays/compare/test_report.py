@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from docs.making.guide import guide
+from docs.making.guide import figures, page
 from motorcade.replays.compare.cells import (
     ComparisonCell,
     MeasuredRow,
@@ -29,7 +29,7 @@ from motorcade.replays.compare.plan import ComparisonPlan
 from motorcade.replays.compare.report import Results, write_report
 from motorcade.replays.compare.report.findings import findings
 from motorcade.replays.compare.report.names import METRICS, shown
-from motorcade.replays.compare.report.results import grid_ends
+from motorcade.replays.compare.report.results import range_ends
 from motorcade.replays.compare.tuning import Tuned
 
 PLAN = ComparisonPlan(
@@ -63,7 +63,7 @@ def written(folder: Path, rename: Callable[[str], str]) -> Results:
                 samples.append(Sample.of(cell, rows))
             for one in settings:
                 place = (motion, degradation, one.method, one.representation)
-                found[place] = Tuned(one, "grid", 0.5, 12)
+                found[place] = Tuned(one, "search", 0.5, 12)
     traits = [
         run_trait(Trait("walk_and_look", "gaussian", 1, PLAN.rate_hz, PLAN.duration_s, one))
         for one in settings
@@ -337,47 +337,38 @@ def test_the_drawn_passage_is_that_of_the_first_seed(folder: Path) -> None:
 
 
 def test_the_guide_is_written_from_the_figures(results: Results, swapped: Results) -> None:
-    page = guide(results)
-    for pair, ratio in results.ratio_to_raw("degradation:gaussian", "ape_rmse_m").items():
+    text = page(figures(results))
+    for pair, ratio in results.ratio_to_raw("all", "ape_rmse_m").items():
         if pair[1] == "motor":
-            (row,) = re.findall(rf"\| `{pair[0]}`.*? \| (.*) \|\n", page.split("## Methods")[1])[:1]
+            (row,) = re.findall(rf"\| `{pair[0]}`.*? \| (.*) \|\n", text.split("## Methods")[1])[:1]
             assert row.split(" | ")[1] == f"{shown(100 * ratio.value)} %"
     for sentence in (*findings(results).wins, *findings(results).representations):
-        assert sentence in page
-    assert page != guide(swapped)
-    for number, block in enumerate(re.findall(r"```python\n(.*?)```", page, re.DOTALL)):
+        assert sentence in text
+    assert text != page(figures(swapped))
+    for number, block in enumerate(re.findall(r"```python\n(.*?)```", text, re.DOTALL)):
         compile(block, f"block {number}", "exec")
 
 
-def test_ends_of_grids_and_what_was_not_run_are_told(results: Results) -> None:
-    assert grid_ends(results) == []
+def test_ends_of_ranges_are_told(results: Results) -> None:
+    assert range_ends(results) == []
     told = copy.deepcopy(dict(results.told))
     first = PLAN.motions[0]
     for row in told["parameters"]:
         if row["motion"] == first and row["representation"] == "motor":
             name = next(iter(row["parameters"]))
-            row["parameters"][name] = told["grids"][row["method"]][0]["values"][-1]
-    told["plan"]["left_out"] = [
-        {
-            "method": "gaussian",
-            "representations": ["euler"],
-            "motions": list(PLAN.motions),
-            "degradations": list(PLAN.degradations),
-            "reason": "for a reason",
-        }
-    ]
+            row["parameters"][name] = told["ranges"][row["method"]][0]["high"]
     changed = Results(told, results.figures)
     # The last value of a cut-off smooths least, that of a width most.
-    assert grid_ends(changed) == [
+    assert range_ends(changed) == [
         f"`exponential` asks for the least smoothing on {first}.",
         f"`gaussian` asks for the most smoothing on {first}.",
     ]
-    page = guide(changed)
-    for sentence in (*grid_ends(changed), "`gaussian` on `euler`: for a reason."):
-        assert f"- {sentence}" in page
+    text = page(figures(changed))
+    for sentence in range_ends(changed):
+        assert f"- {sentence}" in text
 
 
 def test_other_files_are_refused(tmp_path: Path) -> None:
     (tmp_path / "results.json").write_text('{"format": "something else"}')
-    with pytest.raises(ValueError, match="expected format 'motorcade comparison 1'"):
+    with pytest.raises(ValueError, match="expected format 'motorcade comparison 2'"):
         Results.read(tmp_path)

@@ -19,10 +19,18 @@ from motorcade.replays.compare import own_data
 from motorcade.replays.compare.cells import Setting, inputs_of
 from motorcade.replays.compare.measure.evaluator import METRICS
 from motorcade.replays.compare.measure.ties import exact_ties
+from motorcade.replays.compare.measure.truth import RecordedMotion
 from motorcade.replays.compare.own_data import compare_recorded
-from motorcade.replays.compare.plan import DEGRADATIONS, SLOW, ComparisonPlan, quick, standard
+from motorcade.replays.compare.plan import (
+    COMPARED,
+    DEGRADATIONS,
+    OWN,
+    ComparisonPlan,
+    quick,
+    standard,
+)
 from motorcade.replays.compare.run import run_comparison
-from motorcade.replays.compare.tuning import BORROWS, GRIDS, Tuned, tuned
+from motorcade.replays.compare.tuning import RANGES, SearchPlace, Tuned, tuned
 from motorcade.replays.files.trajectories import write_trajectory
 
 UNITS = ("_m", "_deg", "_s2", "_ms", "_ratio", "_turns", "log_scale_rmse")
@@ -65,7 +73,7 @@ def same(first: Path, second: Path) -> bool:
 def test_seeds_are_disjoint_and_stand_in_the_results(small: Path) -> None:
     for plan in (standard(), quick(), standard(seeds=50)):
         assert not set(plan.test_seeds) & set(plan.tuning_seeds)
-    assert len(standard().test_seeds) >= 20
+    assert len(standard(seeds=50).test_seeds) == 50
     plan = json.loads((small / "results.json").read_text())["plan"]
     assert plan["test_seeds"] == [10, 11, 12]
     assert plan["tuning_seeds"] == [1]
@@ -87,18 +95,14 @@ def test_plans_that_make_no_sense_are_refused(change: Mapping[str, Any], message
         replace(SMALL, **change)
 
 
-def test_the_standard_plan_is_complete_but_for_what_it_names() -> None:
+def test_the_standard_plan_is_complete() -> None:
     plan = standard()
     assert set(plan.motions) == set(MOTIONS)
     assert set(plan.degradations) == set(DEGRADATIONS)
-    assert set(plan.methods) == set(METHODS)
-    assert set(plan.representations) == set(REPRESENTATIONS)
-    for motion in plan.motions:
-        for degradation in plan.degradations:
-            missing = set(METHODS) - {method for method, _ in plan.pairs(motion, degradation)}
-            assert missing <= set(SLOW)
-    assert all(one.method in SLOW and one.reason for one in plan.left_out)
-    assert set(GRIDS) | set(BORROWS) | {"auto"} >= set(METHODS)
+    every = {(method, name) for method in METHODS for name in COMPARED}
+    assert set(COMPARED) == {*REPRESENTATIONS, "euler_best"}
+    assert set(plan.pairs()) == every | {("auto", OWN)}
+    assert set(RANGES) | {"auto"} == set(METHODS)
 
 
 def test_two_processes_give_what_one_gives(small: Path, tmp_path: Path) -> None:
@@ -127,7 +131,7 @@ def test_a_failing_method_says_why_and_ends_nothing(
     assert failure["seeds"] == 3
     how = {(one["method"], one["representation"]): one["how"] for one in told["parameters"]}
     assert how["exponential", "euler"] == "defaults"
-    assert how["double_exponential", "euler"] == "grid"
+    assert how["double_exponential", "euler"] == "search"
 
 
 def test_keys_carry_units(small: Path) -> None:
@@ -149,26 +153,49 @@ def test_keys_carry_units(small: Path) -> None:
 
 def test_every_representation_is_tuned_with_the_same_trials(small: Path) -> None:
     told = json.loads((small / "results.json").read_text())
-    searched = [one for one in told["parameters"] if one["how"] == "grid"]
+    searched = [one for one in told["parameters"] if one["how"] == "search"]
     for method in SMALL.methods:
         assert len({one["trials"] for one in searched if one["method"] == method}) == 1
-    values = {one["parameter"]: one["values"] for one in told["grids"]["exponential"]}
+    (given,) = told["ranges"]["exponential"]
     for one in searched:
         if one["method"] == "exponential":
-            assert one["parameters"]["cutoff_hz"] in values["cutoff_hz"]
+            assert given["low"] <= one["parameters"]["cutoff_hz"] <= given["high"]
 
 
-def test_the_value_that_is_taken_has_the_lowest_objective() -> None:
+@pytest.mark.parametrize("name", ["motor", "euler"])
+def test_the_value_that_is_taken_is_as_good_as_any_of_a_fine_grid(name: str) -> None:
     degraded, evaluator = inputs_of("handheld", "gaussian", 1, 30.0, 4.0)
     raw = evaluator.errors([degraded])[0]
-    found = tuned("gaussian", "motor", [(degraded, evaluator)], [raw])
-    (grid,) = GRIDS["gaussian"]
-    objectives = []
-    for value in grid.values:
-        path = Setting("gaussian", "motor", ((grid.parameter, value),)).smooth(degraded)
-        objectives.append(np.mean(evaluator.errors([path])[0, :4] / raw[:4]))
-    assert found.objective == pytest.approx(min(objectives), rel=1e-8)
-    assert dict(found.setting.parameters)["sigma_s"] == grid.values[int(np.argmin(objectives))]
+    found = tuned("gaussian", name, [(degraded, evaluator)], [raw])
+    (one,) = RANGES["gaussian"]
+
+    def objective(value: float) -> float:
+        path = Setting("gaussian", name, ((one.parameter, value),)).smooth(degraded)
+        return float(np.mean(evaluator.errors([path])[0, :4] / raw[:4]))
+
+    assert found.objective == pytest.approx(
+        objective(dict(found.setting.parameters)["sigma_s"]), rel=1e-8
+    )
+    finest = min(map(objective, np.geomspace(one.low, one.high, 40)))
+    assert found.objective < 1.02 * finest
+    assert found.trials == 9
+
+
+def test_the_robust_method_is_told_its_noise_and_takes_the_process_noise_of_plain_noise() -> None:
+    place = SearchPlace("gaussian_strong", "robust_map", "similarity")
+    assert place.lender(True) == SearchPlace("gaussian", "rts_constant_velocity", "motor")
+    assert place.lender(False) == SearchPlace("gaussian", "rts_constant_velocity", "similarity")
+    parameters = (("noise_m", 0.005), ("noise_rad", 0.01), ("acceleration_m_s2", 0.7))
+    lent = Tuned(Setting("rts_constant_velocity", "motor", parameters), "search", 0.3, 24)
+    made = place.borrowed(lent)
+    assert (made.setting.method, made.setting.representation) == ("robust_map", "similarity")
+    assert dict(made.setting.parameters) == {
+        "noise_m": 0.02,
+        "noise_rad": np.deg2rad(2.0),
+        "acceleration_m_s2": 0.7,
+    }
+    usual = SearchPlace("outliers", "gaussian", "rotor")
+    assert usual.lender(True) == usual
 
 
 def test_scales_are_judged_where_there_are_some(small: Path) -> None:
@@ -256,6 +283,33 @@ def test_the_command_runs_quickly_and_refuses_in_one_line(
     assert "did you mean exponential?" in capsys.readouterr().err
     assert main(["compare", "--input", "a.tum", "--out", str(tmp_path)]) == 1
     assert "expected --input and --truth together" in capsys.readouterr().err
+
+
+def test_a_recorded_motion_is_degraded_and_judged_as_one_with_a_formula(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    true = MOTIONS["handheld"].sampled(100.0, 12.0)
+    write_trajectory(true, tmp_path / "flight.tum")
+    recorded = RecordedMotion.of(tmp_path / "flight.tum")
+    degraded, evaluator = inputs_of("flight", "gaussian", 1, 30.0, 6.0, recorded)
+    assert len(degraded) == 181
+    time_s = 3.0 + np.arange(181) / 30.0  # the middle of the path
+    np.testing.assert_allclose(evaluator.time_s + evaluator.truth.origin_ns * 1e-9, time_s)
+    at = MOTIONS["handheld"].at(time_s).pose
+    np.testing.assert_allclose(evaluator.true.translation_m, at.translation_m, atol=1e-6)
+    words = ["compare", "--quick", "--trajectories", "screw", str(tmp_path / "flight.tum")]
+    words += ["--seeds", "2", "--noise", "gaussian", "--methods", "exponential"]
+    words += ["--representations", "motor", "--executor", "local", "--out", str(tmp_path / "out")]
+    assert main(words) == 0
+    told = json.loads((tmp_path / "out" / "results.json").read_text())
+    assert told["plan"]["motions"] == ["screw", "flight"]
+    assert told["plan"]["recorded"][0]["digest"] == recorded.digest
+    assert (tmp_path / "out" / "motions" / "flight.html").is_file()
+    write_trajectory(true[:900], tmp_path / "flight.tum")
+    with pytest.raises(ValueError, match="changed since"):
+        recorded.read()
+    assert main([*words[:3], str(tmp_path / "flight.tum"), "handhold"]) == 1
+    assert "did you mean handheld?" in capsys.readouterr().err
 
 
 def test_own_files_are_compared_from_the_command_line(

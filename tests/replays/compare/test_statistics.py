@@ -21,7 +21,7 @@ LAG = METRICS.index("lag_ms")
 
 def test_intervals_agree_with_scipy(rng: np.random.Generator) -> None:
     values = rng.gamma(2.0, 1.0, (20, 6))
-    found = bootstrap(values, resampling(20, 20_000))
+    found = bootstrap(values, resampling(20, resamples=20_000))
     for k in range(6):
         theirs = stats.bootstrap(
             (values[:, k],), np.mean, n_resamples=20_000, method="percentile", rng=rng
@@ -58,6 +58,24 @@ def test_resampling_is_the_same_each_time_and_draws_as_many_as_there_are() -> No
     np.testing.assert_array_equal(counts, resampling(20))
     np.testing.assert_array_equal(counts.sum(axis=1), 20.0)
     assert counts.mean() == 1.0
+
+
+def test_resampling_draws_motions_and_then_their_seeds() -> None:
+    counts = resampling(4, 3).reshape(-1, 3, 4)
+    of_motion = counts.sum(axis=2)
+    np.testing.assert_array_equal(of_motion % 4, 0)
+    np.testing.assert_array_equal(of_motion.sum(axis=1), 12.0)
+    assert np.any(of_motion == 0)
+    assert np.any(np.ptp(counts, axis=2)[of_motion > 0] > 0)
+
+
+def test_intervals_over_motions_cover_the_choice_of_motions(rng: np.random.Generator) -> None:
+    motions, seeds = 200, 5
+    values = rng.standard_normal((motions, 1)) + 0.1 * rng.standard_normal((motions, seeds))
+    found = bootstrap(values.reshape(-1, 1), resampling(seeds, motions))
+    # The variance of a mean over motions, each of which is a mean over seeds.
+    spread = values.mean(axis=1).std(ddof=1) / np.sqrt(motions)
+    assert found.high[0] - found.low[0] == pytest.approx(2.0 * 1.96 * spread, rel=0.1)
 
 
 def test_costs_count_from_the_best_value() -> None:
