@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -71,17 +71,7 @@ def character_with(path: Path, motions: Sequence[Path] = ()) -> Character:
         motion = read_motion(file)
         notices += [f"{file.name}: {notice}" for notice in motion.notices]
         clips += [retarget(clip, motion.skeleton, character.skeleton) for clip in motion.clips]
-    return Character(
-        character.skeleton,
-        character.vertices,
-        character.normals,
-        character.triangles,
-        character.colors,
-        character.joints,
-        character.weights,
-        tuple(clips),
-        tuple(notices),
-    )
+    return replace(character, clips=tuple(clips), notices=tuple(notices))
 
 
 def blend_character(

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import argparse
 import logging
+import os
 import sys
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from types import ModuleType
 from typing import TextIO
 
@@ -64,22 +66,32 @@ def main(argv: Sequence[str] | None = None) -> int:
         from motorcade.ga.names import did_you_mean
 
         parser.error(f"no command {given[0]!r}; {did_you_mean(given[0], NAMES)}")
-    arguments = parser.parse_args(given)
-    _set_up_logging(arguments.verbose)
     try:
-        arguments.command(arguments)
+        _run(parser, given)
     except KeyboardInterrupt as stop:
         told = str(stop) or "stopped; what was finished is kept"
         print(f"motorcade: {told}", file=sys.stderr)
         return 130
     except BrokenPipeError:
-        sys.stderr.close()  # the reader of our output has gone; nothing is left to say
+        # The reader of our output has gone; what is left to say goes nowhere.
+        with Path(os.devnull).open("wb") as nowhere:
+            os.dup2(nowhere.fileno(), sys.stdout.fileno())
         return 0
     except Exception as error:  # whatever fails, a user is told in one line
         logging.getLogger("motorcade").debug("traceback", exc_info=True)
         print(f"motorcade: {_told(error)}", file=sys.stderr)
         return 1
     return 0
+
+
+def _run(parser: argparse.ArgumentParser, given: Sequence[str]) -> None:
+    """Run what was given; what is still to be printed goes out while its errors can be told."""
+    try:
+        arguments = parser.parse_args(given)
+        _set_up_logging(arguments.verbose)
+        arguments.command(arguments)
+    finally:
+        print(end="", flush=True)
 
 
 def _told(error: Exception) -> str:

@@ -22,24 +22,30 @@ def stem_of(name: str) -> str:
     return named[1].strip("/").replace(":", "_").replace("/", "_")
 
 
-def output_files(names: Mapping[str, object], output: Path, fmt: str | None) -> dict[str, Path]:
+def output_files(formats: Mapping[str, TrajectoryFormat | None], output: Path) -> dict[str, Path]:
     """The file of each trajectory: `output` for one, or files in the folder `output`.
+
+    Args:
+        formats: of the files in a folder, by the trajectories' names.
+        output: a file, or a folder: one that is there, or a name without an ending.
 
     Raises:
         ValueError: several for one file, no format for a folder, or two of one name.
     """
-    folder = output.is_dir() or (not output.suffix and fmt is not None)
-    if not folder:
-        if len(names) > 1:
+    known = all(fmt is not None for fmt in formats.values())
+    if not (output.is_dir() or (not output.suffix and known)):
+        if len(formats) > 1:
             raise ValueError(
-                f"{output}: expected a folder for {len(names)} trajectories, with --format; or "
+                f"{output}: expected a folder for {len(formats)} trajectories, with --format; or "
                 "--merge to make one of them"
             )
-        return dict.fromkeys(names, output)
-    suffix = ".csv" if fmt == "euroc" else f".{fmt}"
-    if fmt is None:
+        return dict.fromkeys(formats, output)
+    if not known:
         raise ValueError(f"{output}: expected --format for the files of a folder")
-    found = {name: output / (stem_of(name) + suffix) for name in names}
+    found = {
+        name: output / (stem_of(name) + (".csv" if fmt == "euroc" else f".{fmt}"))
+        for name, fmt in formats.items()
+    }
     for name, path in found.items():
         others = [one for one, other in found.items() if other == path and one != name]
         if others:
@@ -48,7 +54,9 @@ def output_files(names: Mapping[str, object], output: Path, fmt: str | None) -> 
 
 
 def write_trajectories(
-    trajectories: Mapping[str, Trajectory], files: Mapping[str, Path], fmt: TrajectoryFormat | None
+    trajectories: Mapping[str, Trajectory],
+    files: Mapping[str, Path],
+    formats: Mapping[str, TrajectoryFormat | None],
 ) -> None:
     """Write each to its file, each whole or not at all.
 
@@ -57,4 +65,4 @@ def write_trajectories(
     """
     for name, path in files.items():
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_trajectory(trajectories[name], path, fmt)
+        write_trajectory(trajectories[name], path, formats[name])

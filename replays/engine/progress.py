@@ -2,7 +2,8 @@
 
 Loops show a bar with their rate and the time that remains; what is one long step shows for how long
 it has been running. Bars are for a terminal, and for one process at a time: those of several would
-write over each other. Lines stay, and go above the bars.
+write over each other. Loops that take minutes say the same in lines where there is no terminal.
+Lines stay, and go above the bars.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import logging
 import multiprocessing
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import TypeVar
@@ -19,6 +21,7 @@ Item = TypeVar("Item")
 
 DELAY_S = 1.0
 _TICK_S = 0.5
+LINE_EVERY_S = 10.0
 
 
 def track(items: Iterable[Item], what: str, total: int) -> Iterator[Item]:
@@ -29,6 +32,33 @@ def track(items: Iterable[Item], what: str, total: int) -> Iterator[Item]:
     from tqdm import tqdm
 
     yield from tqdm(items, desc=what, total=total, leave=False, delay=DELAY_S)
+
+
+def track_jobs(items: Iterable[Item], what: str, total: int) -> Iterator[Item]:
+    """As `track`; where there is no terminal, a line on standard error every ten seconds.
+
+    A line tells how many are done, and the time that remains at the rate so far.
+    """
+    if _shown() or multiprocessing.parent_process() is not None:
+        yield from track(items, what, total)
+        return
+    start = last = time.monotonic()
+    for done, item in enumerate(items, 1):
+        now = time.monotonic()
+        if now - last >= LINE_EVERY_S and done < total:
+            last, left_s = now, (now - start) / done * (total - done)
+            share = f"{done} of {total} {what}, {100 * done // total} %"
+            print(f"{share}, {_clock(left_s)} left", file=sys.stderr, flush=True)
+        yield item
+
+
+def _clock(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    return (
+        f"{minutes // 60}:{minutes % 60:02d}:{rest:02d}"
+        if minutes >= 60
+        else f"{minutes}:{rest:02d}"
+    )
 
 
 @contextmanager

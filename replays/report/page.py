@@ -174,6 +174,7 @@ def _facts(findings: Findings) -> list[dict[str, Any]]:
         )
         turn = shown_value("rotation_rmse_deg", motor["rotation_rmse_deg"])
         facts.append(("rotation error, motor-smoothed", f"{turn}°"))
+    facts += _jitter_facts(findings)
     if findings.nis_per_dimension is not None:
         fact = f"{findings.nis_per_dimension:.2f}"
         facts.append(("mean NIS a dimension (1: the noise model fits)", fact))
@@ -183,6 +184,21 @@ def _facts(findings: Findings) -> list[dict[str, Any]]:
         for one in findings.errors.stages.worse
     ]
     return [_verdict(findings), *worse, *tiles]
+
+
+def _jitter_facts(findings: Findings) -> list[tuple[str, str]]:
+    """How much jitter the measured poses have, and the path that is drawn along."""
+    figures = findings.errors.figures
+    first = next(iter(findings.smoothed.trajectories))
+    made = []
+    for key in ("angular_jitter_rad_s2", "linear_jitter_m_s2"):
+        ends = [figures.get(name, {}).get(key) for name in ("measured", first)]
+        if None in ends:
+            continue
+        name = heading(key, figures, metric=findings.camera_poses.metric)
+        before, after = (shown_value(key, one) for one in ends)
+        made.append((f"{name}, measured → smoothed", f"{before} → {after}"))
+    return made
 
 
 def _errors_caption(findings: Findings) -> str:

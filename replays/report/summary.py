@@ -31,7 +31,7 @@ COLUMNS = {
 
 LEFT_AS_IT_WAS = (
     "The fused path was left as it is: any more smoothing would take away motion, not noise, so "
-    "the representations do not differ here (smoothed.window_s or smoothed.parameters ask for it)."
+    "the representations do not differ here (smoothed.method or smoothed.parameters ask for it)."
 )
 
 

@@ -27,12 +27,12 @@ class FusedPath:
         accepted: ``(N,)`` false where the filter left a measurement out.
         by: what was fused with the camera's poses.
         summary: the same in words.
-        looked_ahead: whether every pose is made of what came before and after it: by the filter's
-            backward pass, or by a graph of the whole recording.
         noise: what was learnt of the IMU's noise, where that was asked for; else None.
         latency: what looking ahead by less would leave, where that was asked for; else None.
         held_out: the path made without every fifth measured pose, which it is judged by where
             there is no ground truth; else None.
+        lag_s: how much later a pose may be told, in seconds, so that it knows what was measured
+            until then; infinite where it may know all of the recording.
 
     >>> import numpy as np
     >>> from motorcade.fusion.motions import MOTIONS
@@ -52,10 +52,10 @@ class FusedPath:
     accepted: NDArray[np.bool_]
     by: FusedWith
     summary: str
-    looked_ahead: bool = False
     noise: LearntNoise | None = None
     latency: LatencyCurve | None = None
     held_out: Trajectory | None = None
+    lag_s: float = np.inf
 
 
 @dataclass(frozen=True, eq=False)

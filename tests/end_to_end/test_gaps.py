@@ -33,7 +33,8 @@ ELSEWHERE = {
     # bases of what is tried
     "CausalFilter", "Degradation", "InTurn", "KalmanFilter", "FilterMethod",
     # results, whose methods are called where they are made
-    "Alignment", "InertialStart", "AutomaticPath", "SmootherChoice", "Synchronised",
+    "Alignment", "InertialStart", "AutomaticPath", "SmootherChoice", "SmoothingResult",
+    "Synchronised",
     # they run what they are given
     "seconds_per_pose",
     # `start_inertial` and `preintegrate`, which refuse for them, are tried

@@ -54,3 +54,24 @@ def test_a_flight_is_held_through_a_blackout(
     assert blackout["fused_worst_m"] < 0.05
     assert found["convergence"]["judged_by"] == "truth"
     assert found["convergence"]["settled_s"] < 5.0
+
+
+@pytest.mark.parametrize(("look_ahead", "left"), [("true", 0.55), ("false", 0.9)])
+def test_a_flight_without_its_imu_is_smoothed_with_no_more_lag_than_it_may_have(
+    look_ahead: str, left: float, data_dir: Path, tmp_path: Path
+) -> None:
+    found = report(
+        tmp_path,
+        data_dir / "replays" / "euroc_V1_01",
+        "--manifest",
+        MANIFESTS / "euroc_v1_01.toml",
+        "--set",
+        "fused.by=nothing",
+        "--set",
+        f"fused.look_ahead={look_ahead}",
+    )
+    lag = {} if look_ahead == "true" else {"lag_s": 0.0}
+    assert found["smoothed"] == {"method": "auto"} | lag
+    measured, smoothed = found["errors"]["measured"], found["errors"]["motor"]
+    for figure in ("ape_rmse_m", "rotation_rmse_deg", "linear_jitter_m_s2"):
+        assert smoothed[figure] < left * measured[figure]

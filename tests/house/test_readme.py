@@ -97,12 +97,8 @@ def test_every_figure_stands_beside_the_command_that_makes_it() -> None:
             _parser().parse_args([*words[1:]])
 
 
-def test_figures_of_smoothers_and_frames_are_those_of_their_pages() -> None:
+def test_figures_of_frames_are_those_of_their_page() -> None:
     told = README.read_text(encoding="utf-8")
-    (compared,) = [line for line in told.splitlines() if line.endswith("`motorcade compare` |")]
-    shares = re.findall(r"\d+\.\d %", compared)
-    assert len(shares) == 3
-    assert all(share in GUIDE.read_text(encoding="utf-8") for share in shares)
     (drawn,) = [line for line in told.splitlines() if line.endswith("`make bench SUITE=render` |")]
     times = re.findall(r"\d+ ms", drawn)
     rendering = (README.parent / "docs" / "rendering.md").read_text(encoding="utf-8")

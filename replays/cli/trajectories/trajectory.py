@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -148,8 +148,9 @@ def trajectory(arguments: argparse.Namespace) -> None:
     found, reference = edit_trajectories(given, _edits(arguments), reference)
     figures = {name: TrajectorySummary.of(one).as_dict() for name, one in found.items()}
     if arguments.output is not None:
-        files = output_files(found, arguments.output, arguments.format)
-        write_trajectories(found, files, arguments.format)
+        formats = dict.fromkeys(found, arguments.format)
+        files = output_files(formats, arguments.output)
+        write_trajectories(found, files, formats)
     if arguments.plot is not None:
         from motorcade.render.plots import plot_paths
 
@@ -187,29 +188,10 @@ def _list_bags(arguments: argparse.Namespace) -> bool:
 
 
 def _read(arguments: argparse.Namespace) -> dict[str, Trajectory]:
-    found: dict[str, Trajectory] = {}
-    for name in _names(arguments):
-        if name in found:
-            raise ValueError(f"{name}: expected each trajectory once, got it twice")
-        found[name] = _one(name, arguments)
-    return found
+    from motorcade.replays.editing.inputs import trajectory_names
 
-
-def _names(arguments: argparse.Namespace) -> Iterator[str]:
-    """The inputs, with the topics of bags where all of them are asked for."""
-    from motorcade.replays.readers.ros.naming import split_bag_name
-
-    for name in arguments.inputs:
-        named = split_bag_name(name) if arguments.all_topics else None
-        if named is None or named[1]:
-            yield str(name)
-            continue
-        from motorcade.replays.readers.ros.trajectories import list_bag_trajectories
-
-        topics = list_bag_trajectories(named[0]).topics
-        if not topics:
-            raise ValueError(f"{name}: expected topics of poses, got none")
-        yield from (f"{named[0]}:{topic}" for topic in topics)
+    names = trajectory_names(arguments.inputs, every_topic=arguments.all_topics)
+    return {name: _one(name, arguments) for name in names}
 
 
 def _one(name: Path | str, arguments: argparse.Namespace) -> Trajectory:

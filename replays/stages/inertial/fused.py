@@ -105,8 +105,8 @@ def fused(
     kept = None if recording.truth is not None else without_held_out(camera_poses)
     return replace(
         found,
-        looked_ahead=chosen != "nothing" and look_ahead,
         held_out=None if kept is None else path_of(kept, found).trajectory,
+        lag_s=asked.ahead_s,
     )
 
 

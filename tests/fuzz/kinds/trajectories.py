@@ -29,7 +29,7 @@ __all__ = ["STEPS_S", "prepare", "smooth_path"]
 
 FORMATS = ("tum", "euroc", "kitti")
 STEPS_S = (1.0, 60.0, 3600.0, 86_400.0, 30 * 86_400.0, 30 * 365.25 * 86_400.0)
-REPRESENTATIONS = ("motor", "quaternion", "dual_quaternion", "rotor", "euler", "euler_unwrapped")
+REPRESENTATIONS = ("motor", "quaternion", "dual_quaternion", "rotor", "euler", "euler_best")
 NUMBERS = [b"0", b"-0.0", b"1e308", b"nan", b"9e8", b"-1", b"1", b"0.999", b"1.01", b"5e-324"]
 
 

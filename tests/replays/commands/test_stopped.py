@@ -186,10 +186,28 @@ def test_processes_end_at_once_and_quietly(
         process.send_signal(signal.SIGINT)
     _, told = process.communicate(timeout=120)
     assert process.returncode == 130
-    assert told.startswith("motorcade: stopped; ")
-    assert told.count("\n") == 1
+    *progress, last = told.splitlines()
+    assert last.startswith("motorcade: stopped; ")
+    assert all(" left" in line for line in progress), told  # a line every ten seconds, no traceback
     assert kept(command, out)
     until = time.monotonic() + 30.0
     while living(process.pid) and time.monotonic() < until:
         time.sleep(0.1)
     assert not living(process.pid)
+
+
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_reader_that_has_gone_is_no_error(unbuffered: str) -> None:
+    """As `head` goes after its lines: with what is printed at once, and at the end."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(
+        [sys.executable, "-c", MAIN, "smooth", "--list"],
+        stdout=writing,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONUNBUFFERED": unbuffered},
+        timeout=60,
+    )
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (0, "")

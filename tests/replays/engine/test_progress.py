@@ -1,4 +1,4 @@
-"""Progress: bars with rate and remaining time on a terminal, not a byte elsewhere."""
+"""Progress: bars with rate and remaining time on a terminal, lines of jobs elsewhere."""
 
 import io
 import logging
@@ -46,6 +46,15 @@ def test_a_loop_tells_its_rate_and_what_remains(monkeypatch: pytest.MonkeyPatch)
     assert "/8 [" in told
     assert "it/s]" in told
     assert "<00:00" in told
+
+
+def test_jobs_tell_in_lines_what_remains_where_there_is_no_terminal(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    clock = iter([0.0, 4.0, 12.0, 13.0, 25.0])
+    monkeypatch.setattr(progress.time, "monotonic", lambda: next(clock))
+    assert list(progress.track_jobs(iter("abcd"), "cells", 4)) == list("abcd")
+    assert capsys.readouterr().err == "2 of 4 cells, 50 %, 0:12 left\n"
 
 
 def test_a_long_step_tells_that_it_runs(monkeypatch: pytest.MonkeyPatch) -> None:
