@@ -10,6 +10,7 @@ from .backends.pyrender_backend import OffscreenRenderer as OffscreenRenderer
 from .backends.renderer import Renderer as Renderer
 from .composite import Matching as Matching
 from .composite import over as over
+from .figures import Performer as Performer
 from .lens import LensWarp as LensWarp
 from .overlay import render_overlay as render_overlay
 from .scene import Lamp as Lamp

@@ -1,18 +1,16 @@
-"""Sets an animated character into footage: the picture that shows what the poses are worth."""
+"""Sets animated characters into footage: the picture that shows what the poses are worth."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.animation import Character, Clip, Placement, skin
-from motorcade.animation.skin import Skinner
-from motorcade.animation.vectors import box_corners
-from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.animation import Character, Clip, Placement
+from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.render.backends.choice import RendererName, new_renderer
 from motorcade.render.backends.renderer import Renderer
@@ -26,30 +24,25 @@ from motorcade.render.composite import (
     noisy,
     over,
 )
+from motorcade.render.figures import DrawnFigure, Performer, lit_together
 from motorcade.render.lens import LensWarp
 from motorcade.render.light import Prints, character_lighting, sun_share, sunlight_direction
 from motorcade.render.occluders import known_depth, raised, share_on_ground
-from motorcade.render.scene import DepthArray, ImageArray, Layer, Lighting, Surface
+from motorcade.render.scene import DepthArray, ImageArray, Layer, Lighting
 from motorcade.render.shadow import (
     BYTES_POWER,
     ShadowLook,
     ground_depth,
     ground_shade,
     shade_in_picture,
-    shade_step_m,
 )
 from motorcade.tracking.cameras.camera import Camera
 
-# Half-width of the ground that can take a shadow, in heights of the character.
-SHADOW_REACH = 1.6
 # In heights of the character: what is farther than this from the ground, above or below, takes no
 # shadow; what is lower than this is the ground, as a sensor has it, and hides no foot.
 LOW, SOLE = 0.1, 0.05
 # A sun that falls less than this on a ground that moves throws no shadow there.
 LEAST_FALL = 0.05
-# A clip travels when the figure comes farther than this from its place, in heights, at one of these
-# many moments.
-TRAVELS, MOMENTS = 0.4, 64
 
 StampedFrame = tuple[int, ImageArray] | tuple[int, ImageArray, DepthArray | None]
 
@@ -68,6 +61,7 @@ def render_overlay(
     matching: Matching | None = None,
     prints: Prints | None = None,
     ground_motion: Trajectory | None = None,
+    others: Sequence[Performer] = (),
     renderer: RendererName = "fast",
 ) -> Iterator[ImageArray]:
     """Draw a placed character with its shadow into every frame that has a pose.
@@ -96,6 +90,7 @@ def render_overlay(
         ground_motion: of a ground that moves: the motion that takes the placement from where it
             says to where it is at that time, in the world. Before its first stamp and after its
             last it stays as it is there.
+        others: further figures on the same plane.
         renderer: that draws; see `new_renderer`.
 
     Yields:
@@ -109,14 +104,15 @@ def render_overlay(
     if light_direction is not None and lighting is not None:
         raise ValueError("render_overlay: expected light_direction or lighting, got both")
     light = lighting or _usual_light(placement, world_T_camera, character, light_direction)
-    stage = _Stage(camera, character, clip, placement, light, look or ShadowLook(), prints)
+    figures = [Performer(character, clip, placement), *others]
+    stage = _Stage(camera, figures, light, look or ShadowLook(), prints)
     matched = matching or Matching()
     rng = np.random.default_rng(0)
     span_ns = int(world_T_camera.time_ns[0]), int(world_T_camera.time_ns[-1])
     start_ns: int | None = None
     pinhole = stage.lens.pinhole
     with new_renderer(renderer, pinhole.width, pinhole.height) as drawing:
-        drawing.show([stage.surface], light)
+        drawing.show([figure.surface for figure in stage.figures], stage.given)
         for time_ns, picture, *rest in frames:
             start_ns = time_ns if start_ns is None else start_ns
             frame = as_rgb(picture)
@@ -184,42 +180,28 @@ class _Drawn:
 
 
 class _Stage:
-    """What stays the same over all frames: surface, light, and the ground with its shadow."""
+    """What stays the same over all frames: surfaces, light, and the ground with its shadows."""
 
     def __init__(
         self,
         camera: Camera,
-        character: Character,
-        clip: Clip,
-        placement: Placement,
+        figures: Sequence[Performer],
         lighting: Lighting,
         look: ShadowLook,
         prints: Prints | None,
     ) -> None:
         self.lens = LensWarp(camera)
-        self._shaped = character.shaped()
-        self._skinner = Skinner(self._shaped, "linear")
-        self.character, self.clip, self.placement, self.look = character, clip, placement, look
-        self.given, self.prints = lighting, prints
-        self.height_m = placement.scale * character.height_m
-        stand = placement.world_T_character
-        self._light(lighting)
-        self.half_width_m = SHADOW_REACH * self.height_m
-        self._travels = _travels(character, clip)
-        self.surface = Surface(
-            placement.apply(character.vertices),
-            stand.rotor.apply(character.normals),
-            character.triangles,
-            character.colors,
-            roughness=0.42,
-            appearance=character.appearance,
-        )
+        self.figures = [DrawnFigure(figure) for figure in figures]
+        self.look, self.prints = look, prints
+        self.placement = figures[0].placement
+        self.height_m = max(figure.height_m for figure in self.figures)
+        self.given = lit_together(lighting, self.figures)
+        self._light(self.given)
 
     def _light(self, lighting: Lighting) -> None:
-        """Light for figure and ground."""
+        """Light for figures and ground."""
         self.lighting, stand = lighting, self.placement.world_T_character
-        sun = np.array(lighting.sun.direction) / np.linalg.norm(lighting.sun.direction)
-        self.ground_light = stand.rotor.inverse().apply(sun)
+        self.sun = np.array(lighting.sun.direction) / np.linalg.norm(lighting.sun.direction)
         self.strength = sun_share(lighting, stand.translation_m, self.placement.up)
 
     def draw(
@@ -231,71 +213,62 @@ class _Stage:
         measured: bool,
         now_T_start: Motor | None = None,
     ) -> _Drawn:
-        """The character and its shade at one moment, as the footage's camera sees them.
+        """The figures and their shade at one moment, as the footage's camera sees them.
 
         On a ground that has moved, all is drawn as it is seen from there.
         """
+        stand = self.placement.world_T_character
         if now_T_start is not None:
             world_T_camera = now_T_start.inverse() @ world_T_camera
-            about_m = self.placement.world_T_character.translation_m
-            self._light(self.given.rotated_by(now_T_start.rotor.inverse(), about_m))
-            if self.ground_light[2] > -LEAST_FALL:  # the ground has turned away from the sun
-                self.ground_light, self.strength = np.array([0.0, 0.0, -1.0]), 0.0
-        vertices, normals = self._skinned(self.clip.at(time_s), self.clip.morph_weights(time_s))
-        stand, own_m = self.placement.world_T_character, self.placement.scale * vertices
-        renderer.move(0, stand.apply(own_m), stand.rotor.apply(normals))
-        center_m = self._center(own_m)
-        if self._travels or now_T_start is not None:
+            self._light(self.given.rotated_by(now_T_start.rotor.inverse(), stand.translation_m))
+            if self.sun @ self.placement.up > -LEAST_FALL:  # the ground has turned from the sun
+                self.sun, self.strength = -self.placement.up, 0.0
+        moved = [figure.at(time_s) for figure in self.figures]
+        for k, (figure, (own_m, normals)) in enumerate(zip(self.figures, moved, strict=True)):
+            renderer.move(k, figure.stand.apply(own_m), figure.stand.rotor.apply(normals))
+        first = self.figures[0]
+        alone = len(self.figures) == 1
+        if now_T_start is not None or (alone and first.travels):
+            center_m = first.center_m(moved[0][0]) if alone else np.zeros(3)
             renderer.relight(self.lighting.translated_by(stand.rotor.apply(center_m)))
         pinhole = self.lens.pinhole
         layer = self.lens.layer(renderer.render(pinhole, world_T_camera))
-        camera_T_ground = world_T_camera.inverse() @ stand
-        shade = self._shade(own_m, center_m, camera_T_ground)
+        camera_T_world = world_T_camera.inverse()
+        shades = [
+            self._shade(figure, own_m, camera_T_world)
+            for figure, (own_m, _) in zip(self.figures, moved, strict=True)
+        ]
+        seen = [one for one in shades if one is not None]
+        # One sun throws them: where shadows lie over one another it is hidden once.
+        shade = np.maximum.reduce(seen) if seen else None
         if measured:
+            camera_T_ground = camera_T_world @ stand
             ground = ground_depth(pinhole, camera_T_ground).astype(np.float32)
             eye_m = float(camera_T_ground.inverse().translation_m[2])
             return _Drawn(layer, shade, self.lens.depth(ground), None, eye_m)
-        hull_m = stand.apply(box_corners(own_m))
+        hull_m = np.concatenate(
+            [one.hull_m(own_m) for one, (own_m, _) in zip(self.figures, moved, strict=True)]
+        )
         known = known_depth(pinhole, world_T_camera, hull_m, self.prints, stand)
         return _Drawn(layer, shade, None, None if known is None else self.lens.depth(known))
 
-    def _center(self, own_m: FloatArray) -> FloatArray:
-        """Where on the ground light and shadow are made for: (3,) under a figure that travels.
-
-        It moves by whole cells of the shadow's coarsest grid, so that a shadow never shimmers.
-        """
-        if not self._travels:
-            return np.zeros(3)
-        step_m = shade_step_m(self.half_width_m)
-        middle = 0.5 * (own_m[:, :2].min(axis=0) + own_m[:, :2].max(axis=0))
-        return np.append(step_m * np.rint(middle / step_m), 0.0)
-
     def _shade(
-        self, own_m: FloatArray, center_m: FloatArray, camera_T_ground: Motor
+        self, figure: DrawnFigure, own_m: FloatArray, camera_T_world: Motor
     ) -> FloatArray | None:
-        """The share of the stored values that the figure takes from each pixel's ground."""
+        """The share of the stored values that a figure takes from each pixel's ground."""
+        center_m = figure.center_m(own_m)
         shade = ground_shade(
             own_m - center_m,
-            self.character.triangles,
-            self.ground_light,
-            self.half_width_m,
+            figure.character.triangles,
+            figure.stand.rotor.inverse().apply(self.sun),
+            figure.half_width_m,
             self.look,
             self.strength,
         )
         stored = 1.0 - (1.0 - np.clip(shade, 0.0, 1.0)) ** BYTES_POWER
-        camera_T_shade = camera_T_ground @ Motor.from_translation(center_m)
-        seen = shade_in_picture(stored, self.half_width_m, self.lens.pinhole, camera_T_shade)
+        camera_T_shade = camera_T_world @ figure.stand @ Motor.from_translation(center_m)
+        seen = shade_in_picture(stored, figure.half_width_m, self.lens.pinhole, camera_T_shade)
         return seen if seen is None else self.lens.smooth(seen)
-
-    def _skinned(
-        self, pose: Motor | Similarity, weights: FloatArray | None
-    ) -> tuple[FloatArray, FloatArray]:
-        """Vertices and normals in character space, compiled where joints are rigid."""
-        if isinstance(pose, Similarity) or weights is not None:
-            shaped = self._shaped if weights is None else self.character.shaped(weights)
-            return skin(shaped, pose)
-        vertices, normals = self._skinner.skin(pose)
-        return vertices.astype(np.float64), normals.astype(np.float64)
 
     def laid_over(
         self,
@@ -323,14 +296,6 @@ class _Stage:
                 shade = shade * share_on_ground(raised_m, LOW * self.height_m)
             frame = darken(frame, shade)
         return noisy(over(frame, layer, hiding_m), layer.rgba[..., 3] / 255.0, sigma, rng)
-
-
-def _travels(character: Character, clip: Clip) -> bool:
-    """Whether a clip takes its character away from where it was placed."""
-    moments = np.linspace(0.0, clip.duration_s, MOMENTS)
-    places_m = character.skeleton.world(clip.at(moments)).translation_m[..., :2]
-    middle_m = 0.5 * (places_m.min(axis=1) + places_m.max(axis=1))
-    return bool(np.linalg.norm(middle_m, axis=-1).max() > TRAVELS * character.height_m)
 
 
 def _depth_to_the_rim(layer: Layer) -> DepthArray:

@@ -7,9 +7,9 @@ from motorcade.animation import Character, Placement, mannequin, place_on_plane
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import render_overlay
+from motorcade.render.figures import SHADOW_REACH
 from motorcade.render.light import Prints, character_lighting
 from motorcade.render.occluders import known_depth
-from motorcade.render.overlay import SHADOW_REACH
 from motorcade.render.scene import ImageArray
 from motorcade.render.shadow import ShadowLook, shade_step_m
 from motorcade.tracking.cameras.camera import Camera
