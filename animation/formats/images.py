@@ -1,7 +1,8 @@
 """Textures as their files have them, and the colours of their nearest pixels at vertices.
 
-Pillow decodes; nothing but the four formats below is tried, and no picture of more than
-MAX_IMAGE_PIXELS.
+Pillow decodes; nothing but the formats below is tried, and of all pictures of a file together no
+more than MAX_IMAGE_PIXELS, in no more than MAX_IMAGE_BYTES. Both are taken from what is left before
+a picture is decoded, so that broken ones cost as much as whole ones.
 """
 
 from __future__ import annotations
@@ -9,15 +10,22 @@ from __future__ import annotations
 import io
 import warnings
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.formats.errors import FormatError, shown
-from motorcade.animation.formats.limits import MAX_IMAGE_PIXELS
+from motorcade.animation.formats.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
 from motorcade.ga.arrays import FloatArray
 
-FORMATS = ("PNG", "JPEG", "TGA", "BMP")
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+FORMATS = ("PNG", "JPEG", "WEBP", "TGA", "BMP")
+STRIP_PIXELS = 1 << 20
+"""Converted at once: a picture's copies would fill the memory."""
+NAMED_PICTURES = 4
 WITH_ALPHA = ("RGBA", "LA", "PA", "P")
 """Modes of Pillow that may hold alpha."""
 
@@ -41,17 +49,17 @@ class Texture:
         rows = np.minimum((parts[:, 1] * height).astype(np.int64), height - 1)
         return self.pixels[rows, columns, :3] / 255.0
 
-    @property
-    def pixel_count(self) -> int:
-        """Width times height."""
-        return int(self.pixels.shape[0] * self.pixels.shape[1])
 
+def decode_texture(data: bytes, admit: Callable[[int, int], None]) -> Texture:
+    """Decode a PNG, JPEG, WebP, TGA or BMP.
 
-def decode_texture(data: bytes, limit: int = MAX_IMAGE_PIXELS) -> Texture:
-    """Decode a PNG, JPEG, TGA or BMP of at most `limit` pixels.
+    Args:
+        data: the file.
+        admit: is told width and height before anything is decoded, and raises where that is too
+            much.
 
     Raises:
-        FormatError: another format, a broken picture, or one that is too large.
+        FormatError: another format, a broken picture, or one that is not admitted.
         ModuleNotFoundError: Pillow is not installed.
     """
     from PIL import Image
@@ -60,13 +68,9 @@ def decode_texture(data: bytes, limit: int = MAX_IMAGE_PIXELS) -> Texture:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # its own limit of size is replaced by ours
             with Image.open(io.BytesIO(data), formats=FORMATS) as opened:
-                if opened.width * opened.height > limit:
-                    raise FormatError(
-                        f"expected at most {limit} pixels, got {opened.width} x {opened.height}"
-                    )
+                admit(opened.width, opened.height)
                 kept = data if opened.format in ("PNG", "JPEG") else b""
-                plain = opened if opened.mode in WITH_ALPHA else opened.convert("RGB")
-                pixels = np.asarray(plain.convert("RGBA"))
+                pixels = _pixels(opened)
                 pixels.setflags(write=False)
                 return Texture(pixels, kept)
     except FormatError:
@@ -75,16 +79,39 @@ def decode_texture(data: bytes, limit: int = MAX_IMAGE_PIXELS) -> Texture:
         raise FormatError(f"expected a picture, got {type(fault).__name__}") from fault
 
 
+def _pixels(opened: Image) -> NDArray[np.uint8]:
+    """All pixels (h, w, 4), 8 bits each; of 16 the upper half."""
+    made = np.empty((opened.height, opened.width, 4), np.uint8)
+    step = max(1, STRIP_PIXELS // opened.width)
+    for top in range(0, opened.height, step):
+        strip = opened.crop((0, top, opened.width, min(top + step, opened.height)))
+        if strip.mode.startswith("I"):
+            made[top : top + step, :, :3] = (np.asarray(strip).astype(np.int64) >> 8)[..., None]
+            made[top : top + step, :, 3] = 255
+            continue
+        plain = strip if strip.mode in WITH_ALPHA else strip.convert("RGB")
+        made[top : top + step] = np.asarray(plain.convert("RGBA"))
+    return made
+
+
 class Textures:
-    """The pictures of one file, each decoded once; `notices` tells of those that cannot be read."""
+    """The pictures of one file, each decoded once."""
 
     def __init__(self) -> None:
         self._known: dict[str, Texture | None] = {}
         self._pixels_left = MAX_IMAGE_PIXELS
-        self.notices: list[str] = []
+        self._bytes_left = MAX_IMAGE_BYTES
+        self._problems: list[str] = []
+
+    @property
+    def notices(self) -> list[str]:
+        """Those that could not be read: the first few by name, the others by their number."""
+        more = len(self._problems) - NAMED_PICTURES
+        told = [f"and {more} more textures were not read"] if more > 0 else []
+        return [*self._problems[:NAMED_PICTURES], *told]
 
     def read(self, name: str, data: Callable[[], bytes], key: str = "") -> Texture | None:
-        """A decoded picture; None, with a notice, where it is missing or broken.
+        """A decoded picture; None, with a notice, where it is missing, broken or too large.
 
         Args:
             name: for the notice.
@@ -95,13 +122,24 @@ class Textures:
         if known not in self._known:
             self._known[known] = None
             try:
-                made = decode_texture(data(), self._pixels_left)
+                self._known[known] = decode_texture(self._admitted(data), self._admit)
             except FormatError as fault:
                 label = shown(name, 60)
-                self.notices.append(
+                self._problems.append(
                     f"texture '{label}' was not read ({fault}): plain colours stand in"
                 )
-            else:
-                self._known[known] = made
-                self._pixels_left -= made.pixel_count
         return self._known[known]
+
+    def _admitted(self, data: Callable[[], bytes]) -> bytes:
+        if self._bytes_left <= 0:
+            raise FormatError(f"expected at most {MAX_IMAGE_BYTES} bytes of pictures, got more")
+        made = data()
+        self._bytes_left -= len(made)
+        return made
+
+    def _admit(self, width: int, height: int) -> None:
+        if width * height > self._pixels_left:
+            raise FormatError(
+                f"expected at most {self._pixels_left} more pixels, got {width} x {height}"
+            )
+        self._pixels_left -= width * height

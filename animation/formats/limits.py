@@ -27,7 +27,11 @@ MAX_CLIPS = 4096
 MAX_VERTICES = 4 << 20
 """Vertices, and triangles, of all surfaces together; surfaces may share their arrays."""
 MAX_IMAGE_PIXELS = 64 << 20
-"""Pixels of all textures of a file together."""
+"""Pixels of all textures of a file together, broken ones too."""
+MAX_IMAGE_BYTES = 512 << 20
+"""Bytes of the files of all these."""
+MAX_MORPHS = 4096
+"""Morph targets of all surfaces together."""
 
 
 def read_bounded(path: Path, limit_bytes: int = MAX_FILE_BYTES) -> bytes:

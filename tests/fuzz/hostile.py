@@ -9,6 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
+from tests.fuzz.pictures import png
+
 __all__ = ["bomb_npz", "write_hostile"]
 
 SPARSE_BYTES = 3 << 30
@@ -30,24 +32,11 @@ def write_hostile(folder: Path) -> tuple[str, ...]:
     new("empty.toml").touch()
     with new("sparse.csv").open("wb") as file:
         file.truncate(SPARSE_BYTES)
-    new("huge.png").write_bytes(_huge_png())
+    new("huge.png").write_bytes(png(60_000, 60_000, zlib.compress(bytes(1 << 20))))
     new("bomb.npz").write_bytes(bomb_npz())
     new("binary.json").write_bytes(np.random.default_rng(0).bytes(3000))
     outside = ["../secret.png", "/dev/zero", "/etc/passwd", "..", ".", "", "*", "**/*", "a\0b"]
     return (*names, *outside, "x" * 5000, "\ud800", "http://localhost:1/a.mp4", "no such file")
-
-
-def _huge_png() -> bytes:
-    """A PNG of 60,000 by 60,000 pixels by its header."""
-
-    def chunk(kind: bytes, body: bytes) -> bytes:
-        check = zlib.crc32(kind + body)
-        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", check)
-
-    header = struct.pack(">IIBBBBB", 60_000, 60_000, 8, 2, 0, 0, 0)
-    pixels = zlib.compress(bytes(1 << 20))
-    parts = (chunk(b"IHDR", header), chunk(b"IDAT", pixels), chunk(b"IEND", b""))
-    return b"\x89PNG\r\n\x1a\n" + b"".join(parts)
 
 
 def bomb_npz(name: str = "points", gibibytes: int = 4) -> bytes:

@@ -34,6 +34,7 @@ __all__ = ["KINDS", "Feed", "OverLimit", "Result", "SkippedError", "feed_of", "f
 KINDS = (
     "scripts",
     "rigs",
+    "looks",
     "recordings",
     "manifests",
     "containers",

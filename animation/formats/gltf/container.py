@@ -21,15 +21,19 @@ from motorcade.ga.arrays import FloatArray
 MAGIC = b"glTF"
 JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 UNDERSTOOD = {
-    "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_unlit",
+    "EXT_texture_webp",
+    "KHR_lights_punctual",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
-    "KHR_materials_specular",
-    "KHR_materials_ior",
-    "KHR_materials_emissive_strength",
-    "KHR_lights_punctual",
 }
+"""Extensions that may be required, beside those of materials: they are read, or change nothing."""
+OF_MATERIALS = "KHR_materials_"
+"""How names of extensions begin that a notice names where they are not drawn."""
+CONVERTED = {
+    "EXT_meshopt_compression": "gltf-transform copy",
+    "KHR_texture_basisu": "gltf-transform ktxdecompress",
+}
+"""Programs that bring files to what is read here."""
 
 
 def table(value: object, field: str) -> dict[str, Any]:
@@ -88,9 +92,6 @@ def floats(value: object, field: str, count: int) -> FloatArray:
     return made
 
 
-"""Extensions that may be required: they change nothing that is read here, or are read."""
-
-
 class Document:
     """A glTF document: its JSON, its buffers and the folder that it lies in.
 
@@ -142,10 +143,19 @@ def open_gltf(path: Path) -> Document:
     if version.split(".")[0] != "2":
         raise expected("asset.version", "2.0", version)
     for name in listed(root.get("extensionsRequired", []), "extensionsRequired"):
-        if text(name, "extensionsRequired") not in UNDERSTOOD:
-            raise expected("extensionsRequired", "extensions that are understood here", name)
+        _check_required(text(name, "extensionsRequired"))
     folder = path.parent
     return Document(root, _buffers(root, binary, folder), folder)
+
+
+def _check_required(name: str) -> None:
+    """Refuse an extension without which a file means something else."""
+    if name in UNDERSTOOD or name.startswith(OF_MATERIALS):
+        return
+    field, wanted = "extensionsRequired", "extensions that are understood here"
+    if name in CONVERTED:
+        wanted = f"a file without compression (`{CONVERTED[name]} IN OUT` makes one)"
+    raise expected(field, wanted, name)
 
 
 def _embedded(uri: str, field: str) -> bytes:

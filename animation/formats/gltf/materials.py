@@ -35,6 +35,7 @@ PLAIN = 0.6
 """Linear grey in the place of a texture that is missing."""
 SPECULAR = "KHR_materials_pbrSpecularGlossiness"
 TRANSFORM = "KHR_texture_transform"
+WEBP = "EXT_texture_webp"
 DRAWN = {SPECULAR, "KHR_materials_unlit", "KHR_materials_emissive_strength"}
 """Extensions of materials that are read; all others are named in one notice."""
 WRAPS: dict[int, Wrap] = {10497: "repeat", 33071: "clamp", 33648: "mirror"}
@@ -171,7 +172,16 @@ class GltfMaterials:
 
     def _has_source(self, link: object) -> bool:
         texture = self._document.entry("textures", table(link, "texture").get("index"), "texture")
-        return "source" in texture
+        return "source" in texture or bool(texture.get("extensions"))
+
+    def _source(self, texture: dict[str, Any]) -> object:
+        """The number of a texture's picture; None where it has none that can be read."""
+        extensions = table(texture.get("extensions", {}), "texture.extensions")
+        if WEBP in extensions:
+            return table(extensions[WEBP], WEBP).get("source")
+        if "source" not in texture:
+            self._plainer |= {f"textures of {str(one)[:60]}" for one in extensions}
+        return texture.get("source")
 
     def _map(self, given: object, field: str) -> TextureMap | None:
         """A picture with its sampler and transform; None where it cannot be read."""
@@ -181,10 +191,10 @@ class GltfMaterials:
         moved = table(extensions.get(TRANSFORM, {}), TRANSFORM)
         which = integer(moved.get("texCoord", which), f"{field}.texCoord", 0, 15)
         texture = self._document.entry("textures", link.get("index"), f"{field}.index")
-        if "source" not in texture:
+        named = self._source(texture)
+        if named is None:
             return None
-        source = integer(texture["source"], "texture.source", 0, 1 << 30)
-        picture = self._texture(source)
+        picture = self._texture(integer(named, "texture.source", 0, 1 << 30))
         if picture is None:
             return None
         if which >= MOST_SETS:

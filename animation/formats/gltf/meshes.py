@@ -13,7 +13,12 @@ from motorcade.animation.formats.gltf.accessors import Accessors
 from motorcade.animation.formats.gltf.container import Document, floats, integer, listed, table
 from motorcade.animation.formats.gltf.materials import GltfMaterials
 from motorcade.animation.formats.gltf.nodes import Nodes
-from motorcade.animation.formats.limits import MAX_VALUES, MAX_VERTICES, check_count
+from motorcade.animation.formats.limits import (
+    MAX_MORPHS,
+    MAX_VALUES,
+    MAX_VERTICES,
+    check_count,
+)
 from motorcade.animation.formats.rig.values import RigMorph, RigSurface, Skin
 from motorcade.ga.arrays import FloatArray, IntArray
 
@@ -35,15 +40,19 @@ class Meshes:
         self._accessors = accessors
         self._nodes = nodes
         self._materials = GltfMaterials(document, accessors)
-        self._morphs = 0  # numbers that targets unpack to
+        self._targets_read = 0
+        self._looked_at = self._morphs = 0  # numbers of targets, and those of moved vertices
         self._lines = 0
         self._total = 0
-        self._unplaced: list[str] = []
+        self._unplaced: set[str] = set()
 
     @property
     def notices(self) -> list[str]:
         """What was left out or assumed."""
-        notices = [*self._materials.notices, *self._unplaced]
+        notices = [*self._materials.notices]
+        if self._unplaced:
+            lost = ", ".join(sorted(self._unplaced))
+            notices.append(f"meshes without coordinates for their {lost} are drawn without")
         if self._lines:
             notices.append(f"{self._lines} meshes of points or lines are left out")
         return notices
@@ -127,7 +136,7 @@ class Meshes:
             normals,
             triangles,
             self._materials.colors(material, coordinates, tints, count),
-            material=self._placed(material, len(coordinates), name),
+            material=self._placed(material, len(coordinates)),
             coordinates=coordinates,
             vertex_colors=tints,
             flat=normals is None,
@@ -147,8 +156,10 @@ class Meshes:
     ) -> tuple[RigMorph, ...]:
         """Morph targets of a primitive, with the weights that its node or mesh gives at rest."""
         entries = listed(part.get("targets", []), f"'{name}'.targets")
-        self._morphs += 6 * count * len(entries)
-        check_count("numbers of morph targets", self._morphs, MAX_VALUES)
+        self._targets_read += len(entries)
+        check_count("morph targets", self._targets_read, MAX_MORPHS)
+        self._looked_at += 6 * count * len(entries)
+        check_count("numbers of morph targets", self._looked_at, 4 * MAX_VALUES)
         given = node.get("weights", mesh.get("weights", [0.0] * len(entries)))
         weights = floats(given, f"'{name}'.weights", len(entries))
         extras = mesh.get("extras")
@@ -162,22 +173,26 @@ class Meshes:
                 positions = self._same(target["POSITION"], f"{field}.POSITION", "VEC3", count)
             if "NORMAL" in target:
                 normals = self._same(target["NORMAL"], f"{field}.NORMAL", "VEC3", count)
-            if (
-                max(np.abs(positions).max(), 0.0 if normals is None else np.abs(normals).max())
-                > 1e9
-            ):
-                raise expected(field, "numbers up to 1e9", "larger ones")
+            far = max(np.abs(one).max() for one in (positions, normals) if one is not None)
+            if far > 1e9:
+                raise expected(field, "numbers up to 1e9", far)
             named = isinstance(names, list) and number < len(names)
             label = str(names[number])[:100] if named and names else ""
-            made.append(RigMorph(label, float(weights[number]), positions, normals))
+            rows = np.flatnonzero(positions.any(axis=1))
+            if normals is not None:
+                rows = np.flatnonzero(positions.any(axis=1) | normals.any(axis=1))
+                normals = normals[rows]
+            self._morphs += 6 * len(rows)
+            check_count("numbers of morph targets", self._morphs, MAX_VALUES // 2)
+            made.append(RigMorph(label, float(weights[number]), rows, positions[rows], normals))
         return tuple(made)
 
-    def _placed(self, material: Material, sets: int, name: str) -> Material:
+    def _placed(self, material: Material, sets: int) -> Material:
         """A material without the maps for which a mesh has no coordinates."""
         lost = [key for key, one in material.maps.items() if one.coordinate_set >= sets]
         if not lost:
             return material
-        self._unplaced.append(f"'{name}' has no coordinates for its {', '.join(lost)}")
+        self._unplaced.update(lost)
         bare: dict[str, Any] = dict.fromkeys(lost)
         return replace(material, **bare)
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
 from motorcade.animation.formats.errors import FormatError, NoMeshError
+from motorcade.animation.formats.limits import MAX_VALUES, check_count
 from motorcade.animation.formats.rig.axes import axes_of, guessed_unit_m, is_plausible
 from motorcade.animation.formats.rig.binding import Binding, bind
 from motorcade.animation.formats.rig.joints import JointPoses, Joints, World, joint_poses, joints_of
@@ -85,6 +86,8 @@ def assemble_character(rig: Rig, unit_m: float | None) -> Character:
     watched = _carrying(stage.joints, mesh)
     height_m = float(max(vertices[:, 2].max(), 1e-6))
     clips, notice = stage.clips(rig, binding.scale, height_m, watched)
+    keys = sum(len(times) for given in rig.clips for times, _ in given.weights.values())
+    check_count("morph weights of all clips", keys * len(mesh.morphs), MAX_VALUES // 2)
     clips = tuple(
         replace(clip, morphs=_track(given, mesh))
         for clip, given in zip(clips, rig.clips, strict=True)

@@ -264,27 +264,26 @@ def _placed(
         normals, mended = _normals(blocks, mirrored, given, vertices, triangles)
         if mended:
             notices += (f"'{surface.name}': {mended} normals of length zero made anew",)
-    morphs = tuple(_morph(one, blocks, mirrored) for one in surface.morphs)
+    morphs = tuple(_morph(one, blocks, mirrored, len(vertices)) for one in surface.morphs)
     return BoundMesh(
         vertices, normals, triangles, surface.colors, numbers, weights, notices, morphs=morphs
     )
 
 
-def _morph(given: RigMorph, blocks: FloatArray, mirrored: NDArray[np.bool_]) -> MorphTarget:
-    """A target turned and scaled as its surface was."""
-    rows = np.flatnonzero(given.positions.any(axis=1))
-    if given.normals is not None:
-        rows = np.flatnonzero(given.positions.any(axis=1) | given.normals.any(axis=1))
-    own = np.broadcast_to(blocks, (len(given.positions), 3, 3))[rows]
-    positions = np.einsum("vij,vj->vi", own, given.positions[rows])
+def _morph(
+    given: RigMorph, blocks: FloatArray, mirrored: NDArray[np.bool_], count: int
+) -> MorphTarget:
+    """A target turned and scaled as its surface of so many vertices was."""
+    own = np.broadcast_to(blocks, (count, 3, 3))[given.rows]
+    positions = np.einsum("vij,vj->vi", own, given.positions)
     normals = np.zeros_like(positions)
-    if given.normals is not None and len(rows):
-        cofactors = _cofactors(own, np.broadcast_to(mirrored, len(given.positions))[rows])
+    if given.normals is not None and len(given.rows):
+        cofactors = _cofactors(own, np.broadcast_to(mirrored, count)[given.rows])
         # Where scale is uniform, this is what makes the surface's own normal unit.
         size = np.linalg.norm(cofactors, axis=(1, 2)) / np.sqrt(3.0)
-        turned = np.einsum("vij,vj->vi", cofactors, given.normals[rows])
+        turned = np.einsum("vij,vj->vi", cofactors, given.normals)
         normals = turned / np.maximum(size, 1e-30)[:, None]
-    return MorphTarget(given.name, rows, positions, normals, given.weight)
+    return MorphTarget(given.name, given.rows, positions, normals, given.weight)
 
 
 def _cofactors(blocks: FloatArray, mirrored: NDArray[np.bool_]) -> FloatArray:

@@ -90,17 +90,19 @@ class RigMorph:
     Args:
         name: what it is called; may be empty.
         weight: at rest.
-        positions: (V, 3) in the mesh's own frame and the file's unit.
-        normals: (V, 3), or None for none.
+        rows: (R,) numbers of the vertices that it moves.
+        positions: (R, 3) in the mesh's own frame and the file's unit.
+        normals: (R, 3), or None for none.
 
     >>> import numpy as np
     >>> from motorcade.animation.formats.rig.values import RigMorph
-    >>> RigMorph("smile", 0.5, np.zeros((4, 3)), None).weight
+    >>> RigMorph("smile", 0.5, np.array([3]), np.ones((1, 3)), None).weight
     0.5
     """
 
     name: str
     weight: float
+    rows: IntArray
     positions: FloatArray
     normals: FloatArray | None
 
