@@ -145,7 +145,7 @@ def _verdict(findings: Findings) -> dict[str, Any]:
     found = findings.integrity
     if not found.doubts:
         names, unknown = (
-            ", ".join(check.name for check in found.checks if check.verdict == verdict)
+            ", ".join(_words(check.name) for check in found.checks if check.verdict == verdict)
             for verdict in ("consistent", "unknown")
         )
         agreed = f"stages and pictures agree ({names})" if names else "nothing was checked"
@@ -155,6 +155,10 @@ def _verdict(findings: Findings) -> dict[str, Any]:
     drawn = f"The character stands along the {found.drawn_is} path."
     label = f"{reasons[:1].upper()}{reasons[1:]}. {drawn}"
     return {"value": found.verdict, "label": label, "wrong": True}
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
 
 
 def _facts(findings: Findings) -> list[dict[str, Any]]:
