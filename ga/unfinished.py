@@ -46,7 +46,7 @@ MARKED_WITHIN_S = 3600.0
 """Where folders cannot be locked, a place without a mark is one whose builder has just begun, or,
 after so long, died there."""
 BEGUN_WITHIN_S = 0.2
-"""To begin a place takes well below a millisecond; see `ga.locks` on whoever keeps a folder longer."""
+"""To begin a place takes below a millisecond; `ga.locks` says who keeps a folder for longer."""
 
 MARK_BYTES = 4096
 

@@ -32,7 +32,8 @@ class Performer:
     >>> from motorcade.ga import Motor
     >>> from motorcade.render import Performer
     >>> who = mannequin(triangles=5000)
-    >>> beside = Performer(who, who.clip("wave"), Placement(Motor.from_translation([0.5, 0, 0]), 0.1))
+    >>> place = Placement(Motor.from_translation([0.5, 0, 0]), 0.1)
+    >>> beside = Performer(who, who.clip("wave"), place)
     >>> beside.clip.name
     'wave'
     """
