@@ -1,53 +1,29 @@
-"""What joints are, told by their names (hips, thighs, fingers), and which of two skeletons match.
+"""What the joints of a skeleton are (hips, thighs, fingers), and which of two skeletons match.
 
-Rigs name joints by the words of Mixamo, Biped, Unreal and MakeHuman, Blender, motion capture, or
-their own; sides stand before or after, whole or as a letter. A part that no word tells stays
+Tree, bones and bends tell them, names are hints (`animation.anatomy`). What nothing tells stays
 without a role.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import permutations, product
 
 import numpy as np
 
+from motorcade.animation.anatomy import Body, JointTree, body_from
+from motorcade.animation.anatomy.words import SIDES
 from motorcade.animation.ik import Leg
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import UP
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 
-SIDES = ("left", "right")
-# Words for parts, where several name joints of one limb the one nearest to the trunk is taken.
-CENTRAL = {
-    "hips": "hips",
-    "pelvis": "hips",
-    "hip": "hips",
-    "neck": "neck",
-    "neck1": "neck",
-    "head": "head",
-}
-SIDED = {
-    "thigh": ("thigh", "upleg", "upperleg", "femur"),
-    "calf": ("calf", "leg", "lowerleg", "lowleg", "shin", "knee", "knee1", "tibia"),
-    "foot": ("foot", "ankle"),
-    "toes": ("toe", "toes", "toebase", "toeball", "ball", "toe0", "footthumb1"),
-    "clavicle": ("clavicle", "collar"),
-    "upper_arm": ("arm", "upperarm", "uparm", "humerus", "bicep", "shldr"),
-    "forearm": ("forearm", "lowerarm", "lowarm", "ulna", "elbow"),
-    "hand": ("hand", "wrist"),
-}
-PART_OF = {word: part for part, words in SIDED.items() for word in words}
-FINGER = re.compile(
-    r"(?:hand)?(thumb|index|middle|ringpinky|ring|pinky|little)(?:finger)?(1|2|3|prox|med|dist)"
-)
-FINGERS = {"ringpinky": "little", "pinky": "little"}
-PHALANX = {"prox": "1", "med": "2", "dist": "3"}
-WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+AHEAD = np.array([1.0, 0.0, 0.0])
+# What it counts that read figures face +x, beside other evidence.
+FACING = 2.0
 
 
 def body_of(skeleton: Skeleton) -> dict[str, int]:
@@ -57,11 +33,11 @@ def body_of(skeleton: Skeleton) -> dict[str, int]:
     spine's joints are those between hips and neck (or head, or collarbones), counted from
     below, whatever they are called.
     """
-    return dict(_body(skeleton))
+    return dict(figure_of(skeleton).roles)
 
 
 def legs_of(skeleton: Skeleton) -> list[Leg]:
-    """The legs, left first, whose thigh, calf and foot are told by names and joined.
+    """The legs, left first, whose thigh, calf and foot are told and joined.
 
     >>> import numpy as np
     >>> from motorcade.animation import Skeleton, legs_of
@@ -127,76 +103,14 @@ def _plain(name: str) -> str:
 
 
 @lru_cache(maxsize=64)
-def _body(skeleton: Skeleton) -> tuple[tuple[str, int], ...]:
-    words = [_side_and_part(name) for name in skeleton.names]
-    body: dict[str, int] = {}
-    for number, (side, part) in enumerate(words):
-        role = _role(side, part, words)
-        if role == "hips" and body.get("hips", -1) == skeleton.parents[number]:
-            body["hips"] = number  # of an extra joint and the hips below it, the latter
-        if role:
-            body.setdefault(role, number)
-    if "hips" not in body and all(f"{side}_thigh" in body for side in SIDES):
-        body["hips"] = common_parent(skeleton, [body[f"{side}_thigh"] for side in SIDES])
-    if _mirrored(skeleton, body):
-        body = {_other_side(role): number for role, number in body.items()}
-    for level, number in enumerate(_spine(skeleton, body), start=1):
-        body[f"spine_{level}"] = number
-    return tuple(body.items())
-
-
-def _mirrored(skeleton: Skeleton, body: Mapping[str, int]) -> bool:
-    """Whether what names call left lies to the right of where the toes point, at rest."""
-    at = skeleton.rest_world.translation_m
-    ahead, across = np.zeros(3), np.zeros(3)
-    for side, sign in zip(SIDES, (1.0, -1.0), strict=True):
-        if not {f"{side}_foot", f"{side}_toes"} <= set(body):
-            return False
-        ahead += at[body[f"{side}_toes"]] - at[body[f"{side}_foot"]]
-        for part in ("thigh", "upper_arm"):
-            across += sign * at[body[f"{side}_{part}"]] if f"{side}_{part}" in body else 0.0
-    return float(np.cross(ahead, across)[2]) < 0.0
-
-
-def _other_side(role: str) -> str:
-    side, sign, part = role.partition("_")
-    return SIDES[1 - SIDES.index(side)] + sign + part if side in SIDES else role
-
-
-def _role(side: str, part: str, words: list[tuple[str, str]]) -> str:
-    if not side:
-        return CENTRAL.get(part, "")
-    finger = FINGER.fullmatch(part)
-    if finger:
-        name, phalanx = finger.groups()
-        return f"{side}_{FINGERS.get(name, name)}_{PHALANX.get(phalanx, phalanx)}"
-    known = {PART_OF.get(word, "") for at, word in words if at == side}
-    if part == "shoulder":  # the collarbone where the upper arm has a word of its own
-        part = "clavicle" if known >= {"upper_arm"} and "clavicle" not in known else "arm"
-    if part == "hip" and "thigh" not in known:
-        part = "thigh"
-    return f"{side}_{PART_OF[part]}" if part in PART_OF else ""
-
-
-def _side_and_part(name: str) -> tuple[str, str]:
-    """("left", "upleg") of ``mixamorig:LeftUpLeg``; a side of "" where there is none."""
-    words = [word.lower() for word in WORD.findall(name.rsplit(":", 1)[-1])]
-    words = [str(int(word)) if word.isdigit() else word for word in words]
-    if words and words[0] in ("bip", "mixamorig"):
-        words = words[2:] if len(words) > 1 and words[1].isdigit() else words[1:]
-    side = ""
-    for at in (0, -1, 1):
-        if len(words) <= max(at, 0) or side:
-            continue
-        for whole in SIDES:
-            if words[at] in (whole, whole[0]):
-                side = whole
-                del words[at]
-                break
-            if words[at].startswith(whole):
-                side, words[at] = whole, words[at][len(whole) :]
-                break
-    return side, "".join(words)
+def figure_of(skeleton: Skeleton) -> Body:
+    """The body in its rest pose, spine and all, taken to stand with z up and to face +x."""
+    tree = JointTree(skeleton.names, skeleton.parents, skeleton.rest_world.translation_m)
+    found = body_from(tree, UP, AHEAD, habit=FACING)
+    roles = dict(found.roles)
+    for level, number in enumerate(_spine(skeleton, roles), start=1):
+        roles[f"spine_{level}"] = number
+    return replace(found, roles=roles)
 
 
 def _spine(skeleton: Skeleton, body: Mapping[str, int]) -> list[int]:

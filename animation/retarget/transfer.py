@@ -13,11 +13,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from motorcade.animation.anatomy.words import SIDES
 from motorcade.animation.clip import Clip
 from motorcade.animation.retarget.reference import constants
 from motorcade.animation.retarget.roles import (
     NO_BONE_M,
-    SIDES,
     Match,
     along_axes,
     ancestors,

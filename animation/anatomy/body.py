@@ -1,0 +1,336 @@
+"""A body told from a tree of joints: roles, what is up, and where it faces.
+
+Tree and lengths tell the limbs, whatever the pose and the names (`limbs`); bends, feet, motion and
+at last names tell the sides (`facing`). Only where no two limbs are alike do names alone tell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.animation.anatomy.facing import (
+    ENOUGH,
+    HABIT,
+    NAMES,
+    SKIN,
+    TOES,
+    WAY,
+    Evidence,
+)
+from motorcade.animation.anatomy.limbs import BEYOND, FEWEST_FINGERS, PARTS, Limbs, legs_and_arms
+from motorcade.animation.anatomy.tree import JointTree
+from motorcade.animation.anatomy.words import SIDES, named_roles, named_sides
+from motorcade.animation.vectors import unit
+from motorcade.ga.arrays import FloatArray
+
+# A trunk within this of what is said to be up stands; one farther from its legs lies on four.
+STANDING_RAD, ALONG_RAD, ACROSS_RAD = np.radians(60.0), np.radians(35.0), np.radians(50.0)
+# What names of sides count for which arm is over which leg; how shoulders lie over hips counts 1.
+SAME_NAMES = 0.75
+# A walker's way ahead, in legs a second, from which it counts in full.
+BRISK = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """What the joints of a figure are, and how it lies in the frame of its places.
+
+    Fields:
+        roles: joints by role: "hips", "left_thigh", "spine_1", "right_index_2", …
+        up: unit vector (3,), or None where limbs do not tell.
+        ahead: unit vector (3,) across `up`, or None where nothing tells the front.
+        told_by: what told the front most.
+        four_legged: whether its arms are forelegs.
+        evidence: joints by which motions can be judged, or None without a pair of limbs.
+    """
+
+    roles: Mapping[str, int]
+    up: FloatArray | None = None
+    ahead: FloatArray | None = None
+    told_by: str = ""
+    four_legged: bool = False
+    evidence: Evidence | None = None
+
+
+def body_from(
+    tree: JointTree,
+    up: FloatArray | None = None,
+    ahead: FloatArray | None = None,
+    *,
+    habit: float = HABIT,
+    motion: FloatArray | None = None,
+    skin: FloatArray | None = None,
+) -> Body:
+    """The body of a figure in its rest pose.
+
+    Args:
+        tree: joints at rest.
+        up: unit vector (3,) that is said to be up, or None.
+        ahead: unit vector (3,) that figures are said to face, or None.
+        habit: what `ahead` counts beside other evidence, of which toes count 3.
+        motion: places ``(F, J, 3)`` in poses of motions.
+        skin: centre ``(J, 3)`` of the vertices that follow each joint, NaN where there are none.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.anatomy import JointTree, body_from
+    >>> leg = np.array([[0.1, 0, 0.9], [0.11, 0, 0.5], [0.1, 0, 0.1], [0.1, -0.1, 0.0]])
+    >>> at = np.concatenate([[[0, 0, 1.0]], leg, leg * [-1, 1, 1]])  # a figure that faces -y
+    >>> tree = JointTree(tuple("abcdefghi"), np.array([-1, 0, 1, 2, 3, 0, 5, 6, 7]), at)
+    >>> body = body_from(tree, up=np.array([0, 0, 1.0]))
+    >>> body.roles["left_calf"], body.told_by, body.ahead.round(2) + 0.0
+    (2, 'toes', array([ 0., -1.,  0.]))
+    """
+    named = named_roles(tree.names)
+    legs, arms = legs_and_arms(tree, named, up)
+    if legs is None and arms is None:
+        return Body(_by_names(tree, named))
+    if legs is not None and arms is not None and _crossed(tree, legs, arms):
+        arms = arms.swapped()
+    middle = _middle(tree, legs, arms, named)
+    evidence = _evidence(tree, legs, arms, middle, named)
+    at = tree.at[None]
+    across, trunk = (one[0] for one in evidence.axes(at))
+    four_legged, own_up = _stance(tree, evidence, trunk, up)
+    front = unit(np.cross(across, own_up))
+    if four_legged:
+        found = {"trunk": float(np.sign(np.cross(across, own_up) @ trunk)) * TOES}
+    else:
+        found = evidence.forward(at)
+        for kind, value in ({} if motion is None else _moving(evidence, motion)).items():
+            found[kind] = value if abs(value) > abs(found.get(kind, 0.0)) else found[kind]
+        if skin is not None and not found.get("toes"):
+            found["skin"] = _by_skin(evidence, tree, skin, across)
+        found["names"] = _by_sides(tree, legs, arms)
+        if ahead is not None:
+            found["habit"] = habit * float(front @ ahead)
+    total = sum(found.values())
+    first = 0 if total >= 0.0 else 1
+    told = max(found, key=lambda kind: found[kind] * (1.0 if total >= 0.0 else -1.0))
+    sides = (SIDES[first], SIDES[1 - first])
+    roles = middle | _roles(tree, legs, arms, sides, named)
+    known = abs(total) >= ENOUGH
+    signed = front if first == 0 else -front
+    return Body(roles, own_up, signed if known else None, told, four_legged, evidence)
+
+
+def _stance(
+    tree: JointTree, evidence: Evidence, trunk: FloatArray, up: FloatArray | None
+) -> tuple[bool, FloatArray]:
+    """Whether it stands on four legs, and what is up for it at rest."""
+    if evidence.legs is not None and evidence.arms is not None:
+        limbs = [
+            unit((tree.at[limb[0]] - tree.at[limb[2]]).mean(axis=0))
+            for limb in (evidence.legs, evidence.arms)
+        ]
+        alike = _angle(*limbs) < ALONG_RAD
+        lies = all(abs(_angle(limb, trunk) - 0.5 * np.pi) < ACROSS_RAD for limb in limbs)
+        stands = up is not None and _angle(trunk, up) < STANDING_RAD
+        fingers = any(len(tree.children[int(hand)]) >= FEWEST_FINGERS for hand in evidence.arms[2])
+        if alike and lies and not stands and not fingers:
+            own = unit(limbs[0] + limbs[1])
+            return True, own if up is None or _angle(own, up) > STANDING_RAD else up
+    stands = up is not None and (_angle(trunk, up) < STANDING_RAD or not np.any(trunk))
+    return False, up if up is not None and stands else trunk
+
+
+def _evidence(
+    tree: JointTree,
+    legs: Limbs | None,
+    arms: Limbs | None,
+    middle: Mapping[str, int],
+    named: Mapping[int, str],
+) -> Evidence:
+    below = [middle["hips"]] if "hips" in middle else [tree.line(_any(legs or arms))[-1]]
+    if legs is not None:
+        below = [int(joint) for joint in legs.joints[0]]
+    above = [middle[role] for role in ("neck", "head") if role in middle][:1]
+    if arms is not None:
+        above = [int(joint) for joint in arms.joints[0]]
+    toes = None if legs is None else _toes(tree, legs, named)
+    return Evidence(
+        None if legs is None else legs.joints,
+        None if arms is None else arms.joints,
+        None if toes is None else np.array(toes),
+        (below, above or below),
+    )
+
+
+def _crossed(tree: JointTree, legs: Limbs, arms: Limbs) -> bool:
+    """Whether the arms' first side is the legs' second: by how they lie, and by names of sides."""
+    lies = [
+        unit(tree.at[limbs.joints[0, 0]] - tree.at[limbs.joints[0, 1]]) for limbs in (legs, arms)
+    ]
+    named = [_by_sides(tree, limbs, None) / NAMES for limbs in (legs, arms)]
+    return float(lies[0] @ lies[1]) + SAME_NAMES * named[0] * named[1] < 0.0
+
+
+def _any(limbs: Limbs | None) -> int:
+    assert limbs is not None  # one of the two pairs there is
+    return int(limbs.joints[0, 0])
+
+
+def _toes(tree: JointTree, legs: Limbs, named: Mapping[int, str]) -> list[int] | None:
+    """What follows the ankles: what names call toes, or else the joints that follow."""
+    ankles = [int(joint) for joint in legs.joints[2]]
+    called = [
+        next((k for k, r in named.items() if r.endswith("_toes") and tree.is_below(k, ankle)), -1)
+        for ankle in ankles
+    ]
+    if min(called) >= 0:
+        return called
+    size = float(tree.bone[legs.joints[1:]].sum())
+    after = legs.pair.chains[legs.parts[2] + 1 :]
+    long = [row for row in after if tree.bone[row].min() > 0.01 * size]
+    return [int(joint) for joint in long[0]] if long else None
+
+
+def _moving(evidence: Evidence, motion: FloatArray) -> dict[str, float]:
+    """Evidence of motions, and the way that is gone."""
+    found = evidence.forward(motion)
+    across, trunk = evidence.axes(motion)
+    below = evidence.trunk[0]
+    step = np.diff(motion[:, below].mean(axis=1), axis=0)
+    size = np.linalg.norm(np.diff(motion[:, evidence.trunk[1]].mean(axis=1), axis=0), axis=1)
+    if len(step) and float(size.sum()) > 0.0:
+        front = unit(np.cross(across, trunk))[:-1]
+        found["way"] = WAY * float(
+            np.sum(step * front) / max(np.linalg.norm(step, axis=1).sum(), 1e-12)
+        )
+    return found
+
+
+def _by_skin(evidence: Evidence, tree: JointTree, skin: FloatArray, across: FloatArray) -> float:
+    """Where the mesh of the feet lies before and behind the ankles."""
+    if evidence.legs is None:
+        return 0.0
+    _, knee, ankle = (tree.at[joints] for joints in evidence.legs)
+    step = skin[evidence.legs[2]] - ankle
+    if not np.isfinite(step).all():
+        return 0.0
+    shin = knee - ankle
+    ahead = unit(np.cross(across, shin))
+    share = np.sum(step * ahead, axis=-1) / np.linalg.norm(shin, axis=-1)
+    return SKIN * float(np.clip(np.mean(share) / 0.1, -1.0, 1.0))
+
+
+def _by_sides(tree: JointTree, legs: Limbs | None, arms: Limbs | None) -> float:
+    """What names of sides say about the first column."""
+    sides = named_sides(tree.names)
+    said = [
+        (1.0 if sides[int(joint)] == SIDES[column] else -1.0)
+        for limbs in (legs, arms)
+        if limbs is not None
+        for row in limbs.joints
+        for column, joint in enumerate(row)
+        if sides[int(joint)]
+    ]
+    return NAMES * float(np.mean(said)) if said else 0.0
+
+
+def _middle(
+    tree: JointTree, legs: Limbs | None, arms: Limbs | None, named: Mapping[int, str]
+) -> dict[str, int]:
+    """Hips, neck and head: as names say where these fit, else what limbs hang on and what goes on.
+
+    Of hips that names say twice, one below the other, the lower.
+    """
+    pairs = [limbs.pair for limbs in (legs, arms) if limbs is not None]
+    limb = {int(one[0, c]) for one in (pair.chains for pair in pairs) for c in (0, 1)}
+    made: dict[str, int] = {}
+    for joint, role in named.items():
+        if role not in ("hips", "neck", "head") or any(tree.is_below(joint, k) for k in limb):
+            continue
+        if role not in made or (role == "hips" and made["hips"] == tree.parents[joint]):
+            made[role] = joint
+    if "hips" not in made and legs is not None and legs.pair.above >= 0:
+        made["hips"] = legs.pair.above
+    if "head" in made or arms is None:
+        return made
+    kept = {k for one in limb for k in tree.line(one)}
+    chain: list[int] = []
+    onward = [k for k in tree.children[arms.pair.above] if k not in kept]
+    while onward:
+        chain.append(max(onward, key=lambda one: tree.bone[one] + tree.reach[one]))
+        onward = tree.children[chain[-1]]
+    if chain:
+        made["head"] = chain[_head(tree, chain)]
+        if _head(tree, chain) > 0:
+            made.setdefault("neck", chain[0])
+    return made
+
+
+def _head(tree: JointTree, chain: list[int]) -> int:
+    """Which joint of a neck is the head: where it branches, or before the longest bone at its end.
+
+    Skulls are longer than bones of necks; a neck of one bone has its head at the end.
+    """
+    for place, joint in enumerate(chain[1:], start=1):
+        if len(tree.children[joint]) > 1:
+            return place
+    if len(chain) < 3:
+        return len(chain) - 1
+    return len(chain) - (2 if tree.bone[chain[-1]] > tree.bone[chain[-2]] else 1)
+
+
+def _roles(
+    tree: JointTree,
+    legs: Limbs | None,
+    arms: Limbs | None,
+    sides: tuple[str, str],
+    named: Mapping[int, str],
+) -> dict[str, int]:
+    made: dict[str, int] = {}
+    for kind, limbs in (("leg", legs), ("arm", arms)):
+        if limbs is None:
+            continue
+        toes = _toes(tree, limbs, named) if BEYOND[kind] else None
+        for column, side in enumerate(sides):
+            for part, row in zip(PARTS[kind], limbs.joints, strict=True):
+                made[f"{side}_{part}"] = int(row[column])
+            if toes is not None:
+                made[f"{side}_toes"] = toes[column]
+            if kind == "arm" and limbs.parts[0] > 0:
+                made[f"{side}_clavicle"] = int(limbs.pair.chains[limbs.parts[0] - 1, column])
+            below = int(limbs.pair.chains[0, column])
+            for joint, role in named.items():
+                part = role.partition("_")[2]
+                if part and tree.is_below(joint, below) and joint not in made.values():
+                    made.setdefault(f"{side}_{part}", joint)
+    return made
+
+
+def _by_names(tree: JointTree, named: Mapping[int, str]) -> dict[str, int]:
+    """Roles of a tree in which no two limbs are alike."""
+    made: dict[str, int] = {}
+    for joint, role in named.items():
+        if role == "hips" and made.get("hips", -1) == tree.parents[joint]:
+            made["hips"] = joint
+        made.setdefault(role, joint)
+    if "hips" not in made and all(f"{side}_thigh" in made for side in SIDES):
+        lines = [tree.line(made[f"{side}_thigh"]) for side in SIDES]
+        made["hips"] = next((k for k in lines[0] if k in lines[1]), lines[0][-1])
+    return made if not _mirrored(tree, made) else {_other(role): k for role, k in made.items()}
+
+
+def _mirrored(tree: JointTree, roles: Mapping[str, int]) -> bool:
+    """Whether what names call left lies to the right of where toes point, z up."""
+    ahead, across = np.zeros(3), np.zeros(3)
+    for side, sign in zip(SIDES, (1.0, -1.0), strict=True):
+        if not {f"{side}_foot", f"{side}_toes"} <= set(roles):
+            return False
+        ahead += tree.at[roles[f"{side}_toes"]] - tree.at[roles[f"{side}_foot"]]
+        for part in ("thigh", "upper_arm"):
+            across += sign * tree.at[roles[f"{side}_{part}"]] if f"{side}_{part}" in roles else 0.0
+    return float(np.cross(ahead, across)[2]) < 0.0
+
+
+def _other(role: str) -> str:
+    side, sign, part = role.partition("_")
+    return SIDES[1 - SIDES.index(side)] + sign + part if side in SIDES else role
+
+
+def _angle(a: FloatArray, b: FloatArray) -> float:
+    return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))

@@ -1,0 +1,150 @@
+"""A tree of joints with places, and the pairs of limbs in it.
+
+Two siblings are a pair where what hangs on them has bones of the same lengths. Lengths do not
+change with the pose, so that pairs are found in any rest pose and under any names.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from motorcade.ga.arrays import FloatArray, IntArray
+
+# Bones whose lengths differ by less, as a share of the longer, may be a pair's.
+SAME_LENGTH = 0.2
+# How far lengths along two chains may differ in all, as a share of the chain.
+SAME_CHAIN = 0.12
+# Of siblings and of children no more are compared, the longest first.
+MOST_BRANCHES = 12
+# Trees beyond this size are not searched for limbs.
+MOST_JOINTS = 4000
+
+
+@dataclass(frozen=True, eq=False)
+class LimbPair:
+    """Two limbs alike.
+
+    Fields:
+        chains: joints ``(N, 2)`` from where the limbs begin to their ends, one side a column.
+        above: the joint on which both hang, −1 where they are roots.
+    """
+
+    chains: IntArray
+    above: int
+
+
+@dataclass(frozen=True, eq=False)
+class JointTree:
+    """Joints with parents before children, and where they lie in some pose.
+
+    Fields:
+        names: J names.
+        parents: ``(J,)``, −1 for roots.
+        at: ``(J, 3)`` places in one pose, in any unit.
+        carries: ``(J,)`` whether a joint or one below it carries a mesh; None where unknown.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.anatomy import JointTree
+    >>> at = np.array([[0, 0, 1.0], [0.1, 0, 1], [-0.1, 0, 1], [0.1, 0, 0.5], [-0.1, 0.4, 0.7]])
+    >>> tree = JointTree(("a", "b", "c", "d", "e"), np.array([-1, 0, 0, 1, 2]), at)
+    >>> tree.limb_pairs[0].chains.tolist()
+    [[1, 2], [3, 4]]
+    """
+
+    names: tuple[str, ...]
+    parents: IntArray
+    at: FloatArray
+    carries: IntArray | None = None
+
+    @cached_property
+    def children(self) -> list[list[int]]:
+        """Joints below each; of the last entry, the roots."""
+        made: list[list[int]] = [[] for _ in range(len(self.names) + 1)]
+        for joint, parent in enumerate(self.parents.tolist()):
+            made[parent].append(joint)
+        return made
+
+    @cached_property
+    def bone(self) -> FloatArray:
+        """Length ``(J,)`` of the bone from the joint above; 0 for roots."""
+        held = self.parents >= 0
+        made = np.zeros(len(self.names))
+        made[held] = np.linalg.norm(self.at[held] - self.at[self.parents[held]], axis=1)
+        return made
+
+    @cached_property
+    def reach(self) -> FloatArray:
+        """The longest way ``(J,)`` along bones from each joint to an end."""
+        made = np.zeros(len(self.names))
+        for joint in range(len(self.names) - 1, -1, -1):
+            parent = int(self.parents[joint])
+            if parent >= 0:
+                made[parent] = max(made[parent], made[joint] + self.bone[joint])
+        return made
+
+    def line(self, joint: int) -> list[int]:
+        """A joint and its parents, the nearest first."""
+        found = [joint]
+        while self.parents[found[-1]] >= 0:
+            found.append(int(self.parents[found[-1]]))
+        return found
+
+    def is_below(self, joint: int, above: int) -> bool:
+        """Whether a joint is another, or hangs below it; below −1 hang all."""
+        while joint > above:
+            joint = int(self.parents[joint])
+        return joint == above
+
+    @cached_property
+    def limb_pairs(self) -> list[LimbPair]:
+        """Pairs that hang on the middle line of the tree, from the roots on."""
+        if len(self.names) > MOST_JOINTS:
+            return []
+        found, middle = [], [-1]
+        while middle:
+            above = middle.pop()
+            free = self._longest(self.children[above])
+            pairs = [self._chain(a, b) for k, a in enumerate(free) for b in free[k + 1 :]]
+            taken: set[int] = set()
+            for chains, cost in sorted(pairs, key=lambda one: one[1]):
+                if cost > SAME_CHAIN or taken & set(chains[0]):
+                    continue
+                taken |= set(chains[0])
+                found.append(LimbPair(np.array(chains), above))
+            middle += [joint for joint in self.children[above] if joint not in taken]
+        return found
+
+    def _longest(self, joints: list[int]) -> list[int]:
+        if self.carries is not None:
+            joints = [joint for joint in joints if self.carries[joint]]
+        return sorted(joints, key=lambda one: -(self.reach[one] + self.bone[one]))[:MOST_BRANCHES]
+
+    def _chain(self, a: int, b: int) -> tuple[list[tuple[int, int]], float]:
+        """The longest chain alike below two joints, and how unlike it is, as a share."""
+        chain, length, apart = [(a, b)], 0.0, 0.0
+        first = max(self.bone[a], self.bone[b])
+        apart += abs(self.bone[a] - self.bone[b])
+        while True:
+            a, b = chain[-1]
+            best, most = None, 0.0
+            for c in self._longest(self.children[a]):
+                for d in self._longest(self.children[b]):
+                    one, other = float(self.bone[c]), float(self.bone[d])
+                    if abs(one - other) > SAME_LENGTH * max(one, other) + 0.02 * length:
+                        continue
+                    ways = one + self.reach[c], other + self.reach[d]
+                    worth = min(ways) - 2.0 * abs(one - other)
+                    if worth > most or best is None:
+                        best, most = (c, d), worth
+            if best is None:
+                break
+            one, other = self.bone[best[0]], self.bone[best[1]]
+            length, apart = length + max(one, other), apart + abs(one - other)
+            chain.append(best)
+        size = length + first
+        reached = size / max(min(self.reach[k] + self.bone[k] for k in chain[0]), 1e-12)
+        unlike = apart / size if size > 0.0 else 1.0
+        return chain, unlike + 0.5 * max(0.0, 1.0 - reached)
