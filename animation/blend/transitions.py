@@ -157,10 +157,16 @@ class Inertialized:
 
     @cached_property
     def _offset(self) -> tuple[FloatArray, FloatArray]:
-        """Twists ``(J, 6 or 7)`` from the new motion to the old one at the switch, and rates."""
-        clock = self.start_s - np.array([_STEP_S, 0.0])
-        twists = additive(self.first.at(clock), self.second.at(clock)).as_twist()
-        return twists[1], (twists[1] - twists[0]) / _STEP_S
+        """Twists ``(J, 6 or 7)`` from the new motion to the old one at the switch, and rates.
+
+        The old motion's velocity is the one that it arrives with, the new one's that with which it
+        goes on: a clip that begins there, or ends there, is still on the other side.
+        """
+        before, at = (self.first.at(self.start_s - step) for step in (_STEP_S, 0.0))
+        gone_on = added(at, additive(at, before))
+        now = additive(at, self.second.at(self.start_s)).as_twist()
+        later = additive(gone_on, self.second.at(self.start_s + _STEP_S)).as_twist()
+        return now, (later - now) / _STEP_S
 
     def at(self, time_s: ArrayLike) -> Poses:
         """Local poses ``(*, J)``."""

@@ -167,7 +167,7 @@ def walk_along(
     passing: tuple[float, ...] = ()
     if starts or stops:
         standing = standing_pose(clip, skeleton, legs) if standing is None else standing
-        passing = passing_s(clip, _rigid(standing, 0.0), skeleton, legs, speed_m_s)
+        passing = passing_s(clip, rigid(standing, 0.0), skeleton, legs, speed_m_s)
     pace = Pace(path.length_m / scale, speed_m_s, clip.duration_s, passing, starts, stops)
     count = max(2, int(np.ceil(pace.done_s * rate_hz)) + 1)
     # A cycle before and after the way, so that no stance is cut by its ends.
@@ -181,7 +181,7 @@ def walk_along(
     flat = np.concatenate([position, np.zeros((len(time_s), 1))], axis=1)
     # Feet are planted at the character's own size.
     own = Motor.from_rotor_translation(rotor, flat / scale)
-    poses = _rigid(_played(clip, standing, pace), time_s)
+    poses = rigid(played(clip, standing, pace), time_s)
     planted = plant_feet(
         skeleton,
         time_s,
@@ -189,7 +189,7 @@ def walk_along(
         legs,
         world_T_character=own,
         ground=ground,
-        stances=_stances(skeleton, legs, poses, time_s, pace),
+        stances=stances_along(skeleton, legs, poses, time_s, pace),
     )
     way = slice(more, more + count)
     placed = Motor.from_rotor_translation(rotor[way], flat[way])
@@ -214,14 +214,14 @@ class _InStep:
     pace: Pace
 
     def at(self, time_s: ArrayLike) -> Motor:
-        made = _rigid(self.cycle, self.cycle.time_s[0] + self.pace.phase_s(time_s))
+        made = rigid(self.cycle, self.cycle.time_s[0] + self.pace.phase_s(time_s))
         share = SHORTENED * self.pace.stride
         if self.standing is None or share >= 1.0:
             return made
-        return _rigid(self.standing, time_s).interpolate(made, share)
+        return rigid(self.standing, time_s).interpolate(made, share)
 
 
-def _played(cycle: Clip, standing: Clip | None, pace: Pace) -> PoseSource:
+def played(cycle: Clip, standing: Clip | None, pace: Pace) -> PoseSource:
     """What the character does, not yet planted."""
     made: PoseSource = _InStep(cycle, standing, pace)
     if standing is not None and pace.starts:
@@ -231,14 +231,15 @@ def _played(cycle: Clip, standing: Clip | None, pace: Pace) -> PoseSource:
     return made
 
 
-def _rigid(motion: PoseSource, time_s: ArrayLike) -> Motor:
+def rigid(motion: PoseSource, time_s: ArrayLike) -> Motor:
+    """Local poses ``(*, J)`` of a motion, refused where they grow."""
     poses = motion.at(time_s)
     if not isinstance(poses, Motor):
         raise ValueError("walk_along: expected rigid poses, got some that grow")
     return poses
 
 
-def _stances(
+def stances_along(
     skeleton: Skeleton, legs: Sequence[Leg], poses: Motor, time_s: FloatArray, pace: Pace
 ) -> list[NDArray[np.bool_]]:
     """When each foot stands, ``(F,)`` each, were the way straight.

@@ -1,0 +1,25 @@
+"""Behaviour: characters that idle, turn, walk, arrive and act, and keep out of each other's way."""
+
+from motorcade.animation.behaviour.actor import Act, Actor, ClipLayer, gait_between
+from motorcade.animation.behaviour.crowd import Crowd, keep_apart, least_distance_m
+from motorcade.animation.behaviour.perform import Performance, foot_slides_m, perform
+from motorcade.animation.behaviour.states import FOLLOWS, Errand, State
+from motorcade.animation.behaviour.timeline import Segment, Timeline
+
+__all__ = [
+    "FOLLOWS",
+    "Act",
+    "Actor",
+    "ClipLayer",
+    "Crowd",
+    "Errand",
+    "Performance",
+    "Segment",
+    "State",
+    "Timeline",
+    "foot_slides_m",
+    "gait_between",
+    "keep_apart",
+    "least_distance_m",
+    "perform",
+]

@@ -1,0 +1,237 @@
+"""Who acts: a character with its gait, how it idles, what it can do, and how far its body reaches.
+
+Everything is at the character's own size; `Actor.scale` takes it to the plane's metres.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from motorcade.animation.blend import BlendSpace, RootMotion, phase_between, split_root_motion
+from motorcade.animation.character import Character
+from motorcade.animation.clip import Clip
+from motorcade.animation.ik import Leg
+from motorcade.animation.place.cycles import on_the_spot
+from motorcade.animation.place.pacing import Pace, passing_s
+from motorcade.animation.place.walks import rigid
+from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.vectors import turn_z
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, checked_positive
+
+# Samples of a blended cycle, and moments of a clip at which a body's reach is looked for.
+SAMPLES, MOMENTS = 97, 32
+# A clip that begins farther than this from the character's own place or front is moved there: in
+# heights, and in radians.
+ASIDE, ASKEW_RAD = 0.1, np.deg2rad(15.0)
+# A cycle's own speed, and a wish for it, may differ by so much.
+SAME_SPEED = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Act:
+    """A clip on the spot, and what it travels.
+
+    Fields:
+        clip: rigid, in character space.
+        motion: where it goes meanwhile.
+    """
+
+    clip: Clip
+    motion: RootMotion
+
+    @classmethod
+    def of(cls, clip: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> Act:
+        """A clip as it is acted: from where the character stands, the way that it looks.
+
+        Raises:
+            ValueError: a clip of a single pose.
+        """
+        made = _brought_to_front(replace(clip, poses=clip.poses.rigid), skeleton, legs)
+        return cls(*split_root_motion(made, skeleton))
+
+
+@dataclass(frozen=True, eq=False)
+class ClipLayer:
+    """A clip over what the character does in one state.
+
+    Args:
+        clip: a loop repeats; any other is played once and holds its last pose.
+        mask: ``(J,)`` its share of every joint, 0 to 1.
+        during: "walk", "idle", "act", or "always".
+        additive: whether it is added, as the difference to its own first pose.
+    """
+
+    clip: Clip
+    mask: FloatArray
+    during: str = "walk"
+    additive: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Actor:
+    """A character that can follow a errand.
+
+    Args:
+        name: what it is called.
+        character: with legs, if it is to walk or turn.
+        legs: left first; see `legs_of` and `fitted_legs`.
+        scale: from its own size to the plane's metres.
+        idle: what it does while it waits, rigid and on the spot.
+        cycle: one cycle of its gait on the spot (see `gait_between`); None for one that stays.
+        speed_m_s: of the ground under the cycle, at its own size.
+        acts: what it can do, by name.
+        layers: clips over the others.
+
+    Raises:
+        ValueError: a scale or speed that is not above 0, a gait without legs.
+    """
+
+    name: str
+    character: Character
+    legs: tuple[Leg, ...]
+    scale: float
+    idle: Clip
+    cycle: Clip | None = None
+    speed_m_s: float = 1.0
+    acts: Mapping[str, Act] | None = None
+    layers: tuple[ClipLayer, ...] = ()
+
+    def __post_init__(self) -> None:
+        checked_positive(self.scale, "Actor.scale")
+        checked_positive(self.speed_m_s, "Actor.speed_m_s")
+        if self.cycle is not None and not self.legs:
+            raise ValueError(f"Actor.cycle: '{self.name}' has no legs to walk with")
+
+    @property
+    def skeleton(self) -> Skeleton:
+        """Of the character."""
+        return self.character.skeleton
+
+    @cached_property
+    def standing(self) -> Clip:
+        """How it stands between what it does: as its idling begins."""
+        return Clip("standing", self.idle.time_s[:1], self.idle.poses.rigid[:1])
+
+    def pace(self, length_m: float) -> Pace:
+        """How it goes a way of this length, in the plane's metres, from standing to standing.
+
+        Raises:
+            ValueError: a character without a gait.
+        """
+        if self.cycle is None:
+            raise ValueError(f"'{self.name}' has no gait to walk a path with")
+        return Pace(length_m / self.scale, self.speed_m_s, self.cycle.duration_s, self._passing_s)
+
+    @cached_property
+    def _passing_s(self) -> tuple[float, ...]:
+        assert self.cycle is not None  # asked by `pace` alone
+        pose = rigid(self.standing, 0.0)
+        return passing_s(self.cycle, pose, self.skeleton, self.legs, self.speed_m_s)
+
+    @cached_property
+    def flesh_m(self) -> FloatArray:
+        """How far skin reaches from each joint that moves it most ``(J,)``, at its own size."""
+        character = self.character
+        rows = np.arange(len(character.joints))
+        heaviest = character.joints[rows, np.argmax(character.weights, axis=1)]
+        joints_m = self.skeleton.rest_world.translation_m
+        away = np.linalg.norm(character.vertices - joints_m[heaviest], axis=1)
+        made = np.zeros(len(self.skeleton))
+        np.maximum.at(made, heaviest, away)
+        return made
+
+    @cached_property
+    def radii_m(self) -> Mapping[tuple[bool, str], float]:
+        """Radii in the plane's metres of upright cylinders about its place that hold it.
+
+        By whether it acts, and by what it does: "idle", "walk", or the act's name.
+        """
+        acts = {name: act.clip for name, act in (self.acts or {}).items()}
+        clips = {(True, name): clip for name, clip in acts.items()} | {(False, "idle"): self.idle}
+        if self.cycle is not None:
+            clips[False, "walk"] = self.cycle
+        own = {key: self._radius_m(clip) for key, clip in clips.items()}
+        for layer in self.layers:
+            over = self._radius_m(layer.clip)
+            for key in own:
+                state = "act" if key[0] else key[1]
+                if layer.during in (state, "always"):
+                    own[key] = max(own[key], over)
+        return own
+
+    def _radius_m(self, clip: Clip) -> float:
+        clock = np.linspace(0.0, clip.duration_s, MOMENTS) + clip.time_s[0]
+        at = self.skeleton.world(rigid(clip, clock)).translation_m
+        flat = np.linalg.norm(at[..., :2], axis=-1) + self.flesh_m
+        return self.scale * float(flat[:, self.flesh_m > 0.0].max(initial=0.0))
+
+
+def gait_between(
+    clips: Sequence[Clip], skeleton: Skeleton, legs: Sequence[Leg], speed_m_s: float | None = None
+) -> tuple[Clip, float]:
+    """A cycle on the spot for a speed, of gaits blended in phase, and the speed of its ground.
+
+    Args:
+        clips: cycles of one walk or more, in any order; they may travel.
+        skeleton: with J joints.
+        legs: whose feet tell the speeds.
+        speed_m_s: at the character's own size, within what the gaits have; the first gait's own by
+            default.
+
+    Raises:
+        ValueError: a clip that is no gait, gaits of one speed, or a speed that they do not have;
+            the message says what they have.
+    """
+    loops = [on_the_spot(replace(clip, poses=clip.poses.rigid), skeleton, legs) for clip in clips]
+    if speed_m_s is None:
+        return loops[0]
+    order = sorted(loops, key=lambda one: one[1])
+    speeds = np.array([speed for _, speed in order])
+    low, high = speeds[0], speeds[-1]
+    if not (1.0 - SAME_SPEED) * low <= speed_m_s <= (1.0 + SAME_SPEED) * high:
+        had = f"{low:.3g} m/s" if len(order) == 1 else f"{low:.3g} to {high:.3g} m/s"
+        raise ValueError(
+            f"gait_between(speed_m_s): expected a speed that the gaits have, {had} at the "
+            f"character's own size, got {speed_m_s:.3g}; name a slower or faster gait beside them"
+        )
+    if len(order) == 1:
+        return order[0]
+    balls = [leg.ball for leg in legs]
+    offsets = [0.0] + [phase_between(order[0][0], one, skeleton, balls) for one, _ in order[1:]]
+    space = BlendSpace(speeds, tuple(one for one, _ in order), np.array(offsets))
+    phase = np.linspace(0.0, 1.0, SAMPLES)
+    poses = space.pose(speed_m_s, phase).coefficients.copy()
+    poses[-1] = poses[0]
+    name = " to ".join(clip.name for clip, _ in order)
+    cycle = Clip(name, phase * float(space.duration_s(speed_m_s)), Motor(poses), looped=True)
+    return on_the_spot(cycle, skeleton, legs)
+
+
+def _brought_to_front(clip: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> Clip:
+    """A clip whose first pose stands over the origin and looks along +x.
+
+    Captured motions begin anywhere. One that begins near the origin, nearly ahead, stays as it is.
+    """
+    if len(legs) < 2:
+        return clip
+    left, right = (
+        skeleton.world(clip.poses.rigid[0]).translation_m[skeleton.index(leg.hip)]
+        for leg in legs[:2]
+    )
+    across, middle = (left - right)[:2], 0.5 * (left + right)
+    height_m = float(np.max(skeleton.rest_world.translation_m[:, 2]))
+    askew = float(np.arctan2(-across[0], across[1]))
+    aside = float(np.linalg.norm(middle[:2])) > ASIDE * height_m
+    if not aside and abs(askew) < ASKEW_RAD:
+        return clip
+    turn = turn_z(-askew)
+    back = Motor.from_rotor_translation(turn, -turn.apply(middle * [1.0, 1.0, 0.0]))
+    poses = clip.poses.rigid.coefficients.copy()
+    for root in np.flatnonzero(skeleton.parents < 0):
+        poses[:, root] = (back @ Motor(poses[:, root])).coefficients
+    return replace(clip, poses=Motor.normalize(poses), looped=False)

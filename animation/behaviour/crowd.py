@@ -1,0 +1,281 @@
+"""Characters that do not walk through each other: they wait, or go round, or say that they cannot.
+
+Bodies are upright cylinders that hold all that a character does in a state (`Actor.radii_m`), so
+that no arm of one meets another. Plans are made one character after the other, in the order given
+and then in others, each around those before it, who keep to theirs; where no order serves, whoever
+finds no way stays where it is, and those that are still to plan are taken to stand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from motorcade.animation.behaviour.actor import Actor
+from motorcade.animation.behaviour.perform import Performance
+from motorcade.animation.behaviour.states import Errand
+from motorcade.animation.behaviour.timeline import Timeline
+from motorcade.animation.place.walks import GroundPath
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
+
+MOST = 8
+"""Characters in one crowd."""
+# Times at which distances are looked at, and how finely and how long waits are tried.
+RATE_HZ, WAIT_STEP_S, LONGEST_WAIT_S = 20.0, 0.25, 30.0
+# Ways round: how far aside, in sums of both radii, on either side; how many bends, one after the
+# other; and how many ways are gone on with.
+ASIDE, BENDS, KEPT = (1.1, 1.4, 1.9), 3, 6
+# Pairs of frames at once, in measuring.
+BLOCK = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Crowd:
+    """What everybody does, and what became of the wishes.
+
+    Fields:
+        timelines: one for each errand, in their order.
+        notes: by character, how it keeps out of the others' way; "" where it does as it was asked.
+        stays: names of those who cannot do as they were asked.
+        least_gap_m: between the cylinders of any two, at any time; infinite for one alone.
+    """
+
+    timelines: tuple[Timeline, ...]
+    notes: tuple[str, ...]
+    stays: tuple[str, ...]
+    least_gap_m: float
+
+
+def keep_apart(cast: Sequence[tuple[Actor, Errand]], gap_m: float = 0.0) -> Crowd:
+    """Plan errands so that no two bodies come nearer than a gap.
+
+    Args:
+        cast: actors with their errands; earlier ones have the right of way.
+        gap_m: that is kept, in the plane's metres.
+
+    Raises:
+        ValueError: none or more than 8 characters, a negative gap, or two that stand in each
+            other at the start.
+    """
+    if not 1 <= len(cast) <= MOST:
+        raise ValueError(f"keep_apart(cast): expected 1 to {MOST} characters, got {len(cast)}")
+    if not (np.isfinite(gap_m) and gap_m >= 0.0):
+        raise ValueError(f"keep_apart(gap_m): expected 0 or more metres, got {gap_m}")
+    wanted = [Timeline(actor, errand) for actor, errand in cast]
+    _refuse_overlap(wanted, gap_m)
+    count = len(cast)
+    for turn in range(count):
+        order = [(turn + k) % count for k in range(count)]
+        planned = _in_order(wanted, order, gap_m, resting=False)
+        if all(one is not None for one in planned.values()):
+            break
+    else:
+        planned = _in_order(wanted, list(range(count)), gap_m, resting=True)
+    timelines, notes, stays = [], [], []
+    for number, (actor, errand) in enumerate(cast):
+        found = planned[number]
+        if found is None:
+            stays.append(actor.name)
+            notes.append("finds no way to its goal that keeps clear of the others, and stays")
+            found = _staying(wanted[number])
+        else:
+            notes.append(_note(errand, found.errand))
+        timelines.append(found)
+    return Crowd(tuple(timelines), tuple(notes), tuple(stays), _least_gap(timelines))
+
+
+def least_distance_m(
+    first: tuple[Actor, Performance], second: tuple[Actor, Performance]
+) -> FloatArray:
+    """Distances ``(F,)`` between two bodies over the frames that both have, in plane metres.
+
+    Bodies are balls about joints that hold the skin which follows each most, so it is a lower bound
+    of how far the skins are apart; below 0 balls overlap.
+    """
+    frames = min(len(first[1].time_s), len(second[1].time_s))
+    balls = []
+    for actor, made in (first, second):
+        way = made.plane_T_character[:frames]
+        own = actor.skeleton.world(made.poses[:frames])
+        scaled = Motor.from_rotor_translation(own.rotor, actor.scale * own.translation_m)
+        skinned = actor.flesh_m > 0.0
+        at = (way.reshape(-1, 1) @ scaled).translation_m[:, skinned]
+        balls.append((at, actor.scale * actor.flesh_m[skinned]))
+    (one, wide), (other, broad) = balls
+    made_of = []
+    for start in range(0, frames, BLOCK):
+        rows = slice(start, start + BLOCK)
+        apart = np.linalg.norm(one[rows, :, None] - other[rows, None], axis=-1)
+        made_of.append(np.min(apart - wide[:, None] - broad, axis=(1, 2)))
+    return np.concatenate(made_of)
+
+
+@dataclass(frozen=True, eq=False)
+class _Track:
+    """Places ``(F, 2)`` and radii ``(F,)`` at `RATE_HZ`; the last ones hold for good."""
+
+    at_m: FloatArray
+    radius_m: FloatArray
+    moves_s: float
+
+    @classmethod
+    def of(cls, timeline: Timeline) -> _Track:
+        time_s = np.arange(int(np.ceil((timeline.done_s + 1.0) * RATE_HZ)) + 1) / RATE_HZ
+        moved = timeline.at(time_s).translation_m[:, :2]
+        return cls(moved, timeline.reach_m(time_s), timeline.errand.waits_s)
+
+    def lasting(self, count: int, late: int = 0) -> tuple[FloatArray, FloatArray]:
+        """The same over `count` frames, begun so many frames later."""
+        rows = np.clip(np.arange(count) - late, 0, len(self.at_m) - 1)
+        return self.at_m[rows], self.radius_m[rows]
+
+
+def _gaps(mine: _Track, other: _Track, late: int = 0) -> FloatArray:
+    """Between two cylinders at every frame, one of them begun later."""
+    count = max(len(mine.at_m) + late, len(other.at_m))
+    (a, wide), (b, broad) = mine.lasting(count, late), other.lasting(count)
+    return np.asarray(np.linalg.norm(a - b, axis=1) - wide - broad)
+
+
+def _least_gap(timelines: Sequence[Timeline]) -> float:
+    tracks = [_Track.of(one) for one in timelines]
+    pairs = [(a, b) for k, a in enumerate(tracks) for b in tracks[k + 1 :]]
+    return min((float(_gaps(a, b).min()) for a, b in pairs), default=np.inf)
+
+
+def _refuse_overlap(wanted: Sequence[Timeline], gap_m: float) -> None:
+    tracks = [_Track.of(_staying(one)) for one in wanted]
+    for k, one in enumerate(tracks):
+        for number, other in enumerate(tracks[k + 1 :], k + 1):
+            gap = float(_gaps(one, other).min())
+            if gap < gap_m:
+                names = wanted[k].actor.name, wanted[number].actor.name
+                need = np.linalg.norm(one.at_m[0] - other.at_m[0]) + gap_m - gap
+                raise ValueError(
+                    f"'{names[0]}' and '{names[1]}' stand in each other at the start: expected "
+                    f"them {need:.3g} m apart or more, got "
+                    f"{np.linalg.norm(one.at_m[0] - other.at_m[0]):.3g} m"
+                )
+
+
+def _in_order(
+    wanted: Sequence[Timeline], order: Sequence[int], gap_m: float, *, resting: bool
+) -> dict[int, Timeline | None]:
+    """A plan for each, one after the other; those still to plan stand, or are not there."""
+    planned: dict[int, Timeline | None] = {}
+    for position, number in enumerate(order):
+        others = [_Track.of(planned[k] or _staying(wanted[k])) for k in order[:position]]
+        if resting:
+            others += [_Track.of(_staying(wanted[k])) for k in order[position + 1 :]]
+        planned[number] = _around(wanted[number], others, gap_m)
+        if planned[number] is None and not resting:
+            return planned
+    return planned
+
+
+def _around(me: Timeline, others: Sequence[_Track], gap_m: float) -> Timeline | None:
+    """The plan that is done first and keeps clear; None where none was found."""
+    if not others:
+        return me
+    tried = [me]
+    for _ in range(BENDS):
+        best: tuple[float, Timeline] | None = None
+        further: list[tuple[float, Timeline]] = []
+        for one in tried:
+            track = _Track.of(one)
+            late = _first_wait(track, others, gap_m)
+            if late is not None:
+                done = one.done_s + late
+                if best is None or done < best[0] - 1e-9:
+                    waits = one.errand.waits_s + late
+                    best = done, one if not late else _with(one, waits_s=waits)
+                if not late:
+                    continue
+            further += _ways_round(one, track, others, gap_m)
+        further.sort(key=lambda pair: pair[0])
+        clear = [one for _, one in further if _first_wait(_Track.of(one), others, gap_m) == 0.0]
+        if clear and (best is None or clear[0].done_s < best[0]):
+            return clear[0]
+        if best is not None:
+            return best[1]
+        tried = [one for _, one in further[:KEPT]]
+    return None
+
+
+def _first_wait(track: _Track, others: Sequence[_Track], gap_m: float) -> float | None:
+    """The least time that it must wait at its start to keep clear from then on; None for never."""
+    steps = int(WAIT_STEP_S * RATE_HZ)
+    for late in range(0, int(LONGEST_WAIT_S * RATE_HZ) + 1, steps):
+        if all(_gaps(track, other, late).min() >= gap_m for other in others):
+            return late / RATE_HZ
+    return None
+
+
+def _ways_round(
+    me: Timeline, track: _Track, others: Sequence[_Track], gap_m: float
+) -> list[tuple[float, Timeline]]:
+    """Ways with one bend more, past where it first comes too near, with how long they take."""
+    if not len(me.errand.path_m):
+        return []
+    near = []
+    for other in others:
+        below = np.flatnonzero(_gaps(track, other) < gap_m)
+        if below.size:
+            near.append((int(below[0]), int(below[-1]), other))
+    if not near:
+        return []
+    first, last, other = min(near, key=lambda one: one[0])
+    row = min((first + last) // 2, len(track.at_m) - 1)
+    place = other.at_m[min(row, len(other.at_m) - 1)]
+    wide = track.radius_m[row] + other.radius_m[min(row, len(other.radius_m) - 1)] + gap_m
+    path = GroundPath(me.errand.path_m)
+    along = np.linspace(0.0, path.length_m, max(16, int(8.0 * path.length_m / wide)))
+    at, heading = path.at(along)
+    nearest = int(np.argmin(np.linalg.norm(at - place, axis=1)))
+    across = np.array([-np.sin(heading[nearest]), np.cos(heading[nearest])])
+    made = []
+    for aside in ASIDE:
+        for side in (1.0, -1.0):
+            point = place + side * aside * wide * across
+            bent = _bent(me.errand.path_m, path, along[nearest], 1.2 * aside * wide, point)
+            if bent is None:
+                continue
+            way = _with(me, path_m=bent)
+            made.append((way.done_s, way))
+    return made
+
+
+def _bent(
+    points: FloatArray, path: GroundPath, at_m: float, spare_m: float, point: FloatArray
+) -> FloatArray | None:
+    """A path that leaves its own by a point, and comes back to it, its ends as they were."""
+    dense = np.linspace(0.0, path.length_m, 400)
+    places = path.at(dense)[0]
+    on = np.array([dense[np.argmin(np.linalg.norm(places - one, axis=1))] for one in points])
+    on[0], on[-1] = 0.0, path.length_m
+    before, after = on < at_m - spare_m, on > at_m + spare_m
+    before[0], after[-1] = True, True
+    made = np.concatenate([points[before], point[None], points[after & ~before]])
+    steps = np.linalg.norm(np.diff(made, axis=0), axis=1)
+    return None if np.any(steps < 1e-3 * spare_m) else made
+
+
+def _with(timeline: Timeline, **changed: object) -> Timeline:
+    return Timeline(timeline.actor, replace(timeline.errand, **changed))  # type: ignore[arg-type]
+
+
+def _staying(timeline: Timeline) -> Timeline:
+    """The same character that only idles."""
+    return Timeline(timeline.actor, Errand(timeline.errand.start_m, timeline.errand.heading_rad))
+
+
+def _note(asked: Errand, made: Errand) -> str:
+    parts = []
+    if made.waits_s > asked.waits_s:
+        parts.append(f"waits {made.waits_s - asked.waits_s:.2f} s")
+    if len(made.path_m) != len(asked.path_m) or not np.array_equal(made.path_m, asked.path_m):
+        parts.append("goes round")
+    return " and ".join(parts)

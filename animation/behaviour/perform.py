@@ -1,0 +1,253 @@
+"""A timeline made into poses: segments switched by inertia, layers over them, feet on the ground.
+
+All segments are put together first and their feet are planted once, over all of them: a foot that
+stands from one state into the next stands on one place. Where the next state has it stand elsewhere
+it steps there, one foot after the other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.animation.behaviour.actor import Actor, ClipLayer
+from motorcade.animation.behaviour.sources import Along, Layered, Leaning, Stepping, Turning
+from motorcade.animation.behaviour.timeline import Segment, Timeline
+from motorcade.animation.blend import Inertialized, PoseSource, Shifted
+from motorcade.animation.clip import Clip
+from motorcade.animation.ik import find_stances, plant_feet
+from motorcade.animation.ik.feet import stretches
+from motorcade.animation.place.walks import played, rigid, stances_along
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, checked_positive
+
+# Poses go over within this time, in which both feet can step.
+SWITCH_S = 0.5
+# How a clip comes in over another.
+FADE_S = 0.3
+# Feet nearer to where they shall stand than this share of the highest joint's height stay; a foot
+# that moves by less in all of a clip stands.
+NEAR = 0.01
+# A ball as near to its height at rest as this share of the highest joint's height is on the ground.
+TOUCHES = 0.003
+
+
+@dataclass(frozen=True, eq=False)
+class Performance:
+    """What a character does, frame by frame.
+
+    Fields:
+        time_s: ``(F,)`` from 0.
+        plane_T_character: Motor ``(F,)``, where it is, in the plane's metres.
+        poses: Motor ``(F, J)``, local poses with planted feet.
+        segments: the states that it goes through.
+    """
+
+    time_s: FloatArray
+    plane_T_character: Motor
+    poses: Motor
+    segments: tuple[Segment, ...]
+
+
+def perform(timeline: Timeline, lasts_s: float, rate_hz: float = 60.0) -> Performance:
+    """Make a timeline into poses with planted feet.
+
+    Args:
+        timeline: of an actor and its errand.
+        lasts_s: until when; what is begun by then is done to its end.
+        rate_hz: frames a second.
+
+    Raises:
+        ValueError: a time or rate that is not positive.
+    """
+    checked_positive(lasts_s, "perform(lasts_s)")
+    checked_positive(rate_hz, "perform(rate_hz)")
+    actor = timeline.actor
+    time_s = np.arange(int(np.ceil(max(lasts_s, timeline.done_s) * rate_hz)) + 1) / rate_hz
+    way = timeline.at(time_s)
+    poses, stances = _unplanted(timeline, time_s, way)
+    own = Motor.from_rotor_translation(way.rotor, way.translation_m / actor.scale)
+    if actor.legs:
+        poses = plant_feet(
+            actor.skeleton, time_s, poses, actor.legs, world_T_character=own, stances=stances
+        )
+    return Performance(time_s, way, poses, timeline.segments)
+
+
+def foot_slides_m(actor: Actor, made: Performance) -> list[tuple[float, float, float]]:
+    """How far each foot goes on the ground while it is on it: (start s, end s, plane metres).
+
+    On the ground is a foot whose ball is as low as it rests. It is told from the poses alone, not
+    from where feet were planted. Of every such stretch it is the farthest that the ball lies from
+    the median of its places.
+    """
+    skeleton = actor.skeleton
+    own = Motor.from_rotor_translation(
+        made.plane_T_character.rotor, made.plane_T_character.translation_m / actor.scale
+    )
+    world = own.reshape(-1, 1) @ skeleton.world(made.poses)
+    touches_m = TOUCHES * float(np.max(skeleton.rest_world.translation_m[:, 2]))
+    found = []
+    for leg in actor.legs:
+        ball = skeleton.index(leg.ball)
+        at = world[:, ball].translation_m
+        low = at[:, 2] <= skeleton.rest_world.translation_m[ball, 2] + touches_m
+        for start, end in stretches(low):
+            places = at[start:end, :2]
+            off = np.linalg.norm(places - np.median(places, axis=0), axis=1).max()
+            found.append(
+                (float(made.time_s[start]), float(made.time_s[end - 1]), actor.scale * float(off))
+            )
+    return found
+
+
+def _unplanted(
+    timeline: Timeline, time_s: FloatArray, way: Motor
+) -> tuple[Motor, list[NDArray[np.bool_]]]:
+    """Poses before feet are planted, and when each foot stands."""
+    actor = timeline.actor
+    poses = np.empty((len(time_s), len(actor.skeleton), 8))
+    stances = [np.ones(len(time_s), dtype=bool) for _ in actor.legs]
+    made: PoseSource | None = None
+    for segment, rows in zip(timeline.segments, timeline.rows(time_s), strict=True):
+        if segment.state == "arrive":  # the walk goes on
+            pass
+        elif made is None:
+            made = _source(actor, segment)
+        else:
+            made = Inertialized(made, _source(actor, segment), segment.start_s, SWITCH_S)
+        assert made is not None  # a timeline does not begin by arriving
+        poses[rows] = rigid(made, time_s[rows]).coefficients
+        for number, standing in enumerate(_standing(actor, segment, time_s, rows)):
+            stances[number][rows] = standing
+    layered = _with_layers(timeline, time_s, Motor.normalize(poses))
+    _let_step(timeline, time_s, way, layered, stances)
+    return layered, stances
+
+
+def _source(actor: Actor, segment: Segment) -> PoseSource:
+    """What a segment plays, on the timeline's clock."""
+    if segment.state == "walk" and actor.cycle is not None and isinstance(segment.way, Along):
+        walk = Shifted(played(actor.cycle, actor.standing, segment.way.pace), segment.start_s)
+        return Leaning(walk, segment.way, actor.skeleton.root)
+    if segment.state == "act":
+        clip = (actor.acts or {})[segment.clip].clip
+        return Shifted(clip, segment.start_s, float(clip.time_s[0]))
+    idle = replace(actor.idle, poses=actor.idle.poses.rigid)
+    idling = Shifted(idle, segment.start_s, float(idle.time_s[0]))
+    if isinstance(segment.way, Turning):
+        return Stepping(idling, segment.way, actor.skeleton, actor.legs)
+    return idling
+
+
+def _standing(
+    actor: Actor, segment: Segment, time_s: FloatArray, rows: slice
+) -> list[NDArray[np.bool_]]:
+    """When each foot stands ``(rows,)`` within a segment."""
+    clock = time_s[rows] - segment.start_s
+    if not len(clock):
+        return [np.ones(0, dtype=bool) for _ in actor.legs]
+    if isinstance(segment.way, Along) and segment.state in ("walk", "arrive"):
+        return _standing_on_the_way(actor, segment.way, time_s, rows)
+    if isinstance(segment.way, Turning) and segment.state == "turn":
+        return [segment.way.swinging(k, clock) == 0.0 for k in range(len(actor.legs))]
+    if segment.state != "act":
+        return [np.ones(len(clock), dtype=bool) for _ in actor.legs]
+    act = (actor.acts or {})[segment.clip]
+    local = clock + act.clip.time_s[0]
+    moved = act.motion.at(np.clip(local, act.clip.time_s[0], act.clip.time_s[-1] - 1e-9))
+    world = moved.reshape(-1, 1) @ actor.skeleton.world(rigid(act.clip, local))
+    near_m = _near_m(actor)
+    found = []
+    for leg in actor.legs:
+        at = world[:, actor.skeleton.index(leg.ball)].translation_m
+        still = np.linalg.norm(np.ptp(at, axis=0)) < near_m or len(clock) < 3
+        found.append(np.ones(len(clock), bool) if still else find_stances(at, clock))
+    return found
+
+
+def _standing_on_the_way(
+    actor: Actor, way: Along, time_s: FloatArray, rows: slice
+) -> list[NDArray[np.bool_]]:
+    """Of a walk from standing to standing, as `walk_along` finds it, at these frames."""
+    assert actor.cycle is not None
+    step = float(np.mean(np.diff(time_s)))
+    first = time_s[rows.start] - way.start_s
+    more = int(np.ceil(actor.cycle.duration_s / step))
+    before = more + int(first / step)
+    after = more + int((way.pace.done_s - (time_s[rows.stop - 1] - way.start_s)) / step)
+    count = rows.stop - rows.start
+    clock = first + step * np.arange(-before, count + max(after, more))
+    poses = rigid(played(actor.cycle, actor.standing, way.pace), clock)
+    found = stances_along(actor.skeleton, actor.legs, poses, clock, way.pace)
+    return [one[before : before + count] for one in found]
+
+
+def _with_layers(timeline: Timeline, time_s: FloatArray, poses: Motor) -> Motor:
+    """Poses with the clips that lie over them while states last that they belong to."""
+    for layer in timeline.actor.layers:
+        for start, end in _spans(timeline, layer, float(time_s[-1])):
+            within = (time_s >= start) & (time_s <= end)
+            if not np.any(within):
+                continue
+            below = Clip("below", time_s, poses)
+            clip = replace(layer.clip, poses=layer.clip.poses.rigid)
+            over = Shifted(clip, start, float(clip.time_s[0]))
+            reference = clip.poses.rigid[0] if layer.additive else None
+            made = Layered(below, over, layer.mask, (start, end), FADE_S, reference)
+            changed = poses.coefficients.copy()
+            changed[within] = made.at(time_s[within]).coefficients
+            poses = Motor(changed)
+    return poses
+
+
+def _spans(timeline: Timeline, layer: ClipLayer, last_s: float) -> list[tuple[float, float]]:
+    """From when to when a layer lies over the rest: neighbouring states that it belongs to."""
+    joined: list[tuple[float, float]] = []
+    for segment in timeline.segments:
+        state = {"arrive": "walk", "turn": "idle"}.get(segment.state, segment.state)
+        if layer.during not in (state, "always"):
+            continue
+        end = min(segment.end_s, last_s + FADE_S)
+        if joined and joined[-1][1] == segment.start_s:
+            joined[-1] = (joined[-1][0], end)
+        else:
+            joined.append((segment.start_s, end))
+    return joined
+
+
+def _let_step(
+    timeline: Timeline,
+    time_s: FloatArray,
+    way: Motor,
+    poses: Motor,
+    stances: list[NDArray[np.bool_]],
+) -> None:
+    """Where a switch has feet stand elsewhere, let them step there one after the other."""
+    actor = timeline.actor
+    world = way.reshape(-1, 1) @ _scaled(actor.skeleton.world(poses), actor.scale)
+    near_m = actor.scale * _near_m(actor)
+    half = 0.5 * SWITCH_S
+    for before, now in zip(timeline.segments, timeline.segments[1:], strict=False):
+        if "act" not in (before.state, now.state) or now.start_s + SWITCH_S > time_s[-1]:
+            continue
+        rows = np.searchsorted(time_s, [now.start_s - half, now.start_s, now.start_s + SWITCH_S])
+        for number, leg in enumerate(actor.legs):
+            at = world[:, actor.skeleton.index(leg.ball)].translation_m
+            standing = stances[number]
+            far = np.linalg.norm(at[rows[2]] - at[max(rows[1] - 1, 0)]) > near_m
+            if not (far and standing[max(rows[1] - 1, 0)]):
+                continue
+            clock = time_s[rows[1] : rows[2]] - now.start_s
+            swings = (clock >= number * half) & (clock < (number + 1) * half)
+            standing[rows[1] : rows[2]] = ~swings
+
+
+def _scaled(poses: Motor, scale: float) -> Motor:
+    return Motor.from_rotor_translation(poses.rotor, scale * poses.translation_m)
+
+
+def _near_m(actor: Actor) -> float:
+    return NEAR * float(np.max(actor.skeleton.rest_world.translation_m[:, 2]))

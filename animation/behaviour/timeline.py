@@ -1,0 +1,165 @@
+"""A errand in time: which state from when to when, and where the character is meanwhile.
+
+No pose is made here, so that crowds can try many errands. Ways go over into one another by inertia,
+poses do so in `perform`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motorcade.animation.behaviour.actor import Actor
+from motorcade.animation.behaviour.sources import Along, Still, Travelling, Turning
+from motorcade.animation.behaviour.states import (
+    Errand,
+    Situation,
+    State,
+    next_state,
+    wrapped,
+)
+from motorcade.animation.blend import Inertialized, PoseSource
+from motorcade.animation.place.walks import GroundPath
+from motorcade.animation.vectors import turn_z
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
+
+# How long what one way leaves to the next takes to die away.
+EASED_S = 0.3
+
+Way = Still | Along | Turning | Travelling
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """A state from one time to another; the last one lasts for good.
+
+    Fields:
+        state: what it is.
+        clip: name of what is played.
+        start_s, end_s: from when to when.
+        way: where the character is meanwhile, before inertia.
+    """
+
+    state: State
+    clip: str
+    start_s: float
+    end_s: float
+    way: Way
+
+
+class Timeline:
+    """What a errand makes of an actor.
+
+    Args:
+        actor: who follows it.
+        errand: what it is asked to do.
+
+    Raises:
+        ValueError: an act that the actor does not have, or a path for one without a gait.
+    """
+
+    def __init__(self, actor: Actor, errand: Errand) -> None:
+        self.actor, self.errand = actor, errand
+        self.segments: tuple[Segment, ...] = self._led_through()
+
+    @property
+    def done_s(self) -> float:
+        """When all is done, and it only idles."""
+        return self.segments[-1].start_s
+
+    @cached_property
+    def ways(self) -> tuple[PoseSource, ...]:
+        """The way of each segment, as it goes on from the one before; Motor ``(*, 1)``."""
+        made: list[PoseSource] = [self.segments[0].way]
+        for before, now in zip(self.segments, self.segments[1:], strict=False):
+            if now.way is before.way:
+                made.append(made[-1])
+            else:
+                made.append(Inertialized(made[-1], now.way, now.start_s, EASED_S))
+        return tuple(made)
+
+    def at(self, time_s: ArrayLike) -> Motor:
+        """``plane_T_character`` ``(F,)`` at times ``(F,)``."""
+        clock = np.asarray(time_s, dtype=np.float64)
+        made = np.empty((len(clock), 8))
+        for way, rows in zip(self.ways, self.rows(clock), strict=True):
+            if rows.stop > rows.start:
+                moved = way.at(clock[rows])
+                made[rows] = moved.coefficients[:, 0]
+        return Motor.normalize(made)
+
+    def rows(self, time_s: FloatArray) -> list[slice]:
+        """Which of rising times ``(F,)`` lie in each segment."""
+        starts = [-np.inf, *(one.start_s for one in self.segments[1:])]
+        first = np.searchsorted(time_s, starts, side="left")
+        return [
+            slice(int(a), int(b)) for a, b in zip(first, [*first[1:], len(time_s)], strict=True)
+        ]
+
+    def reach_m(self, time_s: FloatArray) -> FloatArray:
+        """Radius ``(F,)`` of the upright cylinder about its place that holds it, plane metres."""
+        made = np.zeros(len(time_s))
+        radii = [self._radius_m(one) for one in self.segments]
+        for number, rows in enumerate(self.rows(time_s)):
+            made[rows] = max(radii[max(number - 1, 0) : number + 1])  # what blends out reaches on
+        return made
+
+    def _radius_m(self, segment: Segment) -> float:
+        kind = {"act": segment.clip, "idle": "idle", "turn": "idle"}.get(segment.state, "walk")
+        return self.actor.radii_m[segment.state == "act", kind]
+
+    def _led_through(self) -> tuple[Segment, ...]:
+        """The state graph, from state to state until nothing is left but to idle."""
+        actor, errand = self.actor, self.errand
+        path = GroundPath(errand.path_m) if len(errand.path_m) else None
+        pace = None if path is None else actor.pace(path.length_m)
+        x, y = errand.start_m
+        here = Motor.from_rotor_translation(turn_z(errand.heading_rad), np.array([x, y, 0.0]))
+        looks, clock, waits = errand.heading_rad, 0.0, errand.waits_s
+        acts, known = list(errand.acts), actor.acts or {}
+        state: State | None = None
+        way: Way = Still(here)
+        made: list[Segment] = []
+        while True:
+            wish = errand.facing_rad
+            if path is not None and pace is not None:
+                wish = float(path.at(0.0)[1])
+            off = 0.0 if wish is None else wrapped(wish - looks)
+            state = next_state(state, Situation(waits > 0.0, path is not None, off, len(acts)))
+            name, lasts = actor.idle.name, waits
+            if state == "turn":
+                way = Turning(here, off, clock)
+                lasts, looks = way.lasts_s, looks + off
+            elif state == "walk" and path is not None and pace is not None:
+                way = Along(path, pace, actor.scale, clock)
+                lasts, name = pace.left_s, getattr(actor.cycle, "name", "")
+            elif state == "arrive" and path is not None and pace is not None:
+                lasts, name = pace.done_s - pace.left_s, getattr(actor.cycle, "name", "")
+                looks, path = float(path.at(path.length_m)[1]), None
+            elif state == "act":
+                name = acts.pop(0)
+                if name not in known:
+                    listed = ", ".join(map(repr, known)) or "none"
+                    raise ValueError(f"Errand.acts: expected some of {listed}, got {name!r}")
+                way, lasts = Travelling(here, known[name].motion, actor.scale, clock), 0.0
+                lasts = known[name].clip.duration_s
+            elif state == "idle":
+                way = Still(here)
+                if waits <= 0.0:
+                    made.append(Segment(state, name, clock, np.inf, way))
+                    return tuple(made)
+                waits = 0.0
+            made.append(Segment(state, name, clock, clock + lasts, way))
+            clock += lasts
+            here = way.at(clock)[..., 0]
+            if state == "act":
+                looks = float(_heading(here))
+
+
+def _heading(pose: Motor) -> FloatArray:
+    ahead = pose.rotor.apply(np.array([1.0, 0.0, 0.0]))
+    return np.asarray(np.arctan2(ahead[..., 1], ahead[..., 0]))
