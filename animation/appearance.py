@@ -176,6 +176,9 @@ class Appearance:
         parts: one after another, which together hold all triangles.
         coordinates: (S, V, 2) float32, S sets of texture coordinates.
         colors: (V, 4) float32 linear RGB and alpha, which multiply the base colour; None for white.
+        tangents: (V, 4) float32 for normal maps: a unit vector along which the first coordinate
+            grows, zero where the file does not say, and 1 or −1 for the side on which the second
+            axis lies (their product with the normal times it); None to follow the coordinates.
 
     Raises:
         ValueError: parts that leave gaps, shapes that do not fit, or a material's picture placed by
@@ -191,15 +194,17 @@ class Appearance:
     parts: tuple[MaterialPart, ...]
     coordinates: NDArray[np.float32]
     colors: NDArray[np.float32] | None = None
+    tangents: NDArray[np.float32] | None = None
 
     def __post_init__(self) -> None:
         shape = self.coordinates.shape
         if len(shape) != 3 or shape[2] != 2:
             raise ValueError(f"Appearance.coordinates: expected (S, V, 2), got {shape}")
-        if self.colors is not None and self.colors.shape != (shape[1], 4):
-            raise ValueError(
-                f"Appearance.colors: expected shape ({shape[1]}, 4), got {self.colors.shape}"
-            )
+        for name, given in (("colors", self.colors), ("tangents", self.tangents)):
+            if given is not None and given.shape != (shape[1], 4):
+                raise ValueError(
+                    f"Appearance.{name}: expected shape ({shape[1]}, 4), got {given.shape}"
+                )
         at = 0
         for part in self.parts:
             if part.first != at or part.stop < at:

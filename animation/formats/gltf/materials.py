@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.appearance import MOST_SETS, AlphaMode, Material, TextureMap, Wrap
-from motorcade.animation.formats.errors import expected
+from motorcade.animation.formats.errors import expected, shown
 from motorcade.animation.formats.gltf.accessors import Accessors
 from motorcade.animation.formats.gltf.container import (
+    UNDERSTOOD,
     Document,
     boolean,
     floats,
@@ -69,7 +70,12 @@ class GltfMaterials:
         """Textures that could not be read, and what is not drawn."""
         notices = list(self._textures.notices)
         if self._plainer:
-            notices.append(f"materials are drawn without {', '.join(sorted(self._plainer))}")
+            lost = shown(", ".join(sorted(self._plainer)), 400)
+            notices.append(f"materials are drawn without {lost}")
+        used = {str(one)[:60] for one in self._document.entries("extensionsUsed")}
+        unread = sorted(used - UNDERSTOOD - DRAWN - self._plainer)
+        if unread:
+            notices.append(f"extensions that are not read: {shown(', '.join(unread), 400)}")
         return notices
 
     def material(self, part: dict[str, Any], name: str) -> Material:

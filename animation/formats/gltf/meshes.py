@@ -12,7 +12,7 @@ from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.gltf.accessors import Accessors
 from motorcade.animation.formats.gltf.container import Document, floats, integer, listed, table
 from motorcade.animation.formats.gltf.materials import GltfMaterials
-from motorcade.animation.formats.gltf.nodes import Nodes
+from motorcade.animation.formats.gltf.nodes import Nodes, nodes_of_scene
 from motorcade.animation.formats.limits import (
     MAX_MORPHS,
     MAX_VALUES,
@@ -43,6 +43,7 @@ class Meshes:
         self._targets_read = 0
         self._looked_at = self._morphs = 0  # numbers of targets, and those of moved vertices
         self._lines = 0
+        self._elsewhere = ""
         self._total = 0
         self._unplaced: set[str] = set()
 
@@ -53,6 +54,8 @@ class Meshes:
         if self._unplaced:
             lost = ", ".join(sorted(self._unplaced))
             notices.append(f"meshes without coordinates for their {lost} are drawn without")
+        if self._elsewhere:
+            notices.append(self._elsewhere)
         if self._lines:
             notices.append(f"{self._lines} meshes of points or lines are left out")
         return notices
@@ -69,9 +72,8 @@ class Meshes:
             skins[number] = self._skin(number)
             joints.update(skins[number].nodes.tolist())
         made = []
-        for node, given in enumerate(self._nodes.given):
-            if "mesh" not in given:
-                continue
+        for node in self._shown():
+            given = self._nodes.given[node]
             mesh = self._document.entry("meshes", given["mesh"], f"node {node} mesh")
             skin = None
             if "skin" in given:
@@ -84,6 +86,19 @@ class Meshes:
                     morphs = self._targets(one, mesh, given, name, len(surface.vertices))
                     made.append(replace(surface, morphs=morphs))
         return tuple(made), tuple(sorted(joints))
+
+    def _shown(self) -> list[int]:
+        """Nodes with a mesh: those of the scene that is shown, or all where it has none."""
+        bearing = [node for node, given in enumerate(self._nodes.given) if "mesh" in given]
+        in_scene = nodes_of_scene(self._document, self._nodes)
+        shown = [node for node in bearing if in_scene[node]]
+        if bearing and not shown:
+            self._elsewhere = "no mesh stands in the scene that is shown: all are read"
+            return bearing
+        if len(shown) < len(bearing):
+            count = len(bearing) - len(shown)
+            self._elsewhere = f"{count} meshes outside of the scene that is shown are left out"
+        return shown
 
     def _skin(self, number: int) -> Skin:
         given = table(self._document.entries("skins")[number], f"skins[{number}]")
@@ -126,6 +141,9 @@ class Meshes:
         triangles = self._triangles(part, name, count, mode)
         self._total += max(count, len(triangles))
         check_count("vertices and triangles", self._total, MAX_VERTICES)
+        tangents = None
+        if "TANGENT" in given:
+            tangents = self._same(given["TANGENT"], f"'{name}'.TANGENT", "VEC4", count)
         material = self._materials.material(part, name)
         coordinates = self._materials.coordinates(given, name, count)
         tints = self._materials.vertex_colors(given, name, count)
@@ -140,6 +158,7 @@ class Meshes:
             coordinates=coordinates,
             vertex_colors=tints,
             flat=normals is None,
+            tangents=tangents,
         )
         if skin is None:
             return made

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.gltf.container import Document, floats, integer, listed, table
@@ -64,6 +65,24 @@ def read_nodes(document: Document) -> Nodes:
     names = tuple(str(one.get("name", ""))[:200] for one in given)
     parts, rest = _rest(given)
     return Nodes(NodeTree(names, parents, rest), number, given, parts)
+
+
+def nodes_of_scene(document: Document, nodes: Nodes) -> NDArray[np.bool_]:
+    """Which nodes (N,), in the new order, stand in the scene that is shown; all without any scene.
+
+    Raises:
+        FormatError: a scene that is not there, or that names other nodes than there are.
+    """
+    if not document.entries("scenes"):
+        return np.ones(len(nodes.number), dtype=bool)
+    scene = document.entry("scenes", document.root.get("scene", 0), "scene")
+    shown = np.zeros(len(nodes.number), dtype=bool)
+    for given in listed(scene.get("nodes", []), "scene.nodes"):
+        node = integer(given, "scene.nodes", 0, len(shown) - 1)
+        shown[nodes.number[node]] = True
+    for node, parent in enumerate(nodes.tree.parents.tolist()):
+        shown[node] |= parent >= 0 and shown[parent]
+    return shown
 
 
 def _parents_first(parent: list[int], children: list[list[int]]) -> list[int]:

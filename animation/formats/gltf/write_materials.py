@@ -67,6 +67,10 @@ class LookWriter:
                 one["attributes"][key] = self._buffer.add(uv[rows], target=VERTICES)
             if look.colors is not None:
                 one["attributes"]["COLOR_0"] = self._buffer.add(look.colors[rows], target=VERTICES)
+            if look.tangents is not None and look.tangents[rows, :3].any(axis=1).all():
+                one["attributes"]["TANGENT"] = self._buffer.add(
+                    look.tangents[rows], target=VERTICES
+                )
             one["material"] = self._material(part.material)
             primitives.append(one)
         if self._extensions:

@@ -49,12 +49,14 @@ class Joints:
 def joints_of(rig: Rig) -> Joints:
     """The joints that the file names, or else the nodes of its trees that carry surfaces.
 
-    A surface outside of them, such as the ground or another prop, makes its own node a joint.
+    A surface without a skin makes its own node a joint where nothing above it is one, as of the
+    ground or another prop, or where clips move it against the joint above it.
     """
     tree = rig.tree
     held = set(rig.joints) or set(_moving_trees(rig))
+    moving = {int(node) for clip in rig.clips for node in clip.nodes}
     loose = {surface.node for surface in rig.surfaces if surface.skin is None}
-    chosen = sorted(held | {node for node in loose if not _is_below(tree, node, held)})
+    chosen = sorted(held | {node for node in loose if not _follows(tree, node, held, moving)})
     number = {node: joint for joint, node in enumerate(chosen)}
     above = tree.parents.tolist()
     parents, chains = [], []
@@ -81,11 +83,11 @@ def nearest_joints(tree: NodeTree, joints: Joints) -> IntArray:
     return nearest
 
 
-def _is_below(tree: NodeTree, node: int, held: set[int]) -> bool:
-    """Whether a node or one above it is among those held."""
-    while node >= 0 and node not in held:
+def _follows(tree: NodeTree, node: int, held: set[int], moving: set[int]) -> bool:
+    """Whether a node is held, or hangs below one that is on nodes that do not move."""
+    while node >= 0 and node not in held and node not in moving:
         node = int(tree.parents[node])
-    return node >= 0
+    return node in held
 
 
 def _moving_trees(rig: Rig) -> list[int]:

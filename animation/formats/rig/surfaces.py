@@ -117,6 +117,7 @@ class BoundMesh:
     appearance: Appearance | None = None
     morphs: tuple[MorphTarget, ...] = ()
     morph_nodes: tuple[tuple[int, int], ...] = ()
+    tangents: FloatArray | None = None
     """For each target its node, and its number among the targets of that."""
 
 
@@ -153,7 +154,7 @@ def bound_mesh(
         np.concatenate([part.joints for part in parts]),
         np.concatenate([part.weights for part in parts]),
         tuple(notices),
-        _appearance(surfaces),
+        _appearance(surfaces, parts),
         *_morphs(surfaces, parts),
     )
 
@@ -182,7 +183,7 @@ def _morphs(
     return made, tuple(pieces)
 
 
-def _appearance(surfaces: tuple[RigSurface, ...]) -> Appearance | None:
+def _appearance(surfaces: tuple[RigSurface, ...], placed: list[BoundMesh]) -> Appearance | None:
     """The materials of surfaces, one after another; None where they have none."""
     if any(surface.material is None for surface in surfaces):
         return None
@@ -191,14 +192,18 @@ def _appearance(surfaces: tuple[RigSurface, ...]) -> Appearance | None:
     coordinates = np.zeros((sets, count, 2), np.float32)
     tinted = any(surface.vertex_colors is not None for surface in surfaces)
     colors = np.ones((count, 4), np.float32) if tinted else None
+    turned = any(one.tangents is not None for one in placed)
+    tangents = np.zeros((count, 4), np.float32) if turned else None
     parts: list[MaterialPart] = []
     vertex, triangle = 0, 0
-    for surface in surfaces:
+    for surface, bound in zip(surfaces, placed, strict=True):
         where = slice(vertex, vertex + len(surface.vertices))
         for number, given in enumerate(surface.coordinates):
             coordinates[number, where] = given
         if colors is not None and surface.vertex_colors is not None:
             colors[where] = surface.vertex_colors
+        if tangents is not None and bound.tangents is not None:
+            tangents[where] = bound.tangents
         end = triangle + len(surface.triangles)
         last = parts[-1] if parts else None
         assert surface.material is not None  # looked at above
@@ -209,7 +214,7 @@ def _appearance(surfaces: tuple[RigSurface, ...]) -> Appearance | None:
         else:
             parts.append(MaterialPart(surface.material, triangle, end, surface.flat))
         vertex, triangle = where.stop, end
-    return Appearance(tuple(parts), coordinates, colors)
+    return Appearance(tuple(parts), coordinates, colors, tangents)
 
 
 def _hanging(surface: RigSurface, joint: int, matrix: FloatArray) -> BoundMesh:
@@ -266,8 +271,27 @@ def _placed(
             notices += (f"'{surface.name}': {mended} normals of length zero made anew",)
     morphs = tuple(_morph(one, blocks, mirrored, len(vertices)) for one in surface.morphs)
     return BoundMesh(
-        vertices, normals, triangles, surface.colors, numbers, weights, notices, morphs=morphs
+        vertices,
+        normals,
+        triangles,
+        surface.colors,
+        numbers,
+        weights,
+        notices,
+        morphs=morphs,
+        tangents=_tangents(surface.tangents, blocks, mirrored),
     )
+
+
+def _tangents(
+    given: FloatArray | None, blocks: FloatArray, mirrored: NDArray[np.bool_]
+) -> FloatArray | None:
+    """Tangents turned with their surface: unit, or zero where the file's are."""
+    if given is None:
+        return None
+    made = np.einsum("vij,vj->vi", np.broadcast_to(blocks, (len(given), 3, 3)), given[:, :3])
+    sides = np.where(given[:, 3] < 0.0, -1.0, 1.0) * np.where(mirrored, -1.0, 1.0)
+    return np.column_stack([unit(made, np.zeros(3)), sides])
 
 
 def _morph(

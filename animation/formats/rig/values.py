@@ -126,6 +126,8 @@ class RigSurface:
         vertex_colors: (V, 4) linear, which multiply the material's base colour; None for white.
         flat: whether each triangle is shaded by its own plane.
         morphs: what the weights of its node add to vertices and normals, in the mesh's own frame.
+        tangents: (V, 4) where texture coordinates grow, and 1 or −1 for the side of the other
+            axis; None where the file does not say.
 
     >>> import numpy as np
     >>> from motorcade.animation.formats.rig import RigSurface
@@ -149,6 +151,7 @@ class RigSurface:
     vertex_colors: FloatArray | None = None
     flat: bool = False
     morphs: tuple[RigMorph, ...] = ()
+    tangents: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)

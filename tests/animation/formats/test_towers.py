@@ -196,6 +196,7 @@ def test_two_skins_make_one_mesh(write: Write) -> None:
     second["attributes"]["POSITION"] = made.add(apart)
     document["meshes"].append({"primitives": [second]})
     document["nodes"].append({"name": "other", "mesh": 1, "skin": 1})
+    document["scenes"][0]["nodes"].append(4)
     character = read_character(write("two.glb", made.glb()))
     assert len(character.triangles) == 40
     np.testing.assert_allclose(character.vertices[12:], character.vertices[:12], atol=1e-6)

@@ -89,6 +89,9 @@ def test_what_is_not_drawn_is_named_once(write: Write) -> None:
     made = dressed({"extensions": {"KHR_materials_sheen": {}, "KHR_materials_clearcoat": {}}})
     notices = read_character(write("plain.glb", made.glb())).notices
     assert "materials are drawn without KHR_materials_clearcoat, KHR_materials_sheen" in notices
+    made.document["extensionsUsed"] = ["KHR_materials_sheen", "EXT_mesh_gpu_instancing"]
+    notices = read_character(write("plain.glb", made.glb())).notices
+    assert "extensions that are not read: EXT_mesh_gpu_instancing" in notices
     lost = dressed({"emissiveTexture": {"index": 0, "texCoord": 2}})
     found = read_character(write("lost.glb", lost.glb()))
     assert "meshes without coordinates for their emission_map are drawn without" in found.notices

@@ -315,6 +315,7 @@ def test_a_mesh_outside_of_the_skeleton_is_a_joint_of_its_own(write: Write) -> N
         ground["attributes"].pop(name)
     made.document["meshes"].append({"primitives": [ground]})
     made.document["nodes"].append({"name": "ground", "mesh": 1})
+    made.document["scenes"][0]["nodes"].append(4)
     found = read_character(write("ground.glb", made.glb()))
     assert len(found.vertices) == 24
     assert found.skeleton.names[-1] == "ground"
