@@ -17,6 +17,7 @@ from motorcade.animation.formats.rig import Rig, SkeletalMotion, assemble_charac
 READERS: dict[str, Callable[[Path], Rig]] = {
     ".glb": read_gltf,
     ".gltf": read_gltf,
+    ".vrm": read_gltf,
     ".dae": read_collada,
     ".md5mesh": read_md5_mesh,
     ".md5anim": read_md5_motion,
@@ -34,8 +35,8 @@ def read_character(path: Path | str, *, unit_m: float | None = None) -> Characte
     says what was left out or assumed.
 
     Args:
-        path: `.glb`, `.gltf`, `.dae`, `.md5mesh` (with the `.md5anim` of the same name beside
-            it) or `.fbx`.
+        path: `.glb`, `.gltf`, `.vrm`, `.dae`, `.md5mesh` (with the `.md5anim` of the same name
+            beside it) or `.fbx`.
         unit_m: length of the file's unit, where the caller knows better than the file.
 
     Raises:

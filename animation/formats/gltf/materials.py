@@ -28,6 +28,7 @@ from motorcade.animation.formats.gltf.container import (
     table,
     text,
 )
+from motorcade.animation.formats.gltf.vrm import CARTOON, NEW, OLD, SPRINGS, has_cartoon_looks
 from motorcade.animation.formats.images import Texture, Textures
 from motorcade.animation.srgb import to_linear, to_srgb
 from motorcade.ga.arrays import FloatArray
@@ -63,7 +64,7 @@ class GltfMaterials:
         self._accessors = accessors
         self._textures = Textures()
         self._made: dict[int, Material] = {}
-        self._plainer: set[str] = set()
+        self._plainer = {CARTOON} if has_cartoon_looks(document) else set()
 
     @property
     def notices(self) -> list[str]:
@@ -73,7 +74,7 @@ class GltfMaterials:
             lost = shown(", ".join(sorted(self._plainer)), 400)
             notices.append(f"materials are drawn without {lost}")
         used = {str(one)[:60] for one in self._document.entries("extensionsUsed")}
-        unread = sorted(used - UNDERSTOOD - DRAWN - self._plainer)
+        unread = sorted(used - UNDERSTOOD - DRAWN - self._plainer - {OLD, NEW, SPRINGS})
         if unread:
             notices.append(f"extensions that are not read: {shown(', '.join(unread), 400)}")
         return notices

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,8 +34,8 @@ class Nodes:
     parts: tuple[FloatArray, FloatArray, FloatArray]
 
 
-def read_nodes(document: Document) -> Nodes:
-    """All nodes of a document.
+def read_nodes(document: Document, names: Mapping[int, str]) -> Nodes:
+    """All nodes of a document, by other names where they are given for the file's numbers.
 
     Raises:
         FormatError: a node that is its own ancestor, or has two parents; matrices or parts that
@@ -62,9 +63,9 @@ def read_nodes(document: Document) -> Nodes:
     number[found] = np.arange(len(found))
     parents = np.array([-1 if parent[node] < 0 else number[parent[node]] for node in found])
     given = [entries[node] for node in found]
-    names = tuple(str(one.get("name", ""))[:200] for one in given)
+    called = tuple(names.get(node, str(entries[node].get("name", ""))[:200]) for node in found)
     parts, rest = _rest(given)
-    return Nodes(NodeTree(names, parents, rest), number, given, parts)
+    return Nodes(NodeTree(called, parents, rest), number, given, parts)
 
 
 def nodes_of_scene(document: Document, nodes: Nodes) -> NDArray[np.bool_]:

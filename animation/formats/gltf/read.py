@@ -1,4 +1,4 @@
-"""A glTF file as a rig: metres, y up, facing +z, as the format says."""
+"""A glTF file as a rig: metres, y up, facing +z, as the format says; VRM 0 faces −z."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from motorcade.animation.formats.gltf.animations import read_animations
 from motorcade.animation.formats.gltf.container import open_gltf
 from motorcade.animation.formats.gltf.meshes import Meshes
 from motorcade.animation.formats.gltf.nodes import read_nodes
+from motorcade.animation.formats.gltf.vrm import read_humanoid
 from motorcade.animation.formats.rig.values import Rig
 
 KEEPS_UNITS = "Open Asset Import Library"
@@ -18,14 +19,16 @@ KEEPS_UNITS = "Open Asset Import Library"
 
 
 def read_gltf(path: Path) -> Rig:
-    """Read a `.glb` or `.gltf`.
+    """Read a `.glb`, `.gltf` or `.vrm`.
 
     Raises:
-        FormatError: see `open_gltf`, `read_nodes`, `Meshes.surfaces`, `read_animations`.
+        FormatError: see `open_gltf`, `read_humanoid`, `read_nodes`, `Meshes.surfaces`,
+            `read_animations`.
     """
     document = open_gltf(path)
     accessors = Accessors(document)
-    nodes = read_nodes(document)
+    humanoid = read_humanoid(document)
+    nodes = read_nodes(document, {} if humanoid is None else humanoid.bones)
     meshes = Meshes(document, accessors, nodes)
     surfaces, joints = meshes.surfaces()
     own = np.argsort(nodes.number)
@@ -40,8 +43,12 @@ def read_gltf(path: Path) -> Rig:
         surfaces,
         clips,
         up=(0.0, 1.0, 0.0),
-        forward=(0.0, 0.0, 1.0),
+        forward=(0.0, 0.0, 1.0) if humanoid is None else humanoid.forward,
         unit_m=1.0,
         unit_checked=isinstance(generator, str) and KEEPS_UNITS in generator,
-        notices=(*meshes.notices, *notices_of_clips),
+        notices=(
+            *meshes.notices,
+            *notices_of_clips,
+            *(() if humanoid is None else humanoid.notices),
+        ),
     )
