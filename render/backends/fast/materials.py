@@ -26,10 +26,7 @@ ENCODED = ("base_map", "emission_map")
 FIRST_UNIT = 1
 """Texture unit of the first map; the shadow map has the one before."""
 TABLE_UNIT = FIRST_UNIT + len(MAPS)
-SHARPER = -0.5
-"""Levels of mipmaps by which linear textures are read sharper than OpenGL would: between two levels
-it reads as if a texel had the size of the coarser, half a level too soft in the mean."""
-TEXTURE_2D, WRAP_S, WRAP_T, MIRRORED_REPEAT, LOD_BIAS = 0x0DE1, 0x2802, 0x2803, 0x8370, 0x8501
+TEXTURE_2D, WRAP_S, WRAP_T, MIRRORED_REPEAT = 0x0DE1, 0x2802, 0x2803, 0x8370
 
 
 class Pictures:
@@ -95,8 +92,6 @@ class Pictures:
         }
         if given.mipmaps is not None:
             made.build_mipmaps()
-            if not encoded:
-                self._set_parameter(TEXTURE_2D, LOD_BIAS, SHARPER)
         magnify = moderngl.NEAREST if given.magnify == "nearest" else moderngl.LINEAR
         made.filter = filters[given.minify, given.mipmaps], magnify
         return made
@@ -136,26 +131,36 @@ class DrawnPart:
             "COLORED": colored,
             "FLAT": part.flat,
             "TWO_SIDED": material.double_sided,
-            "MASKED": material.alpha_mode == "mask",
-            "BLENDED": material.alpha_mode == "blend",
             "FIRST_SET": len(self.sets) > 0,
             "SECOND_SET": len(self.sets) > 1,
+            "SHARP": "normal_map" in self.maps,
         }
         heads = {name: "" for name, wanted in defined.items() if wanted}
         heads |= {
             MAPS[name]: ("first_set", "second_set")[self.sets.index(one.coordinate_set)]
             for name, one in self.maps.items()
         }
-        self.program = programs.material({**heads, "LAMPS": str(lamps)})
+        heads["LAMPS"] = str(lamps)
+        self.program = programs.blended(heads) if self.blended else programs.shaded(heads)
+        covering = {"COLORED": "", "MASKED": ""} if colored else {"MASKED": ""}
+        if "base_map" in self.maps:
+            covering["BASE_MAP"] = ""
+        self.covering = programs.covered(covering if self.masked else {})
         self._textures = {
             name: pictures.texture(one, encoded=name in ENCODED) for name, one in self.maps.items()
         }
         self.array: Any = None
+        self.first_number = 0
 
     @property
     def blended(self) -> bool:
         """Whether what lies behind shines through."""
         return self.material.alpha_mode == "blend"
+
+    @property
+    def masked(self) -> bool:
+        """Whether it is drawn where its alpha reaches a cutoff."""
+        return self.material.alpha_mode == "mask"
 
     def use(self) -> None:
         """Tell the program of this material."""
@@ -163,14 +168,27 @@ class DrawnPart:
         tell(program, "base_color", material.base_color)
         tell(program, "emission", material.emission)
         tell(program, "mirrored_table", TABLE_UNIT)
-        for name in ("metallic", "roughness", "normal_scale", "occlusion_strength", "alpha_cutoff"):
+        for name in ("metallic", "roughness", "normal_scale", "occlusion_strength"):
             tell(program, name, getattr(material, name))
-        for unit, (name, one) in enumerate(self.maps.items(), start=FIRST_UNIT):
-            texture = self._textures[name]
-            texture.use(unit)
-            tell(program, name, unit)
-            place = np.array(one.transform, np.float32).T
-            tell(program, f"{name}_place", tuple(place.reshape(-1).tolist()))
+        for unit, name in enumerate(self.maps, start=FIRST_UNIT):
+            self._use_map(program, name, unit)
+        if not self.blended:
+            tell(program, "first_corner", 3 * self.part.first)
+
+    def use_covering(self) -> None:
+        """Tell the program that draws which triangles are seen."""
+        self.covering["first"] = self.first_number
+        if self.masked:
+            tell(self.covering, "base_alpha", self.material.base_color[3])
+            tell(self.covering, "alpha_cutoff", self.material.alpha_cutoff)
+            if "base_map" in self.maps:
+                self._use_map(self.covering, "base_map", FIRST_UNIT)
+
+    def _use_map(self, program: Any, name: str, unit: int) -> None:
+        self._textures[name].use(unit)
+        tell(program, name, unit)
+        place = np.array(self.maps[name].transform, np.float32).T
+        tell(program, f"{name}_place", tuple(place.reshape(-1).tolist()))
 
 
 def appearance_of(surface: Surface) -> Appearance:
@@ -196,5 +214,9 @@ def appearance_of(surface: Surface) -> Appearance:
 def tell(program: Any, name: str, value: object) -> None:
     """Set a uniform, where the program has it: compilers drop those that change nothing."""
     member = program.get(name, None)
-    if member is not None:
+    if member is None:
+        return
+    if isinstance(value, bytes):
+        member.write(value)
+    else:
         member.value = value

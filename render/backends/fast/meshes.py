@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,8 @@ from motorcade.animation.skin.skinning import SKIN_KERNELS, SkinMethod, checked_
 from motorcade.animation.srgb import to_linear
 from motorcade.animation.vectors import box_corners
 from motorcade.ga import Motor, Similarity
-from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.render.backends.fast.materials import DrawnPart, Pictures, appearance_of
+from motorcade.ga.arrays import FloatArray
+from motorcade.render.backends.fast.parts import MeshParts
 from motorcade.render.backends.fast.programs import Programs
 from motorcade.render.backends.renderer import check_vertices
 from motorcade.render.scene import Surface
@@ -33,7 +34,8 @@ class RenderMesh:
         surface: what is drawn.
         lit: whether light falls on it.
         lamps: how many lamps there are.
-        pictures: of the same context, where the scene's surfaces have materials of their own.
+        parts: makes its parts of the buffer of its vertices, where the scene's surfaces have
+            materials of their own.
     """
 
     def __init__(
@@ -44,7 +46,7 @@ class RenderMesh:
         *,
         lit: bool,
         lamps: int,
-        pictures: Pictures | None = None,
+        parts: Callable[[Surface, Any], MeshParts] | None = None,
     ) -> None:
         self._gl = gl
         self._held: list[Any] = []
@@ -54,22 +56,28 @@ class RenderMesh:
         self.corners_m: FloatArray | None = _corners(surface.vertices)
         self.reach_m = _reach(self.corners_m)
         self.vertices = self._buffer(_interleaved(surface.vertices, surface.normals), dynamic=True)
-        self.parts: list[DrawnPart] = []
-        self._seen_through: list[IntArray] = []
-        if pictures is None:
+        self.parts: MeshParts | None = None
+        casting = surface.triangles
+        if parts is None:
             self.program = self._plain(programs, surface, lit=lit, lamps=lamps)
-            self.programs = [self.program]
-            casting = surface.triangles
         else:
-            casting = self._materials(programs, pictures, surface, lit=lit, lamps=lamps)
-            self.programs = [part.program for part in self.parts]
-        self.both_sides = any(part.material.double_sided for part in self.parts)
-        self.middles_m = self._middles(surface.vertices)
+            self.parts = parts(surface, self.vertices)
+            casting = self.parts.casting
         self.in_shadow_map: Any = None
         if lit and len(casting):
             position = [(self.vertices, "3f4 12x", "in_position")]
             corners = self._buffer(casting.astype(np.uint32))
             self.in_shadow_map = self._array(programs.shadow(), position, corners)
+
+    @property
+    def programs(self) -> set[Any]:
+        """Those that draw light."""
+        return {self.program} if self.parts is None else self.parts.programs
+
+    @property
+    def both_sides(self) -> bool:
+        """Whether backs are drawn too."""
+        return self.parts is not None and self.parts.both_sides
 
     def _plain(self, programs: Programs, surface: Surface, *, lit: bool, lamps: int) -> Any:
         """Colours and one texture; gives the program that draws them."""
@@ -93,47 +101,13 @@ class RenderMesh:
         self.in_picture = self._array(program, content, corners)
         return program
 
-    def _materials(
-        self, programs: Programs, pictures: Pictures, surface: Surface, *, lit: bool, lamps: int
-    ) -> IntArray:
-        """One vertex array a material; gives the triangles that throw shadows."""
-        look = appearance_of(surface)
-        shared: list[tuple[Any, ...]] = [(self.vertices, "3f4 3f4", "in_position", "in_normal")]
-        if look.colors is not None:
-            shared.append((self._buffer(look.colors.astype(np.float32)), "4f4", "in_color"))
-        sets = [self._buffer(one.astype(np.float32)) for one in look.coordinates]
-        casting = [surface.triangles[:0]]
-        for given in look.parts:
-            if given.stop == given.first:
-                continue
-            part = DrawnPart(
-                programs, pictures, given, lit=lit, colored=look.colors is not None, lamps=lamps
-            )
-            triangles = surface.triangles[given.first : given.stop]
-            content = list(shared)
-            for number, name in zip(part.sets, ("in_first", "in_second"), strict=False):
-                content.append((sets[number], "2f4", name))
-            corners = self._buffer(triangles.astype(np.uint32))
-            # What a program does not look at is left out.
-            part.array = self._gl.vertex_array(part.program, content, corners, skip_errors=True)
-            self._held.append(part.array)
-            self.parts.append(part)
-            if part.blended:
-                self._seen_through.append(np.unique(triangles))
-            else:
-                casting.append(triangles)
-        return np.concatenate(casting)
-
-    def _middles(self, vertices: FloatArray) -> list[FloatArray]:
-        """Middles (3,) of the parts through which one sees."""
-        return [vertices[rows].mean(axis=0) for rows in self._seen_through]
-
     def move(self, vertices: FloatArray, normals: FloatArray) -> None:
         """Write new vertices and normals."""
         check_vertices(self.shape, vertices, normals)
         self.corners_m = _corners(vertices)
         self.reach_m = _reach(self.corners_m)
-        self.middles_m = self._middles(vertices)
+        if self.parts is not None:
+            self.parts.move(vertices)
         self.vertices.write(_interleaved(vertices, normals))
 
     def read(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -143,6 +117,8 @@ class RenderMesh:
 
     def release(self) -> None:
         """Free everything."""
+        if self.parts is not None:
+            self.parts.release()
         for part in reversed(self._held):
             part.release()
         self._held = []

@@ -8,9 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from motorcade.animation.srgb import to_linear, to_srgb
 from motorcade.ga import kernels
 from motorcade.render.backends.platform import RenderUnavailable
 from motorcade.render.scene import DepthArray, Layer
@@ -42,14 +40,25 @@ class Programs:
             fragment_shader=head + _text("surface.frag"),
         )
 
-    def material(self, defined: dict[str, str]) -> Any:
-        """Draws parts of meshes with one kind of material."""
-        head = _head(defined)
-        return self._program(
-            ("material", *sorted(defined.items())),
-            vertex_shader=head + _text("material.vert"),
-            fragment_shader=head + _text("material.frag"),
-        )
+    def blended(self, defined: dict[str, str]) -> Any:
+        """Draws parts of meshes with one kind of material through which one sees."""
+        return self._of_material("blended", defined, _text("reflect.glsl"))
+
+    def covered(self, defined: dict[str, str]) -> Any:
+        """Draws which triangle each sample shows."""
+        return self._of_material("covered", defined, "")
+
+    def shaded(self, defined: dict[str, str]) -> Any:
+        """Draws the light of one kind of material where samples show it."""
+        return self._whole("shaded", defined, _text("reflect.glsl"))
+
+    def marked(self) -> Any:
+        """Draws where a part of a mesh is seen."""
+        return self._whole("marked", {}, "")
+
+    def resolved(self, *, blended: bool) -> Any:
+        """Draws the picture as it is read."""
+        return self._whole("resolved", {"BLENDED": ""} if blended else {}, "")
 
     def shadow(self) -> Any:
         """Draws surfaces into the shadow map."""
@@ -66,6 +75,21 @@ class Programs:
             ("carry", function),
             vertex_shader=_head(defined) + _generated() + _text("carry.vert"),
             varyings=("position", "normal"),
+        )
+
+    def _of_material(self, name: str, defined: dict[str, str], above: str) -> Any:
+        head = _head(defined)
+        return self._program(
+            (name, *sorted(defined.items())),
+            vertex_shader=head + _text(f"{name}.vert"),
+            fragment_shader=head + above + _text(f"{name}.frag"),
+        )
+
+    def _whole(self, name: str, defined: dict[str, str], above: str) -> Any:
+        return self._program(
+            (name, *sorted(defined.items())),
+            vertex_shader=_VERSION + _text("whole.vert"),
+            fragment_shader=_head(defined) + above + _text(f"{name}.frag"),
         )
 
     def release(self) -> None:
@@ -117,7 +141,7 @@ class Framebuffer:
     def __init__(self, gl: Any, size: tuple[int, int], finish: Callable[[], None]) -> None:
         self._gl, self._size, self._finish = gl, size, finish
         self._box: Box = (0, 0, *size)
-        self._depths, self._encode = (1.0, 2.0), False
+        self._depths = (1.0, 2.0)
         self._parts: list[Any] = []
         import moderngl
 
@@ -130,17 +154,9 @@ class Framebuffer:
                 f"no memory for pictures of {size[0]} x {size[1]} with {SAMPLES} samples: {refused}"
             ) from refused
 
-    def begin(self, box: Box | None, depths: tuple[float, float], *, encode: bool) -> None:
-        """Draw depths from near to far from now on, after clearing; nothing lies outside a box.
-
-        With `encode` colours are drawn in linear light, blended and averaged in it, and encoded as
-        sRGB where they are stored; else they are stored as they come.
-        """
-        self._depths, self._encode = depths, encode
-        if encode:
-            self._gl.enable_direct(FRAMEBUFFER_SRGB)
-        else:
-            self._gl.disable_direct(FRAMEBUFFER_SRGB)
+    def begin(self, box: Box | None, depths: tuple[float, float]) -> None:
+        """Draw depths from near to far from now on, after clearing; nothing lies outside a box."""
+        self._depths = depths
         self._box = (0, 0, *self._size) if box is None else box
         self._resolved.scissor = self._box
         self.drawn.scissor = self._box
@@ -157,8 +173,6 @@ class Framebuffer:
         rgba, depth = np.empty((high, wide, 4), np.uint8), np.empty((high, wide), np.float32)
         self._resolved.read_into(rgba, viewport=self._box, components=4)
         self._resolved.read_into(depth, self._box, 1, attachment=-1, dtype="f4")
-        if self._encode:
-            _premultiply_encoded(rgba)
         layer = Layer(np.zeros((height, width, 4), np.uint8), np.zeros((height, width), np.float32))
         # OpenGL's rows begin at the bottom.
         held = slice(height - bottom - high, height - bottom), slice(left, left + wide)
@@ -172,8 +186,7 @@ class Framebuffer:
         self._parts = []
 
     def _framebuffer(self, samples: int) -> Any:
-        kind = {"internal_format": SRGB8_ALPHA8}
-        color = self._gl.texture(self._size, 4, samples=samples, **kind)
+        color = self._gl.texture(self._size, 4, samples=samples)
         self._parts.append(color)
         depth = self._gl.depth_renderbuffer(self._size, samples=samples)
         self._parts.append(depth)
@@ -205,15 +218,6 @@ class ShadowMap:
         """Free it."""
         self.drawn.release()
         self._texture.release()
-
-
-def _premultiply_encoded(rgba: NDArray[np.uint8]) -> None:
-    """Encoded light times alpha, in place, from encoded products of light and alpha."""
-    partly = (rgba[..., 3] > 0) & (rgba[..., 3] < 255)
-    given = rgba[partly] / np.float64(255.0)
-    alpha = given[:, 3:]
-    own = to_srgb(to_linear(given[:, :3]) / alpha)
-    rgba[partly, :3] = np.rint(255.0 * own * alpha)
 
 
 def _metres(stored: DepthArray, near: float, far: float) -> DepthArray:

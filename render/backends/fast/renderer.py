@@ -2,12 +2,12 @@
 
 It draws what the pyrender renderer draws, in the same light and from the same cameras (see there
 for the axes), several times as fast. Meshes may be moved by the caller, or carried by their joints
-in a shader that calls the generated kernels (`bind`, `pose`).
+in a shader that calls the generated kernels (`bind`, `pose`). Surfaces with materials are drawn as
+numbers of triangles first, then lit where they are seen (see `passes`).
 """
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Sequence
 from typing import Any
 
@@ -17,8 +17,12 @@ from numpy.typing import NDArray
 from motorcade.animation import Character, Placement
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.backends.fast.materials import DrawnPart, Pictures, tell
+from motorcade.render.backends.fast.bare import BareFunctions
+from motorcade.render.backends.fast.canvas import Canvas
+from motorcade.render.backends.fast.materials import Pictures, tell
 from motorcade.render.backends.fast.meshes import RenderMesh, SkinnedMesh, column_major
+from motorcade.render.backends.fast.parts import MeshParts
+from motorcade.render.backends.fast.passes import draw_materials
 from motorcade.render.backends.fast.programs import Box, Framebuffer, Programs, ShadowMap
 from motorcade.render.backends.platform import Context, RenderUnavailable
 from motorcade.render.backends.renderer import (
@@ -38,7 +42,6 @@ _SHADOW_UNIT, _TEXTURE_UNIT = 0, 1
 _SHADOW_SIZE, _LARGE_SHADOW_SIZE = 1024, 2048
 # Keeps triangles that the sun grazes from shading themselves.
 _SLOPE, _UNITS = 2.0, 1.0
-_ALPHA_TO_COVERAGE, _ALPHA_TO_ONE = 0x809E, 0x809F
 
 
 class FastRenderer(Renderer):
@@ -55,11 +58,11 @@ class FastRenderer(Renderer):
         self._shadow_map: ShadowMap | None = None
         self._gl = _moderngl_context(self._context)
         check_size(*self._size, self._gl.info["GL_MAX_RENDERBUFFER_SIZE"])
-        finish = ctypes.CFUNCTYPE(None)(self._context.address("glFinish"))
-        kind = ctypes.CFUNCTYPE(None, ctypes.c_uint, ctypes.c_uint, ctypes.c_float)
-        self._pictures = Pictures(self._gl, kind(self._context.address("glTexParameterf")))
-        self._framebuffer = Framebuffer(self._gl, self._size, finish)
+        self._bare = BareFunctions(self._context.address)
+        self._pictures = Pictures(self._gl, self._bare.texture_parameter)
+        self._framebuffer = Framebuffer(self._gl, self._size, self._bare.finish)
         self._programs = Programs(self._gl)
+        self._canvas = Canvas(self._gl, self._bare, self._programs, self._size)
         self._gl.enable_only(self._gl.CULL_FACE | self._gl.DEPTH_TEST)
 
     @property
@@ -71,14 +74,27 @@ class FastRenderer(Renderer):
         self._clear()
         lamps = 0 if lighting is None else len(lighting.lamps)
         self._by_material = any(surface.appearance is not None for surface in surfaces)
-        pictures = self._pictures if self._by_material else None
-        for surface in surfaces:
-            lit = lighting is not None
-            self._meshes.append(
-                RenderMesh(
-                    self._gl, self._programs, surface, lit=lit, lamps=lamps, pictures=pictures
-                )
+        lit, first = lighting is not None, 1
+
+        def parts(surface: Surface, vertices: Any) -> MeshParts:
+            return MeshParts(
+                self._gl,
+                self._bare,
+                self._programs,
+                self._pictures,
+                surface,
+                vertices,
+                lit=lit,
+                lamps=lamps,
+                first_number=first,
             )
+
+        for surface in surfaces:
+            way = parts if self._by_material else None
+            self._meshes.append(
+                RenderMesh(self._gl, self._programs, surface, lit=lit, lamps=lamps, parts=way)
+            )
+            first += len(surface.triangles)
         if lighting is not None:
             self._light(lighting)
 
@@ -138,8 +154,7 @@ class FastRenderer(Renderer):
     def _render(self, camera: Camera, world_T_camera: Motor) -> Layer:
         if self._lighting is not None:
             self._draw_shadow_map()
-        self._draw(camera, world_T_camera)
-        layer = self._framebuffer.read()
+        layer = self._draw(camera, world_T_camera)
         failed = self._gl.error
         if failed != "GL_NO_ERROR":
             raise RuntimeError(f"render: OpenGL failed: {failed}")
@@ -148,6 +163,7 @@ class FastRenderer(Renderer):
     def _free(self) -> None:
         self._clear()
         self._framebuffer.release()
+        self._canvas.release()
         self._programs.release()
         if self._shadow_map is not None:
             self._shadow_map.release()
@@ -172,7 +188,7 @@ class FastRenderer(Renderer):
         shadow = self._programs.shadow()
         shadow["light_from_world"].write(seen)
         travels = np.array(lighting.sun.direction)
-        for program in {program for mesh in self._meshes for program in mesh.programs}:
+        for program in set[Any]().union(*(mesh.programs for mesh in self._meshes)):
             if "light_from_world" in program:
                 program["light_from_world"].write(seen)
             tell(program, "shadow_map", _SHADOW_UNIT)
@@ -188,6 +204,7 @@ class FastRenderer(Renderer):
     def _draw_shadow_map(self) -> None:
         assert self._shadow_map is not None  # made when the light was shown
         self._shadow_map.drawn.use()
+        self._gl.enable_only(self._gl.CULL_FACE | self._gl.DEPTH_TEST)
         self._shadow_map.drawn.clear(depth=1.0)
         self._gl.polygon_offset = _SLOPE, _UNITS
         for mesh in self._meshes:
@@ -197,15 +214,27 @@ class FastRenderer(Renderer):
         self._gl.polygon_offset = 0.0, 0.0
         self._shadow_map.use(_SHADOW_UNIT)
 
-    def _draw(self, camera: Camera, world_T_camera: Motor) -> None:
+    def _draw(self, camera: Camera, world_T_camera: Motor) -> Layer:
         opengl_T_world = (world_T_camera @ OPENCV_T_OPENGL).inverse()
         depths = _depths(self._meshes, world_T_camera)
         seen = column_major(projection(camera, *depths) @ opengl_T_world.as_matrix())
         box = _seen_box(self._meshes, camera, world_T_camera, depths[0])
-        self._framebuffer.begin(box, depths, encode=self._by_material)
         if self._by_material:
-            self._draw_materials(seen, world_T_camera)
-            return
+            scene = [mesh.parts for mesh in self._meshes if mesh.parts is not None]
+            draw_materials(
+                self._gl,
+                self._bare,
+                self._canvas,
+                self._pictures,
+                scene,
+                seen,
+                camera,
+                world_T_camera,
+                box,
+            )
+            return self._canvas.read(depths)
+        self._gl.enable_only(self._gl.CULL_FACE | self._gl.DEPTH_TEST)
+        self._framebuffer.begin(box, depths)
         self._cull(both_sides=False)
         for mesh in self._meshes:
             mesh.program["clip_from_world"].write(seen)
@@ -216,60 +245,7 @@ class FastRenderer(Renderer):
                 mesh.texture.use(_TEXTURE_UNIT)
                 mesh.program["surface_texture"] = _TEXTURE_UNIT
             mesh.in_picture.render()
-
-    def _draw_materials(self, seen: bytes, world_T_camera: Motor) -> None:
-        """What hides, then from the farthest on what lets shine through, then its depth too."""
-        eye = tuple(world_T_camera.translation_m)
-        self._pictures.use_table()
-        for program in {program for mesh in self._meshes for program in mesh.programs}:
-            program["clip_from_world"].write(seen)
-            tell(program, "eye", eye)
-        camera_T_world = world_T_camera.inverse()
-        waiting = []
-        for mesh in self._meshes:
-            middles = iter(mesh.middles_m)
-            for part in mesh.parts:
-                if part.blended:
-                    waiting.append((float(camera_T_world.apply(next(middles))[2]), part))
-                else:
-                    self._draw_part(part)
-        if not waiting:
-            return
-        waiting.sort(key=lambda one: -one[0])
-        drawn = self._framebuffer.drawn
-        drawn.depth_mask = False
-        drawn.use()  # masks hold from then on
-        self._gl.enable(self._gl.BLEND)
-        self._gl.blend_func = self._gl.ONE, self._gl.ONE_MINUS_SRC_ALPHA
-        for _, part in waiting:
-            self._draw_part(part)
-        self._gl.disable(self._gl.BLEND)
-        drawn.depth_mask, drawn.color_mask = True, (False,) * 4
-        drawn.use()
-        for _, part in waiting:
-            self._draw_part(part)
-        drawn.color_mask = (True,) * 4
-        drawn.use()
-
-    def _draw_part(self, part: DrawnPart) -> None:
-        part.use()
-        masked = part.material.alpha_mode == "mask"
-        if masked:
-            self._gl.enable_direct(_ALPHA_TO_COVERAGE)
-            self._gl.enable_direct(_ALPHA_TO_ONE)
-        if part.material.double_sided and part.blended:
-            # Backs first: they lie behind.
-            self._cull(both_sides=False)
-            self._gl.cull_face = "front"
-            part.array.render()
-            self._gl.cull_face = "back"
-            part.array.render()
-        else:
-            self._cull(both_sides=part.material.double_sided)
-            part.array.render()
-        if masked:
-            self._gl.disable_direct(_ALPHA_TO_COVERAGE)
-            self._gl.disable_direct(_ALPHA_TO_ONE)
+        return self._framebuffer.read()
 
     def _cull(self, *, both_sides: bool) -> None:
         """Whether the backs of triangles are drawn too."""

@@ -1,23 +1,8 @@
-// A material of glTF 2.0 under ambient light, a sun that throws shadows and LAMPS lamps that do not.
-// GGX facets hidden by Smith's term (Heitz 2014), Fresnel by Schlick; light that facets throw at
-// each other is made up for (Fdez-Aguera 2019). Colours are linear, premultiplied by alpha; the
-// framebuffer encodes them. What is defined: LIT, COLORED, FLAT, TWO_SIDED, MASKED, BLENDED, and for
-// each map its name: BASE_MAP, ROUGH_MAP, NORMAL_MAP, OCCLUSION_MAP, EMISSION_MAP, whose value is
-// first_set or second_set.
-
-out vec4 picture;
-in vec3 world_position;
-in vec3 normal;
-in vec3 place_in_light;
-#ifdef COLORED
-in vec4 color;
-#endif
-#ifdef FIRST_SET
-in vec2 first_set;
-#endif
-#ifdef SECOND_SET
-in vec2 second_set;
-#endif
+// What a material of glTF 2.0 makes of ambient light, a sun that throws shadows and LAMPS lamps that
+// do not. GGX facets hidden by Smith's term (Heitz 2014), Fresnel by Schlick; light that facets throw
+// at each other is made up for (Fdez-Aguera 2019). Colours are linear. What is defined: LIT, COLORED,
+// FLAT, TWO_SIDED, FIRST_SET, SECOND_SET, and for each map its name: BASE_MAP, ROUGH_MAP, NORMAL_MAP,
+// OCCLUSION_MAP, EMISSION_MAP, whose value is first_set or second_set.
 
 uniform vec4 base_color;
 uniform vec3 emission;
@@ -25,7 +10,6 @@ uniform float metallic;
 uniform float roughness;
 uniform float normal_scale;
 uniform float occlusion_strength;
-uniform float alpha_cutoff;
 #ifdef BASE_MAP
 uniform sampler2D base_map;
 uniform mat3x2 base_map_place;
@@ -47,11 +31,47 @@ uniform sampler2D emission_map;
 uniform mat3x2 emission_map_place;
 #endif
 
+// Texture coordinates, and how they change from pixel to pixel.
+struct Place {
+    vec2 at;
+    vec2 dx;
+    vec2 dy;
+};
+
+// A point of a surface as it is seen. Changes are from pixel to pixel; `flat_normal` and `normal`
+// look to the front.
+struct Point {
+    vec3 position;
+    vec3 dx;
+    vec3 dy;
+    vec3 flat_normal;
+    vec3 normal;
+    vec3 normal_dx;
+    vec3 normal_dy;
+    float side;
+    float reach;
+    Place first_set;
+    Place second_set;
+};
+
+Place placed(mat3x2 way, Place given)
+{
+    mat2 turn = mat2(way[0], way[1]);
+    return Place(way * vec3(given.at, 1.0), turn * given.dx, turn * given.dy);
+}
+
+// A map read over a share of a pixel.
+vec4 read(sampler2D map, Place at, float reach)
+{
+    return textureGrad(map, at.at, reach * at.dx, reach * at.dy);
+}
+
 #ifdef LIT
 uniform vec3 eye;
 uniform vec3 ambient;
 uniform vec3 to_sun;
 uniform vec3 sun;
+uniform mat4 light_from_world;
 uniform sampler2DShadow shadow_map;
 uniform sampler2D mirrored_table;
 #if LAMPS > 0
@@ -111,8 +131,9 @@ vec3 mirrored_evenly(Facets facets, float nv)
 }
 
 // Share of the sun that arrives: four bilinear comparisons, three by three texels wide.
-float sunlit(float nl)
+float sunlit(vec3 position, float nl)
 {
+    vec3 place_in_light = (light_from_world * vec4(position, 1.0)).xyz * 0.5 + 0.5;
     if (any(greaterThan(abs(place_in_light - 0.5), vec3(0.5)))) {
         return 1.0;
     }
@@ -129,115 +150,66 @@ float sunlit(float nl)
 #ifdef NORMAL_MAP
 // The map's normal in the world. Tangents come from how place and coordinates change between pixels
 // (Mikkelsen 2013, "Followup: Normal Mapping Without Precomputed Tangents").
-vec3 bent(vec3 n, vec2 place, float side)
+vec3 bent(vec3 n, Point p)
 {
-    vec3 q0 = dFdx(world_position);
-    vec3 q1 = dFdy(world_position);
-    vec2 st0 = dFdx(place);
-    vec2 st1 = dFdy(place);
-    vec3 along = cross(q1, n);
-    vec3 across = cross(n, q0);
-    vec3 t = along * st0.x + across * st1.x;
-    vec3 b = along * st0.y + across * st1.y;
+    Place at = placed(normal_map_place, p.NORMAL_MAP);
+    vec3 along = cross(p.dy, n);
+    vec3 across = cross(n, p.dx);
+    vec3 t = along * at.dx.x + across * at.dy.x;
+    vec3 b = along * at.dx.y + across * at.dy.y;
     float size = max(dot(t, t), dot(b, b));
-    float scale = size == 0.0 ? 0.0 : side * inversesqrt(size);
-    vec3 own = texture(normal_map, place).xyz * 2.0 - 1.0;
+    float scale = size == 0.0 ? 0.0 : p.side * inversesqrt(size);
+    vec3 own = read(normal_map, at, p.reach).xyz * 2.0 - 1.0;
     own.xy *= normal_scale * vec2(1.0, -1.0);
     return normalize(t * scale * own.x + b * scale * own.y + n * own.z);
 }
 #endif
 
-vec3 lit(vec3 base)
+vec3 lit(vec3 base, Point p)
 {
     float metal = metallic;
     float rough = roughness;
 #ifdef ROUGH_MAP
-    vec4 given = texture(metallic_roughness_map,
-                         metallic_roughness_map_place * vec3(ROUGH_MAP, 1.0));
+    vec4 given = read(metallic_roughness_map, placed(metallic_roughness_map_place, p.ROUGH_MAP),
+                      p.reach);
     rough *= given.g;
     metal *= given.b;
 #endif
-    float side = 1.0;
-#ifdef TWO_SIDED
-    side = gl_FrontFacing ? 1.0 : -1.0;
-#endif
 #ifdef FLAT
-    vec3 n = normalize(cross(dFdx(world_position), dFdy(world_position)));
+    vec3 n = p.side * p.flat_normal;
+    rough = max(rough, SMOOTHEST);
 #else
-    vec3 n = side * normalize(normal);
-#endif
-    vec3 change = max(abs(dFdx(n)), abs(dFdy(n)));
+    vec3 n = p.side * p.normal;
+    vec3 change = 0.5 * max(abs(p.normal_dx), abs(p.normal_dy));
     rough = min(max(rough, SMOOTHEST) + max(max(change.x, change.y), change.z), 1.0);
+#endif
 #ifdef NORMAL_MAP
-    n = bent(n, normal_map_place * vec3(NORMAL_MAP, 1.0), side);
+    n = bent(n, p);
 #endif
     Facets facets = Facets(base * (1.0 - metal), mix(vec3(MIRRORED), base, metal), rough);
-    vec3 v = normalize(eye - world_position);
+    vec3 v = normalize(eye - p.position);
     float open = 1.0;
 #ifdef OCCLUSION_MAP
     open = 1.0 + occlusion_strength
-        * (texture(occlusion_map, occlusion_map_place * vec3(OCCLUSION_MAP, 1.0)).r - 1.0);
+        * (read(occlusion_map, placed(occlusion_map_place, p.OCCLUSION_MAP), p.reach).r - 1.0);
 #endif
     vec3 light = open * ambient * facets.diffuse
         * (1.0 - mirrored_evenly(facets, clamp(dot(n, v), 0.0, 1.0)));
     float nl = dot(n, to_sun);
     if (nl > 0.0) {
-        light += sun * reflected(n, v, to_sun, facets) * sunlit(nl);
+        light += sun * reflected(n, v, to_sun, facets) * sunlit(p.position, nl);
     }
 #if LAMPS > 0
     for (int i = 0; i < LAMPS; ++i) {
-        vec3 way = lamp_position[i] - world_position;
+        vec3 way = lamp_position[i] - p.position;
         float square = dot(way, way);
         light += lamp[i] / square * reflected(n, v, way * inversesqrt(square), facets);
     }
 #endif
     vec3 own = emission;
 #ifdef EMISSION_MAP
-    own *= texture(emission_map, emission_map_place * vec3(EMISSION_MAP, 1.0)).rgb;
+    own *= read(emission_map, placed(emission_map_place, p.EMISSION_MAP), p.reach).rgb;
 #endif
     return light + own;
 }
 #endif
-
-#ifdef BASE_MAP
-// As four samples a pixel would read it: sharper at a slant than mipmaps alone, and drivers that
-// draw on the processor take a tenth of the time that their anisotropic filter takes.
-vec4 read_base(vec2 place)
-{
-    vec2 across = 0.25 * dFdx(place);
-    vec2 down = 0.25 * dFdy(place);
-    return 0.25 * (texture(base_map, place - across - down, -1.0)
-        + texture(base_map, place + across - down, -1.0)
-        + texture(base_map, place - across + down, -1.0)
-        + texture(base_map, place + across + down, -1.0));
-}
-#endif
-
-void main()
-{
-    vec4 base = base_color;
-#ifdef BASE_MAP
-    base *= read_base(base_map_place * vec3(BASE_MAP, 1.0));
-#endif
-#ifdef COLORED
-    base *= color;
-#endif
-#ifdef LIT
-    vec3 light = lit(base.rgb);
-#else
-    vec3 light = base.rgb;
-#endif
-    float alpha = 1.0;
-#ifdef MASKED
-    // The share of the pixel that lies above the cutoff, for a multisampled edge.
-    alpha = clamp((base.a - alpha_cutoff) / max(fwidth(base.a), 1e-4) + 0.5, 0.0, 1.0);
-    if (alpha <= 0.0) {
-        discard;
-    }
-#endif
-#ifdef BLENDED
-    alpha = base.a;
-    light *= alpha;
-#endif
-    picture = vec4(clamp(light, 0.0, 1.0), alpha);
-}

@@ -1,0 +1,183 @@
+"""What materials are drawn into: which triangle each sample shows, light, and what is read."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from motorcade.render.backends.fast.bare import BareFunctions
+from motorcade.render.backends.fast.materials import tell
+from motorcade.render.backends.fast.programs import (
+    FRAMEBUFFER_SRGB,
+    SAMPLES,
+    SRGB8_ALPHA8,
+    Box,
+    Programs,
+)
+from motorcade.render.backends.platform import RenderUnavailable
+from motorcade.render.scene import Layer
+
+MOST_PARTS = 1 << 16
+"""Depths that mark parts of meshes; more of them than this cannot be told apart."""
+NUMBER_UNIT, LIGHT_UNIT, DEPTH_UNIT, BEFORE_UNIT = 12, 13, 14, 15
+
+
+class Canvas:
+    """Pictures of one size in the making.
+
+    First the number of the triangle that each of four samples a pixel shows (`cover`), and what one
+    sees through (`blend`); then light, where there is anything (`shade`); then all is put together
+    and read (`read`). A pixel's light is computed once for each triangle in it, however many
+    triangles were drawn there.
+
+    Args:
+        gl: moderngl's context.
+        bare: functions of the same.
+        programs: of the same.
+        size: width and height, pixels.
+
+    Raises:
+        RenderUnavailable: the memory for it cannot be had.
+    """
+
+    def __init__(
+        self, gl: Any, bare: BareFunctions, programs: Programs, size: tuple[int, int]
+    ) -> None:
+        import moderngl
+
+        self._gl, self._bare, self._programs, self._size = gl, bare, programs, size
+        self._box: Box = (0, 0, *size)
+        self._held: list[Any] = []
+        self._over: tuple[Any, Any, Any] | None = None
+        self._blended, self._parts = False, 0
+        self._wholes: dict[Any, Any] = {}
+        try:
+            self._numbers = self._hold(gl.texture(size, 1, samples=SAMPLES, dtype="u4"))
+            self._depth = self._hold(gl.depth_texture(size, samples=SAMPLES))
+            self._covered = self._hold(gl.framebuffer([self._numbers], self._depth))
+            self._light = self._hold(gl.texture(size, 4, dtype="f2"))
+            marks = self._hold(gl.depth_renderbuffer(size))
+            self._marked = self._hold(gl.framebuffer([], marks))
+            self._lit = self._hold(gl.framebuffer([self._light], marks))
+            picture = self._hold(gl.texture(size, 4))
+            metres = self._hold(gl.texture(size, 1, dtype="f4"))
+            self._resolved = self._hold(gl.framebuffer([picture, metres]))
+        except moderngl.Error as refused:
+            self.release()
+            raise RenderUnavailable(
+                f"no memory for pictures of {size[0]} x {size[1]} with {SAMPLES} samples: {refused}"
+            ) from refused
+        self._covered.use()
+        self.sample_places = np.floor(2.0 * bare.sample_places(SAMPLES)) / 2.0 + 0.25
+
+    def cover(self, box: Box | None) -> None:
+        """Draw numbers of triangles from now on, after clearing; nothing lies outside a box."""
+        self._box, self._blended = (0, 0, *self._size) if box is None else box, False
+        self._covered.scissor = self._box
+        self._covered.use()
+        self._gl.enable_only(self._gl.DEPTH_TEST)
+        self._bare.clear_numbers()
+
+    def blend(self) -> None:
+        """Draw what one sees through, from now on, over what it covers."""
+        if self._over is None:
+            kind = {"internal_format": SRGB8_ALPHA8}
+            drawn = self._hold(self._gl.texture(self._size, 4, samples=SAMPLES, **kind))
+            shown = self._hold(self._gl.texture(self._size, 4, **kind))
+            into = self._hold(self._gl.framebuffer([drawn], self._depth))
+            self._over = into, shown, self._hold(self._gl.framebuffer([shown]))
+        into, _, _ = self._over
+        self._blended = True
+        into.scissor, into.depth_mask = self._box, False
+        into.color_mask = (True,) * 4
+        into.use()
+        into.clear(0.0, 0.0, 0.0, 0.0)
+        self._gl.enable_only(self._gl.DEPTH_TEST | self._gl.BLEND)
+        self._gl.enable_direct(FRAMEBUFFER_SRGB)
+        self._gl.blend_func = self._gl.ONE, self._gl.ONE_MINUS_SRC_ALPHA
+
+    def blend_depth(self) -> None:
+        """Draw the depth of the same from now on."""
+        assert self._over is not None  # made by blend
+        into, _, resolved = self._over
+        resolved.scissor = self._box
+        self._gl.copy_framebuffer(resolved, into)
+        self._gl.disable_direct(FRAMEBUFFER_SRGB)
+        into.depth_mask, into.color_mask = True, (False,) * 4
+        into.use()
+
+    def shade(self) -> None:
+        """Draw light from now on, by `light`."""
+        self._lit.scissor = self._marked.scissor = self._box
+        self._lit.depth_mask = True
+        self._lit.use()
+        self._lit.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
+        self._lit.depth_mask = False
+        self._gl.blend_func = self._gl.ONE, self._gl.ONE
+        self._numbers.use(NUMBER_UNIT)
+        self._parts = 0
+
+    def light(self, program: Any, first: int, stop: int) -> None:
+        """Add the light of triangles from `first` to before `stop`, which a program draws."""
+        self._parts += 1
+        mark = self._parts / MOST_PARTS
+        marked = self._programs.marked()
+        self._marked.use()
+        self._gl.depth_func = "1"
+        self._gl.enable_only(self._gl.DEPTH_TEST)
+        for one in (marked, program):
+            tell(one, "mark", mark)
+            tell(one, "covered", NUMBER_UNIT)
+            tell(one, "first", first)
+            tell(one, "stop", stop)
+        self._fill(marked)
+        self._lit.use()
+        self._gl.depth_func = "=="
+        self._gl.enable_only(self._gl.DEPTH_TEST | self._gl.BLEND)
+        self._fill(program)
+        self._gl.depth_func = "<"
+
+    def _fill(self, program: Any) -> None:
+        """Have a program draw every pixel of the box."""
+        if program not in self._wholes:
+            self._wholes[program] = self._hold(self._gl.vertex_array(program, []))
+        self._wholes[program].render(vertices=3)
+
+    def read(self, depths: tuple[float, float]) -> Layer:
+        """What was drawn from near to far, top row first, with depth in metres."""
+        near, far = depths
+        program = self._programs.resolved(blended=self._blended)
+        self._resolved.scissor = self._box
+        self._resolved.use()
+        self._gl.enable_only(self._gl.NOTHING)
+        self._light.use(LIGHT_UNIT)
+        self._depth.use(DEPTH_UNIT)
+        program["light"], program["depths"] = LIGHT_UNIT, DEPTH_UNIT
+        program["near_and_fall"] = near, near / (far - near)
+        if self._blended:
+            assert self._over is not None  # made by blend
+            self._over[1].use(BEFORE_UNIT)
+            program["before"] = BEFORE_UNIT
+        self._fill(program)
+        self._bare.finish()
+        width, height = self._size
+        left, bottom, wide, high = self._box
+        rgba, metres = np.empty((high, wide, 4), np.uint8), np.empty((high, wide), np.float32)
+        self._resolved.read_into(rgba, self._box, 4)
+        self._resolved.read_into(metres, self._box, 1, attachment=1, dtype="f4")
+        layer = Layer(np.zeros((height, width, 4), np.uint8), np.zeros((height, width), np.float32))
+        # OpenGL's rows begin at the bottom.
+        held = slice(height - bottom - high, height - bottom), slice(left, left + wide)
+        layer.rgba[held], layer.depth_m[held] = rgba[::-1], metres[::-1]
+        return layer
+
+    def release(self) -> None:
+        """Free it."""
+        for part in reversed(self._held):
+            part.release()
+        self._held, self._wholes, self._over = [], {}, None
+
+    def _hold(self, made: Any) -> Any:
+        self._held.append(made)
+        return made
