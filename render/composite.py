@@ -10,15 +10,19 @@ Before that a layer is made to look taken by the footage's camera: exposure, mot
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.animation.srgb import to_linear, to_srgb
 from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 from motorcade.render.scene import DepthArray, ImageArray, Layer
 
 BLUR_SAMPLES = 7
+SHADES = 4097
+"""Shares of light that are told apart: less than a byte each."""
 
 
 @dataclass(frozen=True)
@@ -73,12 +77,15 @@ def blended(layers: list[Layer]) -> Layer:
 
 
 def exposed(layer: Layer, gain: float) -> Layer:
-    """A layer whose light is `gain` times as strong, on the renderer's curve (power 1 / 2.2)."""
+    """A layer whose light is `gain` times as strong."""
     if gain == 1.0:
         return layer
-    rgba = layer.rgba.astype(np.float32)
-    rgba[..., :3] = np.minimum(rgba[..., :3] * gain ** (1.0 / 2.2), rgba[..., 3:])
-    return Layer(np.rint(rgba).astype(np.uint8), layer.depth_m)
+    rgba = layer.rgba.copy()
+    seen = rgba[..., 3] > 0
+    alpha = rgba[seen][:, 3:] / 255.0
+    own = to_linear(np.minimum(rgba[seen][:, :3] / 255.0 / alpha, 1.0))
+    rgba[seen, :3] = np.rint(255.0 * to_srgb(gain * own) * alpha)
+    return Layer(rgba, layer.depth_m)
 
 
 def frame_noise(frame: ImageArray) -> float:
@@ -198,17 +205,24 @@ def darken(frame: ImageArray, shade: FloatArray) -> ImageArray:
 
     Args:
         frame: (h, w, 3) uint8.
-        shade: (h, w) share of the stored values that is lost, 0 to 1; a share of light is the power
-            1 / 2.2 of it there, as the renderer stores light.
+        shade: (h, w) share of the light that is lost, 0 to 1.
 
     Returns:
         (h, w, 3) uint8, a new array.
     """
     result = frame.copy()
     part = _extent(shade > 0.0)
-    lost = np.rint(256.0 * shade[part].astype(np.float32)).astype(np.uint16)[..., None]
-    result[part] = (frame[part] * (256 - lost) + 128) >> 8
+    lost = np.rint((SHADES - 1.0) * np.clip(shade[part], 0.0, 1.0)).astype(np.intp)
+    result[part] = _darkened()[lost[..., None], frame[part]]
     return result
+
+
+@cache
+def _darkened() -> ImageArray:
+    """Each byte (column) when a share of its light is lost (row, of SHADES)."""
+    light = to_linear(np.arange(256) / 255.0)
+    kept = 1.0 - np.arange(SHADES)[:, None] / (SHADES - 1.0)
+    return np.rint(255.0 * to_srgb(kept * light)).astype(np.uint8)
 
 
 def _extent(touched: NDArray[np.bool_]) -> tuple[slice, slice]:

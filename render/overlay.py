@@ -30,7 +30,6 @@ from motorcade.render.light import Prints, character_lighting, sun_share, sunlig
 from motorcade.render.occluders import known_depth, raised, share_on_ground
 from motorcade.render.scene import DepthArray, ImageArray, Layer, Lighting
 from motorcade.render.shadow import (
-    BYTES_POWER,
     ShadowLook,
     ground_depth,
     ground_shade,
@@ -167,7 +166,7 @@ def _usual_light(
 
 @dataclass(frozen=True, eq=False)
 class _Drawn:
-    """One moment in the footage's pixels: layer, shade in bytes, where depth was measured the depth
+    """One moment in the footage's pixels: layer, shade, where depth was measured the depth
     of the ground and the camera's height above it, and where not the depth of what is known to hide
     the figure.
     """
@@ -265,9 +264,8 @@ class _Stage:
             self.look,
             self.strength,
         )
-        stored = 1.0 - (1.0 - np.clip(shade, 0.0, 1.0)) ** BYTES_POWER
         camera_T_shade = camera_T_world @ figure.stand @ Motor.from_translation(center_m)
-        seen = shade_in_picture(stored, figure.half_width_m, self.lens.pinhole, camera_T_shade)
+        seen = shade_in_picture(shade, figure.half_width_m, self.lens.pinhole, camera_T_shade)
         return seen if seen is None else self.lens.smooth(seen)
 
     def laid_over(

@@ -26,8 +26,6 @@ LAYERS = 6
 COARSEST = 4
 # How quickly area that hides sky turns dark; one full layer lets exp(-2.2) = 11 % through.
 DENSITY = 2.2
-# The renderer's curve from light to bytes: a share of light is this power of it in bytes.
-BYTES_POWER = 1.0 / 2.2
 # Rays that fall less than this meet the ground nowhere.
 BARELY = 1e-9
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.animation.srgb import to_linear
+from motorcade.animation.srgb import to_linear, to_srgb
 from motorcade.animation.vectors import box_corners
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
@@ -26,7 +26,7 @@ from motorcade.render.backends.renderer import (
     clip_range,
     shadow_camera,
 )
-from motorcade.render.scene import Lamp, Layer, Lighting, Sun, Surface
+from motorcade.render.scene import ImageArray, Lamp, Layer, Lighting, Sun, Surface
 from motorcade.tracking.cameras.camera import Camera
 
 
@@ -95,7 +95,10 @@ class OffscreenRenderer(Renderer):
         else:
             flags |= self._pyrender.RenderFlags.FLAT
         rgba, depth = self._renderer.render(self._scene, flags)
-        return Layer(np.ascontiguousarray(rgba), np.ascontiguousarray(depth))
+        rgba = np.ascontiguousarray(rgba)
+        if self._lighting is not None:
+            _encode_anew(rgba)
+        return Layer(rgba, np.ascontiguousarray(depth))
 
     def _depths(self, world_T_camera: Motor) -> tuple[float, float]:
         """Nearest and farthest depth of the primitives' boxes."""
@@ -152,6 +155,15 @@ class OffscreenRenderer(Renderer):
         for node, pose, light in zip(self._scene.light_order, poses, shining, strict=True):
             node.light.color, node.light.intensity = light.color, light.intensity
             self._scene.set_pose(node, pose)
+
+
+def _encode_anew(rgba: ImageArray) -> None:
+    """Light by sRGB's curve, in place, from pyrender's, a power of 1 / 2.2; still times alpha."""
+    seen = rgba[..., 3] > 0
+    given = rgba[seen].astype(np.float64)
+    alpha = given[:, 3:]
+    own = to_srgb(np.minimum(given[:, :3] / alpha, 1.0) ** 2.2)
+    rgba[seen, :3] = np.rint(own * alpha)
 
 
 def _import_pyrender() -> Any:

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -74,16 +75,27 @@ def drawn(name: str, surfaces: list[Surface], lighting: Lighting | None) -> Laye
         return renderer.render(CAMERA, Motor.identity())
 
 
-@pytest.mark.parametrize("lighting", [LIGHTING, None], ids=["lit", "flat"])
-def test_it_looks_as_pyrender_does(lighting: Lighting | None) -> None:
-    scene = [ball(np.array([-0.4, -0.25, 1.6]), 0.4), wall(2.4)]
+@pytest.mark.parametrize(("lighting", "levels"), [(LIGHTING, 2.0), (None, 0.5)])
+def test_it_looks_as_pyrender_does(lighting: Lighting | None, levels: float) -> None:
+    """In light two levels, for facets are hidden by another formula and mirror ambient light too.
+
+    The texture is smooth, and in light nothing has colours: pyrender mixes texels as they are
+    stored, and has colours dye highlights.
+    """
+    around = np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)
+    paint = np.full((64, 64, 3), 90, np.uint8)
+    paint[..., 0], paint[..., 1] = 128 + 60 * np.sin(around), 128 + 60 * np.cos(around)[:, None]
+    round_one = ball(np.array([-0.4, -0.25, 1.6]), 0.4)
+    if lighting is not None:
+        round_one = replace(round_one, colors=None)
+    scene = [round_one, replace(wall(2.4), texture=paint)]
     ours, theirs = (drawn(name, scene, lighting) for name in ("fast", "pyrender"))
     off = np.abs(ours.rgba[..., :3].astype(int) - theirs.rgba[..., :3])
     shown = theirs.rgba[..., 3] > 0
     assert shown.mean() > 0.5
-    # a grey level, and few pixels more: the shadow's rim is half as finely sampled
-    assert off[shown].mean() < 0.5
-    assert np.mean(off[shown].max(axis=-1) > 12) < 0.02
+    # few pixels more: the shadow's rim is half as finely sampled
+    assert off[shown].mean() < levels
+    assert np.mean(off[shown].max(axis=-1) > 12) < 0.01
     np.testing.assert_allclose(ours.depth_m, theirs.depth_m, rtol=1e-3)
 
 

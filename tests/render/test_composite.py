@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from skimage.color import rgb2xyz, xyz2rgb
 
 from motorcade.animation import Character, Placement, mannequin, place_on_plane
 from motorcade.ga import Motor, Rotor, Trajectory
@@ -85,6 +86,15 @@ def test_darken_by_nothing_and_by_all() -> None:
     frame = np.full((4, 4, 3), 200, dtype=np.uint8)
     np.testing.assert_array_equal(darken(frame, np.zeros((4, 4))), frame)
     assert not darken(frame, np.ones((4, 4))).any()
+
+
+@pytest.mark.parametrize("share", [0.01, 0.3, 0.77])
+def test_darkening_takes_that_share_of_light(share: float) -> None:
+    frame = np.arange(256, dtype=np.uint8).repeat(3).reshape(16, 16, 3)
+    left = darken(frame, np.full((16, 16), share))
+    # skimage's curves are the witness
+    expected = rgb2xyz(frame / 255.0) * (1.0 - share)
+    np.testing.assert_allclose(left, 255.0 * xyz2rgb(expected), atol=0.85)
 
 
 @pytest.mark.parametrize("shape", [(4, 4, 4), (4,), (4, 4, 1)])

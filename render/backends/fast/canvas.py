@@ -71,6 +71,10 @@ class Canvas:
         self._covered.use()
         self.sample_places = np.floor(2.0 * bare.sample_places(SAMPLES)) / 2.0 + 0.25
 
+    def use(self) -> None:
+        """Have some framebuffer in use: without one OpenGL refuses what draws nothing, too."""
+        self._covered.use()
+
     def cover(self, box: Box | None) -> None:
         """Draw numbers of triangles from now on, after clearing; nothing lies outside a box."""
         self._box, self._blended = (0, 0, *self._size) if box is None else box, False

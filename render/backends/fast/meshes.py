@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from motorcade.animation import Character, Placement
 from motorcade.animation.skin.skinning import SKIN_KERNELS, SkinMethod, checked_method
-from motorcade.animation.srgb import to_linear
 from motorcade.animation.vectors import box_corners
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray
@@ -32,10 +31,8 @@ class RenderMesh:
         gl: moderngl's context.
         programs: of the same context.
         surface: what is drawn.
+        parts: makes its parts of it and the buffer of its vertices.
         lit: whether light falls on it.
-        lamps: how many lamps there are.
-        parts: makes its parts of the buffer of its vertices, where the scene's surfaces have
-            materials of their own.
     """
 
     def __init__(
@@ -43,71 +40,29 @@ class RenderMesh:
         gl: Any,
         programs: Programs,
         surface: Surface,
+        parts: Callable[[Surface, Any], MeshParts],
         *,
         lit: bool,
-        lamps: int,
-        parts: Callable[[Surface, Any], MeshParts] | None = None,
     ) -> None:
         self._gl = gl
         self._held: list[Any] = []
         self.shape = surface.vertices.shape
-        self.roughness = surface.roughness
-        self.texture: Any = None
         self.corners_m: FloatArray | None = _corners(surface.vertices)
         self.reach_m = _reach(self.corners_m)
         self.vertices = self._buffer(_interleaved(surface.vertices, surface.normals), dynamic=True)
-        self.parts: MeshParts | None = None
-        casting = surface.triangles
-        if parts is None:
-            self.program = self._plain(programs, surface, lit=lit, lamps=lamps)
-        else:
-            self.parts = parts(surface, self.vertices)
-            casting = self.parts.casting
+        self.parts = parts(surface, self.vertices)
         self.in_shadow_map: Any = None
-        if lit and len(casting):
+        if lit and len(self.parts.casting):
             position = [(self.vertices, "3f4 12x", "in_position")]
-            corners = self._buffer(casting.astype(np.uint32))
+            corners = self._buffer(self.parts.casting.astype(np.uint32))
             self.in_shadow_map = self._array(programs.shadow(), position, corners)
-
-    @property
-    def programs(self) -> set[Any]:
-        """Those that draw light."""
-        return {self.program} if self.parts is None else self.parts.programs
-
-    @property
-    def both_sides(self) -> bool:
-        """Whether backs are drawn too."""
-        return self.parts is not None and self.parts.both_sides
-
-    def _plain(self, programs: Programs, surface: Surface, *, lit: bool, lamps: int) -> Any:
-        """Colours and one texture; gives the program that draws them."""
-        content: list[tuple[Any, ...]] = [
-            (self.vertices, "3f4 3f4" if lit else "3f4 12x", *_vertex_names(lit))
-        ]
-        if surface.colors is not None:
-            shown = to_linear(surface.colors) if lit else surface.colors
-            content.append((self._buffer(shown.astype(np.float32)), "3f4", "in_color"))
-        if surface.texture is not None and surface.texture_coordinates is not None:
-            places = surface.texture_coordinates.astype(np.float32)
-            content.append((self._buffer(places), "2f4", "in_texture"))
-            self.texture = self._textured(surface.texture)
-        program = programs.surface(
-            lit=lit,
-            colored=surface.colors is not None,
-            textured=surface.texture is not None,
-            lamps=lamps,
-        )
-        corners = self._buffer(surface.triangles.astype(np.uint32))
-        self.in_picture = self._array(program, content, corners)
-        return program
 
     def move(self, vertices: FloatArray, normals: FloatArray) -> None:
         """Write new vertices and normals."""
         check_vertices(self.shape, vertices, normals)
         self.corners_m = _corners(vertices)
         self.reach_m = _reach(self.corners_m)
-        if self.parts is not None:
-            self.parts.move(vertices)
+        self.parts.move(vertices)
         self.vertices.write(_interleaved(vertices, normals))
 
     def read(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -117,8 +72,7 @@ class RenderMesh:
 
     def release(self) -> None:
         """Free everything."""
-        if self.parts is not None:
-            self.parts.release()
+        self.parts.release()
         for part in reversed(self._held):
             part.release()
         self._held = []
@@ -131,15 +85,6 @@ class RenderMesh:
     def _array(self, program: Any, content: Any, corners: Any) -> Any:
         made = self._gl.vertex_array(program, content, corners)
         self._held.append(made)
-        return made
-
-    def _textured(self, picture: NDArray[np.uint8]) -> Any:
-        # OpenGL counts rows from the bottom.
-        data = np.ascontiguousarray(picture[::-1])
-        made = self._gl.texture((picture.shape[1], picture.shape[0]), 3, data, alignment=1)
-        self._held.append(made)
-        made.build_mipmaps()
-        made.filter = self._gl.LINEAR_MIPMAP_LINEAR, self._gl.LINEAR
         return made
 
 
@@ -243,10 +188,6 @@ def _reach(corners_m: FloatArray | None) -> FloatArray:
 
 def _homogeneous(points: FloatArray) -> FloatArray:
     return np.concatenate([points, np.ones((len(points), 1))], axis=1)
-
-
-def _vertex_names(lit: bool) -> tuple[str, ...]:
-    return ("in_position", "in_normal") if lit else ("in_position",)
 
 
 def _interleaved(vertices: FloatArray, normals: FloatArray) -> NDArray[np.float32]:

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from motorcade.ga import kernels
-from motorcade.render.backends.platform import RenderUnavailable
-from motorcade.render.scene import DepthArray, Layer
 
 _SHADERS = Path(__file__).parent / "shaders"
 _CARRYING = Path(kernels.__file__).parent / "generated" / "glsl" / "skinning.glsl"
@@ -28,17 +23,6 @@ class Programs:
     def __init__(self, gl: Any) -> None:
         self._gl = gl
         self._made: dict[tuple[object, ...], Any] = {}
-
-    def surface(self, *, lit: bool, colored: bool, textured: bool, lamps: int) -> Any:
-        """Draws surfaces into the picture."""
-        names = ("LIT", lit), ("COLORED", colored), ("TEXTURED", textured)
-        defined = {name: "" for name, wanted in names if wanted} | {"LAMPS": str(lamps)}
-        head = _head(defined)
-        return self._program(
-            ("surface", lit, colored, textured, lamps),
-            vertex_shader=head + _text("surface.vert"),
-            fragment_shader=head + _text("surface.frag"),
-        )
 
     def blended(self, defined: dict[str, str]) -> Any:
         """Draws parts of meshes with one kind of material through which one sees."""
@@ -125,76 +109,6 @@ SAMPLES = 4
 SRGB8_ALPHA8, FRAMEBUFFER_SRGB = 0x8C43, 0x8DB9
 
 
-class Framebuffer:
-    """Colour and depth of one size, four samples a pixel, and the same resolved.
-
-    Args:
-        gl: moderngl's context.
-        size: width and height, pixels.
-        finish: OpenGL's glFinish, to wait for what is drawn while other threads of Python go on,
-            which moderngl's own calls keep waiting.
-
-    Raises:
-        RenderUnavailable: the memory for it cannot be had.
-    """
-
-    def __init__(self, gl: Any, size: tuple[int, int], finish: Callable[[], None]) -> None:
-        self._gl, self._size, self._finish = gl, size, finish
-        self._box: Box = (0, 0, *size)
-        self._depths = (1.0, 2.0)
-        self._parts: list[Any] = []
-        import moderngl
-
-        try:
-            self.drawn = self._framebuffer(min(SAMPLES, gl.max_samples))
-            self._resolved = self._framebuffer(0)
-        except moderngl.Error as refused:
-            self.release()
-            raise RenderUnavailable(
-                f"no memory for pictures of {size[0]} x {size[1]} with {SAMPLES} samples: {refused}"
-            ) from refused
-
-    def begin(self, box: Box | None, depths: tuple[float, float]) -> None:
-        """Draw depths from near to far from now on, after clearing; nothing lies outside a box."""
-        self._depths = depths
-        self._box = (0, 0, *self._size) if box is None else box
-        self._resolved.scissor = self._box
-        self.drawn.scissor = self._box
-        self.drawn.use()
-        self.drawn.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
-
-    def read(self) -> Layer:
-        """What was drawn, top row first, with depth in metres."""
-        width, height = self._size
-        self._finish()
-        self._gl.copy_framebuffer(self._resolved, self.drawn)
-        self._finish()
-        left, bottom, wide, high = self._box
-        rgba, depth = np.empty((high, wide, 4), np.uint8), np.empty((high, wide), np.float32)
-        self._resolved.read_into(rgba, viewport=self._box, components=4)
-        self._resolved.read_into(depth, self._box, 1, attachment=-1, dtype="f4")
-        layer = Layer(np.zeros((height, width, 4), np.uint8), np.zeros((height, width), np.float32))
-        # OpenGL's rows begin at the bottom.
-        held = slice(height - bottom - high, height - bottom), slice(left, left + wide)
-        layer.rgba[held], layer.depth_m[held] = rgba[::-1], _metres(depth, *self._depths)[::-1]
-        return layer
-
-    def release(self) -> None:
-        """Free it."""
-        for part in self._parts:
-            part.release()
-        self._parts = []
-
-    def _framebuffer(self, samples: int) -> Any:
-        color = self._gl.texture(self._size, 4, samples=samples)
-        self._parts.append(color)
-        depth = self._gl.depth_renderbuffer(self._size, samples=samples)
-        self._parts.append(depth)
-        made = self._gl.framebuffer([color], depth)
-        self._parts.append(made)
-        return made
-
-
 class ShadowMap:
     """Depth as the sun sees it, to compare with.
 
@@ -218,15 +132,3 @@ class ShadowMap:
         """Free it."""
         self.drawn.release()
         self._texture.release()
-
-
-def _metres(stored: DepthArray, near: float, far: float) -> DepthArray:
-    """Depth along the optical axis from OpenGL's, which is 1 where nothing was drawn."""
-    empty = stored == 1.0
-    # 1 - d has no rounding; a projection matrix is undone in one division.
-    np.subtract(np.float32(1.0), stored, out=stored)
-    fall = near / (far - near)
-    stored += np.float32(fall)
-    np.divide(np.float32(near * (1.0 + fall)), stored, out=stored)
-    stored[empty] = 0.0
-    return stored

@@ -2,8 +2,8 @@
 
 It draws what the pyrender renderer draws, in the same light and from the same cameras (see there
 for the axes), several times as fast. Meshes may be moved by the caller, or carried by their joints
-in a shader that calls the generated kernels (`bind`, `pose`). Surfaces with materials are drawn as
-numbers of triangles first, then lit where they are seen (see `passes`).
+in a shader that calls the generated kernels (`bind`, `pose`). They are drawn as numbers of
+triangles first, then lit where they are seen (see `passes`).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from motorcade.render.backends.fast.materials import Pictures, tell
 from motorcade.render.backends.fast.meshes import RenderMesh, SkinnedMesh, column_major
 from motorcade.render.backends.fast.parts import MeshParts
 from motorcade.render.backends.fast.passes import draw_materials
-from motorcade.render.backends.fast.programs import Box, Framebuffer, Programs, ShadowMap
+from motorcade.render.backends.fast.programs import Box, Programs, ShadowMap
 from motorcade.render.backends.platform import Context, RenderUnavailable
 from motorcade.render.backends.renderer import (
     OPENCV_T_OPENGL,
@@ -37,7 +37,7 @@ from motorcade.render.lens import seen_extent
 from motorcade.render.scene import Layer, Lighting, Surface
 from motorcade.tracking.cameras.camera import Camera
 
-_SHADOW_UNIT, _TEXTURE_UNIT = 0, 1
+_SHADOW_UNIT = 0
 # Texels of the shadow map's side; pictures larger than this get the larger one.
 _SHADOW_SIZE, _LARGE_SHADOW_SIZE = 1024, 2048
 # Keeps triangles that the sun grazes from shading themselves.
@@ -54,13 +54,11 @@ class FastRenderer(Renderer):
     def _set_up(self) -> None:
         self._meshes: list[RenderMesh] = []
         self._skinned: dict[int, SkinnedMesh] = {}
-        self._by_material = False
         self._shadow_map: ShadowMap | None = None
         self._gl = _moderngl_context(self._context)
         check_size(*self._size, self._gl.info["GL_MAX_RENDERBUFFER_SIZE"])
         self._bare = BareFunctions(self._context.address)
         self._pictures = Pictures(self._gl, self._bare.texture_parameter)
-        self._framebuffer = Framebuffer(self._gl, self._size, self._bare.finish)
         self._programs = Programs(self._gl)
         self._canvas = Canvas(self._gl, self._bare, self._programs, self._size)
         self._gl.enable_only(self._gl.CULL_FACE | self._gl.DEPTH_TEST)
@@ -73,7 +71,6 @@ class FastRenderer(Renderer):
     def _show(self, surfaces: Sequence[Surface], lighting: Lighting | None) -> None:
         self._clear()
         lamps = 0 if lighting is None else len(lighting.lamps)
-        self._by_material = any(surface.appearance is not None for surface in surfaces)
         lit, first = lighting is not None, 1
 
         def parts(surface: Surface, vertices: Any) -> MeshParts:
@@ -90,10 +87,7 @@ class FastRenderer(Renderer):
             )
 
         for surface in surfaces:
-            way = parts if self._by_material else None
-            self._meshes.append(
-                RenderMesh(self._gl, self._programs, surface, lit=lit, lamps=lamps, parts=way)
-            )
+            self._meshes.append(RenderMesh(self._gl, self._programs, surface, parts, lit=lit))
             first += len(surface.triangles)
         if lighting is not None:
             self._light(lighting)
@@ -138,7 +132,7 @@ class FastRenderer(Renderer):
         if surface not in self._skinned:
             raise ValueError(f"pose(surface): expected a surface that was bound, got {surface}")
         # Nothing is drawn, but without a framebuffer OpenGL refuses.
-        self._framebuffer.drawn.use()
+        self._canvas.use()
         self._skinned[surface].pose(entries, placement)
 
     def vertices(self, surface: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -162,7 +156,6 @@ class FastRenderer(Renderer):
 
     def _free(self) -> None:
         self._clear()
-        self._framebuffer.release()
         self._canvas.release()
         self._programs.release()
         if self._shadow_map is not None:
@@ -188,7 +181,7 @@ class FastRenderer(Renderer):
         shadow = self._programs.shadow()
         shadow["light_from_world"].write(seen)
         travels = np.array(lighting.sun.direction)
-        for program in set[Any]().union(*(mesh.programs for mesh in self._meshes)):
+        for program in set[Any]().union(*(mesh.parts.programs for mesh in self._meshes)):
             if "light_from_world" in program:
                 program["light_from_world"].write(seen)
             tell(program, "shadow_map", _SHADOW_UNIT)
@@ -208,7 +201,7 @@ class FastRenderer(Renderer):
         self._shadow_map.drawn.clear(depth=1.0)
         self._gl.polygon_offset = _SLOPE, _UNITS
         for mesh in self._meshes:
-            self._cull(both_sides=mesh.both_sides)
+            self._cull(both_sides=mesh.parts.both_sides)
             if mesh.in_shadow_map is not None:
                 mesh.in_shadow_map.render()
         self._gl.polygon_offset = 0.0, 0.0
@@ -219,33 +212,18 @@ class FastRenderer(Renderer):
         depths = _depths(self._meshes, world_T_camera)
         seen = column_major(projection(camera, *depths) @ opengl_T_world.as_matrix())
         box = _seen_box(self._meshes, camera, world_T_camera, depths[0])
-        if self._by_material:
-            scene = [mesh.parts for mesh in self._meshes if mesh.parts is not None]
-            draw_materials(
-                self._gl,
-                self._bare,
-                self._canvas,
-                self._pictures,
-                scene,
-                seen,
-                camera,
-                world_T_camera,
-                box,
-            )
-            return self._canvas.read(depths)
-        self._gl.enable_only(self._gl.CULL_FACE | self._gl.DEPTH_TEST)
-        self._framebuffer.begin(box, depths)
-        self._cull(both_sides=False)
-        for mesh in self._meshes:
-            mesh.program["clip_from_world"].write(seen)
-            if self._lighting is not None:
-                mesh.program["eye"] = tuple(world_T_camera.translation_m)
-                mesh.program["roughness"] = mesh.roughness
-            if mesh.texture is not None:
-                mesh.texture.use(_TEXTURE_UNIT)
-                mesh.program["surface_texture"] = _TEXTURE_UNIT
-            mesh.in_picture.render()
-        return self._framebuffer.read()
+        draw_materials(
+            self._gl,
+            self._bare,
+            self._canvas,
+            self._pictures,
+            [mesh.parts for mesh in self._meshes],
+            seen,
+            camera,
+            world_T_camera,
+            box,
+        )
+        return self._canvas.read(depths)
 
     def _cull(self, *, both_sides: bool) -> None:
         """Whether the backs of triangles are drawn too."""

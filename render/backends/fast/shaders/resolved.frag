@@ -20,7 +20,9 @@ void main()
 #endif
     vec3 own = clamp(seen.rgb / max(seen.a, 1e-6), 0.0, 1.0);
     vec3 bright = 1.055 * pow(own, vec3(1.0 / 2.4)) - 0.055;
-    picture = vec4(mix(bright, 12.92 * own, lessThanEqual(own, vec3(0.0031308))) * seen.a, seen.a);
+    own = mix(bright, 12.92 * own, lessThanEqual(own, vec3(0.0031308)));
+    // White is rounded to the same byte as its alpha.
+    picture = vec4(min(own * seen.a + 1e-5, seen.a), seen.a);
     // 1 - d has no rounding; a projection matrix is undone in one division.
     float stored = texelFetch(depths, pixel, 0).r;
     float fall = near_and_fall.y;
