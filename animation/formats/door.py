@@ -12,7 +12,13 @@ from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.fbx import read_fbx
 from motorcade.animation.formats.gltf import read_gltf
 from motorcade.animation.formats.md5 import read_md5_mesh, read_md5_motion
-from motorcade.animation.formats.rig import Rig, SkeletalMotion, assemble_character, assemble_motion
+from motorcade.animation.formats.rig import (
+    Rig,
+    SkeletalMotion,
+    Wanted,
+    assemble_character,
+    assemble_motion,
+)
 
 READERS: dict[str, Callable[[Path], Rig]] = {
     ".glb": read_gltf,
@@ -28,7 +34,13 @@ SUFFIXES = tuple(READERS)
 """Suffixes of the files that can be read."""
 
 
-def read_character(path: Path | str, *, unit_m: float | None = None) -> Character:
+def read_character(
+    path: Path | str,
+    *,
+    unit_m: float | None = None,
+    up: str | None = None,
+    front: str | None = None,
+) -> Character:
     """Read a skinned mesh with its skeleton and clips: metres, z up, facing +x, soles at z = 0.
 
     Joint frames are rigid; constant scale of the rig ends in the mesh. `Character.notices`
@@ -38,6 +50,8 @@ def read_character(path: Path | str, *, unit_m: float | None = None) -> Characte
         path: `.glb`, `.gltf`, `.vrm`, `.dae`, `.md5mesh` (with the `.md5anim` of the same name
             beside it) or `.fbx`.
         unit_m: length of the file's unit, where the caller knows better than the file.
+        up: the axis of the file that is up, such as "z", likewise.
+        front: the axis of the file that the figure faces at rest, such as "-y", likewise.
 
     Raises:
         FormatError: a file that cannot be read, breaks its format or a limit of size, names a
@@ -51,26 +65,34 @@ def read_character(path: Path | str, *, unit_m: float | None = None) -> Characte
     """
     given = Path(path)
     try:
-        return assemble_character(_rig(given, unit_m), unit_m)
+        return assemble_character(_rig(given, unit_m), Wanted(unit_m, up, front))
     except FormatError as fault:
         raise fault.in_file(given) from fault
     except ValueError as fault:  # what Skeleton, Clip or Character refuse
         raise FormatError(str(fault)).in_file(given) from fault
 
 
-def read_motion(path: Path | str, *, unit_m: float | None = None) -> SkeletalMotion:
+def read_motion(
+    path: Path | str,
+    *,
+    unit_m: float | None = None,
+    up: str | None = None,
+    front: str | None = None,
+) -> SkeletalMotion:
     """Read a skeleton with its clips; meshes are not looked at.
 
     Args:
         path: any file that `read_character` takes, or `.bvh`, or `.md5anim`.
         unit_m: length of the file's unit, where the caller knows better than the file.
+        up: the axis of the file that is up, such as "z", likewise.
+        front: the axis of the file that the figure faces at rest, such as "-y", likewise.
 
     Raises:
         FormatError: see `read_character`; no joints.
     """
     given = Path(path)
     try:
-        return assemble_motion(_rig(given, unit_m), unit_m)
+        return assemble_motion(_rig(given, unit_m), Wanted(unit_m, up, front))
     except FormatError as fault:
         raise fault.in_file(given) from fault
     except ValueError as fault:

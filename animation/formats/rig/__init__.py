@@ -10,6 +10,7 @@ from motorcade.animation.formats.rig.assemble import (
     assemble_character,
     assemble_motion,
 )
+from motorcade.animation.formats.rig.stance import Wanted
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import (
     NodeTree,
@@ -28,6 +29,7 @@ __all__ = [
     "SkeletalMotion",
     "Skin",
     "Transforms",
+    "Wanted",
     "assemble_character",
     "assemble_motion",
     "transforms_over",

@@ -1,7 +1,8 @@
 """Which way is up, which way a figure faces, and how long a unit is.
 
-Formats fix some of this and leave the rest to habit. Toes tell the facing of a figure, head and
-feet tell its up, its height tells the unit; what is told so, or merely assumed, becomes a notice.
+Formats fix some of this and leave the rest to habit. The bind pose tells first: limbs tell up and
+sides, feet and bends the front; then motions; names of toes, feet and head where there are no two
+limbs alike. A height tells the unit. What is told so, or merely assumed, becomes a notice.
 """
 
 from __future__ import annotations
@@ -11,8 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from motorcade.animation.anatomy import Body, JointTree, body_from
+from motorcade.animation.formats.errors import expected
 from motorcade.animation.formats.rig.joints import Joints
 from motorcade.animation.formats.rig.values import Rig
+from motorcade.animation.vectors import unit
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray
 
@@ -32,49 +36,207 @@ USUAL_HEIGHT_M = 1.7
 PLAUSIBLE_M = (0.05, 20.0)
 # Toes that point this far from an axis of the file do not tell which one was meant.
 CLEAR_COSINE = 0.8
+# A trunk this near to what is up stands; a mean over a motion that is this long tells up.
+UPRIGHT_COSINE, CLEAR_MEAN = 0.5, 0.7
+# Fronts this near to an axis of the file lie along it.
+NEAR_AXIS_COSINE = np.cos(np.radians(25.0))
+AXIS_NAMES = {
+    f"{sign}{name}": tuple(value * float(k == at) for k in range(3))
+    for at, name in enumerate("xyz")
+    for sign, value in (("", 1.0), ("+", 1.0), ("-", -1.0))
+}
+"""Axes of a file as callers say them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Where joints lie in the file's frame and unit.
+
+    Args:
+        bound: (J, 3) in the bind pose.
+        found: (J, 3) as the nodes stand.
+        moving: (F, J, 3) in poses of the clips; None without clips.
+        skin: (J, 3) centre of the vertices that follow each joint, NaN for none; None without mesh.
+    """
+
+    bound: FloatArray
+    found: FloatArray
+    moving: FloatArray | None = None
+    skin: FloatArray | None = None
+
+
+def axis_named(name: str | None, option: str) -> FloatArray | None:
+    """The unit vector (3,) of an axis such as "-y"; None of None.
+
+    Raises:
+        FormatError: another word.
+    """
+    if name is None:
+        return None
+    if name not in AXIS_NAMES:
+        raise expected(option, "one of x, -x, y, -y, z, -z", name)
+    return np.array(AXIS_NAMES[name])
 
 
 @dataclass(frozen=True, eq=False)
 class Axes:
-    """How the file's frame lies in that of characters.
+    """How the file's frame lies in that of characters, and how the bind pose is turned to stand.
 
     Args:
         turn: Rotor from the file's frame to z up, facing +x.
         notices: what was assumed.
+        body: what the joints are, in the file's frame.
+        standing: Rotor that turns the bind pose on, in character space, until it stands and faces
+            +x; identity where it does.
     """
 
     turn: Rotor
     notices: tuple[str, ...]
+    body: Body
+    standing: Rotor
 
 
-def axes_of(rig: Rig, joints: Joints, places: FloatArray) -> Axes:
+def axes_of(
+    rig: Rig,
+    joints: Joints,
+    places: Places,
+    up: FloatArray | None = None,
+    front: FloatArray | None = None,
+) -> Axes:
     """Find the turn from the file's axes to those of characters.
 
     Args:
         rig: says what the format fixes.
         joints: the joints.
-        places: (J, 3) rest positions of the joints in the file's frame.
+        places: where they lie.
+        up: unit vector (3,) of the file that is up, where the caller knows.
+        front: unit vector (3,) that the figure faces at rest, where the caller knows.
     """
-    notices = []
-    if rig.up is not None:
-        up = np.array(rig.up)
+    tree = JointTree(joints.names, joints.parents, places.bound)
+    notices: list[str] = []
+    upward, notice = (up, "") if up is not None else _upward(rig, joints, tree, places)
+    notices += [notice] if notice else []
+    usual = _usual_forward(upward)
+    if rig.forward is not None and abs(float(np.dot(rig.forward, upward))) < CLEAR_COSINE:
+        usual = np.array(rig.forward)
+    body = body_from(tree, upward, usual, motion=places.moving, skin=places.skin)
+    stands = body.up is None or float(body.up @ upward) > UPRIGHT_COSINE
+    if front is not None and abs(float(front @ upward)) < CLEAR_COSINE:
+        ahead = front
+    elif front is not None:
+        raise expected("front", f"an axis across {_axis_name(upward)}, which is up", front)
+    elif body.up is None or body.evidence is None:
+        ahead, told = _named_front(rig, joints, places.bound, upward, usual)
+        notices += [told] if told else []
     else:
-        up, by = _up(joints, places)
-        notices.append(f"the file does not say which way is up: {_axis_name(up)} by {by}")
-    usual = _usual_forward(up) if rig.forward is None else np.array(rig.forward)
+        seen = body.ahead if stands else _front_of_motion(body, places, upward)
+        ahead, told = _front(rig, body, seen, upward, usual)
+        notices += [told] if told else []
+    ahead = unit(ahead - (ahead @ upward) * upward)
+    turn = Rotor.from_matrix(np.stack([ahead, np.cross(upward, ahead), upward]))
+    faced = front if front is not None else body.ahead
+    return Axes(turn, tuple(notices), body, _standing(body.up, faced, turn, stands))
+
+
+def _upward(rig: Rig, joints: Joints, tree: JointTree, places: Places) -> tuple[FloatArray, str]:
+    """What is up in the file's frame, and a notice where the file does not say or seems wrong."""
+    stated = None if rig.up is None else np.array(rig.up)
+    body = body_from(tree, stated)
+    trunk = None
+    if body.evidence is not None and not body.four_legged:
+        poses = places.found[None] if places.moving is None else places.moving
+        mean = body.evidence.axes(poses)[1].mean(axis=0)
+        trunk = mean if float(np.linalg.norm(mean)) > CLEAR_MEAN else None
+    if stated is not None:
+        rest = body.up
+        wrong = rest is not None and float(rest @ stated) < UPRIGHT_COSINE
+        if not wrong or rest is None:
+            return stated, ""
+        axis = _nearest_axis(rest)
+        if not body.four_legged and (trunk is None or float(unit(trunk) @ axis) < CLEAR_COSINE):
+            return stated, ""  # the bind pose lies, the figure stands
+        return axis, (
+            f"the file says that {_axis_name(stated)} is up, but the figure stands along "
+            f"{_axis_name(axis)}: stood up"
+        )
+    if trunk is not None and places.moving is not None:
+        axis, by = _nearest_axis(trunk), "its motion"
+    elif body.up is not None:
+        axis, by = _nearest_axis(body.up), "its limbs"
+    else:
+        axis, by = _up(joints, tree.at)
+    return axis, f"the file does not say which way is up: {_axis_name(axis)} by {by}"
+
+
+def _named_front(
+    rig: Rig, joints: Joints, places: FloatArray, up: FloatArray, usual: FloatArray
+) -> tuple[FloatArray, str]:
+    """The front by names of toes, or by habit, and a notice."""
     seen = _facing(joints, places, up)
     if seen is None:
-        notices.append(f"no toes tell the facing: assumed {_axis_name(usual)}")
-        forward = usual
-    else:
-        forward = seen
-        if rig.forward is not None and seen @ usual < 0.9:
-            notices.append(
-                f"its toes point to {_axis_name(seen)} where the format says "
-                f"{_axis_name(usual)}: turned by the toes"
-            )
-    rows = np.stack([forward, np.cross(up, forward), up])
-    return Axes(Rotor.from_matrix(rows), tuple(notices))
+        return usual, f"no toes tell the facing: assumed {_axis_name(usual)}"
+    if rig.forward is not None and seen @ usual < 0.9:
+        return seen, (
+            f"its toes point to {_axis_name(seen)} where the format says "
+            f"{_axis_name(usual)}: turned by the toes"
+        )
+    return seen, ""
+
+
+def _front(
+    rig: Rig, body: Body, seen: FloatArray | None, up: FloatArray, usual: FloatArray
+) -> tuple[FloatArray, str]:
+    """The front that limbs tell, along an axis where it is near one, and a notice."""
+    if seen is None:
+        return usual, (
+            f"neither feet nor bends nor motion tell the front: assumed {_axis_name(usual)}; "
+            "say another with --front"
+        )
+    level = unit(seen - (seen @ up) * up)
+    axis = _nearest_axis(level)
+    ahead = axis if float(level @ axis) > NEAR_AXIS_COSINE else level
+    if rig.forward is not None and float(ahead @ usual) < 0.9:
+        return ahead, (
+            f"it faces {_axis_name(axis)} by its {body.told_by} where the format says "
+            f"{_axis_name(usual)}: turned by the {body.told_by}"
+        )
+    return ahead, ""
+
+
+def _front_of_motion(body: Body, places: Places, up: FloatArray) -> FloatArray | None:
+    """Where a figure faces as its clips begin, whose bind pose does not stand."""
+    if body.evidence is None or body.ahead is None:
+        return None
+    poses = places.found[None] if places.moving is None else places.moving
+    first = "left_thigh" if body.evidence.legs is not None else "left_upper_arm"
+    limb = body.evidence.legs if body.evidence.legs is not None else body.evidence.arms
+    assert limb is not None  # a body has one of them
+    sign = 1.0 if body.roles[first] == int(limb[0, 0]) else -1.0
+    across, trunk = body.evidence.axes(poses)
+    upright = trunk @ up > CLEAR_COSINE
+    if not np.any(upright):
+        return None
+    front = unit(sign * np.cross(across[upright][:1], up))
+    return np.asarray(front[0])
+
+
+def _standing(
+    own_up: FloatArray | None, faced: FloatArray | None, turn: Rotor, stands: bool
+) -> Rotor:
+    """The turn of the bind pose in character space until it stands and faces +x."""
+    if own_up is None:
+        return Rotor.identity()
+    up = turn.apply(own_up)
+    ahead = turn.apply(faced) if faced is not None else np.array([1.0, 0.0, 0.0])
+    if stands and ahead[0] > NEAR_AXIS_COSINE:
+        return Rotor.identity()
+    side = unit(np.cross(up, ahead))
+    rows = np.stack([np.cross(side, up), side, up])
+    quarter = np.round(rows)
+    near = np.abs(rows).max(axis=1).min() > NEAR_AXIS_COSINE
+    if near and abs(float(np.linalg.det(quarter)) - 1.0) < 1e-9:
+        rows = quarter
+    return Rotor.from_matrix(rows)
 
 
 def guessed_unit_m(height: float) -> tuple[float, str]:

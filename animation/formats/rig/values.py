@@ -219,12 +219,13 @@ class Rig:
 
     >>> import numpy as np
     >>> from motorcade.animation.formats.rig import NodeTree, Rig, Transforms, assemble_motion
+    >>> from motorcade.animation.formats.rig import Wanted
     >>> file_T_node = np.stack([np.eye(4), np.eye(4)])
     >>> file_T_node[1, :3, 3] = [0.0, 0.5, 0.0]  # y is up in this file
     >>> tree = NodeTree(("hips", "head"), np.array([-1, 0]), Transforms.from_matrices(file_T_node))
     >>> up, forward = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
     >>> rig = Rig(tree, (0, 1), (), (), up, forward, unit_m=1.0)
-    >>> assemble_motion(rig, unit_m=1.0).skeleton.rest_world.translation_m.round(6) + 0.0
+    >>> assemble_motion(rig, Wanted(unit_m=1.0)).skeleton.rest_world.translation_m.round(6) + 0.0
     array([[0. , 0. , 0. ],
            [0. , 0. , 0.5]])
     """
