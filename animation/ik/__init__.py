@@ -1,15 +1,28 @@
-"""Inverse kinematics: limbs of two bones, chains of any length, aiming, and feet on the ground."""
+"""Inverse kinematics: figures with limits brought to goals, chains of points, limbs of two bones in
+closed form, aiming, and feet on the ground.
+"""
 
 from motorcade.animation.ik.chain import Chain, reach_with
 from motorcade.animation.ik.fabrik import Reached, fabrik
 from motorcade.animation.ik.feet import GroundHeights, Leg, find_stances, plant_feet
 from motorcade.animation.ik.fitted import fitted_legs
+from motorcade.animation.ik.goals import LookAt, PoseGoal
+from motorcade.animation.ik.joints import Ball, Floating, Hinge
+from motorcade.animation.ik.solver import HeldLimit, IkSolution, IkSolver
 from motorcade.animation.ik.two_bone import aim, bend_limb
 
 __all__ = [
+    "Ball",
     "Chain",
+    "Floating",
     "GroundHeights",
+    "HeldLimit",
+    "Hinge",
+    "IkSolution",
+    "IkSolver",
     "Leg",
+    "LookAt",
+    "PoseGoal",
     "Reached",
     "aim",
     "bend_limb",

@@ -64,6 +64,7 @@ _SINGLE = {
     "matrix34": ("matrix34",),
     "rotor_translation_scale": ("rotor_translation_scale",),
     "similarity_of": ("similarity_of_motor",),
+    "reach": ("reach",),
 }
 
 

@@ -44,7 +44,8 @@ def rows_of(operand: Operand, rng: np.random.Generator) -> FloatArray:
         8: Motor.from_twist(bivectors(rng, 6)).coefficients,
         12: Similarity.from_twist(bivectors(rng, 7)).coefficients,
     }
-    return made.get(operand.width, bivectors(rng, operand.width))
+    # Second points lie apart from the first ones.
+    return made.get(operand.width, bivectors(rng, operand.width) + float(operand.name == "q"))
 
 
 def program(functions: list[tuple[str, Kernel]]) -> str:

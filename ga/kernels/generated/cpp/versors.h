@@ -2070,6 +2070,34 @@ inline std::array<Real, 12> similarity_of(const std::array<Real, 8> &m, const Re
 }
 
 /*
+ * The point of the ray from p towards q that lies a length from p
+ * p: x y z
+ * q: x y z
+ * length: length
+ * returns: x y z
+ */
+template <class Real>
+inline std::array<Real, 3> reach(const std::array<Real, 3> &p, const std::array<Real, 3> &q,
+        const Real length)
+{
+    const Real p0 = p[0], p1 = p[1], p2 = p[2];
+    const Real q0 = q[0], q1 = q[1], q2 = q[2];
+    const Real t0 = q0 - p0;
+    const Real t1 = length * (Real(0.5) * length);
+    const Real t2 = q1 - p1;
+    const Real t3 = q2 - p2;
+    const Real t4 = t0 * (t0 * t1) * Real(2.0) + (Real(2.0) * (t2 * (t1 * t2)) + Real(2.0) * (t3 *
+        (t1 * t3)));
+    const Real t5 = std::sqrt(t4);
+    const Real t6 = Real(1.0) / (t0 * t0 + t2 * t2 + t3 * t3);
+    return {
+        p0 + t0 * t5 * t6,
+        p1 + t6 * (t2 * t5),
+        p2 + t6 * (t3 * t5),
+    };
+}
+
+/*
  * One Newton step of a rotor towards unit length, which rounding leaves by little
  * r: 1 e23 e31 e12
  * returns: 1 e23 e31 e12

@@ -1,0 +1,322 @@
+"""Inverse kinematics of a skeleton: joints with limits brought to goals, several at once; compiled.
+
+Damped least squares (Levenberg and Marquardt) in the joints' own coordinates: angles of hinges,
+swing and twist of balls. Directions that press on a limit are left out of a step, and a step is
+brought back within the limits before it is judged, so that limits hold in every result, also where
+goals cannot be reached. Where goals stay unreached, other poses are tried.
+Source: Kanzow, Yamashita and Fukushima, "Levenberg-Marquardt methods with strong local convergence
+properties for solving nonlinear equations with convex constraints" (2004).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.animation.ik.goals import Goal
+from motorcade.animation.ik.joints import Hinge, JointKind
+from motorcade.animation.native import _ik
+from motorcade.animation.skeleton import Skeleton
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
+
+# A limit holds a goal where yielding by a radian would take off so much of what is left, in
+# lengths of the figure's longest chain or in radians.
+_HOLDS = 1e-3
+
+
+@dataclass(frozen=True)
+class HeldLimit:
+    """A limit that keeps a goal from being reached.
+
+    Fields:
+        joint: its name.
+        limit: "swing", "twist" or "hinge".
+        end: "high" or "low" of twists and hinges; "edge" of swings.
+        share: of what the goal lacks, how much one radian more would take off, in lengths of the
+            figure's longest chain or in radians; what holds most comes first.
+    """
+
+    joint: str
+    limit: str
+    end: str
+    share: float
+
+
+@dataclass(frozen=True, eq=False)
+class IkSolution:
+    """A pose found for G goals.
+
+    Fields:
+        local_pose: Motor ``(*, J)``; within all limits.
+        error_m: ``(*, G)`` how far each goal's point is from its place; 0 without one.
+        error_rad: ``(*, G)`` by how much each goal's turn or direction is off; 0 without one.
+        reached: ``(*, G)``, whether each is within the tolerance.
+        rounds: steps that all poses took together.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Skeleton
+    >>> from motorcade.animation.ik import Hinge, IkSolver, PoseGoal
+    >>> from motorcade.ga import Motor
+    >>> parent_T_joint = Motor.from_translation([[0, 0, 1.0], [0, 0, -0.5], [0, 0, -0.5]])
+    >>> leg = Skeleton(("hip", "knee", "ankle"), np.array([-1, 0, 1]), parent_T_joint)
+    >>> solver = IkSolver(leg, {"knee": Hinge([0, 1.0, 0], 0.0, 1.0)})
+    >>> solved = solver.solve(leg.rest, [PoseGoal("ankle", [-0.5, 0.0, 0.5])])
+    >>> print(solved.summary())  # the knee would have to bend by 90 degrees
+    ankle: 0.282 m off, held by knee (hinge, high)
+    """
+
+    local_pose: Motor
+    error_m: FloatArray
+    error_rad: FloatArray
+    reached: NDArray[np.bool_]
+    rounds: int
+    _goals: tuple[Goal, ...] = field(repr=False)
+    _presses: FloatArray = field(repr=False)  # (*, G, D, 2), as shares of what is left
+    _turning: tuple[tuple[str, bool], ...] = field(repr=False)  # names of D joints, if hinges
+
+    def held_by(self, goal: int, at: tuple[int, ...] = ()) -> tuple[HeldLimit, ...]:
+        """Limits that keep a goal from being reached; none where it is, or where bones are too
+        short.
+
+        Args:
+            goal: its number.
+            at: which pose of a batch.
+        """
+        if self.reached[at][goal]:
+            return ()
+        found = []
+        for (joint, hinge), (swing, turn) in zip(
+            self._turning, self._presses[at][goal], strict=True
+        ):
+            if swing > _HOLDS:
+                found.append(HeldLimit(joint, "swing", "edge", float(swing)))
+            if abs(turn) > _HOLDS:
+                end = "high" if turn > 0.0 else "low"
+                kind = "hinge" if hinge else "twist"
+                found.append(HeldLimit(joint, kind, end, float(abs(turn))))
+        return tuple(sorted(found, key=lambda one: -one.share))
+
+    def summary(self, at: tuple[int, ...] = ()) -> str:
+        """A line for each goal: reached, or how much it lacks and what holds it.
+
+        Args:
+            at: which pose of a batch.
+        """
+        lines = []
+        for k, goal in enumerate(self._goals):
+            if self.reached[at][k]:
+                lines.append(f"{goal.joint}: reached")
+                continue
+            lacks = [f"{self.error_m[at][k]:.3f} m"] if self.error_m[at][k] > 0.0 else []
+            if self.error_rad[at][k] > 0.0:
+                lacks.append(f"{np.degrees(self.error_rad[at][k]):.1f} deg")
+            held = [f"{one.joint} ({one.limit}, {one.end})" for one in self.held_by(k, at)]
+            why = "held by " + ", ".join(held) if held else "no limit holds it: out of reach"
+            lines.append(f"{goal.joint}: {' and '.join(lacks)} off, {why}")
+        return "\n".join(lines)
+
+
+class IkSolver:
+    """A skeleton and the joints of it that may turn. One may serve several threads.
+
+    Args:
+        skeleton: with J joints.
+        joints: how those turn that may, by name; all others keep their local poses.
+
+    Raises:
+        ValueError: no joint, or one that the skeleton lacks; a ball with limits that needs an axis.
+
+    A figure of two legs whose feet stay where they are while its hips sink:
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Skeleton
+    >>> from motorcade.animation.ik import Ball, Hinge, IkSolver, PoseGoal
+    >>> from motorcade.ga import Motor
+    >>> names = ("hips", "thigh_l", "calf_l", "foot_l", "thigh_r", "calf_r", "foot_r")
+    >>> shifts_m = [[0, 0, 0.9], [0, 0.1, 0], [0, 0, -0.45], [0, 0, -0.45]]
+    >>> shifts_m += [[0, -0.1, 0], [0, 0, -0.45], [0, 0, -0.45]]
+    >>> figure = Skeleton(
+    ...     names, np.array([-1, 0, 1, 2, 0, 4, 5]), Motor.from_translation(shifts_m)
+    ... )
+    >>> thigh, knee, ankle = Ball(1.8, (-0.6, 0.6)), Hinge([0, 1.0, 0], 0.0, 2.5), Ball()
+    >>> solver = IkSolver(figure, {
+    ...     "thigh_l": thigh, "calf_l": knee, "foot_l": ankle,
+    ...     "thigh_r": thigh, "calf_r": knee, "foot_r": ankle,
+    ... })
+    >>> feet = [PoseGoal.anchor(figure, figure.rest, name) for name in ("foot_l", "foot_r")]
+    >>> sunk = figure.rest.coefficients.copy()
+    >>> sunk[0] = Motor.from_translation([0, 0, 0.75]).coefficients
+    >>> solved = solver.solve(Motor(sunk), feet)
+    >>> solved.reached
+    array([ True,  True])
+    >>> figure.world(solved.local_pose).translation_m[3].round(6) + 0.0
+    array([0. , 0.1, 0. ])
+    """
+
+    def __init__(self, skeleton: Skeleton, joints: Mapping[str, JointKind]) -> None:
+        if not joints:
+            raise ValueError("IkSolver(joints): expected one or more that may turn, got none")
+        self.skeleton = skeleton
+        numbers = sorted(skeleton.index(name) for name in joints)
+        names = [skeleton.names[k] for k in numbers]
+        rows = [joints[name].row(name, _bone(skeleton, skeleton.index(name))) for name in names]
+        self._turning = tuple((name, isinstance(joints[name], Hinge)) for name in names)
+        self._solver = _ik.Solver(
+            np.ascontiguousarray(skeleton.parents),
+            np.ascontiguousarray(skeleton.rest.coefficients, dtype=np.float64),
+            np.array([kind for kind, *_ in rows], dtype=np.int64),
+            np.array(numbers, dtype=np.int64),
+            np.stack([axes for _, axes, _ in rows]),
+            np.stack([limits for *_, limits in rows]),
+        )
+        self._led = _below(skeleton, numbers)
+
+    @property
+    def size_m(self) -> float:
+        """The figure's longest chain of bones, which counts as much as a radian."""
+        return self._solver.size_m
+
+    def solve(
+        self,
+        local_pose: Motor,
+        goals: Sequence[Goal],
+        *,
+        restarts: int = 4,
+        tolerance: float = 1e-6,
+    ) -> IkSolution:
+        """A pose near a given one that brings joints to goals, as nearly as limits let it.
+
+        The same input gives the same bytes. To follow a target that moves, start each frame from
+        the pose of the last and set `restarts` to 0: then the pose goes on without jumps, where
+        other poses are tried it may leap to a better one.
+
+        Args:
+            local_pose: Motor ``(*, J)`` from which the search starts; it is first brought within
+                the limits.
+            goals: one or more, with targets ``(*)`` that broadcast with the poses.
+            restarts: how many other poses are tried where goals stay unreached.
+            tolerance: what counts as reached: a share of `size_m`, and radians.
+
+        Raises:
+            ValueError: no goal, one for a joint that no joint that may turn leads to, shapes that
+                do not fit, a number of restarts below 0, a tolerance that is not above 0.
+
+        It breaks down, as all local searches do, where the way to a goal leads through poses that
+        are worse: then it says that the goal is not reached.
+        """
+        if local_pose.shape[-1:] != (len(self.skeleton),):
+            raise ValueError(
+                f"solve(local_pose): expected shape (*, {len(self.skeleton)}), got "
+                f"{local_pose.shape}"
+            )
+        if restarts < 0 or not tolerance > 0.0:
+            raise ValueError(
+                "solve(restarts, tolerance): expected 0 or more and a number above 0, got "
+                f"{restarts}, {tolerance}"
+            )
+        aims, marks, targets, owners = self._rows(goals)
+        batch = np.broadcast_shapes(local_pose.shape[:-1], *(one.shape[:-1] for one in targets))
+        wanted = np.empty((*batch, len(aims), 7))
+        for k, target in enumerate(targets):
+            wanted[..., k, :] = target
+        count, rows, size = int(np.prod(batch)), len(aims), len(self.skeleton)
+        start = np.broadcast_to(local_pose.coefficients, (*batch, size, 8))
+        poses, residuals = np.empty((count, size, 8)), np.empty((count, rows, 3))
+        presses = np.empty((count, rows, len(self._turning), 2))
+        rounds = self._solver.solve(
+            np.ascontiguousarray(start, dtype=np.float64).reshape(-1, size, 8),
+            aims, marks, wanted.reshape(-1, rows, 7), tolerance, restarts,
+            poses, residuals, presses,
+        )  # fmt: skip
+        left = np.sqrt(np.einsum("brk,brk->br", residuals, residuals))
+        places = aims[:, 0] == 0
+        scaled = np.where(places, left / self.size_m, left)
+        error_m, error_rad, reached, shares = _by_goal(
+            left, scaled, places, presses, marks[:, 6], owners, tolerance
+        )
+        goals_shape = (*batch, len(goals))
+        return IkSolution(
+            Motor(poses.reshape(*batch, size, 8)),
+            error_m.reshape(goals_shape),
+            error_rad.reshape(goals_shape),
+            reached.reshape(goals_shape),
+            rounds,
+            tuple(goals),
+            shares.reshape(*goals_shape, *shares.shape[2:]),
+            self._turning,
+        )
+
+    def _rows(
+        self, goals: Sequence[Goal]
+    ) -> tuple[IntArray, FloatArray, list[FloatArray], list[list[int]]]:
+        """What the compiled solver takes, and which of its rows are each goal's."""
+        if not goals:
+            raise ValueError("solve(goals): expected one or more, got none")
+        aims: list[tuple[int, int]] = []
+        marks: list[Any] = []
+        targets, owners = [], []
+        for goal in goals:
+            joint = self.skeleton.index(goal.joint)
+            if not self._led[joint]:
+                raise ValueError(
+                    f"solve(goals): expected '{goal.joint}' to be, or to hang on, a joint that may "
+                    f"turn; those are {[name for name, _ in self._turning]}"
+                )
+            made = goal.rows()
+            owners.append(list(range(len(aims), len(aims) + len(made))))
+            for aim, point, axis, target in made:
+                aims.append((aim, joint))
+                marks.append([*point, *axis, goal.weight])
+                targets.append(target)
+        return np.array(aims, dtype=np.int64), np.array(marks), targets, owners
+
+
+def _by_goal(
+    left: FloatArray,
+    scaled: FloatArray,
+    places: NDArray[np.bool_],
+    presses: FloatArray,
+    weights: FloatArray,
+    owners: list[list[int]],
+    tolerance: float,
+) -> tuple[FloatArray, FloatArray, NDArray[np.bool_], FloatArray]:
+    """Errors in metres and radians, whether reached, and presses as shares, a goal each."""
+    size = np.maximum(scaled, 1e-300)[..., None, None] * (weights**2)[:, None, None]
+    shares = presses / size
+    error_m, error_rad, reached, held = [], [], [], []
+    for rows in owners:
+        of_place = [k for k in rows if places[k]]
+        of_turn = [k for k in rows if not places[k]]
+        zero = np.zeros(len(left))
+        error_m.append(left[:, of_place[0]] if of_place else zero)
+        error_rad.append(left[:, of_turn[0]] if of_turn else zero)
+        reached.append(np.all(scaled[:, rows] <= tolerance * (1.0 + 1e-9), axis=1))
+        late = np.where(scaled[:, rows] > tolerance, 1.0, 0.0)[..., None, None]
+        held.append(np.sum(shares[:, rows] * late, axis=1))
+    return (
+        np.stack(error_m, axis=1),
+        np.stack(error_rad, axis=1),
+        np.stack(reached, axis=1),
+        np.stack(held, axis=1),
+    )
+
+
+def _bone(skeleton: Skeleton, joint: int) -> FloatArray:
+    """From a joint to its only child, in its own frame; zero where it has none or several."""
+    children = np.flatnonzero(skeleton.parents == joint)
+    if len(children) != 1:
+        return np.zeros(3)
+    return np.asarray(skeleton.rest[int(children[0])].translation_m, dtype=np.float64)
+
+
+def _below(skeleton: Skeleton, numbers: Sequence[int]) -> list[bool]:
+    """Of each joint, whether it is, or hangs on, one of those."""
+    made: list[bool] = []
+    for joint, parent in enumerate(skeleton.parents):
+        made.append(joint in numbers or (parent >= 0 and made[parent]))
+    return made
