@@ -1,13 +1,16 @@
 // Covariance of S derivatives (pose, velocity, acceleration) of N components that couple: rows and
 // columns in S blocks of N. Of uncoupled components N is 1, and the same matrix serves for each.
+// What takes long is compiled for the processor at hand.
 
 #pragma once
 
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "lanes.h"
+#include "support.h"
 #include "vectors.h"
 
 namespace motorcade::smooth {
@@ -25,52 +28,64 @@ MOTORCADE_INLINE Square<N> product(const Square<N> &a, const Square<N> &b) {
     return made;
 }
 
-// The upper factor U of a symmetric positive definite matrix Uᵀ U, its diagonal inverted; row by
-// row, and whole rows, what is left of the diagonal meaning nothing.
-template <std::size_t N> struct Cholesky {
+// Loops over the rows of a matrix, laid out as a whole.
+#define MOTORCADE_ROWS _Pragma("GCC unroll 12")
+
+// The factors Uᵀ D U of a symmetric positive definite matrix, U of unit diagonal and D inverted;
+// row by row, and whole rows, what is left of the diagonal meaning nothing. No root is taken: each
+// row waits for the one before. Of a matrix that is not positive definite, all that is solved is
+// NaN.
+template <std::size_t N> struct Factored {
     Square<N> upper;
+    Vector<N> inverse;
     double determinant = 1.0;
 
-    MOTORCADE_INLINE explicit Cholesky(const Square<N> &a) {
+    MOTORCADE_INLINE explicit Factored(const Square<N> &a) {
+        Square<N> pivots;
+        MOTORCADE_ROWS
         for (std::size_t k = 0; k < N; ++k) {
             LaneRow<N> row(a[k].data());
-            for (std::size_t m = 0; m < k; ++m) row.subtract(upper[m][k], upper[m].data());
+            MOTORCADE_ROWS
+            for (std::size_t m = 0; m < k; ++m) row.subtract(upper[m][k], pivots[m].data());
+            row.write(pivots[k].data());
+            const double pivot = pivots[k][k];
+            determinant *= pivot;
+            inverse[k] = pivot > 0.0 ? 1.0 / pivot : std::numeric_limits<double>::quiet_NaN();
+            row.scale(inverse[k]);
             row.write(upper[k].data());
-            determinant *= upper[k][k];
-            const double inverse = 1.0 / std::sqrt(upper[k][k]);
-            row.scale(inverse);
-            row.write(upper[k].data());
-            upper[k][k] = inverse;
         }
     }
 
     // a⁻¹ times N rows of M numbers, in place.
     template <std::size_t M>
     MOTORCADE_INLINE void solve(std::array<std::array<double, M>, N> &rows) const {
-        for (std::size_t i = 0; i < N; ++i) {
+        for (std::size_t i = 1; i < N; ++i) {
             LaneRow<M> row(rows[i].data());
             for (std::size_t k = 0; k < i; ++k) row.subtract(upper[k][i], rows[k].data());
-            row.scale(upper[i][i]);
             row.write(rows[i].data());
         }
         for (std::size_t i = N; i-- > 0;) {
             LaneRow<M> row(rows[i].data());
-            for (std::size_t k = i + 1; k < N; ++k) row.subtract(upper[i][k], rows[k].data());
-            row.scale(upper[i][i]);
+            row.scale(inverse[i]);
+            for (std::size_t k = N; k-- > i + 1;) row.subtract(upper[i][k], rows[k].data());
             row.write(rows[i].data());
         }
     }
 
-    MOTORCADE_INLINE Vector<N> solved(Vector<N> right) const {
+    MOTORCADE_INLINE Vector<N> solved(const Vector<N> &right) const {
+        Vector<N> made = right;
+        MOTORCADE_ROWS
         for (std::size_t k = 0; k < N; ++k) {
-            right[k] *= upper[k][k];
-            for (std::size_t i = k + 1; i < N; ++i) right[i] -= upper[k][i] * right[k];
+            MOTORCADE_ROWS
+            for (std::size_t i = k + 1; i < N; ++i) made[i] -= upper[k][i] * made[k];
         }
-        for (std::size_t i = N; i-- > 0;) {
-            for (std::size_t k = i + 1; k < N; ++k) right[i] -= upper[i][k] * right[k];
-            right[i] *= upper[i][i];
+        for (std::size_t i = 0; i < N; ++i) made[i] *= inverse[i];
+        MOTORCADE_ROWS
+        for (std::size_t k = N - 1; k > 0; --k) {
+            MOTORCADE_ROWS
+            for (std::size_t i = 0; i < k; ++i) made[i] -= upper[i][k] * made[k];
         }
-        return right;
+        return made;
     }
 };
 
@@ -101,7 +116,7 @@ template <std::size_t N, std::size_t S> struct Covariance {
 
     // F p Fᵀ with F = turn · drift · turn: the pose part is turned, all is drifted by dt, turned
     // again.
-    [[gnu::noinline]] void propagate(const Square<N> &turn, double dt) {
+    MOTORCADE_SIMD void propagate(const Square<N> &turn, double dt) {
         turned(turn);
         drifted(dt);
         turned(turn);
@@ -119,26 +134,25 @@ template <std::size_t N, std::size_t S> struct Covariance {
     // and the factor of the innovation's covariance. What a wide prior would cancel is multiplied.
     struct Gain {
         std::array<std::array<double, ALL>, N> rows;
-        Cholesky<N> factor;
+        Factored<N> factor;
 
+        MOTORCADE_INLINE explicit Gain(const Square<N> &sum) : factor(sum) {}
         double of(std::size_t i, const Vector<N> &innovation) const {
             double total = 0.0;
             for (std::size_t c = 0; c < N; ++c) total += rows[c][i] * innovation[c];
             return total;
         }
     };
-    [[gnu::noinline]] Gain measured(const Vector<N> &variances) {
-        std::array<std::array<double, ALL>, N> seen;
+    MOTORCADE_SIMD Gain measured(const Vector<N> &variances) {
         Square<N> sum;
-        for (std::size_t c = 0; c < N; ++c) {
-            seen[c] = p[c];
+        for (std::size_t c = 0; c < N; ++c)
             for (std::size_t k = 0; k < N; ++k) sum[c][k] = p[c][k] + (c == k ? variances[c] : 0.0);
-        }
-        Gain gain{seen, Cholesky<N>(sum)};
+        Gain gain(sum);
+        for (std::size_t c = 0; c < N; ++c) gain.rows[c] = p[c];
         gain.factor.solve(gain.rows);
         for (std::size_t i = N; i < ALL; ++i) {
             LaneRow<ALL - N> row(&p[i][N]);
-            for (std::size_t c = 0; c < N; ++c) row.subtract(seen[c][i], &gain.rows[c][N]);
+            for (std::size_t c = 0; c < N; ++c) row.subtract(p[c][i], &gain.rows[c][N]);
             row.write(&p[i][N]);
         }
         for (std::size_t c = 0; c < N; ++c) {
@@ -153,10 +167,12 @@ template <std::size_t N, std::size_t S> struct Covariance {
         return gain;
     }
 
+    MOTORCADE_SIMD Factored<ALL> factored() const { return Factored<ALL>(p); }
+
     // Q p⁻¹, p being factored: of a residual behind a prediction `p` with that noise, how much is
     // the noise's.
-    [[gnu::noinline]] Square<ALL> noise_share(const Cholesky<ALL> &factor,
-                                              const Vector<N> &densities, double dt) const {
+    MOTORCADE_SIMD Square<ALL> noise_share(const Factored<ALL> &factor, const Vector<N> &densities,
+                                           double dt) const {
         Square<ALL> inverse{};
         for (std::size_t i = 0; i < ALL; ++i) inverse[i][i] = 1.0;
         factor.solve(inverse);
@@ -164,9 +180,8 @@ template <std::size_t N, std::size_t S> struct Covariance {
     }
 
     // The same times a residual.
-    [[gnu::noinline]] Vector<ALL> noise_share(const Cholesky<ALL> &factor,
-                                              const Vector<N> &densities, double dt,
-                                              const Vector<ALL> &of) const {
+    MOTORCADE_SIMD Vector<ALL> noise_share(const Factored<ALL> &factor, const Vector<N> &densities,
+                                           double dt, const Vector<ALL> &of) const {
         const auto weighed = factor.solved(of);
         std::array<std::array<double, 1>, ALL> rows;
         for (std::size_t i = 0; i < ALL; ++i) rows[i][0] = weighed[i];
@@ -178,9 +193,9 @@ template <std::size_t N, std::size_t S> struct Covariance {
 
     // p Fᵀ predicted⁻¹ times a residual: what the filtered state gains from one behind its
     // prediction.
-    [[gnu::noinline]] Vector<ALL> gained(const Covariance &predicted, const Square<N> &turn,
-                                         double dt, const Vector<ALL> &residual) const {
-        auto way = Cholesky<ALL>(predicted.p).solved(residual);
+    MOTORCADE_SIMD Vector<ALL> gained(const Covariance &predicted, const Square<N> &turn, double dt,
+                                      const Vector<ALL> &residual) const {
+        auto way = Factored<ALL>(predicted.p).solved(residual);
         const auto turn_back = [&] {
             Vector<N> first{};
             for (std::size_t k = 0; k < N; ++k)
@@ -200,8 +215,8 @@ template <std::size_t N, std::size_t S> struct Covariance {
 
     // The covariance before a prediction from the smoothed one behind it: with K = 1 - share, p
     // becomes F⁻¹ (K p Kᵀ + K Q) F⁻ᵀ, with the inverse step's `turn`.
-    [[gnu::noinline]] void rts_step(const Square<ALL> &share, const Vector<N> &densities,
-                                    const Square<N> &turn, double dt) {
+    MOTORCADE_SIMD void rts_step(const Square<ALL> &share, const Vector<N> &densities,
+                                 const Square<N> &turn, double dt) {
         Square<ALL> known, flipped;
         for (std::size_t i = 0; i < ALL; ++i)
             for (std::size_t j = 0; j < ALL; ++j) {
@@ -235,18 +250,22 @@ private:
         if constexpr (N > 1) {
             std::array<std::array<double, ALL>, N> rows;
             Square<N> across;
+            MOTORCADE_ROWS
             for (std::size_t i = 0; i < N; ++i) {
                 LaneRow<ALL> row;
+                MOTORCADE_ROWS
                 for (std::size_t k = 0; k < N; ++k) row.add(turn[i][k], p[k].data());
                 row.write(rows[i].data());
                 for (std::size_t k = 0; k < N; ++k) across[k][i] = turn[i][k];
             }
             for (std::size_t i = 0; i < N; ++i) {
                 LaneRow<N> first;
+                MOTORCADE_ROWS
                 for (std::size_t k = 0; k < N; ++k) first.add(rows[i][k], across[k].data());
                 first.write(p[i].data());
-                for (std::size_t j = N; j < ALL; ++j) p[i][j] = p[j][i] = rows[i][j];
             }
+            for (std::size_t i = 0; i < N; ++i)
+                for (std::size_t j = N; j < ALL; ++j) p[i][j] = p[j][i] = rows[i][j];
         }
     }
 

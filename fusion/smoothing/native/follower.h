@@ -174,7 +174,7 @@ private:
     static Square<S> smoother_gain(const Square<S> &p, const Square<S> &predicted, double dt) {
         Square<S> turned = p;
         drift_columns(turned, dt);
-        const Cholesky<S> factor(predicted);
+        const Factored<S> factor(predicted);
         Square<S> gain{};
         for (std::size_t i = 0; i < S; ++i) gain[i] = factor.solved(turned[i]);
         return gain;

@@ -159,7 +159,7 @@ public:
         each_group(predicted, [&]<std::size_t N>(const Covariance<N, S> &covariance,
                                                  std::size_t first, std::size_t end) {
             const auto noise = process<N>(first);
-            const Cholesky<N * S> factor(covariance.p);
+            const Factored<N *S> factor = covariance.factored();
             for (std::size_t at = first; at < end; at += N) {
                 const auto part =
                     covariance.noise_share(factor, noise, dt, gathered<N>(residual, at));

@@ -149,15 +149,18 @@ public:
         std::vector<Spread> predicted(STRETCH);
         for (std::size_t mark = marks.size(); mark-- > 0;) {
             const std::size_t first = mark * STRETCH, last = std::min(first + STRETCH, count_ - 1);
-            Spread spread = marks[mark];
             for (std::size_t k = first; k < last; ++k) {
+                Spread &spread = predicted[k - first];
+                spread = k == first ? marks[mark] : predicted[k - 1 - first];
+                if (k > first) measure(spread, k);
                 filter_.predict(spread, means[k], interval(k));
-                predicted[k - first] = spread;
-                spread = measured(spread, k + 1);
             }
             for (std::size_t k = last; k-- > first;) {
                 const auto filtered = [&] {
-                    return k == first ? marks[mark] : measured(predicted[k - 1 - first], k);
+                    if (k == first) return marks[mark];
+                    Spread spread = predicted[k - 1 - first];
+                    measure(spread, k);
+                    return spread;
                 };
                 later = filter_.template smoothed<WITH_COVARIANCE>(means[k], predicted[k - first],
                                                                    filtered, later, interval(k));
@@ -173,10 +176,9 @@ private:
     using Spread = typename Filter::Spread;
     static constexpr std::size_t STRETCH = 64;
 
-    Spread measured(Spread spread, std::size_t k) {
+    void measure(Spread &spread, std::size_t k) {
         filter_.measured_with(noise_.row(k));
         filter_.measure(spread);
-        return spread;
     }
 
     double interval(std::size_t k) const {
