@@ -2,7 +2,7 @@
 
 The program runs without a shell, in a folder of its own, within limits of time, memory and size;
 its node names and numbers are taken as they come. FBX states its unit in centimetres, which the
-program drops: it is read from the file here.
+program drops: it is read from the file here. Pictures are looked for beside the file.
 """
 
 from __future__ import annotations
@@ -16,10 +16,14 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from motorcade.animation.formats.errors import FormatError, shown
 from motorcade.animation.formats.gltf import read_gltf
+from motorcade.animation.formats.images import colors_at_vertices
 from motorcade.animation.formats.limits import MAX_FILE_BYTES, read_bounded
-from motorcade.animation.formats.rig.values import Rig
+from motorcade.animation.formats.rig.values import Rig, RigSurface
+from motorcade.animation.srgb import to_linear
 from motorcade.ga.files import off_record
 
 TIME_LIMIT_S = 60.0
@@ -50,13 +54,31 @@ def read_fbx(path: Path) -> Rig:
         given.write_bytes(data)
         _export(program, given, made)
         with off_record():
-            rig = read_gltf(made)
+            rig = read_gltf(made, pictures=path.parent)
+    rig = replace(rig, surfaces=tuple(_linear(one) for one in rig.surfaces))
     unit_m = _unit_m(data)
     if unit_m is not None:
         rig = replace(rig, unit_m=unit_m, unit_checked=False)
     return replace(
         rig, clips=tuple(replace(clip, name=clip.name or path.stem) for clip in rig.clips)
     )
+
+
+def _linear(surface: RigSurface) -> RigSurface:
+    """The surface with its colours in linear light: FBX has sRGB, which the program copies."""
+    given = surface.material
+    if given is None:
+        return surface
+    color = to_linear(np.clip(np.array(given.base_color[:3]), 0.0, 1.0))
+    glow = to_linear(np.clip(np.array(given.emission), 0.0, 1.0))
+    material = replace(
+        given,
+        base_color=(*color.tolist(), given.base_color[3]),
+        emission=tuple(glow.tolist()),
+    )
+    tints, count = surface.vertex_colors, len(surface.vertices)
+    colors = colors_at_vertices(material, surface.coordinates, tints, count)
+    return replace(surface, material=material, colors=colors)
 
 
 def _export(program: str, given: Path, made: Path) -> None:

@@ -17,10 +17,13 @@ from numpy.typing import NDArray
 
 from motorcade.animation.formats.errors import FormatError, shown
 from motorcade.animation.formats.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
+from motorcade.animation.srgb import to_linear, to_srgb
 from motorcade.ga.arrays import FloatArray
 
 if TYPE_CHECKING:
     from PIL.Image import Image
+
+    from motorcade.animation.appearance import Material
 
 FORMATS = ("PNG", "JPEG", "WEBP", "TGA", "BMP")
 STRIP_PIXELS = 1 << 20
@@ -143,3 +146,24 @@ class Textures:
                 f"expected at most {self._pixels_left} more pixels, got {width} x {height}"
             )
         self._pixels_left -= width * height
+
+
+def colors_at_vertices(
+    material: Material,
+    coordinates: tuple[NDArray[np.float32], ...],
+    vertex_colors: FloatArray | None,
+    count: int,
+) -> FloatArray:
+    """Colours (V, 3), sRGB, for renderers that sample no textures.
+
+    Vertex colours (V, 4), the base colour and its picture are multiplied in linear light.
+    """
+    linear = np.repeat(np.clip(np.array([material.base_color[:3]]), 0.0, 1.0), count, axis=0)
+    if vertex_colors is not None:
+        linear *= vertex_colors[:, :3]
+    base = material.base_map
+    if base is not None and base.coordinate_set < len(coordinates):
+        turned = np.array(base.transform)
+        uv = coordinates[base.coordinate_set] @ turned[:, :2].T + turned[:, 2]
+        linear *= to_linear(Texture(base.pixels).at(uv))
+    return to_srgb(linear)

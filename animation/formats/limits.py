@@ -11,7 +11,7 @@ from urllib.parse import unquote
 
 from motorcade.animation.formats.errors import FormatError, expected, shown
 from motorcade.ga import files
-from motorcade.ga.files import UNSETTLED, FileError, put_on_record
+from motorcade.ga.files import UNSETTLED, FileError, is_there, put_on_record
 
 MAX_FILE_BYTES = 256 << 20
 MAX_TEXT_BYTES = 64 << 20
@@ -30,8 +30,8 @@ MAX_IMAGE_PIXELS = 64 << 20
 """Pixels of all textures of a file together, broken ones too."""
 MAX_IMAGE_BYTES = 512 << 20
 """Bytes of the files of all these."""
-MAX_MORPHS = 4096
-"""Morph targets of all surfaces together."""
+MAX_MORPHS = 32_768
+"""Morph targets of all surfaces together, those of each of their materials counted apart."""
 
 
 def read_bounded(path: Path, limit_bytes: int = MAX_FILE_BYTES) -> bytes:
@@ -65,6 +65,24 @@ def beside(folder: Path, uri: str, field: str) -> Path:
             put_on_record({named: UNSETTLED})
         raise expected(field, "a file inside the folder of this one", uri)
     return named
+
+
+def picture_beside(folder: Path, uri: str, field: str) -> Path:
+    """The picture that an address names, inside `folder` or below.
+
+    Programs write paths of the machine they ran on: where an address leads elsewhere, or to
+    nothing, the file of the same name in the folder itself is meant.
+
+    Raises:
+        FormatError: no name that a file beside this one may have.
+    """
+    try:
+        named = beside(folder, uri, field)
+    except FormatError:
+        named = folder  # which is no regular file
+    if is_there(named):
+        return named
+    return beside(folder, unquote(uri).replace("\\", "/").rpartition("/")[2], field)
 
 
 def check_count(field: str, count: int, limit: int) -> int:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import replace
 
-from motorcade.animation.formats.collada.geometry import (
-    ColladaMaterials,
-    PolygonGroup,
-    read_geometry,
-)
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.animation.formats.collada.geometry import PolygonGroup, read_geometry
 from motorcade.animation.formats.collada.library import (
     Element,
     Library,
@@ -16,10 +15,13 @@ from motorcade.animation.formats.collada.library import (
     matrices_of,
     number,
 )
+from motorcade.animation.formats.collada.materials import ColladaMaterials
 from motorcade.animation.formats.collada.scene import ColladaScene
 from motorcade.animation.formats.errors import expected
+from motorcade.animation.formats.images import colors_at_vertices
 from motorcade.animation.formats.limits import MAX_VERTICES, check_count
 from motorcade.animation.formats.rig.values import RigSurface, Skin
+from motorcade.animation.srgb import to_linear
 from motorcade.ga.arrays import FloatArray, IntArray
 
 MOST_INFLUENCES = 64
@@ -86,17 +88,32 @@ class Controllers:
         parts, notices = self._parts(geometry)
         self.notices += notices
         name = (geometry.get("name") or geometry.get("id"))[:60]
-        return [
-            RigSurface(
-                name,
-                node,
-                part.vertices,
-                part.normals,
-                part.triangles,
-                self._materials.colors(part, instance),
-            )
-            for part in parts
-        ]
+        return [self._surface(part, instance, node, name) for part in parts]
+
+    def _surface(self, part: PolygonGroup, instance: Element, node: int, name: str) -> RigSurface:
+        """A part of a mesh with its looks; coordinates go down from the upper left corner."""
+        count = len(part.vertices)
+        material = self._materials.material(part.material, instance)
+        coordinates: tuple[NDArray[np.float32], ...] = ()
+        if part.uv is not None and np.abs(part.uv).max(initial=0.0) <= 1e6:
+            coordinates = ((part.uv * (1.0, -1.0) + (0.0, 1.0)).astype(np.float32),)
+        tints = None
+        if part.colors is not None:
+            tints = np.column_stack([to_linear(np.clip(part.colors, 0.0, 1.0)), np.ones(count)])
+            material = replace(material, base_color=(1.0, 1.0, 1.0, material.base_color[3]))
+        if material.maps and not coordinates:
+            material = replace(material, base_map=None, emission_map=None)
+        return RigSurface(
+            name,
+            node,
+            part.vertices,
+            part.normals,
+            part.triangles,
+            colors_at_vertices(material, coordinates, tints, count),
+            material=material,
+            coordinates=coordinates,
+            vertex_colors=tints,
+        )
 
     def _skinned(
         self, element: Element, instance: Element, node: int
@@ -124,18 +141,9 @@ class Controllers:
         numbers: IntArray,
         weights: FloatArray,
     ) -> RigSurface:
+        bare = self._surface(part, instance, node, name)
         held = part.positions
-        return RigSurface(
-            name,
-            node,
-            part.vertices,
-            part.normals,
-            part.triangles,
-            self._materials.colors(part, instance),
-            skin,
-            numbers[held],
-            weights[held],
-        )
+        return replace(bare, skin=skin, influences=numbers[held], weights=weights[held])
 
     def _skin(self, element: Element, name: str) -> Skin:
         """Joints and inverse bind matrices, with the bind shape of the mesh folded in."""

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from motorcade.animation.formats.collada.animations import read_clip
 from motorcade.animation.formats.collada.controllers import Controllers
-from motorcade.animation.formats.collada.geometry import ColladaMaterials
 from motorcade.animation.formats.collada.library import Library, parse_xml
+from motorcade.animation.formats.collada.materials import ColladaMaterials
 from motorcade.animation.formats.collada.scene import read_scene
 from motorcade.animation.formats.errors import expected
 from motorcade.animation.formats.limits import MAX_TEXT_BYTES, read_bounded

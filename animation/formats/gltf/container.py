@@ -22,6 +22,7 @@ MAGIC = b"glTF"
 JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 UNDERSTOOD = {
     "EXT_texture_webp",
+    "FB_ngon_encoding",
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
@@ -99,12 +100,16 @@ class Document:
         root: the JSON document.
         buffers: the bytes of each buffer.
         folder: where files that it names are looked for.
+        pictures: where pictures are looked for whatever folder they are said to be in, if another.
     """
 
-    def __init__(self, root: dict[str, Any], buffers: list[bytes], folder: Path) -> None:
+    def __init__(
+        self, root: dict[str, Any], buffers: list[bytes], folder: Path, pictures: Path | None = None
+    ) -> None:
         self.root = root
         self.buffers = buffers
         self.folder = folder
+        self.pictures = pictures
 
     def entries(self, name: str) -> list[Any]:
         """A list of the document; empty where it is missing."""
@@ -117,7 +122,7 @@ class Document:
         return table(entries[number], f"{name}[{number}]")
 
 
-def open_gltf(path: Path) -> Document:
+def open_gltf(path: Path, pictures: Path | None = None) -> Document:
     """Read a `.glb` or `.gltf` with its buffers.
 
     Raises:
@@ -145,7 +150,7 @@ def open_gltf(path: Path) -> Document:
     for name in listed(root.get("extensionsRequired", []), "extensionsRequired"):
         _check_required(text(name, "extensionsRequired"))
     folder = path.parent
-    return Document(root, _buffers(root, binary, folder), folder)
+    return Document(root, _buffers(root, binary, folder), folder, pictures)
 
 
 def _check_required(name: str) -> None:
@@ -221,7 +226,11 @@ def load(uri: str, folder: Path, field: str) -> bytes:
     """Bytes behind an address: embedded, or in a file of the same folder."""
     if uri.startswith("data:"):
         return _embedded(uri, field)
-    named = beside(folder, uri, field)
+    return load_file(beside(folder, uri, field), field)
+
+
+def load_file(named: Path, field: str) -> bytes:
+    """Bytes of a file that a document names."""
     try:
         return read_bounded(named)
     except FormatError as fault:

@@ -18,19 +18,21 @@ from motorcade.animation.appearance import MOST_SETS, AlphaMode, Material, Textu
 from motorcade.animation.formats.errors import expected, shown
 from motorcade.animation.formats.gltf.accessors import Accessors
 from motorcade.animation.formats.gltf.container import (
+    OF_MATERIALS,
     UNDERSTOOD,
     Document,
     boolean,
     floats,
     integer,
     load,
+    load_file,
     number,
     table,
     text,
 )
 from motorcade.animation.formats.gltf.vrm import CARTOON, NEW, OLD, SPRINGS, has_cartoon_looks
 from motorcade.animation.formats.images import Texture, Textures
-from motorcade.animation.srgb import to_linear, to_srgb
+from motorcade.animation.formats.limits import picture_beside
 from motorcade.ga.arrays import FloatArray
 
 PLAIN = 0.6
@@ -74,7 +76,12 @@ class GltfMaterials:
             lost = shown(", ".join(sorted(self._plainer)), 400)
             notices.append(f"materials are drawn without {lost}")
         used = {str(one)[:60] for one in self._document.entries("extensionsUsed")}
-        unread = sorted(used - UNDERSTOOD - DRAWN - self._plainer - {OLD, NEW, SPRINGS})
+        unread = sorted(
+            name
+            for name in used - UNDERSTOOD - {OLD, NEW, SPRINGS}
+            if not name.startswith(OF_MATERIALS)
+            if name not in self._plainer  # of materials too, which are named there
+        )
         if unread:
             notices.append(f"extensions that are not read: {shown(', '.join(unread), 400)}")
         return notices
@@ -118,24 +125,6 @@ class GltfMaterials:
         made = np.ones((count, 4))
         made[:, : values.shape[1]] = np.clip(values, 0.0, 1.0)
         return made
-
-    def colors(
-        self,
-        material: Material,
-        coordinates: tuple[NDArray[np.float32], ...],
-        vertex_colors: FloatArray | None,
-        count: int,
-    ) -> FloatArray:
-        """Colours (V, 3), sRGB, at the vertices."""
-        linear = np.repeat(np.clip(np.array([material.base_color[:3]]), 0.0, 1.0), count, axis=0)
-        if vertex_colors is not None:
-            linear *= vertex_colors[:, :3]
-        base = material.base_map
-        if base is not None and base.coordinate_set < len(coordinates):
-            turned = np.array(base.transform)
-            uv = coordinates[base.coordinate_set] @ turned[:, :2].T + turned[:, 2]
-            linear *= to_linear(Texture(base.pixels).at(uv))
-        return to_srgb(linear)
 
     def _material(self, given: dict[str, Any]) -> Material:
         name = str(given.get("name", ""))[:100]
@@ -233,7 +222,10 @@ class GltfMaterials:
 
     def _bytes(self, image: dict[str, Any], field: str) -> bytes:
         if "uri" in image:
-            return load(text(image["uri"], f"{field}.uri"), self._document.folder, f"{field}.uri")
+            uri, place = text(image["uri"], f"{field}.uri"), self._document.pictures
+            if place is not None and not uri.startswith("data:"):
+                return load_file(picture_beside(place, uri, f"{field}.uri"), f"{field}.uri")
+            return load(uri, self._document.folder, f"{field}.uri")
         view = self._document.entry("bufferViews", image.get("bufferView"), f"{field}.bufferView")
         buffers = self._document.buffers
         data = buffers[integer(view.get("buffer"), f"{field}.buffer", 0, len(buffers) - 1)]

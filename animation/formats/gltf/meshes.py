@@ -13,6 +13,7 @@ from motorcade.animation.formats.gltf.accessors import Accessors
 from motorcade.animation.formats.gltf.container import Document, floats, integer, listed, table
 from motorcade.animation.formats.gltf.materials import GltfMaterials
 from motorcade.animation.formats.gltf.nodes import Nodes, nodes_of_scene
+from motorcade.animation.formats.images import colors_at_vertices
 from motorcade.animation.formats.limits import (
     MAX_MORPHS,
     MAX_VALUES,
@@ -153,7 +154,7 @@ class Meshes:
             vertices,
             normals,
             triangles,
-            self._materials.colors(material, coordinates, tints, count),
+            colors_at_vertices(material, coordinates, tints, count),
             material=self._placed(material, len(coordinates)),
             coordinates=coordinates,
             vertex_colors=tints,

@@ -18,14 +18,14 @@ KEEPS_UNITS = "Open Asset Import Library"
 """A generator that copies numbers from files in other units without converting them."""
 
 
-def read_gltf(path: Path) -> Rig:
-    """Read a `.glb`, `.gltf` or `.vrm`.
+def read_gltf(path: Path, *, pictures: Path | None = None) -> Rig:
+    """Read a `.glb`, `.gltf` or `.vrm`; its pictures may lie in another folder, below any name.
 
     Raises:
         FormatError: see `open_gltf`, `read_humanoid`, `read_nodes`, `Meshes.surfaces`,
             `read_animations`.
     """
-    document = open_gltf(path)
+    document = open_gltf(path, pictures)
     accessors = Accessors(document)
     humanoid = read_humanoid(document)
     nodes = read_nodes(document, {} if humanoid is None else humanoid.bones)
