@@ -23,6 +23,7 @@ from motorcade.render.scene import DepthArray, ImageArray, Layer
 BLUR_SAMPLES = 7
 SHADES = 4097
 """Shares of light that are told apart: less than a byte each."""
+LUMA = np.array([0.2126, 0.7152, 0.0722], np.float32)
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,21 @@ def blended(layers: list[Layer]) -> Layer:
     nearest = np.min(np.where(depths > 0.0, depths, np.inf), axis=0)
     depth = np.where(middle > 0.0, middle, np.where(np.isfinite(nearest), nearest, 0.0))
     return Layer(np.rint(rgba).astype(np.uint8), depth.astype(np.float32))
+
+
+def greyed(layer: Layer) -> Layer:
+    """A layer as a camera without colour takes it (luma of Rec. 709, on the stored values)."""
+    rgba = layer.rgba.copy()
+    rgba[..., :3] = (layer.rgba[..., :3] @ LUMA)[..., None]
+    return Layer(rgba, layer.depth_m)
+
+
+def is_grey(frame: ImageArray) -> bool:
+    """Whether a picture (h, w) or (h, w, 3) has no colour; told by every fourth row and column."""
+    if frame.ndim == 2:
+        return True
+    some = frame[::4, ::4]
+    return bool(np.array_equal(some[..., 0], some[..., 1]) and np.array_equal(*some.T[1:]))
 
 
 def exposed(layer: Layer, gain: float) -> Layer:

@@ -57,6 +57,17 @@ WIDEST = 3.0
 """The pinhole picture may be this many times as wide or tall as the distorted one."""
 
 
+def can_be_drawn_for(camera: Camera | None) -> bool:
+    """Whether `LensWarp` can distort pictures as the lens of a camera does."""
+    if camera is None:
+        return False
+    try:
+        LensWarp(camera)
+    except ValueError:
+        return False
+    return True
+
+
 class LensWarp:
     """From pictures of `pinhole` to those of `camera`; a camera without distortion changes nothing.
 

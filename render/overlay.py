@@ -21,12 +21,20 @@ from motorcade.render.composite import (
     darken,
     exposed,
     frame_noise,
+    greyed,
+    is_grey,
     noisy,
     over,
 )
 from motorcade.render.figures import DrawnFigure, Performer, lit_together
 from motorcade.render.lens import LensWarp
-from motorcade.render.light import Prints, character_lighting, sun_share, sunlight_direction
+from motorcade.render.light import (
+    ExposureMeter,
+    Prints,
+    character_lighting,
+    sun_share,
+    sunlight_direction,
+)
 from motorcade.render.occluders import known_depth, raised, share_on_ground
 from motorcade.render.scene import DepthArray, ImageArray, Layer, Lighting
 from motorcade.render.shadow import (
@@ -61,6 +69,7 @@ def render_overlay(
     prints: Prints | None = None,
     ground_motion: Trajectory | None = None,
     others: Sequence[Performer] = (),
+    meter: ExposureMeter | None = None,
     renderer: RendererName = "fast",
 ) -> Iterator[ImageArray]:
     """Draw a placed character with its shadow into every frame that has a pose.
@@ -90,6 +99,7 @@ def render_overlay(
             says to where it is at that time, in the world. Before its first stamp and after its
             last it stays as it is there.
         others: further figures on the same plane.
+        meter: of the footage's exposure, which what is drawn then follows.
         renderer: that draws; see `new_renderer`.
 
     Yields:
@@ -134,7 +144,10 @@ def render_overlay(
                 )
                 for moment in np.clip(matched.moments_ns(time_ns), *span_ns)
             ]
-            yield stage.laid_over(frame, drawn, depth_m, matched, rng)
+            gain = 1.0
+            if meter is not None:
+                gain = meter.gain(frame, camera, world_T_camera.motors_at(time_ns))
+            yield stage.laid_over(frame, drawn, depth_m, matched, gain, rng)
 
 
 def _at_moment(ground_motion: Trajectory | None, moment_ns: np.int64) -> Motor | None:
@@ -274,10 +287,12 @@ class _Stage:
         drawn: list[_Drawn],
         depth_m: DepthArray | None,
         matching: Matching,
+        gain: float,
         rng: np.random.Generator,
     ) -> ImageArray:
         """One frame: the shade on the ground, then the character over it."""
-        layer = exposed(blended([one.layer for one in drawn]), matching.gain)
+        layer = exposed(blended([one.layer for one in drawn]), gain * matching.gain)
+        layer = greyed(layer) if is_grey(frame) else layer
         middle = drawn[len(drawn) // 2]
         hiding_m = middle.known_m if depth_m is None else depth_m
         raised_m = None

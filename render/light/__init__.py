@@ -1,12 +1,16 @@
 """Light of a scene: chosen for the viewer, or estimated from the pictures."""
 
+from motorcade.render.light.cast import CastShadow, cast_shadows
+from motorcade.render.light.direction import LightDirection, light_direction
 from motorcade.render.light.estimate import (
     LightEstimate,
     ShadedPoints,
     estimate_light,
     shaded_points,
 )
+from motorcade.render.light.exposure import ExposureMeter
 from motorcade.render.light.footage import lighting_of_footage
+from motorcade.render.light.ground_map import GroundMap, ground_map
 from motorcade.render.light.harmonics import harmonics, irradiance_factors, rotate_harmonics
 from motorcade.render.light.lamps import (
     certainty,
@@ -17,18 +21,32 @@ from motorcade.render.light.lamps import (
     sunlight_direction,
     viewer_frame,
 )
-from motorcade.render.light.prints import Prints, lighting_without_depth
+from motorcade.render.light.monocular import (
+    found_direction,
+    ground_of_footage,
+    lighting_without_depth,
+)
+from motorcade.render.light.prints import Prints
 
 __all__ = [
+    "CastShadow",
+    "ExposureMeter",
+    "GroundMap",
+    "LightDirection",
     "LightEstimate",
     "Prints",
     "ShadedPoints",
+    "cast_shadows",
     "certainty",
     "character_lighting",
     "estimate_light",
     "estimated_lighting",
+    "found_direction",
+    "ground_map",
+    "ground_of_footage",
     "harmonics",
     "irradiance_factors",
+    "light_direction",
     "light_on",
     "lighting_of_footage",
     "lighting_without_depth",

@@ -295,6 +295,7 @@ def test_a_sensors_ground_hides_no_foot_and_what_stands_on_it_takes_no_shadow(
 ) -> None:
     """Ground measured a centimetre too high, with noise and holes; a wall; a table's edge."""
     frame = np.full((150, 200, 3), 120, dtype=np.uint8)
+    frame[0, 0, 2] = 121  # of a camera with colour, so that the figure has some
     camera_T_ground = path(2).motors[0].inverse() @ placement.world_T_character
     ground = np.minimum(ground_depth(CAMERA, camera_T_ground), 5.0)
     arguments = (CAMERA, path(2), figure, figure.clip("idle"), placement)

@@ -17,7 +17,14 @@ from motorcade.render import (
     write_video,
 )
 from motorcade.render.composite import Matching
-from motorcade.render.light import Prints, lighting_of_footage, lighting_without_depth
+from motorcade.render.lens import can_be_drawn_for
+from motorcade.render.light import (
+    ExposureMeter,
+    Prints,
+    ground_of_footage,
+    lighting_of_footage,
+    lighting_without_depth,
+)
 from motorcade.render.scene import DepthArray, ImageArray, Lighting
 from motorcade.render.video import ahead
 from motorcade.replays.characters.acting import character_named, clip_named, walked
@@ -35,7 +42,7 @@ from motorcade.replays.values.paths import SmoothedPaths
 from motorcade.replays.values.view import OverlayVideo, PlacedCharacter
 
 # Frames, spread over the recording, from which light is estimated.
-LIT_FRAMES = 8
+LIT_FRAMES = 16
 # A path is extrapolated so far beyond its ends, where poses were measured.
 EXTRAPOLATED_S = 0.1
 
@@ -50,21 +57,24 @@ def overlay(
     *,
     representation: str | None = None,
     renderer: RendererName = "fast",
-    light: Literal["fixed", "estimated"] = "fixed",
-    lens: Literal["undistort", "distort"] = "undistort",
+    light: Literal["fixed", "estimated"] = "estimated",
+    lens: Literal["auto", "undistort", "distort"] = "auto",
     gain: float = 1.0,
     exposure_s: float = 0.0,
-    noise: float | None = 0.0,
+    noise: float | None = None,
 ) -> OverlayVideo:
     """Draw the placed character into every frame that has a pose.
 
     `representation` says along which of the smoothed paths; without it, what `integrity` chose.
     `renderer` draws: "fast", or "pyrender" (docs/rendering.md says when to take which).
     `light=estimated` takes sun and ambient light from frames with depth; without depth it takes
-    brightness and colour from board or markers, else from the pictures' mean, and no direction.
-    `lens=distort` leaves the footage as it was taken and distorts what is drawn as the lens does;
-    otherwise the footage is undistorted. `gain` brightens what is drawn, `exposure_s` blurs it by
-    the motion in that time, `noise` (of 255; none: each frame's own) grains it.
+    brightness and colour from board or markers, else from the pictures' mean, and the direction
+    from shadows, faces and shading where they tell it; what is drawn follows the exposure.
+    `lens=distort` leaves the footage as it was taken and distorts what is drawn as the lens does,
+    `undistort` undistorts the footage; "auto" does the latter for lenses too wide to draw for.
+    `gain` brightens what is drawn, `exposure_s` blurs it by
+    the motion in that time, `noise` (of 255; none: each frame's own) grains it. In footage without
+    colour the character has none.
     The path is extrapolated to measured poses within 0.1 s of its ends, as fusion may
     end before them; frames without a pose (before the first, after the last) are shown as they
     are. Where the recording has depth, what is nearer hides the character; where it has none,
@@ -92,12 +102,13 @@ def overlay(
         )
     start = time.perf_counter()
     recording = as_found(recording, camera_poses.camera, camera_poses.depth_camera)
-    footage = _Footage(recording, distorted=lens == "distort")
-    lighting, lit_by = None, "a fixed light"
+    distorted = lens == "distort" or (lens == "auto" and can_be_drawn_for(recording.camera))
+    footage = _Footage(recording, distorted)
+    lighting, lit_by, meter = None, "a fixed light", None
     marker_map = None if marker_poses is None else marker_poses.marker_map
     prints = prints_of(recording, camera_poses, marker_map)
     if light == "estimated":
-        lighting, lit_by = _estimated(footage, path, placed, character, prints)
+        lighting, lit_by, meter = _estimated(footage, path, placed, character, prints)
     pictures = render_overlay(
         footage.frames(track(recording.frames, "drawing", len(recording.frames))),
         footage.camera,
@@ -111,6 +122,7 @@ def overlay(
         if placed.ground_motion is None
         else None,  # where things move, a map may not hold
         ground_motion=placed.ground_motion,
+        meter=meter,
         renderer=renderer,
     )
     file = new_file("overlay.mp4")
@@ -124,7 +136,7 @@ def overlay(
         len(recording.frames),
         placed.stands_on,
         lit_by,
-        "original" if lens == "distort" else "undistorted",
+        "original" if distorted else "undistorted",
         integrity.drawn_is if representation is None else "smoothed",
         time.perf_counter() - start,
     )
@@ -136,17 +148,24 @@ def _estimated(
     placed: PlacedCharacter,
     character: Character,
     prints: Prints | None,
-) -> tuple[Lighting, str]:
-    """The light of a few undistorted frames, spread over the recording, and how it was found."""
+) -> tuple[Lighting, str, ExposureMeter | None]:
+    """The light of a few undistorted frames, spread over the recording, how it was found, and what
+    follows the exposure.
+    """
     frames = footage.recording.frames
     some = np.unique(np.linspace(0, len(frames) - 1, LIT_FRAMES).round())
     straight = _Footage(footage.recording, distorted=False)
     seen = list(straight.frames(frames[int(k)] for k in some))
-    height_m = placed.placement.scale * character.height_m
-    found = lighting_of_footage(seen, straight.camera, path, placed.placement, height_m)
-    if found is not None:
-        return found
-    return lighting_without_depth(seen, straight.camera, path, placed.placement, height_m, prints)
+    camera, stand = straight.camera, placed.placement
+    ground = None
+    if placed.ground_motion is None:  # else it is at one place in one picture only
+        ground = ground_of_footage(seen, camera, path, stand, prints)
+    meter = None if ground is None else ExposureMeter(ground)
+    height_m = stand.scale * character.height_m
+    found = lighting_of_footage(seen, camera, path, stand, height_m)
+    if found is None:
+        found = lighting_without_depth(seen, camera, path, stand, height_m, prints, ground)
+    return *found, meter
 
 
 class _Footage:

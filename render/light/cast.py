@@ -1,0 +1,213 @@
+"""Shadows that things throw on the ground, found in the pictures: from where, and how dark.
+
+Around everything that stands on the ground (`GroundMap`) the ground is compared with itself: where
+a thing keeps the light away, the ground beside it is darker on one side, and comes back to its own
+brightness farther out. A paint that ends there, or a dark thing that lies flat, does not come back,
+or is dark on all sides. One thing may stand on the edge of a sheet of paper; several, or one and
+the slope of light over a print, that say the same are believed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga.arrays import FloatArray
+from motorcade.render.light.ground_map import GroundMap
+
+SECTORS = 24
+LARGEST_INSIDE = 0.01
+"""Of the map: the inside of a thing that looks alike from everywhere."""
+SMALLEST, LARGEST = 60, 0.12
+"""Of a thing: its cells at least, and its share of the map at most."""
+FOOT, HIDDEN = 0.25, 0.3
+"""A thing stands where the quarter of it nearest to the cameras is; behind it (cosine) it hides
+the ground itself."""
+BESIDE = 0.4, 3.0
+REACH = 2.5, 8.0, 30.0
+"""How far from a thing its shadow is looked for, and the ground that it is compared with: in the
+thing's radii, and at least, and at most, so many cells."""
+STEPS, SHADED, COUNTS = 8, 0.07, 0.1
+"""The ground's own light is fitted to what is around, where what lies darker by more than a share
+hardly counts."""
+SIDED = 0.5
+"""Of a shadow: by what share the other sides are brighter, at least."""
+FAINT, BLACKEST = 0.08, 0.1
+"""Of the ground's light: a shadow takes more than the first and leaves more than the second, or
+it is black paint."""
+DARK = 0.15
+"""Of the brightest ground: what is darker farther out is other ground."""
+
+
+@dataclass(frozen=True, eq=False)
+class CastShadow:
+    """What one thing takes from the ground beside it.
+
+    Attributes:
+        middle_m: (2,) of the thing, in the ground's frame.
+        towards: (2,) unit vector on the ground, against the shadow: where the light comes from.
+        darkening: share of light that is gone where the shadow is full.
+        weight: how sided the shadow is, 0 to 1.
+
+    >>> import numpy as np
+    >>> from motorcade.render.light import CastShadow
+    >>> CastShadow(np.zeros(2), np.array([1.0, 0.0]), 0.6, 0.9).darkening
+    0.6
+    """
+
+    middle_m: FloatArray
+    towards: FloatArray
+    darkening: float
+    weight: float
+
+
+def cast_shadows(ground: GroundMap) -> list[CastShadow]:
+    """Find shadows beside the things that stand on the ground.
+
+    Args:
+        ground: as several pictures show it.
+
+    Returns:
+        One for each thing that has a shadow on one side; none where nothing stands there, where
+        light comes from straight above or from all sides.
+    """
+    solid = _standing(ground)
+    count, label, stats, _ = cv2.connectedComponentsWithStats(solid)
+    bright = np.nanquantile(ground.light, 0.9) * DARK
+    found = []
+    for k in range(1, count):
+        area = int(stats[k, cv2.CC_STAT_AREA])
+        if SMALLEST <= area <= LARGEST * label.size:
+            foot, away = _foot(label == k, ground.eye_m / ground.cell_m + 0.5 * len(label) - 0.5)
+            lost = _lost(ground, label == k, solid > 0, foot, away, bright)
+            middle_m = (foot + 0.5 - 0.5 * len(label)) * ground.cell_m
+            shadow = _one_sided(*lost, middle_m)
+            if shadow is not None:
+                found.append(shadow)
+    return found
+
+
+def _foot(thing: NDArray[np.bool_], eye: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Where a thing stands, (2,) cells, and the direction (2,) away from the cameras: what is
+    higher than the ground is seen farther that way.
+    """
+    rows, columns = np.nonzero(thing)
+    at = np.stack([columns, rows], axis=1).astype(np.float64)
+    away = at.mean(axis=0) - eye
+    away /= max(float(np.linalg.norm(away)), 1e-9)
+    along = at @ away
+    return at[along <= np.quantile(along, FOOT)].mean(axis=0), away
+
+
+def _lost(
+    ground: GroundMap,
+    thing: NDArray[np.bool_],
+    anything: NDArray[np.bool_],
+    foot: FloatArray,
+    away: FloatArray,
+    bright: float,
+) -> tuple[FloatArray, FloatArray]:
+    """Share of light (SECTORS,) that is gone beside a thing, by the ground's own light around it:
+    of half the cells, and of the darker quarter. NaN in sectors that do not show it.
+    """
+    none = np.full(SECTORS, np.nan)
+    apart = cv2.distanceTransform((~thing).astype(np.uint8), cv2.DIST_L2, 5)
+    radius = float(np.sqrt(np.count_nonzero(thing) / np.pi))
+    reach = np.clip(REACH[0] * radius, *REACH[1:])
+    around = ground.flat & ~anything & (apart <= reach) & (ground.light > 0.0)
+    rows, columns = np.nonzero(around)
+    light = ground.light[rows, columns]
+    if np.count_nonzero(light > bright) < 3 * SECTORS:
+        return none, none
+    own = _own_light(np.stack([columns, rows], axis=1) - foot, light, light > bright)
+    down, across = np.gradient(apart)  # from the nearest cell of the thing
+    turn = np.arctan2(down[rows, columns], across[rows, columns])
+    sector = ((turn + np.pi) / (2.0 * np.pi) * SECTORS).astype(int) % SECTORS
+    near = apart[rows, columns] <= max(BESIDE[0] * radius, BESIDE[1])
+    near &= (
+        (own > bright)
+        & (light > BLACKEST * own)
+        & (np.cos(turn - np.arctan2(away[1], away[0])) < HIDDEN)
+    )
+    middle, darker = (_by_sector(light / own, sector, near, at) for at in (0.5, 0.25))
+    return 1.0 - middle, 1.0 - darker
+
+
+def _own_light(at: FloatArray, light: FloatArray, counts: NDArray[np.bool_]) -> FloatArray:
+    """The ground's light (N,) without shadows: a slope of its logarithm, fitted from above."""
+    basis = np.column_stack([at, np.ones(len(at))])
+    level, weight = np.log(light), counts.astype(np.float64)
+    fitted = np.array([0.0, 0.0, float(np.median(level[counts]))])
+    for _ in range(STEPS):
+        weight = np.where(level < basis @ fitted - SHADED, COUNTS, 1.0) * counts
+        fitted = np.linalg.lstsq(basis * weight[:, None], level * weight, rcond=None)[0]
+    return np.asarray(np.exp(basis @ fitted))
+
+
+def _one_sided(lost: FloatArray, most: FloatArray, middle_m: FloatArray) -> CastShadow | None:
+    """The shadow that a profile around a thing shows; None where it shows none on one side."""
+    seen = np.isfinite(lost)
+    level = np.maximum(np.nan_to_num(lost), 0.0)
+    if np.count_nonzero(seen) < SECTORS // 3 or level.max() < FAINT:
+        return None
+    angle = (np.arange(SECTORS) + 0.5) / SECTORS * 2.0 * np.pi - np.pi
+    closeness = np.cos(angle[:, None] - angle)
+    about = np.where(closeness > 0.7, 1.0, 0.0) * seen
+    peak = int(np.argmax(about @ level / np.maximum(about.sum(axis=1), 3.0)))
+    inside, outside = seen & (closeness[peak] > 0.5), seen & (closeness[peak] < 0.3)
+    if not outside.any():
+        return None
+    mean = float(level[inside].mean())
+    sided = 1.0 - float(level[outside].mean()) / mean
+    if sided < SIDED:
+        return None
+    vector = (level * inside) @ np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    dark = float(np.nanmax(np.where(inside, most, np.nan)))
+    return CastShadow(middle_m, -vector / np.linalg.norm(vector), dark, min(sided, 1.0))
+
+
+def _standing(ground: GroundMap) -> NDArray[np.uint8]:
+    """Where things stand; what is printed lies, though its edges scatter."""
+    with np.errstate(invalid="ignore"):
+        scatters = np.isfinite(ground.light) & (ground.scatter > ground.bound) & ~ground.printed
+        scatters = _with_black(scatters, ground)
+    wide, five = (cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (k, k)) for k in (7, 5))
+    solid = cv2.morphologyEx(scatters.astype(np.uint8), cv2.MORPH_CLOSE, wide)
+    return np.asarray(cv2.morphologyEx(_filled(solid), cv2.MORPH_OPEN, five), np.uint8)
+
+
+def _with_black(scatters: NDArray[np.bool_], ground: GroundMap) -> NDArray[np.bool_]:
+    """What scatters, and what is black beside it: no shadow is, and a black thing looks alike from
+    everywhere.
+    """
+    black = (ground.light < BLACKEST * np.nanquantile(ground.light, 0.9)) & ~ground.printed
+    count, label, stats, _ = cv2.connectedComponentsWithStats(black.astype(np.uint8))
+    beside = np.zeros(count, bool)
+    wide = cv2.dilate(scatters.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    beside[np.unique(label[wide & black])] = True
+    beside &= stats[:, cv2.CC_STAT_AREA] <= LARGEST * label.size
+    beside[0] = False
+    return np.asarray(scatters | beside[label])
+
+
+def _by_sector(
+    values: FloatArray, sector: NDArray[np.int64], chosen: NDArray[np.bool_], at: float
+) -> FloatArray:
+    """Quantile of the chosen values of each sector, NaN where there are fewer than three."""
+    found = np.full(SECTORS, np.nan)
+    for k in range(SECTORS):
+        own = values[chosen & (sector == k)]
+        if own.size >= 3:
+            found[k] = np.quantile(own, at)
+    return found
+
+
+def _filled(mask: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """A mask without holes of a thing's size."""
+    count, label, stats, _ = cv2.connectedComponentsWithStats(1 - mask, connectivity=4)
+    small = np.arange(count) > 0
+    small &= stats[:, cv2.CC_STAT_AREA] < LARGEST_INSIDE * mask.size
+    return np.asarray(mask | small[label], np.uint8)

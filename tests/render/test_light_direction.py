@@ -1,0 +1,115 @@
+"""From where light comes without depth: drawn rooms whose light is known, and maps made by hand."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
+from motorcade.render.light import (
+    CastShadow,
+    ExposureMeter,
+    GroundMap,
+    LightDirection,
+    cast_shadows,
+    light_direction,
+)
+from motorcade.tracking.cameras.camera import Camera
+from tests.bench.view.rooms import FIVE, Room, draw_room, found_in, off_deg
+
+UP = np.array([0.0, 0.0, 1.0])
+N = 128
+NO_FACES = np.zeros((0, 3)), np.zeros(0)
+
+
+def table(shadow_rad: float | None, dark: float = 0.5) -> GroundMap:
+    """Even ground with a round thing in the middle, and its shadow to one side."""
+    y, x = np.mgrid[:N, :N] - 0.5 * (N - 1)
+    light, scatter = np.full((N, N), 0.6), np.full((N, N), 0.005)
+    if shadow_rad is not None:
+        along = x * np.cos(shadow_rad) + y * np.sin(shadow_rad)
+        across = y * np.cos(shadow_rad) - x * np.sin(shadow_rad)
+        light[(np.abs(across) < 7.0) & (along > 0.0) & (along < 22.0)] *= 1.0 - dark
+    scatter[np.hypot(x, y) < 9.0] = 0.5
+    none = np.zeros((N, N), bool)
+    return GroundMap(Motor.identity(), 0.005, light, scatter, none, none, 0.05, np.array([0, -0.5]))
+
+
+@pytest.mark.parametrize("shadow_deg", [-150.0, -90.0, -40.0, 10.0, 175.0])
+@pytest.mark.parametrize("dark", [0.3, 0.7])
+def test_a_shadow_tells_the_side_and_how_dark_it_is(shadow_deg: float, dark: float) -> None:
+    (found,) = cast_shadows(table(np.deg2rad(shadow_deg), dark))
+    towards = np.rad2deg(np.arctan2(found.towards[1], found.towards[0]))
+    # Where the thing hides a part of its shadow, that part is missing.
+    assert abs((towards - shadow_deg + 360.0) % 360.0 - 180.0) < 22.0
+    assert found.darkening == pytest.approx(dark, rel=0.1)
+
+
+def test_no_shadow_and_paint_on_all_sides_tell_nothing() -> None:
+    assert cast_shadows(table(None)) == []
+    ringed = table(None)
+    y, x = np.mgrid[:N, :N] - 0.5 * (N - 1)
+    light = np.where(np.hypot(x, y) < 12.0, 0.3, ringed.light)
+    assert cast_shadows(replace(ringed, light=light)) == []
+    found = light_direction(table(None), [], *NO_FACES, UP)
+    assert found.towards is None
+    assert "no shadow" in found.told
+
+
+def shadows(*towards_deg: float) -> list[CastShadow]:
+    turns = np.deg2rad(towards_deg)
+    return [CastShadow(np.zeros(2), np.array([np.cos(t), np.sin(t)]), 0.5, 1.0) for t in turns]
+
+
+def told(*towards_deg: float) -> LightDirection:
+    return light_direction(table(None), shadows(*towards_deg), *NO_FACES, UP)
+
+
+def test_shadows_that_agree_are_believed_and_such_that_do_not_are_not() -> None:
+    agreed = told(30.0, 42.0, 36.0)
+    assert agreed.towards is not None
+    assert np.rad2deg(np.arctan2(*agreed.towards[1::-1])) == pytest.approx(36.0, abs=2.0)
+    assert agreed.doubt_rad < np.deg2rad(25.0)
+    apart = told(30.0, -150.0)
+    assert apart.towards is None
+    assert "apart" in apart.told
+    assert apart.doubt_rad > agreed.doubt_rad
+
+
+def test_faces_of_paper_tell_the_direction_by_lamberts_law(rng: np.random.Generator) -> None:
+    """Light on faces computed by hand, ambient 0.3 and a lamp of 0.6."""
+    normals = rng.normal(size=(12, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    lamp = np.array([0.48, -0.6, 0.64])
+    falling = 0.3 + 0.6 * np.maximum(normals @ lamp, 0.0)
+    found = light_direction(None, [], normals, falling, UP)
+    assert found.towards is not None
+    assert np.rad2deg(np.arccos(found.towards @ lamp)) < 12.0
+    assert light_direction(None, [], np.tile(UP, (12, 1)), falling, UP).towards is None
+
+
+@pytest.mark.parametrize("gain", [0.5, 0.8, 1.3])
+def test_exposure_is_what_the_ground_shows(gain: float) -> None:
+    """Bytes by IEC 61966-2-1, beside what the camera is pointed at."""
+    ground = table(None)
+    down = Motor.from_quaternion_translation([0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.6])
+    camera = Camera(160, 120, 140.0, 140.0, 79.5, 59.5)
+    light: FloatArray = np.full((120, 160), 0.6 * gain)
+    stored = np.rint(255.0 * (1.055 * light ** (1.0 / 2.4) - 0.055)).astype(np.uint8)
+    meter = ExposureMeter(ground)
+    assert meter.gain(stored, camera, down) == pytest.approx(gain, rel=0.02)
+    overexposed = np.full_like(stored, 255)
+    assert meter.gain(overexposed, camera, down) == pytest.approx(gain, rel=0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("opengl")
+@pytest.mark.parametrize("room", FIVE[2:], ids=["bright", "faces", "no sun"])
+def test_a_rooms_light_is_found_or_said_to_be_unknown(room: Room) -> None:
+    found = found_in(draw_room(room))
+    if room.share == 0.0:
+        assert found.towards is None
+    else:
+        assert off_deg(room, found) < 25.0
+        assert found.darkening is None or abs(found.darkening - room.share) < 0.2
