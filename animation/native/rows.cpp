@@ -2,10 +2,7 @@
 
 #include "rows.h"
 
-#include <array>
 #include <cstring>
-
-#include "versors.h"
 
 namespace motorcade::animation {
 namespace {
@@ -52,10 +49,32 @@ inline void store_columns(const four *rows, float *to, std::size_t step) {
     store(to + 3 * step, SHUFFLED(ba, dc, 2, 3, 6, 7));
 }
 
-// Sums four vertices of `groups` times four components, and lays the components apart.
-inline void sum_four(const float *APART palette, const std::uint16_t *APART joints,
-                     const float *APART weights, std::size_t groups, bool with_signs,
-                     float *APART sums, std::size_t step) {
+// Sums four vertices of `groups` times four components that follow one or two joints, and lays the
+// components apart.
+inline void sum_two(const float *APART palette, const std::uint16_t *APART joints,
+                    const float *APART weights, std::size_t groups, bool with_signs,
+                    float *APART sums, std::size_t step) {
+    four rows[3][4];
+    for (std::size_t i = 0; i < 4; ++i) {
+        const float *a = palette + 4 * groups * joints[4 * i];
+        const float *b = palette + 4 * groups * joints[4 * i + 1];
+        const float first = weights[4 * i];
+        float second = weights[4 * i + 1];
+        if (with_signs) {
+            const four products = load(a) * load(b);
+            const float dot = (products[0] + products[1]) + (products[2] + products[3]);
+            second = dot < 0.0F ? -second : second;
+        }
+        for (std::size_t k = 0; k < groups; ++k)
+            rows[k][i] = first * load(a + 4 * k) + second * load(b + 4 * k);
+    }
+    for (std::size_t k = 0; k < groups; ++k) store_columns(rows[k], sums + 4 * k * step, step);
+}
+
+// The same of vertices that follow up to four joints.
+inline void sum_up_to_four(const float *APART palette, const std::uint16_t *APART joints,
+                           const float *APART weights, std::size_t groups, bool with_signs,
+                           float *APART sums, std::size_t step) {
     four rows[3][4];
     for (std::size_t i = 0; i < 4; ++i) {
         const float *a = palette + 4 * groups * joints[4 * i];
@@ -80,46 +99,78 @@ inline void multiply_matrix(const float *APART a, const float *APART b, float *A
     }
 }
 
-// The geometric product of two rows.
+// Eight numbers, in one register or two.
+typedef float eight __attribute__((vector_size(32)));
+
+// The geometric product of two rows: what `versors::compose` sums, a component of the first row at
+// a time. Products with the last four leave the rotor alone.
 inline void multiply_motor(const float *APART a, const float *APART b, float *APART out) {
-    const auto row = [](const float *m) {
-        return std::array<float, 8>{m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7]};
-    };
-    const auto product = versors::compose(row(a), row(b));
-    for (std::size_t k = 0; k < 8; ++k) out[k] = product[k];
+    eight m;
+    std::memcpy(&m, b, sizeof m);
+    const four r = SHUFFLED(m, m, 0, 1, 2, 3);
+    const eight by1 = eight{-1, 1, 1, -1, -1, 1, -1, 1} * SHUFFLED(m, m, 1, 0, 3, 2, 7, 6, 5, 4);
+    const eight by2 = eight{-1, -1, 1, 1, -1, -1, 1, 1} * SHUFFLED(m, m, 2, 3, 0, 1, 6, 7, 4, 5);
+    const eight by3 = eight{-1, 1, -1, 1, 1, -1, -1, 1} * SHUFFLED(m, m, 3, 2, 1, 0, 5, 4, 7, 6);
+    const four by4 = four{1, 1, -1, 1} * SHUFFLED(r, r, 0, 3, 2, 1);
+    const four by5 = four{-1, 1, 1, 1} * SHUFFLED(r, r, 3, 0, 1, 2);
+    const four by6 = four{1, -1, 1, 1} * SHUFFLED(r, r, 2, 1, 0, 3);
+    const four by7 = four{-1, -1, -1, 1} * SHUFFLED(r, r, 1, 2, 3, 0);
+    const eight product = (a[0] * m + a[1] * by1) + (a[2] * by2 + a[3] * by3);
+    const four ideal = (a[4] * by4 + a[5] * by5) + (a[6] * by6 + a[7] * by7);
+    store(out, SHUFFLED(product, product, 0, 1, 2, 3));
+    store(out + 4, SHUFFLED(product, product, 4, 5, 6, 7) + ideal);
 }
 
 }  // namespace
 
 MOTORCADE_SIMD
 void sum_versors(const float *palette, const std::uint16_t *joints, const float *weights,
-                 std::size_t count, float *sums, std::size_t step) {
+                 const std::uint8_t *few, std::size_t count, float *sums, std::size_t step) {
     for (std::size_t i = 0; i < count; i += 4)
-        sum_four(palette, joints + 4 * i, weights + 4 * i, 2, true, sums + i, step);
+        if (few[i / 4])
+            sum_two(palette, joints + 4 * i, weights + 4 * i, 2, true, sums + i, step);
+        else
+            sum_up_to_four(palette, joints + 4 * i, weights + 4 * i, 2, true, sums + i, step);
 }
 
 MOTORCADE_SIMD
 void sum_matrices(const float *palette, const std::uint16_t *joints, const float *weights,
-                  std::size_t count, float *sums, std::size_t step) {
+                  const std::uint8_t *few, std::size_t count, float *sums, std::size_t step) {
     for (std::size_t i = 0; i < count; i += 4)
-        sum_four(palette, joints + 4 * i, weights + 4 * i, 3, false, sums + i, step);
+        if (few[i / 4])
+            sum_two(palette, joints + 4 * i, weights + 4 * i, 3, false, sums + i, step);
+        else
+            sum_up_to_four(palette, joints + 4 * i, weights + 4 * i, 3, false, sums + i, step);
 }
 
 MOTORCADE_SIMD
 void sum_similarities(const float *palette, const std::uint16_t *joints, const float *weights,
-                      std::size_t count, float *sums, std::size_t step) {
+                      const std::uint8_t *few, std::size_t count, float *sums, std::size_t step) {
     for (std::size_t i = 0; i < count; i += 4)
-        sum_four(palette, joints + 4 * i, weights + 4 * i, 3, true, sums + i, step);
+        if (few[i / 4])
+            sum_two(palette, joints + 4 * i, weights + 4 * i, 3, true, sums + i, step);
+        else
+            sum_up_to_four(palette, joints + 4 * i, weights + 4 * i, 3, true, sums + i, step);
 }
 
 MOTORCADE_SIMD
 void write_rows(const float *APART skinned, std::size_t step, std::size_t count,
                 float *APART positions, float *APART normals) {
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t k = 0; k < 3; ++k) {
-            positions[3 * i + k] = skinned[k * step + i];
-            normals[3 * i + k] = skinned[(k + 3) * step + i];
+    float *const outs[2] = {positions, normals};
+    for (std::size_t half = 0; half < 2; ++half) {
+        const float *APART from = skinned + 3 * half * step;
+        float *APART to = outs[half];
+        std::size_t i = 0;
+        for (; i + 4 <= count; i += 4) {
+            const four x = load(from + i), y = load(from + step + i), z = load(from + 2 * step + i);
+            const four xy = SHUFFLED(x, y, 0, 4, 1, 5), yx = SHUFFLED(x, y, 2, 6, 3, 7);
+            store(to + 3 * i, SHUFFLED(xy, SHUFFLED(z, x, 0, 5, 0, 5), 0, 1, 4, 5));
+            store(to + 3 * i + 4, SHUFFLED(SHUFFLED(y, z, 1, 5, 1, 5), yx, 0, 1, 4, 5));
+            store(to + 3 * i + 8, SHUFFLED(SHUFFLED(z, yx, 2, 6, 3, 7), z, 0, 1, 3, 7));
         }
+        for (; i < count; ++i)
+            for (std::size_t k = 0; k < 3; ++k) to[3 * i + k] = from[k * step + i];
+    }
 }
 
 MOTORCADE_SIMD

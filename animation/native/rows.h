@@ -26,14 +26,15 @@ void motorcade_carry_matrix_f32(MOTORCADE_ARGUMENTS(float));
 namespace motorcade::animation {
 
 // Weighted sums of palette rows, four joints a vertex, apart; `count` is a multiple of
-// MOTORCADE_LANES. Versors (8) are summed with the sign of the first joint's rotor.
+// MOTORCADE_LANES, and of every four vertices `few` says whether no one follows more than its first
+// two joints. Versors (8) are summed with the sign of the first joint's rotor.
 void sum_versors(const float *palette, const std::uint16_t *joints, const float *weights,
-                 std::size_t count, float *sums, std::size_t step);
+                 const std::uint8_t *few, std::size_t count, float *sums, std::size_t step);
 // The same with rows of 12: matrices as they are, similarities with signs.
 void sum_matrices(const float *palette, const std::uint16_t *joints, const float *weights,
-                  std::size_t count, float *sums, std::size_t step);
+                  const std::uint8_t *few, std::size_t count, float *sums, std::size_t step);
 void sum_similarities(const float *palette, const std::uint16_t *joints, const float *weights,
-                      std::size_t count, float *sums, std::size_t step);
+                      const std::uint8_t *few, std::size_t count, float *sums, std::size_t step);
 
 // Components 0 to 2 and 3 to 5 of `skinned`, apart, into rows of three.
 void write_rows(const float *skinned, std::size_t step, std::size_t count, float *positions,

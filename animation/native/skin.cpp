@@ -18,8 +18,8 @@ constexpr std::size_t PER_THREAD = 4096;  // vertices that are worth a thread
 
 struct Method {
     std::size_t width;
-    void (*sum)(const float *, const std::uint16_t *, const float *, std::size_t, float *,
-                std::size_t);
+    void (*sum)(const float *, const std::uint16_t *, const float *, const std::uint8_t *,
+                std::size_t, float *, std::size_t);
     void (*carry)(MOTORCADE_ARGUMENTS(float));
 };
 
@@ -40,16 +40,25 @@ std::size_t palette_width(Skinning method) { return of(method).width; }
 Mesh::Mesh(const double *positions, const double *normals, const std::int64_t *joints,
            const double *weights, std::size_t count)
     : count_(count), padded_((count + LANES - 1) / LANES * LANES), rest_(6 * padded_, 0.0F),
-      joints_(4 * padded_, 0), weights_(4 * padded_, 0.0F) {
+      joints_(4 * padded_, 0), weights_(4 * padded_, 0.0F), few_(padded_ / 4, 1) {
     for (std::size_t i = 0; i < count; ++i)
         for (std::size_t k = 0; k < 3; ++k) {
             rest_[k * padded_ + i] = static_cast<float>(positions[3 * i + k]);
             rest_[(k + 3) * padded_ + i] = static_cast<float>(normals[3 * i + k]);
         }
-    for (std::size_t i = 0; i < 4 * count; ++i) {
-        joints_[i] = static_cast<std::uint16_t>(joints[i]);
-        weights_[i] = static_cast<float>(weights[i]);
-        joint_count_ = std::max<std::size_t>(joint_count_, joints_[i] + 1U);
+    for (std::size_t i = 0; i < count; ++i) {
+        // The first joint gives the sign; of the others those without weight go last.
+        std::size_t used = 1;
+        for (std::size_t k = 0; k < 4; ++k) {
+            const auto joint = static_cast<std::uint16_t>(joints[4 * i + k]);
+            const auto weight = static_cast<float>(weights[4 * i + k]);
+            joint_count_ = std::max<std::size_t>(joint_count_, joint + 1U);
+            if (k > 0 && weight == 0.0F) continue;
+            const std::size_t at = 4 * i + (k > 0 ? used++ : 0);
+            joints_[at] = joint;
+            weights_[at] = weight;
+        }
+        few_[i / 4] = few_[i / 4] && used <= 2;
     }
     // The rest of the last block is carried by the first joint alone.
     for (std::size_t i = count; i < padded_; ++i) {
@@ -69,8 +78,8 @@ void Mesh::skin_range(Skinning method, const float *palette, float *positions, f
     for (std::size_t from = start; from < end; from += TILE) {
         const std::size_t rows = std::min(TILE, end - from);
         const std::size_t blocks = (rows + LANES - 1) / LANES;
-        by.sum(palette, joints_.data() + 4 * from, weights_.data() + 4 * from, blocks * LANES, sums,
-               TILE);
+        by.sum(palette, joints_.data() + 4 * from, weights_.data() + 4 * from,
+               few_.data() + from / 4, blocks * LANES, sums, TILE);
         const float *const inputs[3] = {sums, rest_.data() + from,
                                         rest_.data() + 3 * padded_ + from};
         by.carry(inputs, input_steps, outputs, &tile, blocks);

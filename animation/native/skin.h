@@ -35,6 +35,7 @@ private:
     std::vector<float> rest_;  // x, y, z of the positions, then of the normals, apart
     std::vector<std::uint16_t> joints_;
     std::vector<float> weights_;
+    std::vector<std::uint8_t> few_;  // of every four vertices: none follows more than two joints
 };
 
 }  // namespace motorcade::animation

@@ -123,6 +123,32 @@ def test_the_compiled_path_is_the_plain_one_in_single_precision(tube, method, th
     np.testing.assert_allclose(found[1], expected[1], atol=3e-6)
 
 
+@pytest.mark.parametrize("method", SKIN_METHODS)
+def test_weights_of_zero_may_stand_anywhere(tube, method, rng):
+    """Vertices that follow one to four joints, in any order, and no whole blocks of them."""
+    count = 203
+    rest = Motor.random(rng, (5,))
+    skeleton = Skeleton(tuple("abcde"), np.array([-1, 0, 1, 0, 3]), rest)
+    weights = rng.uniform(0.1, 1.0, (count, 4)) * (rng.uniform(size=(count, 4)) < 0.5)
+    weights[~np.any(weights, axis=1), rng.integers(4)] = 1.0
+    weights /= weights.sum(axis=1, keepdims=True)
+    assert np.any(weights[:, 0] == 0.0)
+    triangles = np.arange(201).reshape(-1, 3)
+    figure = Character(
+        skeleton,
+        rng.standard_normal((count, 3)),
+        np.tile([0.0, 0.0, 1.0], (count, 1)),
+        triangles,
+        np.full((count, 3), 0.5),
+        rng.integers(0, 5, (count, 4)),
+        weights,
+    )
+    pose = rest @ Motor.from_twist(0.4 * rng.standard_normal((5, 6)))
+    found, expected = Skinner(figure, method).skin(pose), skin(figure, pose, method)
+    np.testing.assert_allclose(found[0], expected[0], atol=2e-5)
+    np.testing.assert_allclose(found[1], expected[1], atol=2e-5)
+
+
 def test_refusals(tube):
     with pytest.raises(ValueError, match="expected one of linear, dual_quaternion, motor, sim"):
         skin(tube, tube.skeleton.rest, "spherical")
