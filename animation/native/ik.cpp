@@ -14,6 +14,7 @@ constexpr std::size_t ROUNDS = 200, ROUNDS_OF_RESTART = 60;
 // A restart is taken where it leaves this share of the cost at most.
 constexpr double BETTER = 0.99;
 // Costs that differ by less than this share are alike.
+constexpr int AGREED = 1;
 constexpr double ALIKE = 1e-6;
 // How far a pose is moved off a saddle, in radians or lengths of the size.
 constexpr double NUDGE = 1e-2;
@@ -32,13 +33,26 @@ private:
     std::uint64_t state_ = 20110000;
 };
 
-std::vector<Turn> moved(const std::vector<Joint> &joints, const std::vector<Turn> &turns,
-                        double angle, Spread &spread) {
+// All joints moved a little.
+std::vector<Turn> nudged(const std::vector<Joint> &joints, const std::vector<Turn> &turns,
+                         Spread &spread) {
     std::vector<Turn> made;
     for (std::size_t k = 0; k < joints.size(); ++k) {
         double step[6];
-        for (double &x : step) x = angle * spread.next();
+        for (double &x : step) x = NUDGE * spread.next();
         made.push_back(stepped(joints[k], turns[k], step));
+    }
+    return made;
+}
+
+// Joints anywhere within their limits; those without limits within half a turn of where they are.
+std::vector<Turn> scattered(const std::vector<Joint> &joints, const std::vector<Turn> &turns,
+                            Spread &spread) {
+    std::vector<Turn> made;
+    for (std::size_t k = 0; k < joints.size(); ++k) {
+        double step[6];
+        for (double &x : step) x = spread.next();
+        made.push_back(scattered(joints[k], turns[k], step));
     }
     return made;
 }
@@ -84,8 +98,7 @@ Solved Solver::solve(const double *local, const std::vector<Goal> &goals,
     const std::vector<Turn> start = attempt.start();
     for (std::size_t k = 0; k <= options.restarts; ++k) {
         if (attempt.reached(options.tolerance)) break;
-        const double angle = k == 0 ? NUDGE : 0.4 * static_cast<double>(k);
-        attempt.place(moved(joints_, k == 0 ? best : start, angle, spread));
+        attempt.place(k == 0 ? nudged(joints_, best, spread) : scattered(joints_, start, spread));
         rounds += attempt.descend(ROUNDS_OF_RESTART, options.tolerance);
         const double found = attempt.cost();
         // Poses apart that come to the same are no hint at a better one.
@@ -96,7 +109,7 @@ Solved Solver::solve(const double *local, const std::vector<Goal> &goals,
         } else {
             attempt.place(best);
         }
-        if (agreed == 2) break;
+        if (agreed == AGREED) break;
     }
     attempt.place(best);
     Solved solved{best, {}, {}, rounds, attempt.reached(options.tolerance)};

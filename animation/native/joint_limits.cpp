@@ -182,6 +182,25 @@ Turn stepped(const Joint &joint, const Turn &turn, const double *step) {
     return made;
 }
 
+Turn scattered(const Joint &joint, const Turn &turn, const double *shares) {
+    const auto between = [](double low, double high, double at, double share) {
+        if (std::isinf(low) || std::isinf(high)) return std::clamp(at + PI * share, low, high);
+        return 0.5 * (low + high) + 0.5 * (high - low) * share;
+    };
+    double step[6];
+    if (joint.kind == Kind::hinge) {
+        step[0] = between(joint.low, joint.high, turn.at[2], shares[0]) - turn.at[2];
+    } else if (joint.kind == Kind::ball) {
+        for (std::size_t k = 0; k < 2; ++k)
+            step[k] = between(-joint.swing[k], joint.swing[k], turn.at[k], shares[k]) - turn.at[k];
+        step[2] = between(joint.low, joint.high, turn.at[2], shares[2]) - turn.at[2];
+    } else {
+        for (std::size_t k = 0; k < 3; ++k) step[k] = 0.5 * PI * shares[k];
+        for (std::size_t k = 3; k < 6; ++k) step[k] = 0.5 * shares[k];
+    }
+    return stepped(joint, turn, step);
+}
+
 Rotor rotor_at(const Joint &joint, const Turn &turn) {
     switch (joint.kind) {
     case Kind::hinge:

@@ -62,6 +62,9 @@ std::size_t coordinates(Kind kind);
 Turn turn_of(const Joint &joint, const Rotor &rotor, const Vector &shift);
 // Steps each coordinate and brings the result back within the limits.
 Turn stepped(const Joint &joint, const Turn &turn, const double *step);
+// Some turn within the limits, by numbers from -1 to 1, one a coordinate; coordinates without
+// limits go as far as half a turn, shifts as half the size.
+Turn scattered(const Joint &joint, const Turn &turn, const double *shares);
 // The rotor of `turn`.
 Rotor rotor_at(const Joint &joint, const Turn &turn);
 // Angular velocities in the rest frame, one a coordinate that turns.

@@ -15,6 +15,8 @@ constexpr double LEAST_DAMPING = 1e-12, MOST_DAMPING = 1e6;
 
 // In radians, or lengths of the size.
 constexpr double LONGEST_STEP = 0.6;
+// Torques whose square is below this share of the cost turn nothing that matters.
+constexpr double SMALL_TORQUE = 1e-8;
 // A step that takes less than this share off the cost is slow.
 constexpr double SLOW = 0.3;
 // After so many slow steps in a row, the dearer ones of Newton are taken.
@@ -195,6 +197,8 @@ void Attempt::changing_gradients(std::size_t k, double (*changes)[3]) const {
     constexpr double STEP = 1e-5;
     const Joint &joint = solver_.joints()[k];
     const Vector pull = torque(k);
+    std::fill_n(&changes[0][0], 9, 0.0);
+    if (dot(pull, pull) < SMALL_TORQUE * cost_) return;
     const Rotor &rest = solver_.rest_rotors_[joint.number];
     const std::ptrdiff_t parent = solver_.parents_[joint.number];
     Rotor frame = rest;

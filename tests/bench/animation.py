@@ -19,26 +19,24 @@ from typing import Any, Literal
 import numpy as np
 
 from motorcade.animation import (
-    Chain,
     Character,
     GroundPath,
     Leg,
     PoseRuntime,
     Skeleton,
     Skinner,
-    bend_limb,
     blend_poses,
     legs_of,
     mannequin,
-    reach_with,
     skin,
     walk_along,
 )
-from motorcade.animation.ik import fabrik, find_stances
+from motorcade.animation.ik import find_stances
 from motorcade.animation.place import Walk, on_the_spot
 from motorcade.animation.skin import SKIN_METHODS, palette
 from motorcade.ga import Motor, kernels
 from tests.bench.data import data_folder
+from tests.bench.kinematics import solving
 from tests.bench.timing import median_seconds, on_one_core, seconds_a_call
 
 __all__ = ["AnimationRow", "animation_table", "bench_animation"]
@@ -69,7 +67,8 @@ def bench_animation() -> dict[str, Any]:
     posed, skinned = _character(POSED), _character(SKINNED)
     with on_one_core():
         rows = [*_posing(*posed), *_crowd(*posed), *_skinning(*skinned, threads=1)]
-        rows += [*_solving(*posed), *_feet()]
+        rows += [AnimationRow(*made, posed[0]) for made in solving(posed[1])]
+        rows += _feet()
     rows += [*_skinning(*skinned, threads=2), *_loading()]
     return {"rows": [asdict(row) for row in rows]}
 
@@ -162,40 +161,6 @@ def _skinning(title: str, character: Character, threads: int) -> list[AnimationR
         plain = (perf_counter() - start) / count
         job = "skinning in NumPy, float64, motor"
         rows.append(AnimationRow(job, 1e9 * plain, "ns a vertex", title))
-    return rows
-
-
-def _solving(title: str, character: Character) -> list[AnimationRow]:
-    """Limbs and chains brought to random targets that can be reached."""
-    rng, rows = np.random.default_rng(8), []
-    count = 2000
-    leg = legs_of(character.skeleton)[0]
-    rest = character.skeleton.rest
-    limb = (leg.hip, leg.knee, leg.ankle)
-    at = character.skeleton.rest_world.translation_m
-    hip, knee, ankle = (at[character.skeleton.index(name)] for name in limb)
-    reach = float(np.linalg.norm(knee - hip) + np.linalg.norm(ankle - knee))
-    aside = rng.standard_normal((count, 3))
-    aside *= (
-        reach * rng.uniform(0.3, 0.95, (count, 1)) / np.linalg.norm(aside, axis=1, keepdims=True)
-    )
-    goals = hip + aside
-    seconds = median_seconds(lambda: bend_limb(character.skeleton, rest, limb, goals), 0.3)
-    job = f"legs of two bones brought to targets, {count} at once"
-    rows.append(AnimationRow(job, count / seconds, "solves/s", title))
-    chain = Chain(limb)
-    seconds = median_seconds(lambda: reach_with(character.skeleton, rest, chain, goals), 0.3)
-    job = f"the same legs by FABRIK, {count} at once"
-    rows.append(AnimationRow(job, count / seconds, "solves/s", title))
-    straight = np.zeros((1, 20, 3))
-    straight[0, :, 0] = np.arange(20) / 19.0
-    goals = rng.standard_normal((count, 3))
-    goals *= rng.uniform(0.2, 0.95, (count, 1)) / np.linalg.norm(goals, axis=1, keepdims=True)
-    start = np.repeat(straight, count, axis=0)
-    start[..., 1] = 0.01 * np.sin(7.0 * start[..., 0])
-    seconds = median_seconds(lambda: fabrik(start, goals), 0.3)
-    job = f"chains of 20 joints by FABRIK, {count} at once"
-    rows.append(AnimationRow(job, count / seconds, "solves/s", title))
     return rows
 
 
