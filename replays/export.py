@@ -7,6 +7,7 @@ again where that is gone.
 from __future__ import annotations
 
 import json
+import logging
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from motorcade.animation.formats import CameraPath, write_gltf
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.files import FileError, read_bounded
-from motorcade.replays.characters.acting import character_named, clip_named, walked
+from motorcade.replays.characters.performers import performers
 from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.pipeline import pipeline_graph
 from motorcade.replays.readers.opening import open_recording
@@ -27,6 +28,8 @@ from motorcade.replays.results import trajectories
 from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.camera.offered import camera_of
 from motorcade.tracking.cameras.camera import Camera
+
+log = logging.getLogger("motorcade.export")
 
 MAX_LOG_BYTES = 1 << 24
 POINTS_SHOWN = 200_000
@@ -94,20 +97,18 @@ def open_run(folder: Path) -> Shown:
     )
     placed, found = run.outputs["placed"], run.outputs["camera_poses"]
     recording = as_found(recording, found.camera, found.depth_camera)
-    character = character_named(placed.character)
-    clip = clip_named(character, placed.clip)
-    if len(placed.path_m):
-        clip = walked(
-            character, clip, placed.path_m, placed.placement.scale, placed.plane_T_character
-        )
+    shown = performers(placed)
+    if len(shown) > 1:
+        first = placed.parts[0].name
+        log.warning("of %d characters the first is exported: '%s'", len(shown), first)
     return Shown(
         recording,
         camera_of(recording).undistorted(),
         trajectories(run),
         run.outputs["integrity"].drawn,
-        character,
-        clip,
-        placed.placement,
+        shown[0].character,
+        shown[0].clip,
+        shown[0].placement,
         placed.ground_motion,
         np.asarray(found.points, dtype=np.float64),
     )

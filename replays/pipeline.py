@@ -18,9 +18,11 @@ from typing import Any
 from motorcade import __version__
 from motorcade.ga.files import off_record
 from motorcade.replays.characters.acting import MANNEQUIN, character_named, clip_named
+from motorcade.replays.characters.casting import check_cast
 from motorcade.replays.engine.graph import Graph
 from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.engine.stage import first_of
+from motorcade.replays.readers.manifest.cast import NOBODY, read_cast
 from motorcade.replays.readers.manifest.section import setting_from
 from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.recording import Recording
@@ -138,6 +140,8 @@ def run_job(job: Job) -> dict[str, Any]:
 
 def _check_character(knobs: Mapping[str, Any]) -> None:
     """ValueError where a character or clip that is asked for is not there, before any tracking."""
+    if str(knobs.get("cast", NOBODY)) != NOBODY:
+        check_cast(read_cast(knobs["cast"]))
     if {"character", "clip"} & knobs.keys():
         character = character_named(str(knobs.get("character", MANNEQUIN)))
         if knobs.get("clip") is not None:

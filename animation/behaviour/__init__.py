@@ -2,7 +2,7 @@
 
 from motorcade.animation.behaviour.actor import Act, Actor, ClipLayer, gait_between
 from motorcade.animation.behaviour.crowd import Crowd, keep_apart, least_distance_m
-from motorcade.animation.behaviour.perform import Performance, foot_slides_m, perform
+from motorcade.animation.behaviour.performance import Performance, foot_slides_m, perform
 from motorcade.animation.behaviour.states import FOLLOWS, Errand, State
 from motorcade.animation.behaviour.timeline import Segment, Timeline
 

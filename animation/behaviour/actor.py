@@ -16,18 +16,20 @@ from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Leg
 from motorcade.animation.place.cycles import on_the_spot
-from motorcade.animation.place.pacing import Pace, passing_s
+from motorcade.animation.place.pacing import MOST_M_S2, Pace, passing_s
 from motorcade.animation.place.walks import rigid
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_z
 from motorcade.ga import Motor
-from motorcade.ga.arrays import FloatArray, checked_positive
+from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 
 # Samples of a blended cycle, and moments of a clip at which a body's reach is looked for.
-SAMPLES, MOMENTS = 97, 32
+SAMPLES, MOMENTS = 97, 16
 # A clip that begins farther than this from the character's own place or front is moved there: in
 # heights, and in radians.
 ASIDE, ASKEW_RAD = 0.1, np.deg2rad(15.0)
+# Heights of persons, for whom accelerations are told.
+PERSON_M = 1.75
 # A cycle's own speed, and a wish for it, may differ by so much.
 SAME_SPEED = 0.02
 
@@ -125,7 +127,18 @@ class Actor:
         """
         if self.cycle is None:
             raise ValueError(f"'{self.name}' has no gait to walk a path with")
-        return Pace(length_m / self.scale, self.speed_m_s, self.cycle.duration_s, self._passing_s)
+        return Pace(
+            length_m / self.scale,
+            self.speed_m_s,
+            self.cycle.duration_s,
+            self._passing_s,
+            most_m_s2=self.size * MOST_M_S2,
+        )
+
+    @property
+    def size(self) -> float:
+        """How many times as tall as a person it is by its file, whose clips keep their time."""
+        return self.character.height_m / PERSON_M
 
     @cached_property
     def _passing_s(self) -> tuple[float, ...]:
@@ -133,17 +146,27 @@ class Actor:
         pose = rigid(self.standing, 0.0)
         return passing_s(self.cycle, pose, self.skeleton, self.legs, self.speed_m_s)
 
+    def skin_m(self, poses: Motor, most: int | None = None) -> FloatArray:
+        """Points of the skin ``(*, P, 3)`` in character space, each moved by one joint alone.
+
+        It is the one that moves it most, so that points lie off the skin by little, near joints.
+
+        Args:
+            poses: Motor ``(*, J)``.
+            most: about how many points, evenly taken; all vertices by default.
+        """
+        held, own = self._held
+        step = 1 if most is None else max(1, len(held) // most)
+        world = self.skeleton.world(poses)
+        return world[..., held[::step]].apply(own[::step])
+
     @cached_property
-    def flesh_m(self) -> FloatArray:
-        """How far skin reaches from each joint that moves it most ``(J,)``, at its own size."""
+    def _held(self) -> tuple[IntArray, FloatArray]:
+        """For each vertex the joint that moves it most, and where it lies in that joint's frame."""
         character = self.character
-        rows = np.arange(len(character.joints))
-        heaviest = character.joints[rows, np.argmax(character.weights, axis=1)]
-        joints_m = self.skeleton.rest_world.translation_m
-        away = np.linalg.norm(character.vertices - joints_m[heaviest], axis=1)
-        made = np.zeros(len(self.skeleton))
-        np.maximum.at(made, heaviest, away)
-        return made
+        joints, _ = character.influences
+        held = joints[:, 0]
+        return held, self.skeleton.rest_world_inverse[held].apply(character.vertices)
 
     @cached_property
     def radii_m(self) -> Mapping[tuple[bool, str], float]:
@@ -166,9 +189,8 @@ class Actor:
 
     def _radius_m(self, clip: Clip) -> float:
         clock = np.linspace(0.0, clip.duration_s, MOMENTS) + clip.time_s[0]
-        at = self.skeleton.world(rigid(clip, clock)).translation_m
-        flat = np.linalg.norm(at[..., :2], axis=-1) + self.flesh_m
-        return self.scale * float(flat[:, self.flesh_m > 0.0].max(initial=0.0))
+        at = self.skin_m(rigid(clip, clock))
+        return self.scale * float(np.linalg.norm(at[..., :2], axis=-1).max())
 
 
 def gait_between(

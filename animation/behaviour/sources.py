@@ -33,6 +33,8 @@ from motorcade.ga.arrays import FloatArray
 GRAVITY_M_S2 = 9.81
 # A lean goes by the bend of the way from so long before to so long after.
 LEAN_OVER_S = 0.25
+# Farther nobody leans: a bend that needs it is taken too fast.
+MOST_LEAN_RAD = np.deg2rad(20.0)
 # A step of a turn: one foot swings for this long, and no turn in two steps is wider than that.
 STEP_S, WIDEST_RAD = 0.4, np.deg2rad(75.0)
 # How high a foot is lifted in it, as a share of the leg.
@@ -59,6 +61,7 @@ class Along:
     pace: Pace
     scale: float
     start_s: float
+    gravity_m_s2: float = GRAVITY_M_S2
 
     def at(self, time_s: ArrayLike) -> Motor:
         """Motor ``(*, 1)``."""
@@ -75,7 +78,8 @@ class Along:
         heading = np.unwrap(self.path.at(self.scale * along)[1], axis=0)
         speed = (along[1] - along[0]) / (2.0 * LEAN_OVER_S)
         rate = (heading[1] - heading[0]) / (2.0 * LEAN_OVER_S)
-        return np.asarray(np.arctan2(speed * rate, GRAVITY_M_S2))
+        lean = np.arctan2(speed * rate, self.gravity_m_s2)
+        return np.asarray(MOST_LEAN_RAD * np.tanh(lean / MOST_LEAN_RAD))
 
     def _on(self, passed_s: FloatArray) -> tuple[FloatArray, FloatArray]:
         along = self.scale * self.pace.along_m(np.clip(passed_s, 0.0, self.pace.done_s))
@@ -172,13 +176,17 @@ class Stepping:
         """Local poses ``(*, J)``."""
         poses = rigid(self.motion, time_s)
         passed = np.asarray(time_s, dtype=np.float64) - self.turn.start_s
-        at = self.skeleton.world(poses).translation_m
         for number, leg in enumerate(self.legs[:2]):
-            hip, ankle = (at[..., self.skeleton.index(name), :] for name in (leg.hip, leg.ankle))
-            through = self.turn.swinging(number, passed)
-            high = LIFTED * np.linalg.norm(hip - ankle, axis=-1) * np.sin(np.pi * through) ** 2
-            poses = bend_limb(self.skeleton, poses, leg.limb, ankle + high[..., None] * UP)
+            poses = lifted(self.skeleton, poses, leg, self.turn.swinging(number, passed))
         return poses
+
+
+def lifted(skeleton: Skeleton, poses: Motor, leg: Leg, through: FloatArray) -> Motor:
+    """Poses ``(*, J)`` whose foot is lifted by how far ``(*)`` it is through a step, 0 to 1."""
+    at = skeleton.world(poses).translation_m
+    hip, ankle = (at[..., skeleton.index(name), :] for name in (leg.hip, leg.ankle))
+    high = LIFTED * np.linalg.norm(hip - ankle, axis=-1) * np.sin(np.pi * through) ** 2
+    return bend_limb(skeleton, poses, leg.limb, ankle + high[..., None] * UP)
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.animation.behaviour.actor import Actor
-from motorcade.animation.behaviour.sources import Along, Still, Travelling, Turning
+from motorcade.animation.behaviour.sources import (
+    GRAVITY_M_S2,
+    Along,
+    Still,
+    Travelling,
+    Turning,
+)
 from motorcade.animation.behaviour.states import (
     Errand,
     Situation,
@@ -135,7 +141,7 @@ class Timeline:
                 way = Turning(here, off, clock)
                 lasts, looks = way.lasts_s, looks + off
             elif state == "walk" and path is not None and pace is not None:
-                way = Along(path, pace, actor.scale, clock)
+                way = Along(path, pace, actor.scale, clock, actor.size * GRAVITY_M_S2)
                 lasts, name = pace.left_s, getattr(actor.cycle, "name", "")
             elif state == "arrive" and path is not None and pace is not None:
                 lasts, name = pace.done_s - pace.left_s, getattr(actor.cycle, "name", "")

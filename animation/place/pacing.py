@@ -21,7 +21,7 @@ from motorcade.animation.vectors import UP
 from motorcade.ga import Motor, Rotor, mean
 from motorcade.ga.arrays import FloatArray
 
-# Speeding up or slowing down takes half a cycle, but is no faster than this.
+# Speeding up or slowing down takes half a cycle, but is no faster than this, for a person's size.
 MOST_M_S2 = 4.0
 # Of slowing down, when the walk is left for standing; and of a cycle, when after it that is done.
 LEFT, DONE = 0.5, 0.15
@@ -43,6 +43,7 @@ class Pace:
         passing: times in the cycle when each foot stands under the body.
         starts: whether it starts from standing; else it comes walking.
         stops: whether it stops; else it walks on.
+        most_m_s2: the fastest that it speeds up.
     """
 
     length_m: float
@@ -51,11 +52,12 @@ class Pace:
     passing: tuple[float, ...]
     starts: bool = True
     stops: bool = True
+    most_m_s2: float = MOST_M_S2
 
     @property
     def change_s(self) -> float:
         """How long it speeds up, and how long it slows down."""
-        return max(0.5 * self.period_s, self.speed_m_s / MOST_M_S2)
+        return max(0.5 * self.period_s, self.speed_m_s / self.most_m_s2)
 
     @property
     def ends(self) -> int:

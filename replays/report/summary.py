@@ -69,9 +69,37 @@ def summarise(findings: Findings) -> dict[str, Any]:
             "frames_with_character": film.frames_with_character,
             "stands_on": film.stands_on,
         },
+        "cast": _cast(findings),
     }
     cleaned: dict[str, Any] = without_nan(tree)
     return cleaned
+
+
+def _cast(findings: Findings) -> dict[str, Any] | None:
+    """Who does what and when, how far feet slide and bodies are apart; None without a cast."""
+    placed = findings.placed
+    if not placed.parts:
+        return None
+    return {
+        "least_distance_m": placed.apart_m,
+        "characters": [
+            {
+                "name": part.name,
+                "note": part.note,
+                "worst_foot_slide_m": part.worst_slide_m,
+                "states": [
+                    {
+                        "state": one.state,
+                        "clip": one.clip,
+                        "start_s": one.start_s,
+                        "end_s": one.end_s,
+                    }
+                    for one in part.states
+                ],
+            }
+            for part in placed.parts
+        ],
+    }
 
 
 def _camera_poses(findings: Findings) -> dict[str, Any]:

@@ -7,10 +7,50 @@ from pathlib import Path
 
 import numpy as np
 
-from motorcade.animation import Placement
+from motorcade.animation import Clip, Placement
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.engine.aside import ASIDE
+
+
+@dataclass(frozen=True)
+class PartState:
+    """A state of a character of a cast: what it does, by which clip, and from when to when."""
+
+    state: str
+    clip: str
+    start_s: float
+    end_s: float
+
+
+@dataclass(frozen=True, eq=False)
+class PlayedPart:
+    """A character of a cast, and all that it does.
+
+    Fields:
+        name: what it is called.
+        character: "mannequin" or a file.
+        placement: where its poses are told from.
+        time_s: ``(F,)`` from the first frame on.
+        poses: Motor ``(F, J)``, local poses; its root goes its way.
+        states: in their order.
+        note: how it keeps out of the others' way; "" where it does as it was asked.
+        worst_slide_m: the farthest that a foot goes on the ground in one step.
+    """
+
+    name: str
+    character: str
+    placement: Placement
+    time_s: FloatArray
+    poses: Motor
+    states: tuple[PartState, ...]
+    note: str
+    worst_slide_m: float
+
+    @property
+    def clip(self) -> Clip:
+        """All that it does, as one clip."""
+        return Clip(self.name, self.time_s, self.poses)
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +66,8 @@ class PlacedCharacter:
         plane_T_character: where the placement stands in that plane.
         ground_motion: on a marker that moves, what moves the placement along: the pose
             that takes what stands in the world at the first frame to where it is later.
+        parts: of a cast, what everybody does, the one first that the other fields tell of.
+        apart_m: the least distance between two bodies of it; None for one alone.
     """
 
     character: str
@@ -35,6 +77,8 @@ class PlacedCharacter:
     path_m: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
     plane_T_character: Motor = field(default_factory=Motor.identity)
     ground_motion: Trajectory | None = None
+    parts: tuple[PlayedPart, ...] = ()
+    apart_m: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

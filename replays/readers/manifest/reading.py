@@ -31,6 +31,7 @@ from motorcade.replays.readers.frames.files import (
 from motorcade.replays.readers.frames.video import VideoFrames
 from motorcade.replays.readers.gpmf import read_telemetry
 from motorcade.replays.readers.layouts.detect import find_layout, read_layout
+from motorcade.replays.readers.manifest.cast import read_cast
 from motorcade.replays.readers.manifest.inertial import IMU_KEYS, section_imu
 from motorcade.replays.readers.manifest.section import (
     CAMERA_KEYS,
@@ -134,7 +135,13 @@ class _Manifest:
 
     def _setting(self, text: str) -> str:
         """A setting whose file, where it names one, is looked for as those of keys are."""
-        return setting_from(text, lambda name: self._named(self.top, "settings", name))
+        made = setting_from(text, lambda name: self._named(self.top, "settings", name))
+        if made.startswith("placed.cast=") and made != text and not self.may_leave:
+            for file in read_cast(Path(made.partition("=")[2])).files():
+                if not Path(realpath(file)).is_relative_to(realpath(self.folder)):
+                    problem = f"expected a cast of files inside {self.folder}, got {file}"
+                    raise self.top.fault("settings", problem)
+        return made
 
     def _file(self, section: Section, key: str) -> Path:
         """The file that a key names."""

@@ -36,7 +36,7 @@ from motorcade.tracking.slam import MapSnapshot
 
 TOML_LIMIT = 2**16
 _WHOLE_LIMIT = 1_000_000
-FILE_KNOBS = {"placed.character": "mannequin"}
+FILE_KNOBS = {"placed.character": "mannequin", "placed.cast": "none"}
 """Knobs that name a file, and the word by which each names none; a test asks the stages."""
 
 

@@ -27,7 +27,7 @@ from motorcade.render.light import (
 )
 from motorcade.render.scene import DepthArray, ImageArray, Lighting
 from motorcade.render.video import ahead
-from motorcade.replays.characters.acting import character_named, clip_named, walked
+from motorcade.replays.characters.performers import performers
 from motorcade.replays.engine.artifacts import new_file
 from motorcade.replays.engine.progress import track
 from motorcade.replays.engine.stage import Unavailable
@@ -89,17 +89,9 @@ def overlay(
     path = extrapolated(
         _chosen(smoothed, integrity, representation), camera_poses.measurements.trajectory
     )
-    character = character_named(placed.character)
-    clip = clip_named(character, placed.clip)
-    if len(placed.path_m):
-        clip = walked(
-            character,
-            clip,
-            placed.path_m,
-            placed.placement.scale,
-            placed.plane_T_character,
-            lasting_s=1e-9 * float(np.ptp(recording.frames.time_ns)),
-        )
+    lasting_s = 1e-9 * float(np.ptp(recording.frames.time_ns))
+    (first, *others) = performers(placed, lasting_s)
+    character = first.character
     start = time.perf_counter()
     recording = as_found(recording, camera_poses.camera, camera_poses.depth_camera)
     distorted = lens == "distort" or (lens == "auto" and can_be_drawn_for(recording.camera))
@@ -114,8 +106,8 @@ def overlay(
         footage.camera,
         path,
         character,
-        clip,
-        placed.placement,
+        first.clip,
+        first.placement,
         lighting=lighting,
         matching=Matching(gain, exposure_s, noise),
         prints=prints
@@ -123,6 +115,7 @@ def overlay(
         else None,  # where things move, a map may not hold
         ground_motion=placed.ground_motion,
         meter=meter,
+        others=others,
         renderer=renderer,
     )
     file = new_file("overlay.mp4")

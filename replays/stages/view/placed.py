@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from motorcade.animation import place_on_plane
+from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, frozen
 from motorcade.replays.characters.acting import (
     MANNEQUIN,
@@ -18,6 +19,8 @@ from motorcade.replays.characters.acting import (
     path_of,
     walked,
 )
+from motorcade.replays.characters.casting import played
+from motorcade.replays.readers.manifest.cast import NOBODY, Cast, read_cast
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.view.ground import (
@@ -36,6 +39,10 @@ from motorcade.replays.values.view import PlacedCharacter
 
 log = logging.getLogger("motorcade.placed")
 
+# What a cast says in place of knobs; those that are lists of numbers may be empty.
+CAST_SAYS = ("character", "clip", "path", "position_m", "heading_deg")
+LISTS = ("path", "position_m")
+
 
 def placed(
     recording: Recording,
@@ -44,6 +51,7 @@ def placed(
     marker_poses: MarkerPoses | None = None,
     *,
     character: Path = Path(MANNEQUIN),
+    cast: Path = Path(NOBODY),
     clip: str | None = None,
     path: tuple[float, ...] = (),
     on: Literal["auto", "board", "marker", "plane", "floor"] = "auto",
@@ -61,6 +69,9 @@ def placed(
     speed with planted feet and stays at the end; the clip is then the walk unless another is named.
     (A board's frame begins at its top left corner as printed, a checkerboard's at its first inner
     one: y runs up, so points on the board have y < 0. A path that leaves it is named in the log.)
+    `cast` is a TOML file of several characters that walk, turn, act, and keep apart
+    (docs/manifests/every_cast_key.toml); it says in place of `character`, `clip`, `path`,
+    `position_m` and `heading_deg` who does what where.
     `on` "auto" takes the board or the marker seen most where the poses come from it, else the plane
     where one is found (in depth, or among the points that SLAM mapped; the floor where gravity is
     known, a plane that faces the picture's up where it is not), else the floor: z = `floor_m`, in
@@ -78,6 +89,9 @@ def placed(
     """
     if position_m and len(position_m) != 2:
         raise ValueError(f"placed.position_m: expected x,y, got {len(position_m)} numbers")
+    if str(cast) != NOBODY:
+        told = (character != Path(MANNEQUIN), clip, path, position_m, heading_deg is not None)
+        _refuse_beside_cast(*map(bool, told))
     recording = as_found(recording, camera_poses.camera, camera_poses.depth_camera)
     marker_map = None if marker_poses is None else marker_poses.marker_map
     way = path_of(path) if path else None
@@ -105,6 +119,10 @@ def placed(
     if ground is None:
         ground = ground_on_floor(recording, camera_poses, seen_from, floor_m)
     plane = ground.world_T_plane
+    if str(cast) != NOBODY:
+        towards = (plane.inverse() @ first_camera).translation_m[:2]
+        height = ground.height_m if height_m is None else height_m
+        return _cast_on(read_cast(cast), ground, ground_motion, height, towards, recording)
     who = character_named(str(character))
     clip = clip or ("idle" if way is None else "walk")
     motion = clip_named(who, clip)
@@ -133,6 +151,42 @@ def placed(
         _warn_of_points_off(points, ground)
     return PlacedCharacter(
         str(character), clip, placement, ground.name, frozen(points), inside, ground_motion
+    )
+
+
+def _refuse_beside_cast(*told: bool) -> None:
+    """ValueError where a knob says what the cast says already."""
+    for name, given in zip(CAST_SAYS, told, strict=True):
+        if given:
+            raise ValueError(
+                f"placed.{name}: expected none beside placed.cast, which says it"
+                + (f"; --set placed.{name}= takes away the manifest's" if name in LISTS else "")
+            )
+
+
+def _cast_on(
+    cast: Cast,
+    ground: Ground,
+    ground_motion: Trajectory | None,
+    height_m: float,
+    towards: FloatArray,
+    recording: Recording,
+) -> PlacedCharacter:
+    """Everybody of a cast on a ground; the first stands for all where one is asked for."""
+    plane = ground.world_T_plane
+    parts, apart_m = played(cast, plane, height_m, towards, recording.duration_s)
+    for member in cast.members:
+        _warn_of_points_off(member.path_m, ground)
+    first = parts[0]
+    return PlacedCharacter(
+        first.character,
+        first.states[0].clip,
+        first.placement,
+        ground.name,
+        plane_T_character=plane.inverse() @ first.placement.world_T_character,
+        ground_motion=ground_motion,
+        parts=parts,
+        apart_m=apart_m if np.isfinite(apart_m) else None,
     )
 
 

@@ -13,7 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.behaviour.actor import Actor, ClipLayer
-from motorcade.animation.behaviour.sources import Along, Layered, Leaning, Stepping, Turning
+from motorcade.animation.behaviour.sources import (
+    Along,
+    Layered,
+    Leaning,
+    Stepping,
+    Turning,
+    lifted,
+)
 from motorcade.animation.behaviour.timeline import Segment, Timeline
 from motorcade.animation.blend import Inertialized, PoseSource, Shifted
 from motorcade.animation.clip import Clip
@@ -123,8 +130,7 @@ def _unplanted(
         for number, standing in enumerate(_standing(actor, segment, time_s, rows)):
             stances[number][rows] = standing
     layered = _with_layers(timeline, time_s, Motor.normalize(poses))
-    _let_step(timeline, time_s, way, layered, stances)
-    return layered, stances
+    return _stepping(timeline, time_s, way, layered, stances), stances
 
 
 def _source(actor: Actor, segment: Segment) -> PoseSource:
@@ -218,14 +224,17 @@ def _spans(timeline: Timeline, layer: ClipLayer, last_s: float) -> list[tuple[fl
     return joined
 
 
-def _let_step(
+def _stepping(
     timeline: Timeline,
     time_s: FloatArray,
     way: Motor,
     poses: Motor,
     stances: list[NDArray[np.bool_]],
-) -> None:
-    """Where a switch has feet stand elsewhere, let them step there one after the other."""
+) -> Motor:
+    """Poses in which feet that a switch has stand elsewhere step there, one after the other.
+
+    The stances are changed with them.
+    """
     actor = timeline.actor
     world = way.reshape(-1, 1) @ _scaled(actor.skeleton.world(poses), actor.scale)
     near_m = actor.scale * _near_m(actor)
@@ -243,6 +252,12 @@ def _let_step(
             clock = time_s[rows[1] : rows[2]] - now.start_s
             swings = (clock >= number * half) & (clock < (number + 1) * half)
             standing[rows[1] : rows[2]] = ~swings
+            changed = poses.coefficients.copy()
+            step = np.flatnonzero(swings) + rows[1]
+            through = clock[swings] / half - number
+            changed[step] = lifted(actor.skeleton, poses[step], leg, through).coefficients
+            poses = Motor(changed)
+    return poses
 
 
 def _scaled(poses: Motor, scale: float) -> Motor:

@@ -1,0 +1,30 @@
+"""Who is drawn and exported: the placed character, or everybody of a cast, with what they do."""
+
+from __future__ import annotations
+
+from motorcade.render import Performer
+from motorcade.replays.characters.acting import character_named, clip_named, walked
+from motorcade.replays.values.view import PlacedCharacter
+
+
+def performers(placed: PlacedCharacter, lasting_s: float = 0.0) -> list[Performer]:
+    """Those that stand in the footage, one or more, with clips that begin at its first frame.
+
+    Args:
+        placed: what the stage of that name made.
+        lasting_s: how long a clip shall last in all; one of a walk, that is.
+
+    Raises:
+        ValueError: a character or clip that is no longer there.
+    """
+    if placed.parts:
+        return [
+            Performer(character_named(part.character), part.clip, part.placement)
+            for part in placed.parts
+        ]
+    character = character_named(placed.character)
+    clip = clip_named(character, placed.clip)
+    if len(placed.path_m):
+        scale, start = placed.placement.scale, placed.plane_T_character
+        clip = walked(character, clip, placed.path_m, scale, start, lasting_s)
+    return [Performer(character, clip, placed.placement)]
