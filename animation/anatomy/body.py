@@ -100,7 +100,8 @@ def body_from(
     else:
         found = evidence.forward(at)
         for kind, value in ({} if motion is None else _moving(evidence, motion)).items():
-            found[kind] = value if abs(value) > abs(found.get(kind, 0.0)) else found[kind]
+            if abs(value) > abs(found.get(kind, 0.0)):
+                found[kind] = value
         if skin is not None and not found.get("toes"):
             found["skin"] = _by_skin(evidence, tree, skin, across)
         found["names"] = _by_sides(tree, legs, arms)
