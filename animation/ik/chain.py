@@ -104,7 +104,7 @@ def laid_along(
     Args:
         skeleton: with J joints.
         local_pose: Motor ``(*, J)``.
-        numbers: N joints of the chain, base first.
+        numbers: N joints of the chain, base first; joints between go along with those above.
         points_m: ``(*, N, 3)`` in character space, as far apart as the bones are long.
 
     Returns:
@@ -114,13 +114,13 @@ def laid_along(
     batch = np.broadcast_shapes(world.shape[:-1], points_m.shape[:-2])
     size = local_pose.coefficients.shape[-2:]
     made = Motor(np.broadcast_to(local_pose.coefficients, (*batch, *size)))
-    parent = int(skeleton.parents[numbers[0]])
-    above = world[..., parent].rotor if parent >= 0 else Rotor.identity()
+    turned = Rotor.identity()
     at = world.translation_m
     for k, joint in enumerate(numbers[:-1]):
+        parent = int(skeleton.parents[joint])
+        # What lies between two joints of the chain has turned as the first of them did.
+        above = turned @ world[..., parent].rotor if parent >= 0 else Rotor.identity()
         bone = at[..., numbers[k + 1], :] - at[..., joint, :]
         turned = shortest_turn(bone, points_m[..., k + 1, :] - points_m[..., k, :])
-        rotor = turned @ world[..., joint].rotor
-        made = turned_joint(made, joint, above.inverse() @ rotor)
-        above = rotor
+        made = turned_joint(made, joint, above.inverse() @ turned @ world[..., joint].rotor)
     return made

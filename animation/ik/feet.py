@@ -100,7 +100,7 @@ class Leg:
     """The joints of a leg.
 
     Args:
-        hip, knee, ankle: each the parent of the next.
+        hip, knee, ankle: each above the next.
         ball: what touches the ground last; by default the ankle.
         heel: how far behind the ankle the sole begins, as a share of the way from ankle to ball.
         tip: how far before the ball it ends, likewise. Both by default as of a human foot in a

@@ -7,10 +7,12 @@ CLUScript in ``docs/scripts/two_link_arm.clu``.
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.animation.ik.chain import Chain, laid_along
+from motorcade.animation.ik.chain import laid_along
 from motorcade.animation.skeleton import Skeleton, turned_joint
 from motorcade.animation.vectors import length, perpendicular, shortest_turn, unit
 from motorcade.ga import Motor, Rotor
@@ -36,7 +38,8 @@ def bend_limb(
     Args:
         skeleton: with J joints.
         local_pose: Motor ``(*, J)``.
-        joints: root, middle and end of the limb, each the parent of the next.
+        joints: root, middle and end of the limb, each above the next; joints between them go
+            along with the one above.
         target_m: ``(*, 3)`` in character space.
         pole_m: ``(*, 3)`` the middle joint bends towards it; without one it bends as it did.
         keep_end_orientation: whether the end keeps its orientation in character space (a foot on
@@ -61,7 +64,7 @@ def bend_limb(
            [0.3, 0. , 0.6],
            [0. , 0. , 0.2]])
     """
-    numbers = Chain(joints).numbers(skeleton)
+    numbers = _limb(skeleton, joints)
     goal = checked_floats(target_m, "bend_limb(target_m)", (3,))
     world = skeleton.world(local_pose)
     root, middle, end = (world.translation_m[..., k, :] for k in numbers)
@@ -75,8 +78,27 @@ def bend_limb(
     made = laid_along(skeleton, local_pose, numbers, points)
     if not keep_end_orientation:
         return made
-    above = skeleton.world(made)[..., numbers[1]].rotor
+    above = skeleton.world(made)[..., int(skeleton.parents[numbers[2]])].rotor
     return turned_joint(made, numbers[2], above.inverse() @ world[..., numbers[2]].rotor)
+
+
+def _limb(skeleton: Skeleton, joints: tuple[str, str, str]) -> list[int]:
+    """Numbers of a limb's joints.
+
+    Raises:
+        ValueError: a joint that it does not have, or one that is not above the next.
+    """
+    numbers = [skeleton.index(name) for name in joints]
+    for above, below in pairwise(numbers):
+        joint = int(skeleton.parents[below])
+        while joint > above:
+            joint = int(skeleton.parents[joint])
+        if joint != above:
+            raise ValueError(
+                f"bend_limb(joints): expected '{skeleton.names[above]}' to be above "
+                f"'{skeleton.names[below]}', whose parents do not lead there"
+            )
+    return numbers
 
 
 def _middle_and_end(

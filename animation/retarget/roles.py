@@ -37,7 +37,9 @@ def body_of(skeleton: Skeleton) -> dict[str, int]:
 
 
 def legs_of(skeleton: Skeleton) -> list[Leg]:
-    """The legs, left first, whose thigh, calf and foot are told and joined.
+    """The legs, left first, and an animal's forelegs after its hind legs.
+
+    Joints between hip and knee, or knee and ankle, go along with the bone above them.
 
     >>> import numpy as np
     >>> from motorcade.animation import Skeleton, legs_of
@@ -46,12 +48,17 @@ def legs_of(skeleton: Skeleton) -> list[Leg]:
     >>> legs_of(Skeleton(names, np.array([-1, 0, 1]), Motor.identity((3,))))[0].knee
     'mixamorig:LeftLeg'
     """
-    body, legs = body_of(skeleton), []
-    for side in SIDES:
-        joints = [body.get(f"{side}_{part}", -1) for part in ("thigh", "calf", "foot")]
-        if min(joints) < 0 or any(skeleton.parents[joints[k + 1]] != joints[k] for k in range(2)):
+    figure = figure_of(skeleton)
+    limbs = [("thigh", "calf", "foot")]
+    if figure.four_legged:
+        limbs.append(("upper_arm", "forearm", "hand"))
+    legs = []
+    for limb, side in product(limbs, SIDES):
+        joints = [figure.roles.get(f"{side}_{part}", -1) for part in limb]
+        line = ancestors(skeleton, joints[2]) if min(joints) >= 0 else []
+        if not set(joints[:2]) <= set(line) or joints[0] not in ancestors(skeleton, joints[1]):
             continue
-        toes = body.get(f"{side}_toes")
+        toes = figure.roles.get(f"{side}_toes") if limb[0] == "thigh" else None
         joined = toes is not None and skeleton.parents[toes] == joints[2]
         hip, knee, ankle = (skeleton.names[joint] for joint in joints)
         ball = skeleton.names[toes] if joined and toes is not None else ""

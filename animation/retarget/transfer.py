@@ -8,15 +8,19 @@ Spines of different numbers of joints, or of joints spaced otherwise, share turn
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from itertools import pairwise
+from collections.abc import Mapping, Sequence
+from itertools import pairwise, product
 
 import numpy as np
 
 from motorcade.animation.anatomy.words import SIDES
 from motorcade.animation.clip import Clip
+from motorcade.animation.ik import Leg
+from motorcade.animation.ik.feet import GroundHeights
+from motorcade.animation.ik.soles import Sole, sole_clearance_m
 from motorcade.animation.retarget.reference import constants
 from motorcade.animation.retarget.roles import (
+    LIMBS,
     NO_BONE_M,
     Match,
     along_axes,
@@ -24,9 +28,10 @@ from motorcade.animation.retarget.roles import (
     body_of,
     common_parent,
     joints_alike,
+    legs_of,
 )
 from motorcade.animation.skeleton import Skeleton, with_joint
-from motorcade.animation.vectors import UP
+from motorcade.animation.vectors import UP, shortest_turn
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 
@@ -91,6 +96,9 @@ def _joined(parts: list[Motor]) -> Motor:
 
 # Of all moments, the share in which the lower foot is taken to be below where it stands.
 LOWEST_SHARE = 0.2
+# A source whose soles come down to within this share of its legs stands there; feet that rest at
+# heights that differ by less stand flat.
+STANDING, FLAT = 0.15, 0.06
 
 
 def retarget(
@@ -98,13 +106,14 @@ def retarget(
     source: Skeleton,
     target: Skeleton,
     joints: Mapping[str, str] | None = None,
+    legs: Sequence[Leg] | None = None,
 ) -> Clip:
     """The clip for another skeleton; joints without a counterpart stay as they rest.
 
-    The hips' way is scaled by the lengths of the legs. Where the source's rest is no pose to stand
-    in, heights are set so that the feet stand on the ground. A root below the hips, where the
-    target has one, takes the way over the ground. Feet of figures of other proportions slide a
-    little: see `plant_feet`.
+    The hips' way is scaled by the lengths of the legs; then the figure is raised or lowered so that
+    its lower foot is at each moment as high over the ground as the source's. A root below the
+    hips, where the target has one, takes the way over the ground. Feet of figures of other
+    proportions slide a little: see `plant_feet`.
 
     Args:
         clip: of the source. Where its joints grow, growth is left out.
@@ -112,6 +121,9 @@ def retarget(
         target: that is to move; it rests standing, as a bound mesh does.
         joints: the source's joint for each of the target's; by default `joints_alike`. The hips
             go their way only if they, or what carries legs and trunk, are among them.
+
+        legs: of the target, whose soles are put on the ground; by default `legs_of`, and
+            `fitted_legs` measures them on a mesh.
 
     Raises:
         ValueError: joints that one of the skeletons does not have, or no pair at all.
@@ -142,13 +154,15 @@ def retarget(
     if joints is None:
         numbers.setdefault(carrier, hips)
     match = Match(source, target, dict(sorted(numbers.items())), source_world)
-    if joints is None and not match.one_rig:
-        match = spread_spine(match)
+    if not match.one_rig:
+        laid = laid_limbs(source, source_world)
+        match = Match(source, target, match.joints, laid)
+        match = spread_spine(match) if joints is None else match
     poses = _turned(match)
     if carrier in numbers:
         poses = _with_way(match, poses, carrier, _way(match, carrier, hips))
-        if not match.comparable:
-            poses = _grounded(target, poses, carrier)
+        if source is not target:
+            poses = _grounded(match, poses, carrier, legs_of(target) if legs is None else legs)
     return Clip(clip.name, clip.time_s, poses, clip.looped, clip.key_count)
 
 
@@ -187,13 +201,17 @@ def _way(match: Match, carrier: int, hips: int) -> FloatArray:
     start = match.source.rest_world[hips].translation_m
     own = match.target.rest_world[carrier].translation_m
     lengths = [_leg_m(skeleton) for skeleton in (match.target, match.source)]
-    scale = 1.0
-    if min(lengths) > NO_BONE_M:
-        scale = lengths[0] / lengths[1]
-    elif min(own[2], start[2]) > NO_BONE_M:
+    scale = _scale(match)
+    if not min(lengths) > NO_BONE_M and min(own[2], start[2]) > NO_BONE_M:
         scale = own[2] / start[2]
     way: FloatArray = own + scale * (match.source_world[:, hips].translation_m - start)
     return way
+
+
+def _scale(match: Match) -> float:
+    """How much longer the target's legs are; 1 where they are not known."""
+    lengths = [_leg_m(skeleton) for skeleton in (match.target, match.source)]
+    return lengths[0] / lengths[1] if min(lengths) > NO_BONE_M else 1.0
 
 
 def _leg_m(skeleton: Skeleton) -> float:
@@ -226,22 +244,74 @@ def _with_way(match: Match, poses: Motor, carrier: int, way: FloatArray) -> Moto
     return with_joint(poses, carrier, source_world)
 
 
-def _grounded(target: Skeleton, poses: Motor, carrier: int) -> Motor:
-    """Poses raised or lowered as a whole, so that the lower foot is as low as it is at rest."""
-    body = body_of(target)
-    soles = [
-        body[f"{side}_{part}"]
-        for side in SIDES
-        for part in ("foot", "toes")
-        if f"{side}_{part}" in body
-    ]
-    if not soles:
-        return poses
-    height = target.world(poses).translation_m[:, soles, 2]
-    over = np.min(height - target.rest_world.translation_m[soles, 2], axis=1)
-    down = -float(np.quantile(over, LOWEST_SHARE)) * UP
+def _grounded(match: Match, poses: Motor, carrier: int, legs: Sequence[Leg]) -> Motor:
+    """Poses raised or lowered so that at each moment the lower sole is as high as the source's.
+
+    Heights are in proportion to the legs. Without feet on both sides poses stay.
+    """
+    target = match.target
     world = target.world(poses)
+    own = _clearance_m(target, world, legs)
+    other = _clearance_m(match.source, match.source_world, legs_of(match.source))
+    if own is None or other is None:
+        return poses
+    level = float(np.quantile(other, LOWEST_SHARE))
+    if abs(level) < STANDING * _leg_m(match.source):
+        other = np.maximum(other - level, 0.0)
+    up = (_scale(match) * other - own)[:, None] * UP
     parent = int(target.parents[carrier])
     above = world[:, parent].rotor if parent >= 0 else Rotor.identity(poses.shape[:1])
-    lift = Motor.from_translation(above.inverse().apply(down))
+    lift = Motor.from_translation(above.inverse().apply(up))
     return with_joint(poses, carrier, lift @ poses[:, carrier])
+
+
+def _clearance_m(skeleton: Skeleton, world: Motor, legs: Sequence[Leg]) -> FloatArray | None:
+    """Heights ``(F,)`` of the lowest part of the feet over the ground; None without feet.
+
+    Soles lie on z = 0 at rest; where feet rest at different heights, as in a stride, the height at
+    which each foot's joints stand is told by their lowest moments.
+
+    Args:
+        skeleton: with J joints.
+        world: Motor ``(F, J)``, its joints in character space.
+        legs: of it.
+    """
+    if not legs:
+        return None
+    feet = []
+    pairs = [leg.foot(skeleton) for leg in legs]
+    balls = skeleton.rest_world.translation_m[[ball for _, ball in pairs], 2]
+    flat = float(np.ptp(balls)) < FLAT * max(_leg_m(skeleton), NO_BONE_M)
+    for leg, (ankle, ball) in zip(legs, pairs, strict=True):
+        if flat:
+            sole = Sole(ankle, ball, leg.heel, leg.tip)
+            pair = world[:, ankle], world[:, ball]
+            feet.append(sole_clearance_m(skeleton, pair, sole, GroundHeights().height_m))
+            continue
+        for joint in {ankle, ball}:
+            height = world[:, joint].translation_m[:, 2]
+            feet.append(height - np.quantile(height, LOWEST_SHARE))
+    made: FloatArray = np.min(feet, axis=0)
+    return made
+
+
+def laid_limbs(source: Skeleton, world: Motor) -> Motor:
+    """Poses ``(F, J)`` in which the bones of limbs turn as a whole where joints lie inside them.
+
+    A knee of two joints bends in both: what follows the first alone would bend by half.
+    """
+    body, made = body_of(source), world.coefficients.copy()
+    rest = source.rest_world
+    for side, limb in product(SIDES, LIMBS):
+        for start, end in pairwise([body.get(f"{side}_{part}", -1) for part in limb]):
+            inner = int(source.parents[end]) if min(start, end) >= 0 else start
+            if inner == start or start not in ancestors(source, end):
+                continue
+            bone = rest.translation_m[end] - rest.translation_m[start]
+            turn = world[:, inner].rotor @ rest[inner].rotor.inverse()
+            now = world[:, end].translation_m - world[:, start].translation_m
+            turn = shortest_turn(turn.apply(bone), now) @ turn
+            whole = turn @ rest[start].rotor
+            place = world[:, start].translation_m
+            made[:, start] = Motor.from_rotor_translation(whole, place).coefficients
+    return Motor.normalize(made)

@@ -70,7 +70,8 @@ def clip_named(character: Character, name: str) -> Clip:
         advice = did_you_mean(name, dict.fromkeys([clip.name for clip in character.clips] + lent))
         raise ValueError(f"placed.clip: no clip {name!r}; {advice}")
     try:
-        return retarget(figure.clip(name), figure.skeleton, character.skeleton)
+        legs = fitted_legs(legs_of(character.skeleton), character)
+        return retarget(figure.clip(name), figure.skeleton, character.skeleton, legs=legs)
     except ValueError as fault:
         raise ValueError(
             f"placed.clip: the character has no clip {name!r} of its own, and the mannequin's does "

@@ -19,7 +19,8 @@ from motorcade.animation.blend import (
     split_root_motion,
 )
 from motorcade.animation.formats import read_character, read_motion, write_gltf
-from motorcade.animation.retarget import retarget
+from motorcade.animation.ik import fitted_legs
+from motorcade.animation.retarget import legs_of, retarget
 
 # Words by which feet are found among names of joints, ends of legs before toes.
 FEET = ("foot", "ankle", "toe")
@@ -67,10 +68,13 @@ def character_with(path: Path, motions: Sequence[Path] = ()) -> Character:
     """
     character = read_character(path)
     clips, notices = list(character.clips), list(character.notices)
+    legs = fitted_legs(legs_of(character.skeleton), character)
     for file in motions:
         motion = read_motion(file)
         notices += [f"{file.name}: {notice}" for notice in motion.notices]
-        clips += [retarget(clip, motion.skeleton, character.skeleton) for clip in motion.clips]
+        clips += [
+            retarget(clip, motion.skeleton, character.skeleton, legs=legs) for clip in motion.clips
+        ]
     return replace(character, clips=tuple(clips), notices=tuple(notices))
 
 

@@ -12,6 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 
 KINDS = {"<f4": 5126, "<u4": 5125, "<u2": 5123, "|u1": 5121}
 TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
+GENERATOR = "Motorcade"
+"""What files say that are written here: metres, figures on the ground at z = 0 of their space."""
+
 VERTICES, INDICES = 34962, 34963
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from motorcade.animation.formats.gltf.accessors import Accessors
 from motorcade.animation.formats.gltf.animations import read_animations
+from motorcade.animation.formats.gltf.binary import GENERATOR
 from motorcade.animation.formats.gltf.container import open_gltf
 from motorcade.animation.formats.gltf.meshes import Meshes
 from motorcade.animation.formats.gltf.nodes import read_nodes
@@ -51,4 +52,5 @@ def read_gltf(path: Path, *, pictures: Path | None = None) -> Rig:
             *notices_of_clips,
             *(() if humanoid is None else humanoid.notices),
         ),
+        settled=generator == GENERATOR,
     )

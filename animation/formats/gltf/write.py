@@ -15,7 +15,7 @@ import numpy as np
 
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
-from motorcade.animation.formats.gltf.binary import VERTICES, BinaryBuffer, write_glb
+from motorcade.animation.formats.gltf.binary import GENERATOR, VERTICES, BinaryBuffer, write_glb
 from motorcade.animation.formats.gltf.write_materials import LookWriter
 from motorcade.animation.formats.rig.sampling import divided, parts_of_steps
 from motorcade.animation.morphs import MorphTrack
@@ -120,7 +120,7 @@ def write_gltf(
     buffer = BinaryBuffer()
     first = 1 if world_T_character is None else 2
     document: dict[str, Any] = {
-        "asset": {"version": "2.0", "generator": "Motorcade"},
+        "asset": {"version": "2.0", "generator": GENERATOR},
         "scene": 0,
         "scenes": [{"nodes": [0, first + len(character.skeleton)]}],
         "nodes": _nodes(character, world_T_character is not None, camera is not None),

@@ -69,7 +69,7 @@ def assemble_character(rig: Rig, wanted: Wanted) -> Character:
     notices = [*stage.notices, *mesh.notices]
     if rig.clips or any(surface.skin is not None for surface in rig.surfaces):
         notices += _lost(stage.rest, mesh)
-    soles = Soles.of(stage, mesh, binding)
+    soles = Soles.of(stage, mesh, binding, rig.settled)
     lift = Motor.from_translation((0.0, 0.0, -soles.bound_m))
     skeleton = _skeleton(stage.joints, lift @ binding.world)
     vertices = mesh.vertices - (0.0, 0.0, soles.bound_m)
@@ -132,7 +132,7 @@ def assemble_motion(rig: Rig, wanted: Wanted) -> SkeletalMotion:
     if lowest_m < 0.0 or lowest_m > IN_THE_AIR * height_m:
         world = Motor.from_translation((0.0, 0.0, -lowest_m)) @ world
     skeleton = _skeleton(stage.joints, world)
-    lowered_m = standing_joints_m(stage, rig, height_m)
+    lowered_m = 0.0 if rig.settled else standing_joints_m(stage, rig, height_m)
     if lowered_m:
         notices.append(
             f"its clips stand {lowered_m:+.3f} m over the file's zero: put on the ground"

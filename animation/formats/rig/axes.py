@@ -195,7 +195,8 @@ def _front(
     level = unit(seen - (seen @ up) * up)
     axis = _nearest_axis(level)
     ahead = axis if float(level @ axis) > NEAR_AXIS_COSINE else level
-    if rig.forward is not None and float(ahead @ usual) < 0.9:
+    stated = rig.forward is not None and float(np.dot(rig.forward, usual)) > CLEAR_COSINE
+    if stated and float(ahead @ usual) < 0.9:
         return ahead, (
             f"it faces {_axis_name(axis)} by its {body.told_by} where the format says "
             f"{_axis_name(usual)}: turned by the {body.told_by}"
@@ -250,6 +251,21 @@ def guessed_unit_m(height: float) -> tuple[float, str]:
     return UNITS_M[name], (
         f"its unit is not known: taken as {name}, which makes it {made:.2f} m large"
     )
+
+
+def nearer_unit_m(height: float, unit_m: float) -> tuple[float, str]:
+    """What stands for a unit that makes no plausible height: a hundredth or a thousandth of it.
+
+    Files are written in centimetres or millimetres that say metres; else as where none is stated.
+    """
+    for name, part in (("centimetre", 0.01), ("millimetre", 0.001), ("hundred metres", 100.0)):
+        made = height * unit_m * part
+        if is_plausible(made):
+            return unit_m * part, (
+                f"its unit is not known, {height * unit_m:.4g} m is no height of a figure: taken "
+                f"as {name}, which makes it {made:.2f} m large"
+            )
+    return guessed_unit_m(height)
 
 
 def is_plausible(height_m: float) -> bool:

@@ -38,6 +38,7 @@ class Soles:
         bound_m: height of the lowest in the bind pose, not lifted.
         rows: their numbers.
         mesh, binding, stage: of the figure.
+        settled: whether the bind pose is known to stand where clips do.
     """
 
     bound_m: float
@@ -45,9 +46,10 @@ class Soles:
     mesh: BoundMesh
     binding: Binding
     stage: Stance
+    settled: bool = False
 
     @staticmethod
-    def of(stage: Stance, mesh: BoundMesh, binding: Binding) -> Soles:
+    def of(stage: Stance, mesh: BoundMesh, binding: Binding, settled: bool = False) -> Soles:
         """The vertices that mostly follow feet or toes (of an animal, forefeet too)."""
         heaviest = mesh.joints[np.arange(len(mesh.joints)), np.argmax(mesh.weights, axis=1)]
         found: list[IntArray] = []
@@ -61,9 +63,9 @@ class Soles:
         if found:
             rows = np.concatenate(found)
             lowest = float(mesh.vertices[rows, 2].min())
-            return Soles(lowest, rows, mesh, binding, stage)
+            return Soles(lowest, rows, mesh, binding, stage, settled)
         rows = np.argsort(mesh.vertices[:, 2], kind="stable")[:SOLE_VERTICES]
-        return Soles(float(mesh.vertices[:, 2].min()), rows, mesh, binding, stage)
+        return Soles(float(mesh.vertices[:, 2].min()), rows, mesh, binding, stage, settled)
 
     def heights(self, poses: JointPoses) -> FloatArray:
         """Height (F,) of the lowest of the vertices, skinned linearly, in the file's own world."""
@@ -97,7 +99,7 @@ class Soles:
         levels = [float(np.quantile(self.heights(one), LOW_SHARE)) for one in clips]
         if self.binding.agrees:
             levels = [one for one in levels if abs(one - own) < FLYING * height_m]
-        if not levels:
+        if not levels or self.settled:
             return own, []
         near = [[b for b in levels if abs(b - a) <= ONE_GROUND * height_m] for a in levels]
         most = max(near, key=lambda one: (len(one), -abs(one[0] - own)))

@@ -16,6 +16,7 @@ from motorcade.animation.formats.rig.axes import (
     axis_named,
     guessed_unit_m,
     is_plausible,
+    nearer_unit_m,
 )
 from motorcade.animation.formats.rig.binding import Binding, bind
 from motorcade.animation.formats.rig.joints import JointPoses, Joints, World, joint_poses, joints_of
@@ -220,10 +221,11 @@ def _unit_m(rig: Rig, axes: Axes, places: Places, given: float | None) -> tuple[
         if not rig.surfaces:  # a rest that does not stand is no measure of height
             height = legs / LEG_SHARE
     unit = rig.unit_m
-    unsure = unit is not None and rig.unit_checked and not is_plausible(height * unit)
-    if unit is None or unsure:
+    doubted = rig.unit_checked or evidence is not None  # of limbs one knows how long they are
+    unsure = unit is not None and doubted and not is_plausible(height * unit)
+    if unit is None:
         return guessed_unit_m(height)
-    return unit, ""
+    return nearer_unit_m(height, unit) if unsure else (unit, "")
 
 
 def _tallest(rig: Rig) -> float:

@@ -216,6 +216,7 @@ class Rig:
         unit_m: length of one unit in metres, or None where the file does not say.
         unit_checked: whether `unit_m` is only believed of figures of a plausible height.
         notices: what was left out or assumed so far.
+        settled: whether its zero is the ground, as in files that `write_gltf` wrote.
 
     >>> import numpy as np
     >>> from motorcade.animation.formats.rig import NodeTree, Rig, Transforms, assemble_motion
@@ -239,6 +240,7 @@ class Rig:
     unit_m: float | None
     unit_checked: bool = False
     notices: tuple[str, ...] = ()
+    settled: bool = False
 
 
 def transforms_over(rest: Transforms, count: int) -> Transforms:
