@@ -22,9 +22,9 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.classical.quaternion import quaternion_slerp
 
-PARTING_TOLERANCE = 2e-5
+PARTING_TOLERANCE = 1e-5
 """How far screws and the file may part between samples, as a share of the figure's height."""
-MOST_PARTS = 128
+MOST_PARTS = 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +133,8 @@ class Sampler:
     def _measured(self, clip: RigClip, times: FloatArray, tolerance: float) -> IntArray:
         """Parts (F - 1,) for each step, from how far quarters of it lie off screws and even growth.
 
-        The middle alone would not tell: a curve that eases in and out crosses the screw there.
+        The middle alone would not tell: a curve that eases in and out crosses the screw there;
+        see `_bulge` for the rest of it.
         """
         shares = np.arange(4) / 4.0
         inside = (times[:-1, None] + np.diff(times)[:, None] * shares).reshape(-1)
@@ -142,13 +143,14 @@ class Sampler:
         steps = motors[:-1].reshape(len(times) - 1, 4, motors.shape[1])
         screw = motors[:-1:4].interpolate(motors[4::4], shares[1:, None, None])
         off = screw.inverse() @ Motor(np.moveaxis(steps.coefficients[:, 1:], 1, 0))
-        apart = np.linalg.norm(off.translation_m, axis=-1) + off.rotor.angle() * self.height_m
+        shift = 2.0 * off.log()
+        apart = _bulge(shift[..., :3]) * self.height_m + _bulge(shift[..., 3:])
         growth = np.log(np.abs(poses.scale[:, self.watched]))
         if np.ptp(growth, axis=0).max(initial=0.0) > 1e-4:
             even = growth[:-1:4] + shares[1:, None, None] * (growth[4::4] - growth[:-1:4])
             inside = np.moveaxis(growth[:-1].reshape(len(times) - 1, 4, -1)[:, 1:], 1, 0)
-            apart += np.abs(inside - even) * self.height_m
-        return _parts_for(apart.max(axis=(0, 2), initial=0.0), tolerance)
+            apart += _bulge((inside - even)[..., None]) * self.height_m
+        return _parts_for(apart.max(axis=-1, initial=0.0), tolerance)
 
     def _check(self, times: list[FloatArray]) -> None:
         total = sum(map(len, times))
@@ -209,6 +211,20 @@ def _straight(poses: JointPoses, parts: IntArray) -> JointPoses:
     places[new] += share[..., None] * (poses.translation_m[end] - places[new])
     scale[new] += share * (poses.scale[end] - scale[new])
     return JointPoses(wxyz, places, scale, None)
+
+
+def _bulge(off: FloatArray) -> FloatArray:
+    """How far (*) a curve leaves the line between its ends, by how far quarters (3, *, n) do.
+
+    Parts of a step leave theirs by less as the square of their number. So does a parabola; of a
+    cubic u (1 - u) (a + b u), which eases in and out, the parts at its ends bend most: they leave
+    theirs by an eighth of its second derivative there.
+    """
+    b = 32.0 / 3.0 * (off[2] - off[0])
+    a = 16.0 / 3.0 * off[0] - 0.25 * b
+    ends = [np.linalg.norm(one, axis=-1) for one in (2.0 * a - 2.0 * b, 2.0 * a + 4.0 * b)]
+    seen = np.linalg.norm(off, axis=-1).max(axis=0)
+    return np.asarray(np.maximum(seen, 0.125 * np.maximum(*ends)))
 
 
 def _counts(parts: IntArray) -> IntArray:

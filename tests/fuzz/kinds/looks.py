@@ -110,7 +110,7 @@ def _coordinates(made: Gltf, rng: np.random.Generator) -> None:
     width = int(one_of([2, 3, 4], rng))
     far = one_of([0.0, 1e5, 1e7, 1e38, np.nan, -np.inf], rng)
     if rng.random() < 0.4:
-        attributes.pop(which)
+        attributes.pop(which, None)
     else:
         attributes[which] = made.add(np.full((count, width), far))
 
