@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -48,14 +49,51 @@ class HeldLimit:
 
 
 @dataclass(frozen=True, eq=False)
+class _Found:
+    """What the compiled solver leaves, a row for each place and for each turn that is asked for."""
+
+    goals: tuple[Goal, ...]
+    owners: IntArray  # (G, 2): rows of each goal's place and turn, -1 where it has none
+    residuals: FloatArray  # (*, R, 3)
+    presses: FloatArray  # (*, R, D, 2)
+    turning: tuple[tuple[str, bool], ...]  # names of the D joints, and whether they are hinges
+    size_m: float
+    tolerance: float
+
+    @cached_property
+    def left(self) -> FloatArray:
+        """``(*, R)`` in metres or radians."""
+        return np.asarray(np.linalg.norm(self.residuals, axis=-1))
+
+    @cached_property
+    def late(self) -> FloatArray:
+        """``(*, R)``, 1 where a row is beyond the tolerance."""
+        allowed = np.full(self.left.shape[-1], self.tolerance)
+        allowed[self.owners[self.owners[:, 0] >= 0, 0]] *= self.size_m
+        return np.where(self.left > allowed * (1.0 + 1e-9), 1.0, 0.0)
+
+    def by_goal(self, rows: FloatArray, which: int) -> FloatArray:
+        """Of ``(*, R)`` those of the goals' places (0) or turns (1), ``(*, G)``; 0 without one."""
+        owners = self.owners[:, which]
+        return np.where(owners >= 0, rows[..., np.maximum(owners, 0)], 0.0)
+
+    def presses_on(self, goal: int, at: tuple[int, ...]) -> FloatArray:
+        """How hard what a goal lacks presses on swing and turn, ``(D, 2)``, as shares of it."""
+        made = np.zeros(self.presses.shape[-2:])
+        for which, unit in ((0, self.size_m), (1, 1.0)):
+            row = int(self.owners[goal, which])
+            if row >= 0 and self.late[at][row] > 0.0:
+                lacks = self.left[at][row] / unit * self.goals[goal].weight ** 2
+                made += self.presses[at][row] / lacks
+        return made
+
+
+@dataclass(frozen=True, eq=False)
 class IkSolution:
     """A pose found for G goals.
 
     Fields:
         local_pose: Motor ``(*, J)``; within all limits.
-        error_m: ``(*, G)`` how far each goal's point is from its place; 0 without one.
-        error_rad: ``(*, G)`` by how much each goal's turn or direction is off; 0 without one.
-        reached: ``(*, G)``, whether each is within the tolerance.
         rounds: steps that all poses took together.
 
     >>> import numpy as np
@@ -71,13 +109,25 @@ class IkSolution:
     """
 
     local_pose: Motor
-    error_m: FloatArray
-    error_rad: FloatArray
-    reached: NDArray[np.bool_]
     rounds: int
-    _goals: tuple[Goal, ...] = field(repr=False)
-    _presses: FloatArray = field(repr=False)  # (*, G, D, 2), as shares of what is left
-    _turning: tuple[tuple[str, bool], ...] = field(repr=False)  # names of D joints, if hinges
+    _found: _Found = field(repr=False)
+
+    @cached_property
+    def error_m(self) -> FloatArray:
+        """``(*, G)`` how far each goal's point is from its place; 0 without one."""
+        return self._found.by_goal(self._found.left, 0)
+
+    @cached_property
+    def error_rad(self) -> FloatArray:
+        """``(*, G)`` by how much each goal's turn or direction is off; 0 without one."""
+        return self._found.by_goal(self._found.left, 1)
+
+    @cached_property
+    def reached(self) -> NDArray[np.bool_]:
+        """``(*, G)``, whether each goal is within the tolerance."""
+        late = self._found.late
+        found: NDArray[np.bool_] = self._found.by_goal(late, 0) + self._found.by_goal(late, 1) == 0
+        return found
 
     def held_by(self, goal: int, at: tuple[int, ...] = ()) -> tuple[HeldLimit, ...]:
         """Limits that keep a goal from being reached; none where it is, or where bones are too
@@ -91,7 +141,7 @@ class IkSolution:
             return ()
         found = []
         for (joint, hinge), (swing, turn) in zip(
-            self._turning, self._presses[at][goal], strict=True
+            self._found.turning, self._found.presses_on(goal, at), strict=True
         ):
             if swing > _HOLDS:
                 found.append(HeldLimit(joint, "swing", "edge", float(swing)))
@@ -108,7 +158,7 @@ class IkSolution:
             at: which pose of a batch.
         """
         lines = []
-        for k, goal in enumerate(self._goals):
+        for k, goal in enumerate(self._found.goals):
             if self.reached[at][k]:
                 lines.append(f"{goal.joint}: reached")
                 continue
@@ -233,77 +283,41 @@ class IkSolver:
             aims, marks, wanted.reshape(-1, rows, 7), tolerance, restarts,
             poses, residuals, presses,
         )  # fmt: skip
-        left = np.sqrt(np.einsum("brk,brk->br", residuals, residuals))
-        places = aims[:, 0] == 0
-        scaled = np.where(places, left / self.size_m, left)
-        error_m, error_rad, reached, shares = _by_goal(
-            left, scaled, places, presses, marks[:, 6], owners, tolerance
-        )
-        goals_shape = (*batch, len(goals))
-        return IkSolution(
-            Motor(poses.reshape(*batch, size, 8)),
-            error_m.reshape(goals_shape),
-            error_rad.reshape(goals_shape),
-            reached.reshape(goals_shape),
-            rounds,
+        found = _Found(
             tuple(goals),
-            shares.reshape(*goals_shape, *shares.shape[2:]),
+            owners,
+            residuals.reshape(*batch, rows, 3),
+            presses.reshape(*batch, *presses.shape[1:]),
             self._turning,
+            self.size_m,
+            tolerance,
         )
+        pose = Motor._trusted(poses.reshape(*batch, size, 8))
+        return IkSolution(pose, rounds, found)
 
     def _rows(
         self, goals: Sequence[Goal]
-    ) -> tuple[IntArray, FloatArray, list[FloatArray], list[list[int]]]:
+    ) -> tuple[IntArray, FloatArray, list[FloatArray], IntArray]:
         """What the compiled solver takes, and which of its rows are each goal's."""
         if not goals:
             raise ValueError("solve(goals): expected one or more, got none")
         aims: list[tuple[int, int]] = []
         marks: list[Any] = []
-        targets, owners = [], []
-        for goal in goals:
+        targets = []
+        owners = np.full((len(goals), 2), -1)
+        for number, goal in enumerate(goals):
             joint = self.skeleton.index(goal.joint)
             if not self._led[joint]:
                 raise ValueError(
                     f"solve(goals): expected '{goal.joint}' to be, or to hang on, a joint that may "
                     f"turn; those are {[name for name, _ in self._turning]}"
                 )
-            made = goal.rows()
-            owners.append(list(range(len(aims), len(aims) + len(made))))
-            for aim, point, axis, target in made:
+            for aim, point, axis, target in goal.rows():
+                owners[number, 0 if aim == 0 else 1] = len(aims)
                 aims.append((aim, joint))
                 marks.append([*point, *axis, goal.weight])
                 targets.append(target)
         return np.array(aims, dtype=np.int64), np.array(marks), targets, owners
-
-
-def _by_goal(
-    left: FloatArray,
-    scaled: FloatArray,
-    places: NDArray[np.bool_],
-    presses: FloatArray,
-    weights: FloatArray,
-    owners: list[list[int]],
-    tolerance: float,
-) -> tuple[FloatArray, FloatArray, NDArray[np.bool_], FloatArray]:
-    """Errors in metres and radians, whether reached, and presses as shares, a goal each."""
-    size = np.maximum(scaled, 1e-300)[..., None, None] * (weights**2)[:, None, None]
-    shares = presses / size
-    error_m, error_rad, reached, held = [], [], [], []
-    for rows in owners:
-        of_place = [k for k in rows if places[k]]
-        of_turn = [k for k in rows if not places[k]]
-        zero = np.zeros(len(left))
-        error_m.append(left[:, of_place[0]] if of_place else zero)
-        error_rad.append(left[:, of_turn[0]] if of_turn else zero)
-        reached.append(np.all(scaled[:, rows] <= tolerance * (1.0 + 1e-9), axis=1))
-        late = np.where(scaled[:, rows] > tolerance, 1.0, 0.0)[..., None, None]
-        held.append(np.sum(shares[:, rows] * late, axis=1))
-    return (
-        np.stack(error_m, axis=1),
-        np.stack(error_rad, axis=1),
-        np.stack(reached, axis=1),
-        np.stack(held, axis=1),
-    )
 
 
 def _bone(skeleton: Skeleton, joint: int) -> FloatArray:
