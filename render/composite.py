@@ -80,7 +80,8 @@ def blended(layers: list[Layer]) -> Layer:
 def greyed(layer: Layer) -> Layer:
     """A layer as a camera without colour takes it (luma of Rec. 709, on the stored values)."""
     rgba = layer.rgba.copy()
-    rgba[..., :3] = (layer.rgba[..., :3] @ LUMA)[..., None]
+    part = _extent(rgba[..., 3] > 0)
+    rgba[part][..., :3] = (rgba[part][..., :3] @ LUMA)[..., None]
     return Layer(rgba, layer.depth_m)
 
 
@@ -117,7 +118,7 @@ def frame_noise(frame: ImageArray) -> float:
         return 0.0
     mask = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], dtype=np.float32)
     left = cv2.filter2D(grey, -1, mask)[1:-1, 1:-1]
-    return float(1.4826 * np.median(np.abs(left)) / 6.0)
+    return float(1.4826 * np.median(np.abs(left[::2, ::2])) / 6.0)
 
 
 def noisy(
@@ -126,9 +127,12 @@ def noisy(
     """Noise on what was drawn, as strong as its alpha (h, w) from 0 to 1; a new picture."""
     if sigma == 0.0:
         return picture
-    grain = rng.standard_normal(alpha.shape, dtype=np.float32) * (sigma * alpha)
-    seen = picture + grain[..., None]
-    return np.asarray(np.clip(np.rint(seen), 0, 255), dtype=np.uint8)
+    result = picture.copy()
+    part = _extent(alpha > 0.0)
+    covered = alpha[part].astype(np.float32)
+    grain = rng.standard_normal(covered.shape, dtype=np.float32) * (sigma * covered)
+    result[part] = np.clip(np.rint(picture[part] + grain[..., None]), 0, 255)
+    return result
 
 
 def as_rgb(frame: ImageArray) -> ImageArray:

@@ -10,14 +10,17 @@ would blur all of it and cut its border off.
 from __future__ import annotations
 
 import math
+from typing import TypeVar
 
 import cv2
 import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.render.scene import DepthArray, Layer
+from motorcade.render.scene import DepthArray, ImageArray, Layer
 from motorcade.tracking.cameras.camera import Camera
+
+Pixels = TypeVar("Pixels", ImageArray, DepthArray)
 
 
 def plane_homography(camera: Camera, camera_T_plane: Motor) -> FloatArray:
@@ -51,6 +54,15 @@ def seen_extent(
     low = np.clip(np.floor(pixels.min(axis=0) - margin_px), 0, last)
     high = np.clip(np.ceil(pixels.max(axis=0) + margin_px), 0, last)
     return low.astype(np.int64), high.astype(np.int64)
+
+
+def warped(picture: Pixels, homography: FloatArray) -> Pixels:
+    """A picture moved by a homography (3, 3), its edge repeated; depths are never mixed."""
+    how = cv2.INTER_CUBIC if picture.dtype == np.uint8 else cv2.INTER_NEAREST
+    size = picture.shape[1], picture.shape[0]
+    edge = cv2.BORDER_REPLICATE
+    moved = cv2.warpPerspective(picture, homography, size, flags=how, borderMode=edge)
+    return np.asarray(moved, picture.dtype)
 
 
 WIDEST = 3.0

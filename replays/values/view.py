@@ -90,7 +90,7 @@ class OverlayVideo:
         frames_with_character: how many frames show something drawn.
         frames: how many there are.
         stands_on, lit_by: on what the character stands, and what lights it.
-        footage: "original", or "undistorted".
+        footage: "original", "undistorted", or "steadied".
         along: which path it was drawn along: "measured", or "smoothed".
         seconds: what drawing took.
     """

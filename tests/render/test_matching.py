@@ -5,8 +5,16 @@ import numpy as np
 import pytest
 
 from motorcade.animation.srgb import to_linear
-from motorcade.render.composite import Matching, blended, exposed, frame_noise, noisy
-from motorcade.render.lens import LensWarp
+from motorcade.render.composite import (
+    Matching,
+    blended,
+    exposed,
+    frame_noise,
+    greyed,
+    is_grey,
+    noisy,
+)
+from motorcade.render.lens import LensWarp, warped
 from motorcade.render.scene import Layer
 from motorcade.tracking.cameras.camera import Camera
 
@@ -97,3 +105,23 @@ def test_noise_is_measured_and_made_as_strong_as_said(rng: np.random.Generator) 
 def test_matching_that_means_nothing_is_refused(settings: dict[str, float], told: str) -> None:
     with pytest.raises(ValueError, match=f"Matching.{told}"):
         Matching(**settings)
+
+
+def test_a_warped_picture_moves_by_whole_pixels_exactly_and_repeats_its_edge(
+    rng: np.random.Generator,
+) -> None:
+    picture = rng.integers(0, 256, (30, 40), dtype=np.uint8)
+    moved = warped(picture, np.array([[1.0, 0.0, 3.0], [0.0, 1.0, -2.0], [0.0, 0.0, 1.0]]))
+    np.testing.assert_array_equal(moved[:28, 3:], picture[2:, :37])
+    np.testing.assert_array_equal(moved[:28, 0], picture[2:, 0])
+
+
+def test_what_is_drawn_into_grey_footage_has_no_colour(rng: np.random.Generator) -> None:
+    rgba = rng.integers(0, 200, (20, 30, 4), dtype=np.uint8)
+    rgba[..., 3] = 255
+    grey = greyed(Layer(rgba, np.ones((20, 30), np.float32))).rgba
+    np.testing.assert_array_equal(grey[..., 0], grey[..., 2])
+    luma = rgba[..., :3] @ [0.2126, 0.7152, 0.0722]  # Rec. 709
+    np.testing.assert_allclose(grey[..., 1], luma, atol=1.0)
+    assert is_grey(grey[..., :3])
+    assert not is_grey(rgba[..., :3])

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from motorcade.animation import Character
+from motorcade.fusion.smoothing.view import steady_view, turned_homography
 from motorcade.ga import Motor, Trajectory
 from motorcade.render import (
     RendererName,
@@ -17,7 +18,7 @@ from motorcade.render import (
     write_video,
 )
 from motorcade.render.composite import Matching
-from motorcade.render.lens import can_be_drawn_for
+from motorcade.render.lens import can_be_drawn_for, warped
 from motorcade.render.light import (
     ExposureMeter,
     Prints,
@@ -59,6 +60,7 @@ def overlay(
     renderer: RendererName = "fast",
     light: Literal["fixed", "estimated"] = "estimated",
     lens: Literal["auto", "undistort", "distort"] = "auto",
+    view: Literal["footage", "steady", "live"] = "footage",
     gain: float = 1.0,
     exposure_s: float = 0.0,
     noise: float | None = None,
@@ -72,6 +74,9 @@ def overlay(
     from shadows, faces and shading where they tell it; what is drawn follows the exposure.
     `lens=distort` leaves the footage as it was taken and distorts what is drawn as the lens does,
     `undistort` undistorts the footage; "auto" does the latter for lenses too wide to draw for.
+    `view=steady` turns each picture, footage and all, so that the figure moves evenly in it, and
+    `view=live` does so by the past alone: what is drawn shakes less and slides no more (the footage
+    is then undistorted, and its edge repeated where the picture reaches beyond it).
     `gain` brightens what is drawn, `exposure_s` blurs it by
     the motion in that time, `noise` (of 255; none: each frame's own) grains it. In footage without
     colour the character has none.
@@ -95,12 +100,19 @@ def overlay(
     start = time.perf_counter()
     recording = as_found(recording, camera_poses.camera, camera_poses.depth_camera)
     distorted = lens == "distort" or (lens == "auto" and can_be_drawn_for(recording.camera))
+    if view != "footage":
+        if lens == "distort":
+            raise ValueError(f"overlay.lens: expected auto or undistort with view={view}")
+        distorted = False
     footage = _Footage(recording, distorted)
     lighting, lit_by, meter = None, "a fixed light", None
     marker_map = None if marker_poses is None else marker_poses.marker_map
     prints = prints_of(recording, camera_poses, marker_map)
     if light == "estimated":
         lighting, lit_by, meter = _estimated(footage, path, placed, character, prints)
+    if view != "footage":
+        middle_m = placed.placement.apply([0.0, 0.0, 0.5 * character.height_m])
+        path = footage.turned(path, steady_view(path, middle_m, live=view == "live"))
     pictures = render_overlay(
         footage.frames(track(recording.frames, "drawing", len(recording.frames))),
         footage.camera,
@@ -129,7 +141,7 @@ def overlay(
         len(recording.frames),
         placed.stands_on,
         lit_by,
-        "original" if distorted else "undistorted",
+        "original" if distorted else "undistorted" if view == "footage" else "steadied",
         integrity.drawn_is if representation is None else "smoothed",
         time.perf_counter() - start,
     )
@@ -174,6 +186,12 @@ class _Footage:
         self.drawn_into = 0
         self._distorted = distorted
         self._given: ImageArray | None = None
+        self._turn: tuple[Trajectory, Trajectory] | None = None
+
+    def turned(self, taken: Trajectory, shown: Trajectory) -> Trajectory:
+        """Show the frames from now on in the attitudes of `shown`, which is given back."""
+        self._turn = taken, shown
+        return shown
 
     def frames(
         self, frames: Iterable[Frame]
@@ -188,6 +206,13 @@ class _Footage:
         if not self._distorted:
             picture = self._taken_by.undistort_image(picture)
             depth_m = None if depth_m is None else self._taken_by.undistort_depth(depth_m)
+        if self._turn is not None:
+            taken, shown = self._turn
+            if taken.time_ns[0] <= frame.time_ns <= taken.time_ns[-1]:
+                rotors = (one.motors_at(np.int64(frame.time_ns)).rotor for one in (taken, shown))
+                turn = turned_homography(self.camera.matrix, *rotors)
+                picture = warped(picture, turn)
+                depth_m = None if depth_m is None else warped(depth_m, turn)
         return frame.time_ns, picture, depth_m
 
     def counted(self, pictures: Iterable[ImageArray]) -> Iterator[ImageArray]:

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.fusion.smoothing import smooth
+from motorcade.fusion.smoothing.view import steady_view, turned_homography
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.backends.choice import new_renderer
@@ -46,6 +47,7 @@ __all__ = [
 PIXELS_PER_M = 4000.0
 INK, PAPER = np.array([32, 44, 96]), np.array([244, 240, 228])
 EDGE_PX = 10.0
+RATIOS = 0.4, 0.24
 ABOVE_M = (0.16, -0.10, 0.15)
 """The virtual point: over the middle of the board, as high as a character's head."""
 _MANIFEST = Path(__file__).parents[3] / "docs" / "manifests" / "vamr_board.toml"
@@ -203,10 +205,50 @@ def bench_registration() -> dict[str, Any]:
                     "frames": found.frames,
                 }
             )
+    steadied = {
+        name: steadied_view(raw, track, board, camera, live=live)
+        for name, live in (("live", True), ("offline", False))
+    }
     if recording.truth is not None:
         paths["reference"] = recording.truth
     jitters = {name: jitter_px(path, camera, np.array(ABOVE_M)) for name, path in paths.items()}
-    return {"corners": corners, "jitter_px": jitters}
+    least = {ratio: least_slide_px(raw, camera, np.array(ABOVE_M), ratio) for ratio in RATIOS}
+    return {"corners": corners, "jitter_px": jitters, "steadied": steadied, "least_px": least}
+
+
+def steadied_view(
+    path: Trajectory, track: BoardTrack, board: Checkerboard, camera: Camera, *, live: bool
+) -> dict[str, float]:
+    """Jitter of the virtual point in a steadied view, over that in the footage as tracked, and how
+    far drawn corners lie from the real ones in the pictures so turned.
+    """
+    straight = camera.undistorted()
+    view = steady_view(path, ABOVE_M, live=live)
+    turns = turned_homography(straight.matrix, path.motors.rotor, view.motors.rotor)
+    apart = []
+    for k, seen in enumerate(track.observations):
+        flat = camera.undistort(seen.corners_px)
+        moved = np.pad(flat, ((0, 0), (0, 1)), constant_values=1.0) @ turns[k].T
+        drawn = straight.project(view.motors[k].inverse().apply(board.points_m[seen.ids]))
+        apart.append(np.sum((drawn - moved[:, :2] / moved[:, 2:]) ** 2, axis=1))
+    point = np.array(ABOVE_M)
+    share = jitter_px(view, straight, point) / jitter_px(path, straight, point)
+    return {"jitter_share": share, "corner_rms_px": float(np.sqrt(np.mean(np.concatenate(apart))))}
+
+
+def least_slide_px(path: Trajectory, camera: Camera, point_m: FloatArray, ratio: float) -> float:
+    """Least root mean square distance that any path's picture of a point has from the tracked one's
+    where it jitters by `ratio` of that at most: the smoothest line near a line (Whittaker 1923).
+    """
+    seen = camera.undistorted().project(path.motors.inverse().apply(point_m))
+    third = np.diff(np.eye(len(seen)), 3, axis=0)
+    wanted = ratio * np.linalg.norm(third @ seen)
+    low, high = -6.0, 6.0
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        line = np.linalg.solve(np.eye(len(seen)) + 10.0**middle * third.T @ third, seen)
+        low, high = (middle, high) if np.linalg.norm(third @ line) > wanted else (low, middle)
+    return float(np.sqrt(np.mean(np.sum((line - seen) ** 2, axis=1))))
 
 
 def registration_lines(found: Mapping[str, Any]) -> Iterator[str]:
@@ -216,6 +258,20 @@ def registration_lines(found: Mapping[str, Any]) -> Iterator[str]:
             f"  {row['path']:<12}{row['frames_are']:<13}{row['corner_rms_px']:.3f} px RMS, at most "
             f"{row['corner_max_px']:.2f}, drawn board found in {row['found']} of {row['frames']}"
         )
+    for name, row in found["steadied"].items():
+        yield (
+            f"  steadied view, {name:<8} jitters {row['jitter_share']:.2f} of as tracked, drawn "
+            f"corners {row['corner_rms_px']:.3f} px RMS from the real ones"
+        )
+    for ratio, pixels in found["least_px"].items():
+        yield (
+            f"  on footage as it is, what jitters {ratio:.2f} of as tracked slides {pixels:.2f} px "
+            "or more, whatever the filter"
+        )
     tracked = found["jitter_px"]["as tracked"]
     for name, pixels in found["jitter_px"].items():
         yield f"  {name:<12}jitters {pixels:.3f} px, {pixels / tracked:.2f} of as tracked"
+
+
+if __name__ == "__main__":
+    print("\n".join(registration_lines(bench_registration())))
