@@ -9,6 +9,7 @@ import numpy as np
 
 from motorcade.animation.blend.methods import BLEND_METHODS, BlendMethod, blend_poses, stacked
 from motorcade.animation.clip import Clip
+from motorcade.animation.morphs import MorphTrack
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
 
@@ -30,7 +31,8 @@ def blend_clips(
 
     In phase both are stretched to the weighted mean of their lengths, as cycles of a walk and a
     run must be; by the clock both run at their own speed for as long as the longer one takes, the
-    shorter repeating if it is looped and else holding its end.
+    shorter repeating if it is looped and else holding its end. Weights of morph targets go along
+    where both clips move them; what only one moves stays at rest.
 
     Args:
         first: clip of J joints.
@@ -43,8 +45,8 @@ def blend_clips(
         rate_hz: samples a second of the result.
 
     Raises:
-        ValueError: another number of joints, a weight outside 0 to 1, a rate that is not
-            positive, more than 100,000 samples, or clips of no length.
+        ValueError: another number of joints or morph targets, a weight outside 0 to 1, a rate that
+            is not positive, more than 100,000 samples, or clips of no length.
 
     >>> import numpy as np
     >>> from motorcade.animation import Clip, blend_clips
@@ -92,7 +94,36 @@ def blend_clips(
         coefficients[-1] = coefficients[0]
         blended = type(blended)(coefficients)
     name = f"{first.name} to {second.name} {weight:g} {method}"
-    return Clip(name, time_s, blended, looped)
+    return Clip(
+        name,
+        time_s,
+        blended,
+        looped,
+        morphs=_morphs((first, second), starts, rates, weight, time_s),
+    )
+
+
+def _morphs(
+    clips: tuple[Clip, Clip],
+    starts: FloatArray,
+    rates: FloatArray,
+    weight: float,
+    time_s: FloatArray,
+) -> MorphTrack | None:
+    """Weights of morph targets between those of two clips of one character; None without any."""
+    found = [
+        clip.morph_weights(start + rate * time_s)
+        for clip, start, rate in zip(clips, starts, rates, strict=True)
+    ]
+    first, second = found
+    if first is None or second is None:
+        return None
+    if first.shape != second.shape:
+        raise ValueError(
+            f"blend_clips: expected morph targets of one character, got {first.shape[1]} in "
+            f"'{clips[0].name}' and {second.shape[1]} in '{clips[1].name}'"
+        )
+    return MorphTrack(time_s, (1.0 - weight) * first + weight * second)
 
 
 def differences_m(

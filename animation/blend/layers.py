@@ -8,7 +8,7 @@ that does not quite close is closed by an additive pose as well.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
@@ -178,4 +178,4 @@ def closed(clip: Clip, tolerance: float = 0.1) -> Clip:
     poses = added(clip.poses, gap, np.repeat(passed[:, None], clip.poses.shape[1], axis=1))
     coefficients = poses.coefficients.copy()
     coefficients[-1] = coefficients[0]
-    return Clip(clip.name, clip.time_s, type(poses)(coefficients), True, clip.key_count)
+    return replace(clip, poses=type(poses)(coefficients), looped=True)

@@ -6,7 +6,7 @@ with its weight. Split off is motion on the ground: along x and y, and the turn 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -118,7 +118,7 @@ def split_root_motion(
         before = Similarity.from_motor_scale(back)
         inside = with_joint(clip.poses, number, before @ clip.poses[:, number])
     looped = bool(np.max(np.abs(additive(inside[-1], inside[0]).as_twist())) <= LOOP_TOLERANCE)
-    return Clip(clip.name, clip.time_s, inside, looped), RootMotion(clip.time_s, way, looped)
+    return replace(clip, poses=inside, looped=looped), RootMotion(clip.time_s, way, looped)
 
 
 def _ground(turned: Motor, position_m: FloatArray) -> Motor:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,7 +58,7 @@ def on_the_spot(clip: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> tuple[Cl
         turn.reshape(1), turn.apply(-share[:, None] * way - at[0] * [1.0, 1.0, 0.0])
     )
     made = with_joint(poses, root, back @ poses[:, root])
-    loop = closed(Clip(clip.name, clip.time_s, made, False, clip.key_count))
+    loop = closed(replace(clip, poses=made, looped=False))
     return loop, length / clip.duration_s
 
 

@@ -113,7 +113,8 @@ def retarget(
     The hips' way is scaled by the lengths of the legs; then the figure is raised or lowered so that
     its lower foot is at each moment as high over the ground as the source's. A root below the
     hips, where the target has one, takes the way over the ground. Feet of figures of other
-    proportions slide a little: see `plant_feet`.
+    proportions slide a little: see `plant_feet`. Weights of morph targets are left out: another
+    character's targets are others.
 
     Args:
         clip: of the source. Where its joints grow, growth is left out.

@@ -32,6 +32,7 @@ OF_MATERIALS = "KHR_materials_"
 """How names of extensions begin that a notice names where they are not drawn."""
 CONVERTED = {
     "EXT_meshopt_compression": "gltf-transform copy",
+    "KHR_draco_mesh_compression": "gltf-transform copy",
     "KHR_texture_basisu": "gltf-transform ktxdecompress",
 }
 """Programs that bring files to what is read here."""
@@ -157,10 +158,14 @@ def _check_required(name: str) -> None:
     """Refuse an extension without which a file means something else."""
     if name in UNDERSTOOD or name.startswith(OF_MATERIALS):
         return
-    field, wanted = "extensionsRequired", "extensions that are understood here"
     if name in CONVERTED:
-        wanted = f"a file without compression (`{CONVERTED[name]} IN OUT` makes one)"
-    raise expected(field, wanted, name)
+        raise compressed("extensionsRequired", name)
+    raise expected("extensionsRequired", "extensions that are understood here", name)
+
+
+def compressed(field: str, name: str) -> FormatError:
+    """The error for a compression that is not read; it says what undoes it."""
+    return expected(field, f"plain data (`{CONVERTED[name]} IN OUT` makes it)", name)
 
 
 def _embedded(uri: str, field: str) -> bytes:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from motorcade.animation import Clip
-from motorcade.animation.blend import blend_clips, closed, differences_m
+from motorcade.animation.blend import blend_clips, closed, differences_m, split_root_motion
+from motorcade.animation.morphs import MorphTrack
+from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Similarity
 
 
@@ -112,3 +116,28 @@ def test_a_clip_that_grows_is_compared_by_its_turns_and_places(cycle, skeleton):
 def test_a_loop_is_closed_already(cycle):
     walk = cycle("walk", 1.2)
     assert closed(walk) is walk
+
+
+def smiling(clip, weights):
+    """The clip with weights of two targets at its ends."""
+    track = MorphTrack(np.array([0.0, clip.time_s[-1]]), np.array(weights))
+    return replace(clip, morphs=track)
+
+
+def test_weights_of_morph_targets_are_blended_with_the_poses(cycle):
+    walk, run = cycle("walk", 1.2), cycle("run", 0.8)
+    glad, sad = smiling(walk, [[0.0, 1.0], [1.0, 1.0]]), smiling(run, [[0.5, 0.0], [0.5, 0.0]])
+    made = blend_clips(glad, sad, 0.25, in_phase=False)
+    np.testing.assert_allclose(made.morph_weights(0.6), [0.75 * 0.5 + 0.25 * 0.5, 0.75])
+    assert blend_clips(glad, run, 0.25).morphs is None
+    few = smiling(run, [[0.5], [0.5]])
+    with pytest.raises(ValueError, match="morph targets of one character, got 2 in 'walk' and 1"):
+        blend_clips(glad, few, 0.25)
+
+
+def test_clips_that_are_closed_or_held_in_place_keep_their_weights():
+    poses = Motor.from_translation([[[0.0, 0, 1]], [[1.0, 0, 1]]])
+    clip = smiling(Clip("walk", np.array([0.0, 1.0]), poses), [[0.0, 1.0], [1.0, 1.0]])
+    still, _ = split_root_motion(clip, Skeleton(("root",), np.array([-1]), Motor.identity((1,))))
+    for one in (still, closed(replace(still, looped=False))):
+        assert one.morphs is clip.morphs
