@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from motorcade.animation import Skeleton
+from motorcade.animation import Skeleton, legs_of, mannequin
 from motorcade.animation.ik import Ball, Floating, Hinge, IkSolver, LookAt, PoseGoal
 from motorcade.ga import Motor, Rotor
 from tests.animation.ik.figures import chain, excess, mixed_joints, turns
@@ -120,6 +120,30 @@ def test_anchored_feet_stay_while_the_body_moves():
     solved = solver.solve(Motor(moved), feet)
     assert solved.reached.all(), solved.summary()
     np.testing.assert_array_equal(solved.local_pose.coefficients[0], moved[0])
+
+
+def test_the_mannequin_reaches_with_both_hands_from_where_it_stands(rng):
+    person = mannequin().skeleton
+    legs, hands = legs_of(person), ("left_hand", "right_hand")
+    joints = {person.names[person.root]: Floating()}
+    for name in (*hands, *(leg.ankle for leg in legs)):
+        joint = person.index(name)
+        while joint != person.root:
+            joints[person.names[joint]] = Ball(1.2, (-0.6, 0.6), axis=[0, 1.0, 0])
+            joint = int(person.parents[joint])
+    solver = IkSolver(person, joints)
+    feet = [PoseGoal.anchor(person, person.rest, leg.ankle) for leg in legs]
+    rest = person.rest_world.translation_m
+    shift = rng.uniform(-0.2, 0.2, (10, 3))
+    reach = [PoseGoal(name, rest[person.index(name)] + shift) for name in hands]
+    solved = solver.solve(person.rest, [*feet, *reach])
+    assert solved.reached.shape == (10, 4)
+    assert solved.reached.all()
+    at = person.world(solved.local_pose)
+    for goal in (*feet, *reach):
+        place = at[:, person.index(goal.joint)].translation_m
+        assert np.linalg.norm(place - goal.position_m, axis=1).max() < 3e-6
+    assert max(excess(person, pose, joints) for pose in solved.local_pose) < 1e-9
 
 
 def test_weights_share_out_what_cannot_be_reached_together():
