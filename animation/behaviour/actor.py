@@ -14,7 +14,7 @@ import numpy as np
 from motorcade.animation.blend import BlendSpace, RootMotion, phase_between, split_root_motion
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
-from motorcade.animation.ik import Leg
+from motorcade.animation.ik import Leg, plant_feet
 from motorcade.animation.place.cycles import on_the_spot
 from motorcade.animation.place.pacing import MOST_M_S2, Pace, passing_s
 from motorcade.animation.place.walks import rigid
@@ -50,10 +50,15 @@ class Act:
     def of(cls, clip: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> Act:
         """A clip as it is acted: from where the character stands, the way that it looks.
 
+        Feet that stand in it are put on the ground: those of captured motions may hang over it.
+
         Raises:
             ValueError: a clip of a single pose.
         """
         made = _brought_to_front(replace(clip, poses=clip.poses.rigid), skeleton, legs)
+        if legs and len(made.time_s) > 3:
+            planted = plant_feet(skeleton, made.time_s, made.poses.rigid, legs)
+            made = replace(made, poses=planted, looped=False)
         return cls(*split_root_motion(made, skeleton))
 
 
