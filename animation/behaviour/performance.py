@@ -8,6 +8,7 @@ it steps there, one foot after the other.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,7 @@ from motorcade.animation.behaviour.sources import (
 from motorcade.animation.behaviour.timeline import Segment, Timeline
 from motorcade.animation.blend import Inertialized, PoseSource, Shifted
 from motorcade.animation.clip import Clip
+from motorcade.animation.easing import smootherstep
 from motorcade.animation.ik import find_stances, plant_feet
 from motorcade.animation.ik.feet import stretches
 from motorcade.animation.place.walks import played, rigid, stances_along
@@ -235,33 +237,37 @@ def _stepping(
 
     The stances are changed with them.
     """
-    actor = timeline.actor
-    world = way.reshape(-1, 1) @ _scaled(actor.skeleton.world(poses), actor.scale)
-    near_m = actor.scale * _near_m(actor)
-    half = 0.5 * SWITCH_S
-    for before, now in zip(timeline.segments, timeline.segments[1:], strict=False):
+    actor, half = timeline.actor, 0.5 * SWITCH_S
+    own = Motor.from_rotor_translation(way.rotor, way.translation_m / actor.scale)
+    world = own.reshape(-1, 1) @ actor.skeleton.world(poses)
+    for before, now in pairwise(timeline.segments):
         if "act" not in (before.state, now.state) or now.start_s + SWITCH_S > time_s[-1]:
             continue
-        rows = np.searchsorted(time_s, [now.start_s - half, now.start_s, now.start_s + SWITCH_S])
-        for number, leg in enumerate(actor.legs):
-            at = world[:, actor.skeleton.index(leg.ball)].translation_m
-            standing = stances[number]
-            far = np.linalg.norm(at[rows[2]] - at[max(rows[1] - 1, 0)]) > near_m
-            if not (far and standing[max(rows[1] - 1, 0)]):
+        start, end = np.searchsorted(time_s, [now.start_s, now.start_s + SWITCH_S])
+        begun = actor.skeleton.world(rigid(_source(actor, now), now.start_s))
+        goal = (own[start].reshape(1) @ begun).translation_m
+        for number, leg in enumerate(actor.legs[:2]):
+            ankle, ball = (world[:, joint].translation_m for joint in leg.foot(actor.skeleton))
+            standing, last = stances[number], max(start - 1, 0)
+            off = goal[actor.skeleton.index(leg.ball)] - ball[last]
+            if not standing[last] or np.linalg.norm(off) <= _near_m(actor):
                 continue
-            clock = time_s[rows[1] : rows[2]] - now.start_s
-            swings = (clock >= number * half) & (clock < (number + 1) * half)
-            standing[rows[1] : rows[2]] = ~swings
+            through = (time_s[start:end] - now.start_s) / half - number
+            standing[start:end] = (through < 0.0) | (through >= 1.0)
+            rows = np.flatnonzero(through >= 0.0) + start
+            share = smootherstep(through[through >= 0.0])[:, None]
+            places = ankle[rows[0]] + share * (ankle[end] - ankle[rows[0]])
             changed = poses.coefficients.copy()
-            step = np.flatnonzero(swings) + rows[1]
-            through = clock[swings] / half - number
-            changed[step] = lifted(actor.skeleton, poses[step], leg, through).coefficients
+            stepped = lifted(
+                actor.skeleton,
+                poses[rows],
+                leg,
+                np.clip(through[through >= 0.0], 0.0, 1.0),
+                own[rows].inverse().apply(places),
+            )
+            changed[rows] = stepped.coefficients
             poses = Motor(changed)
     return poses
-
-
-def _scaled(poses: Motor, scale: float) -> Motor:
-    return Motor.from_rotor_translation(poses.rotor, scale * poses.translation_m)
 
 
 def _near_m(actor: Actor) -> float:

@@ -181,12 +181,22 @@ class Stepping:
         return poses
 
 
-def lifted(skeleton: Skeleton, poses: Motor, leg: Leg, through: FloatArray) -> Motor:
-    """Poses ``(*, J)`` whose foot is lifted by how far ``(*)`` it is through a step, 0 to 1."""
+def lifted(
+    skeleton: Skeleton,
+    poses: Motor,
+    leg: Leg,
+    through: FloatArray,
+    ankle_m: FloatArray | None = None,
+) -> Motor:
+    """Poses ``(*, J)`` whose foot is lifted by how far ``(*)`` it is through a step, 0 to 1.
+
+    The ankle is lifted over where it is, or over places ``(*, 3)`` in character space.
+    """
     at = skeleton.world(poses).translation_m
     hip, ankle = (at[..., skeleton.index(name), :] for name in (leg.hip, leg.ankle))
     high = LIFTED * np.linalg.norm(hip - ankle, axis=-1) * np.sin(np.pi * through) ** 2
-    return bend_limb(skeleton, poses, leg.limb, ankle + high[..., None] * UP)
+    over = ankle if ankle_m is None else ankle_m
+    return bend_limb(skeleton, poses, leg.limb, over + high[..., None] * UP)
 
 
 @dataclass(frozen=True, eq=False)

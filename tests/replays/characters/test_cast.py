@@ -97,6 +97,40 @@ def test_a_motion_file_is_retargeted_and_acted(tmp_path: Path) -> None:
     assert np.degrees(np.arcsin(rise[2] / np.linalg.norm(rise))) == pytest.approx(60.0, abs=12.0)
 
 
+REAL = """
+[[characters]]
+name = "sinbad"
+file = "{rigs}/sinbad/sinbad.glb"
+height_m = 0.2
+path = [[-0.12, 0.2], [0.0, 0.05], [0.02, -0.18]]
+gaits = ["RunBase"]
+idle = "IdleBase"
+acts = ["Dance"]
+layers = [{{ clip = "RunTop", during = "walk" }}, {{ clip = "IdleTop", during = "idle" }}]
+
+[[characters]]
+name = "jumper"
+motions = ["{rigs}/bvh/jumping_jacks.bvh"]
+height_m = 0.23
+path = [[0.1, -0.2], [0.02, 0.2]]
+gaits = ["walk", "jog"]
+speed_m_s = 2.2
+acts = ["jumping_jacks"]
+"""
+
+
+@pytest.mark.slow
+def test_real_rigs_keep_apart_and_their_feet_in_place(tmp_path: Path, data_dir: Path) -> None:
+    """Paths that cross: no skin nears another, no foot slides by more than 1.5 % of the height."""
+    asked = read_cast(cast(tmp_path, REAL.format(rigs=data_dir / "rigs")))
+    parts, apart_m = played(asked, Motor.identity(), 0.2, np.array([0.5, 0.0]), 8.0)
+    assert apart_m >= 0.02
+    for part, height_m in zip(parts, (0.2, 0.23), strict=True):
+        assert part.worst_slide_m < 0.015 * height_m
+        states = [one.state for one in part.states]
+        assert states[-4:] == ["arrive", "turn", "act", "idle"]
+
+
 def test_a_taken_name_is_told_by_its_file(tmp_path: Path) -> None:
     bvh(tmp_path / "wave.bvh")
     text = '[[characters]]\nmotions = ["wave.bvh"]\nstart = [0, 0]\nacts = ["wave/wave", "wave"]\n'
