@@ -94,7 +94,9 @@ def _stream(name: str, time_ns: IntArray) -> dict[str, Any]:
     return about
 
 
-def describe_character(path: Path, pose: str | None = None) -> dict[str, Any]:
+def describe_character(
+    path: Path, pose: str | None = None, *, up: str | None = None, front: str | None = None
+) -> dict[str, Any]:
     """Contents of a character or motion file; a motion has no mesh.
 
     Positions are in character space: metres, z up, facing +x.
@@ -103,15 +105,17 @@ def describe_character(path: Path, pose: str | None = None) -> dict[str, Any]:
         path: the file.
         pose: `CLIP@SECONDS`, a moment at which to tell where the joints are; seconds count on
             the clip's own clock.
+        up: the axis of the file that is up, where the caller knows better.
+        front: the axis of the file that the figure faces at rest, likewise.
 
     Raises:
         FormatError: the file cannot be read.
         ValueError: no such clip, or a pose that is not `CLIP@SECONDS`.
     """
     try:
-        character = read_character(path)
+        character = read_character(path, up=up, front=front)
     except NoMeshError:
-        motion = read_motion(path)
+        motion = read_motion(path, up=up, front=front)
         about: dict[str, Any] = {"name": path.name}
         skeleton, clips, notices = motion.skeleton, motion.clips, motion.notices
     else:

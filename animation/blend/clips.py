@@ -11,7 +11,7 @@ from motorcade.animation.blend.methods import BLEND_METHODS, BlendMethod, blend_
 from motorcade.animation.clip import Clip
 from motorcade.animation.morphs import MorphTrack
 from motorcade.animation.skeleton import Skeleton
-from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive
 
 MOST_SAMPLES = 100_000
 """Of a blended clip: half an hour at 60 Hz."""
@@ -135,6 +135,7 @@ def differences_m(
     methods: Iterable[BlendMethod] = BLEND_METHODS,
     offset: float = 0.0,
     in_phase: bool = True,
+    joints: IntArray | None = None,
 ) -> dict[tuple[BlendMethod, BlendMethod], float]:
     """The farthest that a point of the body lies apart under two methods, in metres.
 
@@ -147,17 +148,19 @@ def differences_m(
         methods: which to compare, each with each.
         offset: see `blend_clips`.
         in_phase: see `blend_clips`.
+        joints: numbers of the joints to look at, such as those that carry vertices; all by default.
     """
     held = (
         np.zeros((len(skeleton), 3)) if points is None else checked_floats(points, "points", (3,))
     )
+    seen = np.arange(len(skeleton)) if joints is None else joints
     apart: dict[tuple[BlendMethod, BlendMethod], float] = {}
     names = tuple(methods)
     for weight in weights:
         positions = {}
         for name in names:
             made = blend_clips(first, second, weight, name, in_phase=in_phase, offset=offset)
-            positions[name] = skeleton.world(made.poses.rigid).apply(held)
+            positions[name] = skeleton.world(made.poses.rigid).apply(held)[..., seen, :]
         for a, b in combinations(names, 2):
             distance = float(np.linalg.norm(positions[a] - positions[b], axis=-1).max())
             apart[a, b] = max(apart.get((a, b), 0.0), distance)

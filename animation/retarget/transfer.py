@@ -27,6 +27,7 @@ from motorcade.animation.retarget.roles import (
     ancestors,
     body_of,
     common_parent,
+    figure_of,
     joints_alike,
     legs_of,
 )
@@ -127,7 +128,8 @@ def retarget(
             `fitted_legs` measures them on a mesh.
 
     Raises:
-        ValueError: joints that one of the skeletons does not have, or no pair at all.
+        ValueError: joints that one of the skeletons does not have, or no pair at all; an animal on
+            four legs and a figure on two.
 
     >>> import numpy as np
     >>> from motorcade.animation import Clip, Skeleton, retarget
@@ -144,6 +146,13 @@ def retarget(
            [ 0.  ,  0.  , -0.25],
            [ 0.  ,  0.  , -0.25]])
     """
+    legged = [figure_of(skeleton).four_legged for skeleton in (source, target)]
+    if joints is None and legged[0] != legged[1]:
+        who = ("source", "target")[legged.index(True)]
+        raise ValueError(
+            f"retarget: expected two figures on as many legs, got four of the {who} alone; joints="
+            "{target's: source's} pairs them all the same"
+        )
     pairs = dict(joints_alike(target, source) if joints is None else joints)
     numbers = {target.index(name): source.index(other) for name, other in pairs.items()}
     if not numbers:

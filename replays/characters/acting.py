@@ -12,7 +12,7 @@ import numpy as np
 from motorcade.animation import Character, Clip, mannequin
 from motorcade.animation.ik import fitted_legs
 from motorcade.animation.place import GroundPath, on_the_spot, walk_along
-from motorcade.animation.retarget import legs_of, retarget
+from motorcade.animation.retarget import figure_of, legs_of, retarget
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.files import files_now, files_read, is_there, put_on_record
@@ -79,6 +79,18 @@ def clip_named(character: Character, name: str) -> Clip:
         ) from fault
 
 
+def _idle(character: Character) -> Clip:
+    """What it does when it stands: its clip named idle, or the mannequin's; animals keep still.
+
+    Raises:
+        ValueError: the mannequin's does not fit.
+    """
+    own = any(clip.name == IDLE for clip in character.clips)
+    if own or not figure_of(character.skeleton).four_legged:
+        return clip_named(character, IDLE)
+    return Clip(IDLE, np.zeros(1), character.skeleton.rest[None])
+
+
 def path_of(numbers: tuple[float, ...]) -> GroundPath:
     """The path through points ``x, y, x, y, …`` of the plane, metres.
 
@@ -103,7 +115,8 @@ def walked(
 ) -> Clip:
     """A clip that walks a path with planted feet, from standing to standing, and idles there.
 
-    It stands as the clip named idle begins, its own or the mannequin's, and idles on for as long as
+    It stands as the clip named idle begins, its own or the mannequin's (an animal as it rests), and
+    idles on for as long as
     is asked, but for two minutes at most; after that it stands still.
 
     Args:
@@ -128,7 +141,7 @@ def walked(
         loop, speed_m_s = on_the_spot(clip, skeleton, legs)
     except ValueError as fault:
         raise ValueError(f"placed.path: '{clip.name}' is no walk ({fault})") from fault
-    idle = clip_named(character, IDLE)
+    idle = _idle(character)
     standing = Clip("standing", idle.time_s[:1], idle.poses.rigid[:1])
     walk = walk_along(
         GroundPath(path), loop, skeleton, legs, speed_m_s, scale=scale, standing=standing

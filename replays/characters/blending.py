@@ -35,8 +35,8 @@ class Blend:
         clip: the blend.
         in_phase: whether the clips were cycles and blended by phase; else by the clock.
         offset: phase of the second cycle at which it is like the start of the first.
-        differences_m: by pairs of methods, the farthest that a joint lies apart at a quarter, a
-            half and three quarters of the second clip.
+        differences_m: by pairs of methods, the farthest that a joint which carries vertices lies
+            apart at a quarter, a half and three quarters of the second clip.
     """
 
     character: Character
@@ -59,14 +59,22 @@ class Blend:
         }
 
 
-def character_with(path: Path, motions: Sequence[Path] = ()) -> Character:
+def character_with(
+    path: Path,
+    motions: Sequence[Path] = (),
+    *,
+    up: str | None = None,
+    front: str | None = None,
+) -> Character:
     """A character read from a file, with the clips of further files retargeted to it.
+
+    `up` and `front` are axes of the character's file, as `read_character` takes them.
 
     Raises:
         FormatError: a file that cannot be read.
         ValueError: skeletons that share no names, or clips of one name.
     """
-    character = read_character(path)
+    character = read_character(path, up=up, front=front)
     clips, notices = list(character.clips), list(character.notices)
     legs = fitted_legs(legs_of(character.skeleton), character)
     for file in motions:
@@ -106,7 +114,14 @@ def blend_character(
     made = blend_clips(
         first, second, weight, method, in_phase=in_phase, offset=offset, rate_hz=rate_hz
     )
-    apart = differences_m(first, second, skeleton, offset=offset, in_phase=in_phase)
+    apart = differences_m(
+        first,
+        second,
+        skeleton,
+        joints=np.unique(character.joints[character.weights > 0.0]),
+        offset=offset,
+        in_phase=in_phase,
+    )
     return Blend(character, made, in_phase, offset, apart)
 
 

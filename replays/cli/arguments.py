@@ -13,6 +13,14 @@ Subparsers = Any
 Command = Callable[[argparse.Namespace], None]
 
 
+def add_axes(parser: argparse.ArgumentParser) -> None:
+    """Add `--up` and `--front`, for characters whose files and limbs do not tell them."""
+    for option, what in (("up", "is up"), ("front", "the figure faces at rest")):
+        parser.add_argument(
+            f"--{option}", metavar="AXIS", help=f"axis of the character's file that {what}: x, -z …"
+        )
+
+
 def new_command(
     commands: Subparsers,
     shared: argparse.ArgumentParser,

@@ -11,14 +11,18 @@ from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
 from motorcade.animation.formats.errors import NoMeshError
 from motorcade.animation.formats.limits import MAX_VALUES, check_count
+from motorcade.animation.formats.rig.binding import Binding
 from motorcade.animation.formats.rig.ground import IN_THE_AIR, Soles, resting, standing_joints_m
-from motorcade.animation.formats.rig.joints import JointPoses, Joints, joint_poses
+from motorcade.animation.formats.rig.joints import Joints, joint_poses
 from motorcade.animation.formats.rig.stance import Stance, Wanted, growing
 from motorcade.animation.formats.rig.surfaces import BoundMesh, bound_mesh
 from motorcade.animation.formats.rig.values import Rig, RigClip
 from motorcade.animation.morphs import MorphTrack
 from motorcade.animation.skeleton import Skeleton, local_poses
 from motorcade.ga import Motor, Similarity
+
+# Of vertices so many are looked at for lost scale, which is told beyond this share of the height.
+VERTICES_SEEN, LOST = 2000, 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +72,7 @@ def assemble_character(rig: Rig, wanted: Wanted) -> Character:
     mesh = bound_mesh(rig.tree, stage.joints, binding, rig.surfaces, stage.world)
     notices = [*stage.notices, *mesh.notices]
     if rig.clips or any(surface.skin is not None for surface in rig.surfaces):
-        notices += _lost(stage.rest, mesh)
+        notices += _lost(rig, stage, mesh, binding)
     soles = Soles.of(stage, mesh, binding, rig.settled)
     lift = Motor.from_translation((0.0, 0.0, -soles.bound_m))
     skeleton = _skeleton(stage.joints, lift @ binding.world)
@@ -156,17 +160,25 @@ def _track(given: RigClip, mesh: BoundMesh) -> MorphTrack | None:
     return MorphTrack(times, made)
 
 
-def _lost(rest: JointPoses, mesh: BoundMesh) -> list[str]:
-    """What shear and uneven scales move vertices by around their joints, in the nodes' pose."""
-    if rest.lost is None:
-        return []
-    share = np.linalg.norm(rest.lost[0], axis=(1, 2)) / np.abs(rest.scale[0])
-    most = float(share[np.unique(mesh.joints[mesh.weights > 0.0])].max())
-    if most < 1e-4:
+def _lost(rig: Rig, stage: Stance, mesh: BoundMesh, binding: Binding) -> list[str]:
+    """How far shear and uneven scales, in the nodes' pose and all clips, would move vertices on."""
+    rows = np.arange(0, len(mesh.vertices), -(-len(mesh.vertices) // VERTICES_SEEN))
+    joints, weights = mesh.joints[rows], mesh.weights[rows]
+    frames = np.linalg.inv(binding.frames())[joints]
+    places = np.einsum("vkij,vj->vki", frames[..., :3, :3], mesh.vertices[rows])
+    places += frames[..., :3, 3]
+    height_m, most, where = float(np.ptp(mesh.vertices[:, 2])) or 1.0, 0.0, ""
+    for name, one in stage.sheared(rig).items():
+        for lost in () if one.lost is None else one.lost:
+            shift = np.einsum("vk,vkij,vkj->vi", weights, lost[joints], places)
+            worst = float(np.linalg.norm(shift, axis=1).max())
+            if worst > most:
+                most, where = worst, name
+    if most < LOST * height_m:
         return []
     return [
         "joints have shear or different scales an axis: the nearest uniform scales stand in, off "
-        f"by up to {100.0 * most:.2g} % of the distance from a joint"
+        f"by up to {1e3 * most:.3g} mm, {100.0 * most / height_m:.2g} % of its height, in {where}"
     ]
 
 

@@ -105,6 +105,16 @@ class Stance:
         """Some poses (F, J) of each of some clips."""
         return [joint_poses(rig.tree, self.joints, nodes, self.world) for nodes in seen_nodes(rig)]
 
+    def sheared(self, rig: Rig) -> dict[str, JointPoses]:
+        """Some poses (F, J) of the nodes and of each clip in which joints do not scale evenly."""
+        found = {} if self.rest.lost is None else {"the pose of its nodes": self.rest}
+        every = zip(rig.clips, seen_nodes(rig, max(len(rig.clips), 1)), strict=True)
+        return found | {
+            f"clip '{clip.name}'": joint_poses(rig.tree, self.joints, nodes, self.world)
+            for clip, nodes in every
+            if nodes.blocks is not None
+        }
+
     def clips(
         self, rig: Rig, reference: FloatArray, height_m: float, watched: NDArray[np.bool_]
     ) -> tuple[tuple[Clip, ...], list[str]]:
@@ -160,10 +170,10 @@ def new_name(wanted: str, taken: set[str]) -> str:
     return name
 
 
-def seen_nodes(rig: Rig) -> list[Transforms]:
-    """Nodes (F, N) in some poses of each of some clips."""
-    each = max(2, min(POSES_SEEN, NODES_SEEN // (CLIPS_SEEN * len(rig.tree.names))))
-    step = max(1, -(-len(rig.clips) // CLIPS_SEEN))
+def seen_nodes(rig: Rig, most: int = CLIPS_SEEN) -> list[Transforms]:
+    """Nodes (F, N) in some poses of each of so many clips."""
+    each = max(2, min(POSES_SEEN, NODES_SEEN // (most * len(rig.tree.names))))
+    step = max(1, -(-len(rig.clips) // most))
     made = []
     for clip in rig.clips[::step]:
         keys = clip.key_times

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from motorcade.replays.cli.arguments import Subparsers, new_command
+from motorcade.replays.cli.arguments import Subparsers, add_axes, new_command
 
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -36,6 +36,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="take clips from this file as well, retargeted by names of joints; may be repeated",
     )
+    add_axes(parser)
     parser.add_argument("--rate-hz", type=float, default=60.0, help="keys a second (60)")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write .glb or .mp4")
     parser.add_argument("--json", action="store_true", help="print figures as JSON")
@@ -49,7 +50,9 @@ def blend(arguments: argparse.Namespace) -> None:
     names = tuple(name.strip() for name in arguments.clips.split(","))
     if len(names) != 2:
         raise ValueError(f"--clips {arguments.clips}: expected two names with a comma between")
-    character = character_with(arguments.character, arguments.motion)
+    character = character_with(
+        arguments.character, arguments.motion, up=arguments.up, front=arguments.front
+    )
     made = blend_character(
         character,
         (names[0], names[1]),
@@ -64,6 +67,6 @@ def blend(arguments: argparse.Namespace) -> None:
         return
     way = f"in phase, offset {made.offset:.3f}" if made.in_phase else "by the clock"
     print(f"{made.clip.name}: {made.clip.duration_s:.3f} s, {len(made.clip.time_s)} keys, {way}")
-    print("largest distance of a joint under two methods, mm")
+    print("largest distance of a joint that carries vertices under two methods, mm")
     for (a, b), apart_m in made.differences_m.items():
         print(f"  {a + ' - ' + b:<48}{1e3 * apart_m:>10.3f}")

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from motorcade.replays.cli.arguments import Subparsers, new_command, print_json
+from motorcade.replays.cli.arguments import Subparsers, add_axes, new_command, print_json
 
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -28,6 +28,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--pose", metavar="CLIP@SECONDS", help="also tell where a character's joints then are"
     )
+    add_axes(parser)
     parser.add_argument("--json", action="store_true", help="machine-readable")
 
 
@@ -39,9 +40,11 @@ def inspect(arguments: argparse.Namespace) -> None:
 
     is_character = arguments.recording.suffix.lower() in SUFFIXES
     if is_character:
-        description = describe_character(arguments.recording, arguments.pose)
-    elif arguments.pose is not None:
-        raise ValueError(f"--pose: expected a character, got {arguments.recording}")
+        description = describe_character(
+            arguments.recording, arguments.pose, up=arguments.up, front=arguments.front
+        )
+    elif given := [one for one in ("pose", "up", "front") if getattr(arguments, one) is not None]:
+        raise ValueError(f"--{given[0]}: expected a character, got {arguments.recording}")
     else:
         description = describe(open_recording(arguments.recording, arguments.manifest))
     if arguments.json:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import struct
 from dataclasses import replace
@@ -13,7 +14,7 @@ import pytest
 from motorcade.animation import Skeleton, mannequin, write_gltf
 from motorcade.animation.formats import FormatError, read_character, read_motion
 from motorcade.animation.retarget import body_of, legs_of, retarget
-from motorcade.ga import Rotor
+from motorcade.ga import Motor, Rotor
 
 LIMBS = ("thigh", "calf", "foot", "upper_arm", "forearm", "hand")
 
@@ -175,3 +176,83 @@ def test_a_motion_on_a_figure_of_other_names_keeps_feet_on_the_ground(figure, rn
     joints = [other.skeleton.index(leg.ball) for leg in legs_of(other.skeleton)]
     heights = other.skeleton.world(made.at(np.linspace(0, 0.7, 30)).rigid).translation_m
     assert abs(heights[:, joints, 2].min()) < 0.02 * figure.height_m
+
+
+def test_lost_scale_is_measured_over_all_clips(figure, tmp_path):
+    """A thigh that a clip stretches along itself by a half."""
+    thigh = body_of(figure.skeleton)["left_thigh"]
+
+    def stretch(document):
+        for animation in document["animations"]:
+            if animation["name"] != "wave":
+                continue
+            node = document["skins"][0]["joints"][thigh]
+            document["nodes"][node]["scale"] = [1.0, 1.0, 1.0]
+            sampler = dict(animation["samplers"][0])
+            count = document["accessors"][sampler["input"]]["count"]
+            document["accessors"].append({"componentType": 5126, "count": count, "type": "VEC3"})
+            at = len(document["accessors"]) - 1
+            values = np.tile(np.float32([1.0, 1.0, 1.5]), (1, 1)).tobytes()
+            document["buffers"].append({"byteLength": 12, "uri": _data(values)})
+            document["bufferViews"].append(
+                {"buffer": len(document["buffers"]) - 1, "byteLength": 12}
+            )
+            document["accessors"][at] |= {
+                "bufferView": len(document["bufferViews"]) - 1,
+                "count": 1,
+            }
+            key = [float(figure.clip("wave").time_s[0])]
+            zero = np.float32(key).tobytes()
+            document["buffers"].append({"byteLength": 4, "uri": _data(zero)})
+            document["bufferViews"].append(
+                {"buffer": len(document["buffers"]) - 1, "byteLength": 4}
+            )
+            document["accessors"].append(
+                {
+                    "bufferView": len(document["bufferViews"]) - 1,
+                    "componentType": 5126,
+                    "count": 1,
+                    "type": "SCALAR",
+                    "min": key,
+                    "max": key,
+                }
+            )
+            animation["samplers"].append({"input": at + 1, "output": at})
+            animation["channels"].append(
+                {
+                    "sampler": len(animation["samplers"]) - 1,
+                    "target": {"node": node, "path": "scale"},
+                }
+            )
+
+    found = read_character(_written(figure, tmp_path / "stretch.glb", stretch))
+    told = [notice for notice in found.notices if "different scales an axis" in notice]
+    assert len(told) == 1
+    assert "in clip 'wave'" in told[0]
+    size = float(told[0].split("up to ")[1].split(" mm")[0])
+    assert 20.0 < size < 300.0
+
+
+def _data(values: bytes) -> str:
+    return "data:application/octet-stream;base64," + base64.b64encode(values).decode()
+
+
+def test_an_animal_lends_no_motion_to_a_figure_on_two_legs(figure):
+    """Nor the other way about; pairs that a caller gives are taken."""
+    leg = [[0.0, 0.0, 0.5], [0.05, 0.0, 0.25], [-0.03, 0.0, 0.05], [0.05, 0.0, 0.0]]
+    at = [[0, 0, 0.55], [0.3, 0, 0.57], [0.6, 0, 0.55], [0.75, 0, 0.65], [0.9, 0, 0.65]]
+    parents = [-1, 0, 1, 2, 3]
+    for x, above in ((0.0, 0), (0.6, 2)):
+        for y in (0.1, -0.1):
+            for k, place in enumerate(leg[: 4 if x == 0.0 else 3]):
+                at.append([place[0] + x, place[1] + y, place[2]])
+                parents.append(above if k == 0 else len(at) - 2)
+    above_m = [at[p] if p >= 0 else [0.0, 0.0, 0.0] for p in parents]
+    step = np.subtract(at, above_m)
+    names = tuple(f"bone {k}" for k in range(len(at)))
+    dog = Skeleton(names, np.array(parents), Motor.from_translation(step))
+    assert [leg.ball for leg in legs_of(dog)] == ["bone 8", "bone 12", "bone 15", "bone 18"]
+    with pytest.raises(ValueError, match="as many legs, got four of the target"):
+        retarget(figure.clip("walk"), figure.skeleton, dog)
+    made = retarget(figure.clip("walk"), figure.skeleton, dog, {"bone 4": "head"})
+    assert made.poses.shape[1] == len(dog)
