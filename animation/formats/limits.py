@@ -16,6 +16,8 @@ from motorcade.ga.files import UNSETTLED, FileError, is_there, put_on_record
 MAX_FILE_BYTES = 256 << 20
 MAX_TEXT_BYTES = 64 << 20
 """Of files, and parts of files, that are taken apart word by word."""
+MAX_ENTRIES = 4 << 20
+"""Of a JSON document, lists and tables too: two bytes of it may take a hundred of memory."""
 MAX_VALUES = 32 << 20
 """Numbers that one file may unpack to, over all its arrays."""
 MAX_POSES = 4 << 20

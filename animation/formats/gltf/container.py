@@ -15,7 +15,14 @@ from typing import Any
 import numpy as np
 
 from motorcade.animation.formats.errors import FormatError, expected
-from motorcade.animation.formats.limits import MAX_FILE_BYTES, MAX_TEXT_BYTES, beside, read_bounded
+from motorcade.animation.formats.limits import (
+    MAX_ENTRIES,
+    MAX_FILE_BYTES,
+    MAX_TEXT_BYTES,
+    beside,
+    check_count,
+    read_bounded,
+)
 from motorcade.ga.arrays import FloatArray
 
 MAGIC = b"glTF"
@@ -136,6 +143,9 @@ def open_gltf(path: Path, pictures: Path | None = None) -> Document:
         data, binary = _chunks(data)
     if len(data) > MAX_TEXT_BYTES:
         raise expected("JSON", f"at most {MAX_TEXT_BYTES} bytes", len(data))
+    # Signs within texts count too: buffers that are embedded have none of them.
+    entries = sum(data.count(sign) for sign in (b",", b"[", b"{"))
+    check_count("entries of the JSON document", entries, MAX_ENTRIES)
     try:
         root = json.loads(data.decode("utf-8-sig"), parse_constant=_refuse_constant)
     except (UnicodeDecodeError, json.JSONDecodeError) as fault:

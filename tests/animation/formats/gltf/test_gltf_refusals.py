@@ -319,3 +319,15 @@ def test_compressed_meshes_are_read_where_plain_data_comes_with_them(write: Writ
     made.document["accessors"][part["attributes"]["POSITION"]].pop("bufferView")
     with pytest.raises(FormatError, match=r"mesh 'tower': expected plain data .`gltf-transform"):
         read_character(write("packed.glb", made.glb()))
+
+
+def test_documents_of_too_many_entries_are_not_taken_apart(
+    write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Lists of empty tables, two bytes each, would take thirty times the file's size of memory."""
+    monkeypatch.setattr(container, "MAX_ENTRIES", 400)
+    made = samples.gltf_tower()
+    assert len(read_character(write("few.glb", made.glb())).vertices) == 12
+    made.document["extras"] = [{}] * 400
+    with pytest.raises(FormatError, match="entries of the JSON document: expected at most 400"):
+        read_character(write("many.glb", made.glb()))
