@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from motorcade.replays.readers.ros.naming import split_bag_name
@@ -38,6 +38,25 @@ def trajectory_names(
                 raise ValueError(f"{one}: expected each trajectory once, got it twice")
             found.append(one)
     return found
+
+
+def refuse_inputs(names: Iterable[str], files: Iterable[Path]) -> None:
+    """Refuse to write over what is read: measured poses cannot be had again.
+
+    Args:
+        names: what is read, as `trajectory_names` gives it.
+        files: what is written.
+
+    Raises:
+        ValueError: a file among both, by whatever path or link.
+    """
+    bags = ((name, split_bag_name(name)) for name in names)
+    read = [Path(name) if bag is None else bag[0] for name, bag in bags]
+    for file in files:
+        if file.is_file() and any(one.is_file() and one.samefile(file) for one in read):
+            raise ValueError(
+                f"--output {file}: this is one of the inputs; expected another file or folder"
+            )
 
 
 def _of_bag(bag: Path, topics: Sequence[str], every_topic: bool) -> Iterator[str]:

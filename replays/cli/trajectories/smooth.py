@@ -82,7 +82,7 @@ def smooth_files(arguments: argparse.Namespace) -> None:
     from motorcade.fusion.smoothing.changes import changes
     from motorcade.fusion.smoothing.methods import parsed_parameters
     from motorcade.replays.cli.arguments import check_known, print_json
-    from motorcade.replays.editing.inputs import trajectory_names
+    from motorcade.replays.editing.inputs import refuse_inputs, trajectory_names
     from motorcade.replays.editing.outputs import write_trajectories
 
     check_known("--method", [arguments.method], METHODS)
@@ -93,7 +93,7 @@ def smooth_files(arguments: argparse.Namespace) -> None:
     many = len(names) > 1 or arguments.output.is_dir()
     formats = {name: _written_as(name, arguments, in_folder=many) for name in names}
     files = _files(formats, arguments.output, in_folder=many)
-    _refuse_inputs(files)
+    refuse_inputs(names, files.values())
     smoothed, reports, picked = {}, {}, {}
     for name in names:
         path = _read(name, arguments, many=many)
@@ -148,19 +148,6 @@ def _files(
             "of a file"
         )
     return output_files(formats, output)
-
-
-def _refuse_inputs(files: dict[str, Path]) -> None:
-    """Refuse to write over what is read: measured poses cannot be had again."""
-    from motorcade.replays.readers.ros.naming import split_bag_name
-
-    bags = {name: split_bag_name(name) for name in files}
-    read = [Path(name) if bag is None else bag[0] for name, bag in bags.items()]
-    for file in files.values():
-        if file.is_file() and any(one.is_file() and one.samefile(file) for one in read):
-            raise ValueError(
-                f"--output {file}: this is one of the inputs; expected another file or folder"
-            )
 
 
 def _read(name: str, arguments: argparse.Namespace, *, many: bool) -> Trajectory:

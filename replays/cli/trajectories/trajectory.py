@@ -136,6 +136,7 @@ def _add_transforms(parser: argparse.ArgumentParser) -> None:
 def trajectory(arguments: argparse.Namespace) -> None:
     """Read, edit; write, plot, print the figures."""
     from motorcade.replays.editing import TrajectorySummary, edit_trajectories
+    from motorcade.replays.editing.inputs import refuse_inputs
     from motorcade.replays.editing.outputs import output_files, write_trajectories
     from motorcade.replays.files.atomic import write_bytes
 
@@ -150,6 +151,7 @@ def trajectory(arguments: argparse.Namespace) -> None:
     if arguments.output is not None:
         formats = dict.fromkeys(found, arguments.format)
         files = output_files(formats, arguments.output)
+        refuse_inputs(_named(arguments), files.values())
         write_trajectories(found, files, formats)
     if arguments.plot is not None:
         from motorcade.render.plots import plot_paths
@@ -192,6 +194,12 @@ def _read(arguments: argparse.Namespace) -> dict[str, Trajectory]:
 
     names = trajectory_names(arguments.inputs, every_topic=arguments.all_topics)
     return {name: _one(name, arguments) for name in names}
+
+
+def _named(arguments: argparse.Namespace) -> list[str]:
+    """Files that are read, the reference and stamps of others among them."""
+    others = (arguments.reference, arguments.resample_as)
+    return [str(one) for one in (*arguments.inputs, *others) if one is not None]
 
 
 def _one(name: Path | str, arguments: argparse.Namespace) -> Trajectory:

@@ -175,3 +175,27 @@ def test_kitti_without_stamps_is_refused(folder: Path, capsys: pytest.CaptureFix
     write_trajectory(read_trajectory("true.txt"), "true_kitti.txt", "kitti")
     assert main(["trajectory", "true_kitti.txt"]) == 1
     assert "KITTI files hold no stamps" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["true.txt", "-o", "true.txt"],
+        ["true.txt", "-o", "linked.tum"],
+        ["true.txt", "-o", ".", "--format", "tum"],
+        ["copy.txt", "-o", "true.txt", "--reference", "true.txt", "--align", "se3"],
+        ["copy.txt", "-o", "true.txt", "--resample-as", "true.txt"],
+    ],
+)
+def test_what_is_read_is_not_written_over(
+    words: list[str], folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("copy.txt").write_bytes(Path("true.txt").read_bytes())
+    Path("linked.tum").symlink_to("true.txt")
+    Path("true.tum").symlink_to("true.txt")
+    before = Path("true.txt").read_bytes()
+    assert main(["trajectory", *words]) == 1
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "this is one of the inputs" in said, said
+    assert Path("true.txt").read_bytes() == before
