@@ -480,46 +480,45 @@ typedef struct motorcade_inner_matrix {
     double at[18][18];
 } motorcade_inner_matrix;
 
-/* The upper factor U of a symmetric positive definite matrix U' U, its diagonal inverted. */
+/*
+ * The factors U' D U of a symmetric positive definite matrix: U above a unit diagonal, in whose
+ * place D is inverted. Of another matrix all that is solved is NaN.
+ */
 static inline double motorcade_inner_factor(motorcade_inner_matrix *a, int size) {
     double determinant = 1.0;
     for (int k = 0; k < size; ++k) {
         double *row = a->at[k];
+        const double inverse = row[k] > 0.0 ? 1.0 / row[k] : NAN;
         determinant *= row[k];
-        const double inverse = row[k] = 1.0 / sqrt(row[k]);
-        for (int j = k + 1; j < size; ++j) row[j] *= inverse;
         for (int i = k + 1; i < size; ++i)
-            for (int j = i; j < size; ++j) a->at[i][j] -= row[i] * row[j];
+            for (int j = i; j < size; ++j) a->at[i][j] -= row[i] * inverse * row[j];
+        for (int j = k + 1; j < size; ++j) row[j] *= inverse;
+        row[k] = inverse;
     }
     return determinant;
 }
 
-/* a^-1 times a vector, in place, by the factor. */
+/* a^-1 times a vector, in place, by the factors. */
 static inline void motorcade_inner_solve(const motorcade_inner_matrix *factor, int size,
                                          double *right) {
-    for (int k = 0; k < size; ++k) {
-        right[k] *= factor->at[k][k];
+    for (int k = 0; k < size; ++k)
         for (int i = k + 1; i < size; ++i) right[i] -= factor->at[k][i] * right[k];
-    }
-    for (int i = size - 1; i >= 0; --i) {
-        for (int k = i + 1; k < size; ++k) right[i] -= factor->at[i][k] * right[k];
-        right[i] *= factor->at[i][i];
-    }
+    for (int k = 0; k < size; ++k) right[k] *= factor->at[k][k];
+    for (int k = size - 1; k > 0; --k)
+        for (int i = 0; i < k; ++i) right[i] -= factor->at[i][k] * right[k];
 }
 
 /* The same of a matrix of six rows. */
 static inline void motorcade_inner_solve_rows(const motorcade_inner_matrix *factor, int columns,
                                               double rows[6][18]) {
-    for (int k = 0; k < 6; ++k) {
-        for (int j = 0; j < columns; ++j) rows[k][j] *= factor->at[k][k];
+    for (int k = 0; k < 6; ++k)
         for (int i = k + 1; i < 6; ++i)
             for (int j = 0; j < columns; ++j) rows[i][j] -= factor->at[k][i] * rows[k][j];
-    }
-    for (int i = 5; i >= 0; --i) {
-        for (int k = i + 1; k < 6; ++k)
+    for (int k = 0; k < 6; ++k)
+        for (int j = 0; j < columns; ++j) rows[k][j] *= factor->at[k][k];
+    for (int k = 5; k > 0; --k)
+        for (int i = 0; i < k; ++i)
             for (int j = 0; j < columns; ++j) rows[i][j] -= factor->at[i][k] * rows[k][j];
-        for (int j = 0; j < columns; ++j) rows[i][j] *= factor->at[i][i];
-    }
 }
 
 /* What white noise of unit density on the highest derivative adds in dt. */
@@ -732,6 +731,22 @@ static inline void motorcade_inner_half(const double way[6], double turn[36]) {
     motorcade_inner_adjoint(motor, turn);
 }
 
+/*
+ * A gap, as long as the process takes to add 1e10 variances of the noise at most: the pose behind
+ * is then free of what was before. Over longer ones rates would be led on until a step turns by
+ * more than half a turn, and rounding would leave nothing right in the end.
+ */
+static inline double motorcade_inner_gap(const motorcade_model *model, int64_t from_ns,
+                                         int64_t to_ns) {
+    const double rad = model->noise_rad / model->density_rad;
+    const double m = model->noise_m / model->density_m;
+    double q[3][3];
+    motorcade_inner_diffusion(model->order + 1, 1.0, q);
+    const double longest_s =
+        pow(1e10 * fmax(rad, m) * fmax(rad, m) / q[0][0], 1.0 / (2.0 * model->order + 1.0));
+    return fmin(motorcade_inner_seconds(from_ns, to_ns), longest_s);
+}
+
 static inline void motorcade_inner_first(motorcade_kalman *filter, const double measured[8]) {
     double variances[6];
     motorcade_inner_variances(&filter->model, variances);
@@ -800,7 +815,8 @@ static inline int motorcade_inner_sound(const motorcade_kalman *filter) {
 
 /*
  * The filtered motor at a stamp, from a measured one, which it may replace; the first comes back as
- * it is. Gaps need no care: all steps are by time.
+ * it is. Gaps need no care: all steps are by time, and gaps after which nothing is left of what was
+ * before are cut short.
  */
 MOTORCADE_API int motorcade_kalman_update(motorcade_kalman *filter, const double motor[8],
                                           int64_t time_ns, double filtered[8]) {
@@ -812,7 +828,7 @@ MOTORCADE_API int motorcade_kalman_update(motorcade_kalman *filter, const double
     if (filter->poses == 0) {
         motorcade_inner_first(&next, measured);
     } else {
-        const double dt = motorcade_inner_seconds(filter->time_ns, time_ns);
+        const double dt = motorcade_inner_gap(&filter->model, filter->time_ns, time_ns);
         if (filter->poses == 1) motorcade_inner_open(&next, measured, dt);
         motorcade_inner_step(&next, measured, dt);
     }
@@ -927,7 +943,7 @@ MOTORCADE_API int motorcade_rts(const motorcade_model *model, const double *moto
             }
             motorcade_inner_normalize(motors + 8, measured);
             motorcade_inner_open(&marks[0], measured,
-                                 motorcade_inner_seconds(time_ns[0], time_ns[1]));
+                                 motorcade_inner_gap(&marks[0].model, time_ns[0], time_ns[1]));
         } else if (k % stretch == 0) {
             marks[k / stretch] = now;
         }
@@ -952,8 +968,14 @@ MOTORCADE_API int motorcade_rts(const motorcade_model *model, const double *moto
             states[k - first] = now;
         }
         for (size_t k = last; k-- > first;) {
+            /* The gap is cut short by the noise that it was by on the way forward. */
+            motorcade_model ahead = *model;
+            if (noise != NULL) {
+                ahead.noise_rad = noise[2 * k + 2];
+                ahead.noise_m = noise[2 * k + 3];
+            }
             motorcade_inner_back(&states[k - first],
-                                 motorcade_inner_seconds(time_ns[k], time_ns[k + 1]), &later);
+                                 motorcade_inner_gap(&ahead, time_ns[k], time_ns[k + 1]), &later);
             if (!motorcade_inner_finite(later.pose)) return MOTORCADE_BAD_POSE;
             for (size_t c = 0; c < 8; ++c) smoothed[8 * k + c] = later.pose[c];
         }

@@ -3,7 +3,9 @@
 The state is a pose and its velocity (and acceleration) in the representation's own vectors: on
 motors the body twist, so that a steady screw is followed without error. Process noise is white on
 the highest derivative, measurement noise white on the pose, both isotropic in rotation, in
-translation and in scale. Gaps are a longer prediction.
+translation and in scale. Gaps are a longer prediction; those over which it adds 1e10 variances of
+the noise to the pose are cut short there, since the pose behind is free of what was before, and
+rates led on for longer would make steps of more than half a turn.
 
 Poses and residuals are moved exactly. Where poses compose (motors, similarities, the rotations of
 "rotor") their errors are propagated along the motion with those of the rates in one covariance, as

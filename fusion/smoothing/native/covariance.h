@@ -1,6 +1,5 @@
 // Covariance of S derivatives (pose, velocity, acceleration) of N components that couple: rows and
 // columns in S blocks of N. Of uncoupled components N is 1, and the same matrix serves for each.
-// What takes long is compiled for the processor at hand.
 
 #pragma once
 
@@ -10,7 +9,6 @@
 #include <limits>
 
 #include "lanes.h"
-#include "support.h"
 #include "vectors.h"
 
 namespace motorcade::smooth {
@@ -116,7 +114,7 @@ template <std::size_t N, std::size_t S> struct Covariance {
 
     // F p Fᵀ with F = turn · drift · turn: the pose part is turned, all is drifted by dt, turned
     // again.
-    MOTORCADE_SIMD void propagate(const Square<N> &turn, double dt) {
+    [[gnu::noinline]] void propagate(const Square<N> &turn, double dt) {
         turned(turn);
         drifted(dt);
         turned(turn);
@@ -143,7 +141,7 @@ template <std::size_t N, std::size_t S> struct Covariance {
             return total;
         }
     };
-    MOTORCADE_SIMD Gain measured(const Vector<N> &variances) {
+    [[gnu::noinline]] Gain measured(const Vector<N> &variances) {
         Square<N> sum;
         for (std::size_t c = 0; c < N; ++c)
             for (std::size_t k = 0; k < N; ++k) sum[c][k] = p[c][k] + (c == k ? variances[c] : 0.0);
@@ -167,12 +165,12 @@ template <std::size_t N, std::size_t S> struct Covariance {
         return gain;
     }
 
-    MOTORCADE_SIMD Factored<ALL> factored() const { return Factored<ALL>(p); }
+    [[gnu::noinline]] Factored<ALL> factored() const { return Factored<ALL>(p); }
 
     // Q p⁻¹, p being factored: of a residual behind a prediction `p` with that noise, how much is
     // the noise's.
-    MOTORCADE_SIMD Square<ALL> noise_share(const Factored<ALL> &factor, const Vector<N> &densities,
-                                           double dt) const {
+    [[gnu::noinline]] Square<ALL> noise_share(const Factored<ALL> &factor,
+                                              const Vector<N> &densities, double dt) const {
         Square<ALL> inverse{};
         for (std::size_t i = 0; i < ALL; ++i) inverse[i][i] = 1.0;
         factor.solve(inverse);
@@ -180,8 +178,9 @@ template <std::size_t N, std::size_t S> struct Covariance {
     }
 
     // The same times a residual.
-    MOTORCADE_SIMD Vector<ALL> noise_share(const Factored<ALL> &factor, const Vector<N> &densities,
-                                           double dt, const Vector<ALL> &of) const {
+    [[gnu::noinline]] Vector<ALL> noise_share(const Factored<ALL> &factor,
+                                              const Vector<N> &densities, double dt,
+                                              const Vector<ALL> &of) const {
         const auto weighed = factor.solved(of);
         std::array<std::array<double, 1>, ALL> rows;
         for (std::size_t i = 0; i < ALL; ++i) rows[i][0] = weighed[i];
@@ -193,8 +192,8 @@ template <std::size_t N, std::size_t S> struct Covariance {
 
     // p Fᵀ predicted⁻¹ times a residual: what the filtered state gains from one behind its
     // prediction.
-    MOTORCADE_SIMD Vector<ALL> gained(const Covariance &predicted, const Square<N> &turn, double dt,
-                                      const Vector<ALL> &residual) const {
+    [[gnu::noinline]] Vector<ALL> gained(const Covariance &predicted, const Square<N> &turn,
+                                         double dt, const Vector<ALL> &residual) const {
         auto way = Factored<ALL>(predicted.p).solved(residual);
         const auto turn_back = [&] {
             Vector<N> first{};
@@ -215,8 +214,8 @@ template <std::size_t N, std::size_t S> struct Covariance {
 
     // The covariance before a prediction from the smoothed one behind it: with K = 1 - share, p
     // becomes F⁻¹ (K p Kᵀ + K Q) F⁻ᵀ, with the inverse step's `turn`.
-    MOTORCADE_SIMD void rts_step(const Square<ALL> &share, const Vector<N> &densities,
-                                 const Square<N> &turn, double dt) {
+    [[gnu::noinline]] void rts_step(const Square<ALL> &share, const Vector<N> &densities,
+                                    const Square<N> &turn, double dt) {
         Square<ALL> known, flipped;
         for (std::size_t i = 0; i < ALL; ++i)
             for (std::size_t j = 0; j < ALL; ++j) {

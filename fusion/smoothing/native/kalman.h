@@ -28,6 +28,11 @@ using BlockValues = std::array<double, 3>;
 // and the first step itself amount to as a rate.
 inline constexpr double PRIOR_OF_NOISE = 1e3, PRIOR_OF_STEP = 10.0;
 
+// A gap is as long as the process takes to add this many variances of the noise: the pose behind is
+// then free of what was before. Over longer ones rates would be led on until a step turns by more
+// than half a turn, and rounding would leave nothing right in the end.
+inline constexpr double FORGOTTEN = 1e10;
+
 template <Representation R, std::size_t Order> class Kalman {
 public:
     static constexpr std::size_t S = Order + 1, BLOCKS = R::ends.size(), COUPLED = R::coupled;
@@ -55,7 +60,15 @@ public:
     using Smoothed = std::conditional_t<WITH_COVARIANCE, State, Mean>;
 
     Kalman(const BlockValues &densities, const BlockValues &deviations)
-        : densities_(densities), deviations_(deviations) {}
+        : densities_(densities), deviations_(deviations) {
+        constexpr double power = 2.0 * static_cast<double>(S) - 1.0;
+        for (std::size_t b = 0; b < BLOCKS; ++b) {
+            const double ratio = deviations[b] / densities[b];
+            longest_s_ =
+                std::max(longest_s_, std::pow(FORGOTTEN * ratio * ratio / diffusion<S>(1.0)[0][0],
+                                              1.0 / power));
+        }
+    }
 
     X pose() const { return projected<R>(state_.pose); }
     const State &state() const { return state_; }
@@ -77,6 +90,7 @@ public:
     // Gives the rates of the first state their wide prior, from what the second pose shows, before
     // it is stepped to. Doing it twice changes nothing.
     void open_rates(const X &z, double dt) {
+        dt = std::min(dt, longest_s_);
         const V first_step = R::local(z, state_.pose);
         std::array<double, BLOCKS> squares{};
         for (std::size_t k = 0; k < R::freedom; ++k)
@@ -95,6 +109,7 @@ public:
 
     // The spread of a prediction from a state of such a mean, and of what is measured then.
     void predict(Spread &spread, const Mean &mean, double dt) const {
+        dt = std::min(dt, longest_s_);
         const V way = travel(mean, dt);
         each_group(spread, [&]<std::size_t N>(Covariance<N, S> &covariance, std::size_t first,
                                               std::size_t) {
@@ -109,6 +124,7 @@ public:
     }
 
     void step(const X &z, double dt) {
+        dt = std::min(dt, longest_s_);
         if (steps_ == 0) open_rates(z, dt);
         const V way = travel(state_, dt);
         state_.pose = unprojected<R>(state_.pose, way);
@@ -148,6 +164,7 @@ public:
     Smoothed<WITH_COVARIANCE> smoothed(const Mean &filtered, const Spread &predicted,
                                        Filtered &&spread, const Smoothed<WITH_COVARIANCE> &later,
                                        double dt) const {
+        dt = std::min(dt, longest_s_);
         const V way = travel(filtered, dt);
         const X ahead = unprojected<R>(filtered.pose, way);
         Smoothed<WITH_COVARIANCE> made;
@@ -285,7 +302,7 @@ private:
     BlockValues densities_, deviations_;
     State state_;
     std::size_t steps_ = 0;
-    double log_likelihood_ = 0.0;
+    double log_likelihood_ = 0.0, longest_s_ = 0.0;
 };
 
 }  // namespace motorcade::smooth

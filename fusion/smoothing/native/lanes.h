@@ -1,5 +1,5 @@
 // Rows of numbers, two at a time, as all processors have it: sums run in the order in which they
-// are written. Where processors fuse products with sums they differ by rounding.
+// are written, so that all give the same numbers.
 
 #pragma once
 

@@ -3,46 +3,45 @@ typedef struct motorcade_inner_matrix {
     double at[18][18];
 } motorcade_inner_matrix;
 
-/* The upper factor U of a symmetric positive definite matrix U' U, its diagonal inverted. */
+/*
+ * The factors U' D U of a symmetric positive definite matrix: U above a unit diagonal, in whose
+ * place D is inverted. Of another matrix all that is solved is NaN.
+ */
 static inline double motorcade_inner_factor(motorcade_inner_matrix *a, int size) {
     double determinant = 1.0;
     for (int k = 0; k < size; ++k) {
         double *row = a->at[k];
+        const double inverse = row[k] > 0.0 ? 1.0 / row[k] : NAN;
         determinant *= row[k];
-        const double inverse = row[k] = 1.0 / sqrt(row[k]);
-        for (int j = k + 1; j < size; ++j) row[j] *= inverse;
         for (int i = k + 1; i < size; ++i)
-            for (int j = i; j < size; ++j) a->at[i][j] -= row[i] * row[j];
+            for (int j = i; j < size; ++j) a->at[i][j] -= row[i] * inverse * row[j];
+        for (int j = k + 1; j < size; ++j) row[j] *= inverse;
+        row[k] = inverse;
     }
     return determinant;
 }
 
-/* a^-1 times a vector, in place, by the factor. */
+/* a^-1 times a vector, in place, by the factors. */
 static inline void motorcade_inner_solve(const motorcade_inner_matrix *factor, int size,
                                          double *right) {
-    for (int k = 0; k < size; ++k) {
-        right[k] *= factor->at[k][k];
+    for (int k = 0; k < size; ++k)
         for (int i = k + 1; i < size; ++i) right[i] -= factor->at[k][i] * right[k];
-    }
-    for (int i = size - 1; i >= 0; --i) {
-        for (int k = i + 1; k < size; ++k) right[i] -= factor->at[i][k] * right[k];
-        right[i] *= factor->at[i][i];
-    }
+    for (int k = 0; k < size; ++k) right[k] *= factor->at[k][k];
+    for (int k = size - 1; k > 0; --k)
+        for (int i = 0; i < k; ++i) right[i] -= factor->at[i][k] * right[k];
 }
 
 /* The same of a matrix of six rows. */
 static inline void motorcade_inner_solve_rows(const motorcade_inner_matrix *factor, int columns,
                                               double rows[6][18]) {
-    for (int k = 0; k < 6; ++k) {
-        for (int j = 0; j < columns; ++j) rows[k][j] *= factor->at[k][k];
+    for (int k = 0; k < 6; ++k)
         for (int i = k + 1; i < 6; ++i)
             for (int j = 0; j < columns; ++j) rows[i][j] -= factor->at[k][i] * rows[k][j];
-    }
-    for (int i = 5; i >= 0; --i) {
-        for (int k = i + 1; k < 6; ++k)
+    for (int k = 0; k < 6; ++k)
+        for (int j = 0; j < columns; ++j) rows[k][j] *= factor->at[k][k];
+    for (int k = 5; k > 0; --k)
+        for (int i = 0; i < k; ++i)
             for (int j = 0; j < columns; ++j) rows[i][j] -= factor->at[i][k] * rows[k][j];
-        for (int j = 0; j < columns; ++j) rows[i][j] *= factor->at[i][i];
-    }
 }
 
 /* What white noise of unit density on the highest derivative adds in dt. */

@@ -84,6 +84,22 @@ static inline void motorcade_inner_half(const double way[6], double turn[36]) {
     motorcade_inner_adjoint(motor, turn);
 }
 
+/*
+ * A gap, as long as the process takes to add 1e10 variances of the noise at most: the pose behind
+ * is then free of what was before. Over longer ones rates would be led on until a step turns by
+ * more than half a turn, and rounding would leave nothing right in the end.
+ */
+static inline double motorcade_inner_gap(const motorcade_model *model, int64_t from_ns,
+                                         int64_t to_ns) {
+    const double rad = model->noise_rad / model->density_rad;
+    const double m = model->noise_m / model->density_m;
+    double q[3][3];
+    motorcade_inner_diffusion(model->order + 1, 1.0, q);
+    const double longest_s =
+        pow(1e10 * fmax(rad, m) * fmax(rad, m) / q[0][0], 1.0 / (2.0 * model->order + 1.0));
+    return fmin(motorcade_inner_seconds(from_ns, to_ns), longest_s);
+}
+
 static inline void motorcade_inner_first(motorcade_kalman *filter, const double measured[8]) {
     double variances[6];
     motorcade_inner_variances(&filter->model, variances);
@@ -152,7 +168,8 @@ static inline int motorcade_inner_sound(const motorcade_kalman *filter) {
 
 /*
  * The filtered motor at a stamp, from a measured one, which it may replace; the first comes back as
- * it is. Gaps need no care: all steps are by time.
+ * it is. Gaps need no care: all steps are by time, and gaps after which nothing is left of what was
+ * before are cut short.
  */
 MOTORCADE_API int motorcade_kalman_update(motorcade_kalman *filter, const double motor[8],
                                           int64_t time_ns, double filtered[8]) {
@@ -164,7 +181,7 @@ MOTORCADE_API int motorcade_kalman_update(motorcade_kalman *filter, const double
     if (filter->poses == 0) {
         motorcade_inner_first(&next, measured);
     } else {
-        const double dt = motorcade_inner_seconds(filter->time_ns, time_ns);
+        const double dt = motorcade_inner_gap(&filter->model, filter->time_ns, time_ns);
         if (filter->poses == 1) motorcade_inner_open(&next, measured, dt);
         motorcade_inner_step(&next, measured, dt);
     }

@@ -87,7 +87,7 @@ MOTORCADE_API int motorcade_rts(const motorcade_model *model, const double *moto
             }
             motorcade_inner_normalize(motors + 8, measured);
             motorcade_inner_open(&marks[0], measured,
-                                 motorcade_inner_seconds(time_ns[0], time_ns[1]));
+                                 motorcade_inner_gap(&marks[0].model, time_ns[0], time_ns[1]));
         } else if (k % stretch == 0) {
             marks[k / stretch] = now;
         }
@@ -112,8 +112,14 @@ MOTORCADE_API int motorcade_rts(const motorcade_model *model, const double *moto
             states[k - first] = now;
         }
         for (size_t k = last; k-- > first;) {
+            /* The gap is cut short by the noise that it was by on the way forward. */
+            motorcade_model ahead = *model;
+            if (noise != NULL) {
+                ahead.noise_rad = noise[2 * k + 2];
+                ahead.noise_m = noise[2 * k + 3];
+            }
             motorcade_inner_back(&states[k - first],
-                                 motorcade_inner_seconds(time_ns[k], time_ns[k + 1]), &later);
+                                 motorcade_inner_gap(&ahead, time_ns[k], time_ns[k + 1]), &later);
             if (!motorcade_inner_finite(later.pose)) return MOTORCADE_BAD_POSE;
             for (size_t c = 0; c < 8; ++c) smoothed[8 * k + c] = later.pose[c];
         }
