@@ -1,8 +1,8 @@
 """Lays rendered layers over photographs.
 
 Pictures are uint8 sRGB; a layer's colour is premultiplied by its alpha, so that "over" is
-`layer + (1 - alpha) * photograph` (Porter and Duff 1984). It is computed on the stored sRGB
-values, which is how the renderer averages its own multisampled edges.
+`layer + (1 - alpha) * photograph` (Porter and Duff 1984). It is computed in linear light, as lenses
+mix it and as the renderer averages its own edges.
 
 Before that a layer is made to look taken by the footage's camera: exposure, motion blur, noise.
 """
@@ -186,12 +186,16 @@ def over(frame: ImageArray, layer: Layer, depth_m: DepthArray | None = None) -> 
         )
     result = frame.copy()
     part = _extent(layer.rgba[..., 3] > 0)
-    rgba = layer.rgba[part].astype(np.uint16)
+    rgba = layer.rgba[part]
+    alpha = rgba[..., 3] / 255.0
     if depth_m is not None and rgba.size:
-        seen = _seen_share(layer.depth_m[part], depth_m[part])
-        rgba = ((rgba * seen[..., None] + 128) >> 8).astype(np.uint16)
-    kept = (frame[part].astype(np.uint16) * (255 - rgba[..., 3:]) + 127) // 255
-    result[part] = np.minimum(rgba[..., :3] + kept, 255)
+        alpha = alpha * _seen_share(layer.depth_m[part], depth_m[part]) / 256.0
+    whole, rim = alpha == 1.0, (alpha > 0.0) & (alpha < 1.0)
+    result[part][whole] = rgba[whole][:, :3]
+    own = rgba[rim][:, :3] / np.maximum(rgba[rim][:, 3:], 1.0)
+    share, below = alpha[rim][:, None], to_linear(frame[part][rim] / 255.0)
+    mixed = share * to_linear(np.minimum(own, 1.0)) + (1.0 - share) * below
+    result[part][rim] = np.rint(255.0 * to_srgb(mixed))
     return result
 
 

@@ -31,6 +31,7 @@ from motorcade.render.lens import LensWarp
 from motorcade.render.light import (
     ExposureMeter,
     Prints,
+    above_ground,
     character_lighting,
     sun_share,
     sunlight_direction,
@@ -174,7 +175,9 @@ def _usual_light(
         if length == 0.0:
             raise ValueError("light_direction: expected a vector with a length, got zeros")
         direction = given / length
-    return character_lighting(placement, cameras, placement.scale * character.height_m, direction)
+    height_m = placement.scale * character.height_m
+    light = character_lighting(placement, cameras, height_m, direction)
+    return above_ground(light, placement.world_T_character.translation_m, placement.up)
 
 
 @dataclass(frozen=True, eq=False)

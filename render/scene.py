@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from motorcade.animation.appearance import Appearance
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.render.harmonics import rotate_harmonics
 
 ImageArray = NDArray[np.uint8]
 DepthArray = NDArray[np.float32]
@@ -124,6 +125,11 @@ class Lighting:
         lamps: lights that cast none.
         shadow_center_m: (3,) middle of what can throw shadows.
         shadow_radius_m: radius of the ball around it that holds everything that throws them.
+        surroundings: nine rows of linear RGB: spherical harmonics to band 2 of the radiance from
+            all around, in the world and besides `ambient`, which surfaces mirror too; or none.
+
+    Raises:
+        ValueError: another number of rows.
 
     >>> import numpy as np
     >>> from motorcade.render import Lamp, Lighting, Sun
@@ -138,6 +144,21 @@ class Lighting:
     lamps: tuple[Lamp, ...]
     shadow_center_m: Triple
     shadow_radius_m: float
+    surroundings: tuple[Triple, ...] = ()
+
+    def __post_init__(self) -> None:
+        if len(self.surroundings) not in (0, 9):
+            raise ValueError(
+                f"Lighting.surroundings: expected 9 rows or none, got {len(self.surroundings)}"
+            )
+
+    @property
+    def mean_ambient(self) -> Triple:
+        """Linear RGB that reaches surfaces in the mean, but for sun and lamps."""
+        if not self.surroundings:
+            return self.ambient
+        r, g, b = np.add(self.ambient, np.array(self.surroundings[0]) / np.sqrt(4.0 * np.pi))
+        return float(r), float(g), float(b)
 
     def translated_by(self, offset_m: FloatArray) -> "Lighting":
         """The same light about another place: lamps and shadows moved by (3,) metres, world."""
@@ -156,7 +177,12 @@ class Lighting:
 
         x, y, z = rotor.apply(np.array(self.sun.direction)).tolist()
         lamps = tuple(replace(lamp, position_m=turned(lamp.position_m)) for lamp in self.lamps)
-        return replace(self, sun=replace(self.sun, direction=(x, y, z)), lamps=lamps)
+        around = self.surroundings
+        if around:
+            rows = rotate_harmonics(np.array(around).T, rotor).T
+            around = tuple((float(r), float(g), float(b)) for r, g, b in rows)
+        sun = replace(self.sun, direction=(x, y, z))
+        return replace(self, sun=sun, lamps=lamps, surroundings=around)
 
 
 def _translated(place_m: Triple, by_m: FloatArray) -> Triple:

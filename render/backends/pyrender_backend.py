@@ -55,7 +55,7 @@ class OffscreenRenderer(Renderer):
 
     def _show(self, surfaces: Sequence[Surface], lighting: Lighting | None) -> None:
         pyrender = self._pyrender
-        ambient = (0.0, 0.0, 0.0) if lighting is None else lighting.ambient
+        ambient = (0.0, 0.0, 0.0) if lighting is None else lighting.mean_ambient
         self._scene = _ordered_scene(pyrender, ambient)
         self._primitives = [
             self._primitive(surface, lit=lighting is not None) for surface in surfaces
@@ -69,7 +69,7 @@ class OffscreenRenderer(Renderer):
         )
 
     def _light(self, lighting: Lighting) -> None:
-        self._scene.ambient_light = lighting.ambient
+        self._scene.ambient_light = lighting.mean_ambient
         self._set_lights(lighting)
 
     def _move(self, surface: int, vertices: FloatArray, normals: FloatArray) -> None:

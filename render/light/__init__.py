@@ -1,5 +1,6 @@
 """Light of a scene: chosen for the viewer, or estimated from the pictures."""
 
+from motorcade.render.harmonics import harmonics, irradiance_factors, rotate_harmonics
 from motorcade.render.light.cast import CastShadow, cast_shadows
 from motorcade.render.light.direction import LightDirection, light_direction
 from motorcade.render.light.estimate import (
@@ -11,7 +12,6 @@ from motorcade.render.light.estimate import (
 from motorcade.render.light.exposure import ExposureMeter
 from motorcade.render.light.footage import lighting_of_footage
 from motorcade.render.light.ground_map import GroundMap, ground_map
-from motorcade.render.light.harmonics import harmonics, irradiance_factors, rotate_harmonics
 from motorcade.render.light.lamps import (
     certainty,
     character_lighting,
@@ -27,6 +27,7 @@ from motorcade.render.light.monocular import (
     lighting_without_depth,
 )
 from motorcade.render.light.prints import Prints
+from motorcade.render.light.surroundings import above_ground
 
 __all__ = [
     "CastShadow",
@@ -36,6 +37,7 @@ __all__ = [
     "LightEstimate",
     "Prints",
     "ShadedPoints",
+    "above_ground",
     "cast_shadows",
     "certainty",
     "character_lighting",

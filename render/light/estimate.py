@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from motorcade.animation.srgb import to_linear
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, checked_floats
-from motorcade.render.light.harmonics import harmonics, rotate_harmonics
+from motorcade.render.harmonics import harmonics, rotate_harmonics
 from motorcade.render.scene import DepthArray, ImageArray
 from motorcade.tracking.cameras.camera import Camera
 

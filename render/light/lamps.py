@@ -10,6 +10,7 @@ import numpy as np
 from motorcade.animation import Placement
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
+from motorcade.render.harmonics import harmonics, irradiance_factors
 from motorcade.render.light.estimate import LightEstimate
 from motorcade.render.scene import Lamp, Lighting, Sun
 
@@ -168,6 +169,9 @@ def light_on(
     facing = max(0.0, -float(np.dot(sun, normal)) / float(np.linalg.norm(sun)))
     direct = facing * lighting.sun.intensity / np.pi * np.array(lighting.sun.color)
     other = np.array(lighting.ambient)
+    if lighting.surroundings:
+        falling = irradiance_factors(2) / np.pi * harmonics(normal, 2)
+        other = other + np.maximum(falling @ np.array(lighting.surroundings), 0.0)
     for lamp in lighting.lamps:
         step = np.array(lamp.position_m) - point_m
         distance = float(np.linalg.norm(step))

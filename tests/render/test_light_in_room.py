@@ -6,13 +6,14 @@ of light.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from motorcade.animation import Placement, mannequin, place_on_plane, skin
+from motorcade.animation import Character, Placement, mannequin, place_on_plane, skin
+from motorcade.animation.appearance import Appearance, Material, MaterialPart
 from motorcade.animation.srgb import to_linear
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
@@ -29,7 +30,18 @@ pytestmark = [pytest.mark.usefixtures("opengl"), pytest.mark.slow]
 
 HEIGHT_M = 0.23
 TIME_NS = np.array([300_000_000, 2_000_000_000, 4_400_000_000])
-FIGURE = mannequin()
+
+
+def chalk(figure: Character) -> Character:
+    """The same without gleam, as irradiance alone paints it."""
+    rows = np.ones((len(figure.vertices), 4), np.float32)
+    rows[:, :3] = to_linear(figure.colors)
+    part = MaterialPart(Material(metallic=0.0, roughness=1.0), 0, len(figure.triangles))
+    none = np.zeros((0, len(rows), 2), np.float32)
+    return replace(figure, appearance=Appearance((part,), none, rows))
+
+
+FIGURE = chalk(mannequin())
 CLIP = FIGURE.clip("walk")
 TINTS = [(1.0, 1.0, 1.0), (1.2, 1.0, 0.7), (0.45, 0.6, 0.8), (0.4, 0.4, 0.4), (1.3, 1.3, 1.3)]
 
@@ -133,5 +145,5 @@ def test_with_depth_direction_and_colour_come_nearer_still(shots: Shots) -> None
     assert found[1] == "light estimated from surfaces with depth"
     fixed, by_depth = (errors(shots, empty, true, light) for light in (None, found[0]))
     assert by_depth[0] < 0.5 * fixed[0]
-    assert by_depth[1] < 0.75 * fixed[1]
+    assert by_depth[1] < min(fixed[1], 11.0)
     assert lighting_of_footage([(stamps[0], empty[0], None)], *given) is None

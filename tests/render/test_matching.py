@@ -3,11 +3,13 @@
 import cv2
 import numpy as np
 import pytest
+from skimage.color import rgb2xyz, xyz2rgb
 
 from motorcade.animation.srgb import to_linear
 from motorcade.render.composite import (
     Matching,
     blended,
+    darken,
     exposed,
     frame_noise,
     greyed,
@@ -125,3 +127,12 @@ def test_what_is_drawn_into_grey_footage_has_no_colour(rng: np.random.Generator)
     np.testing.assert_allclose(grey[..., 1], luma, atol=1.0)
     assert is_grey(grey[..., :3])
     assert not is_grey(rgba[..., :3])
+
+
+@pytest.mark.parametrize("share", [0.01, 0.3, 0.77])
+def test_darkening_takes_that_share_of_light(share: float) -> None:
+    frame = np.arange(256, dtype=np.uint8).repeat(3).reshape(16, 16, 3)
+    left = darken(frame, np.full((16, 16), share))
+    # skimage's curves are the witness
+    expected = rgb2xyz(frame / 255.0) * (1.0 - share)
+    np.testing.assert_allclose(left, 255.0 * xyz2rgb(expected), atol=0.85)

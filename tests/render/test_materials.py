@@ -7,10 +7,11 @@ import pytest
 
 from motorcade.animation.appearance import Appearance, Material, MaterialPart, TextureMap
 from motorcade.animation.srgb import to_srgb
-from motorcade.ga import Motor
+from motorcade.ga import Motor, Rotor
 from motorcade.render import Layer, Lighting, Sun, Surface
 from motorcade.render.backends.fast.facets import mirrored_table
 from motorcade.render.backends.fast.renderer import FastRenderer
+from motorcade.render.light import harmonics
 from motorcade.tracking.cameras.camera import Camera
 
 pytestmark = pytest.mark.usefixtures("opengl")
@@ -109,3 +110,47 @@ def test_nothing_is_mirrored_that_did_not_arrive() -> None:
     assert table.max() <= 1.0 + 0.02
     assert table[:, 0].min() > 0.95  # smooth facets lose next to nothing
     np.testing.assert_array_less(table[16, 1:], table[16, :-1] + 0.01)
+
+
+EVEN = ((np.sqrt(4.0 * np.pi) * 0.4,) * 3, *[(0.0, 0.0, 0.0)] * 8)
+DARK = replace(AHEAD, sun=Sun((0.0, 0.0, 1.0), 0.0))
+
+
+@pytest.mark.parametrize("metallic", [0.0, 1.0])
+@pytest.mark.parametrize("roughness", [0.1, 0.5, 1.0])
+def test_white_surfaces_vanish_in_even_surroundings(metallic: float, roughness: float) -> None:
+    """All that arrives is given back, whatever the facets do to it."""
+    white = Material(metallic=metallic, roughness=roughness)
+    seen = drawn(wall(white, 1.0), lighting=replace(DARK, surroundings=EVEN))
+    np.testing.assert_allclose(seen.rgba[16, 16, :3], level(0.4), atol=1.5)
+
+
+def test_surroundings_light_a_surface_as_an_integral_over_them_does(
+    rng: np.random.Generator,
+) -> None:
+    around = np.column_stack([EVEN, np.zeros((9, 0))]) + rng.normal(0.0, 0.1, (9, 3))
+    lighting = replace(DARK, surroundings=tuple(map(tuple, around.tolist())))
+    seen = drawn(wall(Material(metallic=0.0), 1.0), lighting=lighting).rgba[16, 16, :3]
+    way = rng.normal(size=(200_000, 3))
+    way /= np.linalg.norm(way, axis=1, keepdims=True)
+    facing = np.maximum(-way[:, 2], 0.0)  # the wall looks back at the camera
+    falling = 4.0 * np.mean(facing[:, None] * (harmonics(way, 2) @ around), axis=0)
+    # but for what is mirrored, a twenty-fifth of what comes from before it
+    expected = [level(value) for value in falling]
+    np.testing.assert_allclose(seen, expected, atol=2.5)
+
+
+def test_surroundings_turn_with_the_scene(rng: np.random.Generator) -> None:
+    around = np.array(EVEN) + rng.normal(0.0, 0.1, (9, 3))
+    lighting = replace(DARK, surroundings=tuple(map(tuple, around.tolist())))
+    shape, rotor = wall(Material(metallic=1.0, roughness=0.4), 1.0), Rotor.random(rng)
+    turned = replace(
+        shape, vertices=rotor.apply(shape.vertices), normals=rotor.apply(shape.normals)
+    )
+    expected = drawn(shape, lighting=lighting).rgba
+    with FastRenderer(CAMERA.width, CAMERA.height) as renderer:
+        renderer.show([turned], lighting.rotated_by(rotor, np.zeros(3)))
+        place = Motor.from_rotor_translation(rotor, np.zeros(3))
+        seen = renderer.render(CAMERA, place).rgba
+    assert expected[..., :3].std() > 1.0
+    np.testing.assert_allclose(seen[2:-2, 2:-2], expected[2:-2, 2:-2], atol=2)

@@ -24,14 +24,15 @@ _ROWS: dict[SkinMethod, int] = {"linear": 3, "dual_quaternion": 2, "motor": 2, "
 class RenderMesh:
     """One surface: its vertices in a buffer that may change, the rest in buffers that do not.
 
-    `corners_m` (8, 3) hold it, where it is known how far it reaches; `reach_m` (N, 3) are corners
-    that hold it or nearly so.
+    Places are counted from `origin_m`: `corners_m` (8, 3) hold it, where it is known how far it
+    reaches; `reach_m` (N, 3) are corners that hold it or nearly so.
 
     Args:
         gl: moderngl's context.
         programs: of the same context.
         surface: what is drawn.
         parts: makes its parts of it and the buffer of its vertices.
+        origin_m: (3,) the place from which it is counted: shaders have seven digits.
         lit: whether light falls on it.
     """
 
@@ -41,16 +42,19 @@ class RenderMesh:
         programs: Programs,
         surface: Surface,
         parts: Callable[[Surface, Any], MeshParts],
+        origin_m: FloatArray,
         *,
         lit: bool,
     ) -> None:
-        self._gl = gl
+        self._gl, self.origin_m = gl, origin_m
         self._held: list[Any] = []
         self.shape = surface.vertices.shape
-        self.corners_m: FloatArray | None = _corners(surface.vertices)
+        self.corners_m: FloatArray | None = _corners(surface.vertices, origin_m)
         self.reach_m = _reach(self.corners_m)
-        self.vertices = self._buffer(_interleaved(surface.vertices, surface.normals), dynamic=True)
+        own_m = surface.vertices - origin_m
+        self.vertices = self._buffer(_interleaved(own_m, surface.normals), dynamic=True)
         self.parts = parts(surface, self.vertices)
+        self.parts.move(own_m)
         self.in_shadow_map: Any = None
         if lit and len(self.parts.casting):
             position = [(self.vertices, "3f4 12x", "in_position")]
@@ -60,15 +64,17 @@ class RenderMesh:
     def move(self, vertices: FloatArray, normals: FloatArray) -> None:
         """Write new vertices and normals."""
         check_vertices(self.shape, vertices, normals)
-        self.corners_m = _corners(vertices)
+        self.corners_m = _corners(vertices, self.origin_m)
         self.reach_m = _reach(self.corners_m)
-        self.parts.move(vertices)
-        self.vertices.write(_interleaved(vertices, normals))
+        own_m = vertices - self.origin_m
+        self.parts.move(own_m)
+        self.vertices.write(_interleaved(own_m, normals))
 
     def read(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Vertices and normals as they are drawn."""
         rows = np.frombuffer(self.vertices.read(), np.float32).reshape(-1, 6)
-        return rows[:, :3].copy(), rows[:, 3:].copy()
+        places = (rows[:, :3] + self.origin_m).astype(np.float32)
+        return places, rows[:, 3:].copy()
 
     def release(self) -> None:
         """Free everything."""
@@ -139,6 +145,7 @@ class SkinnedMesh:
                 f"pose(entries): expected a palette of shape {self._shape}, got {entries.shape}"
             )
         matrix = np.eye(4) if placement is None else placement.as_matrix()
+        matrix[:3, 3] -= self._mesh.origin_m
         self._mesh.corners_m = None
         self._mesh.reach_m = _homogeneous(self._reach(entries)) @ matrix[:3].T
         self._palette.write(np.ascontiguousarray(entries, np.float32))
@@ -177,9 +184,9 @@ def column_major(matrix: FloatArray) -> bytes:
     return np.ascontiguousarray(matrix.T, np.float32).tobytes()
 
 
-def _corners(vertices: FloatArray) -> FloatArray | None:
-    """Corners of the box around vertices; None without any."""
-    return box_corners(vertices) if len(vertices) else None
+def _corners(vertices: FloatArray, origin_m: FloatArray) -> FloatArray | None:
+    """Corners of the box around vertices, from the origin; None without any."""
+    return box_corners(vertices) - origin_m if len(vertices) else None
 
 
 def _reach(corners_m: FloatArray | None) -> FloatArray:

@@ -84,7 +84,7 @@ class MeshParts:
                 self.covering.append(part)
                 casting.append(triangles[given.first : given.stop])
         self.casting: IntArray = np.concatenate(casting)
-        self.move(surface.vertices)
+        self.middles_m: list[FloatArray] = []
 
     @property
     def programs(self) -> set[Any]:

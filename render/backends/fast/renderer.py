@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation import Character, Placement
+from motorcade.animation.vectors import box_corners
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.backends.fast.bare import BareFunctions
@@ -38,6 +39,9 @@ from motorcade.render.scene import Layer, Lighting, Surface
 from motorcade.tracking.cameras.camera import Camera
 
 _SHADOW_UNIT = 0
+FAR = 64.0
+"""Sizes of a scene from the world's origin at which it is counted from its own middle: seven digits
+of coordinates are five of the scene there."""
 # Texels of the shadow map's side; pictures larger than this get the larger one.
 _SHADOW_SIZE, _LARGE_SHADOW_SIZE = 1024, 2048
 # Keeps triangles that the sun grazes from shading themselves.
@@ -53,6 +57,7 @@ class FastRenderer(Renderer):
 
     def _set_up(self) -> None:
         self._meshes: list[RenderMesh] = []
+        self._origin_m = np.zeros(3)
         self._skinned: dict[int, SkinnedMesh] = {}
         self._shadow_map: ShadowMap | None = None
         self._gl = _moderngl_context(self._context)
@@ -72,6 +77,7 @@ class FastRenderer(Renderer):
         self._clear()
         lamps = 0 if lighting is None else len(lighting.lamps)
         lit, first = lighting is not None, 1
+        self._origin_m = _origin(surfaces)
 
         def parts(surface: Surface, vertices: Any) -> MeshParts:
             return MeshParts(
@@ -87,7 +93,9 @@ class FastRenderer(Renderer):
             )
 
         for surface in surfaces:
-            self._meshes.append(RenderMesh(self._gl, self._programs, surface, parts, lit=lit))
+            self._meshes.append(
+                RenderMesh(self._gl, self._programs, surface, parts, self._origin_m, lit=lit)
+            )
             first += len(surface.triangles)
         if lighting is not None:
             self._light(lighting)
@@ -148,7 +156,8 @@ class FastRenderer(Renderer):
     def _render(self, camera: Camera, world_T_camera: Motor) -> Layer:
         if self._lighting is not None:
             self._draw_shadow_map()
-        layer = self._draw(camera, world_T_camera)
+        from_origin = Motor.from_translation(-self._origin_m)
+        layer = self._draw(camera, from_origin @ world_T_camera)
         failed = self._gl.error
         if failed != "GL_NO_ERROR":
             raise RuntimeError(f"render: OpenGL failed: {failed}")
@@ -174,6 +183,7 @@ class FastRenderer(Renderer):
 
     def _light(self, lighting: Lighting) -> None:
         """Tell the programs of the light, which stays until the scene is lit anew."""
+        lighting = lighting.translated_by(-self._origin_m)
         if self._shadow_map is None:
             large = max(self._size) > _SHADOW_SIZE
             self._shadow_map = ShadowMap(self._gl, _LARGE_SHADOW_SIZE if large else _SHADOW_SIZE)
@@ -186,6 +196,8 @@ class FastRenderer(Renderer):
                 program["light_from_world"].write(seen)
             tell(program, "shadow_map", _SHADOW_UNIT)
             tell(program, "ambient", lighting.ambient)
+            around = np.array(lighting.surroundings or np.zeros((9, 3)), np.float32)
+            tell(program, "around", around.tobytes())
             tell(program, "to_sun", tuple(-travels / np.linalg.norm(travels)))
             tell(program, "sun", tuple(lighting.sun.intensity * np.array(lighting.sun.color)))
             if lighting.lamps and "lamp" in program:
@@ -255,6 +267,17 @@ def _moderngl_context(context: Context) -> Any:
         ) from missing
     loader: Any = _Loader(context)
     return moderngl.create_context(context=loader)
+
+
+def _origin(surfaces: Sequence[Surface]) -> FloatArray:
+    """The place (3,) from which shaders count: the world's, or what is drawn if that is far."""
+    boxes = [box_corners(one.vertices) for one in surfaces if len(one.vertices)]
+    if not boxes:
+        return np.zeros(3)
+    corners = np.concatenate(boxes)
+    middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+    size = np.linalg.norm(corners.max(axis=0) - corners.min(axis=0))
+    return middle if np.linalg.norm(middle) > FAR * size else np.zeros(3)
 
 
 def _depths(meshes: Sequence[RenderMesh], world_T_camera: Motor) -> tuple[float, float]:

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from skimage.metrics import structural_similarity
 
 from motorcade.animation import Character, Placement, mannequin, place_on_plane, skin
+from motorcade.animation.srgb import to_linear, to_srgb
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Lighting, Sun, Surface, render_overlay
@@ -224,7 +225,11 @@ def _figure() -> Character:
 
 def _lit_from(towards: FloatArray) -> Lighting:
     sun = Sun((-towards[0], -towards[1], -towards[2]), 2.2, (1.0, 0.97, 0.92))
-    return Lighting((0.35, 0.35, 0.37), sun, (), (0.0, 0.0, 0.5 * HEIGHT_M), 0.75 * HEIGHT_M)
+    middle, reach_m = (0.0, 0.0, 0.5 * HEIGHT_M), 0.75 * HEIGHT_M
+    # From all sides alike, and mirrored too: band 0 of what is all around.
+    r, g, b = (np.sqrt(4.0 * np.pi) * value for value in (0.35, 0.35, 0.37))
+    around = ((r, g, b), *[(0.0, 0.0, 0.0)] * 8)
+    return Lighting((0.0, 0.0, 0.0), sun, (), middle, reach_m, around)
 
 
 def _suns() -> list[FloatArray]:
@@ -244,8 +249,8 @@ def _mean_light(renderer: Renderer, surfaces: list[Surface], poses: Motor) -> li
     for towards in _suns():
         renderer.show(surfaces, _lit_from(towards))
         for total, pose in zip(light, poses, strict=True):
-            total += (renderer.render(CAMERA, pose).rgba[..., :3] / 255.0) ** 2.2 / SUN_POINTS
-    return [np.rint(255.0 * one ** (1.0 / 2.2)).astype(np.uint8) for one in light]
+            total += to_linear(renderer.render(CAMERA, pose).rgba[..., :3] / 255.0) / SUN_POINTS
+    return [np.rint(255.0 * to_srgb(one)).astype(np.uint8) for one in light]
 
 
 def _standing(placement: Placement, k: int) -> Surface:

@@ -69,6 +69,7 @@ vec4 read(sampler2D map, Place at, float reach)
 #ifdef LIT
 uniform vec3 eye;
 uniform vec3 ambient;
+uniform vec3 around[9];
 uniform vec3 to_sun;
 uniform vec3 sun;
 uniform mat4 light_from_world;
@@ -128,6 +129,18 @@ vec3 mirrored_evenly(Facets facets, float nv)
     float lost = 1.0 - both.x - both.y;
     vec3 mean = facets.mirrored + (1.0 - facets.mirrored) / 21.0;
     return once + once * mean * lost / (1.0 - lost * mean);
+}
+
+// Light from all around as spherical harmonics to band 2, of which a lobe about n lets pass a share.
+vec3 arriving(vec3 n, float first, float second)
+{
+    vec3 light = 0.28209479 * around[0]
+        + first * 0.48860251 * (n.y * around[1] + n.z * around[2] + n.x * around[3])
+        + second * (1.09254843 * (n.x * n.y * around[4] + n.y * n.z * around[5]
+                                  + n.x * n.z * around[7])
+                    + 0.31539157 * (3.0 * n.z * n.z - 1.0) * around[6]
+                    + 0.54627422 * (n.x * n.x - n.y * n.y) * around[8]);
+    return max(light, vec3(0.0));
 }
 
 // Share of the sun that arrives: four bilinear comparisons, three by three texels wide.
@@ -193,8 +206,14 @@ vec3 lit(vec3 base, Point p)
     open = 1.0 + occlusion_strength
         * (read(occlusion_map, placed(occlusion_map_place, p.OCCLUSION_MAP), p.reach).r - 1.0);
 #endif
-    vec3 light = open * ambient * facets.diffuse
-        * (1.0 - mirrored_evenly(facets, clamp(dot(n, v), 0.0, 1.0)));
+    vec3 mirrored = mirrored_evenly(facets, clamp(dot(n, v), 0.0, 1.0));
+    // A clamped cosine lets pass 2/3 and 1/4; facets whose slopes vary by a / sqrt(2), and so what
+    // they mirror by twice that, as heat would spread.
+    float a = rough * rough;
+    float spread = exp(-2.0 * a * a);
+    vec3 light = facets.diffuse * (1.0 - mirrored) * (ambient + arriving(n, 2.0 / 3.0, 0.25));
+    light += mirrored * arriving(reflect(-v, n), spread, spread * spread * spread);
+    light *= open;
     float nl = dot(n, to_sun);
     if (nl > 0.0) {
         light += sun * reflected(n, v, to_sun, facets) * sunlit(p.position, nl);
