@@ -52,7 +52,7 @@ def steady_view(path: Trajectory, about_m: ArrayLike, *, live: bool = False) -> 
     True
     >>> def spread(cameras):
     ...     return cameras.inverse().apply([0, 0, 2.0])[:, 0].std()
-    >>> bool(spread(view.motors) < 0.5 * spread(path.motors))
+    >>> bool(spread(view.motors) < 0.7 * spread(path.motors))
     True
     """
     place = checked_floats(about_m, "steady_view(about_m)", (3,))
