@@ -61,7 +61,7 @@ class GroundMap:
     >>> even = np.full((4, 4), 0.5)
     >>> none = np.zeros((4, 4), bool)
     >>> lawn = GroundMap(Motor.identity(), 0.1, even, 0.0 * even, none, none, 0.1, np.zeros(2))
-    >>> lawn.flat.all(), lawn.points_m()[0, 0].round(3)
+    >>> bool(lawn.flat.all()), lawn.points_m()[0, 0].round(3)
     (True, array([-0.15, -0.15,  0.  ]))
     """
 
