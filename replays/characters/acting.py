@@ -120,7 +120,7 @@ def walked(
     is asked, but for two minutes at most; after that it stands still.
 
     Args:
-        character: who walks; its legs are told by the names of its joints.
+        character: who walks; whose legs are told.
         clip: one cycle of a walk or run.
         path: ``(P, 2)`` points of the plane, metres.
         scale: of the character.
@@ -136,7 +136,7 @@ def walked(
     skeleton = character.skeleton
     legs = fitted_legs(legs_of(skeleton), character)
     if not legs:
-        raise ValueError("placed.path: the names of the character's joints do not tell its legs")
+        raise ValueError("placed.path: neither bones nor names tell the character's legs")
     try:
         loop, speed_m_s = on_the_spot(clip, skeleton, legs)
     except ValueError as fault:

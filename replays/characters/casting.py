@@ -69,7 +69,7 @@ def actor_of(member: CastMember, height_m: float) -> Actor:
         cycle, speed_m_s = None, 1.0
         if len(member.path_m) > 1:
             if not legs:
-                raise ValueError("the names of the character's joints do not tell its legs")
+                raise ValueError("neither bones nor names tell the character's legs")
             gaits = [_clip(character, name) for name in member.gaits]
             cycle, speed_m_s = gait_between(gaits, skeleton, legs, member.speed_m_s)
     except ValueError as fault:

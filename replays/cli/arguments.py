@@ -17,7 +17,7 @@ def add_axes(parser: argparse.ArgumentParser) -> None:
     """Add `--up` and `--front`, for characters whose files and limbs do not tell them."""
     for option, what in (("up", "is up"), ("front", "the figure faces at rest")):
         parser.add_argument(
-            f"--{option}", metavar="AXIS", help=f"axis of the character's file that {what}: x, -z …"
+            f"--{option}", metavar="AXIS", help=f"axis of the file that {what}, as --{option}=-z"
         )
 
 

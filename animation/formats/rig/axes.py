@@ -190,7 +190,7 @@ def _front(
     if seen is None:
         return usual, (
             f"neither feet nor bends nor motion tell the front: assumed {_axis_name(usual)}; "
-            "say another with --front"
+            "say another, as --front=-x"
         )
     level = unit(seen - (seen @ up) * up)
     axis = _nearest_axis(level)

@@ -34,7 +34,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="FILE",
-        help="take clips from this file as well, retargeted by names of joints; may be repeated",
+        help="take clips from this file as well, retargeted by what joints are; may be repeated",
     )
     add_axes(parser)
     parser.add_argument("--rate-hz", type=float, default=60.0, help="keys a second (60)")
