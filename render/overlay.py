@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -51,6 +52,8 @@ from motorcade.tracking.cameras.camera import Camera
 LOW, SOLE = 0.1, 0.05
 # A sun that falls less than this on a ground that moves throws no shadow there.
 LEAST_FALL = 0.05
+
+log = logging.getLogger("motorcade.overlay")
 
 StampedFrame = tuple[int, ImageArray] | tuple[int, ImageArray, DepthArray | None]
 
@@ -120,6 +123,7 @@ def render_overlay(
     rng = np.random.default_rng(0)
     span_ns = int(world_T_camera.time_ns[0]), int(world_T_camera.time_ns[-1])
     start_ns: int | None = None
+    posed, seen = 0, False
     pinhole = stage.lens.pinhole
     with new_renderer(renderer, pinhole.width, pinhole.height) as drawing:
         drawing.show([figure.surface for figure in stage.figures], stage.given)
@@ -148,7 +152,17 @@ def render_overlay(
             gain = 1.0
             if meter is not None:
                 gain = meter.gain(frame, camera, world_T_camera.motors_at(time_ns))
+            posed += 1
+            seen |= any(one.layer.rgba.any() for one in drawn)
             yield stage.laid_over(frame, drawn, depth_m, matched, gain, rng)
+    if posed and not seen:
+        log.warning(
+            "overlay: no figure shows a pixel in %d frames with poses; the first stands at %s m, "
+            "%.3g m tall: out of the pictures, behind the camera, or too small",
+            posed,
+            np.round(placement.world_T_character.translation_m, 3).tolist(),
+            placement.scale * character.height_m,
+        )
 
 
 def _at_moment(ground_motion: Trajectory | None, moment_ns: np.int64) -> Motor | None:

@@ -5,7 +5,10 @@ import numpy as np
 import pytest
 from skimage.color import rgb2xyz, xyz2rgb
 
+from motorcade.animation import Placement, mannequin
 from motorcade.animation.srgb import to_linear
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.render import render_overlay
 from motorcade.render.composite import (
     Matching,
     blended,
@@ -136,3 +139,17 @@ def test_darkening_takes_that_share_of_light(share: float) -> None:
     # skimage's curves are the witness
     expected = rgb2xyz(frame / 255.0) * (1.0 - share)
     np.testing.assert_allclose(left, 255.0 * xyz2rgb(expected), atol=0.85)
+
+
+@pytest.mark.usefixtures("opengl")
+def test_a_figure_that_no_frame_shows_is_told(caplog: pytest.LogCaptureFixture) -> None:
+    figure, plain = mannequin(), BENT.undistorted()
+    path = Trajectory(np.array([0, 10**9]), Motor.stack([Motor.identity()] * 2), "world", "camera")
+    frames = [(0, np.zeros((plain.height, plain.width, 3), np.uint8))]
+    for depth_m, told in ((-5.0, 1), (5.0, 0)):
+        caplog.clear()
+        stand = Motor.from_rotor_translation(
+            Rotor.from_euler([0.5 * np.pi, 0.0, 0.0]), np.array([0.0, 1.0, depth_m])
+        )
+        list(render_overlay(frames, plain, path, figure, figure.clips[0], Placement(stand, 1.0)))
+        assert sum("no figure shows a pixel" in one for one in caplog.messages) == told
