@@ -1,5 +1,5 @@
-"""The built-in character: a mannequin in a racing suit, its shape and motions made in code."""
+"""The built-in character: a small explorer, shipped as a glTF file."""
 
-from motorcade.animation.mannequin.figure import ground_speed_m_s, mannequin
+from motorcade.animation.mannequin.figure import mannequin
 
-__all__ = ["ground_speed_m_s", "mannequin"]
+__all__ = ["mannequin"]

@@ -1,116 +1,75 @@
-"""The mannequin itself: a figure in a racing suit with skeleton, skinned mesh and clips."""
+"""The mannequin itself, as tall as asked: read from the glTF file that lies beside this module.
+
+`docs/making/figure` makes the file.
+"""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
+from importlib.resources import as_file, files
 
 from motorcade.animation.character import Character
-from motorcade.animation.clip import Clip
-from motorcade.animation.mannequin.motions.gait import GAITS, gait_clip
-from motorcade.animation.mannequin.motions.standing import idle, turning, waving
-from motorcade.animation.mannequin.proportions import REFERENCE_HEIGHT_M, mannequin_skeleton
-from motorcade.animation.mannequin.shape.anatomy import body_field
-from motorcade.animation.mannequin.shape.surface import colors, meshed
-from motorcade.animation.mannequin.shape.weights import influences
+from motorcade.animation.morphs import MorphTarget
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import checked_positive
 
-FEWEST, MOST = 5_000, 140_000
+REFERENCE_HEIGHT_M = 1.75
 
 
-def mannequin(height_m: float = REFERENCE_HEIGHT_M, triangles: int = 27_000) -> Character:
-    """A human figure made in code, with the clips "idle", "walk", "jog", "run", "wave" and "turn".
+def mannequin(height_m: float = REFERENCE_HEIGHT_M) -> Character:
+    """A small explorer with the clips "idle", "walk", "jog", "run", "wave" and "turn".
 
-    Its surface is the zero of signed distances, one closed mesh. Made once for each number of
-    triangles in a process, and scaled.
+    Read once in a process from the file that comes with the package, and scaled.
 
     Args:
         height_m: of the rest pose. Everything scales with it; times stay.
-        triangles: about how many, within 15 %.
 
     Returns:
-        A character of 52 joints: trunk, head, arms, hands with five fingers, legs, feet, toes.
+        A character of 46 joints (trunk, head, arms, hands with a thumb and three fingers, legs,
+        feet, toes) with a textured material and the morph targets "blink" and "smile".
 
     Raises:
-        ValueError: a height that is not positive, or a number of triangles outside 5,000 to
-            140,000.
-        ModuleNotFoundError: scikit-image, which makes the surface, is not installed.
+        ValueError: a height that is not positive.
+        ModuleNotFoundError: Pillow, which decodes its textures, is not installed.
 
     >>> from motorcade.animation import mannequin
-    >>> figure = mannequin(height_m=0.2, triangles=5000)  # a small one to stand on a table
+    >>> figure = mannequin(height_m=0.2)  # a small one to stand on a table
     >>> len(figure.skeleton), [clip.name for clip in figure.clips]
-    (52, ['idle', 'walk', 'jog', 'run', 'wave', 'turn'])
+    (46, ['idle', 'walk', 'jog', 'run', 'wave', 'turn'])
     """
     checked_positive(height_m, "mannequin(height_m)")
-    if not FEWEST <= triangles <= MOST:
-        raise ValueError(
-            f"mannequin(triangles): expected {FEWEST:,} to {MOST:,}, got {triangles:,}"
-        )
-    return _scaled(_figure(int(triangles)), height_m)
+    figure = _figure()
+    return _scaled(figure, height_m / figure.height_m)
 
 
-def ground_speed_m_s(clip: str, height_m: float = REFERENCE_HEIGHT_M) -> float:
-    """The speed ahead at which the feet of one of its clips do not slide; 0 for those on the spot.
+@lru_cache(maxsize=1)
+def _figure() -> Character:
+    """The figure as its file has it."""
+    from motorcade.animation.formats import read_character
 
-    Args:
-        clip: its name.
-        height_m: of the mannequin; speeds grow with it.
-
-    >>> from motorcade.animation.mannequin import ground_speed_m_s
-    >>> ground_speed_m_s("walk"), ground_speed_m_s("idle")
-    (1.25, 0.0)
-    """
-    speed = GAITS[clip].speed_m_s if clip in GAITS else 0.0
-    return speed * height_m / REFERENCE_HEIGHT_M
+    with as_file(files(__package__) / "mannequin.glb") as path:
+        return read_character(path)
 
 
-@lru_cache(maxsize=2)
-def _figure(triangles: int) -> Character:
-    """The figure at the reference height."""
-    skeleton = mannequin_skeleton()
-    mesh = meshed(body_field(), triangles)
-    low, high = mesh.vertices[:, 2].min(), mesh.vertices[:, 2].max()
-    # what a coarse mesh lacks at crown and soles
-    vertices = (mesh.vertices - [0.0, 0.0, low]) * (REFERENCE_HEIGHT_M / (high - low))
-    joints, weights = influences(mesh, skeleton)
-    return Character(
-        skeleton,
-        vertices,
-        mesh.normals,
-        mesh.triangles,
-        colors(mesh.vertices, mesh.step_m),
-        joints,
-        weights,
-        _clips(skeleton),
-    )
-
-
-def _clips(skeleton: Skeleton) -> tuple[Clip, ...]:
-    gaits = (gait_clip(name, skeleton) for name in GAITS)
-    return (idle(skeleton), *gaits, waving(skeleton), turning(skeleton))
-
-
-def _scaled(figure: Character, height_m: float) -> Character:
-    """The same figure as tall as asked."""
-    scale = height_m / REFERENCE_HEIGHT_M
+def _scaled(figure: Character, scale: float) -> Character:
+    """The same figure, larger; times stay."""
     skeleton = figure.skeleton
-    clips = tuple(
-        Clip(clip.name, clip.time_s, _larger(clip.poses, scale), clip.looped)
-        for clip in figure.clips
-    )
-    return Character(
-        Skeleton(skeleton.names, skeleton.parents, _larger(skeleton.rest, scale)),
-        scale * figure.vertices,
-        figure.normals,
-        figure.triangles,
-        figure.colors,
-        figure.joints,
-        figure.weights,
-        clips,
+    return replace(
+        figure,
+        skeleton=Skeleton(skeleton.names, skeleton.parents, _larger(skeleton.rest, scale)),
+        vertices=scale * figure.vertices,
+        clips=tuple(replace(clip, poses=_larger(clip.poses, scale)) for clip in figure.clips),
+        found_pose=None,
+        morphs=tuple(_larger_target(target, scale) for target in figure.morphs),
     )
 
 
 def _larger(poses: Motor | Similarity, scale: float) -> Motor:
     """The same turns with all distances scaled."""
     return Motor.from_rotor_translation(poses.rotor, scale * poses.translation_m)
+
+
+def _larger_target(target: MorphTarget, scale: float) -> MorphTarget:
+    return replace(target, positions=scale * target.positions)

@@ -82,7 +82,7 @@ def vertex() -> FunctionType:
     from motorcade.render import Lighting, Sun, Surface, new_renderer
     from motorcade.tracking import Camera
 
-    figure = mannequin(triangles=5000)
+    figure = mannequin()
     camera = Camera(320, 240, 250.0, 250.0, 159.5, 119.5)
     upright = Rotor.from_rotation_vector([-np.pi / 2, 0.0, 0.0])
     world_T_camera = Motor.from_rotor_translation(upright, [0.0, -3.0, 0.9])

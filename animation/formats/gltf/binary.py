@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from motorcade.ga.arrays import FloatArray
+
 KINDS = {"<f4": 5126, "<u4": 5125, "<u2": 5123, "|u1": 5121}
 TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
 GENERATOR = "Motorcade"
@@ -71,6 +73,33 @@ class BinaryBuffer:
             accessor["min"] = [float(value) for value in columns.min(axis=0)]
             accessor["max"] = [float(value) for value in columns.max(axis=0)]
         self.views.append(view)
+        self.accessors.append(accessor)
+        return len(self.accessors) - 1
+
+    def add_few(self, values: FloatArray, *, bounds: bool = False) -> int:
+        """Add an array (n, width) of which most rows are zero: only the others are stored.
+
+        Of an array of zeros the first row stands in the file, for programs that want some data.
+        """
+        rows = np.flatnonzero(np.any(values != 0.0, axis=1))
+        rows = rows if len(rows) else np.zeros(1, dtype=np.int64)
+        parts: list[dict[str, Any]] = []
+        for part, kind in ((rows, "<u4"), (values[rows], "<f4")):
+            parts.append({"bufferView": self.add_bytes(np.asarray(part, dtype=kind).tobytes())})
+        accessor: dict[str, Any] = {
+            "componentType": KINDS["<f4"],
+            "count": len(values),
+            "type": TYPES[values.shape[1]],
+            "sparse": {
+                "count": len(rows),
+                "indices": {**parts[0], "componentType": KINDS["<u4"]},
+                "values": parts[1],
+            },
+        }
+        if bounds:
+            stored = values.astype(np.float32)
+            accessor["min"] = [float(value) for value in stored.min(axis=0)]
+            accessor["max"] = [float(value) for value in stored.max(axis=0)]
         self.accessors.append(accessor)
         return len(self.accessors) - 1
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
@@ -20,10 +21,12 @@ from motorcade.animation.formats.gltf.write_materials import LookWriter
 from motorcade.animation.formats.rig.sampling import divided, parts_of_steps
 from motorcade.animation.morphs import MorphTrack
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
-from motorcade.ga.arrays import FloatArray, checked_positive
+from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 
 PARTING_M = 5e-6
 """How far between keys a written joint may leave its screw, in metres; see MOST_PARTS."""
+STORED = 6e-8
+"""Half a step of the file's 32-bit numbers at 1."""
 UPRIGHT_XYZW = [-0.5, -0.5, -0.5, 0.5]
 """From z up, facing +x, to y up, facing +z: x, y, z become z, x, y."""
 LOOKING = Rotor.from_rotation_vector((np.pi, 0.0, 0.0))
@@ -133,7 +136,7 @@ def write_gltf(
     animations = []
     for clip in chosen or _still(character, world_T_character):
         made = _Animation(buffer, character.height_m)
-        made.clip(clip, first, world_T_character)
+        made.clip(clip, first, character.skeleton.rest, world_T_character)
         if world_T_character is not None:
             start_ns = int(world_T_character.time_ns[0])
             made.path(world_T_character, 1, start_ns, Rotor.identity())
@@ -248,24 +251,49 @@ class _Animation:
         self._samplers: list[dict[str, Any]] = []
         self._channels: list[dict[str, Any]] = []
 
-    def clip(self, clip: Clip, first: int, path: Trajectory | None) -> None:
-        """Channels of all joints, the first being node `first`."""
-        times = self._dense(clip.time_s, clip.poses)
-        poses = clip.at(times)
-        wxyz, places, scale = _parts(poses)
+    def clip(self, clip: Clip, first: int, rest: Motor, path: Trajectory | None) -> None:
+        """Channels of all joints, the first being node `first`.
+
+        What stays as it is at rest (J,) gets none, but for the first joint, which tells how long
+        the clip lasts.
+        """
         if clip.morphs is not None:
             self._weights(clip, clip.morphs, first + clip.poses.shape[1], path)
+        travels = _travels(clip.poses)
+        for joints, times in (
+            (np.flatnonzero(travels), self._dense(clip.time_s, clip.poses[:, travels])),
+            (np.flatnonzero(~travels), clip.time_s),
+        ):
+            if len(joints):
+                self._joints(clip, joints, times, first, rest, path)
+
+    def _joints(
+        self,
+        clip: Clip,
+        joints: IntArray,
+        times: FloatArray,
+        first: int,
+        rest: Motor,
+        path: Trajectory | None,
+    ) -> None:
+        """Channels of some joints (K,) that share their keys."""
+        poses = clip.at(times)[:, joints]
+        wxyz, places, scale = _parts(poses)
+        still_wxyz, still_places = rest[joints].as_quaternion_translation()
         if path is not None:
             span_s = 1e-9 * float(path.time_ns[-1] - path.time_ns[0])
             times, rows = _repeated(times - times[0], span_s, looped=clip.looped)
             wxyz, places, scale = wxyz[rows], places[rows], scale[rows]
         keys = self._buffer.add(times, bounds=True)
-        for joint in range(clip.poses.shape[1]):
+        for column, joint in enumerate(joints.tolist()):
             node = first + joint
-            self._add(keys, node, "rotation", wxyz[:, joint, [1, 2, 3, 0]])
-            self._add(keys, node, "translation", places[:, joint])
+            turns, steps = wxyz[:, column], places[:, column]
+            if joint == 0 or not _alike(turns, still_wxyz[column]):
+                self._add(keys, node, "rotation", turns[:, [1, 2, 3, 0]])
+            if joint == 0 or not _alike(steps, still_places[column]):
+                self._add(keys, node, "translation", steps)
             if isinstance(poses, Similarity):
-                self._add(keys, node, "scale", np.repeat(scale[:, joint, None], 3, axis=1))
+                self._add(keys, node, "scale", np.repeat(scale[:, column, None], 3, axis=1))
 
     def _weights(self, clip: Clip, track: MorphTrack, node: int, path: Trajectory | None) -> None:
         """A channel of the mesh's morph weights, on the clip's clock."""
@@ -315,6 +343,22 @@ class _Animation:
             {"sampler": len(self._samplers), "target": {"node": node, "path": path}}
         )
         self._samplers.append({"input": keys, "output": self._buffer.add(values)})
+
+
+def _travels(poses: Motor | Similarity) -> NDArray[np.bool_]:
+    """Which joints (J,) of poses (F, J) need keys between the samples: those that change place.
+
+    A joint that only turns follows its screw as its turns are interpolated.
+    """
+    if isinstance(poses, Similarity):
+        return np.ones(poses.shape[1], dtype=bool)
+    places = poses.translation_m
+    return np.asarray(np.abs(places - places[:1]).max(axis=(0, 2)) > STORED)
+
+
+def _alike(values: FloatArray, still: FloatArray) -> bool:
+    """Whether all rows (F, K) are one (K,), as exactly as the file holds them."""
+    return bool(np.abs(values - still).max() <= STORED)
 
 
 def _parts(poses: Motor | Similarity) -> tuple[FloatArray, FloatArray, FloatArray]:

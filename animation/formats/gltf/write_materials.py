@@ -89,6 +89,7 @@ class LookWriter:
     ) -> dict[str, Any]:
         """Vertices (R,) and triangles that count among them."""
         kind = "|u1" if len(character.skeleton) <= 256 else "<u2"
+        wide = "<u2" if len(rows) < 2**16 else "<u4"
         add = self._buffer.add
         attributes = {"POSITION": add(character.vertices[rows], target=VERTICES, bounds=True)}
         if not flat:
@@ -97,15 +98,15 @@ class LookWriter:
         attributes["WEIGHTS_0"] = add(character.weights[rows], target=VERTICES)
         made: dict[str, Any] = {
             "attributes": attributes,
-            "indices": add(triangles.reshape(-1), "<u4", target=INDICES),
+            "indices": add(triangles.reshape(-1), wide, target=INDICES),
         }
         targets = []
         for target in character.morphs:
             whole = np.zeros((2, len(character.vertices), 3))
             whole[0, target.rows], whole[1, target.rows] = target.positions, target.normals
-            given = {"POSITION": add(whole[0, rows], target=VERTICES, bounds=True)}
+            given = {"POSITION": self._buffer.add_few(whole[0, rows], bounds=True)}
             if not flat:
-                given["NORMAL"] = add(whole[1, rows], target=VERTICES)
+                given["NORMAL"] = self._buffer.add_few(whole[1, rows])
             targets.append(given)
         if targets:
             made["targets"] = targets

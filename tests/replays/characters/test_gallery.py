@@ -14,13 +14,14 @@ def figure():
     return mannequin()
 
 
-def test_the_mesh_is_closed_and_its_volume_a_mans(figure):
+def test_the_mesh_is_closed_and_its_volume_that_of_its_height(figure):
     rest = volumes_l(figure, figure.skeleton.rest)
     for name, volume in rest.items():
         assert volume == pytest.approx(rest["rest"], rel=1e-9), name
-    assert 45.0 < rest["rest"] < 85.0
+    assert 120.0 < rest["rest"] < 190.0  # a big head and a padded jacket
     trimesh = pytest.importorskip("trimesh")
     body = trimesh.Trimesh(figure.vertices, figure.triangles, process=False)
+    body.merge_vertices(merge_tex=True, merge_norm=True)  # at seams of the texture
     assert body.is_watertight
     assert rest["rest"] == pytest.approx(1e3 * body.volume, rel=1e-9)
 
@@ -30,7 +31,7 @@ def test_a_twisted_elbow_keeps_its_volume_under_rigid_methods_alone(figure):
     lost = {name: found["rest"] - volume for name, volume in found.items()}
     assert lost["linear"] > 0.3
     for name in ("dual_quaternion", "motor", "similarity"):
-        assert abs(lost[name]) < 0.03
+        assert abs(lost[name]) < 5e-4 * found["rest"]
     assert found["motor"] == pytest.approx(found["dual_quaternion"], rel=1e-12)
     assert found["motor"] == pytest.approx(found["similarity"], rel=1e-9)
 

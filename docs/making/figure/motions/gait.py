@@ -16,12 +16,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from motorcade.animation.clip import Clip
-from motorcade.animation.mannequin.motions.posing import (
+from docs.making.figure.motions.posing import (
     assembled,
     clamped_curve,
     ease,
@@ -29,30 +28,34 @@ from motorcade.animation.mannequin.motions.posing import (
     relaxed_hand,
     wave,
 )
-from motorcade.animation.mannequin.proportions import (
+from docs.making.figure.proportions import (
     ANKLE_HEIGHT_M,
     HEEL_BACK_M,
     HIP_DROP_M,
+    HIPS_HEIGHT_M,
+    LEG_SHARE,
     SHIN_M,
     SIDES,
     THIGH_M,
     TOE_DOWN_M,
     TOE_FORWARD_M,
+    TOE_LENGTH_M,
 )
+from motorcade.animation.clip import Clip
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_x, turn_y, turn_z
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 
-# Toes ahead of their joint, and how softly a swinging foot is lifted clear of the ground.
-TOE_LENGTH_M, SOFT_M = 0.080, 0.006
+# How softly a swinging foot is lifted clear of the ground.
+SOFT_M = 0.006
 HEIGHT = 2  # among the curves of a step: ahead, out, height, pitch
 Posture = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True)
 class Gait:
-    """A way of going, at the reference height. Angles are in degrees, as its sources print them.
+    """A way of going of a person 1.75 m tall. Angles are in degrees, as its sources print them.
 
     Attributes:
         period_s: of one cycle, two steps.
@@ -103,12 +106,12 @@ class Gait:
     fist: float
 
 
-GAITS: Mapping[str, Gait] = {
+PEOPLE: Mapping[str, Gait] = {
     "walk": Gait(
         period_s=1.10,
         speed_m_s=1.25,
         stance=0.61,
-        frames=67,
+        frames=34,
         strike_ahead_m=0.312,
         aside_m=0.070,
         toe_out_deg=6.0,
@@ -133,7 +136,7 @@ GAITS: Mapping[str, Gait] = {
         period_s=0.72,
         speed_m_s=2.40,
         stance=0.39,
-        frames=61,
+        frames=31,
         strike_ahead_m=0.245,
         aside_m=0.055,
         toe_out_deg=5.0,
@@ -158,7 +161,7 @@ GAITS: Mapping[str, Gait] = {
         period_s=0.66,
         speed_m_s=3.60,
         stance=0.31,
-        frames=61,
+        frames=31,
         strike_ahead_m=0.268,
         aside_m=0.045,
         toe_out_deg=4.0,
@@ -179,6 +182,33 @@ GAITS: Mapping[str, Gait] = {
         elbow_deg=(92.0, 16.0),
         fist=2.0,
     ),
+}
+
+
+def _shorter(gait: Gait, aside_m: float) -> Gait:
+    """The same for the figure's legs and wide shoes: as lively as pendulums of its legs' length."""
+    root = math.sqrt(LEG_SHARE)
+    return replace(
+        gait,
+        period_s=root * gait.period_s,
+        speed_m_s=root * gait.speed_m_s,
+        strike_ahead_m=LEG_SHARE * gait.strike_ahead_m,
+        aside_m=aside_m,
+        clear_m=gait.clear_m,
+        leave_m_s=gait.leave_m_s,
+        land_m_s=root * gait.land_m_s,
+        hips_m=HIPS_HEIGHT_M - LEG_SHARE * (PEOPLES_HIPS_M - gait.hips_m),
+        bob_m=(LEG_SHARE * gait.bob_m[0], gait.bob_m[1]),
+        sway_m=gait.sway_m,
+        push_deg=0.95 * gait.push_deg,
+    )
+
+
+PEOPLES_HIPS_M = 0.955
+GAITS: Mapping[str, Gait] = {
+    "walk": _shorter(PEOPLE["walk"], 0.092),
+    "jog": _shorter(PEOPLE["jog"], 0.086),
+    "run": _shorter(PEOPLE["run"], 0.084),
 }
 
 
@@ -218,7 +248,8 @@ def step(gait: Gait, phase: FloatArray) -> FootPath:
         curve[swinging] = clamped_curve(knots, values, rates[0, column], rates[1, column], u)
     ahead, out, height, pitch = curves
     leaving = gait.stance * np.array([gait.flat[1], 1.12])
-    bend = ease(phase, *leaving) - ease(phase, gait.stance, gait.stance + 0.22)
+    unbending = gait.stance + (1.0 - gait.stance) * np.array([0.15, 0.75])
+    bend = ease(phase, *leaving) - ease(phase, *unbending)
     toes = np.deg2rad(gait.push_deg) * bend
     height[swinging] += _lifted(gait, u, height[swinging], pitch[swinging], toes[swinging])
     return FootPath(ahead, out, height, pitch, toes)
@@ -233,9 +264,9 @@ def _lifted(
     tip = ball + TOE_LENGTH_M * np.sin(pitch + toes) - under * np.cos(pitch + toes)
     heel = height - HEEL_BACK_M * np.sin(pitch) - ANKLE_HEIGHT_M * np.cos(pitch)
     low = np.minimum(np.minimum(ball - under, tip), heel)
-    lacks = gait.clear_m * np.sin(np.pi * u) ** 2 - low
+    lacks = gait.clear_m * np.sin(np.pi * u) - low
     smooth = 0.5 * (lacks + np.sqrt(lacks**2 + SOFT_M**2))
-    return np.asarray(smooth * ease(u, 0.0, 0.15) * (1.0 - ease(u, 0.85, 1.0)))
+    return np.asarray(smooth * ease(u, 0.0, 0.10) * (1.0 - ease(u, 0.85, 1.0)))
 
 
 def _contact(gait: Gait, phase: FloatArray) -> list[FloatArray]:
@@ -281,7 +312,7 @@ def gait_clip(name: str, skeleton: Skeleton) -> Clip:
 def _hips_m(gait: Gait, phase: FloatArray) -> FloatArray:
     """Hips: two bobs a cycle, and one sway towards the standing leg."""
     middle = 0.5 * gait.stance
-    x = 0.008 * wave(phase, middle - 0.18, 2)
+    x = 0.005 * wave(phase, middle - 0.18, 2)
     y = gait.sway_m * wave(phase, middle)
     z = gait.hips_m + gait.bob_m[0] * wave(phase, gait.bob_m[1], 2)
     return np.stack([x, y, z], axis=-1)
@@ -334,7 +365,7 @@ def _arm(gait: Gait, own: FloatArray, side: str, sign: float) -> dict[str, Rotor
     elbow = mean_elbow - more * wave(own, 0.06) + math.radians(2.0) * wave(own, 0.3, 2)
     shrug = math.radians(2.0) * wave(own, 0.50)
     inward = math.radians(7.0) + math.radians(3.0) * wave(own, 0.5) + 0.08 * mean_elbow
-    hang = turn_x(sign * np.full_like(own, math.radians(9.5)))
+    hang = turn_x(sign * np.full_like(own, math.radians(17.0)))
     palm = np.full_like(own, 0.25 + 0.25 * mean_elbow)
     return {
         f"{side}_clavicle": turn_x(-sign * 0.05) @ turn_z(sign * shrug),

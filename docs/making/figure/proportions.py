@@ -1,4 +1,4 @@
-"""The mannequin's proportions and its skeleton, at the reference height."""
+"""The figure's proportions and its skeleton, at the reference height."""
 
 from __future__ import annotations
 
@@ -14,31 +14,35 @@ from motorcade.ga import Motor, Rotor
 REFERENCE_HEIGHT_M = 1.75
 ARM_SPREAD_RAD = math.radians(40.0)
 
-HIPS_HEIGHT_M = 0.955
-THIGH_M = 0.435
-SHIN_M = 0.42
-ANKLE_HEIGHT_M = 0.075
+HIPS_HEIGHT_M = 0.690
+THIGH_M = 0.270
+SHIN_M = 0.270
+ANKLE_HEIGHT_M = 0.105
 HIP_DROP_M = HIPS_HEIGHT_M - ANKLE_HEIGHT_M - SHIN_M - THIGH_M
-TOE_FORWARD_M = 0.118
-TOE_DOWN_M = 0.064
-HEEL_BACK_M = 0.0455
-HIP_HALF_WIDTH_M = 0.088
-UPPER_ARM_M = 0.285
-FOREARM_M = 0.250
-PALM_M = 0.088
+TOE_FORWARD_M = 0.105
+TOE_DOWN_M = 0.076
+TOE_LENGTH_M = 0.086
+HEEL_BACK_M = 0.083
+HIP_HALF_WIDTH_M = 0.104
+UPPER_ARM_M = 0.205
+FOREARM_M = 0.185
+PALM_M = 0.090
+
+LEG_SHARE = (THIGH_M + SHIN_M) / 0.855
+"""Legs as a share of those of the people whose gaits were measured: lengths of a step go with it,
+times and speeds with its root, as pendulums do (Alexander 1976)."""
 
 SIDES: tuple[tuple[str, float], ...] = (("left", 1.0), ("right", -1.0))
 
 # finger: forward place on the palm, distance of its root below the wrist, three bone lengths, fan
 FINGERS: dict[str, tuple[float, float, tuple[float, float, float], float]] = {
-    "index": (0.0300, PALM_M - 0.002, (0.041, 0.025, 0.021), math.radians(6.0)),
-    "middle": (0.0100, PALM_M + 0.003, (0.045, 0.028, 0.022), math.radians(1.0)),
-    "ring": (-0.0103, PALM_M, (0.042, 0.026, 0.021), math.radians(-4.0)),
-    "little": (-0.0295, PALM_M - 0.009, (0.033, 0.020, 0.018), math.radians(-10.0)),
+    "index": (0.0410, PALM_M - 0.006, (0.036, 0.028, 0.026), math.radians(12.0)),
+    "middle": (0.0000, PALM_M + 0.000, (0.040, 0.030, 0.026), math.radians(0.0)),
+    "little": (-0.0405, PALM_M - 0.012, (0.034, 0.026, 0.024), math.radians(-13.0)),
 }
-THUMB_ROOT_M = (0.024, 0.026)
-THUMB_M = (0.042, 0.032, 0.026)
-THUMB_SPREAD_RAD = math.radians(38.0)
+THUMB_ROOT_M = (0.026, 0.020)
+THUMB_M = (0.044, 0.033, 0.028)
+THUMB_SPREAD_RAD = math.radians(48.0)
 
 Row = tuple[str, str, tuple[float, float, float]]
 
@@ -48,10 +52,10 @@ def joint_rows() -> list[Row]:
     rows: list[Row] = [
         ("hips", "", (0.0, 0.0, HIPS_HEIGHT_M)),
         ("waist", "hips", (-0.004, 0.0, 0.075)),
-        ("spine", "waist", (0.000, 0.0, 0.105)),
-        ("chest", "spine", (0.004, 0.0, 0.105)),
-        ("neck", "chest", (-0.014, 0.0, 0.240)),
-        ("head", "neck", (0.012, 0.0, 0.085)),
+        ("spine", "waist", (0.000, 0.0, 0.090)),
+        ("chest", "spine", (0.002, 0.0, 0.100)),
+        ("neck", "chest", (-0.008, 0.0, 0.255)),
+        ("head", "neck", (0.006, 0.0, 0.060)),
     ]
     for side, sign in SIDES:
         rows += _arm_rows(side, sign) + _leg_rows(side, sign)
@@ -61,14 +65,14 @@ def joint_rows() -> list[Row]:
 def _arm_rows(side: str, sign: float) -> list[Row]:
     """Clavicle to fingertips of one side."""
     rows: list[Row] = [
-        (f"{side}_clavicle", "chest", (0.004, sign * 0.035, 0.205)),
-        (f"{side}_upper_arm", f"{side}_clavicle", (-0.016, sign * 0.142, -0.022)),
+        (f"{side}_clavicle", "chest", (0.002, sign * 0.040, 0.205)),
+        (f"{side}_upper_arm", f"{side}_clavicle", (-0.010, sign * 0.118, -0.020)),
         (f"{side}_forearm", f"{side}_upper_arm", (0.0, 0.0, -UPPER_ARM_M)),
         (f"{side}_hand", f"{side}_forearm", (0.0, 0.0, -FOREARM_M)),
     ]
     forward, down = THUMB_ROOT_M
     chain: list[tuple[str, tuple[float, float, float], tuple[float, float, float]]] = [
-        ("thumb", (forward, -sign * 0.004, -down), THUMB_M)
+        ("thumb", (forward, -sign * 0.006, -down), THUMB_M)
     ]
     chain += [(name, (x, 0.0, -z), bones) for name, (x, z, bones, _) in FINGERS.items()]
     for finger, root, bones in chain:
@@ -92,8 +96,8 @@ def _leg_rows(side: str, sign: float) -> list[Row]:
 
 
 @lru_cache(maxsize=1)
-def mannequin_skeleton() -> Skeleton:
-    """The 52 joints in the rest pose: arms spread, fingers fanned."""
+def figure_skeleton() -> Skeleton:
+    """The 46 joints in the rest pose: arms spread, fingers fanned."""
     rows = joint_rows()
     names = tuple(name for name, _, _ in rows)
     parents = np.array([names.index(parent) if parent else -1 for _, parent, _ in rows])

@@ -1,4 +1,4 @@
-"""Tools to write the mannequin's clips: turns about single axes, eased curves, legs that reach.
+"""Tools to write the figure's clips: turns about single axes, eased curves, legs that reach.
 
 Curves are functions of the phase, 0 to 1 over one period, evaluated on whole arrays (F,) at once.
 Limb frames have x forward, y to the left, −z along the bone: a positive turn about y swings a
@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from docs.making.figure.proportions import FINGERS, SHIN_M, THIGH_M
 from motorcade.animation.easing import smootherstep
-from motorcade.animation.mannequin.proportions import FINGERS, SHIN_M, THIGH_M
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_x, turn_y, turn_z
 from motorcade.ga import Motor, Rotor
@@ -113,7 +113,7 @@ def assembled(
     """Local poses (F, J): given rotors at the named joints, rest rotors at the others.
 
     Args:
-        skeleton: of the mannequin.
+        skeleton: of the figure.
         hips_m: (F, 3) where the hips are.
         rotors: Rotor (F,) by joint name; each replaces the rest rotor.
         frames: F.
@@ -145,7 +145,7 @@ def relaxed_hand(side: str, sign: float, curl: ArrayLike = 1.0) -> dict[str, Rot
         Rotors by joint name, with the batch shape of `curl`.
     """
     amount = np.asarray(curl, dtype=np.float64)
-    bends = {"index": 0.62, "middle": 0.74, "ring": 0.84, "little": 0.92}
+    bends = {"index": 0.62, "middle": 0.76, "little": 0.88}
     rotors: dict[str, Rotor] = {}
     for finger, bend in bends.items():
         for k, share in ((1, 0.42), (2, 0.62), (3, 0.40)):

@@ -1,4 +1,4 @@
-"""The mannequin at ease: it breathes, shifts its weight, looks about; its feet stay where they are.
+"""The figure at ease: it breathes, shifts its weight, looks about; its feet stay where they are.
 
 Every curve is a sum of whole harmonics of one period, so the loop closes in all derivatives. Out
 of standing at ease it greets: the right arm rises, waves, and sinks again.
@@ -15,25 +15,26 @@ import math
 
 import numpy as np
 
+from docs.making.figure.motions.posing import assembled, ease, reach, relaxed_hand, wave
+from docs.making.figure.proportions import ANKLE_HEIGHT_M, HIPS_HEIGHT_M, SIDES
 from motorcade.animation.clip import Clip
-from motorcade.animation.mannequin.motions.posing import assembled, ease, reach, relaxed_hand, wave
-from motorcade.animation.mannequin.proportions import ANKLE_HEIGHT_M, SIDES
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_x, turn_y, turn_z
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 
 PERIOD_S = 7.2
-FRAMES = 145
+FRAMES = 73
 BREATHS = 2
+HIPS_M = HIPS_HEIGHT_M - 0.012
 # ankle ahead, aside and toes out (m, m, rad): the left leg carries, the right stands open
-STANCE = {"left": (-0.010, 0.085, math.radians(9.0)), "right": (0.045, 0.110, math.radians(22.0))}
-TURN_S, TURN_FRAMES = 1.5, 91
+STANCE = {"left": (-0.006, 0.100, math.radians(9.0)), "right": (0.026, 0.118, math.radians(20.0))}
+TURN_S, TURN_FRAMES = 1.3, 40
 ANGLE_RAD = 0.5 * math.pi
 # shares of the clip in which each foot is in the air, and the hips turn
 SWING = {"left": (0.16, 0.46), "right": (0.52, 0.84)}
 HIPS = (0.08, 0.88)
-LIFT_M, DIP_M, SWAY_M = 0.050, 0.016, 0.035
+LIFT_M, DIP_M, SWAY_M = 0.055, 0.010, 0.026
 
 
 def idle(skeleton: Skeleton) -> Clip:
@@ -60,9 +61,9 @@ def hips_at_ease(phase: FloatArray) -> Motor:
 
 def _hips_m(phase: FloatArray) -> FloatArray:
     """Hips over the left leg, swaying."""
-    x = 0.004 + 0.006 * wave(phase, 0.15) + 0.002 * wave(phase, 0.4, 3)
-    y = 0.030 + 0.014 * wave(phase, 0.55) + 0.004 * wave(phase, 0.1, 2)
-    z = 0.9400 - 0.0022 * wave(phase, 0.05) + 0.0012 * wave(phase, 0.02, BREATHS)
+    x = 0.003 + 0.004 * wave(phase, 0.15) + 0.001 * wave(phase, 0.4, 3)
+    y = 0.016 + 0.011 * wave(phase, 0.55) + 0.003 * wave(phase, 0.1, 2)
+    z = HIPS_M - 0.0016 * wave(phase, 0.05) + 0.0012 * wave(phase, 0.02, BREATHS)
     return np.stack([x, y, z], axis=-1)
 
 
@@ -106,7 +107,7 @@ def arm_at_ease(phase: FloatArray, side: str, sign: float) -> dict[str, Rotor]:
     """One arm hanging at ease, lifted a little by every breath."""
     breath = wave(phase, 0.15, BREATHS)
     later = 0.08 if sign > 0.0 else 0.33
-    hang = math.radians(10.5) + math.radians(0.9) * breath + math.radians(0.8) * wave(phase, later)
+    hang = math.radians(19.0) + math.radians(0.9) * breath + math.radians(0.8) * wave(phase, later)
     swing = math.radians(2.0) + math.radians(1.8) * wave(phase, later + 0.2)
     elbow = math.radians(16.0) + math.radians(2.5) * wave(phase, later + 0.3)
     return {
@@ -120,7 +121,7 @@ def arm_at_ease(phase: FloatArray, side: str, sign: float) -> dict[str, Rotor]:
 
 
 WAVE_PERIOD_S = 3.6
-WAVE_FRAMES = 109
+WAVE_FRAMES = 61
 STROKES = 4
 RISE, SINK = (0.03, 0.26), (0.70, 0.97)
 STROKE_FROM, STROKE_UNTIL = 0.20, 0.76
@@ -153,8 +154,8 @@ def _arm(time: FloatArray) -> dict[str, Rotor]:
     still = np.ones_like(time)
     return {
         "right_clavicle": turn_x(-0.16 * still),
-        "right_upper_arm": turn_z(0.50 * still) @ turn_x(-1.20 * still) @ turn_z(-1.35 * still),
-        "right_forearm": turn_y(-(1.85 + 0.34 * swing)) @ turn_z(0.15 * still),
+        "right_upper_arm": turn_z(0.30 * still) @ turn_x(-1.12 * still) @ turn_z(-1.35 * still),
+        "right_forearm": turn_y(-(1.22 + 0.36 * swing)) @ turn_z(0.15 * still),
         "right_hand": turn_y(-0.22 * later),
     } | relaxed_hand("right", -1.0, 0.35 * still)
 
@@ -217,7 +218,7 @@ def _foot(time: FloatArray, side: str) -> tuple[FloatArray, FloatArray, FloatArr
     ahead, aside, out = STANCE[side]
     sign = dict(SIDES)[side]
     begin, end = SWING[side]
-    late = 0.12 * (end - begin)  # a foot is off the ground before it moves along it
+    late = 0.2 * (end - begin)  # a foot is off the ground before it moves along it
     share = ease(time, begin + late, end - late)
     u = np.clip((time - begin) / (end - begin), 0.0, 1.0)
     start = np.array([ahead, sign * aside, ANKLE_HEIGHT_M])
@@ -225,7 +226,7 @@ def _foot(time: FloatArray, side: str) -> tuple[FloatArray, FloatArray, FloatArr
     # round the origin, so that the feet keep clear of each other
     ankle = turn_z(angle).apply(np.broadcast_to(start, (len(time), 3))).copy()
     ankle[:, 2] += LIFT_M * 64.0 * (u * (1.0 - u)) ** 3
-    return ankle, angle + sign * out, -0.12 * 64.0 * (u * (1.0 - u)) ** 3 * (1.0 - u)
+    return ankle, angle + sign * out, -0.04 * 64.0 * (u * (1.0 - u)) ** 3 * (1.0 - u)
 
 
 def _turning_leg(

@@ -1,4 +1,4 @@
-"""Signed distances of the mannequin's building blocks, and how they melt into one another.
+"""Signed distances of the figure's building blocks, and how they melt into one another.
 
 One block does for every part: a straight axis around which an ellipse changes its half-widths and
 its place along smooth curves, closed by half ellipsoids. With one station it is an ellipsoid, with

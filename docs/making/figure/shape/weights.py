@@ -1,4 +1,4 @@
-"""Weights of the mannequin's skin: heat that flows from the bones over the surface.
+"""Weights of the figure's skin: heat that flows from the bones over the surface.
 
 Every vertex takes heat from the bone that it lies on, the more the closer that is, and passes heat
 on to its neighbours; a joint's weight is the temperature where its bones alone are hot. Thick limbs
@@ -14,13 +14,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.animation.mannequin.shape.surface import SymmetricMesh
+from docs.making.figure.shape.surface import SymmetricMesh
+from motorcade.animation.easing import smoothstep
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga.arrays import FloatArray, IntArray
 
 # How sharply weights fall off across a joint; 1 in the source.
 SHARPNESS = 1.6
-FINGERS = ("thumb", "index", "middle", "ring", "little")
+HEAD_FROM_M, HEAD_OVER_M = 1.215, 0.115
+FINGERS = ("thumb", "index", "middle", "little")
 
 
 @dataclass(frozen=True)
@@ -91,19 +93,15 @@ def _nearest(points: FloatArray, bones: Sequence[Bone]) -> tuple[FloatArray, Int
 def _bones(skeleton: Skeleton) -> list[Bone]:
     """All bones of both sides, in the rest pose."""
     at = dict(zip(skeleton.names, skeleton.rest_world.translation_m, strict=True))
+    aside = np.array([0.0, 0.10, 0.0])
     bones = [
-        Bone(
-            "hips",
-            at["left_thigh"] + [0.0, -0.02, 0.02],
-            at["right_thigh"] + [0, 0.02, 0.02],
-            0.105,
-        ),
-        Bone("hips", at["hips"], at["waist"], 0.125),
-        Bone("waist", at["waist"], at["spine"], 0.125),
-        Bone("spine", at["spine"], at["chest"], 0.125),
-        Bone("chest", at["chest"], at["neck"] - [0.0, 0.0, 0.08], 0.125),
-        Bone("neck", at["neck"], at["head"], 0.062),
-        Bone("head", at["head"] + [0.015, 0.0, 0.02], at["head"] + [0.015, 0.0, 0.115], 0.085),
+        Bone("hips", at["hips"] - 0.8 * aside, at["hips"] + 0.8 * aside, 0.115),
+        Bone("waist", at["waist"] - 0.7 * aside, at["waist"] + 0.7 * aside, 0.130),
+        Bone("spine", at["spine"] - 0.6 * aside, at["spine"] + 0.6 * aside, 0.120),
+        Bone("chest", at["chest"] + [0, 0, 0.05], at["neck"] - [0.0, 0.0, 0.11], 0.120),
+        Bone("neck", at["neck"] - [0.0, 0.0, 0.02], at["head"] - [0.0, 0.0, 0.01], 0.095),
+        Bone("head", at["head"] + [0.0, 0.0, 0.14], at["head"] + [0.0, 0.0, 0.26], 0.200),
+        Bone("head", at["head"] + [0.05, -0.06, 0.12], at["head"] + [0.05, 0.06, 0.12], 0.135),
     ]
     for side in ("left", "right"):
         bones += [*_arm(at, side), *_hand(at, side), *_leg(at, side)]
@@ -111,11 +109,11 @@ def _bones(skeleton: Skeleton) -> list[Bone]:
 
 
 def _arm(at: dict[str, FloatArray], side: str) -> list[Bone]:
-    inner = 0.6 * at[f"{side}_clavicle"] + 0.4 * at[f"{side}_upper_arm"]
+    inner = 0.7 * at[f"{side}_clavicle"] + 0.3 * at[f"{side}_upper_arm"]
     return [
-        Bone(f"{side}_clavicle", inner, at[f"{side}_upper_arm"], 0.050),
-        Bone(f"{side}_upper_arm", at[f"{side}_upper_arm"], at[f"{side}_forearm"], 0.047),
-        Bone(f"{side}_forearm", at[f"{side}_forearm"], at[f"{side}_hand"], 0.035),
+        Bone(f"{side}_clavicle", inner, at[f"{side}_upper_arm"], 0.054),
+        Bone(f"{side}_upper_arm", at[f"{side}_upper_arm"], at[f"{side}_forearm"], 0.060),
+        Bone(f"{side}_forearm", at[f"{side}_forearm"], at[f"{side}_hand"], 0.054),
     ]
 
 
@@ -123,21 +121,34 @@ def _hand(at: dict[str, FloatArray], side: str) -> list[Bone]:
     bones = []
     for finger in FINGERS:
         first, second, third = (at[f"{side}_{finger}_{k}"] for k in (1, 2, 3))
-        tip, radius = third + 0.8 * (third - second), 0.011 if finger == "thumb" else 0.009
+        tip = third + 0.8 * (third - second)
         if finger != "thumb":
-            bones.append(Bone(f"{side}_hand", at[f"{side}_hand"], first, 0.018))
+            bones.append(Bone(f"{side}_hand", at[f"{side}_hand"], first, 0.032))
         chain = (first, second, third, tip)
         for k in range(3):
-            bones.append(Bone(f"{side}_{finger}_{k + 1}", chain[k], chain[k + 1], radius))
+            bones.append(Bone(f"{side}_{finger}_{k + 1}", chain[k], chain[k + 1], 0.018))
     return bones
 
 
 def _leg(at: dict[str, FloatArray], side: str) -> list[Bone]:
     ankle, toes = at[f"{side}_foot"], at[f"{side}_toes"]
     return [
-        Bone(f"{side}_thigh", at[f"{side}_thigh"], at[f"{side}_calf"], 0.072),
-        Bone(f"{side}_calf", at[f"{side}_calf"], ankle, 0.045),
-        Bone(f"{side}_foot", ankle - [0.02, 0.0, 0.03], toes, 0.036),
-        Bone(f"{side}_foot", ankle, ankle - [0.025, 0.0, 0.05], 0.034),
-        Bone(f"{side}_toes", toes, toes - [-0.07, 0.0, 0.0], 0.032),
+        Bone(f"{side}_thigh", at[f"{side}_thigh"], at[f"{side}_calf"], 0.086),
+        Bone(f"{side}_calf", at[f"{side}_calf"], ankle + np.array([0.0, 0.0, 0.05]), 0.080),
+        Bone(f"{side}_foot", ankle - [0.03, 0.0, 0.05], toes - [0.04, 0.0, 0.0], 0.066),
+        Bone(f"{side}_foot", ankle - [0.0, 0.0, 0.03], ankle - [0.040, 0.0, 0.06], 0.066),
+        Bone(f"{side}_toes", toes - [0.012, 0.0, 0.0], toes - [-0.05, 0.0, 0.0], 0.066),
     ]
+
+
+def rigid_head(
+    mesh: SymmetricMesh, skeleton: Skeleton, joints: IntArray, weights: FloatArray
+) -> FloatArray:
+    """Weights (V, J) of all joints, the face wholly the head's: what sits on it must not slide."""
+    dense = np.zeros((len(weights), len(skeleton)))
+    for k in range(4):
+        np.add.at(dense, (np.arange(len(weights)), joints[:, k]), weights[:, k])
+    share = smoothstep((mesh.vertices[:, 2] - HEAD_FROM_M) / HEAD_OVER_M)
+    dense *= 1.0 - share[:, None]
+    dense[:, skeleton.index("head")] += share
+    return dense

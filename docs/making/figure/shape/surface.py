@@ -1,5 +1,4 @@
-"""The mesh of a field's zero: marching cubes in stretched space, then pulled onto the true zero,
-and coloured.
+"""The mesh of a field's zero: marching cubes in stretched space, then pulled onto the true zero.
 
 Fingers and a face need smaller triangles than a trunk. The grid is even in a stretched copy of
 space in which hands and head are larger; its mesh comes back finer there. Only the left half is
@@ -14,70 +13,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from docs.making.figure.proportions import ARM_SPREAD_RAD
+from docs.making.figure.shape.anatomy import SHOULDER_M
+from docs.making.figure.shape.fields import BodyField
 from motorcade.animation.easing import smoothstep
-from motorcade.animation.mannequin.proportions import (
-    ANKLE_HEIGHT_M,
-    ARM_SPREAD_RAD,
-    FOREARM_M,
-    SHIN_M,
-    UPPER_ARM_M,
-)
-from motorcade.animation.mannequin.shape.anatomy import SHOULDER_M, arm_axes
-from motorcade.animation.mannequin.shape.fields import BodyField
 from motorcade.animation.vectors import box_corners
 from motorcade.ga.arrays import FloatArray, IntArray
-
-SKIN, SUIT = (0.80, 0.62, 0.48), (0.24, 0.37, 0.49)
-DARK, BRIGHT = (0.12, 0.14, 0.18), (0.90, 0.45, 0.15)
-WRIST_M, KNEE_Z = UPPER_ARM_M + FOREARM_M, ANKLE_HEIGHT_M + SHIN_M
-# Farther aside than this, above the knees, there are arms only.
-ARM_ASIDE_M = 0.195
-
-
-def colors(vertices: FloatArray, edge_m: float) -> FloatArray:
-    """Colours (V, 3), sRGB, of vertices (V, 3) m at rest; borders as soft as an edge is long."""
-    x, y, z = vertices[:, 0], np.abs(vertices[:, 1]), vertices[:, 2]
-    soft = max(0.55 * edge_m, 0.003)
-    along = (np.stack([x, y, z], axis=1) - SHOULDER_M) @ arm_axes()[2]
-    arm = _above(y, ARM_ASIDE_M, 1e-4)
-    trunk = 1.0 - arm
-    layers = [
-        (DARK, trunk * _between(z, 0.985, 1.025, soft)),  # belt
-        (DARK, trunk * _flank(y, z, soft)),
-        (DARK, trunk * _between(z, KNEE_Z - 0.050, KNEE_Z + 0.055, soft)),
-        (DARK, trunk * (1.0 - _above(z + 0.25 * x, 0.105, soft))),  # shoes
-        (BRIGHT, trunk * _between(z + 0.25 * x, 0.105, 0.125, soft)),
-        (BRIGHT, trunk * _between(z + 0.55 * x, 1.452, 1.470, soft) * _above(0.095, y, soft)),
-        (SKIN, trunk * _above(z + 0.55 * x, 1.470, soft) * _above(0.10, y, soft)),
-        (DARK, arm * _between(along, UPPER_ARM_M - 0.045, UPPER_ARM_M + 0.040, soft)),
-        (BRIGHT, arm * _between(along, 0.125, 0.150, soft)),
-        (BRIGHT, arm * _between(along, WRIST_M - 0.036, WRIST_M - 0.016, 0.5 * soft)),
-        (SKIN, arm * _above(along, WRIST_M - 0.016, 0.5 * soft)),
-    ]
-    made = np.tile(np.array(SUIT), (len(vertices), 1))
-    for tone, share in layers:
-        made += share[:, None] * (np.array(tone) - made)
-    return np.asarray(np.clip(made, 0.0, 1.0))
-
-
-def _flank(y: FloatArray, z: FloatArray, soft: float) -> FloatArray:
-    """A panel down the side, from the armpit to the belt."""
-    return np.asarray(_above(y, 0.118, soft) * _between(z, 1.025, 1.345, soft))
-
-
-def _above(value: FloatArray | float, limit: FloatArray | float, soft: float) -> FloatArray:
-    """0 below, 1 above a limit, a smooth step between."""
-    return smoothstep(0.5 + 0.5 * (np.asarray(value) - limit) / soft)
-
-
-def _between(value: FloatArray, low: float, high: float, soft: float) -> FloatArray:
-    return np.asarray(_above(value, low, soft) - _above(value, high, soft))
-
 
 Flags = NDArray[np.bool_]
 
 # Corners of the half space that holds the rest pose, metres.
-LOW_M, HIGH_M = np.array([-0.20, 0.0, -0.02]), np.array([0.24, 0.72, 1.78])
+LOW_M, HIGH_M = np.array([-0.26, 0.0, -0.02]), np.array([0.26, 0.62, 1.78])
 # The grid is first seen in blocks of so many steps.
 COARSE = 4
 # Triangles times the square of the grid's step, by the number of triangles: the first guess.
@@ -85,7 +31,7 @@ GUESS = ([5_000, 8_000, 12_000, 20_000], [7.2, 7.1, 6.65, 6.2])
 TOLERANCE, TRIES = 0.06, 10
 RELAXATIONS, NEWTON_STEPS = 6, 4
 # How much larger the head is, the hands at least and at most, and the step that fingers need.
-HEAD, HANDS, HANDS_ALONG, FINGER_STEP_M = 1.6, (2.7, 5.0), 2.0, 0.0062
+HEAD, HANDS, HANDS_ALONG, FINGER_STEP_M = 1.1, (1.8, 2.6), 1.5, 0.0100
 SHOULDER = (float(SHOULDER_M[0]), float(SHOULDER_M[1]), float(SHOULDER_M[2]))
 ARM_LINE = (0.0, 1.0, -1.0 / float(np.tan(ARM_SPREAD_RAD)))
 
@@ -175,8 +121,8 @@ class Grid:
         """Hands, then head. Coarse grids need larger hands, or fingers would fall through."""
         hands = float(np.clip(self.step_m / FINGER_STEP_M, *HANDS))
         return (
-            Stretch(1, 0.480, 0.550, hands, HANDS_ALONG, SHOULDER, ARM_LINE),
-            Stretch(2, 1.500, 1.570, HEAD, HEAD, (0.01, 0.0, 1.6), (0.0, 0.0, 1.0)),
+            Stretch(1, 0.370, 0.430, hands, HANDS_ALONG, SHOULDER, ARM_LINE),
+            Stretch(2, 1.230, 1.330, HEAD, HEAD, (0.0, 0.0, 1.5), (0.0, 0.0, 1.0)),
         )
 
     def stretched(self, points: FloatArray) -> FloatArray:
@@ -198,7 +144,6 @@ def meshed(field: BodyField, triangles: int) -> SymmetricMesh:
     """The field's surface with about so many triangles (to 15 %).
 
     Raises:
-        ModuleNotFoundError: scikit-image or scipy is not installed.
         RuntimeError: no grid was found whose surface is one piece without handles.
     """
     step = float(np.sqrt(np.interp(triangles, *GUESS) / triangles))
@@ -230,13 +175,8 @@ def meshed(field: BodyField, triangles: int) -> SymmetricMesh:
 
 def _half(field: BodyField, grid: Grid) -> tuple[FloatArray, IntArray]:
     """Marching cubes over the left half, in stretched space."""
-    try:
-        from skimage.measure import marching_cubes
-    except ModuleNotFoundError as missing:
-        raise ModuleNotFoundError(
-            'the mannequin needs scikit-image: pip install "motorcade[pipeline]" brings it',
-            name="skimage",
-        ) from missing
+    from skimage.measure import marching_cubes
+
     low, volume = _sampled(field, grid)
     points, faces, _, _ = marching_cubes(volume, 0.0, gradient_direction="ascent")
     made = points.astype(np.float64) * grid.step_m + low

@@ -1,1 +1,0 @@
-"""The mannequin's clips, made from curves of the phase and inverse kinematics of the legs."""

@@ -1,1 +1,0 @@
-"""The mannequin's surface: signed distances, the mesh of their zero, its weights and colours."""
