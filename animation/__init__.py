@@ -21,9 +21,9 @@ array([[0. , 0. , 1. ],
        [0.3, 0. , 0.6],
        [0. , 0. , 0.2]])
 
-`mannequin` makes a whole figure with clips, `read_character` reads one from a file. What is here is
-used most; the packages below hold the rest. Nothing heavy comes with this import: the mannequin's
-surface (scikit-image) and textures (Pillow) bring theirs when they are used.
+`mannequin` is a whole figure with clips, `read_character` reads one from a file. What is here is
+used most; the packages below hold the rest. Nothing heavy comes with this import: textures bring
+Pillow when they are read.
 """
 
 from motorcade.animation.blend import (

@@ -31,7 +31,7 @@ class Performer:
     >>> from motorcade.animation import Clip, Placement, mannequin
     >>> from motorcade.ga import Motor
     >>> from motorcade.render import Performer
-    >>> who = mannequin(triangles=5000)
+    >>> who = mannequin()
     >>> place = Placement(Motor.from_translation([0.5, 0, 0]), 0.1)
     >>> beside = Performer(who, who.clip("wave"), place)
     >>> beside.clip.name

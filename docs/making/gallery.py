@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -26,10 +27,12 @@ from motorcade.animation import (
     skin,
     walk_along,
 )
+from motorcade.animation.appearance import Appearance, Material, MaterialPart
 from motorcade.animation.authoring import EulerObjectPose, ObjectPose, VersorObjectPose
 from motorcade.animation.blend import BlendMethod, blend_clips, differences_m
 from motorcade.animation.place import on_the_spot
 from motorcade.animation.skin import SKIN_METHODS
+from motorcade.animation.srgb import to_linear
 from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.scene import ImageArray
@@ -39,6 +42,7 @@ __all__ = ["ELBOW", "SHOULDER", "bent", "pictures", "volumes_l"]
 T = TypeVar("T")
 
 QUALITY = 88
+ORANGE = (0.95, 0.45, 0.1)
 BLENDED: tuple[BlendMethod, ...] = ("motor", "motor_linear", "quaternion", "euler")
 # Turns in the joint's own axes, radians: the forearm about its bone, the arm up and about itself.
 ELBOW = ("left_forearm", (0.0, 0.0, 2.6))
@@ -123,7 +127,7 @@ def _blend_space(figure: Character) -> ImageArray:
 def _reaches(figure: Character) -> ImageArray:
     """An arm that reaches for a ball."""
     chain = Chain(("left_upper_arm", "left_forearm", "left_hand"))
-    targets = np.array([[0.25, 0.3, 1.75], [0.42, 0.25, 1.4], [0.3, 0.42, 1.1], [0.0, 0.55, 1.6]])
+    targets = np.array([[0.2, 0.25, 1.36], [0.33, 0.2, 1.1], [0.22, 0.3, 0.92], [0.05, 0.47, 1.26]])
     parts, idle = [], figure.clip("idle").at(0.0)
     assert isinstance(idle, Motor)
     for k, target in _spread(list(targets)):
@@ -164,7 +168,7 @@ def _gesture(figure: Character) -> ImageArray:
     for pose in writings:
         states = [pose.as_similarity()]
         for axis, angle in drags:
-            pose = pose.turned(axis, angle, "local", start)
+            pose = pose.rotated(axis, angle, "local", start)
             states.append(pose.as_similarity())
         parts = []
         middle = 0.5 * figure.height_m
@@ -178,11 +182,12 @@ def _gesture(figure: Character) -> ImageArray:
 
 
 class _Part:
-    """A posed mesh of its own colours."""
+    """A posed mesh as its character looks, or of one colour."""
 
     def __init__(self, figure: Character, vertices: FloatArray, normals: FloatArray) -> None:
         self.vertices, self.normals = vertices, normals
         self.triangles, self.colors = figure.triangles, figure.colors
+        self.look = figure.appearance
 
 
 def _standing(figure: Character, pose: Motor | Similarity, at_m: tuple[float, float]) -> _Part:
@@ -196,7 +201,7 @@ def _spread(items: Sequence[T]) -> list[tuple[float, T]]:
     return [(k - middle, item) for k, item in enumerate(items)]
 
 
-def _ball(at_m: FloatArray, radius_m: float = 0.05) -> _Part:
+def _ball(at_m: FloatArray, radius_m: float = 0.075) -> _Part:
     """A small orange ball."""
     u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 25)[:-1], np.linspace(0, np.pi, 13))
     normals = np.stack([np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)], -1).reshape(-1, 3)
@@ -205,7 +210,7 @@ def _ball(at_m: FloatArray, radius_m: float = 0.05) -> _Part:
     part = _Part.__new__(_Part)
     part.vertices, part.normals = at_m + radius_m * normals, normals
     part.triangles = np.concatenate([np.stack([a, a + 24, b], 1), np.stack([b, a + 24, b + 24], 1)])
-    part.colors = np.tile([0.95, 0.45, 0.1], (len(normals), 1))
+    part.colors, part.look = np.tile(ORANGE, (len(normals), 1)), None
     return part
 
 
@@ -226,7 +231,28 @@ def _statue(parts: Sequence[_Part]) -> Character:
         np.zeros((len(vertices), 4), dtype=np.int64),
         one,
         (Clip("still", np.zeros(1), Motor.stack([still])),),
+        appearance=_looks(parts),
     )
+
+
+def _looks(parts: Sequence[_Part]) -> Appearance:
+    """The materials of all parts, one after the other."""
+    orange = Material("ball", (*to_linear(np.array(ORANGE)).tolist(), 1.0), 0.0, 0.5)
+    made: list[MaterialPart] = []
+    coordinates, first = [], 0
+    for part in parts:
+        count = len(part.triangles)
+        if part.look is None:
+            made.append(MaterialPart(orange, first, first + count))
+            coordinates.append(np.zeros((1, len(part.vertices), 2), dtype=np.float32))
+        else:
+            made += [
+                replace(one, first=first + one.first, stop=first + one.stop)
+                for one in part.look.parts
+            ]
+            coordinates.append(part.look.coordinates)
+        first += count
+    return Appearance(tuple(made), np.concatenate(coordinates, axis=1))
 
 
 def _drawn(

@@ -20,7 +20,7 @@ FRAME: ImageArray = np.full((120, 240, 3), 120, dtype=np.uint8)
 
 @pytest.fixture(scope="module")
 def who() -> Character:
-    return mannequin(triangles=5000)
+    return mannequin()
 
 
 def figure(who: Character, at_m: tuple[float, float]) -> Performer:

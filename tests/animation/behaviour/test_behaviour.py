@@ -29,7 +29,7 @@ SCALE = 0.1
 
 @pytest.fixture(scope="module")
 def figure() -> Character:
-    return mannequin(triangles=5000)
+    return mannequin()
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,7 @@ GAP_M = 0.05
 
 @pytest.fixture(scope="module")
 def actor() -> Actor:
-    figure = mannequin(triangles=5000)
+    figure = mannequin()
     legs = tuple(legs_of(figure.skeleton))
     cycle, speed_m_s = gait_between([figure.clip("walk")], figure.skeleton, legs)
     return Actor("first", figure, legs, 1.0, figure.clip("idle"), cycle, speed_m_s)
