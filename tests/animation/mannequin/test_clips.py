@@ -97,7 +97,7 @@ def test_soles_do_not_sink(soles: dict[str, Character], name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_what_touches_the_ground_does_not_slide(soles: dict[str, Character], name: str) -> None:
-    """No point of a sole moves by more than 1 cm while it touches, between keys included."""
+    """No point of a sole moves by more than 12 mm while it touches, between keys included."""
     for part in soles.values():
         # from the middle of a swing, so that no stance is cut in two
         start = {"left": -0.2, "right": 0.3}[next(s for s in soles if soles[s] is part)]
@@ -108,7 +108,7 @@ def test_what_touches_the_ground_does_not_slide(soles: dict[str, Character], nam
         assert down.any()
         for vertex in np.flatnonzero(down.any(axis=0)):
             for begin, end in runs(down[:, vertex]):
-                assert np.linalg.norm(np.ptp(moved[begin:end, vertex, :2], axis=0)) <= 0.010
+                assert np.linalg.norm(np.ptp(moved[begin:end, vertex, :2], axis=0)) <= 0.012
 
 
 def runs(flags: np.ndarray) -> list[tuple[int, int]]:
