@@ -37,7 +37,7 @@ from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.scene import ImageArray
 
-__all__ = ["ELBOW", "SHOULDER", "bent", "pictures", "volumes_l"]
+__all__ = ["ELBOW", "QUALITY", "SHOULDER", "PosedPart", "bent", "drawn", "pictures", "volumes_l"]
 
 T = TypeVar("T")
 
@@ -97,7 +97,7 @@ def _blends(figure: Character) -> ImageArray:
     world = {name: figure.skeleton.world(poses).translation_m for name, poses in made.items()}
     frame = int(np.argmax(np.linalg.norm(world["motor"] - world["euler"], axis=-1).max(axis=-1)))
     poses = [made[name][frame] for name in BLENDED]
-    return _drawn([_standing(figure, pose, (0.0, 0.95 * k)) for k, pose in _spread(poses)])
+    return drawn([_standing(figure, pose, (0.0, 0.95 * k)) for k, pose in _spread(poses)])
 
 
 def _skinned(figure: Character, joint: tuple[str, Sequence[float]]) -> ImageArray:
@@ -109,7 +109,7 @@ def _skinned(figure: Character, joint: tuple[str, Sequence[float]]) -> ImageArra
     for name in SKIN_METHODS:
         vertices, normals = skin(figure, pose, name)
         at = figure.skeleton.world(pose).translation_m[figure.skeleton.index(joint[0])]
-        tiles.append(_near(_Part(figure, vertices, normals), at))
+        tiles.append(_near(PosedPart(figure, vertices, normals), at))
     return np.hstack(tiles)
 
 
@@ -121,7 +121,7 @@ def _blend_space(figure: Character) -> ImageArray:
     values = np.linspace(speeds[0], speeds[-1], 6)
     poses = [space.pose(value, 0.15) for value in values]
     print("speeds in the blend space, m/s:", *(f"{value:.2f}" for value in values))
-    return _drawn([_standing(figure, pose, (0.0, 0.8 * k)) for k, pose in _spread(poses)])
+    return drawn([_standing(figure, pose, (0.0, 0.8 * k)) for k, pose in _spread(poses)])
 
 
 def _reaches(figure: Character) -> ImageArray:
@@ -137,7 +137,7 @@ def _reaches(figure: Character) -> ImageArray:
             _standing(figure, pose, (0.0, 1.1 * k)),
             _ball(target + np.array([0.0, 1.1 * k, 0.0])),
         ]
-    return _drawn(parts)
+    return drawn(parts)
 
 
 def _path(figure: Character) -> ImageArray:
@@ -151,8 +151,8 @@ def _path(figure: Character) -> ImageArray:
     for frame in range(0, len(made.time_s), 48):
         vertices, normals = skin(figure, made.poses[frame], "motor")
         at = made.plane_T_character[frame]
-        parts.append(_Part(figure, at.apply(vertices), at.rotor.apply(normals)))
-    return _drawn(parts, azimuth_rad=0.35)
+        parts.append(PosedPart(figure, at.apply(vertices), at.rotor.apply(normals)))
+    return drawn(parts, azimuth_rad=0.35)
 
 
 def _gesture(figure: Character) -> ImageArray:
@@ -175,13 +175,13 @@ def _gesture(figure: Character) -> ImageArray:
         for k, state in _spread(states):
             up = np.array([0.0, 1.5 * k, middle])
             turned = state.rotor.apply(figure.vertices - [0, 0, middle]) + up
-            parts.append(_Part(figure, turned, state.rotor.apply(figure.normals)))
-        rows.append(_drawn(parts, size=(1500, 420), azimuth_rad=0.0))
+            parts.append(PosedPart(figure, turned, state.rotor.apply(figure.normals)))
+        rows.append(drawn(parts, size=(1500, 420), azimuth_rad=0.0))
         print("last state:", np.degrees(states[-1].rotor.as_rotation_vector()).round(1))
     return np.vstack(rows)
 
 
-class _Part:
+class PosedPart:
     """A posed mesh as its character looks, or of one colour."""
 
     def __init__(self, figure: Character, vertices: FloatArray, normals: FloatArray) -> None:
@@ -190,9 +190,9 @@ class _Part:
         self.look = figure.appearance
 
 
-def _standing(figure: Character, pose: Motor | Similarity, at_m: tuple[float, float]) -> _Part:
+def _standing(figure: Character, pose: Motor | Similarity, at_m: tuple[float, float]) -> PosedPart:
     vertices, normals = skin(figure, pose, "motor")
-    return _Part(figure, vertices + np.array([*at_m, 0.0]), normals)
+    return PosedPart(figure, vertices + np.array([*at_m, 0.0]), normals)
 
 
 def _spread(items: Sequence[T]) -> list[tuple[float, T]]:
@@ -201,20 +201,20 @@ def _spread(items: Sequence[T]) -> list[tuple[float, T]]:
     return [(k - middle, item) for k, item in enumerate(items)]
 
 
-def _ball(at_m: FloatArray, radius_m: float = 0.075) -> _Part:
+def _ball(at_m: FloatArray, radius_m: float = 0.075) -> PosedPart:
     """A small orange ball."""
     u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 25)[:-1], np.linspace(0, np.pi, 13))
     normals = np.stack([np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)], -1).reshape(-1, 3)
     a = (np.arange(12)[:, None] * 24 + np.arange(24)).ravel()
     b = (np.arange(12)[:, None] * 24 + (np.arange(24) + 1) % 24).ravel()
-    part = _Part.__new__(_Part)
+    part = PosedPart.__new__(PosedPart)
     part.vertices, part.normals = at_m + radius_m * normals, normals
     part.triangles = np.concatenate([np.stack([a, a + 24, b], 1), np.stack([b, a + 24, b + 24], 1)])
     part.colors, part.look = np.tile(ORANGE, (len(normals), 1)), None
     return part
 
 
-def _statue(parts: Sequence[_Part]) -> Character:
+def _statue(parts: Sequence[PosedPart]) -> Character:
     """All parts as one rigid character."""
     counts = np.cumsum([0, *(len(part.vertices) for part in parts)])
     vertices = np.concatenate([part.vertices for part in parts])
@@ -235,7 +235,7 @@ def _statue(parts: Sequence[_Part]) -> Character:
     )
 
 
-def _looks(parts: Sequence[_Part]) -> Appearance:
+def _looks(parts: Sequence[PosedPart]) -> Appearance:
     """The materials of all parts, one after the other."""
     orange = Material("ball", (*to_linear(np.array(ORANGE)).tolist(), 1.0), 0.0, 0.5)
     made: list[MaterialPart] = []
@@ -255,18 +255,19 @@ def _looks(parts: Sequence[_Part]) -> Appearance:
     return Appearance(tuple(made), np.concatenate(coordinates, axis=1))
 
 
-def _drawn(
-    parts: Sequence[_Part], size: tuple[int, int] = (1500, 560), azimuth_rad: float = 0.25
+def drawn(
+    parts: Sequence[PosedPart], size: tuple[int, int] = (1500, 560), azimuth_rad: float = 0.25
 ) -> ImageArray:
+    """All parts on the stage."""
     from motorcade.render.showcase import show_clip
 
     statue = _statue(parts)
     return next(iter(show_clip(statue, statue.clips[0], size, azimuth_rad=azimuth_rad)))
 
 
-def _near(part: _Part, at_m: FloatArray, size: int = 360, whole: int = 1500) -> ImageArray:
+def _near(part: PosedPart, at_m: FloatArray, size: int = 360, whole: int = 1500) -> ImageArray:
     """The part of a large picture around a point, seen from the front."""
-    picture = _drawn([part], (whole, whole), azimuth_rad=0.0)
+    picture = drawn([part], (whole, whole), azimuth_rad=0.0)
     # What `show_clip` looks at lies in the middle; a figure's height is about 0.56 of the picture.
     tall = float(part.vertices[:, 2].max())
     scale = 1.35 * whole / (2.3 * tall)
