@@ -40,8 +40,7 @@ def drawn(first: Performer, *others: Performer) -> ImageArray:
 
 
 def differs(one: ImageArray, other: ImageArray) -> NDArray[np.bool_]:
-    # soft ends of shadows, a few levels deep, depend on where both figures stand
-    return np.asarray(np.abs(one.astype(int) - other).max(axis=-1) > 12)
+    return np.asarray(np.abs(one.astype(int) - other).max(axis=-1) > 3)
 
 
 def test_figures_apart_are_both_drawn_where_each_is_alone(who):
@@ -52,7 +51,7 @@ def test_figures_apart_are_both_drawn_where_each_is_alone(who):
         of_both = differs(both[half], FRAME[half])
         assert changed.sum() > 400
         agreed = np.count_nonzero(changed & of_both) / np.count_nonzero(changed | of_both)
-        assert agreed > 0.94
+        assert agreed > 0.9  # soft ends of shadows differ by a few levels
 
 
 def test_the_nearer_figure_hides_the_farther_whichever_comes_first(who):
