@@ -14,7 +14,7 @@ A half transparent red layer over a grey photograph:
 >>> photograph = np.full((2, 3, 3), 100, np.uint8)
 >>> red = np.tile(np.array([128, 0, 0, 128], np.uint8), (2, 3, 1))
 >>> render.over(photograph, render.Layer(red, np.ones((2, 3), np.float32)))[0, 0]
-array([178,  50,  50], dtype=uint8)
+array([198,  71,  71], dtype=uint8)
 
 `new_renderer` draws surfaces, `render_overlay` sets a character into every frame of footage; both
 need a headless OpenGL, and raise `RenderUnavailable` where there is none. What is here is used
