@@ -9,6 +9,7 @@ Drawing is multisampled (4 samples a pixel); edges come out premultiplied by the
 from __future__ import annotations
 
 import ctypes
+import logging
 from collections.abc import Sequence
 from typing import Any
 
@@ -28,6 +29,8 @@ from motorcade.render.backends.renderer import (
 )
 from motorcade.render.scene import ImageArray, Lamp, Layer, Lighting, Sun, Surface
 from motorcade.tracking.cameras.camera import Camera
+
+log = logging.getLogger("motorcade.render")
 
 
 class OffscreenRenderer(Renderer):
@@ -55,6 +58,7 @@ class OffscreenRenderer(Renderer):
 
     def _show(self, surfaces: Sequence[Surface], lighting: Lighting | None) -> None:
         pyrender = self._pyrender
+        _name_left_out(surfaces)
         ambient = (0.0, 0.0, 0.0) if lighting is None else lighting.mean_ambient
         self._scene = _ordered_scene(pyrender, ambient)
         self._primitives = [
@@ -155,6 +159,20 @@ class OffscreenRenderer(Renderer):
         for node, pose, light in zip(self._scene.light_order, poses, shining, strict=True):
             node.light.color, node.light.intensity = light.color, light.intensity
             self._scene.set_pose(node, pose)
+
+
+def _name_left_out(surfaces: Sequence[Surface]) -> None:
+    """Say what of materials is not drawn: colours of vertices stand for all of it."""
+    parts = [
+        part for one in surfaces if one.appearance is not None for part in one.appearance.parts
+    ]
+    left = {name.replace("_", " ") for part in parts for name in part.material.maps}
+    left |= {"transparency" for part in parts if part.material.alpha_mode != "opaque"}
+    if left:
+        log.warning(
+            "pyrender draws the colours of vertices, without %s; the fast renderer draws them",
+            ", ".join(sorted(left)),
+        )
 
 
 def _encode_anew(rgba: ImageArray) -> None:

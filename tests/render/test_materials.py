@@ -8,7 +8,7 @@ import pytest
 from motorcade.animation.appearance import Appearance, Material, MaterialPart, TextureMap
 from motorcade.animation.srgb import to_srgb
 from motorcade.ga import Motor, Rotor
-from motorcade.render import Layer, Lighting, Sun, Surface
+from motorcade.render import Layer, Lighting, OffscreenRenderer, Sun, Surface
 from motorcade.render.backends.fast.facets import mirrored_table
 from motorcade.render.backends.fast.renderer import FastRenderer
 from motorcade.render.light import harmonics
@@ -103,6 +103,16 @@ def test_a_rough_white_surface_gives_back_what_falls_on_it() -> None:
         lighting=replace(AHEAD, sun=Sun((0.0, 0.0, -1.0), 1.0)),
     )
     np.testing.assert_allclose(lamp_off.rgba[16, 16, :3], [level(0.2), 0, 0], atol=0.6)
+
+
+def test_the_plainer_renderer_says_what_it_leaves_out(caplog: pytest.LogCaptureFixture) -> None:
+    one = TextureMap(picture())
+    clear = replace(WHITE, base_map=one, normal_map=one, alpha_mode="blend")
+    with OffscreenRenderer(CAMERA.width, CAMERA.height) as renderer:
+        renderer.show([wall(Material(), 1.0)], None)
+        assert not caplog.records
+        renderer.show([wall(clear, 1.0)], None)
+    assert "without base map, normal map, transparency; the fast" in caplog.text
 
 
 def test_nothing_is_mirrored_that_did_not_arrive() -> None:
