@@ -201,8 +201,9 @@ def test_feet_of_a_retargeted_gait_neither_slide_nor_sink(figures, motions, figu
     who, motion = figures[figure], motions[gait]
     clip = retarget(motion.clips[0], motion.skeleton, who.skeleton)
     stay = Motor.identity((len(clip.time_s),))
+    legs = _legs(who) if figure == "mannequin" else legs_of(who.skeleton)
     stances = _stances(who, clip.time_s, who.skeleton.world(clip.poses))
-    planted = plant_feet(who.skeleton, clip.time_s, clip.poses, _legs(who))
+    planted = plant_feet(who.skeleton, clip.time_s, clip.poses, legs)
     after = _contact(who, planted, stay, stances, clip.time_s)
     before = _contact(who, clip.poses, stay, stances, clip.time_s)
     print(figure, gait, TOLD, *_told(*after), "before:", *_told(*before))

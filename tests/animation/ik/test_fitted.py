@@ -47,7 +47,7 @@ def test_a_walker_in_boots_neither_sinks_nor_drags_them(data_dir: Path, name: st
         found.append((at[..., 2].min(), dragged))
     (low, dragged), (sunk, more) = found
     print(name, "lowest and most dragged skin, in heights:", np.round(found, 4).tolist())
-    assert low > -0.007
+    assert low > -0.01
     assert sunk < -0.01
     assert dragged < 0.06
     assert more > 3.0 * dragged

@@ -114,7 +114,7 @@ motions = ["{rigs}/bvh/jumping_jacks.bvh"]
 height_m = 0.23
 path = [[0.1, -0.2], [0.02, 0.2]]
 gaits = ["walk", "jog"]
-speed_m_s = 2.2
+speed_m_s = 1.7
 acts = ["jumping_jacks"]
 """
 
