@@ -51,7 +51,8 @@ def test_figures_apart_are_both_drawn_where_each_is_alone(who):
         of_both = differs(both[half], FRAME[half])
         assert changed.sum() > 400
         agreed = np.count_nonzero(changed & of_both) / np.count_nonzero(changed | of_both)
-        assert agreed > 0.9  # soft ends of shadows differ by a few levels
+        # The lamps stand about the middle of all, and some of a figure is as grey as the frame.
+        assert agreed > 0.9
 
 
 def test_the_nearer_figure_hides_the_farther_whichever_comes_first(who):
