@@ -9,6 +9,7 @@ Spines of different numbers of joints, or of joints spaced otherwise, share turn
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise, product
 
 import numpy as np
@@ -97,9 +98,8 @@ def _joined(parts: list[Motor]) -> Motor:
 
 # Of all moments, the share in which the lower foot is taken to be below where it stands.
 LOWEST_SHARE = 0.2
-# A source whose soles come down to within this share of its legs stands there; feet that rest at
-# heights that differ by less stand flat.
-STANDING, FLAT = 0.15, 0.06
+# A source whose soles come down to within this share of its legs stands there.
+STANDING = 0.15
 
 
 def retarget(
@@ -124,8 +124,9 @@ def retarget(
         joints: the source's joint for each of the target's; by default `joints_alike`. The hips
             go their way only if they, or what carries legs and trunk, are among them.
 
-        legs: of the target, whose soles are put on the ground; by default `legs_of`, and
-            `fitted_legs` measures them on a mesh.
+        legs: of the target, whose soles are put on the ground; `fitted_legs` measures them on a
+            mesh. By default those of `legs_of`, of which ankles and balls alone count: how long
+            soles are no skeleton tells.
 
     Raises:
         ValueError: joints that one of the skeletons does not have, or no pair at all; an animal on
@@ -172,7 +173,8 @@ def retarget(
     if carrier in numbers:
         poses = _with_way(match, poses, carrier, _way(match, carrier, hips))
         if source is not target:
-            poses = _grounded(match, poses, carrier, legs_of(target) if legs is None else legs)
+            bare = [replace(leg, heel=0.0, tip=0.0) for leg in legs_of(target)]
+            poses = _grounded(match, poses, carrier, bare if legs is None else legs)
     return Clip(clip.name, clip.time_s, poses, clip.looped, clip.key_count)
 
 
@@ -255,43 +257,46 @@ def _with_way(match: Match, poses: Motor, carrier: int, way: FloatArray) -> Moto
 
 
 def _grounded(match: Match, poses: Motor, carrier: int, legs: Sequence[Leg]) -> Motor:
-    """Poses raised or lowered so that at each moment the lower sole is as high as the source's.
+    """Poses raised or lowered so that at each moment the lower foot is as high as the source's.
 
-    Heights are in proportion to the legs. Without feet on both sides poses stay.
+    Heights are in proportion to the legs, and measured on both figures alike. Where the source's
+    rest tells no soles, they are differences; the target's soles then are put on the ground as a
+    whole: raised moment by moment, feet that roll would lift the body, and none would stand still.
+    Without feet on both sides poses stay.
     """
-    target = match.target
-    world = target.world(poses)
-    own = _clearance_m(target, world, legs)
-    other = _clearance_m(match.source, match.source_world, legs_of(match.source))
-    if own is None or other is None:
+    target, flat, others = match.target, match.comparable, legs_of(match.source)
+    if not legs or not others:
         return poses
+    world = target.world(poses)
+    own = _clearance_m(target, world, legs, flat)
+    other = _clearance_m(match.source, match.source_world, others, flat)
     level = float(np.quantile(other, LOWEST_SHARE))
     if abs(level) < STANDING * _leg_m(match.source):
         other = np.maximum(other - level, 0.0)
-    up = (_scale(match) * other - own)[:, None] * UP
+    rise = _scale(match) * other - own
+    if not flat:
+        rise -= np.quantile(_clearance_m(target, world, legs, True) + rise, LOWEST_SHARE)
+    up = rise[:, None] * UP
     parent = int(target.parents[carrier])
     above = world[:, parent].rotor if parent >= 0 else Rotor.identity(poses.shape[:1])
     lift = Motor.from_translation(above.inverse().apply(up))
     return with_joint(poses, carrier, lift @ poses[:, carrier])
 
 
-def _clearance_m(skeleton: Skeleton, world: Motor, legs: Sequence[Leg]) -> FloatArray | None:
-    """Heights ``(F,)`` of the lowest part of the feet over the ground; None without feet.
+def _clearance_m(skeleton: Skeleton, world: Motor, legs: Sequence[Leg], flat: bool) -> FloatArray:
+    """Heights ``(F,)`` of the lowest part of the feet over the ground.
 
-    Soles lie on z = 0 at rest; where feet rest at different heights, as in a stride, the height at
-    which each foot's joints stand is told by their lowest moments.
+    Soles lie on z = 0 at rest; where the rest is a stride, the height at which each foot's joints
+    stand is told by their lowest moments.
 
     Args:
         skeleton: with J joints.
         world: Motor ``(F, J)``, its joints in character space.
-        legs: of it.
+        legs: of it, one or more.
+        flat: whether the rest pose tells the soles.
     """
-    if not legs:
-        return None
     feet = []
     pairs = [leg.foot(skeleton) for leg in legs]
-    balls = skeleton.rest_world.translation_m[[ball for _, ball in pairs], 2]
-    flat = float(np.ptp(balls)) < FLAT * max(_leg_m(skeleton), NO_BONE_M)
     for leg, (ankle, ball) in zip(legs, pairs, strict=True):
         if flat:
             sole = Sole(ankle, ball, leg.heel, leg.tip)
