@@ -7,10 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from motorcade.animation.ik.joints import checked_direction
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Rotor
-from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.arrays import FloatArray, checked_floats, checked_number
 
+# How heavy goals may be, and how far away: beyond that squares of what is left overflow.
+_LIGHTEST, _HEAVIEST, _FARTHEST_M = 1e-6, 1e6, 1e9
 # Aims as the compiled solver numbers them.
 _POSITION, _ORIENTATION, _DIRECTION = range(3)
 _NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
@@ -27,14 +30,16 @@ class PoseGoal:
         joint: its name.
         position_m: ``(*, 3)`` in character space where its `point_m` shall be.
         rotor: Rotor ``(*)``, ``character_T_joint``: how it shall be turned.
-        weight: above 0; what is left of goals that cannot all be reached is shared out by least
-            squares, in which the figure's longest chain of bones counts as much as one radian.
+        weight: from 1e-6 to 1e6; what is left of goals that cannot all be reached is shared out
+            by least squares, in which the figure's longest chain of bones counts as much as one
+            radian.
             Two goals for one joint give place and turn weights of their own.
         point_m: ``(3,)`` in the joint's frame: a palm or a sole; by default the joint itself.
 
     Raises:
-        ValueError: neither place nor turn, shapes that do not fit, NaN or infinity, a weight that
-            is not above 0.
+        ValueError: neither place nor turn, shapes that do not fit, NaN or infinity, lengths over
+            1e9 m, a weight outside its range.
+        TypeError: a turn that is no rotor, a weight that is no number.
 
     >>> from motorcade.animation.ik import PoseGoal
     >>> reach = PoseGoal("left_hand", [0.4, 0.3, 1.2])
@@ -49,6 +54,8 @@ class PoseGoal:
     def __post_init__(self) -> None:
         if self.position_m is None and self.rotor is None:
             raise ValueError("PoseGoal: expected position_m or rotor, got neither")
+        if self.rotor is not None and not isinstance(self.rotor, Rotor):
+            raise TypeError(f"PoseGoal(rotor): expected a Rotor, got {type(self.rotor).__name__}")
         _check_weight(self.weight, "PoseGoal(weight)")
         self.rows()
 
@@ -72,7 +79,7 @@ class PoseGoal:
         point = _vector(self.point_m, "PoseGoal(point_m)")
         made = []
         if self.position_m is not None:
-            place = checked_floats(self.position_m, "PoseGoal(position_m)", (3,))
+            place = _near(self.position_m, "PoseGoal(position_m)")
             made.append((_POSITION, point, np.zeros(3), _target(place, _NO_TURN)))
         if self.rotor is not None:
             target = _target(np.zeros(3), self.rotor.coefficients.astype(np.float64))
@@ -92,8 +99,9 @@ class LookAt:
         point_m: ``(3,)`` in the joint's frame from which it looks: the eyes.
 
     Raises:
-        ValueError: shapes that do not fit, NaN or infinity, an axis without direction, a weight
-            that is not above 0.
+        ValueError: shapes that do not fit, NaN or infinity, lengths over 1e9 m, an axis without
+            direction, a weight outside its range.
+        TypeError: a weight that is no number.
 
     >>> from motorcade.animation.ik import LookAt
     >>> camera = LookAt("head", [3.0, 0.0, 1.5], axis=[1.0, 0.0, 0.0])
@@ -111,21 +119,27 @@ class LookAt:
 
     def rows(self) -> list[Row]:
         """What the compiled solver takes."""
-        axis = _vector(self.axis, "LookAt(axis)")
-        size = float(np.linalg.norm(axis))
-        if not size > 0.0:
-            raise ValueError(f"LookAt(axis): expected a direction, got {self.axis}")
-        target = _target(checked_floats(self.target_m, "LookAt(target_m)", (3,)), _NO_TURN)
-        return [(_DIRECTION, _vector(self.point_m, "LookAt(point_m)"), axis / size, target)]
+        axis = checked_direction(self.axis, "LookAt(axis)")
+        target = _target(_near(self.target_m, "LookAt(target_m)"), _NO_TURN)
+        return [(_DIRECTION, _vector(self.point_m, "LookAt(point_m)"), axis, target)]
 
 
 Goal = PoseGoal | LookAt
 
 
 def _vector(value: ArrayLike, name: str) -> FloatArray:
-    made = checked_floats(value, name, (3,))
+    made = _near(value, name)
     if made.shape != (3,):
         raise ValueError(f"{name}: expected shape (3,), got {made.shape}")
+    return made
+
+
+def _near(value: ArrayLike, name: str) -> FloatArray:
+    made = checked_floats(value, name, (3,))
+    if np.any(np.abs(made) > _FARTHEST_M):
+        raise ValueError(
+            f"{name}: expected lengths within {_FARTHEST_M:g} m, got {np.abs(made).max():g}"
+        )
     return made
 
 
@@ -136,5 +150,7 @@ def _target(point: FloatArray, rotor: FloatArray) -> FloatArray:
 
 
 def _check_weight(weight: float, name: str) -> None:
-    if not (weight > 0.0 and np.isfinite(weight)):
-        raise ValueError(f"{name}: expected a finite number above 0, got {weight}")
+    if not _LIGHTEST <= checked_number(weight, name) <= _HEAVIEST:
+        raise ValueError(
+            f"{name}: expected a number from {_LIGHTEST:g} to {_HEAVIEST:g}, got {weight}"
+        )

@@ -13,11 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.animation.vectors import perpendicular, unit
-from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.arrays import FloatArray, checked_floats, checked_number
 
 # Kinds as the compiled solver numbers them.
 _HINGE, _BALL, _FREE_BALL, _FLOATING = range(4)
 _ANY_TURN = (-np.inf, np.inf)
+# Angles lose their digits far from 0.
+_WIDEST_RAD = 1e3
 
 
 @dataclass(frozen=True)
@@ -30,7 +32,9 @@ class Hinge:
             axis; without limits by default.
 
     Raises:
-        ValueError: an axis without direction, NaN, a lower limit above the upper one.
+        ValueError: an axis without direction, NaN, a lower limit above the upper one, finite ones
+            beyond 1000 rad.
+        TypeError: a limit that is no number.
 
     >>> from motorcade.animation.ik import Hinge
     >>> Hinge([0.0, 1.0, 0.0], 0.0, 2.4).high_rad
@@ -42,13 +46,13 @@ class Hinge:
     high_rad: float = np.inf
 
     def __post_init__(self) -> None:
-        _checked_axis(self.axis, "Hinge(axis)")
+        checked_direction(self.axis, "Hinge(axis)")
         _check_interval(self.low_rad, self.high_rad, "Hinge(low_rad, high_rad)")
 
     def row(self, name: str, bone: FloatArray) -> tuple[int, FloatArray, FloatArray]:
         """Kind, axes ``(3, 3)`` and limits ``(4,)`` as the compiled solver takes them."""
         limits = np.array([0.0, 0.0, self.low_rad, self.high_rad])
-        return _HINGE, _frame(_checked_axis(self.axis, "Hinge(axis)"), None), limits
+        return _HINGE, _frame(checked_direction(self.axis, "Hinge(axis)"), None), limits
 
 
 @dataclass(frozen=True)
@@ -67,6 +71,7 @@ class Ball:
     Raises:
         ValueError: swings outside 0 to π, a lower limit of twist above the upper one, axes without
             direction, a pair of swings without `across`.
+        TypeError: a limit of twist that is no number.
 
     >>> from motorcade.animation.ik import Ball
     >>> shoulder = Ball(swing_rad=(1.6, 0.8), twist_rad=(-1.0, 1.0), across=[0.0, 1.0, 0.0])
@@ -83,14 +88,14 @@ class Ball:
             raise ValueError(
                 f"Ball(swing_rad): expected one angle from 0 to pi or a pair, got {self.swing_rad}"
             )
-        if len(self.twist_rad) != 2:
+        if np.shape(self.twist_rad) != (2,):
             raise ValueError(f"Ball(twist_rad): expected two angles, got {self.twist_rad}")
         _check_interval(*self.twist_rad, "Ball(twist_rad)")
         if swings.ndim and swings[0] != swings[1] and self.across is None:
             raise ValueError("Ball(across): expected a direction with a pair of swings, got None")
         for value, name in ((self.axis, "Ball(axis)"), (self.across, "Ball(across)")):
             if value is not None:
-                _checked_axis(value, name)
+                checked_direction(value, name)
 
     @property
     def limited(self) -> bool:
@@ -109,8 +114,8 @@ class Ball:
                 f"IkSolver(joints): expected an axis for the ball '{name}', which has no "
                 "only child to point at; Ball(axis=...) gives it one"
             )
-        axis = bone if self.axis is None else _checked_axis(self.axis, "Ball(axis)")
-        across = None if self.across is None else _checked_axis(self.across, "Ball(across)")
+        axis = bone if self.axis is None else checked_direction(self.axis, "Ball(axis)")
+        across = None if self.across is None else checked_direction(self.across, "Ball(across)")
         if across is not None and np.linalg.norm(np.cross(unit(axis), unit(across))) < 1e-6:
             raise ValueError(
                 f"IkSolver(joints): expected `across` of the ball '{name}' not along its axis"
@@ -135,16 +140,27 @@ class Floating:
 JointKind = Hinge | Ball | Floating
 
 
-def _checked_axis(value: ArrayLike, name: str) -> FloatArray:
+def checked_direction(value: ArrayLike, name: str) -> FloatArray:
+    """A vector ``(3,)`` of any length but 0, at length 1.
+
+    Raises:
+        ValueError: another shape, NaN or infinity, no direction.
+    """
     axis = checked_floats(value, name, (3,))
     if axis.shape != (3,) or not np.any(axis):
         raise ValueError(f"{name}: expected a direction (3,), got {value!r}")
-    return axis
+    return unit(axis / np.abs(axis).max())  # so that no square overflows, or comes to nothing
 
 
 def _check_interval(low: float, high: float, name: str) -> None:
+    checked_number(low, name)
+    checked_number(high, name)
     if not low <= high or low == np.inf or high == -np.inf:
         raise ValueError(f"{name}: expected a lower limit and one not below it, got {low}, {high}")
+    if any(np.isfinite(one) and abs(one) > _WIDEST_RAD for one in (low, high)):
+        raise ValueError(
+            f"{name}: expected limits within {_WIDEST_RAD:g} rad or infinite, got {low}, {high}"
+        )
 
 
 def _frame(axis: FloatArray, across: FloatArray | None) -> FloatArray:

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -23,11 +24,13 @@ from motorcade.animation.ik.joints import Hinge, JointKind
 from motorcade.animation.native import _ik
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor
-from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 
 # A limit holds a goal where yielding by a radian would take off so much of what is left, in
 # lengths of the figure's longest chain or in radians.
 _HOLDS = 1e-3
+# Who asks for more has mistaken the knob.
+MOST_RESTARTS = 1000
 
 
 @dataclass(frozen=True)
@@ -70,7 +73,7 @@ class _Found:
         """``(*, R)``, 1 where a row is beyond the tolerance."""
         allowed = np.full(self.left.shape[-1], self.tolerance)
         allowed[self.owners[self.owners[:, 0] >= 0, 0]] *= self.size_m
-        return np.where(self.left > allowed * (1.0 + 1e-9), 1.0, 0.0)
+        return np.where(self.left <= allowed * (1.0 + 1e-9), 0.0, 1.0)
 
     def by_goal(self, rows: FloatArray, which: int) -> FloatArray:
         """Of ``(*, R)`` those of the goals' places (0) or turns (1), ``(*, G)``; 0 without one."""
@@ -136,8 +139,16 @@ class IkSolution:
         Args:
             goal: its number.
             at: which pose of a batch.
+
+        Raises:
+            ValueError: no such goal, or no such pose of the batch.
         """
-        if self.reached[at][goal]:
+        one = self._one(at)
+        if not 0 <= goal < len(self._found.goals):
+            raise ValueError(
+                f"held_by(goal): expected 0 to {len(self._found.goals) - 1}, got {goal}"
+            )
+        if one[goal]:
             return ()
         found = []
         for (joint, hinge), (swing, turn) in zip(
@@ -156,19 +167,36 @@ class IkSolution:
 
         Args:
             at: which pose of a batch.
+
+        Raises:
+            ValueError: no such pose of the batch.
         """
-        lines = []
+        lines, one = [], self._one(at)
         for k, goal in enumerate(self._found.goals):
-            if self.reached[at][k]:
+            if one[k]:
                 lines.append(f"{goal.joint}: reached")
                 continue
             lacks = [f"{self.error_m[at][k]:.3f} m"] if self.error_m[at][k] > 0.0 else []
             if self.error_rad[at][k] > 0.0:
                 lacks.append(f"{np.degrees(self.error_rad[at][k]):.1f} deg")
             held = [f"{one.joint} ({one.limit}, {one.end})" for one in self.held_by(k, at)]
-            why = "held by " + ", ".join(held) if held else "no limit holds it: out of reach"
+            why = (
+                "held by " + ", ".join(held)
+                if held
+                else "no limit holds it: out of reach, or no way found"
+            )
             lines.append(f"{goal.joint}: {' and '.join(lacks)} off, {why}")
         return "\n".join(lines)
+
+    def _one(self, at: tuple[int, ...]) -> NDArray[np.bool_]:
+        """``(G,)``, which goals one pose of a batch reaches."""
+        batch = self.reached.shape[:-1]
+        inside = len(at) == len(batch) and all(
+            -most <= k < most for k, most in zip(at, batch, strict=True)
+        )
+        if not inside:
+            raise ValueError(f"IkSolution(at): expected a place in a batch {batch}, got {at}")
+        return np.asarray(self.reached[at])
 
 
 class IkSolver:
@@ -180,6 +208,7 @@ class IkSolver:
 
     Raises:
         ValueError: no joint, or one that the skeleton lacks; a ball with limits that needs an axis.
+        TypeError: no mapping, or one to something else.
 
     A figure of two legs whose feet stay where they are while its hips sink:
 
@@ -209,11 +238,21 @@ class IkSolver:
     """
 
     def __init__(self, skeleton: Skeleton, joints: Mapping[str, JointKind]) -> None:
+        if not isinstance(joints, Mapping):
+            raise TypeError(
+                f"IkSolver(joints): expected a mapping by name, got {type(joints).__name__}"
+            )
         if not joints:
             raise ValueError("IkSolver(joints): expected one or more that may turn, got none")
         self.skeleton = skeleton
         numbers = sorted(skeleton.index(name) for name in joints)
         names = [skeleton.names[k] for k in numbers]
+        for name in names:
+            if not isinstance(joints[name], JointKind):
+                raise TypeError(
+                    f"IkSolver(joints): expected a Hinge, Ball or Floating for '{name}', got "
+                    f"{joints[name]!r}"
+                )
         rows = [joints[name].row(name, _bone(skeleton, skeleton.index(name))) for name in names]
         self._turning = tuple((name, isinstance(joints[name], Hinge)) for name in names)
         self._solver = _ik.Solver(
@@ -254,21 +293,26 @@ class IkSolver:
 
         Raises:
             ValueError: no goal, one for a joint that no joint that may turn leads to, shapes that
-                do not fit, a number of restarts below 0, a tolerance that is not above 0.
+                do not fit, bones whose squares overflow, a number of restarts outside 0 to 1000, a
+                tolerance that is not above 0.
+            TypeError: a pose, goals, or numbers of another kind.
 
         It breaks down, as all local searches do, where the way to a goal leads through poses that
         are worse: then it says that the goal is not reached.
         """
+        if not isinstance(local_pose, Motor):
+            raise TypeError(f"solve(local_pose): expected a Motor, got {type(local_pose).__name__}")
         if local_pose.shape[-1:] != (len(self.skeleton),):
             raise ValueError(
                 f"solve(local_pose): expected shape (*, {len(self.skeleton)}), got "
                 f"{local_pose.shape}"
             )
-        if restarts < 0 or not tolerance > 0.0:
-            raise ValueError(
-                "solve(restarts, tolerance): expected 0 or more and a number above 0, got "
-                f"{restarts}, {tolerance}"
-            )
+        whole: object = restarts
+        if not isinstance(whole, Integral):
+            raise TypeError(f"solve(restarts): expected a whole number, got {restarts!r}")
+        if not 0 <= restarts <= MOST_RESTARTS:
+            raise ValueError(f"solve(restarts): expected 0 to {MOST_RESTARTS}, got {restarts}")
+        checked_positive(tolerance, "solve(tolerance)")
         aims, marks, targets, owners = self._rows(goals)
         batch = np.broadcast_shapes(local_pose.shape[:-1], *(one.shape[:-1] for one in targets))
         wanted = np.empty((*batch, len(aims), 7))
@@ -283,6 +327,8 @@ class IkSolver:
             aims, marks, wanted.reshape(-1, rows, 7), tolerance, restarts,
             poses, residuals, presses,
         )  # fmt: skip
+        if not np.isfinite(residuals).all():
+            raise ValueError("solve: expected bones and a pose within 1e9 m, got longer ones")
         found = _Found(
             tuple(goals),
             owners,
@@ -299,6 +345,8 @@ class IkSolver:
         self, goals: Sequence[Goal]
     ) -> tuple[IntArray, FloatArray, list[FloatArray], IntArray]:
         """What the compiled solver takes, and which of its rows are each goal's."""
+        if not isinstance(goals, Sequence) or not all(isinstance(one, Goal) for one in goals):
+            raise TypeError(f"solve(goals): expected a list of PoseGoal and LookAt, got {goals!r}")
         if not goals:
             raise ValueError("solve(goals): expected one or more, got none")
         aims: list[tuple[int, int]] = []

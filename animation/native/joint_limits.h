@@ -36,9 +36,6 @@ Vector rotation_vector(const Rotor &rotor);
 
 enum class Kind : int { hinge, ball, free_ball, floating };
 
-// Which limit holds a coordinate.
-enum class Limit : int { swing, turn };
-
 struct Joint {
     Kind kind;
     std::size_t number;          // in the skeleton

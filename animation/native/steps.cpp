@@ -13,8 +13,10 @@ namespace {
 constexpr double STILL = 1e-13;
 constexpr double LEAST_DAMPING = 1e-12, MOST_DAMPING = 1e6;
 
-// In radians, or lengths of the size.
+// In radians.
 constexpr double LONGEST_STEP = 0.6;
+// Of more columns second derivatives cost more than the slow steps that they save.
+constexpr std::size_t MOST_CURVED = 400;
 // Torques whose square is below this share of the cost turn nothing that matters.
 constexpr double SMALL_TORQUE = 1e-8;
 // A step that takes less than this share off the cost is slow.
@@ -49,9 +51,11 @@ bool solve_symmetric(double *__restrict__ a, double *__restrict__ b, double *__r
 }
 
 // Steps that turn a joint farther leave what the derivatives know, and are shortened as a whole.
+// Shifts, the last three of a joint's six, are known however far they go.
 void shorten(std::vector<double> &steps) {
     double most = 0.0;
-    for (const double step : steps) most = std::max(most, std::abs(step));
+    for (std::size_t k = 0; k < steps.size(); ++k)
+        if (k % 6 < 3) most = std::max(most, std::abs(steps[k]));
     if (most > LONGEST_STEP)
         for (double &step : steps) step *= LONGEST_STEP / most;
 }
@@ -257,7 +261,8 @@ std::size_t Attempt::descend(std::size_t rounds, double tolerance) {
                 return round;
             }
             // Where the second derivatives lead uphill, those of the squares alone do not.
-            if (!(curved && step_for(share * most, true, steps)) &&
+            const bool second = curved && columns_.size() <= MOST_CURVED;
+            if (!(second && step_for(share * most, true, steps)) &&
                 !step_for(share * most, false, steps))
                 continue;
             shorten(steps);

@@ -272,7 +272,11 @@ REFUSED = [
     (lambda: Hinge([0, 0, 1], 1.0, np.nan), "not below it"),
     (lambda: PoseGoal("j4"), "got neither"),
     (lambda: PoseGoal("j4", [0, 0]), r"expected shape \(\*, 3\)"),
-    (lambda: PoseGoal("j4", [0, 0, 1], weight=0.0), "above 0"),
+    (lambda: Hinge([0, 0, 1], 1e17, 1e18), "within 1000 rad or infinite"),
+    (lambda: PoseGoal("j4", [0, 0, 1], weight=0.0), r"from 1e-06 to 1e\+06"),
+    (lambda: PoseGoal("j4", [0, 0, 1e200]), r"position_m\): expected lengths within 1e\+09 m"),
+    (lambda: PoseGoal("j4", [0, 0, 1], point_m=[1e200, 0, 0]), r"point_m\): expected lengths"),
+    (lambda: LookAt("j4", [0, 0, 1e200]), r"target_m\): expected lengths"),
     (lambda: LookAt("j4", [0, 0, 1], axis=[0, 0, 0]), "a direction"),
     (lambda: LookAt("j4", [0, np.nan, 1]), "finite"),
 ]
@@ -296,3 +300,73 @@ def test_goals_that_do_not_fit_are_refused():
     ):
         with pytest.raises(ValueError, match=message):
             solver.solve(pose, goals, **options)
+
+
+def test_things_of_another_kind_are_refused():
+    solver = IkSolver(STRAIGHT, {"j2": Ball()})
+    goal = PoseGoal("j4", [0, 0, 1.0])
+    for made, message in (
+        (lambda: IkSolver(STRAIGHT, ["j2"]), r"joints\): expected a mapping"),
+        (
+            lambda: IkSolver(STRAIGHT, {"j2": Hinge}),
+            r"joints\): expected a Hinge, Ball or Floating",
+        ),
+        (lambda: Hinge([0, 0, 1], "low", 1.0), r"low_rad, high_rad\): expected a number"),
+        (lambda: Ball(1.0, ("low", "high")), r"twist_rad\): expected a number"),
+        (lambda: PoseGoal("j4", rotor=[1, 0, 0, 0]), r"rotor\): expected a Rotor"),
+        (lambda: LookAt("j4", [0, 0, 1], weight="heavy"), r"weight\): expected a number"),
+        (lambda: solver.solve(STRAIGHT.rest.coefficients, [goal]), r"local_pose\): .* a Motor"),
+        (lambda: solver.solve(STRAIGHT.rest, goal), r"goals\): expected a list"),
+        (lambda: solver.solve(STRAIGHT.rest, [goal], restarts=1.5), r"restarts\): .* whole number"),
+    ):
+        with pytest.raises(TypeError, match=message):
+            made()
+
+
+@pytest.mark.parametrize("size", [1e-300, 1e300])
+def test_axes_of_any_length_turn_alike(size):
+    """Their squares come to nothing, or overflow."""
+    goal = PoseGoal("j4", [0.3, 0.0, 0.2])
+    found = [
+        IkSolver(STRAIGHT, {"j1": Hinge([0, one, 0])}).solve(STRAIGHT.rest, [goal]).error_m
+        for one in (1.0, size)
+    ]
+    np.testing.assert_array_equal(*found)
+
+
+def test_bones_whose_squares_overflow_are_refused_and_not_called_reached():
+    parent_T_joint = Motor.from_translation([[0, 0, 0], [1e200, 0, 0], [1e200, 0, 0]])
+    skeleton = Skeleton(("a", "b", "c"), np.array([-1, 0, 1]), parent_T_joint)
+    solver = IkSolver(skeleton, {"b": Ball()})
+    with pytest.raises(ValueError, match="within 1e9 m"):
+        solver.solve(skeleton.rest, [PoseGoal("c", [1.0, 2.0, 3.0])])
+
+
+def test_a_body_that_floats_comes_to_goals_however_far():
+    skeleton = Skeleton(("hips",), np.array([-1]), Motor.identity((1,)))
+    solver = IkSolver(skeleton, {"hips": Floating()})
+    solved = solver.solve(skeleton.rest, [PoseGoal("hips", [0.0, -2e5, 2e6])])
+    assert solved.reached[0]
+    np.testing.assert_allclose(solved.local_pose.translation_m[0], [0.0, -2e5, 2e6], rtol=1e-12)
+
+
+def test_a_chain_of_a_thousand_joints_is_solved_in_few_operations():
+    """Its second derivatives would fill nine million numbers in every step."""
+    shifts_m = [[0.01, 0, 0]] * 1000
+    names = tuple(f"j{k}" for k in range(1000))
+    skeleton = Skeleton(names, np.arange(-1, 999), Motor.from_translation(shifts_m))
+    solver = IkSolver(skeleton, dict.fromkeys(names, Ball()))
+    solved = solver.solve(skeleton.rest, [PoseGoal("j999", [0.0, 30.0, 0.0])])
+    assert not solved.reached[0]
+    assert 19.99 <= solved.error_m[0] < 22.0  # 9.99 m of bones, 10 mm off the origin
+
+
+def test_a_solution_of_a_batch_asks_for_which_pose():
+    solver = IkSolver(STRAIGHT, {"j2": Ball()})
+    solved = solver.solve(STRAIGHT.rest, [PoseGoal("j4", [[0, 0, 9.0], [0, 9.0, 0]])])
+    assert solved.summary((1,)).startswith("j4: ")
+    for at in ((), (2,), (0, 0)):
+        with pytest.raises(ValueError, match=r"expected a place in a batch \(2,\)"):
+            solved.summary(at)
+    with pytest.raises(ValueError, match=r"held_by\(goal\): expected 0 to 0, got 1"):
+        solved.held_by(1, (0,))
