@@ -1,7 +1,7 @@
 """Behaviour: characters that idle, turn, walk, arrive and act, and keep out of each other's way."""
 
 from motorcade.animation.behaviour.actor import Act, Actor, ClipLayer, gait_between
-from motorcade.animation.behaviour.crowd import Crowd, keep_apart, least_distance_m
+from motorcade.animation.behaviour.crowd import Crowd, closest_m, keep_apart, least_distance_m
 from motorcade.animation.behaviour.performance import Performance, foot_slides_m, perform
 from motorcade.animation.behaviour.states import FOLLOWS, Errand, State
 from motorcade.animation.behaviour.timeline import Segment, Timeline
@@ -17,6 +17,7 @@ __all__ = [
     "Segment",
     "State",
     "Timeline",
+    "closest_m",
     "foot_slides_m",
     "gait_between",
     "keep_apart",

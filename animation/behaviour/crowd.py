@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
@@ -95,17 +96,55 @@ def least_distance_m(
     much as points are apart, 3 % of the height. Who is done first stays as it is.
     """
     frames = max(len(first[1].time_s), len(second[1].time_s))
-    points = []
-    for actor, made in (first, second):
-        own = actor.skin_m(made.poses, POINTS)
-        way = made.plane_T_character.reshape(-1, 1)
-        points.append(way.apply(actor.scale * own))
-    apart = np.empty(frames)
-    for frame in range(frames):
-        one, other = (at[min(frame, len(at) - 1)] for at in points)
-        squared = np.sum(one**2, axis=1)[:, None] + np.sum(other**2, axis=1) - 2.0 * one @ other.T
-        apart[frame] = np.sqrt(max(float(squared.min()), 0.0))
-    return apart
+    points = [_skin_m(*one) for one in (first, second)]
+    return np.array(
+        [_nearest_m(*(at[min(k, len(at) - 1)] for at in points)) for k in range(frames)]
+    )
+
+
+def closest_m(performances: Sequence[tuple[Actor, Performance]]) -> float:
+    """The least distance between any two bodies at any time, as `least_distance_m` measures it.
+
+    Infinite for one alone. Frames in which boxes about two bodies are farther apart than others
+    have come are not looked into.
+    """
+    skins = [_skin_m(*one) for one in performances]
+    found = float("inf")
+    for one, other in combinations(skins, 2):
+        rows = np.arange(max(len(one), len(other)))
+        first, second = (np.minimum(rows, len(skin) - 1) for skin in (one, other))
+        low, high = (
+            np.stack([f(one, axis=1)[first], f(other, axis=1)[second]]) for f in (np.min, np.max)
+        )
+        gaps = np.maximum(low - high[::-1], 0.0).max(axis=0)
+        apart = np.linalg.norm(gaps, axis=1)
+        for row in np.argsort(apart):
+            if apart[row] >= found:
+                break
+            found = min(found, _nearest_m(one[first[row]], other[second[row]]))
+    return found
+
+
+def _skin_m(actor: Actor, made: Performance) -> FloatArray:
+    """Points ``(F, P, 3)`` of a skin on the plane."""
+    way = made.plane_T_character.reshape(-1, 1)
+    return way.apply(actor.scale * actor.skin_m(made.poses, POINTS))
+
+
+def _nearest_m(one: FloatArray, other: FloatArray) -> float:
+    """Between two clouds ``(P, 3)``; points that cannot be the nearest are left out first."""
+    first = one[np.argmin(_from_box_m(one, other))]
+    second = other[np.argmin(np.linalg.norm(other - first, axis=1))]
+    most = float(np.linalg.norm(one - second, axis=1).min())
+    one = one[_from_box_m(one, other) <= most]
+    other = other[_from_box_m(other, one) <= most]
+    return float(np.sqrt(np.sum((one[:, None] - other) ** 2, axis=-1).min()))
+
+
+def _from_box_m(points: FloatArray, about: FloatArray) -> FloatArray:
+    """Of each point ``(P, 3)`` to the box that holds others."""
+    inside = np.clip(points, about.min(axis=0), about.max(axis=0))
+    return np.asarray(np.linalg.norm(points - inside, axis=1))
 
 
 @dataclass(frozen=True, eq=False)

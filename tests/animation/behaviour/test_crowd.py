@@ -12,6 +12,7 @@ from motorcade.animation.behaviour import (
     Actor,
     Errand,
     Timeline,
+    closest_m,
     gait_between,
     keep_apart,
     least_distance_m,
@@ -91,6 +92,43 @@ def test_skins_are_apart_by_the_gap_at_least(actor):
     apart = min(float(np.linalg.norm(skins[1] - point, axis=1).min()) for point in skins[0])
     assert apart == pytest.approx(told.min(), abs=0.06)
     assert min(apart, told.min()) >= GAP_M
+
+
+def test_the_closest_of_all_is_the_least_of_all_frames_and_pairs(actor):
+    small = replace(actor, name="second", scale=0.6)
+    cast = [
+        (actor, straight((0, 0), (4, 0))),
+        (small, straight((2, -2), (2, 2))),
+        (replace(actor, name="third"), Errand((-2.0, 1.0))),
+    ]
+    made = [perform(Timeline(*one), 1.0, rate_hz=10.0) for one in cast]
+    all_made = [(one[0], poses) for one, poses in zip(cast, made, strict=True)]
+    pairs = ((0, 1), (0, 2), (1, 2))
+    each = [least_distance_m(all_made[a], all_made[b]).min() for a, b in pairs]
+    assert closest_m(all_made) == min(each)
+    assert closest_m(all_made[::2]) == each[1] > min(each)
+    assert closest_m(all_made[:1]) == np.inf
+    points = [
+        who.scale * who.skin_m(poses.poses[5], 700) + poses.plane_T_character[5].translation_m
+        for who, poses in (all_made[0], all_made[2])
+    ]
+    # Neither of them turns: all pairs of points, one by one.
+    assert np.abs(made[0].plane_T_character[5].rotor.coefficients[1:]).max() < 1e-12
+    apart = min(float(np.linalg.norm(points[1] - point, axis=1).min()) for point in points[0])
+    assert least_distance_m(all_made[0], all_made[2])[5] == pytest.approx(apart, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "asked", [straight((0, 0), (1e4, 0)), Errand((0.0, 0.0), waits_s=1e9)], ids=["way", "wait"]
+)
+def test_errands_without_end_are_refused(actor, asked):
+    with pytest.raises(ValueError, match=r"done within 600 s, got .* go a shorter way"):
+        Timeline(actor, asked)
+
+
+def test_a_gait_of_no_clip_is_refused(actor):
+    with pytest.raises(ValueError, match=r"gait_between\(clips\): expected one gait or more"):
+        gait_between([], actor.skeleton, actor.legs)
 
 
 def test_who_cannot_get_there_stays_and_is_named(actor):
