@@ -118,7 +118,11 @@ def is_there(path: Path) -> bool:
     >>> found, record
     (False, {PosixPath('/hero.md5anim'): 'missing'})
     """
-    if path.is_file():
+    try:
+        found = path.is_file()
+    except OSError:  # of a name that is too long
+        found = False
+    if found:
         return True
     _note(path, _state(path))
     return False

@@ -81,7 +81,7 @@ class ClipLayer:
 
 @dataclass(frozen=True, eq=False)
 class Actor:
-    """A character that can follow a errand.
+    """A character that can follow an errand.
 
     Args:
         name: what it is called.
@@ -211,9 +211,11 @@ def gait_between(
             default.
 
     Raises:
-        ValueError: a clip that is no gait, gaits of one speed, or a speed that they do not have;
-            the message says what they have.
+        ValueError: no clip, or one that is no gait, gaits of one speed, or a speed that they do
+            not have; the message says what they have.
     """
+    if not clips:
+        raise ValueError("gait_between(clips): expected one gait or more, got none")
     loops = [on_the_spot(replace(clip, poses=clip.poses.rigid), skeleton, legs) for clip in clips]
     if speed_m_s is None:
         return loops[0]

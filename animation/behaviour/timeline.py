@@ -1,4 +1,4 @@
-"""A errand in time: which state from when to when, and where the character is meanwhile.
+"""An errand in time: which state from when to when, and where the character is meanwhile.
 
 No pose is made here, so that crowds can try many errands. Ways go over into one another by inertia,
 poses do so in `perform`.
@@ -35,6 +35,8 @@ from motorcade.ga.arrays import FloatArray
 
 # How long what one way leaves to the next takes to die away.
 EASED_S = 0.3
+# Errands that take longer are mistaken: a small character on a long way.
+LONGEST_S = 600.0
 
 Way = Still | Along | Turning | Travelling
 
@@ -58,19 +60,25 @@ class Segment:
 
 
 class Timeline:
-    """What a errand makes of an actor.
+    """What an errand makes of an actor.
 
     Args:
         actor: who follows it.
         errand: what it is asked to do.
 
     Raises:
-        ValueError: an act that the actor does not have, or a path for one without a gait.
+        ValueError: an act that the actor does not have, a path for one without a gait, or an errand
+            that takes more than ten minutes.
     """
 
     def __init__(self, actor: Actor, errand: Errand) -> None:
         self.actor, self.errand = actor, errand
         self.segments: tuple[Segment, ...] = self._led_through()
+        if not self.done_s <= LONGEST_S:
+            raise ValueError(
+                f"Errand: expected '{actor.name}' done within {LONGEST_S:g} s, got "
+                f"{self.done_s:.0f} s; wait and do less, or go a shorter way at that height"
+            )
 
     @property
     def done_s(self) -> float:

@@ -23,8 +23,8 @@ from motorcade.animation.vectors import turn_z
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive, frozen
 
-# Samples a metre of the curve on which its length is measured.
-SAMPLES_A_METRE = 200.0
+# Samples a metre of the curve on which its length is measured, and at most from point to point.
+SAMPLES_A_METRE, MOST_SAMPLES = 200.0, 4000
 # Strides are shorter than the cycle's by this factor at most; feet that hold still make up for it.
 SHORTENED = 1.2
 # How far, as a share of the highest joint's height, a foot is from where it stands for good.
@@ -291,7 +291,7 @@ def _catmull_rom(points: FloatArray) -> FloatArray:
 def _piece(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> FloatArray:
     """From b towards c, the end left out (Barry and Goldman's pyramid, knots by root of length)."""
     t = np.cumsum([0.0, *(np.sqrt(np.linalg.norm(y - x)) for x, y in ((a, b), (b, c), (c, d)))])
-    count = max(8, int(np.linalg.norm(c - b) * SAMPLES_A_METRE))
+    count = min(max(8, int(np.linalg.norm(c - b) * SAMPLES_A_METRE)), MOST_SAMPLES)
     s = np.linspace(t[1], t[2], count, endpoint=False)[:, None]
 
     def between(x: FloatArray, y: FloatArray, start: float, end: float) -> FloatArray:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 from dataclasses import replace
-from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -17,10 +16,10 @@ from motorcade.animation.behaviour import (
     Crowd,
     Errand,
     Performance,
+    closest_m,
     foot_slides_m,
     gait_between,
     keep_apart,
-    least_distance_m,
     perform,
 )
 from motorcade.animation.formats import FormatError, read_motion
@@ -60,11 +59,14 @@ def actor_of(member: CastMember, height_m: float) -> Actor:
             member.
     """
     try:
-        character = with_motions(character_named(member.file), member.motions)
+        character = with_motions(_character(member.file), member.motions)
         skeleton = character.skeleton
         legs = tuple(fitted_legs(legs_of(skeleton), character))
         idle = _clip(character, member.idle)
-        acts = {name: Act.of(_clip(character, name), skeleton, legs) for name in member.acts}
+        acts = {
+            name: Act.of(_clip(character, name), skeleton, legs)
+            for name in dict.fromkeys(member.acts)
+        }
         layers = tuple(_layer(character, one) for one in member.layers)
         cycle, speed_m_s = None, 1.0
         if len(member.path_m) > 1:
@@ -104,7 +106,7 @@ def with_motions(character: Character, motions: tuple[Path, ...]) -> Character:
             except ValueError as fault:
                 raise ValueError(
                     f"{file}: '{clip.name}' does not fit the character ({fault})"
-                ) from (fault)
+                ) from fault
             clips.append(replace(made, name=name))
     return replace(character, clips=tuple(clips))
 
@@ -141,8 +143,7 @@ def played(
     for timeline in crowd.timelines:
         lasting = max(min(lasts_s, timeline.done_s + LONGEST_IDLE_S), 0.1)
         made.append(perform(timeline, lasting))
-    pairs = combinations(zip(actors, made, strict=True), 2)
-    apart_m = min((float(least_distance_m(a, b).min()) for a, b in pairs), default=np.inf)
+    apart_m = closest_m(list(zip(actors, made, strict=True)))
     if np.isfinite(apart_m):
         log.info("cast: bodies are %.3g m apart or more", apart_m)
     parts = tuple(
@@ -212,6 +213,14 @@ def _part(
         note,
         max(slides, default=0.0),
     )
+
+
+def _character(file: str) -> Character:
+    """The mannequin or that of a file, whose faults are those of the cast's key."""
+    try:
+        return character_named(file)
+    except ValueError as fault:
+        raise ValueError(f"file: {str(fault).removeprefix('placed.character: ')}") from fault
 
 
 def _clip(character: Character, name: str) -> Clip:

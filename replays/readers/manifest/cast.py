@@ -37,7 +37,7 @@ _CHARACTER = (
     "layers",
 )
 _LAYER = ("clip", "joints", "during", "weight", "additive")
-_FARTHEST_M, _LONGEST_S, _MOST_POINTS = 1e4, 3600.0, 100
+_FARTHEST_M, _LONGEST_S, _MOST_POINTS, _LONGEST_NAME = 1e4, 600.0, 100, 100
 
 
 @dataclass(frozen=True)
@@ -138,8 +138,12 @@ def _member(path: Path, number: int, table: object) -> CastMember:
         return section.texts(key) if key in section else otherwise
 
     file = section.text("file") if "file" in section else MANNEQUIN
+    name = section.text("name") if "name" in section else f"character {number}"
+    if not name.isprintable() or len(name) > _LONGEST_NAME:
+        expected = f"expected up to {_LONGEST_NAME} printable letters"
+        raise section.fault("name", f"{expected}, got {one_line(name)}")
     return CastMember(
-        section.text("name") if "name" in section else f"character {number}",
+        name,
         file if file == MANNEQUIN else str((path.parent / file).absolute()),
         tuple((path.parent / one).absolute() for one in texts("motions")),
         maybe("height_m", 1e-6, _FARTHEST_M),
@@ -160,8 +164,9 @@ def _path(section: Section) -> FloatArray:
     section.only_one("start", "path")
     if "path" not in section:
         start = np.array(section.numbers("start", 2))
-        if len(start) != 2:
-            raise section.fault("start", f"expected [x, y] in metres, got {len(start)} numbers")
+        if len(start) != 2 or np.abs(start).max() > _FARTHEST_M:
+            expected = f"expected [x, y] within {_FARTHEST_M:g} m"
+            raise section.fault("start", f"{expected}, got {one_line(start.tolist())}")
         return start.reshape(1, 2)
     listed = section["path"]
     if not isinstance(listed, list) or not 2 <= len(listed) <= _MOST_POINTS:
@@ -175,7 +180,8 @@ def _path(section: Section) -> FloatArray:
             expected = f"expected points [x, y] within {_FARTHEST_M:g} m"
             raise section.fault("path", f"{expected}, got {one_line(point)}")
         if points and np.hypot(*np.subtract(points[-1], numbers)) < 1e-6:
-            raise section.fault("path", f"expected neighbours apart, got {numbers} twice")
+            place = one_line(list(numbers))
+            raise section.fault("path", f"expected neighbours apart, got {place} twice")
         points.append(numbers)
     return np.array(points)
 
@@ -185,7 +191,8 @@ def _layers(path: Path, number: int, section: Section) -> tuple[LayerAsked, ...]
         return ()
     listed = section["layers"]
     if not isinstance(listed, list) or len(listed) > MOST:
-        raise section.fault("layers", f"expected up to {MOST} [[characters.layers]] tables")
+        expected = f"expected up to {MOST} [[characters.layers]] tables"
+        raise section.fault("layers", f"{expected}, got {one_line(listed)}")
     made = []
     for one in listed:
         layer = Section(path, f"characters {number} layers", one, _LAYER)

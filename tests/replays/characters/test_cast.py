@@ -154,7 +154,12 @@ ONE = "[[characters]]\nstart = [0, 0]\n"
         (ONE + "act = ['wave']\n", "'act': unknown key; did you mean acts"),
         (ONE + "height_m = -1\n", r"\[characters 1\] height_m: expected a number from"),
         (ONE + "acts = 'wave'\n", "expected a list of texts"),
-        ("[[characters]]\nstart = [0]\n", r"expected \[x, y\] in metres, got 1"),
+        ("[[characters]]\nstart = [0]\n", r"start: expected \[x, y\] within 10000 m"),
+        ("[[characters]]\nstart = [1e12, 0]\n", r"start: expected \[x, y\] within 10000 m"),
+        (ONE + 'name = "a\\u202e\\nb"\n', "name: expected up to 100 printable letters, got 'a.*b'"),
+        (ONE + f"name = '{101 * 'a'}'\n", "name: expected up to 100 printable letters"),
+        (ONE + "waits_s = 3600\n", "waits_s: expected a number from 0 to 600"),
+        (ONE + "layers = 'wave'\n", r"tables, got 'wave'"),
         ("[[characters]]\npath = [[0, 0]]\n", "expected 2 to 100 points"),
         ("[[characters]]\npath = [[0, 0], [0, 0]]\n", "expected neighbours apart"),
         ("[[characters]]\npath = [[0, 0], [1]]\n", r"expected points \[x, y\]"),
@@ -176,6 +181,11 @@ def test_what_a_cast_gets_wrong_is_refused_by_table_and_key(
     [
         (ONE + "acts = ['wawe']\n", "cast, 'character 1': no clip 'wawe'.*'wave'"),
         (ONE + "file = 'none.glb'\n", "cast, 'character 1': .*none.glb"),
+        (ONE + f"file = '{900 * 'x'}.glb'\n", "cast, 'character 1': file: expected 'mannequin' or"),
+        (
+            "[[characters]]\npath = [[0, 0], [1, 0]]\ngaits = []\n",
+            r"gait_between\(clips\): expected one gait or more, got none",
+        ),
         (ONE + "motions = ['none.bvh']\n", "cast, 'character 1': .*none.bvh"),
         (
             "[[characters]]\npath = [[0, 0], [1, 0]]\ngaits = ['idle']\n",
