@@ -94,6 +94,8 @@ def body_from(
     at = tree.at[None]
     across, trunk = (one[0] for one in evidence.axes(at))
     four_legged, own_up = _stance(tree, evidence, trunk, up)
+    if not np.any(own_up):  # arms that begin where all begins: sides and up only by names
+        return Body(_by_names(tree, named))
     front = unit(np.cross(across, own_up))
     if four_legged:
         found = {"trunk": float(np.sign(np.cross(across, own_up) @ trunk)) * TOES}
@@ -145,11 +147,13 @@ def _evidence(
     named: Mapping[int, str],
 ) -> Evidence:
     below = [middle["hips"]] if "hips" in middle else [tree.line(_any(legs or arms))[-1]]
+    above = [middle[role] for role in ("neck", "head") if role in middle][:1]
     if legs is not None:
         below = [int(joint) for joint in legs.joints[0]]
-    above = [middle[role] for role in ("neck", "head") if role in middle][:1]
     if arms is not None:
         above = [int(joint) for joint in arms.joints[0]]
+    elif legs is not None and not above:  # of legs alone the trunk goes on as they do
+        below, above = ([int(joint) for joint in legs.joints[part]] for part in (2, 0))
     toes = None if legs is None else _toes(tree, legs, named)
     return Evidence(
         None if legs is None else legs.joints,
@@ -286,7 +290,7 @@ def _roles(
     made: dict[str, int] = {}
     for kind, limbs in (("leg", legs), ("arm", arms)):
         if limbs is None:
-            continue
+            continue  # no two are alike: names tell, below
         toes = _toes(tree, limbs, named) if BEYOND[kind] else None
         for column, side in enumerate(sides):
             for part, row in zip(PARTS[kind], limbs.joints, strict=True):
@@ -300,6 +304,16 @@ def _roles(
                 part = role.partition("_")[2]
                 if part and tree.is_below(joint, below) and joint not in made.values():
                     made.setdefault(f"{side}_{part}", joint)
+    astray = _by_sides(tree, legs, arms) * (1.0 if sides == SIDES else -1.0) < 0.0
+    alone = {
+        part
+        for kind, limbs in (("leg", legs), ("arm", arms))
+        for part in (*PARTS[kind], *BEYOND[kind])
+        if limbs is None
+    }
+    for joint, role in named.items():
+        if role.partition("_")[2] in alone and joint not in made.values():
+            made.setdefault(_other(role) if astray else role, joint)
     return made
 
 

@@ -100,3 +100,39 @@ def test_two_columns_alike_tell_no_front(rng):
     tree = JointTree(random_names(rng, 7), np.array([-1, 0, 1, 2, 0, 4, 5]), at)
     assert body_from(tree, UP).ahead is None
     assert body_from(tree, UP, AHEAD).ahead @ AHEAD == pytest.approx(1.0)
+
+
+def test_legs_alone_tell_up_in_any_lie(rng):
+    """No arms, no names, no word of what is up: legs stand, and toes point ahead."""
+    leg = np.array([[0, 0.1, 0.9], [0.02, 0.1, 0.5], [0, 0.1, 0.1], [0.12, 0.1, 0.0]])
+    at = np.concatenate([[[0, 0, 1.0]], leg, leg * [1, -1, 1], [[0, 0, 1.2]]])
+    parents = np.array([-1, 0, 1, 2, 3, 0, 5, 6, 7, 0])
+    for turn in Rotor.random(rng, (8,)):
+        body = body_from(JointTree(random_names(rng, 10), parents, turn.apply(at)))
+        assert body.up @ turn.apply(UP) > 0.99
+        assert body.ahead @ turn.apply(AHEAD) > 0.99
+        assert body.roles["left_thigh"] == 1
+
+
+@pytest.mark.parametrize("lost", ["left_thigh", "right_upper_arm"])
+@pytest.mark.parametrize("named", ["own", "other"])
+def test_a_limb_without_a_like_goes_by_its_name(skeleton, lost, named):
+    """Of the side on which it is, even where all names tell the sides as a viewer sees them."""
+    roles = body_of(skeleton)
+    tree = JointTree(skeleton.names, skeleton.parents, skeleton.rest_world.translation_m)
+    kept = [k for k in range(len(skeleton)) if not tree.is_below(k, roles[lost])]
+    place = {-1: -1} | {k: number for number, k in enumerate(kept)}
+    names = [skeleton.names[k] for k in kept]
+    if named == "other":
+        swap = {"left": "right", "right": "left", "l": "r", "r": "l"}
+        names = ["_".join(swap.get(word, word) for word in name.split("_")) for name in names]
+        assert names != [skeleton.names[k] for k in kept]
+    parents = np.array([place[int(skeleton.parents[k])] for k in kept])
+    # Feet or arms left over must tell the front against the names: elbows are bent.
+    found = body_from(JointTree(tuple(names), parents, tree.at[kept]), UP, AHEAD, habit=2.0).roles
+    side, _, first = lost.partition("_")
+    parts = LIMBS[:3] if first == "thigh" else LIMBS[5:]
+    other = "right" if side == "left" else "left"
+    for part in parts:
+        assert found[f"{other}_{part}"] == place[roles[f"{other}_{part}"]]
+        assert f"{side}_{part}" not in found
