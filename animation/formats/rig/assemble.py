@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
-from motorcade.animation.formats.errors import NoMeshError
+from motorcade.animation.formats.errors import NoMeshError, expected
 from motorcade.animation.formats.limits import MAX_VALUES, check_count
 from motorcade.animation.formats.rig.binding import Binding
 from motorcade.animation.formats.rig.ground import IN_THE_AIR, Soles, resting, standing_joints_m
@@ -23,6 +23,8 @@ from motorcade.ga import Motor, Similarity
 
 # Of vertices so many are looked at for lost scale, which is told beyond this share of the height.
 VERTICES_SEEN, LOST = 2000, 1e-4
+# What is no larger has no size.
+LEAST_M = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +72,8 @@ def assemble_character(rig: Rig, wanted: Wanted) -> Character:
     stage = Stance.of(rig, wanted)
     binding = stage.bound(rig)
     mesh = bound_mesh(rig.tree, stage.joints, binding, rig.surfaces, stage.world)
+    if float(np.ptp(mesh.vertices, axis=0).max()) <= LEAST_M:
+        raise expected("meshes", "vertices apart", "all at one point, as of nodes of scale 0")
     notices = [*stage.notices, *mesh.notices]
     if rig.clips or any(surface.skin is not None for surface in rig.surfaces):
         notices += _lost(rig, stage, mesh, binding)
@@ -77,7 +81,7 @@ def assemble_character(rig: Rig, wanted: Wanted) -> Character:
     lift = Motor.from_translation((0.0, 0.0, -soles.bound_m))
     skeleton = _skeleton(stage.joints, lift @ binding.world)
     vertices = mesh.vertices - (0.0, 0.0, soles.bound_m)
-    height_m = float(max(vertices[:, 2].max(), 1e-6))
+    height_m = float(max(vertices[:, 2].max(), LEAST_M))
     if not binding.agrees:
         notices.append("its nodes stand in another pose than that in which the mesh was bound")
     lowered_m, notice = soles.ground_m(stage.rest, stage.seen(rig), height_m)
@@ -131,7 +135,7 @@ def assemble_motion(rig: Rig, wanted: Wanted) -> SkeletalMotion:
         world, notice = resting(stage, rig)
         notices += notice
     at = world.translation_m
-    height_m = max(float(np.ptp(at, axis=0).max()), 1e-6)
+    height_m = max(float(np.ptp(at, axis=0).max()), LEAST_M)
     lowest_m = float(at[:, 2].min())
     if lowest_m < 0.0 or lowest_m > IN_THE_AIR * height_m:
         world = Motor.from_translation((0.0, 0.0, -lowest_m)) @ world

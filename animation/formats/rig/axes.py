@@ -31,6 +31,7 @@ UNITS_M = {
     "inch": 0.0254,
     "CMU's 0.0564 m": 0.0254 / 0.45,
     "decimetre": 0.1,
+    "millimetre": 0.001,
 }
 USUAL_HEIGHT_M = 1.7
 PLAUSIBLE_M = (0.05, 20.0)
@@ -157,7 +158,7 @@ def _upward(rig: Rig, joints: Joints, tree: JointTree, places: Places) -> tuple[
             return stated, ""  # the bind pose lies, the figure stands
         return axis, (
             f"the file says that {_axis_name(stated)} is up, but the figure stands along "
-            f"{_axis_name(axis)}: stood up"
+            f"{_axis_name(axis)}: stood up; say another with --up"
         )
     if trunk is not None and places.moving is not None:
         axis, by = _nearest_axis(trunk), "its motion"
@@ -165,7 +166,9 @@ def _upward(rig: Rig, joints: Joints, tree: JointTree, places: Places) -> tuple[
         axis, by = _nearest_axis(body.up), "its limbs"
     else:
         axis, by = _up(joints, tree.at)
-    return axis, f"the file does not say which way is up: {_axis_name(axis)} by {by}"
+    return axis, (
+        f"the file does not say which way is up: {_axis_name(axis)} by {by}; say another with --up"
+    )
 
 
 def _named_front(
@@ -174,7 +177,9 @@ def _named_front(
     """The front by names of toes, or by habit, and a notice."""
     seen = _facing(joints, places, up)
     if seen is None:
-        return usual, f"no toes tell the facing: assumed {_axis_name(usual)}"
+        return usual, (
+            f"no toes tell the facing: assumed {_axis_name(usual)}; say another with --front"
+        )
     if rig.forward is not None and seen @ usual < 0.9:
         return seen, (
             f"its toes point to {_axis_name(seen)} where the format says "
@@ -242,12 +247,15 @@ def _standing(
 
 def guessed_unit_m(height: float) -> tuple[float, str]:
     """The unit that brings a height nearest to that of a grown person, and a notice."""
-    ratios = {
-        name: abs(np.log(max(height, 1e-9) * unit / USUAL_HEIGHT_M))
-        for name, unit in UNITS_M.items()
-    }
-    name = min(ratios, key=lambda unit: float(ratios[unit]))
+    if height <= 0.0:
+        return 1.0, "its unit is not known, and it has no size that tells: taken as metre"
+    name = min(UNITS_M, key=lambda unit: _unlikely(height * UNITS_M[unit]))
     made = height * UNITS_M[name]
+    if not is_plausible(made):
+        return UNITS_M[name], (
+            f"no unit in use makes a figure of a height of {height:.3g}: taken as {name}, which "
+            f"makes it {made:.3g} m large"
+        )
     return UNITS_M[name], (
         f"its unit is not known: taken as {name}, which makes it {made:.2f} m large"
     )
@@ -258,14 +266,20 @@ def nearer_unit_m(height: float, unit_m: float) -> tuple[float, str]:
 
     Files are written in centimetres or millimetres that say metres; else as where none is stated.
     """
-    for name, part in (("centimetre", 0.01), ("millimetre", 0.001), ("hundred metres", 100.0)):
-        made = height * unit_m * part
-        if is_plausible(made):
-            return unit_m * part, (
-                f"its unit is not known, {height * unit_m:.4g} m is no height of a figure: taken "
-                f"as {name}, which makes it {made:.2f} m large"
-            )
-    return guessed_unit_m(height)
+    parts = {"centimetre": 0.01, "millimetre": 0.001, "hundred metres": 100.0}
+    name = min(parts, key=lambda unit: _unlikely(height * unit_m * parts[unit]))
+    made = height * unit_m * parts[name]
+    if not is_plausible(made):
+        return guessed_unit_m(height)
+    return unit_m * parts[name], (
+        f"its unit is not known, {height * unit_m:.4g} m is no height of a figure: taken "
+        f"as {name}, which makes it {made:.2f} m large"
+    )
+
+
+def _unlikely(height_m: float) -> float:
+    """How far a height is from that of a grown person, as a ratio."""
+    return abs(float(np.log(max(height_m, 1e-12) / USUAL_HEIGHT_M)))
 
 
 def is_plausible(height_m: float) -> bool:

@@ -223,7 +223,7 @@ def _unit_m(rig: Rig, axes: Axes, places: Places, given: float | None) -> tuple[
         return given, ""
     # Meshes may lie in units of their own: only where joints do not tell do they count.
     turned = (axes.standing @ axes.turn).apply(places.bound)
-    height = float(np.ptp(turned[:, 2])) or _tallest(rig)
+    height = float(np.ptp(turned[:, 2])) or _tallest(rig) or float(np.ptp(turned, axis=0).max())
     evidence = axes.body.evidence
     if evidence is not None and evidence.legs is not None and not axes.body.four_legged:
         bones = np.diff(places.bound[evidence.legs], axis=0)

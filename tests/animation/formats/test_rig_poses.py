@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from motorcade.animation.formats import FormatError, read_character, read_motion
+from motorcade.animation.formats.rig.axes import guessed_unit_m
 from motorcade.ga import Motor
 from tests.animation.formats import samples
 from tests.animation.formats.samples import Gltf, Write
@@ -143,7 +144,7 @@ def test_toes_between_axes_and_controls_tell_nothing(
     write: Write, step: tuple[float, float, float], toe: str
 ) -> None:
     found = read_motion(write("toes.glb", _walker(step, toe)))
-    assert "no toes tell the facing: assumed +z" in found.notices
+    assert any("no toes tell the facing: assumed +z" in notice for notice in found.notices)
 
 
 @pytest.mark.parametrize(
@@ -197,3 +198,25 @@ def test_joints_mirrored_at_rest_keep_right_handed_frames(write: Write) -> None:
     assert "1 joints are mirrored: their frames stay right-handed" in found.notices
     turns = found.skeleton.rest_world.rotor.as_matrix()
     np.testing.assert_allclose(np.linalg.det(turns), 1.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("unit_m", [1.0, 0.1, 0.0254, 0.01, 0.001])
+@pytest.mark.parametrize("height_m", [1.55, 1.7, 1.9])
+def test_people_tell_the_unit(unit_m: float, height_m: float) -> None:
+    assert guessed_unit_m(height_m / unit_m)[0] == unit_m
+
+
+def test_what_has_neither_limbs_nor_size_says_so(write: Write) -> None:
+    """One joint; and a snake along the ground, as long as it lies."""
+    lines = ["HIERARCHY", "ROOT a {", "OFFSET 0 0 0", "CHANNELS 0"]
+    end = ["End Site {", "OFFSET 0 0 0", "}"]
+    motion = ["MOTION", "Frames: 1", "Frame Time: 1", ""]
+    snake = [word for k in range(19) for word in (f"JOINT b{k} {{", "OFFSET 0 0 20", "CHANNELS 0")]
+    for body, told in (
+        ([*lines, *end, "}"], "it has no size that tells: taken as metre"),
+        ([*lines, *snake, *end, *"}" * 20], "taken as centimetre, which makes it 3.80 m large"),
+    ):
+        found = read_motion(write("odd.bvh", "\n".join([*body, *motion]).encode()))
+        assert any(told in notice for notice in found.notices)
+        for option in ("--up", "--front"):
+            assert any(f"say another with {option}" in notice for notice in found.notices)

@@ -79,6 +79,7 @@ TURNS = {
     "turned about": {"rotation": [0.0, 1.0, 0.0, 0.0]},
     "lying": {"rotation": [-np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)]},
     "in centimetres": {"scale": [100.0] * 3},
+    "in millimetres": {"scale": [1000.0] * 3},
     "above the ground": {"translation": [0.0, 1.0, 0.0]},
 }
 
@@ -92,7 +93,7 @@ def test_a_figure_stands_and_faces_ahead_however_its_file_lies(figure, tmp_path,
     _stands_like(found, figure)
     assert found.height_m == pytest.approx(figure.height_m, rel=1e-3)
     told = " ".join(found.notices)
-    assert ("its unit is not known" in told) == (lie == "in centimetres")
+    assert ("its unit is not known" in told) == lie.startswith("in ")
     assert ("where the format says" in told) == lie.startswith("turned")
 
 
@@ -155,6 +156,16 @@ def test_clips_that_float_are_put_on_the_ground(figure, tmp_path):
     np.testing.assert_allclose(
         own.clips[0].poses.as_matrix()[0], floating[0].poses.as_matrix()[0], atol=1e-5
     )
+
+
+def test_a_figure_of_no_size_is_told(figure, tmp_path):
+    """Under a node of scale 0 no unit helps; a mesh of one point is no mesh."""
+    given = replace(figure, clips=())
+    found = read_character(_written(given, tmp_path / "none.glb", _under(scale=[0.0] * 3)))
+    assert any("no unit in use makes a figure" in notice for notice in found.notices)
+    write_gltf(tmp_path / "point.glb", replace(given, vertices=0.0 * given.vertices))
+    with pytest.raises(FormatError, match="meshes: expected vertices apart"):
+        read_character(tmp_path / "point.glb")
 
 
 def test_callers_may_say_what_is_up_and_ahead(figure, tmp_path):
