@@ -158,7 +158,8 @@ def retarget(
     numbers = {target.index(name): source.index(other) for name, other in pairs.items()}
     if not numbers:
         raise ValueError(
-            "retarget(joints): expected one pair or more, got none: the skeletons share no names"
+            "retarget(joints): expected one pair or more, got none: the skeletons share neither "
+            "limbs nor names; joints={target's: source's} pairs what is alike"
         )
     source_world = source.world(clip.poses.rigid)
     carrier, hips = _carrier(target), _carrier(source)

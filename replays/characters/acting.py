@@ -59,7 +59,7 @@ def clip_named(character: Character, name: str) -> Clip:
     """One of the character's clips, or else the mannequin's of that name, retargeted.
 
     Raises:
-        ValueError: neither has such a clip, or the joints are not told by their names; the message
+        ValueError: neither has such a clip, or the joints do not tell a figure; the message
             names the knob.
     """
     if any(clip.name == name for clip in character.clips):
@@ -116,8 +116,7 @@ def walked(
     """A clip that walks a path with planted feet, from standing to standing, and idles there.
 
     It stands as the clip named idle begins, its own or the mannequin's (an animal as it rests), and
-    idles on for as long as
-    is asked, but for two minutes at most; after that it stands still.
+    idles on for as long as is asked, but for two minutes at most; after that it stands still.
 
     Args:
         character: who walks; whose legs are told.
@@ -131,7 +130,7 @@ def walked(
         poses in the frame of the placed character, at the character's own size.
 
     Raises:
-        ValueError: a clip that is no cycle, or legs that names do not tell.
+        ValueError: a clip that is no cycle, or no legs.
     """
     skeleton = character.skeleton
     legs = fitted_legs(legs_of(skeleton), character)

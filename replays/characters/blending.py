@@ -21,9 +21,7 @@ from motorcade.animation.blend import (
 from motorcade.animation.formats import read_character, read_motion, write_gltf
 from motorcade.animation.ik import fitted_legs
 from motorcade.animation.retarget import legs_of, retarget
-
-# Words by which feet are found among names of joints, ends of legs before toes.
-FEET = ("foot", "ankle", "toe")
+from motorcade.animation.skeleton import Skeleton
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +70,7 @@ def character_with(
 
     Raises:
         FormatError: a file that cannot be read.
-        ValueError: skeletons that share no names, or clips of one name.
+        ValueError: skeletons of which no joints pair, or clips of one name.
     """
     character = read_character(path, up=up, front=front)
     clips, notices = list(character.clips), list(character.notices)
@@ -97,7 +95,7 @@ def blend_character(
     """Blend two of a character's clips on the spot.
 
     What a clip travels is taken out first. Two clips that then close are cycles, and are blended
-    in phase, feet matched where joints have names of feet; others are blended by the clock.
+    in phase, feet matched where there are legs that move in both; others are blended by the clock.
 
     Raises:
         ValueError: no such clip, a weight outside 0 to 1, a rate that is not positive.
@@ -109,8 +107,7 @@ def blend_character(
     in_phase = cycles[0] is not None and cycles[1] is not None
     if cycles[0] is not None and cycles[1] is not None:
         first, second = cycles[0], cycles[1]
-        feet = _feet(skeleton.names)
-        offset = phase_between(first, second, skeleton, feet) if feet else 0.0
+        offset = _offset(first, second, skeleton)
     made = blend_clips(
         first, second, weight, method, in_phase=in_phase, offset=offset, rate_hz=rate_hz
     )
@@ -152,10 +149,10 @@ def _cycle(clip: Clip) -> Clip | None:
         return None
 
 
-def _feet(names: Sequence[str]) -> list[str]:
-    """The joints of the first word that names at least two of them."""
-    for word in FEET:
-        found = [name for name in names if word in name.lower()]
-        if len(found) > 1:
-            return found[:2]
-    return []
+def _offset(first: Clip, second: Clip, skeleton: Skeleton) -> float:
+    """The phase of the second cycle that is like the first's start; 0 where no feet tell."""
+    feet = [leg.ankle for leg in legs_of(skeleton)]
+    try:
+        return phase_between(first, second, skeleton, feet) if feet else 0.0
+    except ValueError:  # feet that stand still all the time have no phase
+        return 0.0

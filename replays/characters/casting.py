@@ -248,7 +248,7 @@ def _mask(skeleton: Skeleton, joints: str) -> FloatArray:
     body, mask = body_of(skeleton), np.zeros(len(skeleton))
     first = next((body[role] for role in _FROM[joints] if role in body), None)
     if first is None:
-        raise ValueError(f"layers: the names of its joints do not tell '{joints}'")
+        raise ValueError(f"layers: its joints do not tell '{joints}'")
     mask[first] = 1.0
     for joint, parent in enumerate(skeleton.parents):
         if parent >= 0 and mask[parent] > 0.0:

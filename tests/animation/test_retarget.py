@@ -91,7 +91,7 @@ def test_names_are_alike_across_exporters_and_the_rest_stays_at_rest(source, cli
 
 def test_refusals(source, clip):
     strange = Skeleton(("a",), np.array([-1]), Motor.identity((1,)))
-    with pytest.raises(ValueError, match="the skeletons share no names"):
+    with pytest.raises(ValueError, match="the skeletons share neither limbs nor names"):
         retarget(clip, source, strange)
     with pytest.raises(ValueError, match="expected one of its joints, got 'Tail'"):
         retarget(clip, source, source, {"Tail": "Hips"})

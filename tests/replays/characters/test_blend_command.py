@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from motorcade.animation import mannequin
+from motorcade.animation import Clip, Skeleton, mannequin
 from motorcade.animation.formats import read_character, write_gltf
+from motorcade.ga import Motor
 from motorcade.replays.characters.blending import blend_character, character_with, write_blend
 from motorcade.replays.cli.main import main
 
@@ -37,6 +39,30 @@ def test_a_blend_written_as_gltf_moves_as_it_was_blended(figure, tmp_path, capsy
         character.skeleton.world(clip.at(times)).translation_m for clip in (back, blend.clip)
     )
     np.testing.assert_allclose(found, expected, atol=1e-5)
+
+
+def test_feet_that_stand_still_have_no_phase(figure):
+    """A pose held as a cycle blends with a walk, which keeps its own phase."""
+    character = read_character(figure)
+    held = Clip(
+        "held",
+        np.array([0.0, 1.0]),
+        Motor(np.repeat(character.skeleton.rest.coefficients[None], 2, axis=0)),
+        looped=True,
+    )
+    character = replace(character, clips=(*character.clips, held))
+    blend = blend_character(character, ("walk", "held"), 0.5)
+    assert blend.in_phase
+    assert blend.offset == 0.0
+
+
+def test_names_of_feet_do_not_matter_to_the_phase(figure):
+    character = read_character(figure)
+    skeleton = character.skeleton
+    names = tuple(f"joint{k}" for k in range(len(skeleton)))
+    other = replace(character, skeleton=Skeleton(names, skeleton.parents, skeleton.rest))
+    offsets = [blend_character(who, ("walk", "run"), 0.5).offset for who in (character, other)]
+    assert offsets[0] == offsets[1] != 0.0
 
 
 def test_motions_of_another_file_are_retargeted(figure):
