@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import permutations, product
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -10,6 +12,18 @@ from motorcade.ga.arrays import FloatArray, frozen
 
 UP = frozen(np.array([0.0, 0.0, 1.0]))
 """Of characters and worlds."""
+
+# All turns that take the axes to axes.
+_QUARTERS = Rotor.from_matrix(
+    np.array(
+        [
+            m
+            for order in permutations(range(3))
+            for signs in product((1.0, -1.0), repeat=3)
+            if np.linalg.det(m := np.eye(3)[list(order)] * signs) > 0.0
+        ]
+    )
+)
 
 
 def length(vectors: FloatArray) -> FloatArray:
@@ -49,6 +63,11 @@ def axes_along(ahead: FloatArray, towards: FloatArray) -> Rotor:
     x = unit(ahead)
     z = unit(np.cross(x, towards))
     return Rotor.from_matrix(np.stack([x, np.cross(z, x), z], axis=-1))
+
+
+def along_axes(rotor: Rotor) -> Rotor:
+    """The nearest turn that takes the axes to axes."""
+    return _QUARTERS[int(np.argmin((_QUARTERS.inverse() @ rotor).angle()))]
 
 
 def turn_x(angle_rad: ArrayLike) -> Rotor:

@@ -27,9 +27,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.animation.anatomy.words import SIDES
-from motorcade.animation.retarget.roles import LIMBS, NO_BONE_M, Match, along_axes, body_of
+from motorcade.animation.retarget.roles import LIMBS, NO_BONE_M, Match, body_of
 from motorcade.animation.skeleton import Skeleton
-from motorcade.animation.vectors import UP, axes_along, shortest_turn, turn_z, unit
+from motorcade.animation.vectors import UP, along_axes, axes_along, shortest_turn, turn_z, unit
 from motorcade.ga import Rotor, mean
 from motorcade.ga.arrays import FloatArray
 

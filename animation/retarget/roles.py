@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from itertools import permutations, product
+from itertools import product
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from motorcade.animation.anatomy.words import SIDES
 from motorcade.animation.ik import Leg
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import UP
-from motorcade.ga import Motor, Rotor
+from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 
 AHEAD = np.array([1.0, 0.0, 0.0])
@@ -163,17 +163,6 @@ SAME_BONE_RAD, SAME_SHARE = np.radians(4.0), 0.85
 # A rest to compare by: limbs of both sides mirrored, thighs hanging, within these angles.
 MIRRORED_RAD, HANGING_RAD = np.radians(12.0), np.radians(35.0)
 LIMBS = (("thigh", "calf", "foot"), ("upper_arm", "forearm", "hand"))
-# All turns that take the axes to axes.
-AXES = Rotor.from_matrix(
-    np.array(
-        [
-            m
-            for order in permutations(range(3))
-            for signs in product((1.0, -1.0), repeat=3)
-            if np.linalg.det(m := np.eye(3)[list(order)] * signs) > 0.0
-        ]
-    )
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,8 +236,3 @@ class Match:
 def angle_rad(a: FloatArray, b: FloatArray) -> float:
     """Between two vectors ``(3,)``."""
     return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
-
-
-def along_axes(rotor: Rotor) -> Rotor:
-    """The nearest turn that takes the axes to axes."""
-    return AXES[int(np.argmin((AXES.inverse() @ rotor).angle()))]

@@ -24,7 +24,6 @@ from motorcade.animation.retarget.roles import (
     LIMBS,
     NO_BONE_M,
     Match,
-    along_axes,
     ancestors,
     body_of,
     common_parent,
@@ -33,7 +32,7 @@ from motorcade.animation.retarget.roles import (
     legs_of,
 )
 from motorcade.animation.skeleton import Skeleton, with_joint
-from motorcade.animation.vectors import UP, shortest_turn
+from motorcade.animation.vectors import UP, along_axes, shortest_turn
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 

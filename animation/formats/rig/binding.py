@@ -20,12 +20,14 @@ from motorcade.animation.formats.rig.joints import JointPoses, Joints
 from motorcade.animation.formats.rig.transforms import Transforms, scaled_matrices
 from motorcade.animation.formats.rig.values import RigSurface, Skin
 from motorcade.animation.skeleton import Skeleton
-from motorcade.animation.vectors import box_corners
+from motorcade.animation.vectors import along_axes, box_corners
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 
 # Placings that differ by less, as a share of the mesh's size, are one.
 AGREEING = 1e-3
+# A mesh whose axes lie nearer than this to those of the file is taken to lie along them.
+UPRIGHT_COSINE = np.cos(np.radians(44.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,8 +129,8 @@ def _upright(
     mean = np.einsum("m,mij->ij", mass, turns)
     u, _, vt = np.linalg.svd(mean)
     turn = u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))]) @ vt
-    quarter = np.round(turn)
-    if abs(np.linalg.det(quarter) - 1.0) < 1e-9 and np.abs(quarter).sum() == 3.0:
+    quarter = along_axes(Rotor.from_matrix(turn)).as_matrix()
+    if np.diagonal(quarter.T @ turn).min() > UPRIGHT_COSINE:
         turn = quarter
     made = np.eye(4)
     made[:3, :3] = scale * turn

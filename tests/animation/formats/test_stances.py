@@ -21,7 +21,7 @@ LIMBS = ("thigh", "calf", "foot", "upper_arm", "forearm", "hand")
 
 @pytest.fixture(scope="module")
 def figure():
-    return mannequin(triangles=6000)
+    return mannequin()
 
 
 def _written(figure, path: Path, change) -> Path:
