@@ -21,13 +21,15 @@ from motorcade.animation.place.walks import rigid
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_z
 from motorcade.ga import Motor
-from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive, frozen
 
 # Samples of a blended cycle, and moments of a clip at which a body's reach is looked for.
 SAMPLES, MOMENTS = 97, 16
 # A clip that begins farther than this from the character's own place or front is moved there: in
 # heights, and in radians.
 ASIDE, ASKEW_RAD = 0.1, np.deg2rad(15.0)
+# When a layer may lie over the rest.
+LASTING = ("walk", "idle", "act", "always")
 # Heights of persons, for whom accelerations are told.
 PERSON_M = 1.75
 # A cycle's own speed, and a wish for it, may differ by so much.
@@ -71,12 +73,27 @@ class ClipLayer:
         mask: ``(J,)`` its share of every joint, 0 to 1.
         during: "walk", "idle", "act", or "always".
         additive: whether it is added, as the difference to its own first pose.
+
+    Raises:
+        ValueError: another word, or a mask of another shape or outside 0 to 1.
     """
 
     clip: Clip
     mask: FloatArray
     during: str = "walk"
     additive: bool = False
+
+    def __post_init__(self) -> None:
+        if self.during not in LASTING:
+            raise ValueError(
+                f"ClipLayer.during: expected one of {', '.join(LASTING)}, got {self.during!r}"
+            )
+        mask, joints = checked_floats(self.mask, "ClipLayer.mask", ()), self.clip.poses.shape[-1]
+        if mask.shape != (joints,) or np.any(mask < 0.0) or np.any(mask > 1.0):
+            raise ValueError(
+                f"ClipLayer.mask: expected {joints} shares from 0 to 1, got {self.mask!r}"
+            )
+        object.__setattr__(self, "mask", frozen(mask))
 
 
 @dataclass(frozen=True, eq=False)

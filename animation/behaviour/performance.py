@@ -65,7 +65,7 @@ def perform(timeline: Timeline, lasts_s: float, rate_hz: float = 60.0) -> Perfor
 
     Args:
         timeline: of an actor and its errand.
-        lasts_s: until when; what is begun by then is done to its end.
+        lasts_s: until when, or until all of the errand is done where that is later.
         rate_hz: frames a second.
 
     Raises:

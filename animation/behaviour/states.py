@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from motorcade.ga.arrays import FloatArray, checked_floats, frozen
+from motorcade.ga.arrays import FloatArray, checked_floats, checked_number, frozen
 
 State = Literal["idle", "turn", "walk", "arrive", "act"]
 """What a character does at a time; `FOLLOWS` says what may come next."""
@@ -49,6 +49,7 @@ class Errand:
     Raises:
         ValueError: numbers that are not finite, one point alone, a path that begins elsewhere, or
             a negative time.
+        TypeError: an angle or a time that is no number.
 
     >>> from motorcade.animation.behaviour import Errand
     >>> Errand((0.0, 0.0), path_m=[(0.0, 0.0), (1.0, 0.5)], acts=("wave",)).acts
@@ -74,7 +75,7 @@ class Errand:
             raise ValueError(f"Errand.path_m: expected to begin at {start}, got {path[0]}")
         for name in ("heading_rad", "facing_rad", "waits_s"):
             value = getattr(self, name)
-            if value is not None and not np.isfinite(value):
+            if value is not None and not np.isfinite(checked_number(value, f"Errand.{name}")):
                 raise ValueError(f"Errand.{name}: expected a finite number, got {value}")
         if self.waits_s < 0.0:
             raise ValueError(f"Errand.waits_s: expected 0 or more seconds, got {self.waits_s}")

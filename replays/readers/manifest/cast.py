@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from motorcade.animation.behaviour.actor import LASTING
 from motorcade.animation.behaviour.crowd import MOST
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.errors import one_line
@@ -18,7 +19,6 @@ from motorcade.replays.readers.manifest.section import FILE_KNOBS, Section, load
 
 MANNEQUIN, NOBODY = FILE_KNOBS["placed.character"], FILE_KNOBS["placed.cast"]
 MASKS = ("whole", "upper", "left_arm", "right_arm", "head")
-DURING = ("walk", "idle", "act", "always")
 _TOP = ("gap_m", "characters")
 _CHARACTER = (
     "name",
@@ -205,7 +205,7 @@ def _layers(path: Path, number: int, section: Section) -> tuple[LayerAsked, ...]
             LayerAsked(
                 layer.text("clip"),
                 layer.text("joints", MASKS) if "joints" in layer else "upper",
-                layer.text("during", DURING) if "during" in layer else "walk",
+                layer.text("during", LASTING) if "during" in layer else "walk",
                 layer.number("weight", 0.0, 1.0) if "weight" in layer else 1.0,
                 additive,
             )

@@ -10,6 +10,7 @@ import pytest
 from motorcade.animation import legs_of, mannequin
 from motorcade.animation.behaviour import (
     Actor,
+    ClipLayer,
     Errand,
     Timeline,
     closest_m,
@@ -124,6 +125,20 @@ def test_the_closest_of_all_is_the_least_of_all_frames_and_pairs(actor):
 def test_errands_without_end_are_refused(actor, asked):
     with pytest.raises(ValueError, match=r"done within 600 s, got .* go a shorter way"):
         Timeline(actor, asked)
+
+
+def test_layers_and_errands_of_no_meaning_are_refused(actor):
+    clip, mask = actor.idle, np.ones(len(actor.skeleton))
+    for made, message in (
+        (lambda: ClipLayer(clip, mask, "wlak"), r"during: expected one of walk, .*'wlak'"),
+        (lambda: ClipLayer(clip, mask[:-1]), r"mask: expected \d+ shares from 0 to 1"),
+        (lambda: ClipLayer(clip, 2.0 * mask), r"mask: expected \d+ shares from 0 to 1"),
+        (lambda: ClipLayer(clip, np.nan * mask), r"mask: expected finite numbers"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            made()
+    with pytest.raises(TypeError, match=r"Errand.facing_rad: expected a number, got str"):
+        Errand((0.0, 0.0), facing_rad="north")
 
 
 def test_a_gait_of_no_clip_is_refused(actor):
