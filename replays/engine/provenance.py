@@ -31,6 +31,9 @@ from typing import Any
 OURS = "motorcade"
 TEXTS = {".html", ".css", ".js", ".jinja", ".vert", ".frag", ".glsl"}
 _A_PACKAGE = re.compile(rf"({OURS}(\.\w+)*)\.")
+# Source that may hold the start of a template of module names, be it joined of several strings.
+_A_TEMPLATE = re.compile(rf"""["']{OURS}(\.\w+)*\.["'{{]""")
+_STATEMENTS = (ast.stmt, ast.excepthandler, ast.match_case)
 
 
 @dataclass(frozen=True)
@@ -116,22 +119,32 @@ class _Use:
 @functools.cache
 def _uses(module: str) -> frozenset[_Use]:
     """What stands in import statements of a module, and of a face's `__init__.pyi`."""
-    return frozenset(use for tree in _trees(module) for use in _imports(tree, module))
+    found: set[_Use] = set()
+    for text in _sources(module):
+        # Expressions are most of a tree: they are looked at where one may name modules.
+        parts = (ast.AST,) if _A_TEMPLATE.search(text) else _STATEMENTS
+        found.update(_imports(ast.parse(text), module, parts))
+    return frozenset(found)
 
 
 @functools.cache
-def _trees(module: str) -> tuple[ast.Module, ...]:
+def _trees(package: str) -> tuple[ast.Module, ...]:
+    """What a package's face says, and its stub; trees of all modules would be much to keep."""
+    return tuple(ast.parse(text) for text in _sources(package))
+
+
+def _sources(module: str) -> list[str]:
     """Source of a module, and the stub where that lists what the module loads lazily."""
     origin = _origin(module)
     if origin.suffix != ".py":
-        return ()
+        return []
     stub = origin.with_suffix(".pyi")
     files = (origin, stub) if origin.name == "__init__.py" and stub.is_file() else (origin,)
-    return tuple(ast.parse(file.read_text(encoding="utf-8")) for file in files)
+    return [file.read_text(encoding="utf-8") for file in files]
 
 
-def _imports(tree: ast.Module, module: str) -> Iterator[_Use]:
-    for node in _running(tree):
+def _imports(tree: ast.Module, module: str, parts: tuple[type[ast.AST], ...]) -> Iterator[_Use]:
+    for node in _running(tree, parts):
         if isinstance(node, ast.Import):
             yield from (_Use(alias.name) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -141,8 +154,8 @@ def _imports(tree: ast.Module, module: str) -> Iterator[_Use]:
             yield from map(_Use, _modules_of_template(node))
 
 
-def _running(tree: ast.AST) -> Iterator[ast.AST]:
-    """All nodes but those that only type checkers see."""
+def _running(tree: ast.AST, parts: tuple[type[ast.AST], ...] = _STATEMENTS) -> Iterator[ast.AST]:
+    """All nodes of some kinds but those that only type checkers see."""
     waiting = [tree]
     while waiting:
         node = waiting.pop()
@@ -150,7 +163,7 @@ def _running(tree: ast.AST) -> Iterator[ast.AST]:
             waiting.extend(node.orelse)
             continue
         yield node
-        waiting.extend(ast.iter_child_nodes(node))
+        waiting.extend(one for one in ast.iter_child_nodes(node) if isinstance(one, parts))
 
 
 def _source(node: ast.ImportFrom, module: str) -> str:

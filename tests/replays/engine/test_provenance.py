@@ -198,7 +198,7 @@ def test_the_digest_changes_with_templates_and_shaders_beside_the_modules(
     assert {"template.html", "style.css", "script.js"} <= {path.name for path in seen}
     seen.clear()
     code_digest(overlay)
-    assert "surface.frag" in {path.name for path in seen}
+    assert "shaded.frag" in {path.name for path in seen}
     before = code_digest(report)
     monkeypatch.setattr(provenance, "_texts", lambda folder: frozenset())
     assert code_digest(report) != before
