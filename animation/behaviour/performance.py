@@ -240,6 +240,7 @@ def _stepping(
     actor, half = timeline.actor, 0.5 * SWITCH_S
     own = Motor.from_rotor_translation(way.rotor, way.translation_m / actor.scale)
     world = own.reshape(-1, 1) @ actor.skeleton.world(poses)
+    changed = poses.coefficients.copy()
     for before, now in pairwise(timeline.segments):
         if "act" not in (before.state, now.state) or now.start_s + SWITCH_S > time_s[-1]:
             continue
@@ -257,17 +258,15 @@ def _stepping(
             rows = np.flatnonzero(through >= 0.0) + start
             share = smootherstep(through[through >= 0.0])[:, None]
             places = ankle[rows[0]] + share * (ankle[end] - ankle[rows[0]])
-            changed = poses.coefficients.copy()
             stepped = lifted(
                 actor.skeleton,
-                poses[rows],
+                Motor(changed[rows]),
                 leg,
                 np.clip(through[through >= 0.0], 0.0, 1.0),
                 own[rows].inverse().apply(places),
             )
             changed[rows] = stepped.coefficients
-            poses = Motor(changed)
-    return poses
+    return Motor(changed)
 
 
 def _near_m(actor: Actor) -> float:
