@@ -125,7 +125,8 @@ def axes_of(
     if front is not None and abs(float(front @ upward)) < CLEAR_COSINE:
         ahead = front
     elif front is not None:
-        raise expected("front", f"an axis across {_axis_name(upward)}, which is up", front)
+        across = f"an axis across {_axis_name(upward)}, which is up"
+        raise expected("front", across, _axis_name(front))
     elif body.up is None or body.evidence is None:
         ahead, told = _named_front(rig, joints, places.bound, upward, usual)
         notices += [told] if told else []
