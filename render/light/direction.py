@@ -29,9 +29,11 @@ ELEVATIONS_RAD = np.deg2rad([15.0, 75.0])
 SELDOM = 0.1
 SHADOW_RAD, SLOPE_RAD = np.deg2rad(20.0), np.deg2rad(35.0)
 WRONG = 0.25
-"""Of shadows and slopes: so many are something else, and say nothing."""
+"""Of shadows, slopes and faces: so many are something else, and say nothing."""
 PAPERS, FEWEST_FACES = 0.25, 5
 """Papers differ in what they reflect, and the light differs from face to face, by this share."""
+LIGHTS = 20
+"""Strengths of ambient light and of the lamp that faces are weighed by."""
 SLOPED = 0.15
 """Change of light over a print's half, as a share: less is vignetting and bounced light."""
 
@@ -136,19 +138,22 @@ def _several(normals: FloatArray) -> bool:
 
 
 def _by_faces(sky: FloatArray, normals: FloatArray, falling: FloatArray) -> FloatArray:
-    """Likelihood of each direction (N,) by ambient and one lamp, neither below zero."""
+    """Likelihood of each direction (N,), over all ambient light and lamps, neither below zero.
+
+    A face may be something else: in a shadow, or so small that its paper and ink blur.
+    """
     facing = np.maximum(sky @ normals.T, 0.0)
-    count = facing.shape[1]
-    mean_f, mean_l = facing.mean(axis=1), float(falling.mean())
-    spread = (facing**2).mean(axis=1) - mean_f**2
-    sun = np.maximum((facing @ falling / count - mean_f * mean_l) / np.maximum(spread, 1e-9), 0.0)
-    ambient = mean_l - sun * mean_f
-    below = ambient < 0.0
-    sun = np.where(below, facing @ falling / np.maximum((facing**2).sum(axis=1), 1e-9), sun)
-    ambient = np.where(below, 0.0, ambient)
-    left = falling - ambient[:, None] - sun[:, None] * facing
-    chi = np.sum((left / (PAPERS * mean_l)) ** 2, axis=1)
-    return np.asarray(np.exp(-0.5 * (chi - chi.min())))
+    most = 2.0 * float(falling.max())
+    lights = (np.arange(LIGHTS) + 0.5) / LIGHTS * most
+    total = np.zeros(len(sky))
+    for ambient in lights:
+        for lamp in lights:
+            expected = ambient + lamp * facing
+            spread = PAPERS * expected
+            like = np.exp(-0.5 * ((falling - expected) / spread) ** 2)
+            like *= (1.0 - WRONG) / (np.sqrt(2.0 * np.pi) * spread)
+            total += np.prod(most * like + WRONG, axis=1)
+    return np.asarray(total / total.max())
 
 
 def _slope(ground: GroundMap) -> FloatArray | None:

@@ -103,21 +103,29 @@ def test_exposure_is_what_the_ground_shows(gain: float) -> None:
     assert meter.gain(overexposed, camera, down) == pytest.approx(gain, rel=0.02)
 
 
+@pytest.mark.parametrize("hidden", range(12))
+def test_one_face_in_a_shadow_does_not_turn_the_light(
+    rng: np.random.Generator, hidden: int
+) -> None:
+    """Light on faces computed by hand, of which one, whichever, gets almost none."""
+    normals = rng.normal(size=(12, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    lamp = np.array([0.48, -0.6, 0.64])
+    falling = 0.3 + 0.6 * np.maximum(normals @ lamp, 0.0)
+    falling[hidden] = 0.1
+    found = light_direction(None, [], normals, falling, UP)
+    assert found.towards is None or np.arccos(found.towards @ lamp) < 2.0 * found.doubt_rad
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("opengl")
-@pytest.mark.parametrize(
-    "room",
-    [
-        FIVE[2],
-        pytest.param(FIVE[3], marks=pytest.mark.xfail(reason="small markers lose light to blur")),
-        FIVE[4],
-    ],
-    ids=["bright", "faces", "no sun"],
-)
-def test_a_rooms_light_is_found_or_said_to_be_unknown(room: Room) -> None:
+@pytest.mark.parametrize("room", FIVE, ids=lambda room: f"room {room.seed}")
+def test_a_rooms_light_lies_within_its_doubt_or_is_said_to_be_unknown(room: Room) -> None:
     found = found_in(draw_room(room))
     if room.share == 0.0:
         assert found.towards is None
-    else:
-        assert off_deg(room, found) < 25.0
+    elif found.towards is not None:
+        assert off_deg(room, found) < 2.5 * np.rad2deg(found.doubt_rad)
         assert found.darkening is None or abs(found.darkening - room.share) < 0.2
+    if room == FIVE[2]:  # bright, with five things that throw shadows: no excuse to know nothing
+        assert off_deg(room, found) < 25.0
