@@ -108,6 +108,8 @@ def closest_m(performances: Sequence[tuple[Actor, Performance]]) -> float:
     Infinite for one alone. Frames in which boxes about two bodies are farther apart than others
     have come are not looked into.
     """
+    if len(performances) < 2:
+        return float("inf")
     skins = [_skin_m(*one) for one in performances]
     found = float("inf")
     for one, other in combinations(skins, 2):
