@@ -236,10 +236,11 @@ def darken(frame: ImageArray, shade: FloatArray) -> ImageArray:
         (h, w, 3) uint8, a new array.
     """
     result = frame.copy()
-    pixels = result.reshape(-1, 3)
-    touched = np.flatnonzero(shade > 0.0)
-    lost = np.rint((SHADES - 1.0) * np.minimum(shade.ravel()[touched], 1.0)).astype(np.intp)
-    pixels[touched] = np.take(_darkened(), 256 * lost[:, None] + pixels[touched])
+    part = _extent(shade > 0.0)
+    lost = np.rint((SHADES - 1.0) * np.clip(shade[part], 0.0, 1.0)).astype(np.intp)
+    first, table = 256 * lost, _darkened().ravel()
+    for k in range(3):  # a channel at once is half of what all three at once take
+        result[part][..., k] = np.take(table, first + frame[part][..., k])
     return result
 
 
