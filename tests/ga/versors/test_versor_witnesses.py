@@ -46,8 +46,11 @@ class Conformal:
         return self.origin + vector + 0.5 * float(x @ x) * self.infinity
 
     def coordinates(self, point: Any) -> np.ndarray:
-        weight = -float((point | self.infinity).value[0])
-        return np.array([float((point | e).value[0]) / weight for e in (self.e1, self.e2, self.e3)])
+        """Of a point of weight one, which is not divided by: far away it has lost its digits."""
+        return np.array([float((point | e).value[0]) for e in (self.e1, self.e2, self.e3)])
+
+    def weight(self, point: Any) -> float:
+        return -float((point | self.infinity).value[0])
 
     def exp(self, bivector: Any) -> Any:
         term = total = 1.0 + 0.0 * bivector
@@ -70,9 +73,11 @@ def test_infinity_and_origin_follow_the_convention(conformal: Conformal) -> None
 def test_sandwich_product_in_cl41_is_apply(motors: Motor, conformal: Conformal) -> None:
     one = motors.reshape(-1)[0]
     versor, x = conformal.motor(one.coefficients), np.array([0.3, -1.2, 0.7])
-    moved = conformal.coordinates(versor * conformal.point(x) * ~versor)
+    sandwich = versor * conformal.point(x) * ~versor
+    moved = conformal.coordinates(sandwich)
     scale = max(1.0, float(np.max(np.abs(moved))))
     # A point at distance d carries d², so the witness itself loses digits far away.
+    assert abs(conformal.weight(sandwich) - 1.0) < 1e-15 * scale**2
     np.testing.assert_allclose(one.apply(x), moved, rtol=0, atol=1e-14 * scale**2)
 
 
