@@ -36,15 +36,14 @@ from motorcade.replays.readers.manifest.inertial import IMU_KEYS, section_imu
 from motorcade.replays.readers.manifest.section import (
     CAMERA_KEYS,
     MARKERS_KEYS,
-    SLAM_KEYS,
     Section,
     load_toml,
     section_board,
     section_camera,
     section_markers,
-    section_slam,
     setting_from,
 )
+from motorcade.replays.readers.manifest.slam import SLAM_KEYS, section_slam
 from motorcade.replays.readers.manifest.truth import TRUTH_KEYS, read_truth
 from motorcade.replays.readers.tables import UNITS
 from motorcade.replays.recording import FrameSequence, Recording

@@ -1,6 +1,6 @@
 """Tables of a TOML manifest, read strictly: unknown keys, wrong types and ranges are refused.
 
-A `Section` is any of them; from those of a board, a camera, loose markers and SLAM values are made,
+A `Section` is any of them; from those of a board, a camera and loose markers values are made,
 also where one stands in a file of its own or on the command line.
 """
 
@@ -32,7 +32,6 @@ from motorcade.tracking.boards import (
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers import FAMILIES
 from motorcade.tracking.markers.marker_map import MarkerMap
-from motorcade.tracking.slam import MapSnapshot
 
 TOML_LIMIT = 2**16
 _WHOLE_LIMIT = 1_000_000
@@ -336,24 +335,3 @@ def section_markers(section: Section, file: Callable[[Section, str], Path]) -> L
             raise section.fault("map_file", str(fault)) from fault
     family = section.text("family", tuple(FAMILIES))
     return LooseMarkers(family, section.number("side_m", 1e-6, 1e3), known)
-
-
-SLAM_KEYS = ("map_file",)
-
-
-def section_slam(section: Section, file: Callable[[Section, str], Path]) -> MapSnapshot:
-    """Read the map that a manifest's table names.
-
-    Args:
-        section: the table.
-        file: the file that a key of the table names.
-
-    Raises:
-        RecordingError: naming table and key.
-    """
-    try:
-        return MapSnapshot.load(file(section, "map_file"))
-    except RecordingError:
-        raise
-    except (ValueError, OSError) as fault:
-        raise section.fault("map_file", str(fault)) from fault

@@ -20,7 +20,7 @@ from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.files.trajectories import write_trajectory
 from motorcade.replays.inspection import describe
 from motorcade.replays.pipeline import pipeline_graph
-from motorcade.replays.readers.manifest import reading, section, truth
+from motorcade.replays.readers.manifest import reading, section, slam, truth
 from motorcade.replays.readers.opening import open_recording
 from motorcade.tracking.markers import FAMILIES
 from motorcade.tracking.markers.marker_map import MarkerMap
@@ -45,7 +45,7 @@ KEYS: dict[str, tuple[str, ...]] = {
     "stereo": reading.STEREO_KEYS,
     "board": ("type", "world_T_board", *{k for keys in section.BOARD_KEYS.values() for k in keys}),
     "markers": section.MARKERS_KEYS,
-    "slam": section.SLAM_KEYS,
+    "slam": slam.SLAM_KEYS,
     "truth": truth.TRUTH_KEYS,
     "imu": reading.IMU_KEYS,
 }
