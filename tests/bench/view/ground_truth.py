@@ -220,7 +220,8 @@ def _about(silhouette: NDArray[np.bool_], frame: ImageArray) -> ImageArray:
 
 @cache
 def _figure() -> Character:
-    return mannequin()
+    """The mannequin by colours of its vertices, which the room's renderer draws too."""
+    return replace(mannequin(), appearance=None)
 
 
 def _lit_from(towards: FloatArray) -> Lighting:
