@@ -14,6 +14,7 @@ from motorcade.animation.morphs import MorphTarget
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import checked_positive
+from motorcade.ga.files import off_record
 
 REFERENCE_HEIGHT_M = 1.75
 
@@ -46,10 +47,10 @@ def mannequin(height_m: float = REFERENCE_HEIGHT_M) -> Character:
 
 @lru_cache(maxsize=1)
 def _figure() -> Character:
-    """The figure as its file has it."""
+    """The figure as its file has it, which counts as the program's own and is put on no record."""
     from motorcade.animation.formats import read_character
 
-    with as_file(files(__package__) / "mannequin.glb") as path:
+    with as_file(files(__package__) / "mannequin.glb") as path, off_record():
         return read_character(path)
 
 

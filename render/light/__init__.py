@@ -11,7 +11,7 @@ from motorcade.render.light.estimate import (
 )
 from motorcade.render.light.exposure import ExposureMeter
 from motorcade.render.light.footage import lighting_of_footage
-from motorcade.render.light.ground_map import GroundMap, ground_map
+from motorcade.render.light.ground import GroundMap, ground_map
 from motorcade.render.light.lamps import (
     certainty,
     character_lighting,

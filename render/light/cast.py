@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.light.ground_map import GroundMap
+from motorcade.render.light.ground import GroundMap
 
 SECTORS = 24
 LARGEST_INSIDE = 0.01

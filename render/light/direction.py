@@ -20,7 +20,7 @@ import numpy as np
 
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.light.cast import CastShadow
-from motorcade.render.light.ground_map import GroundMap
+from motorcade.render.light.ground import GroundMap
 
 MOST_DOUBT_RAD = np.deg2rad(25.0)
 DIRECTIONS = 1500

@@ -6,7 +6,7 @@ import numpy as np
 
 from motorcade.animation.srgb import to_linear
 from motorcade.ga import Motor
-from motorcade.render.light.ground_map import BRIGHTEST, GroundMap
+from motorcade.render.light.ground import BRIGHTEST, GroundMap
 from motorcade.render.scene import ImageArray
 from motorcade.tracking.cameras.camera import Camera
 

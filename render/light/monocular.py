@@ -23,7 +23,7 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.render.composite import as_rgb
 from motorcade.render.light.cast import cast_shadows
 from motorcade.render.light.direction import LightDirection, light_direction
-from motorcade.render.light.ground_map import GroundMap, ground_map
+from motorcade.render.light.ground import GroundMap, ground_map
 from motorcade.render.light.lamps import character_lighting, light_on, sunlight_direction
 from motorcade.render.light.prints import Prints, light_on_paper
 from motorcade.render.scene import DepthArray, ImageArray, Lamp, Lighting, Sun

@@ -2,7 +2,7 @@
 
 `code_digest(function, given)` covers the source of the function's module, of those of the types of
 the values that it is given, and of every module of ours that these use, directly or through others,
-wherever in the file the import stands; the bytes of compiled modules; the templates and shaders
+wherever in the file the import stands; the bytes of compiled modules; templates, shaders and figures
 that lie beside them; and the versions of Python and of each foreign package that is imported.
 
 Names are followed, not packages: ``from motorcade.ga import Motor`` leads through the `__init__`
@@ -29,7 +29,7 @@ from pathlib import Path
 from typing import Any
 
 OURS = "motorcade"
-TEXTS = {".html", ".css", ".js", ".jinja", ".vert", ".frag", ".glsl"}
+BESIDE = {".html", ".css", ".js", ".jinja", ".vert", ".frag", ".glsl", ".glb"}
 _A_PACKAGE = re.compile(rf"({OURS}(\.\w+)*)\.")
 # Source that may hold the start of a template of module names, be it joined of several strings.
 _A_TEMPLATE = re.compile(rf"""["']{OURS}(\.\w+)*\.["'{{]""")
@@ -59,7 +59,7 @@ def code_digest(function: Callable[..., Any], given: Iterable[object] = ()) -> s
     for name in sorted(found.modules | found.faces):
         content.update(name.encode())
         content.update(hashlib.sha256(_origin(name).read_bytes()).digest())
-    for path in sorted({path for name in found.modules for path in _texts(_origin(name).parent)}):
+    for path in sorted({path for name in found.modules for path in _beside(_origin(name).parent)}):
         content.update(path.name.encode())
         content.update(hashlib.sha256(path.read_bytes()).digest())
     for name in sorted(found.foreign):
@@ -235,11 +235,11 @@ def _parents(name: str) -> set[str]:
 
 
 @functools.cache
-def _texts(folder: Path) -> frozenset[Path]:
-    """Templates and shaders in a folder of modules, and in its folders that are no packages."""
+def _beside(folder: Path) -> frozenset[Path]:
+    """Templates, shaders and figures beside modules, and in folders there that are no packages."""
     plain = [one for one in folder.iterdir() if one.is_dir() and not (one / "__init__.py").exists()]
     within = [path for place in (folder, *plain) for path in place.iterdir()]
-    return frozenset(path for path in within if path.suffix in TEXTS)
+    return frozenset(path for path in within if path.suffix in BESIDE)
 
 
 def _is_package(name: str) -> bool:

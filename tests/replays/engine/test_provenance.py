@@ -186,21 +186,21 @@ def test_the_digest_changes_with_templates_and_shaders_beside_the_modules(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     seen: list[Path] = []
-    texts = provenance._texts
+    texts = provenance._beside
 
     def noted(folder: Path) -> frozenset[Path]:
         found = texts(folder)
         seen.extend(found)
         return found
 
-    monkeypatch.setattr(provenance, "_texts", noted)
+    monkeypatch.setattr(provenance, "_beside", noted)
     code_digest(report)
     assert {"template.html", "style.css", "script.js"} <= {path.name for path in seen}
     seen.clear()
     code_digest(overlay)
-    assert "shaded.frag" in {path.name for path in seen}
+    assert {"shaded.frag", "mannequin.glb"} <= {path.name for path in seen}
     before = code_digest(report)
-    monkeypatch.setattr(provenance, "_texts", lambda folder: frozenset())
+    monkeypatch.setattr(provenance, "_beside", lambda folder: frozenset())
     assert code_digest(report) != before
 
 
