@@ -2,8 +2,9 @@
 
 `code_digest(function, given)` covers the source of the function's module, of those of the types of
 the values that it is given, and of every module of ours that these use, directly or through others,
-wherever in the file the import stands; the bytes of compiled modules; templates, shaders and figures
-that lie beside them; and the versions of Python and of each foreign package that is imported.
+wherever in the file the import stands; the bytes of compiled modules; templates, shaders and
+figures that lie beside them; and the versions of Python and of each foreign package that is
+imported.
 
 Names are followed, not packages: ``from motorcade.ga import Motor`` leads through the `__init__`
 that lists the name, whether that imports it at once or lazily (an `__init__.pyi` attached by

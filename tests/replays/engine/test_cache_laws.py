@@ -223,7 +223,8 @@ class Cache(RuleBasedStateMachine):
         if found := self.artifacts():
             whole = which.choice(found)
             with unfinished(self.cache) as place:
-                dead = place.with_name(f".unfinished-{which.randrange(16**16):016x}")
+                head, dash, drawn = place.name.partition("-")  # of another name each time
+                dead = place.with_name(head + dash + drawn[::-1])
                 shutil.copytree(place, dead)
             shutil.copytree(whole, dead / "artifact")
             for path in sorted((dead / "artifact").rglob("*"))[::2]:
