@@ -225,7 +225,8 @@ def _around(me: Timeline, others: Sequence[_Track], gap_m: float) -> Timeline | 
         for one, track in tried:
             late = _first_wait(track, others, gap_m)
             if late is not None and (best is None or one.done_s + late < best.done_s):
-                best = one if not late else _with(one, waits_s=one.errand.waits_s + late)
+                waiting = replace(one.errand, waits_s=one.errand.waits_s + late)
+                best = Timeline(one.actor, waiting) if late else one
             if late != 0.0:
                 further += _ways_round(one, track, others, gap_m)
         further.sort(key=lambda pair: pair[0].done_s)
@@ -287,7 +288,7 @@ def _ways_round(
             bent = _bent(me.errand.path_m, path, along[nearest], 1.2 * aside * wide, point)
             if bent is None:
                 continue
-            way = _with(me, path_m=bent)
+            way = Timeline(me.actor, replace(me.errand, path_m=bent))
             made.append((way, _Track.of(way)))
     return made
 
@@ -305,10 +306,6 @@ def _bent(
     made = np.concatenate([points[before], point[None], points[after & ~before]])
     steps = np.linalg.norm(np.diff(made, axis=0), axis=1)
     return None if np.any(steps < 1e-3 * spare_m) else made
-
-
-def _with(timeline: Timeline, **changed: object) -> Timeline:
-    return Timeline(timeline.actor, replace(timeline.errand, **changed))  # type: ignore[arg-type]
 
 
 def _staying(timeline: Timeline) -> Timeline:
