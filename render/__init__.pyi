@@ -13,6 +13,7 @@ from .composite import over as over
 from .figures import Performer as Performer
 from .lens import LensWarp as LensWarp
 from .overlay import render_overlay as render_overlay
+from .overlay import render_performers as render_performers
 from .scene import Lamp as Lamp
 from .scene import Layer as Layer
 from .scene import Lighting as Lighting

@@ -9,9 +9,10 @@ import numpy as np
 
 from motorcade.animation import Character, Clip, Placement, skin
 from motorcade.animation.skin import Skinner
-from motorcade.animation.vectors import box_corners
-from motorcade.ga import Motor, Similarity
-from motorcade.ga.arrays import FloatArray
+from motorcade.animation.vectors import UP
+from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.render.light import sun_share
 from motorcade.render.scene import Lighting, Surface
 from motorcade.render.shadow import shade_step_m
 
@@ -22,11 +23,24 @@ SHADOW_REACH = 1.6
 TRAVELS, MOMENTS = 0.4, 64
 # How far a body reaches from its joints at most, in heights.
 FLESH = 0.15
+# A sun that falls less than this on a ground that moves throws no shadow there.
+LEAST_FALL = 0.05
 
 
 @dataclass(frozen=True, eq=False)
 class Performer:
-    """A character, what it does from the first frame on, and where it stands.
+    """A character or a prop, what it does from the first frame on, and where it stands.
+
+    Args:
+        character: who or what.
+        clip: what its joints do; its clock begins with the first frame.
+        placement: the ground below it, and its scale.
+        motion: `placement_T_character`, similarities from the stamp of the first frame on; None
+            where it stays in the placement's origin. Before its first stamp and after its last it
+            is as it is there.
+        ground_motion: of a ground that moves: the motion that takes the placement from where it
+            says to where it is at that time, in the world; likewise.
+        visible_s: from when to when it is seen, seconds after the first frame; None for always.
 
     >>> from motorcade.animation import Clip, Placement, mannequin
     >>> from motorcade.ga import Motor
@@ -41,12 +55,37 @@ class Performer:
     character: Character
     clip: Clip
     placement: Placement
+    motion: Trajectory | None = None
+    ground_motion: Trajectory | None = None
+    visible_s: tuple[float, float] | None = None
+
+    def world_T_ground(self, time_ns: IntArray | int) -> Motor:
+        """Where the placement's frame is ``(*)`` at stamps ``(*)``."""
+        stand = self.placement.world_T_character
+        if self.ground_motion is None:
+            return stand.reshape(1)[np.zeros(np.shape(time_ns), dtype=np.int64)]
+        return self.ground_motion.motors_at(_held(time_ns, self.ground_motion)) @ stand
+
+    def world_T_character(self, time_ns: IntArray | int) -> Similarity:
+        """From character space to the world ``(*)`` at stamps ``(*)``, with its scale."""
+        ground = Similarity.from_motor_scale(self.world_T_ground(time_ns), self.placement.scale)
+        return ground if self.motion is None else ground @ _similarities(self.motion, time_ns)
+
+
+def _held(time_ns: IntArray | int, path: Trajectory) -> IntArray:
+    return np.clip(np.asarray(time_ns, dtype=np.int64), path.time_ns[0], path.time_ns[-1])
+
+
+def _similarities(motion: Trajectory, time_ns: IntArray | int) -> Similarity:
+    poses = motion.at(_held(time_ns, motion))
+    return poses if isinstance(poses, Similarity) else Similarity.from_motor_scale(poses)
 
 
 class DrawnFigure:
     """A figure with what stays the same over all frames."""
 
     def __init__(self, figure: Performer) -> None:
+        self.performer = figure
         self.character, self.clip, self.placement = (
             figure.character,
             figure.clip,
@@ -54,27 +93,46 @@ class DrawnFigure:
         )
         self._shaped = self.character.shaped()
         self._skinner = Skinner(self._shaped, "linear")
-        self.stand = self.placement.world_T_character
         self.height_m = self.placement.scale * self.character.height_m
+        if figure.motion is not None:  # a prop may be wider than it is high, and grow
+            grown = float(np.max(_similarities(figure.motion, figure.motion.time_ns).scale))
+            wide_m = float(np.ptp(self.character.vertices, axis=0).max())
+            self.height_m = self.placement.scale * grown * wide_m
         self.half_width_m = SHADOW_REACH * self.height_m
-        self.travels = self._travels()
+        self.travels = figure.motion is not None or self._travels()
         self.surface = Surface(
             self.placement.apply(self.character.vertices),
-            self.stand.rotor.apply(self.character.normals),
+            self.placement.world_T_character.rotor.apply(self.character.normals),
             self.character.triangles,
             self.character.colors,
             roughness=0.42,
             appearance=self.character.appearance,
         )
 
-    def at(self, time_s: float) -> tuple[FloatArray, FloatArray]:
+    def at(self, time_s: float, time_ns: int = 0) -> tuple[FloatArray, FloatArray]:
         """Vertices in metres and normals (V, 3) in the frame of the placement, at a moment."""
         vertices, normals = self._skinned(self.clip.at(time_s), self.clip.morph_weights(time_s))
+        if self.performer.motion is not None:
+            pose = _similarities(self.performer.motion, time_ns)
+            vertices, normals = pose.apply(vertices), pose.rotor.apply(normals)
         return self.placement.scale * vertices, normals
 
-    def hull_m(self, own_m: FloatArray) -> FloatArray:
-        """Corners (8, 3) in the world of a box about vertices in the frame of the placement."""
-        return self.stand.apply(box_corners(own_m))
+    def seen(self, time_s: float) -> bool:
+        """Whether it is there at a moment."""
+        span = self.performer.visible_s
+        return span is None or span[0] <= time_s <= span[1]
+
+    def sun_on(self, ground: Motor, lighting: Lighting) -> tuple[FloatArray, float]:
+        """The way the sun's light goes (3,) in the frame of its ground, and its share there.
+
+        A ground that moves may turn from the sun, and then takes no shadow.
+        """
+        sun = np.array(lighting.sun.direction) / np.linalg.norm(lighting.sun.direction)
+        own, up = ground.rotor.inverse().apply(sun), ground.rotor.apply(UP)
+        moves = self.performer.motion is not None or self.performer.ground_motion is not None
+        if moves and own[2] > -LEAST_FALL:
+            return -UP, 0.0
+        return own, sun_share(lighting, ground.translation_m, up)
 
     def center_m(self, own_m: FloatArray) -> FloatArray:
         """Where on the ground light and shadow are made for: (3,) under a figure that travels.
@@ -87,11 +145,26 @@ class DrawnFigure:
         middle = 0.5 * (own_m[:, :2].min(axis=0) + own_m[:, :2].max(axis=0))
         return np.append(step_m * np.rint(middle / step_m), 0.0)
 
-    def joints_m(self) -> FloatArray:
-        """Joints (MOMENTS, J, 3) in the world, spread over the clip."""
-        moments = np.linspace(0.0, self.clip.duration_s, MOMENTS) + self.clip.time_s[0]
-        at_m = self.character.skeleton.world(self.clip.at(moments)).translation_m
-        return self.placement.apply(at_m)
+    def shade_center_m(self, own_m: FloatArray, sun: FloatArray) -> FloatArray:
+        """The same (3,) where what hovers throws its shadow, in light that travels along `sun`."""
+        hovers = self.performer.motion is not None
+        hovers_m = max(float(own_m[:, 2].min()), 0.0) if hovers else 0.0
+        return self.center_m(own_m + hovers_m / -sun[2] * np.append(sun[:2], 0.0))
+
+    def reach_m(self) -> tuple[FloatArray, float]:
+        """Joints (MOMENTS, J, 3) in the world over all that it does, and how far flesh reaches."""
+        motion = self.performer.motion
+        lasts_s = self.clip.duration_s
+        if motion is not None:
+            lasts_s = max(lasts_s, motion.duration_s)
+        moments = np.linspace(0.0, lasts_s, MOMENTS)
+        at_m = self.character.skeleton.world(self.clip.at(moments + self.clip.time_s[0]))
+        if motion is None:
+            return self.placement.apply(at_m.translation_m), FLESH * self.height_m
+        stamps = motion.time_ns[0] + np.rint(1e9 * moments).astype(np.int64)
+        poses = self.performer.world_T_character(stamps).reshape(-1, 1)
+        # A prop has one joint, and all of it may lie to one side.
+        return poses.apply(at_m.translation_m), self.height_m
 
     def _travels(self) -> bool:
         """Whether the clip takes the character away from where it was placed."""
@@ -117,11 +190,11 @@ def lit_together(lighting: Lighting, figures: Sequence[DrawnFigure]) -> Lighting
     Its shadows are then made for a ball that holds them wherever they go, and its lamps stand
     about the middle of that.
     """
-    if len(figures) == 1:
+    if len(figures) == 1 and figures[0].performer.motion is None:
         return lighting
-    points_m = np.concatenate([figure.joints_m().reshape(-1, 3) for figure in figures])
+    joints_m, flesh_m = zip(*(figure.reach_m() for figure in figures), strict=True)
+    points_m = np.concatenate([one.reshape(-1, 3) for one in joints_m])
     middle_m = 0.5 * (points_m.min(axis=0) + points_m.max(axis=0))
-    reach_m = float(np.linalg.norm(points_m - middle_m, axis=-1).max())
-    reach_m += FLESH * max(figure.height_m for figure in figures)
+    reach_m = float(np.linalg.norm(points_m - middle_m, axis=-1).max()) + max(flesh_m)
     moved = lighting.translated_by(middle_m - np.array(lighting.shadow_center_m))
     return replace(moved, shadow_radius_m=reach_m)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.animation import Character, Clip, Placement
+from motorcade.animation.vectors import box_corners
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.render.backends.choice import RendererName, new_renderer
@@ -34,7 +35,6 @@ from motorcade.render.light import (
     Prints,
     above_ground,
     character_lighting,
-    sun_share,
     sunlight_direction,
 )
 from motorcade.render.occluders import known_depth, raised, share_on_ground
@@ -50,8 +50,6 @@ from motorcade.tracking.cameras.camera import Camera
 # In heights of the character: what is farther than this from the ground, above or below, takes no
 # shadow; what is lower than this is the ground, as a sensor has it, and hides no foot.
 LOW, SOLE = 0.1, 0.05
-# A sun that falls less than this on a ground that moves throws no shadow there.
-LEAST_FALL = 0.05
 
 log = logging.getLogger("motorcade.overlay")
 
@@ -71,8 +69,6 @@ def render_overlay(
     look: ShadowLook | None = None,
     matching: Matching | None = None,
     prints: Prints | None = None,
-    ground_motion: Trajectory | None = None,
-    others: Sequence[Performer] = (),
     meter: ExposureMeter | None = None,
     renderer: RendererName = "fast",
 ) -> Iterator[ImageArray]:
@@ -99,10 +95,6 @@ def render_overlay(
         matching: how what is drawn is fitted to the footage; its noise is the same in every run.
         prints: boards and markers whose place is known: where a frame has no depth, they and the
             ground hide what is behind them.
-        ground_motion: of a ground that moves: the motion that takes the placement from where it
-            says to where it is at that time, in the world. Before its first stamp and after its
-            last it stays as it is there.
-        others: further figures on the same plane.
         meter: of the footage's exposure, which what is drawn then follows.
         renderer: that draws; see `new_renderer`.
 
@@ -114,11 +106,66 @@ def render_overlay(
         ValueError: a frame of another size, light from below ground, a direction and a lighting
             both, a lens too wide to draw for, or an unknown renderer.
     """
+    yield from render_performers(
+        frames,
+        camera,
+        world_T_camera,
+        [Performer(character, clip, placement)],
+        light_direction=light_direction,
+        lighting=lighting,
+        look=look,
+        matching=matching,
+        prints=prints,
+        meter=meter,
+        renderer=renderer,
+    )
+
+
+def render_performers(
+    frames: Iterable[StampedFrame],
+    camera: Camera,
+    world_T_camera: Trajectory,
+    performers: Sequence[Performer],
+    *,
+    light_direction: ArrayLike | None = None,
+    lighting: Lighting | None = None,
+    look: ShadowLook | None = None,
+    matching: Matching | None = None,
+    prints: Prints | None = None,
+    meter: ExposureMeter | None = None,
+    renderer: RendererName = "fast",
+) -> Iterator[ImageArray]:
+    """Draw characters and props with their shadows into every frame that has a pose.
+
+    See `render_overlay` for what is not told here. Each throws its shadow on the ground of its own
+    placement, wherever that moves. What lies beneath the ground of the first one whose ground does
+    not move is hidden.
+
+    Args:
+        frames: as for one alone.
+        camera: of the frames' size.
+        world_T_camera: the camera's path.
+        performers: who and what is drawn, one or more.
+        light_direction: (3,) the way the light travels in the world.
+        lighting: all the light, made for the first; its lamps and shadows are spread over all.
+        look: of the shadows.
+        matching: how what is drawn is fitted to the footage.
+        prints: as for one alone.
+        meter: of the footage's exposure.
+        renderer: that draws.
+
+    Yields:
+        uint8 (h, w, 3) RGB, one a frame.
+
+    Raises:
+        RenderUnavailable: this machine has no OpenGL.
+        ValueError: as `render_overlay`.
+    """
     if light_direction is not None and lighting is not None:
         raise ValueError("render_overlay: expected light_direction or lighting, got both")
-    light = lighting or _usual_light(placement, world_T_camera, character, light_direction)
-    figures = [Performer(character, clip, placement), *others]
-    stage = _Stage(camera, figures, light, look or ShadowLook(), prints)
+    first = performers[0]
+    light = lighting or _usual_light(first, world_T_camera, light_direction)
+    stage = _Stage(camera, performers, light, look or ShadowLook(), prints)
     matched = matching or Matching()
     rng = np.random.default_rng(0)
     span_ns = int(world_T_camera.time_ns[0]), int(world_T_camera.time_ns[-1])
@@ -126,7 +173,7 @@ def render_overlay(
     posed, seen = 0, False
     pinhole = stage.lens.pinhole
     with new_renderer(renderer, pinhole.width, pinhole.height) as drawing:
-        drawing.show([figure.surface for figure in stage.figures], stage.given)
+        drawing.show([figure.surface for figure in stage.figures], stage.lighting)
         for time_ns, picture, *rest in frames:
             start_ns = time_ns if start_ns is None else start_ns
             frame = as_rgb(picture)
@@ -144,8 +191,8 @@ def render_overlay(
                     drawing,
                     world_T_camera.motors_at(moment),
                     1e-9 * (moment - start_ns),
+                    int(moment),
                     measured=depth_m is not None,
-                    now_T_start=_at_moment(ground_motion, moment),
                 )
                 for moment in np.clip(matched.moments_ns(time_ns), *span_ns)
             ]
@@ -160,27 +207,16 @@ def render_overlay(
             "overlay: no figure shows a pixel in %d frames with poses; the first stands at %s m, "
             "%.3g m tall: out of the pictures, behind the camera, or too small",
             posed,
-            np.round(placement.world_T_character.translation_m, 3).tolist(),
-            placement.scale * character.height_m,
+            np.round(first.world_T_character(start_ns or 0).translation_m, 3).tolist(),
+            stage.figures[0].height_m,
         )
 
 
-def _at_moment(ground_motion: Trajectory | None, moment_ns: np.int64) -> Motor | None:
-    if ground_motion is None:
-        return None
-    return ground_motion.motors_at(
-        np.clip(moment_ns, ground_motion.time_ns[0], ground_motion.time_ns[-1])
-    )
-
-
 def _usual_light(
-    placement: Placement,
-    world_T_camera: Trajectory,
-    character: Character,
-    light_direction: ArrayLike | None,
+    first: Performer, world_T_camera: Trajectory, light_direction: ArrayLike | None
 ) -> Lighting:
-    """Sun, fill and rim as they flatter the character."""
-    cameras = world_T_camera.motors
+    """Sun, fill and rim as they flatter the first figure."""
+    cameras, placement = world_T_camera.motors, first.placement
     if light_direction is None:
         direction = sunlight_direction(placement, cameras)
     else:
@@ -189,7 +225,7 @@ def _usual_light(
         if length == 0.0:
             raise ValueError("light_direction: expected a vector with a length, got zeros")
         direction = given / length
-    height_m = placement.scale * character.height_m
+    height_m = placement.scale * first.character.height_m
     light = character_lighting(placement, cameras, height_m, direction)
     return above_ground(light, placement.world_T_character.translation_m, placement.up)
 
@@ -221,80 +257,86 @@ class _Stage:
     ) -> None:
         self.lens = LensWarp(camera)
         self.figures = [DrawnFigure(figure) for figure in figures]
-        self.look, self.prints = look, prints
-        self.placement = figures[0].placement
+        self.look, self.prints, self.lighting = look, prints, lit_together(lighting, self.figures)
         self.height_m = max(figure.height_m for figure in self.figures)
-        self.given = lit_together(lighting, self.figures)
-        self._light(self.given)
-
-    def _light(self, lighting: Lighting) -> None:
-        """Light for figures and ground."""
-        self.lighting, stand = lighting, self.placement.world_T_character
-        self.sun = np.array(lighting.sun.direction) / np.linalg.norm(lighting.sun.direction)
-        self.strength = sun_share(lighting, stand.translation_m, self.placement.up)
+        still = [figure for figure in self.figures if figure.performer.ground_motion is None]
+        self.ground = (still or self.figures)[0].performer
 
     def draw(
         self,
         renderer: Renderer,
         world_T_camera: Motor,
         time_s: float,
+        time_ns: int,
         *,
         measured: bool,
-        now_T_start: Motor | None = None,
     ) -> _Drawn:
-        """The figures and their shade at one moment, as the footage's camera sees them.
-
-        On a ground that has moved, all is drawn as it is seen from there.
-        """
-        stand = self.placement.world_T_character
-        if now_T_start is not None:
-            world_T_camera = now_T_start.inverse() @ world_T_camera
-            self._light(self.given.rotated_by(now_T_start.rotor.inverse(), stand.translation_m))
-            if self.sun @ self.placement.up > -LEAST_FALL:  # the ground has turned from the sun
-                self.sun, self.strength = -self.placement.up, 0.0
-        moved = [figure.at(time_s) for figure in self.figures]
-        for k, (figure, (own_m, normals)) in enumerate(zip(self.figures, moved, strict=True)):
-            renderer.move(k, figure.stand.apply(own_m), figure.stand.rotor.apply(normals))
-        first = self.figures[0]
-        alone = len(self.figures) == 1
-        if now_T_start is not None or (alone and first.travels):
-            center_m = first.center_m(moved[0][0]) if alone else np.zeros(3)
-            renderer.relight(self.lighting.translated_by(stand.rotor.apply(center_m)))
+        """The figures and their shade at one moment, as the footage's camera sees them."""
+        moved, grounds = [], []
+        for k, figure in enumerate(self.figures):
+            own_m, normals = figure.at(time_s, time_ns)
+            ground = figure.performer.world_T_ground(time_ns)
+            if not figure.seen(time_s):  # all of it at one point: nothing to draw
+                own_m = np.broadcast_to(own_m.mean(axis=0), own_m.shape)
+            renderer.move(k, ground.apply(own_m), ground.rotor.apply(normals))
+            moved.append(own_m)
+            grounds.append(ground)
+        self._follow(renderer, moved[0], grounds[0], time_ns)
         pinhole = self.lens.pinhole
         layer = self.lens.layer(renderer.render(pinhole, world_T_camera))
         camera_T_world = world_T_camera.inverse()
+        there = [figure.seen(time_s) for figure in self.figures]
         shades = [
-            self._shade(figure, own_m, camera_T_world)
-            for figure, (own_m, _) in zip(self.figures, moved, strict=True)
+            self._shade(figure, own_m, camera_T_world, ground)
+            for figure, own_m, ground, here in zip(self.figures, moved, grounds, there, strict=True)
+            if here
         ]
         seen = [one for one in shades if one is not None]
         # One sun throws them: where shadows lie over one another it is hidden once.
         shade = np.maximum.reduce(seen) if seen else None
+        stand = self.ground.world_T_ground(time_ns)
         if measured:
             camera_T_ground = camera_T_world @ stand
-            ground = ground_depth(pinhole, camera_T_ground).astype(np.float32)
+            ground_m = ground_depth(pinhole, camera_T_ground).astype(np.float32)
             eye_m = float(camera_T_ground.inverse().translation_m[2])
-            return _Drawn(layer, shade, self.lens.depth(ground), None, eye_m)
-        hull_m = np.concatenate(
-            [one.hull_m(own_m) for one, (own_m, _) in zip(self.figures, moved, strict=True)]
-        )
+            return _Drawn(layer, shade, self.lens.depth(ground_m), None, eye_m)
+        corners = [
+            ground.apply(box_corners(own_m)) for own_m, ground in zip(moved, grounds, strict=True)
+        ]
+        hull_m = np.concatenate(corners)
         known = known_depth(pinhole, world_T_camera, hull_m, self.prints, stand)
         return _Drawn(layer, shade, None, None if known is None else self.lens.depth(known))
 
+    def _follow(self, renderer: Renderer, own_m: FloatArray, ground: Motor, time_ns: int) -> None:
+        """Light that goes where one that walks alone goes, or all go on one ground that moves."""
+        first = self.figures[0]
+        alone = len(self.figures) == 1 and first.travels
+        motions = {id(figure.performer.ground_motion) for figure in self.figures}
+        together = len(motions) == 1 and first.performer.ground_motion is not None
+        if first.performer.motion is not None or not (alone or together):
+            return
+        stand = first.performer.placement.world_T_character
+        center_m = first.center_m(own_m) if alone else np.zeros(3)
+        light = self.lighting.translated_by(ground.apply(center_m) - stand.translation_m)
+        ball_m = (ground @ stand.inverse()).apply(self.lighting.shadow_center_m)
+        x, y, z = (ball_m + ground.rotor.apply(center_m)).tolist()
+        renderer.relight(replace(light, shadow_center_m=(x, y, z)))
+
     def _shade(
-        self, figure: DrawnFigure, own_m: FloatArray, camera_T_world: Motor
+        self, figure: DrawnFigure, own_m: FloatArray, camera_T_world: Motor, ground: Motor
     ) -> FloatArray | None:
         """The share of the stored values that a figure takes from each pixel's ground."""
-        center_m = figure.center_m(own_m)
+        sun, strength = figure.sun_on(ground, self.lighting)
+        center_m = figure.shade_center_m(own_m, sun)
         shade = ground_shade(
             own_m - center_m,
             figure.character.triangles,
-            figure.stand.rotor.inverse().apply(self.sun),
+            sun,
             figure.half_width_m,
             self.look,
-            self.strength,
+            strength,
         )
-        camera_T_shade = camera_T_world @ figure.stand @ Motor.from_translation(center_m)
+        camera_T_shade = camera_T_world @ ground @ Motor.from_translation(center_m)
         seen = shade_in_picture(shade, figure.half_width_m, self.lens.pinhole, camera_T_shade)
         return seen if seen is None else self.lens.smooth(seen)
 

@@ -19,7 +19,12 @@ def performers(placed: PlacedCharacter, lasting_s: float = 0.0) -> list[Performe
     """
     if placed.parts:
         return [
-            Performer(character_named(part.character), part.clip, part.placement)
+            Performer(
+                character_named(part.character),
+                part.clip,
+                part.placement,
+                ground_motion=placed.ground_motion,
+            )
             for part in placed.parts
         ]
     character = character_named(placed.character)
@@ -27,4 +32,4 @@ def performers(placed: PlacedCharacter, lasting_s: float = 0.0) -> list[Performe
     if len(placed.path_m):
         scale, start = placed.placement.scale, placed.plane_T_character
         clip = walked(character, clip, placed.path_m, scale, start, lasting_s)
-    return [Performer(character, clip, placed.placement)]
+    return [Performer(character, clip, placed.placement, ground_motion=placed.ground_motion)]

@@ -9,7 +9,7 @@ from scipy.ndimage import binary_erosion
 
 from motorcade.animation import Character, mannequin, place_on_plane
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.render import Performer, render_overlay
+from motorcade.render import Performer, render_performers
 from motorcade.render.scene import ImageArray
 from motorcade.tracking.cameras.camera import Camera
 
@@ -32,9 +32,8 @@ def drawn(first: Performer, *others: Performer) -> ImageArray:
     upright = Rotor.from_rotation_vector([-1.5708 - 0.3, 0.0, 0.0])
     eye = Motor.from_rotor_translation(upright, np.array([0.0, -2.5, 1.4]))
     path = Trajectory(np.array([0, 10**9]), Motor.stack([eye, eye]))
-    parts = first.character, first.clip, first.placement
-    made = render_overlay(
-        [(0, FRAME)], CAMERA, path, *parts, light_direction=(-0.4, 0.3, -1.0), others=others
+    made = render_performers(
+        [(0, FRAME)], CAMERA, path, [first, *others], light_direction=(-0.4, 0.3, -1.0)
     )
     return next(made)
 

@@ -8,7 +8,7 @@ import pytest
 from motorcade.animation import mannequin, place_on_plane
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.render import Lighting, Sun, render_overlay
+from motorcade.render import Lighting, Performer, Sun, render_performers
 from motorcade.render.scene import ImageArray
 from motorcade.tracking.cameras.camera import Camera
 
@@ -51,15 +51,12 @@ def drawn(
         light, ground_motion = replace(lighting, shadow_center_m=tuple(middle)), None
     frames = [(0, FRAME)] + [(int(TIME_NS[k]), FRAME) for k in rows if k]
     made = list(
-        render_overlay(
+        render_performers(
             frames,
             CAMERA,
             cameras(),
-            FIGURE,
-            FIGURE.clip("idle"),
-            placement,
+            [Performer(FIGURE, FIGURE.clip("idle"), placement, ground_motion=ground_motion)],
             lighting=light,
-            ground_motion=ground_motion,
         )
     )
     return made if only is None else made[-1:]

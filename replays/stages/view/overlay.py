@@ -14,7 +14,7 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.render import (
     RendererName,
     RenderUnavailable,
-    render_overlay,
+    render_performers,
     write_video,
 )
 from motorcade.render.composite import Matching
@@ -95,8 +95,8 @@ def overlay(
         _chosen(smoothed, integrity, representation), camera_poses.measurements.trajectory
     )
     lasting_s = 1e-9 * float(np.ptp(recording.frames.time_ns))
-    (first, *others) = performers(placed, lasting_s)
-    character = first.character
+    shown = performers(placed, lasting_s)
+    character = shown[0].character
     start = time.perf_counter()
     recording = as_found(recording, camera_poses.camera, camera_poses.depth_camera)
     distorted = lens == "distort" or (lens == "auto" and can_be_drawn_for(recording.camera))
@@ -113,21 +113,17 @@ def overlay(
     if view != "footage":
         middle_m = placed.placement.apply([0.0, 0.0, 0.5 * character.height_m])
         path = footage.turned(path, steady_view(path, middle_m, live=view == "live"))
-    pictures = render_overlay(
+    pictures = render_performers(
         footage.frames(track(recording.frames, "drawing", len(recording.frames))),
         footage.camera,
         path,
-        character,
-        first.clip,
-        first.placement,
+        shown,
         lighting=lighting,
         matching=Matching(gain, exposure_s, noise),
         prints=prints
         if placed.ground_motion is None
         else None,  # where things move, a map may not hold
-        ground_motion=placed.ground_motion,
         meter=meter,
-        others=others,
         renderer=renderer,
     )
     file = new_file("overlay.mp4")

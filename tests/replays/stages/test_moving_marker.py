@@ -11,7 +11,7 @@ import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.render import render_overlay
+from motorcade.render import Performer, render_performers
 from motorcade.replays.characters.acting import character_named, clip_named
 from motorcade.replays.markers.loose import LooseMarkers
 from motorcade.replays.recording import Frame, FrameSequence, ImageArray, Recording
@@ -152,9 +152,8 @@ def test_it_is_drawn_where_the_marker_is() -> None:
     figure = character_named(made.character)
     clip = clip_named(figure, made.clip)
     frames = [(frame.time_ns, frame.image()) for frame in recording.frames][::8]
-    made_of = render_overlay(
-        frames, CAMERA, path, figure, clip, made.placement, ground_motion=made.ground_motion
-    )
+    who = Performer(figure, clip, made.placement, ground_motion=made.ground_motion)
+    made_of = render_performers(frames, CAMERA, path, [who])
     ends_m = np.array([[0.5, -0.5, 0.0], [0.5, -0.5, 1.0]]) * SIDE_M
     for (stamp, before), after in zip(frames, made_of, strict=True):
         k = int(np.flatnonzero(stamp == TIME_NS)[0])
