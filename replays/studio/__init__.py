@@ -1,0 +1,1 @@
+"""A run looked at in the browser, and a scene authored there."""

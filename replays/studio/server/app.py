@@ -1,0 +1,133 @@
+"""The routes: a start page, the page's own modules, and of each run what an editor needs of it.
+
+Every path is fixed; numbers and names in it are looked up among what there is, and none becomes a
+part of a file's name. All of it lies behind the `Doorkeeper`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.websockets import WebSocket
+
+from motorcade.replays.studio.server.access import Access, Doorkeeper
+from motorcade.replays.studio.server.bounds import MAX_EDITORS
+from motorcade.replays.studio.server.offers import Offer, OpenedOffers
+from motorcade.replays.studio.server.shell import Shell
+from motorcade.replays.studio.server.visitors import Visitors
+
+if TYPE_CHECKING:
+    from starlette.types import ASGIApp
+
+KEPT = {"cache-control": "private, max-age=86400, immutable"}
+"""Of answers that never change while the server runs."""
+
+
+def studio_app(offers: Sequence[Offer], access: Access) -> ASGIApp:
+    """What is served of some runs to those whom `access` admits.
+
+    Args:
+        offers: the runs that the start page lists; the page of a single one is the start page.
+        access: the key, and the names that the server goes by.
+    """
+    site = _Site(offers)
+    routes = [
+        Route("/", site.start),
+        Route("/app.webmanifest", site.installation),
+        Route("/studio/{name}", site.module),
+        Route("/run/{run:int}/", site.editor),
+        Route("/run/{run:int}/about.json", site.about),
+        Route("/run/{run:int}/frame/{frame:int}.jpg", site.frame),
+        Route("/run/{run:int}/figure/{figure:int}.glb", site.figure),
+        WebSocketRoute("/run/{run:int}/edit", site.edit),
+    ]
+    return Doorkeeper(Starlette(routes=routes), access)
+
+
+class _Site:
+    """What answers; one for all visitors."""
+
+    def __init__(self, offers: Sequence[Offer]) -> None:
+        self._shell, self._opened = Shell(), OpenedOffers(offers)
+        self._visitors = [Visitors() for _ in offers]
+
+    async def start(self, request: Request) -> Response:
+        """The list of runs, or the one run."""
+        offers = self._opened.offers
+        if len(offers) == 1:
+            return self._page(request, 0)
+        nonce, base = request.scope["nonce"], request.scope["root_path"]
+        return _html(self._shell.start(offers, base, nonce))
+
+    async def installation(self, request: Request) -> Response:
+        """What a phone asks for that keeps the page as an app."""
+        text = json.dumps(self._shell.installation(request.scope["root_path"]))
+        return Response(text, media_type="application/manifest+json")
+
+    async def module(self, request: Request) -> Response:
+        """A module or style sheet of the page, by its name."""
+        found = self._shell.files.get(request.path_params["name"])
+        if found is None:
+            raise HTTPException(404)
+        return Response(found.content, media_type=found.media_type, headers=KEPT)
+
+    async def editor(self, request: Request) -> Response:
+        """The page on which a run's scene is edited."""
+        run = request.path_params["run"]
+        if run >= len(self._opened.offers):
+            raise HTTPException(404)
+        return self._page(request, run)
+
+    async def about(self, request: Request) -> Response:
+        """What there is in a run: camera, path, anchors, what can be put into the scene."""
+        desk = await self._opened.desk(request.path_params["run"])
+        return JSONResponse(await run_in_threadpool(desk.about))
+
+    async def frame(self, request: Request) -> Response:
+        """A picture of the footage."""
+        desk = await self._opened.desk(request.path_params["run"])
+        index = request.path_params["frame"]
+        if index >= desk.frames:
+            raise HTTPException(404)
+        jpeg = await run_in_threadpool(desk.frame, index)
+        return Response(jpeg, media_type="image/jpeg", headers=KEPT)
+
+    async def figure(self, request: Request) -> Response:
+        """What a character or a prop looks like and how it moves, as glTF."""
+        desk = await self._opened.desk(request.path_params["run"])
+        glb = await run_in_threadpool(desk.figure, request.path_params["figure"])
+        if glb is None:
+            raise HTTPException(404)
+        return Response(glb, media_type="model/gltf-binary", headers=KEPT)
+
+    async def edit(self, socket: WebSocket) -> None:
+        """One browser's messages, from when it comes until it goes."""
+        run = socket.path_params["run"]
+        with contextlib.suppress(HTTPException):
+            desk = await self._opened.desk(run)
+            visitors = self._visitors[run]
+            if len(visitors) >= MAX_EDITORS:
+                await socket.accept()
+                await socket.close(1013, f"{MAX_EDITORS} browsers are in this scene already")
+                return
+            await socket.accept()
+            await visitors.serve(socket, desk)
+            return
+        await socket.close(1008)
+
+    def _page(self, request: Request, run: int) -> Response:
+        nonce, base = request.scope["nonce"], request.scope["root_path"]
+        return _html(self._shell.editor(self._opened.offers[run].name, run, base, nonce))
+
+
+def _html(text: str) -> Response:
+    return Response(text, media_type="text/html; charset=utf-8")

@@ -1,0 +1,91 @@
+"""The runs that are offered for editing, each opened when the first browser asks for it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from starlette.concurrency import run_in_threadpool
+from starlette.exceptions import HTTPException
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a message leads to.
+
+    Args:
+        reply: to whoever sent it.
+        news: to all others; None where nothing changed for them.
+    """
+
+    reply: Mapping[str, Any]
+    news: Mapping[str, Any] | None = None
+
+
+class Desk(Protocol):
+    """A run whose scene is being edited. `answer` and `left` are called by one thread only."""
+
+    @property
+    def frames(self) -> int:
+        """How many pictures the footage has."""
+
+    def about(self) -> dict[str, Any]:
+        """What there is, for the page, as JSON."""
+
+    def frame(self, index: int) -> bytes:
+        """A picture as JPEG."""
+
+    def figure(self, number: int) -> bytes | None:
+        """What is drawn of an object, as `.glb`; None where there is no such number."""
+
+    def answer(self, visitor: int, message: Mapping[str, Any]) -> Answer:
+        """Do what a browser asks for."""
+
+    def left(self, visitor: int) -> Mapping[str, Any] | None:
+        """A browser is gone: what it held is let go; news to all others."""
+
+
+@dataclass(frozen=True)
+class Offer:
+    """A run on the start page.
+
+    Args:
+        name: as it is listed.
+        open: reads it; may take seconds.
+        told: a line on what is in it.
+    """
+
+    name: str
+    open: Callable[[], Desk]
+    told: str = ""
+
+
+@dataclass
+class OpenedOffers:
+    """Offers, and the desks of those that were opened.
+
+    Args:
+        offers: all of them.
+    """
+
+    offers: Sequence[Offer]
+    _opening: dict[int, asyncio.Task[Desk]] = field(default_factory=dict)
+
+    async def desk(self, run: int) -> Desk:
+        """The desk of a run, opened once for everybody.
+
+        Raises:
+            HTTPException: 404 where there is no such run, 503 where it cannot be opened.
+        """
+        if not 0 <= run < len(self.offers):
+            raise HTTPException(404)
+        if run not in self._opening:
+            opening = run_in_threadpool(self.offers[run].open)
+            self._opening[run] = asyncio.ensure_future(opening)
+        try:
+            return await asyncio.shield(self._opening[run])
+        except (ValueError, OSError, RuntimeError) as fault:
+            self._opening.pop(run, None)  # it may be there the next time
+            raise HTTPException(503, " ".join(str(fault).split())) from fault

@@ -1,0 +1,83 @@
+"""A server on this machine alone, on a port of the system's choice, with a run that echoes."""
+
+import threading
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+import uvicorn
+
+from motorcade.replays.studio.server.access import Access
+from motorcade.replays.studio.server.app import studio_app
+from motorcade.replays.studio.server.offers import Answer, Offer
+from motorcade.replays.studio.server.serving import Listening, configured, opened
+
+PATIENCE_S = 30.0
+
+
+@dataclass
+class EchoDesk:
+    """Answers with what it was sent, and counts it."""
+
+    frames: int = 2
+    heard: list[tuple[int, Mapping[str, Any]]] = field(default_factory=list)
+    gone: list[int] = field(default_factory=list)
+
+    def about(self) -> dict[str, Any]:
+        return {"frames": self.frames}
+
+    def frame(self, index: int) -> bytes:
+        return b"frame %d" % index
+
+    def figure(self, number: int) -> bytes | None:
+        return b"glTF" if number == 0 else None
+
+    def answer(self, visitor: int, message: Mapping[str, Any]) -> Answer:
+        self.heard.append((visitor, message))
+        if message.get("do") == "refuse":
+            raise ValueError("this is refused")
+        return Answer({"n": message.get("n"), "ok": True}, {"heard": len(self.heard)})
+
+    def left(self, visitor: int) -> Mapping[str, Any] | None:
+        self.gone.append(visitor)
+        return {"gone": True}
+
+
+@dataclass
+class Served:
+    """A running server."""
+
+    access: Access
+    desk: EchoDesk
+    port: int
+    server: uvicorn.Server
+
+    @property
+    def socket(self) -> str:
+        """Where the editor's messages go."""
+        return f"ws://{self.access.names[0]}/{self.access.token}/run/0/edit"
+
+    @property
+    def origin(self) -> str:
+        return f"http://{self.access.names[0]}"
+
+
+@pytest.fixture
+def served() -> Iterator[Served]:
+    """A server with one run."""
+    listening, desk = Listening(), EchoDesk()
+    with opened(listening) as (listener, access):
+        offers = [Offer("table <top>", lambda: desk)]
+        server = configured(studio_app(offers, access), listening)
+        thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
+        thread.start()
+        until = time.monotonic() + PATIENCE_S
+        while not server.started:
+            assert time.monotonic() < until, "the server does not start"
+            time.sleep(0.01)
+        yield Served(access, desk, listener.getsockname()[1], server)
+        server.should_exit = True
+        thread.join(PATIENCE_S)
+        assert not thread.is_alive()
