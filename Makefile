@@ -6,6 +6,7 @@
 # make sanitize   tests of compiled code under AddressSanitizer and UBSan
 # make bench   performance beside other libraries, into the terminal (SUITE=blend; JSON=FILE)
 # make docs   the documentation site, into build/site
+# make web   the bundle of libraries that the pages in the browser hold, anew (needs npm)
 # make kernels   generate the kernels from their definitions
 # Each prepares what it needs by itself: environment, dependencies, compiled kernels.
 
@@ -14,12 +15,13 @@ VENV    := .venv
 BIN     := $(VENV)/bin
 ROOMS   := ga tracking fusion animation render replays
 READY   := $(VENV)/.ready
+WEB     := replays/studio/web
 NATIVE  := CMakeLists.txt pyproject.toml constraints.txt $(wildcard ga/kernels/generated/c/* $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(kind) */*/native/generated/*.$(kind))))
 
 # C and C++ that people write.
 WRITTEN := $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(kind) */*/*/native/*.$(kind) docs/examples/*.$(kind) tests/bench/*/*.$(kind) tests/bench/*/*/*.$(kind)))
 
-.PHONY: demo test test-slow bench mutation fuzz sanitize docs lint wheel kernels names system browser clean
+.PHONY: demo test test-slow bench mutation fuzz sanitize docs lint wheel kernels web names system browser clean
 .DEFAULT_GOAL := demo
 
 demo: $(READY) system
@@ -56,6 +58,8 @@ lint: $(READY) names
 	$(BIN)/ruff format --check .
 	$(BIN)/clang-format --dry-run -Werror $(WRITTEN)
 	MYPYPATH=build/names $(BIN)/mypy $(addprefix -p motorcade.,$(ROOMS)) -p tests.bench
+	@if command -v npm >/dev/null; then $(MAKE) --no-print-directory build/web && cd build/web && \
+	  npm run --silent lint && npm run --silent test; else echo "no npm here: no JavaScript is linted"; fi
 
 # Strict: a broken link or anchor is an error. mkdocs finds the rooms by their names as mypy does.
 docs: $(READY) names
@@ -66,6 +70,17 @@ docs: $(READY) names
 kernels: $(READY)
 	$(BIN)/python -m motorcade.ga.codegen
 	$(BIN)/python -m motorcade.fusion.smoothing.header
+
+# three.js and uPlot as one module, from what package-lock.json names.
+web: build/web
+	cd build/web && npm run --silent vendor
+	cp build/web/vendor.* build/web/VENDOR_LICENSES.txt $(WEB)/
+
+# A copy to work in: what npm brings holds Python too, and belongs into no room.
+.PHONY: build/web
+build/web:
+	@mkdir -p build/web && cp -r $(WEB)/. build/web
+	cd build/web && npm ci --silent
 
 wheel: $(READY)
 	bash .ci/check_wheel

@@ -1,0 +1,35 @@
+"""The bundle of three.js and uPlot is what its lockfile makes, and its licences go with it."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from motorcade.replays import studio
+
+WEB = Path(studio.__file__).with_name("web")
+MADE = ("vendor.js", "vendor.css", "VENDOR_LICENSES.txt")
+
+
+def test_the_licences_of_both_libraries_lie_beside_the_bundle() -> None:
+    told = (WEB / "VENDOR_LICENSES.txt").read_text()
+    head = (WEB / "vendor.js").read_text().split("\n", 1)[0]
+    for name in ("three", "uplot"):
+        assert f"{name} " in told
+        assert f"{name} " in head
+    assert told.count("Permission is hereby granted") == 2
+
+
+@pytest.mark.slow
+def test_the_bundle_is_what_the_lockfile_makes(tmp_path: Path) -> None:
+    npm = shutil.which("npm")
+    if npm is None or not (WEB / "package-lock.json").exists():
+        pytest.skip("no npm here, or an installed wheel is tested")
+    for name in ("package.json", "package-lock.json"):
+        shutil.copy(WEB / name, tmp_path)
+    shutil.copytree(WEB / "bundle", tmp_path / "bundle")
+    for told in (["ci", "--silent"], ["run", "--silent", "vendor"]):
+        subprocess.run([npm, *told], cwd=tmp_path, check=True, capture_output=True)
+    for name in MADE:
+        assert (tmp_path / name).read_bytes() == (WEB / name).read_bytes(), name
