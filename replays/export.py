@@ -20,6 +20,7 @@ from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.files import FileError, read_bounded
 from motorcade.replays.characters.performers import performers
+from motorcade.replays.engine.graph import GraphRun
 from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.pipeline import pipeline_graph
 from motorcade.replays.readers.opening import open_recording
@@ -82,19 +83,7 @@ def open_run(folder: Path) -> Shown:
             recording without a camera.
         OSError: its recording is gone.
     """
-    origin = _read_origin(folder)
-    recording = open_recording(origin.recording, origin.manifest).intact()
-    if recording.digest() != origin.content:
-        raise ValueError(f"{folder}: its recording has changed since; run it again")
-    if recording.camera is None:
-        raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
-    graph = pipeline_graph()
-    run = graph.run(
-        "placed",
-        {"recording": recording},
-        folder / ".cache",
-        parse_knobs(origin.settings, graph),
-    )
+    recording, run = read_run(folder, "placed")
     placed, found = run.outputs["placed"], run.outputs["camera_poses"]
     recording = as_found(recording, found.camera, found.depth_camera)
     shown = performers(placed)
@@ -112,6 +101,27 @@ def open_run(folder: Path) -> Shown:
         placed.ground_motion,
         np.asarray(found.points, dtype=np.float64),
     )
+
+
+def read_run(folder: Path, stage: str) -> tuple[Recording, GraphRun]:
+    """The recording of a run, and the outputs of all that a stage needs and of itself.
+
+    They come out of the run's cache; what that lost is computed again.
+
+    Raises:
+        ValueError: a folder that holds no run, one whose recording has changed since, or a
+            recording without a camera.
+        OSError: its recording is gone.
+    """
+    origin = _read_origin(folder)
+    recording = open_recording(origin.recording, origin.manifest).intact()
+    if recording.digest() != origin.content:
+        raise ValueError(f"{folder}: its recording has changed since; run it again")
+    if recording.camera is None:
+        raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
+    graph = pipeline_graph()
+    knobs = parse_knobs(origin.settings, graph)
+    return recording, graph.run(stage, {"recording": recording}, folder / ".cache", knobs)
 
 
 @dataclass(frozen=True)

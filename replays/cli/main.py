@@ -14,7 +14,7 @@ from typing import TextIO
 from motorcade import __version__
 from motorcade.replays.cli.arguments import one_line
 from motorcade.replays.cli.characters import author, blend
-from motorcade.replays.cli.recordings import demo, export, graph, inspect, run, sweep
+from motorcade.replays.cli.recordings import demo, export, graph, inspect, run, sweep, view
 from motorcade.replays.cli.sensors import (
     allan,
     calibrate,
@@ -46,6 +46,7 @@ COMMANDS = (
     generate,
     blend,
     author,
+    view,
     export,
     compare,
     consistency,

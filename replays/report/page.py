@@ -45,7 +45,7 @@ def page(findings: Findings) -> str:
     keys = shown_columns(figures)
     return template.render(
         name=findings.recording.name,
-        headline=_headline(findings),
+        headline=headline(findings),
         video=_video(findings),
         video_caption=_video_caption(findings),
         shape=_shape(findings),
@@ -62,7 +62,8 @@ def page(findings: Findings) -> str:
     )
 
 
-def _headline(findings: Findings) -> str:
+def headline(findings: Findings) -> str:
+    """What was measured, and what was made of it, in a few sentences."""
     poses, fused = findings.camera_poses, findings.fused
     imu = f"; IMU {_imu(findings)}" if fused.by == "imu" else ""
     text = f"Camera poses {poses.summary}{imu}. The path was {fused.summary}."

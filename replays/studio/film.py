@@ -1,0 +1,95 @@
+"""A copy of a film that can be sought frame by frame: often a keyframe, and an even clock.
+
+Frame k stands at k / rate whatever the stamps of the recording were, so that a page asks for the
+middle of a frame and gets that one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from motorcade.ga.arrays import IntArray
+from motorcade.ga.unfinished import unfinished
+from motorcade.render.scene import ImageArray
+
+KEYFRAME_FRAMES, KEYFRAME_S = 12, 0.5
+QUALITY = 23
+_TICKS = 90_000
+
+
+def film_rate_hz(time_ns: IntArray) -> float:
+    """The even rate for stamps ``(F,)``: that of their middle step, so that clips play as taken."""
+    return float(_rate(time_ns))
+
+
+def _rate(time_ns: IntArray) -> Fraction:
+    if len(time_ns) < 2:
+        return Fraction(30)
+    rate = 1e9 / float(np.median(np.diff(time_ns)))
+    return Fraction(min(max(rate, 1.0), 240.0)).limit_denominator(1000)
+
+
+def write_film(path: Path, pictures: Iterable[ImageArray], time_ns: IntArray) -> None:
+    """Write pictures as an H.264 MP4 for pages; the file appears complete or not at all.
+
+    Args:
+        path: a name that ends in `.mp4`.
+        pictures: uint8 ``(h, w)`` or ``(h, w, 3)`` of one size, one a stamp.
+        time_ns: ``(F,)`` the recording's stamps, which give the rate.
+
+    Raises:
+        ValueError: another ending, or another number of pictures than stamps.
+        OSError: the file cannot be written.
+    """
+    if path.suffix != ".mp4":
+        raise ValueError(f"write_film(path): expected a name that ends in .mp4, got '{path.name}'")
+    with unfinished(path.parent) as place:
+        part = place / "film.mp4"
+        count = _encode(part, pictures, _rate(time_ns))
+        if count != len(time_ns):
+            raise ValueError(f"write_film: expected {len(time_ns)} pictures, got {count}")
+        part.replace(path)
+
+
+def _encode(path: Path, pictures: Iterable[ImageArray], rate: Fraction) -> int:
+    """Encode and mux; returns how many pictures came."""
+    import av
+    from av.video.reformatter import Colorspace
+
+    apart = max(1, min(KEYFRAME_FRAMES, int(KEYFRAME_S * rate)))
+    count = 0
+    with av.open(str(path), "w", options={"movflags": "+faststart", "fflags": "+bitexact"}) as file:
+        stream: Any = file.add_stream("libx264", rate=rate)
+        _set_up(stream, apart)
+        for count, picture in enumerate(pictures, 1):
+            rgb = picture if picture.ndim == 3 else np.repeat(picture[..., None], 3, axis=2)
+            even = np.pad(rgb, ((0, rgb.shape[0] % 2), (0, rgb.shape[1] % 2), (0, 0)), "edge")
+            frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(even), format="rgb24")
+            frame = frame.reformat(format="yuv420p", dst_colorspace=Colorspace.ITU709)
+            if count == 1:
+                stream.height, stream.width = even.shape[:2]
+            frame.pts, frame.time_base = round((count - 1) / rate * _TICKS), Fraction(1, _TICKS)
+            file.mux(stream.encode(frame))
+        file.mux(stream.encode(None))
+    return count
+
+
+def _set_up(stream: Any, apart: int) -> None:
+    """No frames that wait for later ones, as seeking through those takes twice as long."""
+    from av.codec.context import Flags
+    from av.video.reformatter import ColorRange, Colorspace
+
+    context = stream.codec_context
+    context.flags |= Flags.bitexact.value
+    context.time_base = Fraction(1, _TICKS)
+    stream.pix_fmt = "yuv420p"
+    told = f"keyint={apart}:min-keyint={apart}:scenecut=0:bframes=0:mbtree=0"
+    stream.options = {"crf": str(QUALITY), "preset": "veryfast", "x264-params": told}
+    context.color_range = ColorRange.MPEG.value
+    context.colorspace = Colorspace.ITU709.value
+    context.color_primaries = context.color_trc = 1

@@ -1,0 +1,97 @@
+// A character as three.js draws it, posed by the joints that Python computed for every frame.
+//
+// The joints stand in the character's own space and are no part of the scene, and the skin is
+// bound detached: three.js would else take the placement off again that the mesh has in the world.
+
+import { GLTFLoader, Group, Matrix4, Quaternion, Vector3 } from "studio/vendor.js";
+import { behindLens } from "studio/lens.js";
+import { bytesOf, row } from "studio/look.js";
+
+const place = new Vector3();
+const turn = new Quaternion();
+const size = new Vector3();
+
+/** Sets a matrix from x y z, w x y z, and a scale. @returns {Matrix4} */
+export function setPose(matrix, pose, scale = 1) {
+  place.set(pose[0], pose[1], pose[2]);
+  turn.set(pose[4], pose[5], pose[6], pose[3]);
+  return matrix.compose(place, turn, size.setScalar(scale));
+}
+
+export class Figure {
+  /** @param {object} character of a look @returns {Promise<Figure>} */
+  static async load(character) {
+    const gltf = await new GLTFLoader().parseAsync(bytesOf(character.gltf).buffer, "");
+    return new Figure(character, gltf.scene);
+  }
+
+  constructor(character, loaded) {
+    this.character = character;
+    this.object = new Group();
+    this.object.name = character.name;
+    this.object.matrixAutoUpdate = false;
+    this.meshes = [];
+    loaded.traverse((one) => {
+      if (one.isMesh) this.meshes.push(one);
+    });
+    for (const mesh of this.meshes) this.#take(mesh);
+    this.show(0);
+  }
+
+  #take(mesh) {
+    mesh.removeFromParent();
+    mesh.position.set(0, 0, 0);
+    mesh.quaternion.identity();
+    mesh.scale.setScalar(1);
+    mesh.frustumCulled = false;
+    for (const one of [mesh.material].flat()) behindLens(one);
+    if (mesh.isSkinnedMesh) {
+      mesh.bindMode = "detached";
+      mesh.bindMatrix.identity();
+      mesh.bindMatrixInverse.identity();
+      for (const bone of mesh.skeleton.bones) bone.matrixWorldAutoUpdate = false;
+    }
+    this.object.add(mesh);
+  }
+
+  /** Take the pose of a frame. */
+  show(frame) {
+    const { joints, morphs, world_T_character: stands } = this.character;
+    const stand = row(stands, frame);
+    const all = row(joints, frame);
+    for (const mesh of this.meshes) {
+      if (mesh.isSkinnedMesh) {
+        mesh.skeleton.bones.forEach((bone, number) => {
+          const pose = all.subarray(8 * number, 8 * number + 8);
+          setPose(bone.matrixWorld, pose, pose[7]);
+        });
+      }
+      if (morphs) mesh.morphTargetInfluences?.splice(0, Infinity, ...row(morphs, frame));
+    }
+    setPose(this.object.matrix, stand, stand[7]);
+    this.object.matrixWorldNeedsUpdate = true;
+  }
+
+  /** Where on the ground the root stands, in the world. @returns {Vector3} */
+  footing(into) {
+    const shown = this.meshes.find((one) => one.isSkinnedMesh)?.skeleton.bones[0].matrixWorld;
+    into.setFromMatrixPosition(shown ?? new Matrix4());
+    return into.setZ(0).applyMatrix4(this.object.matrix);
+  }
+
+  /**
+   * Vertices of the pose on show, in the world: what tests compare with Python's.
+   *
+   * @returns {Vector3[]}
+   */
+  vertices() {
+    this.object.updateMatrixWorld(true);
+    return this.meshes.flatMap((mesh) => {
+      mesh.skeleton?.update();
+      const count = mesh.geometry.attributes.position.count;
+      return Array.from({ length: count }, (_, index) =>
+        mesh.getVertexPosition(index, new Vector3()).applyMatrix4(mesh.matrixWorld),
+      );
+    });
+  }
+}
