@@ -18,8 +18,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from motorcade.animation.authoring.fields import number, read_json_lines, vector
 from motorcade.animation.authoring.poses import Frame, ObjectPose
-from motorcade.animation.authoring.scene import Scene, number, read_json_lines, vector
+from motorcade.animation.authoring.scene import Scene
 from motorcade.ga import Similarity
 from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 

@@ -146,7 +146,7 @@ TARGETS: dict[str, Callable[[Path], Target]] = {
     "guided-tum": _file(_PATHS, "read_trajectory", "a", _TUM),
     "guided-euroc": _file(_PATHS, "read_trajectory", "a", _EUROC),
     "guided-scene": _file(
-        "motorcade.animation.authoring.scene", "read_scene", "a.json", _SCENE, _TURNED, _EULER
+        "motorcade.animation.authoring.scene_file", "read_scene", "a.json", _SCENE, _TURNED, _EULER
     ),
     "guided-drags": _file(
         "motorcade.animation.authoring.editor", "read_gestures", "a", _DRAGS, words="local global"

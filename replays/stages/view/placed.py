@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import replace
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
@@ -23,15 +21,8 @@ from motorcade.replays.characters.casting import played
 from motorcade.replays.readers.manifest.cast import NOBODY, Cast, read_cast
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.as_found import as_found
-from motorcade.replays.stages.view.ground import (
-    Ground,
-    ground_on_board,
-    ground_on_floor,
-    ground_on_marker,
-    ground_on_plane,
-    known_marker,
-)
-from motorcade.replays.stages.view.moving_marker import find_marker
+from motorcade.replays.stages.view.anchored import GroundKind, Grounds
+from motorcade.replays.stages.view.ground import Ground
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.integrity import Integrity
 from motorcade.replays.values.marker_poses import MarkerPoses
@@ -54,7 +45,7 @@ def placed(
     cast: Path = Path(NOBODY),
     clip: str | None = None,
     path: tuple[float, ...] = (),
-    on: Literal["auto", "board", "marker", "plane", "floor"] = "auto",
+    on: GroundKind = "auto",
     marker: int | None = None,
     floor_m: float = 0.0,
     position_m: tuple[float, ...] = (),
@@ -93,31 +84,12 @@ def placed(
         told = (character != Path(MANNEQUIN), clip, path, position_m, heading_deg is not None)
         _refuse_beside_cast(*map(bool, told))
     recording = as_found(recording, camera_poses.camera, camera_poses.depth_camera)
-    marker_map = None if marker_poses is None else marker_poses.marker_map
     way = path_of(path) if path else None
-    seen_from = integrity.drawn
-    first_camera = seen_from.motors[0]
-    ground, ground_motion = None, None
+    first_camera = integrity.drawn.motors[0]
     if (on == "marker") != (marker is not None):
         raise ValueError(f"placed.marker: expected an id with placed.on=marker, got {marker}")
-    if marker is not None:
-        known = known_marker(recording, camera_poses, marker_map, marker)
-        found = find_marker(recording, seen_from, marker, known)
-        ground = ground_on_marker(found.world_T_marker, found.side_m, marker)
-        if found.path is not None:
-            ground = replace(ground, name=f"{ground.name}, which moves")
-            ground_motion = found.path.transformed_by(
-                right=found.world_T_marker.inverse(), child="start"
-            )
-    if on in ("auto", "board"):
-        ground = ground_on_board(recording, camera_poses, marker_map)
-    if on == "plane" or (on == "auto" and ground is None):
-        ground = ground_on_plane(recording, camera_poses, seen_from)
-    if ground is None and on in ("board", "plane"):
-        lacking = "no board is known" if on == "board" else "no plane that faces up was found"
-        raise ValueError(f"{recording.name}: placed.on={on}, but {lacking}")
-    if ground is None:
-        ground = ground_on_floor(recording, camera_poses, seen_from, floor_m)
+    grounds = Grounds(recording, camera_poses, marker_poses, integrity.drawn)
+    ground, ground_motion = grounds.asked(on, marker, floor_m)
     plane = ground.world_T_plane
     if str(cast) != NOBODY:
         towards = (plane.inverse() @ first_camera).translation_m[:2]

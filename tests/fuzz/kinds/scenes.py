@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from motorcade.animation.authoring.editor import SceneEditor, read_gestures, replay
-from motorcade.animation.authoring.scene import Scene, read_scene
+from motorcade.animation.authoring.scene import Scene
+from motorcade.animation.authoring.scene_file import read_scene
 from motorcade.ga import Rotor
 from tests.fuzz.mutations import changed_tree, mutated, one_of
 from tests.fuzz.own import ended

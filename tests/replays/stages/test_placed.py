@@ -305,7 +305,7 @@ def test_depth_is_seen_as_the_poses_were_found_with_it(
     np.testing.assert_allclose(found.placement.world_T_character.as_matrix(), right, atol=1e-3)
     hiding: list[np.ndarray] = []
     monkeypatch.setattr(
-        "motorcade.replays.stages.view.overlay.render_overlay",
+        "motorcade.replays.stages.view.overlay.render_performers",
         lambda pictures, *_, **__: hiding.extend(depth_m for _, _, depth_m in pictures),
     )
     monkeypatch.setattr("motorcade.replays.stages.view.overlay.write_video", lambda *_: None)
