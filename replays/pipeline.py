@@ -23,10 +23,11 @@ from motorcade.replays.engine.graph import Graph
 from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.engine.stage import first_of
 from motorcade.replays.readers.manifest.cast import NOBODY, read_cast
-from motorcade.replays.readers.manifest.section import setting_from
+from motorcade.replays.readers.manifest.section import FILE_KNOBS, setting_from
 from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.recording import Recording
 from motorcade.replays.results import require_writable, write_results
+from motorcade.replays.scenes.checked import check_scene
 from motorcade.replays.stages.camera.board_poses import board_poses
 from motorcade.replays.stages.camera.camera_poses import camera_poses
 from motorcade.replays.stages.camera.marker_poses import marker_poses
@@ -40,10 +41,12 @@ from motorcade.replays.stages.integrity import integrity
 from motorcade.replays.stages.report import report
 from motorcade.replays.stages.smoothed import smoothed
 from motorcade.replays.stages.view.overlay import overlay
-from motorcade.replays.stages.view.placed import placed
+from motorcade.replays.stages.view.placed import SCENE_SAYS, placed
 from motorcade.tracking import TrackingError
 
 log = logging.getLogger("motorcade.pipeline")
+
+NOTHING = FILE_KNOBS["placed.scene"]
 
 TRACKED = first_of(
     "tracked",
@@ -72,6 +75,8 @@ STAGES = (
 class Job:
     """One recording to run: where it lies, where results go, how far, with which settings.
 
+    `scene` is a scene file to set into it; see stage `placed`.
+
     >>> from pathlib import Path
     >>> from motorcade.replays import Job
     >>> job = Job(Path("V1_01_easy"), out=Path("out"), settings=("tracked.by=simulated",))
@@ -85,6 +90,17 @@ class Job:
     cache: Path | None = None
     until: str = "report"
     settings: tuple[str, ...] = ()
+    scene: Path | None = None
+
+    def all_settings(self, recording: Recording) -> tuple[str, ...]:
+        """The recording's own settings and the job's; a scene says in place of the recording's."""
+        own = recording.settings
+        given = self.settings
+        if self.scene is not None:
+            said = tuple(f"placed.{name}=" for name in SCENE_SAYS)
+            own = tuple(one for one in own if not one.replace(" ", "").startswith(said))
+            given = (*given, f"placed.scene={self.scene}")
+        return (*own, *(setting_from(one, lambda file: Path(file).absolute()) for one in given))
 
 
 def pipeline_graph() -> Graph:
@@ -122,10 +138,7 @@ def run_job(job: Job) -> dict[str, Any]:
     graph = pipeline_graph()
     with off_record():  # the recording's digest and settings cover all that is read of it
         recording = open_recording(job.recording, job.manifest)
-    settings = (
-        *recording.settings,
-        *(setting_from(one, lambda file: Path(file).absolute()) for one in job.settings),
-    )
+    settings = job.all_settings(recording)
     knobs = parse_knobs(settings, graph)
     if "placed" in graph.needed(job.until):
         _check_character(knobs.get("placed", {}))
@@ -142,6 +155,8 @@ def _check_character(knobs: Mapping[str, Any]) -> None:
     """ValueError where a character or clip that is asked for is not there, before any tracking."""
     if str(knobs.get("cast", NOBODY)) != NOBODY:
         check_cast(read_cast(knobs["cast"]))
+    if str(knobs.get("scene", NOTHING)) != NOTHING:
+        check_scene(knobs["scene"])
     if {"character", "clip"} & knobs.keys():
         character = character_named(str(knobs.get("character", MANNEQUIN)))
         if knobs.get("clip") is not None:

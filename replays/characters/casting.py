@@ -62,9 +62,9 @@ def actor_of(member: CastMember, height_m: float) -> Actor:
         character = with_motions(_character(member.file), member.motions)
         skeleton = character.skeleton
         legs = tuple(fitted_legs(legs_of(skeleton), character))
-        idle = _clip(character, member.idle)
+        idle = rigid_clip(character, member.idle)
         acts = {
-            name: Act.of(_clip(character, name), skeleton, legs)
+            name: Act.of(rigid_clip(character, name), skeleton, legs)
             for name in dict.fromkeys(member.acts)
         }
         layers = tuple(_layer(character, one) for one in member.layers)
@@ -72,7 +72,7 @@ def actor_of(member: CastMember, height_m: float) -> Actor:
         if len(member.path_m) > 1:
             if not legs:
                 raise ValueError("neither bones nor names tell the character's legs")
-            gaits = [_clip(character, name) for name in member.gaits]
+            gaits = [rigid_clip(character, name) for name in member.gaits]
             cycle, speed_m_s = gait_between(gaits, skeleton, legs, member.speed_m_s)
     except ValueError as fault:
         raise ValueError(f"cast, '{member.name}': {fault}") from fault
@@ -223,7 +223,7 @@ def _character(file: str) -> Character:
         raise ValueError(f"file: {str(fault).removeprefix('placed.character: ')}") from fault
 
 
-def _clip(character: Character, name: str) -> Clip:
+def rigid_clip(character: Character, name: str) -> Clip:
     """A clip of the character by its name, or the mannequin's of that name, rigid."""
     try:
         found = clip_named(character, name)
@@ -237,11 +237,11 @@ def _clip(character: Character, name: str) -> Clip:
 
 
 def _layer(character: Character, asked: LayerAsked) -> ClipLayer:
-    mask = asked.weight * _mask(character.skeleton, asked.joints)
-    return ClipLayer(_clip(character, asked.clip), mask, asked.during, asked.additive)
+    mask = asked.weight * mask_of(character.skeleton, asked.joints)
+    return ClipLayer(rigid_clip(character, asked.clip), mask, asked.during, asked.additive)
 
 
-def _mask(skeleton: Skeleton, joints: str) -> FloatArray:
+def mask_of(skeleton: Skeleton, joints: str) -> FloatArray:
     """1 for the joints that a word means, and all that hang on them."""
     if joints == "whole":
         return np.ones(len(skeleton))

@@ -1,4 +1,4 @@
-"""Who is drawn and exported: the placed character, or everybody of a cast, with what they do."""
+"""Who is drawn and exported: the placed character, or all of a cast or a scene, as they move."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ def performers(placed: PlacedCharacter, lasting_s: float = 0.0) -> list[Performe
                 character_named(part.character),
                 part.clip,
                 part.placement,
-                ground_motion=placed.ground_motion,
+                part.motion,
+                placed.ground_motion if part.motion is None else part.ground_motion,
+                part.visible_s,
             )
             for part in placed.parts
         ]

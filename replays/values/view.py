@@ -25,7 +25,7 @@ class PartState:
 
 @dataclass(frozen=True, eq=False)
 class PlayedPart:
-    """A character of a cast, and all that it does.
+    """A character of a cast, or a character or prop of a scene, and all that it does.
 
     Fields:
         name: what it is called.
@@ -36,6 +36,9 @@ class PlayedPart:
         states: in their order.
         note: how it keeps out of the others' way; "" where it does as it was asked.
         worst_slide_m: the farthest that a foot goes on the ground in one step.
+        motion: of a scene, `placement_T_character` with its scale, from the first frame on.
+        ground_motion: of a scene, what moves the placement along; see `PlacedCharacter`.
+        visible_s: from when to when it is seen; None for always.
     """
 
     name: str
@@ -44,8 +47,11 @@ class PlayedPart:
     time_s: FloatArray
     poses: Motor
     states: tuple[PartState, ...]
-    note: str
-    worst_slide_m: float
+    note: str = ""
+    worst_slide_m: float = 0.0
+    motion: Trajectory | None = None
+    ground_motion: Trajectory | None = None
+    visible_s: tuple[float, float] | None = None
 
     @property
     def clip(self) -> Clip:
@@ -66,7 +72,7 @@ class PlacedCharacter:
         plane_T_character: where the placement stands in that plane.
         ground_motion: on a marker that moves, what moves the placement along: the pose
             that takes what stands in the world at the first frame to where it is later.
-        parts: of a cast, what everybody does, the one first that the other fields tell of.
+        parts: of a cast or a scene, what all do, the one first that the other fields tell of.
         apart_m: the least distance between two bodies of it; None for one alone.
     """
 

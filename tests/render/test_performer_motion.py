@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from motorcade.animation import Character, Clip, Placement, Skeleton
+from motorcade.animation import Clip, Placement
 from motorcade.animation.vectors import turn_z
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.render import Lighting, Performer, Sun, render_performers
 from motorcade.render.scene import ImageArray
 from motorcade.tracking.cameras.camera import Camera
+from tests.props import box
 
 CAMERA = Camera(240, 180, 200.0, 200.0, 119.5, 89.5)
 FRAME: ImageArray = np.full((180, 240, 3), 170, dtype=np.uint8)
@@ -23,22 +24,6 @@ EYE = Motor.from_rotor_translation(
 )
 PATH = Trajectory(TIME_NS, Motor.stack([EYE] * 3))
 NOON = Lighting((0.4, 0.4, 0.4), Sun((0.0, 0.0, -1.0), 2.0), (), (0.0, 0.0, 0.2), 1.5)
-
-
-def box(size_m: float = 0.2) -> Character:
-    """A cube on z = 0, its sides' normals at its corners."""
-    corner = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1], indexing="ij")).reshape(3, -1).T
-    quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
-    triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
-    return Character(
-        Skeleton(("box",), np.array([-1]), Motor.identity((1,))),
-        0.5 * size_m * (corner + np.array([0.0, 0.0, 1.0])),
-        corner / np.sqrt(3.0),
-        np.array(triangles),
-        np.full((8, 3), 0.1),
-        np.zeros((8, 4), dtype=int),
-        np.tile([1.0, 0.0, 0.0, 0.0], (8, 1)),
-    )
 
 
 BOX = box()

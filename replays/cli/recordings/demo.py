@@ -45,5 +45,6 @@ def demo(arguments: argparse.Namespace) -> None:
         cache=cache,
         until=arguments.until,
         settings=tuple(arguments.settings),
+        scene=arguments.scene,
     )
     run_one(job, as_json=arguments.json, strict=arguments.strict)

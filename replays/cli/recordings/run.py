@@ -56,6 +56,9 @@ def add_run_options(parser: argparse.ArgumentParser, out: Path) -> None:
         metavar="STAGE.KNOB=VALUE",
         help="change a knob; `motorcade graph --knobs` lists them",
     )
+    parser.add_argument(
+        "--scene", type=Path, metavar="FILE", help="set this scene into the footage"
+    )
     parser.add_argument("--cache", type=Path, metavar="DIR", help="stage outputs (OUT/.cache)")
     parser.add_argument("--json", action="store_true", help="print the error report as JSON")
     add_strict(parser)
@@ -87,6 +90,7 @@ def run_recordings(arguments: argparse.Namespace) -> None:
             cache=arguments.cache,
             until=arguments.until,
             settings=tuple(arguments.settings),
+            scene=arguments.scene,
         )
         for path in arguments.recordings
     ]

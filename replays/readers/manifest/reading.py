@@ -10,7 +10,7 @@ inside a recording may not.
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from os.path import realpath
 from pathlib import Path
@@ -33,6 +33,7 @@ from motorcade.replays.readers.gpmf import read_telemetry
 from motorcade.replays.readers.layouts.detect import find_layout, read_layout
 from motorcade.replays.readers.manifest.cast import read_cast
 from motorcade.replays.readers.manifest.inertial import IMU_KEYS, section_imu
+from motorcade.replays.readers.manifest.scene import files_of_scene
 from motorcade.replays.readers.manifest.section import (
     CAMERA_KEYS,
     MARKERS_KEYS,
@@ -135,11 +136,18 @@ class _Manifest:
     def _setting(self, text: str) -> str:
         """A setting whose file, where it names one, is looked for as those of keys are."""
         made = setting_from(text, lambda name: self._named(self.top, "settings", name))
-        if made.startswith("placed.cast=") and made != text and not self.may_leave:
-            for file in read_cast(Path(made.partition("=")[2])).files():
-                if not Path(realpath(file)).is_relative_to(realpath(self.folder)):
-                    problem = f"expected a cast of files inside {self.folder}, got {file}"
-                    raise self.top.fault("settings", problem)
+        if made == text or self.may_leave:
+            return made
+        name, _, path = made.partition("=")
+        files: Iterable[Path] = ()
+        if name == "placed.cast":
+            files = read_cast(Path(path)).files()
+        elif name == "placed.scene":
+            files = files_of_scene(Path(path))
+        for file in files:
+            if not Path(realpath(file)).is_relative_to(realpath(self.folder)):
+                problem = f"expected files inside {self.folder}, got {file}"
+                raise self.top.fault("settings", problem)
         return made
 
     def _file(self, section: Section, key: str) -> Path:

@@ -35,7 +35,7 @@ from motorcade.tracking.markers.marker_map import MarkerMap
 
 TOML_LIMIT = 2**16
 _WHOLE_LIMIT = 1_000_000
-FILE_KNOBS = {"placed.character": "mannequin", "placed.cast": "none"}
+FILE_KNOBS = {"placed.character": "mannequin", "placed.cast": "none", "placed.scene": "none"}
 """Knobs that name a file, and the word by which each names none; a test asks the stages."""
 
 

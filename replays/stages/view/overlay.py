@@ -121,7 +121,7 @@ def overlay(
         lighting=lighting,
         matching=Matching(gain, exposure_s, noise),
         prints=prints
-        if placed.ground_motion is None
+        if all(one.ground_motion is None for one in shown)
         else None,  # where things move, a map may not hold
         meter=meter,
         renderer=renderer,

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from motorcade.animation import place_on_plane
+from motorcade.animation.authoring import read_scene
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, frozen
 from motorcade.replays.characters.acting import (
@@ -19,7 +20,9 @@ from motorcade.replays.characters.acting import (
 )
 from motorcade.replays.characters.casting import played
 from motorcade.replays.readers.manifest.cast import NOBODY, Cast, read_cast
+from motorcade.replays.readers.manifest.section import FILE_KNOBS
 from motorcade.replays.recording import Recording
+from motorcade.replays.scenes.bound import BoundScene, light_placement
 from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.view.anchored import GroundKind, Grounds
 from motorcade.replays.stages.view.ground import Ground
@@ -30,8 +33,10 @@ from motorcade.replays.values.view import PlacedCharacter
 
 log = logging.getLogger("motorcade.placed")
 
+NOTHING = FILE_KNOBS["placed.scene"]
 # What a cast says in place of knobs; those that are lists of numbers may be empty.
 CAST_SAYS = ("character", "clip", "path", "position_m", "heading_deg")
+SCENE_SAYS = (*CAST_SAYS, "height_m", "cast")
 LISTS = ("path", "position_m")
 
 
@@ -43,6 +48,7 @@ def placed(
     *,
     character: Path = Path(MANNEQUIN),
     cast: Path = Path(NOBODY),
+    scene: Path = Path(NOTHING),
     clip: str | None = None,
     path: tuple[float, ...] = (),
     on: GroundKind = "auto",
@@ -63,6 +69,9 @@ def placed(
     `cast` is a TOML file of several characters that walk, turn, act, and keep apart
     (docs/manifests/every_cast_key.toml); it says in place of `character`, `clip`, `path`,
     `position_m` and `heading_deg` who does what where.
+    `scene` is a scene file (docs/manifests/every_scene_key.json): characters and props with
+    keyframes, clips, layers and walks on anchors of their own. It says all but `on`, `marker` and
+    `floor_m`, which tell the ground of what hangs on no anchor.
     `on` "auto" takes the board or the marker seen most where the poses come from it, else the plane
     where one is found (in depth, or among the points that SLAM mapped; the floor where gravity is
     known, a plane that faces the picture's up where it is not), else the floor: z = `floor_m`, in
@@ -80,9 +89,11 @@ def placed(
     """
     if position_m and len(position_m) != 2:
         raise ValueError(f"placed.position_m: expected x,y, got {len(position_m)} numbers")
+    told = (character != Path(MANNEQUIN), clip, path, position_m, heading_deg is not None)
     if str(cast) != NOBODY:
-        told = (character != Path(MANNEQUIN), clip, path, position_m, heading_deg is not None)
-        _refuse_beside_cast(*map(bool, told))
+        _refuse_beside("cast", *map(bool, told))
+    if str(scene) != NOTHING:
+        _refuse_beside("scene", *map(bool, told), height_m is not None, str(cast) != NOBODY)
     recording = as_found(recording, camera_poses.camera, camera_poses.depth_camera)
     way = path_of(path) if path else None
     first_camera = integrity.drawn.motors[0]
@@ -91,6 +102,8 @@ def placed(
     grounds = Grounds(recording, camera_poses, marker_poses, integrity.drawn)
     ground, ground_motion = grounds.asked(on, marker, floor_m)
     plane = ground.world_T_plane
+    if str(scene) != NOTHING:
+        return _scene_on(scene, grounds, ground)
     if str(cast) != NOBODY:
         towards = (plane.inverse() @ first_camera).translation_m[:2]
         height = ground.height_m if height_m is None else height_m
@@ -126,12 +139,12 @@ def placed(
     )
 
 
-def _refuse_beside_cast(*told: bool) -> None:
-    """ValueError where a knob says what the cast says already."""
-    for name, given in zip(CAST_SAYS, told, strict=True):
+def _refuse_beside(what: str, *told: bool) -> None:
+    """ValueError where a knob says what the cast or scene says already."""
+    for name, given in zip(CAST_SAYS if what == "cast" else SCENE_SAYS, told, strict=True):
         if given:
             raise ValueError(
-                f"placed.{name}: expected none beside placed.cast, which says it"
+                f"placed.{name}: expected none beside placed.{what}, which says it"
                 + (f"; --set placed.{name}= takes away the manifest's" if name in LISTS else "")
             )
 
@@ -159,6 +172,24 @@ def _cast_on(
         ground_motion=ground_motion,
         parts=parts,
         apart_m=apart_m if np.isfinite(apart_m) else None,
+    )
+
+
+def _scene_on(file: Path, grounds: Grounds, world: Ground) -> PlacedCharacter:
+    """All of a scene; its first character stands for all where one is asked for."""
+    bound = BoundScene(read_scene(file), file.absolute().parent, grounds, world)
+    parts = bound.parts()
+    first = parts[0]
+    placement, inside = light_placement(first, character_named(first.character).height_m)
+    stands_on = dict.fromkeys(bound.ground_of(part.name)[0].name for part in parts)
+    return PlacedCharacter(
+        first.character,
+        first.name,
+        placement,
+        " and ".join(stands_on),
+        plane_T_character=inside,
+        ground_motion=first.ground_motion,
+        parts=parts,
     )
 
 

@@ -212,5 +212,5 @@ def test_a_cast_found_in_a_recording_names_no_file_outside_it(tmp_path: Path) ->
     )
     assert cv2.imwrite(str(folder / "0.png"), np.zeros((8, 8), np.uint8))
     cast(folder, ONE + f"file = '{tmp_path / 'hero.glb'}'\n")
-    with pytest.raises(RecordingError, match="expected a cast of files inside"):
+    with pytest.raises(RecordingError, match="expected files inside"):
         open_recording(folder)

@@ -1,0 +1,48 @@
+"""Whether all that a scene asks of its files is there: characters, clips, joints."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from motorcade.animation import Character
+from motorcade.animation.authoring import Scene, read_scene
+from motorcade.replays.characters.acting import character_named
+from motorcade.replays.characters.casting import mask_of, rigid_clip
+from motorcade.replays.readers.manifest.scene import file_of
+
+
+def check_scene(path: Path) -> None:
+    """Refuse what can be refused before a recording is looked at: files, clips, joints.
+
+    Raises:
+        ValueError: see `read_scene`; a file that cannot be read, a clip or joint that is not there;
+            the message names the object.
+    """
+    scene = read_scene(path)
+    for name in scene.parts:
+        if scene.part(name).kind != "group":
+            cast_as(scene, name, path.absolute().parent)
+
+
+def cast_as(scene: Scene, name: str, folder: Path) -> Character:
+    """Who or what an object is, with all that it is asked to play.
+
+    Raises:
+        ValueError: see `check_scene`.
+    """
+    part = scene.part(name)
+    try:
+        character = character_named(file_of(part, folder))
+        walk = () if part.walk is None else part.walk.gaits
+        clips = [*walk, *(layer.clip for layer in part.layers)]
+        for clip in [*clips, *([] if part.clip is None else [part.clip])]:
+            rigid_clip(character, clip)
+        for layer in part.layers:
+            mask_of(character.skeleton, layer.joints)
+        for one in part.joint_keyframes:
+            for joint in one.rotors:
+                character.skeleton.index(joint)
+    except ValueError as fault:
+        told = str(fault).removeprefix("placed.character: ").removeprefix("placed.clip: ")
+        raise ValueError(f"scene, '{name}': {told}") from fault
+    return character

@@ -1,0 +1,214 @@
+"""A scene bound to tracked poses: what hangs on a moving marker goes along, and all is drawn."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from motorcade.animation import mannequin
+from motorcade.animation.place import GroundPath
+from motorcade.ga import Motor, Similarity
+from motorcade.ga.arrays import FloatArray
+from motorcade.render import Performer, render_performers
+from motorcade.replays.characters.performers import performers
+from motorcade.replays.stages.view.placed import placed
+from motorcade.replays.values.view import PlacedCharacter, PlayedPart
+from tests.props import write_props
+from tests.replays.carried_marker import (
+    CAMERA,
+    FRAMES,
+    ID,
+    SIDE_M,
+    TIME_NS,
+    recorded,
+    still,
+    wandering,
+)
+
+LASTS_S = 1e-9 * float(TIME_NS[-1])
+BOX = {"name": "box", "kind": "prop", "file": "box.glb", "parent": "tag", "scale": 0.2}
+ANCHORS = {"tag": {"on": "marker", "marker": ID}, "ground": {"on": "floor", "floor_m": -0.2}}
+
+
+def scene(folder: Path, *objects: dict[str, Any]) -> Path:
+    write_props(folder)
+    path = folder / "scene.json"
+    path.write_text(json.dumps({"anchors": ANCHORS, "objects": objects}))
+    return path
+
+
+def bound(path: Path, where: Any = wandering) -> PlacedCharacter:
+    recording, smoothed, found = recorded(where)
+    return placed(recording, found, smoothed, scene=path)
+
+
+def parts(made: PlacedCharacter) -> dict[str, tuple[PlayedPart, Performer]]:
+    return {part.name: (part, one) for part, one in zip(made.parts, performers(made), strict=True)}
+
+
+def centers_m(one: Performer, own_m: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> FloatArray:
+    return one.world_T_character(TIME_NS).apply(own_m)
+
+
+def test_what_hangs_on_a_moving_marker_goes_along_and_moves_over_it(tmp_path: Path) -> None:
+    """A box that slides from corner to corner of the marker while that is carried about."""
+    keys = [
+        {"time_s": 0.0, "position_m": [0.0, -SIDE_M, 0.0], "scale": 0.2},
+        {"time_s": LASTS_S, "position_m": [SIDE_M, 0.0, 0.0], "scale": 0.4},
+    ]
+    cup = {"name": "cup", "kind": "prop", "file": "ball.glb", "parent": "box", "scale": 0.5}
+    cup |= {"position_m": [0.0, 0.0, 0.2]}
+    made = parts(bound(scene(tmp_path, {**BOX, "keyframes": keys}, cup)))
+    share = TIME_NS / TIME_NS[-1]
+    for k in range(FRAMES):
+        # Neither turns, so that the spiral between them is a straight line, evenly in log scale.
+        grown = 0.2 * 2.0 ** share[k]
+        along = (grown - 0.2) / 0.2
+        inside = np.array([along * SIDE_M, (along - 1.0) * SIDE_M, 0.0])
+        wanted = wandering(k).apply(inside)
+        here = made["box"][1].world_T_character(int(TIME_NS[k]))
+        assert float(here.scale) == pytest.approx(grown)
+        assert np.linalg.norm(here.translation_m - wanted) < 0.006  # as the marker is tracked
+        child = made["cup"][1].world_T_character(int(TIME_NS[k]))
+        np.testing.assert_allclose(child.translation_m, here.apply([0.0, 0.0, 0.2]), atol=1e-9)
+        assert float(child.scale) == pytest.approx(0.5 * grown)
+
+
+def test_what_hangs_on_nothing_stays_in_the_world(tmp_path: Path) -> None:
+    free = {"name": "free", "kind": "prop", "file": "box.glb", "position_m": [0.1, 0.2, 0.3]}
+    made = bound(scene(tmp_path, BOX, free))
+    (part, one) = parts(made)["free"]
+    np.testing.assert_allclose(centers_m(one), np.tile([0.1, 0.2, 0.3], (FRAMES, 1)), atol=1e-12)
+    assert part.ground_motion is None
+    # Its shadow falls on the anchor that stays.
+    assert part.placement.world_T_character.translation_m[2] == pytest.approx(-0.2)
+
+
+def test_a_walker_walks_its_path_on_the_anchor_and_carries_its_child(tmp_path: Path) -> None:
+    path = [[0.0, -0.05], [0.1, -0.05], [0.1, 0.05]]
+    walk = {"path_m": path, "start_s": 0.2}
+    who = {"name": "who", "kind": "character", "file": "mannequin", "parent": "tag"}
+    who |= {"height_m": 0.06, "walk": walk}
+    hat = {"name": "hat", "kind": "prop", "file": "ball.glb", "parent": "who", "scale": 0.1}
+    hat |= {"position_m": [0.0, 0.0, 0.06]}
+    made = parts(bound(scene(tmp_path, who, hat), still))
+    part, one = made["who"]
+    assert {state.state for state in part.states} >= {"idle", "walk"}
+    inside = still(0).inverse().apply(centers_m(one))
+    assert np.abs(inside[:, 2]).max() < 2e-4  # as the marker is tracked
+    curve = GroundPath(np.array(path))
+    ways = curve.at(np.linspace(0.0, curve.length_m, 2000))[0]
+    off = np.linalg.norm(inside[:, None, :2] - ways[None], axis=-1).min(axis=1)
+    assert off.max() < 2e-3
+    np.testing.assert_allclose(inside[0, :2], path[0], atol=2e-3)
+    assert np.linalg.norm(inside[-1] - inside[0]) > 0.02
+    crown = mannequin().height_m * float(one.world_T_character(0).scale)
+    assert crown == pytest.approx(0.06)
+    crowns_m = centers_m(one, (0.0, 0.0, mannequin().height_m))
+    np.testing.assert_allclose(centers_m(made["hat"][1]), crowns_m, atol=1e-9)
+
+
+def test_layers_and_turned_joints_are_played_over_the_clip(tmp_path: Path) -> None:
+    turned = [0.5**0.5, 0.5**0.5, 0.0, 0.0]
+    who = {"name": "who", "kind": "character", "file": "mannequin", "clip": "idle"}
+    keys = [
+        {"time_s": 0.5, "joints": {"head": [1, 0, 0, 0]}},
+        {"time_s": 1.0, "joints": {"head": turned}},
+    ]
+    plain = parts(bound(scene(tmp_path, who)))["who"][0]
+    layer = {"clip": "wave", "joints": "right_arm", "start_s": 0.4}
+    both = {**who, "layers": [layer], "joint_keyframes": keys}
+    part = parts(bound(scene(tmp_path, both)))["who"][0]
+    skeleton = mannequin().skeleton
+    head, hand, foot = (skeleton.index(name) for name in ("head", "right_hand", "left_foot"))
+    at = [np.searchsorted(part.time_s, t) for t in (0.5, 0.75, 1.0, 1.9)]
+    angle = [float(part.poses[k, head].rotor.angle()) for k in at]
+    np.testing.assert_allclose(angle, [0.0, np.pi / 4, np.pi / 2, np.pi / 2], atol=1e-9)
+    np.testing.assert_allclose(
+        part.poses.coefficients[:, foot], plain.poses.coefficients[:, foot], atol=1e-14
+    )
+    hands = [skeleton.world(one.poses).translation_m[:, hand] for one in (part, plain)]
+    early = part.time_s <= 0.4
+    np.testing.assert_allclose(hands[0][early], hands[1][early], atol=1e-12)
+    assert np.linalg.norm(hands[0] - hands[1], axis=1)[at[3]] > 0.2
+
+
+@pytest.mark.usefixtures("opengl")
+def test_all_of_a_scene_is_drawn_where_it_is(tmp_path: Path) -> None:
+    """Every frame differs from the footage about every object, and not beside them."""
+    ball = {"name": "ball", "kind": "prop", "file": "ball.glb", "parent": "tag", "scale": 0.15}
+    ball |= {"position_m": [0.16, -0.05, 0.0], "visible": [0.0, 1.0]}
+    recording, smoothed, found = recorded(wandering)
+    middle = {**BOX, "position_m": [0.05, -0.05, 0.0]}
+    made = placed(recording, found, smoothed, scene=scene(tmp_path, middle, ball))
+    assert made.stands_on == "marker 7, which moves"
+    frames = [(frame.time_ns, frame.image()) for frame in recording.frames][::8]
+    drawn = render_performers(frames, CAMERA, smoothed.drawn, performers(made))
+    for (stamp, before), after in zip(frames, drawn, strict=True):
+        k = int(np.flatnonzero(stamp == TIME_NS)[0])
+        changed = np.any(np.abs(after.astype(int) - before[..., None]) > 20, axis=2)
+        view = smoothed.drawn.motors[k].inverse()
+        for own, there in (((0.05, -0.05, 0.02), True), ((0.16, -0.05, 0.015), k <= 20)):
+            column, row = CAMERA.project(view.apply(wandering(k).apply(own))).round().astype(int)
+            around = changed[row - 2 : row + 3, column - 2 : column + 3]
+            assert around.mean() > 0.6 if there else around.mean() < 0.2
+
+
+@pytest.mark.parametrize(
+    ("thing", "said"),
+    [
+        ({**BOX, "file": "none.glb"}, "scene, 'box': .*none.glb"),
+        ({**BOX, "clip": "fly"}, "scene, 'box': .*no clip 'fly'"),
+        ({**BOX, "parent": "lost"}, "expected an object named before, got 'lost'"),
+        ({"name": "pair"}, "expected a character or a prop, got groups alone"),
+    ],
+)
+def test_what_a_scene_asks_for_in_vain_is_refused_by_name(
+    thing: dict[str, Any], said: str, tmp_path: Path
+) -> None:
+    with pytest.raises(ValueError, match=said):
+        bound(scene(tmp_path, thing))
+
+
+def test_an_anchor_that_is_not_there_is_named(tmp_path: Path) -> None:
+    write_props(tmp_path)
+    path = tmp_path / "scene.json"
+    anchors = {"wall": {"on": "marker", "marker": 3}}
+    path.write_text(json.dumps({"anchors": anchors, "objects": [{**BOX, "parent": "wall"}]}))
+    with pytest.raises(ValueError, match=r"scene, anchor 'wall': .*placed\.marker=3"):
+        bound(path)
+
+
+def test_a_scene_says_in_place_of_knobs(tmp_path: Path) -> None:
+    recording, smoothed, found = recorded(still)
+    path = scene(tmp_path, BOX)
+    with pytest.raises(ValueError, match=r"placed\.height_m: expected none beside placed\.scene"):
+        placed(recording, found, smoothed, scene=path, height_m=1.0)
+    with pytest.raises(ValueError, match=r"placed\.cast: expected none beside placed\.scene"):
+        placed(recording, found, smoothed, scene=path, cast=tmp_path / "cast.toml")
+
+
+def test_poses_between_frames_are_those_of_the_screw(tmp_path: Path) -> None:
+    """Exposure and exports ask between frames: a turn of half a circle, 5 cm from the axis."""
+    turned = {"time_s": LASTS_S, "position_m": [0.05, 0.05, 0.0], "euler_deg": [0, 0, 170]}
+    start = {"time_s": 0.0, "position_m": [0.05, -0.05, 0.0]}
+    made = parts(bound(scene(tmp_path, {**BOX, "keyframes": [start, turned]}), still))["box"][1]
+    a, b = (
+        Similarity.from_motor_scale(
+            Motor.from_quaternion_translation(
+                [np.cos(0.5 * angle), 0.0, 0.0, np.sin(0.5 * angle)], place
+            )
+        )
+        for angle, place in ((0.0, [0.05, -0.05, 0.0]), (np.radians(170.0), [0.05, 0.05, 0.0]))
+    )
+    for share in (0.123, 0.5, 0.777):
+        stamp = int(share * TIME_NS[-1])
+        inside = Similarity.from_motor_scale(still(0).inverse()) @ made.world_T_character(stamp)
+        wanted = a.interpolate(b, np.array(share))
+        assert np.linalg.norm(inside.translation_m - wanted.translation_m) < 2e-3
+        away = (wanted.rotor.inverse() @ inside.rotor).angle()
+        assert float(away) < 0.02
