@@ -25,6 +25,7 @@ export class Film {
     this.brush = this.picture.getContext("2d", { alpha: false });
     this.wanted = 0;
     this.target = -1;
+    this.asked = 0;
     this.video = document.createElement("video");
     Object.assign(this.video, { muted: true, playsInline: true, preload: "auto", src: source });
     this.video.addEventListener("loadeddata", () => this.#presented(0));
@@ -62,6 +63,7 @@ export class Film {
   #start() {
     if (this.wanted === this.shown || this.video.readyState < 1) return;
     this.target = this.wanted;
+    this.asked += 1;
     this.video.currentTime = (this.target + 0.5) / this.rate;
   }
 
@@ -76,10 +78,10 @@ export class Film {
 
   /** Browsers that tell no presented frames show what was sought; so do those that tell it late. */
   #seeked() {
-    const target = this.target;
+    const { target, asked } = this;
     const late = this.video.requestVideoFrameCallback ? PATIENCE_MS : 0;
     setTimeout(() => {
-      if (target >= 0 && this.target === target) this.#presented(target);
+      if (target >= 0 && this.asked === asked && this.target === target) this.#presented(target);
     }, late);
   }
 

@@ -101,6 +101,7 @@ class Viewer {
   #wireFilms(run) {
     for (const film of Object.values(run.films)) {
       film.onshown = (frame) => {
+        run.world.held = -1;
         if (film.playing && film === this.master) this.timeline.go(frame, false);
         this.stage.draw();
         if (film === this.master) this.#buttonState();

@@ -8,7 +8,9 @@ import {
   Float32BufferAttribute,
   Group,
   HemisphereLight,
+  Line,
   Line2,
+  LineBasicMaterial,
   LineGeometry,
   LineMaterial,
   LineSegments2,
@@ -40,6 +42,8 @@ export const PARTS = {
 };
 
 const SHADOW = 0.34;
+// Width of the picture that hangs in the camera's sign, pixels.
+const SMALL = 320;
 
 export class World {
   /** @param {import("./look.js").Look} look @param {HTMLCanvasElement} picture of its film */
@@ -52,7 +56,11 @@ export class World {
     for (const name of Object.keys(PARTS)) this.#add(name);
     this.bounds = nearSphere(look);
     this.lines = new Map(look.paths.map((path) => [path.name, this.#path(path)]));
-    this.texture = new CanvasTexture(picture);
+    this.picture = picture;
+    this.small = document.createElement("canvas");
+    this.small.width = SMALL;
+    this.small.height = Math.round((SMALL * look.camera.height) / look.camera.width);
+    this.texture = new CanvasTexture(this.small);
     this.texture.colorSpace = SRGBColorSpace;
     this.texture.generateMipmaps = false;
     this.sign = new CameraSign(look.camera, this.texture, this.bounds.radius);
@@ -91,12 +99,18 @@ export class World {
     this.scene.add(sky, sun);
   }
 
+  /** The drawn path wide, the others as thin as lines are, which costs a tenth. */
   #path(path) {
-    const geometry = new LineGeometry();
     const places = path.line_m.data;
-    geometry.setPositions(path.line_m.shape[0] > 1 ? places : [...places, ...places]);
-    const material = new LineMaterial({ linewidth: 2 });
-    const line = new Line2(geometry, material);
+    let line;
+    if (path.name === this.look.drawn && path.line_m.shape[0] > 1) {
+      const geometry = new LineGeometry().setPositions(places);
+      line = new Line2(geometry, new LineMaterial({ linewidth: 2.5 }));
+    } else {
+      const geometry = new BufferGeometry();
+      geometry.setAttribute("position", new Float32BufferAttribute(places, 3));
+      line = new Line(geometry, new LineBasicMaterial());
+    }
     line.frustumCulled = false;
     this.scene.add(line);
     return line;
@@ -156,7 +170,10 @@ export class World {
       this.shadows[k].quaternion.setFromUnitVectors(new Vector3(0, 0, 1), this.up);
     }
     this.sign.place(outside ? this.cameraAt(frame, pathName, new Matrix4()) : null);
-    if (outside) this.texture.needsUpdate = true;
+    if (!outside || this.held === frame) return;
+    this.held = frame;
+    this.small.getContext("2d").drawImage(this.picture, 0, 0, this.small.width, this.small.height);
+    this.texture.needsUpdate = true;
   }
 }
 

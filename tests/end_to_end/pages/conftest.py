@@ -18,7 +18,10 @@ PATIENCE_S = 60.0
 FLAGS = (
     "--headless=new",
     "--no-sandbox",
-    "--disable-gpu",
+    # WebGL by software, so that every machine draws alike
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
     "--disable-dev-shm-usage",
     "--mute-audio",
     "--no-first-run",
@@ -27,6 +30,7 @@ FLAGS = (
     "--disable-component-update",
     "--remote-debugging-pipe",
 )
+KEYS = {"Enter": 13, "Tab": 9, " ": 32, "End": 35, "Home": 36, "ArrowLeft": 37, "ArrowRight": 39}
 
 
 class Browser:
@@ -139,8 +143,8 @@ class Page:
 
     def press(self, key: str) -> None:
         """A key pressed and let go."""
-        text = {"Enter": "\r"}.get(key, "")
-        code = {"Enter": 13, "Tab": 9}[key]
+        text = {"Enter": "\r", " ": " "}.get(key, "")
+        code = KEYS[key]
         for kind in ("keyDown", "keyUp"):
             self.ask(
                 "Input.dispatchKeyEvent",
@@ -167,7 +171,7 @@ class Page:
                 told.append(str(about["entry"]))
             elif method == "Network.requestWillBeSent":
                 address = about["request"]["url"]
-                if address != self.address and not address.startswith("data:"):
+                if address != self.address and not address.startswith(("data:", "blob:")):
                     told.append(address)
         return told
 

@@ -1,0 +1,180 @@
+"""The viewer in a real browser: every frame the right one, and everything where Python has it."""
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from motorcade.animation import Character, Placement, mannequin, read_character, skin
+from motorcade.ga import Motor
+from motorcade.render import Performer
+from motorcade.replays.studio.look.figures import gltf_bytes
+from motorcade.tracking import Camera
+from tests.end_to_end.pages.made_looks import BITS, SIDE_PX, MadeLook, looking_at
+
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("pages")]
+
+READY = """new Promise((done) => {
+  const look = () => (document.documentElement.dataset.ready ? done(true) : setTimeout(look, 20));
+  look();
+})"""
+
+SEEKS = f"""(async () => {{
+  const wrong = [];
+  const pane = viewer.stage.panes[0];
+  const copy = new OffscreenCanvas({SIDE_PX * BITS}, {SIDE_PX});
+  const brush = copy.getContext("2d", {{ willReadFrequently: true }});
+  const told = () => {{
+    brush.drawImage(pane.ground, 0, 0);
+    const white = (k) => brush.getImageData({SIDE_PX} * k + 8, 8, 1, 1).data[0] > 127;
+    return Array.from({{ length: {BITS} }}, (_, k) => white(k) << k).reduce((a, b) => a | b);
+  }};
+  for (const frame of FRAMES) {{
+    viewer.timeline.go(frame);
+    const until = performance.now() + 5000;
+    while (pane.film.shown !== frame && performance.now() < until) {{
+      await new Promise((next) => setTimeout(next, 1));
+    }}
+    if (told() !== frame) wrong.push([frame, told(), pane.film.shown]);
+  }}
+  return wrong;
+}})()"""
+
+# One triangle alone, white, so near that it fills the view: where its middle is, in pixels.
+MIDDLES = """(async () => {
+  const pane = viewer.stage.panes[0];
+  const { renderer, element } = viewer.stage;
+  const { scene, figures, shadows, look } = pane.world;
+  const { width, height } = look.camera;
+  const gl = renderer.getContext();
+  for (const shadow of shadows) shadow.material.opacity = 0;
+  const [mesh] = figures[0].meshes;
+  for (const one of figures[0].meshes) {
+    one.material.emissive.setScalar(1);
+    one.material.side = 2;
+    one.visible = one === mesh;
+  }
+  const middles = [];
+  for (const { frame, triangle, at, zoom } of ASKED) {
+    viewer.timeline.go(frame);
+    mesh.geometry.setDrawRange(3 * triangle, 3);
+    pane.draw(renderer, element);
+    const x = (2 * (at[0] + 0.5)) / width - 1, y = 1 - (2 * (at[1] + 0.5)) / height;
+    const nearer = pane.camera.projectionMatrix.clone().set(
+      zoom, 0, 0, -zoom * x, 0, zoom, 0, -zoom * y, 0, 0, 1, 0, 0, 0, 0, 1);
+    pane.camera.projectionMatrix.premultiply(nearer);
+    renderer.clear();
+    renderer.render(scene, pane.camera);
+    const [wide, high] = [pane.box.width, pane.box.height];
+    const pixels = new Uint8Array(4 * wide * high);
+    const corner = pane.element.getBoundingClientRect(), whole = element.getBoundingClientRect();
+    const left = corner.left - whole.left + pane.box.x;
+    const below = whole.height - (corner.top - whole.top + pane.box.y) - high;
+    gl.readPixels(left, below, wide, high, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    let [sum, u, v] = [0, 0, 0];
+    for (let k = 0; k < wide * high; k++) {
+      const cover = pixels[4 * k + 3];
+      sum += cover;
+      u += cover * ((k % wide) + 0.5);
+      v += cover * (Math.floor(k / wide) + 0.5);
+    }
+    const ndc = [(2 * u) / sum / wide - 1, (2 * v) / sum / high - 1];
+    middles.push([
+      ((ndc[0] / zoom + x + 1) * width) / 2 - 0.5,
+      ((1 - (ndc[1] / zoom + y)) * height) / 2 - 0.5,
+      sum,
+    ]);
+  }
+  return middles;
+})()"""
+
+CAMERAS = {
+    "pinhole": Camera(640, 480, 500.0, 505.0, 319.5, 239.5),
+    "off_centre": Camera(640, 480, 520.0, 480.0, 201.0, 333.25),
+    "radtan": Camera(
+        752, 480, 458.7, 457.3, 367.2, 248.4, "radtan", (-0.2834, 0.0739, 2e-3, -1e-3)
+    ),
+    "equidistant": Camera(
+        848, 800, 286.1, 286.2, 417.0, 403.0, "equidistant", (-0.009, 0.05, -0.047, 0.009)
+    ),
+}
+
+
+def made(camera: Camera, frames: int, away_m: float = 0.0) -> MadeLook:
+    """A figure of half its size that walks in place, seen from all around."""
+    who = mannequin()
+    stand = Motor.from_euler_translation([0.0, 0.0, 0.7], [away_m, -0.5 * away_m, 0.1 * away_m])
+    figure = Performer(who, who.clip("walk"), Placement(stand, 0.5))
+    phase = np.linspace(0.0, 4.0, frames)
+    around = np.stack([np.cos(phase), np.sin(phase), 0.2 + 0.3 * np.sin(3 * phase)], axis=-1)
+    middle = stand.apply([0.0, 0.0, 0.25 * who.height_m])
+    poses = looking_at(middle + 0.05 * around, middle + 1.1 * around, 0.4 * np.sin(2 * phase))
+    return MadeLook(camera, poses, figure)
+
+
+def as_written(figure: Performer) -> Character:
+    """The character with its vertices in the order of the page's file."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "figure.glb")
+        path.write_bytes(gltf_bytes(figure))
+        return read_character(path)
+
+
+def expected_m(look: MadeLook, who: Character, frame: int) -> np.ndarray:
+    """Vertices in the world, by Python."""
+    since_s = 1e-9 * float(look.time_ns[frame])
+    vertices, _ = skin(who, look.figure.clip.at(since_s))
+    return look.figure.placement.apply(vertices)
+
+
+def test_random_seeks_show_the_right_frame(tmp_path: Path, opened: Callable[..., Any]) -> None:
+    frames = 1800
+    look = made(Camera(752, 480, 458.0, 457.0, 367.0, 248.0), frames)
+    page = opened(look.write(tmp_path / "minute.html", film=True))
+    assert page.evaluate(READY)
+    page.evaluate("viewer.view = 1, viewer.arrange()")
+    rng = np.random.default_rng(3)
+    asked = [0, frames - 1, *rng.integers(0, frames, 60).tolist(), *(7, 8, 7, 6, 7, 8)]
+    assert page.evaluate(SEEKS.replace("FRAMES", str(asked))) == []
+    assert page.complaints() == []
+
+
+@pytest.mark.parametrize("name", CAMERAS)
+def test_characters_stand_where_python_has_them(
+    name: str, tmp_path: Path, opened: Callable[..., Any]
+) -> None:
+    """Vertices as the page poses them, and triangles as its graphics draw them."""
+    look = made(CAMERAS[name], 12, away_m=300.0 if name == "off_centre" else 0.0)
+    page = opened(look.write(tmp_path / "figure.html", film=False))
+    assert page.evaluate(READY)
+    page.evaluate("viewer.view = 1, viewer.arrange()")
+    who = as_written(look.figure)
+    rng = np.random.default_rng(5)
+    asked, wanted = [], []
+    for frame in (0, 5, 11):
+        world_m = expected_m(look, who, frame)
+        page.evaluate(f"viewer.timeline.go({frame})")
+        told = "viewer.runs[0].world.figures[0].vertices().map((one) => one.toArray())"
+        in_page = np.array(page.evaluate(told))
+        camera_T_world = look.world_T_camera[frame].inverse()
+        pixels = look.camera.project(camera_T_world.apply(world_m))
+        others = look.camera.project(camera_T_world.apply(in_page))
+        assert np.abs(pixels - others).max() < 0.1
+        corners = pixels[who.triangles]
+        edges = corners[:, 1:] - corners[:, :1]
+        area = 0.5 * np.abs(edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0])
+        size = np.array([look.camera.width, look.camera.height])
+        seen = np.all((corners > 0) & (corners < size), axis=(1, 2)) & (area > 2.0)
+        for triangle in rng.choice(np.flatnonzero(seen), 6, replace=False).tolist():
+            low, high = corners[triangle].min(axis=0), corners[triangle].max(axis=0)
+            at = 0.5 * (low + high)
+            zoom = float(0.7 * np.min(size / (high - low)))
+            asked.append({"frame": frame, "triangle": triangle, "at": at.tolist(), "zoom": zoom})
+            wanted.append(corners[triangle].mean(axis=0))
+    found = np.array(page.evaluate(MIDDLES.replace("ASKED", str(asked))))
+    assert np.all(found[:, 2] > 0.0)
+    assert np.abs(found[:, :2] - np.array(wanted)).max() < 0.1
+    assert page.complaints() == []
