@@ -3,7 +3,14 @@
 // The joints stand in the character's own space and are no part of the scene, and the skin is
 // bound detached: three.js would else take the placement off again that the mesh has in the world.
 
-import { GLTFLoader, Group, Matrix4, Quaternion, Vector3 } from "studio/vendor.js";
+import {
+  GLTFLoader,
+  Group,
+  Matrix4,
+  MeshLambertMaterial,
+  Quaternion,
+  Vector3,
+} from "studio/vendor.js";
 import { behindLens } from "studio/lens.js";
 import { bytesOf, row } from "studio/look.js";
 
@@ -16,6 +23,20 @@ export function setPose(matrix, pose, scale = 1) {
   place.set(pose[0], pose[1], pose[2]);
   turn.set(pose[4], pose[5], pose[6], pose[3]);
   return matrix.compose(place, turn, size.setScalar(scale));
+}
+
+// What a matt material takes over from one with metal and roughness.
+const KEPT = [
+  ...["name", "map", "alphaMap", "emissiveMap", "normalMap", "normalScale", "aoMap", "side"],
+  ...["color", "emissive", "emissiveIntensity", "opacity", "transparent", "alphaTest"],
+  ...["vertexColors", "depthWrite", "flatShading"],
+];
+
+/** A matt material in place of a glossy one: half as dear to draw, and the film shows the gloss. */
+function matt(material) {
+  if (!material.isMeshStandardMaterial) return behindLens(material);
+  const kept = Object.fromEntries(KEPT.map((name) => [name, material[name]]));
+  return behindLens(new MeshLambertMaterial(kept));
 }
 
 export class Figure {
@@ -44,7 +65,7 @@ export class Figure {
     mesh.quaternion.identity();
     mesh.scale.setScalar(1);
     mesh.frustumCulled = false;
-    for (const one of [mesh.material].flat()) behindLens(one);
+    mesh.material = matt(mesh.material);
     if (mesh.isSkinnedMesh) {
       mesh.bindMode = "detached";
       mesh.bindMatrix.identity();

@@ -112,7 +112,9 @@ export function groundGrid(corners, radius) {
     }
   }
   const geometry = new LineSegmentsGeometry().setPositions(edges);
-  return new LineSegments2(geometry, new LineMaterial({ linewidth: 1 }));
+  // Behind whatever lies on the ground: wide lines are triangles, which can be set back.
+  const back = { polygonOffset: true, polygonOffsetFactor: 6, polygonOffsetUnits: 12 };
+  return new LineSegments2(geometry, new LineMaterial({ linewidth: 1, ...back }));
 }
 
 /** The nearest of 1, 2 or 5 times a power of ten. */

@@ -53,6 +53,8 @@ class Viewer {
     const [first] = this.runs;
     this.timeline = new Timeline(first.look.film.time_s.data);
     this.stage = new Stage(find("#stage"));
+    const { width, height } = first.look.camera;
+    this.stage.element.style.setProperty("--aspect", String(width / height));
     this.speed = 1;
     this.view = innerWidth < 720 ? 1 : 3;
     this.beside = looks.length > 1;
@@ -185,7 +187,7 @@ class Viewer {
 
   #pane(holder, kind, side) {
     const run = this.runs[side] ?? this.runs[0];
-    const element = made("section", { className: `pane ${kind}` });
+    const element = made("section", { className: `pane ${kind}${kind === "world" ? "" : " flat"}` });
     holder.append(element);
     const frameNow = () => nearest(run.look.film.time_s.data, this.timeline.seconds);
     const pane = new Pane(element, kind, run.world, run.filmOf(kind) ?? null, frameNow);
