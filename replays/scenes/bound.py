@@ -9,6 +9,7 @@ import numpy as np
 
 from motorcade.animation import Clip, Placement
 from motorcade.animation.authoring import Scene, between_keyframes
+from motorcade.animation.authoring.parts import Interpolation
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.scenes.acted import Acted, acted
@@ -29,6 +30,7 @@ class BoundScene:
         folder: that its files are named from.
         grounds: what of the recording can be stood on.
         world: what takes the shadows of objects that hang on no anchor, where no anchor stays.
+        interpolation: how all keyframes are joined, in place of what their objects say.
 
     Raises:
         ValueError: an anchor that is not there, a file, clip or joint that is not; by name.
@@ -38,6 +40,7 @@ class BoundScene:
     folder: Path
     grounds: Grounds
     world: Ground
+    interpolation: Interpolation | None = None
     _anchors: dict[str, tuple[Ground, Trajectory | None]] = field(default_factory=dict)
     _acted: dict[str, Acted] = field(default_factory=dict)
 
@@ -116,7 +119,7 @@ class BoundScene:
         """`parent_T_object` ``(T,)``."""
         part, pose = self.scene.part(name), self.scene.pose(name).as_similarity()
         if part.keyframes:
-            return between_keyframes(part, time_s)
+            return between_keyframes(part, time_s, self.interpolation)
         one = self._acted.get(name)
         if one is not None and one.parent_T_character is not None:
             way = Clip("way", one.time_s, one.parent_T_character.reshape(-1, 1))

@@ -9,6 +9,7 @@ import numpy as np
 
 from motorcade.animation import place_on_plane
 from motorcade.animation.authoring import read_scene
+from motorcade.animation.authoring.parts import Interpolation
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, frozen
 from motorcade.replays.characters.acting import (
@@ -49,6 +50,7 @@ def placed(
     character: Path = Path(MANNEQUIN),
     cast: Path = Path(NOBODY),
     scene: Path = Path(NOTHING),
+    interpolation: Interpolation | None = None,
     clip: str | None = None,
     path: tuple[float, ...] = (),
     on: GroundKind = "auto",
@@ -71,7 +73,8 @@ def placed(
     `position_m` and `heading_deg` who does what where.
     `scene` is a scene file (docs/manifests/every_scene_key.json): characters and props with
     keyframes, clips, layers and walks on anchors of their own. It says all but `on`, `marker` and
-    `floor_m`, which tell the ground of what hangs on no anchor.
+    `floor_m`, which tell the ground of what hangs on no anchor. `interpolation` joins all of its
+    keyframes by motors, quaternions or Euler angles, whatever they say, to compare.
     `on` "auto" takes the board or the marker seen most where the poses come from it, else the plane
     where one is found (in depth, or among the points that SLAM mapped; the floor where gravity is
     known, a plane that faces the picture's up where it is not), else the floor: z = `floor_m`, in
@@ -92,6 +95,8 @@ def placed(
     told = (character != Path(MANNEQUIN), clip, path, position_m, heading_deg is not None)
     if str(cast) != NOBODY:
         _refuse_beside("cast", *map(bool, told))
+    if interpolation is not None and str(scene) == NOTHING:
+        raise ValueError("placed.interpolation: expected none without placed.scene")
     if str(scene) != NOTHING:
         _refuse_beside("scene", *map(bool, told), height_m is not None, str(cast) != NOBODY)
     recording = as_found(recording, camera_poses.camera, camera_poses.depth_camera)
@@ -103,7 +108,9 @@ def placed(
     ground, ground_motion = grounds.asked(on, marker, floor_m)
     plane = ground.world_T_plane
     if str(scene) != NOTHING:
-        return _scene_on(scene, grounds, ground)
+        read = read_scene(scene)
+        folder = scene.absolute().parent
+        return _scene_on(BoundScene(read, folder, grounds, ground, interpolation))
     if str(cast) != NOBODY:
         towards = (plane.inverse() @ first_camera).translation_m[:2]
         height = ground.height_m if height_m is None else height_m
@@ -175,9 +182,8 @@ def _cast_on(
     )
 
 
-def _scene_on(file: Path, grounds: Grounds, world: Ground) -> PlacedCharacter:
+def _scene_on(bound: BoundScene) -> PlacedCharacter:
     """All of a scene; its first character stands for all where one is asked for."""
-    bound = BoundScene(read_scene(file), file.absolute().parent, grounds, world)
     parts = bound.parts()
     first = parts[0]
     placement, inside = light_placement(first, character_named(first.character).height_m)
