@@ -88,6 +88,7 @@ OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
         "matplotlib": ("matplotlib", "plots of reports"),
         "Jinja2": ("jinja2", "report pages"),
         "PyYAML": ("yaml", "calibration files"),
+        "DracoPy": ("DracoPy", "meshes of characters that Draco compressed"),
         "pillow": ("PIL", "textures of characters"),
         "tqdm": ("tqdm", "progress bars"),
         "casadi": ("casadi", "symbolic code from scripts and kernels"),

@@ -35,6 +35,7 @@ KINDS = (
     "scripts",
     "rigs",
     "looks",
+    "packed",
     "recordings",
     "manifests",
     "containers",

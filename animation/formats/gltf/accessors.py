@@ -75,6 +75,29 @@ class Accessors:
         """Values as they are stored, perhaps in the buffer's own memory; NaN may be among them."""
         return self._raw(index, field, kind)
 
+    def unpacked(self, index: object, values: NDArray[Any], field: str) -> None:
+        """Take the values (n, width) of an accessor, which were compressed.
+
+        Raises:
+            FormatError: others than the accessor says.
+        """
+        number = integer(index, field, 0, len(self._entries) - 1)
+        entry = table(self._entries[number], field)
+        kind, width = _component(entry, field), WIDTHS.get(str(entry.get("type")))
+        if width is None or values.shape != (entry.get("count"), width):
+            said = f"{entry.get('count')} of {entry.get('type')}"
+            raise expected(field, f"{said}, as accessors[{number}]", values.shape)
+        self._count(values.size)
+        made = values.astype(kind)
+        if kind.kind != "f" and not np.array_equal(made, values):
+            raise expected(field, f"numbers of {kind}, as accessors[{number}]", values.dtype)
+        self._read[number] = made[:, 0] if width == 1 else made
+
+    def _count(self, values: int) -> None:
+        self._total += values
+        if self._total > MAX_VALUES:
+            raise FormatError(f"accessors: expected at most {MAX_VALUES} numbers in all, got more")
+
     def _raw(self, index: object, field: str, kind: str) -> NDArray[Any]:
         number = integer(index, field, 0, len(self._entries) - 1)
         known = self._read.get(number)
@@ -91,9 +114,7 @@ class Accessors:
         width = WIDTHS[entry["type"]]
         kind = _component(entry, "accessor")
         count = integer(entry.get("count"), "accessor.count", 1, MAX_VALUES // width)
-        self._total += count * width
-        if self._total > MAX_VALUES:
-            raise FormatError(f"accessors: expected at most {MAX_VALUES} numbers in all, got more")
+        self._count(count * width)
         if "bufferView" in entry:
             offset = entry.get("byteOffset", 0)
             made = self._view(entry["bufferView"], offset, number, kind, count, width)

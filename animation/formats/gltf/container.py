@@ -30,6 +30,7 @@ JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 UNDERSTOOD = {
     "EXT_texture_webp",
     "FB_ngon_encoding",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
@@ -39,7 +40,6 @@ OF_MATERIALS = "KHR_materials_"
 """How names of extensions begin that a notice names where they are not drawn."""
 CONVERTED = {
     "EXT_meshopt_compression": "gltf-transform copy",
-    "KHR_draco_mesh_compression": "gltf-transform copy",
     "KHR_texture_basisu": "gltf-transform ktxdecompress",
 }
 """Programs that bring files to what is read here."""
@@ -128,6 +128,15 @@ class Document:
         entries = self.entries(name)
         number = integer(index, field, 0, len(entries) - 1)
         return table(entries[number], f"{name}[{number}]")
+
+    def view(self, index: object, field: str) -> bytes:
+        """The bytes of a buffer view; `field` is what pointed at it."""
+        entry = self.entry("bufferViews", index, field)
+        which = integer(entry.get("buffer"), f"{field}.buffer", 0, len(self.buffers) - 1)
+        data = self.buffers[which]
+        start = integer(entry.get("byteOffset", 0), f"{field}.byteOffset", 0, len(data))
+        size = integer(entry.get("byteLength"), f"{field}.byteLength", 1, len(data) - start)
+        return data[start : start + size]
 
 
 def open_gltf(path: Path, pictures: Path | None = None) -> Document:

@@ -226,12 +226,7 @@ class GltfMaterials:
             if place is not None and not uri.startswith("data:"):
                 return load_file(picture_beside(place, uri, f"{field}.uri"), f"{field}.uri")
             return load(uri, self._document.folder, f"{field}.uri")
-        view = self._document.entry("bufferViews", image.get("bufferView"), f"{field}.bufferView")
-        buffers = self._document.buffers
-        data = buffers[integer(view.get("buffer"), f"{field}.buffer", 0, len(buffers) - 1)]
-        start = integer(view.get("byteOffset", 0), f"{field}.byteOffset", 0, len(data))
-        size = integer(view.get("byteLength"), f"{field}.byteLength", 1, len(data) - start)
-        return data[start : start + size]
+        return self._document.view(image.get("bufferView"), f"{field}.bufferView")
 
 
 def _code(sampler: dict[str, Any], key: str, default: int, known: tuple[int, ...]) -> int:

@@ -12,7 +12,6 @@ from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.gltf.accessors import Accessors
 from motorcade.animation.formats.gltf.container import (
     Document,
-    compressed,
     floats,
     integer,
     listed,
@@ -30,7 +29,6 @@ from motorcade.animation.formats.limits import (
 from motorcade.animation.formats.rig.values import RigMorph, RigSurface, Skin
 from motorcade.ga.arrays import FloatArray, IntArray
 
-DRACO = "KHR_draco_mesh_compression"
 STRIP, FAN, TRIANGLES = 5, 6, 4
 """Primitive modes of glTF."""
 
@@ -138,7 +136,6 @@ class Meshes:
         given = table(part.get("attributes"), f"mesh '{name}'.attributes")
         if "POSITION" not in given:
             raise expected(f"mesh '{name}'.attributes", "POSITION", sorted(given))
-        self._check_plain(part, given["POSITION"], name)
         vertices = self._accessors.floats(given["POSITION"], f"'{name}'.POSITION", "VEC3")
         count = len(vertices)
         if np.abs(vertices).max() > 1e9:
@@ -172,14 +169,6 @@ class Meshes:
             return made
         numbers, weights = self._influences(given, name, count, len(skin.nodes))
         return replace(made, skin=skin, influences=numbers, weights=weights)
-
-    def _check_plain(self, part: dict[str, Any], place: object, name: str) -> None:
-        """Refuse a mesh that is compressed, unless it comes with plain data too."""
-        if DRACO not in table(part.get("extensions", {}), f"mesh '{name}'.extensions"):
-            return
-        accessor = self._document.entry("accessors", place, f"'{name}'.POSITION")
-        if "bufferView" not in accessor and "sparse" not in accessor:
-            raise compressed(f"mesh '{name}'", DRACO)
 
     def _targets(
         self,

@@ -30,7 +30,7 @@ def changed(write: Write, *path: Any, value: Any) -> Path:
 @pytest.mark.parametrize(
     ("path", "value", "message"),
     [
-        (("extensionsRequired",), ["KHR_draco_mesh_compression"], "KHR_draco_mesh_compression"),
+        (("extensionsRequired",), ["KHR_texture_basisu"], "KHR_texture_basisu"),
         (("asset", "version"), "1.0", r"asset\.version: expected 2\.0, got 1\.0"),
         (("nodes", 2, "children"), [1], r"nodes\[1\]: expected one parent"),
         (("nodes", 2, "rotation"), [0, 0, 0, 0], "rotation: expected quaternions"),
