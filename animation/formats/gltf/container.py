@@ -29,17 +29,19 @@ MAGIC = b"glTF"
 JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 UNDERSTOOD = {
     "EXT_texture_webp",
+    "EXT_meshopt_compression",
     "FB_ngon_encoding",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_texture_transform",
 }
 """Extensions that may be required, beside those of materials: they are read, or change nothing."""
+MESHOPT = {"EXT_meshopt_compression", "KHR_meshopt_compression"}
 OF_MATERIALS = "KHR_materials_"
 """How names of extensions begin that a notice names where they are not drawn."""
 CONVERTED = {
-    "EXT_meshopt_compression": "gltf-transform copy",
     "KHR_texture_basisu": "gltf-transform ktxdecompress",
 }
 """Programs that bring files to what is read here."""
@@ -131,7 +133,10 @@ class Document:
 
     def view(self, index: object, field: str) -> bytes:
         """The bytes of a buffer view; `field` is what pointed at it."""
-        entry = self.entry("bufferViews", index, field)
+        return self.slice(self.entry("bufferViews", index, field), field)
+
+    def slice(self, entry: dict[str, Any], field: str) -> bytes:
+        """The bytes of a buffer that an entry names by `buffer`, `byteOffset`, `byteLength`."""
         which = integer(entry.get("buffer"), f"{field}.buffer", 0, len(self.buffers) - 1)
         data = self.buffers[which]
         start = integer(entry.get("byteOffset", 0), f"{field}.byteOffset", 0, len(data))
@@ -237,6 +242,8 @@ def _buffers(root: dict[str, Any], binary: bytes | None, folder: Path) -> list[b
             data = binary
         else:
             data = b""  # as of compressed meshes, whose extension brings its own
+            if MESHOPT & table(entry.get("extensions", {}), f"{field}.extensions").keys():
+                length = 0
         if len(data) < length:
             raise expected(f"{field}.byteLength", f"at most {len(data)}, what there is", length)
         total += len(data)

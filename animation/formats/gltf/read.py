@@ -13,6 +13,7 @@ from motorcade.animation.formats.gltf.container import open_gltf
 from motorcade.animation.formats.gltf.meshes import Meshes
 from motorcade.animation.formats.gltf.nodes import read_nodes
 from motorcade.animation.formats.gltf.packed.draco import unpack_draco
+from motorcade.animation.formats.gltf.packed.meshopt import unpack_meshopt
 from motorcade.animation.formats.gltf.vrm import read_humanoid
 from motorcade.animation.formats.rig.values import Rig
 
@@ -24,11 +25,12 @@ def read_gltf(path: Path, *, pictures: Path | None = None) -> Rig:
     """Read a `.glb`, `.gltf` or `.vrm`; its pictures may lie in another folder, below any name.
 
     Raises:
-        FormatError: see `open_gltf`, `read_humanoid`, `read_nodes`, `unpack_draco`,
-            `Meshes.surfaces`, `read_animations`.
+        FormatError: see `open_gltf`, `read_humanoid`, `read_nodes`, `unpack_meshopt`,
+            `unpack_draco`, `Meshes.surfaces`, `read_animations`.
         ModuleNotFoundError: a package of the extra `pipeline` is needed and not installed.
     """
     document = open_gltf(path, pictures)
+    unpack_meshopt(document)
     accessors = Accessors(document)
     unpack_draco(document, accessors)
     humanoid = read_humanoid(document)

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import base64
+import json
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 
 from tests.animation.formats.samples import Gltf, gltf_tower, tower
 
-__all__ = ["draco_tower"]
+__all__ = ["DRACO", "MESHOPT", "add_stream", "draco_tower", "meshopt_streams", "meshopt_tower"]
 
 DRACO = "KHR_draco_mesh_compression"
+MESHOPT = "EXT_meshopt_compression"
+STREAMS = Path(__file__).with_name("meshopt_streams.json")
 
 
 def draco_tower(*, edgebreaker: bool = True) -> Gltf:
@@ -46,4 +53,40 @@ def draco_tower(*, edgebreaker: bool = True) -> Gltf:
     view = made.view(np.frombuffer(data, np.uint8))
     part["extensions"] = {DRACO: {"bufferView": view, "attributes": places}}
     made.document |= {"extensionsUsed": [DRACO], "extensionsRequired": [DRACO]}
+    return made
+
+
+def meshopt_streams() -> list[dict[str, Any]]:
+    """What meshoptimizer itself packed and unpacked; `packed` and `plain` as bytes."""
+    made: list[dict[str, Any]] = json.loads(STREAMS.read_text())
+    for one in made:
+        one |= {key: base64.b64decode(one[key]) for key in ("packed", "plain") if key in one}
+    return made
+
+
+def add_stream(made: Gltf, stream: dict[str, Any]) -> int:
+    """A compressed buffer view, whose plain bytes would lie in the second buffer."""
+    view = made.view(np.frombuffer(stream["packed"], np.uint8))
+    entry = made.document["bufferViews"][view]
+    length = stream["count"] * stream["byteStride"]
+    packed = {key: stream[key] for key in ("mode", "filter", "count", "byteStride")}
+    extensions = {MESHOPT: packed | entry}
+    made.document["bufferViews"][view] = {
+        "buffer": 1,
+        "byteLength": length,
+        "extensions": extensions,
+    }
+    return view
+
+
+def meshopt_tower() -> Gltf:
+    """The tower with places and triangles compressed as meshoptimizer does."""
+    made, streams = gltf_tower(), {one["name"]: one for one in meshopt_streams()}
+    (part,) = made.document["meshes"][0]["primitives"]
+    for name, holder in (("POSITION", part["attributes"]), ("indices", part)):
+        view = add_stream(made, streams[f"tower {name}"])
+        made.document["accessors"][holder[name]]["bufferView"] = view
+    made.document |= {"extensionsUsed": [MESHOPT], "extensionsRequired": [MESHOPT]}
+    fallback = {"byteLength": 1000, "extensions": {MESHOPT: {"fallback": True}}}
+    made.others = [fallback]
     return made

@@ -49,11 +49,13 @@ def tower() -> tuple[Array, Array, Array]:
 class Gltf:
     """A glTF document put together from NumPy arrays.
 
-    `document` may be changed freely before `glb` or `gltf` turns it into bytes.
+    `document` may be changed freely before `glb` or `gltf` turns it into bytes; `others` are
+    further buffers of a `.glb`.
     """
 
     def __init__(self) -> None:
         self.data = bytearray()
+        self.others: list[dict[str, Any]] = []
         self.document: dict[str, Any] = {
             "asset": {"version": "2.0"},
             "accessors": [],
@@ -93,7 +95,7 @@ class Gltf:
 
     def glb(self) -> bytes:
         """As `.glb`."""
-        document = self.document | {"buffers": [{"byteLength": len(self.data)}]}
+        document = self.document | {"buffers": [{"byteLength": len(self.data)}, *self.others]}
         return packed(json.dumps(document).encode(), bytes(self.data))
 
 

@@ -296,7 +296,6 @@ def test_a_document_in_which_nothing_moves_is_refused(write: Write) -> None:
 @pytest.mark.parametrize(
     ("name", "program"),
     [
-        ("EXT_meshopt_compression", "gltf-transform copy IN OUT"),
         ("KHR_texture_basisu", "gltf-transform ktxdecompress IN OUT"),
     ],
 )

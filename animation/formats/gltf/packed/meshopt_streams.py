@@ -1,0 +1,263 @@
+"""Streams of meshoptimizer: bytes of vertices as differences, triangles by edges seen before.
+
+Where groups of bytes begin is told by those before; so are triangles. That is walked in Python, a
+microsecond each; what the groups hold is unpacked for all of them at once.
+
+Whoever calls takes IndexError for a stream that is cut off.
+"""
+
+from __future__ import annotations
+
+from array import array
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.animation.formats.errors import expected
+
+GROUP = 16
+"""Vertices whose bytes of one column are packed alike."""
+BITS = ((0, 2, 4, 8), (0, 1, 2, 4), (1, 2, 4, 8))
+"""Of each byte of a group, by its mode: of version 0, and of the two kinds of version 1."""
+NO_BYTES, PLAIN_BYTES = 2, 3
+"""Kinds of a column of version 1 beside these two."""
+SENTINELS = {
+    bits: bytes(
+        sum((byte >> at) % (1 << bits) == (1 << bits) - 1 for at in range(0, 8, bits))
+        for byte in range(256)
+    )
+    for bits in (1, 2, 4)
+}
+"""How many values of a byte say that they follow behind, by bits a value."""
+RECENT_EDGES, RECENT_VERTICES = 16, 16
+AT_ONCE = 1 << 16
+"""Groups that are unpacked at once."""
+MASK = 0xFFFFFFFF
+
+
+def unpack_attributes(data: bytes, count: int, width: int) -> NDArray[np.uint8]:
+    """Rows (count, width) of bytes.
+
+    Raises:
+        FormatError: another version, or a length that does not fit.
+    """
+    if data[0] not in (0xA0, 0xA1):
+        raise expected("header", "0xa0 or 0xa1", hex(data[0]))
+    version = data[0] & 1
+    tail = width + version * width // 4
+    padded = max(tail, 24 if version else 32)
+    groups, begins = _walked(data, count, width, version, len(data) - padded)
+    deltas = _gathered(np.frombuffer(data, np.uint8), groups, begins)
+    deltas = deltas.reshape(width, -1)[:, :count]
+    first = np.frombuffer(data, np.uint8, width, len(data) - tail)
+    channels = data[len(data) - tail + width :] if version else bytes(width // 4)
+    made = np.empty((count, width), np.uint8)
+    for start in range(0, width, 4):
+        four, origin = deltas[start : start + 4], first[start : start + 4]
+        made[:, start : start + 4] = _summed(four, origin, channels[start // 4])
+    return made
+
+
+def _walked(
+    data: bytes, count: int, width: int, version: int, end: int
+) -> tuple[bytearray, array[int]]:
+    """Bits a value and first byte of every group, by column, then along the vertices."""
+    block = min((8192 // width) & ~(GROUP - 1), 256)
+    rows = -(-count // GROUP)
+    bits_of, begins = bytearray(width * rows), array("q", bytes(8 * width * rows))
+    at = 1
+    for base in range(0, count, block):
+        here = min(block, count - base)
+        many = -(-here // GROUP)
+        controls = at
+        at += version * width // 4
+        for column in range(width):
+            place = column * rows + base // GROUP
+            kind = (data[controls + column // 4] >> 2 * (column % 4)) & 3 if version else 0
+            if kind == NO_BYTES and version:
+                continue
+            if kind == PLAIN_BYTES:
+                bits_of[place : place + many] = bytes([8]) * many
+                begins[place : place + many] = array("q", range(at, at + GROUP * many, GROUP))
+                at += here
+                continue
+            modes, heads = BITS[kind + version], at
+            at += -(-many // 4)
+            for group in range(many):
+                bits = modes[(data[heads + group // 4] >> 2 * (group % 4)) & 3]
+                bits_of[place + group], begins[place + group] = bits, at
+                at += 2 * bits
+                if 0 < bits < 8:
+                    at += sum(data[at - 2 * bits : at].translate(SENTINELS[bits]))
+        if at > end:
+            raise expected("length", f"at least {at} bytes before the tail", end)
+    if at != end:
+        raise expected("length", f"{at} bytes before the tail", end)
+    return bits_of, begins
+
+
+def _gathered(data: NDArray[np.uint8], bits_of: bytearray, begins: array[int]) -> NDArray[np.uint8]:
+    """What the groups (G,) hold, (G, 16)."""
+    every, starts = np.frombuffer(bits_of, np.uint8), np.frombuffer(begins, np.int64)
+    made = np.zeros((len(every), GROUP), np.uint8)
+    for bits in (1, 2, 4, 8):
+        which = np.flatnonzero(every == bits)
+        for first in range(0, len(which), AT_ONCE):
+            some = which[first : first + AT_ONCE]
+            made[some] = _values(data, starts[some, None], bits)
+    return made
+
+
+def _values(data: NDArray[np.uint8], starts: NDArray[np.int64], bits: int) -> NDArray[np.uint8]:
+    """Bytes (n, 16) of groups that begin at starts (n, 1) with so many bits each."""
+    if bits == 8:
+        # the very last group may end within the tail, where nothing is taken from
+        return np.asarray(data[np.minimum(starts + np.arange(GROUP), len(data) - 1)])
+    raw = data[starts + np.arange(2 * bits)]
+    shifts = np.arange(0, 8, bits, dtype=np.uint8)
+    shifts = shifts if bits == 1 else shifts[::-1]
+    most = (1 << bits) - 1
+    values = ((raw[:, :, None] >> shifts) & most).reshape(-1, GROUP)
+    behind = values == most
+    places = starts + 2 * bits + np.cumsum(behind, axis=1) - 1
+    return np.asarray(np.where(behind, data[np.where(behind, places, 0)], values))
+
+
+def _summed(
+    deltas: NDArray[np.uint8], origin: NDArray[np.uint8], channel: int
+) -> NDArray[np.uint8]:
+    """Bytes (n, 4) from their differences (4, n), as a channel says: bytes, pairs, or all four."""
+    kind, turn = channel & 3, channel >> 4
+    if kind == 3:
+        raise expected("channel", "0 to 2", kind)
+    steps = np.ascontiguousarray(deltas.T)
+    if kind == 2:
+        words = steps.view("<u4")[:, 0]
+        turned = (words >> np.uint32(turn)) | (words << np.uint32((32 - turn) % 32))
+        begun = np.concatenate([origin.copy().view("<u4"), turned if turn else words])
+        sums = np.asarray(np.bitwise_xor.accumulate(begun)[1:])
+        return np.asarray(sums.reshape(-1, 1).view(np.uint8))
+    signed = _signed(steps.view("<u2") if kind == 1 else steps)
+    start = origin.copy().view(signed.dtype)
+    return np.asarray(np.cumsum(signed, axis=0, dtype=signed.dtype) + start).view(np.uint8)
+
+
+def _signed(values: NDArray[Any]) -> NDArray[Any]:
+    """Differences, of which 0, 1, 2, 3 … stand for 0, −1, 1, −2 …, modulo their range."""
+    return np.asarray((values >> 1) ^ (0 - (values & 1)))
+
+
+def unpack_triangles(data: bytes, count: int) -> NDArray[np.int64]:
+    """Corners (3 count,) of triangles.
+
+    Raises:
+        FormatError: another version.
+    """
+    if data[0] != 0xE1:
+        raise expected("header", "0xe1", hex(data[0]))
+    reader = _Numbers(data, 1 + count)
+    codes, shortcuts = data[1 : 1 + count], data[-16:]
+    if len(codes) < count or len(data) < 17 + count:
+        raise IndexError
+    edges: list[tuple[int, int]] = [(0, 0)] * RECENT_EDGES
+    seen: list[int] = [0] * RECENT_VERTICES
+    made: list[int] = []
+    following = 0
+    for code in codes:
+        high, low = code >> 4, code & 15
+        if high < 15:
+            a, b = edges[-1 - high]
+            if low == 0:
+                c, following = following, following + 1
+            elif low < 13:
+                c = seen[-1 - low]
+            else:
+                c = reader.moved((-1, 1)[low - 13]) if low < 15 else reader.number()
+            if low == 0 or low >= 13:
+                seen.append(c)
+            edges += ((c, b), (a, c))
+        else:
+            if low < 14:
+                second = shortcuts[low]
+            else:
+                second = reader.byte()
+                following = 0 if second == 0 else following
+            if low == 15:
+                a = reader.number()
+            else:
+                a, following = following, following + 1
+            corners = [a]
+            fresh = [a]
+            for part in (second >> 4, second & 15):
+                if part == 0:
+                    corners.append(following)
+                    following += 1
+                elif part == 15 and low >= 14:
+                    corners.append(reader.number())
+                else:
+                    corners.append(seen[-part])
+                    continue
+                fresh.append(corners[-1])
+            a, b, c = corners
+            seen += fresh
+            edges += ((b, a), (c, b), (a, c))
+        made += (a, b, c)
+        if len(edges) > 4096:
+            del edges[:-RECENT_EDGES]
+            del seen[:-RECENT_VERTICES]
+    return np.array(made, dtype=np.int64) & MASK
+
+
+def unpack_indices(data: bytes, count: int) -> NDArray[np.int64]:
+    """Numbers (count,), each told by its step from one of the two before.
+
+    Raises:
+        FormatError: another version.
+    """
+    if data[0] != 0xD1:
+        raise expected("header", "0xd1", hex(data[0]))
+    reader, last, made = _Numbers(data, 1), [0, 0], []
+    for _ in range(count):
+        value = reader.unsigned()
+        which, step = value & 1, value >> 1
+        last[which] = (last[which] + ((step >> 1) ^ -(step & 1))) & MASK
+        made.append(last[which])
+    return np.array(made, dtype=np.int64)
+
+
+class _Numbers:
+    """Numbers of varied length in a stream, and the last that one of them led to.
+
+    Args:
+        data: the stream.
+        at: where they begin.
+    """
+
+    def __init__(self, data: bytes, at: int) -> None:
+        self._data, self._at, self._last = data, at, 0
+
+    def byte(self) -> int:
+        """The next byte."""
+        self._at += 1
+        return self._data[self._at - 1]
+
+    def unsigned(self) -> int:
+        """The next number: seven bits a byte, the lowest first."""
+        made = 0
+        for shift in range(0, 35, 7):
+            byte = self.byte()
+            made |= (byte & 127) << shift
+            if byte < 128:
+                return made & MASK
+        raise expected("number", "at most 5 bytes", "more")
+
+    def number(self) -> int:
+        """The last number moved by the next one."""
+        value = self.unsigned()
+        return self.moved((value >> 1) ^ -(value & 1))
+
+    def moved(self, step: int) -> int:
+        """The last number moved by a step."""
+        self._last = (self._last + step) & MASK
+        return self._last
