@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from motorcade.animation import Character, Clip, Placement, skin
+from motorcade.animation import Character, Clip, Placement
 from motorcade.animation.skin import Skinner
 from motorcade.animation.vectors import UP
 from motorcade.ga import Motor, Similarity, Trajectory
@@ -91,8 +91,8 @@ class DrawnFigure:
             figure.clip,
             figure.placement,
         )
-        self._shaped = self.character.shaped()
-        self._skinner = Skinner(self._shaped, "linear")
+        self._skinner = Skinner(self.character, "linear")
+        self._weights = np.array([target.weight for target in self.character.morphs])
         self.height_m = self.placement.scale * self.character.height_m
         if figure.motion is not None:  # a prop may be wider than it is high, and grow
             grown = float(np.max(_similarities(figure.motion, figure.motion.time_ns).scale))
@@ -176,11 +176,8 @@ class DrawnFigure:
     def _skinned(
         self, pose: Motor | Similarity, weights: FloatArray | None
     ) -> tuple[FloatArray, FloatArray]:
-        """Vertices and normals in character space, compiled where joints are rigid."""
-        if isinstance(pose, Similarity) or weights is not None:
-            shaped = self._shaped if weights is None else self.character.shaped(weights)
-            return skin(shaped, pose)
-        vertices, normals = self._skinner.skin(pose)
+        """Vertices and normals in character space, in weights of morph targets or those at rest."""
+        vertices, normals = self._skinner.skin(pose, self._weights if weights is None else weights)
         return vertices.astype(np.float64), normals.astype(np.float64)
 
 

@@ -20,6 +20,7 @@ class Mesh:
         joints: NDArray[np.int64],
         weights: NDArray[np.float64],
     ) -> None: ...
+    def reshape(self, positions: NDArray[np.float64], normals: NDArray[np.float64]) -> None: ...
     def skin(
         self,
         method: Skinning,

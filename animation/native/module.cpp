@@ -39,6 +39,13 @@ Mesh mesh_of(Array<const double, 2> positions, Array<const double, 2> normals,
     return Mesh(positions.data(), normals.data(), joints.data(), weights.data(), count);
 }
 
+void reshape(Mesh &mesh, Array<const double, 2> positions, Array<const double, 2> normals) {
+    expect(positions.shape(0) == mesh.count() && positions.shape(1) == 3 &&
+               normals.shape(0) == mesh.count() && normals.shape(1) == 3,
+           "Mesh.reshape: expected positions and normals (V, 3)");
+    mesh.reshape(positions.data(), normals.data());
+}
+
 void skin(const Mesh &mesh, Skinning method, Array<const float, 2> palette,
           Array<float, 2> positions, Array<float, 2> normals, unsigned threads) {
     expect(palette.shape(1) == palette_width(method) && palette.shape(0) >= mesh.joints(),
@@ -122,6 +129,7 @@ NB_MODULE(_runtime, module) {
         .value("similarity", Skinning::similarity);
     nb::class_<Mesh>(module, "Mesh")
         .def(nb::new_(&mesh_of), "positions"_a, "normals"_a, "joints"_a, "weights"_a)
+        .def("reshape", &reshape, "positions"_a, "normals"_a)
         .def("skin", &skin, "method"_a, "palette"_a.noconvert(), "positions"_a.noconvert(),
              "normals"_a.noconvert(), "threads"_a);
     nb::class_<Rig>(module, "Rig")

@@ -41,11 +41,7 @@ Mesh::Mesh(const double *positions, const double *normals, const std::int64_t *j
            const double *weights, std::size_t count)
     : count_(count), padded_((count + LANES - 1) / LANES * LANES), rest_(6 * padded_, 0.0F),
       joints_(4 * padded_, 0), weights_(4 * padded_, 0.0F), few_(padded_ / 4, 1) {
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t k = 0; k < 3; ++k) {
-            rest_[k * padded_ + i] = static_cast<float>(positions[3 * i + k]);
-            rest_[(k + 3) * padded_ + i] = static_cast<float>(normals[3 * i + k]);
-        }
+    reshape(positions, normals);
     for (std::size_t i = 0; i < count; ++i) {
         // The first joint gives the sign; of the others those without weight go last.
         std::size_t used = 1;
@@ -65,6 +61,14 @@ Mesh::Mesh(const double *positions, const double *normals, const std::int64_t *j
         weights_[4 * i] = 1.0F;
         rest_[3 * padded_ + i] = 1.0F;
     }
+}
+
+void Mesh::reshape(const double *positions, const double *normals) {
+    for (std::size_t i = 0; i < count_; ++i)
+        for (std::size_t k = 0; k < 3; ++k) {
+            rest_[k * padded_ + i] = static_cast<float>(positions[3 * i + k]);
+            rest_[(k + 3) * padded_ + i] = static_cast<float>(normals[3 * i + k]);
+        }
 }
 
 void Mesh::skin_range(Skinning method, const float *palette, float *positions, float *normals,

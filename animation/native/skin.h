@@ -19,6 +19,9 @@ public:
     Mesh(const double *positions, const double *normals, const std::int64_t *joints,
          const double *weights, std::size_t count);
 
+    // Another rest pose; what pulls at the vertices stays.
+    void reshape(const double *positions, const double *normals);
+
     std::size_t count() const { return count_; }
     // The highest joint number plus one.
     std::size_t joints() const { return joint_count_; }

@@ -23,7 +23,7 @@ from __future__ import annotations
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from motorcade.animation.character import Character
 from motorcade.animation.native._runtime import Mesh, Skinning
@@ -186,7 +186,8 @@ class Skinner:
     """A character's mesh prepared for skinning by one method.
 
     It does what `skin` does, in float32 (positions to about 1e-6 of the character's height) and
-    without validation of what is fixed. Large meshes are shared among `kernels.threads()` threads.
+    without validation of what is fixed. Large meshes are shared among `kernels.threads()` threads;
+    one of these is not for two threads at once.
 
     Args:
         character: mesh, skeleton and weights.
@@ -215,7 +216,8 @@ class Skinner:
 
     def __init__(self, character: Character, method: SkinMethod = "motor") -> None:
         self.method = checked_method(method)
-        self._skeleton = character.skeleton
+        self._character, self._skeleton = character, character.skeleton
+        self._weights: FloatArray | None = None
         if len(self._skeleton) > 65536:
             raise ValueError(f"Skinner: expected up to 65536 joints, got {len(self._skeleton)}")
         self._shape = character.vertices.shape
@@ -227,13 +229,21 @@ class Skinner:
             np.ascontiguousarray(weights),
         )
 
-    def skin(self, local_pose: Motor | Similarity) -> tuple[Floats32, Floats32]:
+    def skin(
+        self, local_pose: Motor | Similarity, weights: ArrayLike | None = None
+    ) -> tuple[Floats32, Floats32]:
         """Vertices and unit normals ``(V, 3)`` of one pose ``(J,)``, metres.
 
+        Args:
+            local_pose: Motor or Similarity, poses `parent_T_joint`.
+            weights: (W,) of the character's morph targets, mixed in before; the mesh as it is by
+                default. They are mixed anew only where they differ from the last.
+
         Raises:
-            ValueError: another number of joints, or joints that grow under a rigid method: use
-                ``linear`` or ``similarity`` for these.
+            ValueError: another number of joints or weights, or joints that grow under a rigid
+                method: use ``linear`` or ``similarity`` for these.
         """
+        self._shape_by(weights)
         entries, scale = palette(self._skeleton, local_pose, self.method)
         if scale is not None and np.ptp(scale) > 1e-6:
             raise ValueError(
@@ -241,6 +251,16 @@ class Skinner:
                 f"scales from {scale.min():.4g} to {scale.max():.4g}; use 'similarity' or 'linear'"
             )
         return self.skin_palette(np.ascontiguousarray(entries, dtype=np.float32))
+
+    def _shape_by(self, weights: ArrayLike | None) -> None:
+        given = None if weights is None else np.array(weights, dtype=np.float64)
+        if given is None and self._weights is None:
+            return
+        if given is not None and self._weights is not None and np.array_equal(given, self._weights):
+            return
+        one = self._character if given is None else self._character.shaped(given)
+        self._mesh.reshape(np.ascontiguousarray(one.vertices), np.ascontiguousarray(one.normals))
+        self._weights = given
 
     def skin_palette(self, entries: Floats32) -> tuple[Floats32, Floats32]:
         """The same from a palette ``(J, 8 or 12)`` as `palette` or `PoseRuntime` gives it.

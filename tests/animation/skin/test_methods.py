@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from motorcade.animation import Character, Skeleton
+from motorcade.animation.morphs import MorphTarget
 from motorcade.animation.skin import SKIN_METHODS, Skinner, palette, skin
 from motorcade.ga import DualQuaternion, Motor, Similarity, kernels
 
@@ -121,6 +124,21 @@ def test_the_compiled_path_is_the_plain_one_in_single_precision(tube, method, th
     assert found[0].dtype == np.float32
     np.testing.assert_allclose(found[0], expected[0], atol=3e-6)
     np.testing.assert_allclose(found[1], expected[1], atol=3e-6)
+
+
+@pytest.mark.parametrize("method", SKIN_METHODS)
+def test_morph_targets_are_mixed_in_before_the_compiled_path_too(tube, method, rng):
+    rows = np.arange(0, len(tube.vertices), 3)
+    moved, turned = 0.1 * rng.standard_normal((2, len(rows), 3))
+    tube = replace(tube, morphs=(MorphTarget("bulge", rows, moved, turned),))
+    pose, skinner = _bent(tube, 0.2, 0.3, -0.4), Skinner(tube, method)
+    for weights in (None, [0.7], [0.7], [-0.2], None, [0.0]):
+        found = skinner.skin(pose, weights)
+        shaped = tube if weights is None else tube.shaped(weights)
+        for one, expected in zip(found, skin(shaped, pose, method), strict=True):
+            np.testing.assert_allclose(one, expected, atol=3e-6)
+    with pytest.raises(ValueError, match=r"morphed.weights.: expected 1, got shape \(2,\)"):
+        skinner.skin(pose, [0.1, 0.2])
 
 
 @pytest.mark.parametrize("method", SKIN_METHODS)
