@@ -7,18 +7,17 @@ again where that is gone.
 from __future__ import annotations
 
 import json
-import logging
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from motorcade.animation import Character, Clip, Placement
-from motorcade.animation.formats import CameraPath, write_gltf
-from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.animation.formats import CameraPath, CharacterOnPath, write_cast_gltf
+from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.files import FileError, read_bounded
+from motorcade.render import Performer
 from motorcade.replays.characters.performers import performers
 from motorcade.replays.engine.graph import GraphRun
 from motorcade.replays.engine.knobs import parse_knobs
@@ -29,8 +28,6 @@ from motorcade.replays.results import trajectories
 from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.camera.offered import camera_of
 from motorcade.tracking.cameras.camera import Camera
-
-log = logging.getLogger("motorcade.export")
 
 MAX_LOG_BYTES = 1 << 24
 POINTS_SHOWN = 200_000
@@ -45,10 +42,7 @@ class Shown:
         camera: without distortion.
         paths: `world_T_camera` by name; `path` is the one that the character is drawn along.
         path: see `paths`.
-        character: who stands there.
-        clip: what it does.
-        placement: where it stands at first.
-        ground_motion: what moves it along from there, None where nothing does.
+        cast: who stands there and what they do, by name.
         points_m: (N, 3) mapped points, world; N may be 0.
     """
 
@@ -56,20 +50,16 @@ class Shown:
     camera: Camera
     paths: dict[str, Trajectory]
     path: Trajectory
-    character: Character
-    clip: Clip
-    placement: Placement
-    ground_motion: Trajectory | None
+    cast: dict[str, Performer]
     points_m: FloatArray
 
-    @property
-    def world_T_character(self) -> Trajectory:
-        """Where the character stands over the path's time."""
-        stand = self.placement.world_T_character
-        if self.ground_motion is None:
-            ends = self.path.time_ns[[0, -1]]
-            return Trajectory(ends, Motor.stack([stand, stand]), "world", "character")
-        return self.ground_motion.transformed_by(right=stand, child="character")
+    def world_T_character(self, name: str) -> Trajectory:
+        """Where a character stands over the path's time, and how large it is."""
+        who, ends = self.cast[name], self.path.time_ns[[0, -1]]
+        moved = [one.time_ns for one in (who.motion, who.ground_motion) if one is not None]
+        stamps = np.unique(np.concatenate([ends, *moved]))
+        stamps = stamps[(ends[0] <= stamps) & (stamps <= ends[1])]
+        return Trajectory(stamps, who.world_T_character(stamps), "world", "character")
 
 
 def open_run(folder: Path) -> Shown:
@@ -87,18 +77,13 @@ def open_run(folder: Path) -> Shown:
     placed, found = run.outputs["placed"], run.outputs["camera_poses"]
     recording = as_found(recording, found.camera, found.depth_camera)
     shown = performers(placed)
-    if len(shown) > 1:
-        first = placed.parts[0].name
-        log.warning("of %d characters the first is exported: '%s'", len(shown), first)
+    names = [part.name for part in placed.parts] or ["character"]
     return Shown(
         recording,
         camera_of(recording).undistorted(),
         trajectories(run),
         run.outputs["integrity"].drawn,
-        shown[0].character,
-        shown[0].clip,
-        shown[0].placement,
-        placed.ground_motion,
+        dict(zip(names, shown, strict=True)),
         np.asarray(found.points, dtype=np.float64),
     )
 
@@ -155,7 +140,7 @@ def _read_origin(folder: Path) -> _Origin:
 
 
 def write_run_gltf(shown: Shown, path: Path) -> None:
-    """Camera path, character and map as one `.glb`; time zero is the path's first stamp.
+    """Camera path, characters and map as one `.glb`; time zero is the path's first stamp.
 
     glTF knows neither principal points nor uneven pixels: the camera has the vertical field of
     view of the recording's, centred.
@@ -166,17 +151,13 @@ def write_run_gltf(shown: Shown, path: Path) -> None:
     """
     camera = shown.camera
     field_rad = 2.0 * float(np.arctan(0.5 * camera.height / camera.fy))
-    stands = shown.world_T_character
-    grown = Similarity.from_motor_scale(stands.motors, np.float64(shown.placement.scale))
     points = _thinned(shown.points_m)
-    write_gltf(
-        path,
-        shown.character,
-        [shown.clip],
-        world_T_character=Trajectory(stands.time_ns, grown),
-        camera=CameraPath(shown.path, field_rad, camera.width / camera.height),
-        points_m=points if len(points) else None,
-    )
+    cast = [
+        CharacterOnPath(name, one.character, one.clip, shown.world_T_character(name))
+        for name, one in shown.cast.items()
+    ]
+    lens = CameraPath(shown.path, field_rad, camera.width / camera.height)
+    write_cast_gltf(path, cast, camera=lens, points_m=points if len(points) else None)
 
 
 def write_rrd(shown: Shown, path: Path) -> None:
@@ -213,15 +194,13 @@ def write_rrd(shown: Shown, path: Path) -> None:
 
 
 def _log_frames(rr: Any, stream: Any, shown: Shown) -> None:
-    """Every frame within the path: picture, pose, and the character as it stands then."""
+    """Every frame within the path: picture, pose, and the characters as they stand then."""
     from motorcade.animation import skin
 
     camera = shown.recording.camera
     if camera is None:
         raise ValueError(f"{shown.recording.name}: expected a camera, got none")
     first_ns, last_ns = int(shown.path.time_ns[0]), int(shown.path.time_ns[-1])
-    colors, stands = shown.character.colors, shown.world_T_character
-    span_ns = int(stands.time_ns[0]), int(stands.time_ns[-1])
     for frame in shown.recording.frames:
         if not first_ns <= frame.time_ns <= last_ns:
             continue
@@ -233,17 +212,20 @@ def _log_frames(rr: Any, stream: Any, shown: Shown) -> None:
         )
         picture = camera.undistort_image(frame.image())
         stream.log("world/camera/picture", rr.Image(picture).compress(jpeg_quality=85))
-        stand = stands.motors_at(np.clip(np.int64(frame.time_ns), *span_ns))
-        vertices, normals = skin(shown.character, shown.clip.at((frame.time_ns - first_ns) * 1e-9))
-        stream.log(
-            "world/character",
-            rr.Mesh3D(
-                vertex_positions=stand.apply(shown.placement.scale * vertices).astype(np.float32),
-                vertex_normals=stand.rotor.apply(normals),
-                triangle_indices=shown.character.triangles,
-                vertex_colors=None if colors is None else np.rint(255 * colors).astype(np.uint8),
-            ),
-        )
+        for name, one in shown.cast.items():
+            stand = one.world_T_character(frame.time_ns)
+            time_s = (frame.time_ns - first_ns) * 1e-9
+            shaped = one.character.shaped(one.clip.morph_weights(time_s))
+            vertices, normals = skin(shaped, one.clip.at(time_s))
+            stream.log(
+                f"world/{name}",
+                rr.Mesh3D(
+                    vertex_positions=stand.apply(vertices).astype(np.float32),
+                    vertex_normals=stand.rotor.apply(normals),
+                    triangle_indices=one.character.triangles,
+                    vertex_colors=np.rint(255 * one.character.colors).astype(np.uint8),
+                ),
+            )
 
 
 def _thinned(points_m: FloatArray) -> FloatArray:

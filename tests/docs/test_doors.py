@@ -75,7 +75,7 @@ DEFAULTS = {
 }
 # Of what is written, or of how large a value may be.
 NO_LIMITS = {
-    ("animation/formats/gltf/write.py", "MOST_KEYS"),
+    ("animation/formats/gltf/writing/motions.py", "MOST_KEYS"),
     ("fusion/imu/noise.py", "_MOST"),
     ("render/video.py", "MOST_APART_S"),
     ("replays/readers/kalibr.py", "MOST_OFFSET_S"),

@@ -8,13 +8,13 @@ import numpy as np
 
 from motorcade.animation.formats.gltf.accessors import Accessors
 from motorcade.animation.formats.gltf.animations import read_animations
-from motorcade.animation.formats.gltf.binary import GENERATOR
 from motorcade.animation.formats.gltf.container import open_gltf
 from motorcade.animation.formats.gltf.meshes import Meshes
 from motorcade.animation.formats.gltf.nodes import read_nodes
 from motorcade.animation.formats.gltf.packed.draco import unpack_draco
 from motorcade.animation.formats.gltf.packed.meshopt import unpack_meshopt
 from motorcade.animation.formats.gltf.vrm import read_humanoid
+from motorcade.animation.formats.gltf.writing.binary import GENERATOR
 from motorcade.animation.formats.rig.values import Rig
 
 KEEPS_UNITS = "Open Asset Import Library"

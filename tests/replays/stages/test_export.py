@@ -8,12 +8,26 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
+from motorcade.animation import skin
 from motorcade.animation.formats import read_character, write_gltf
 from motorcade.replays.cli import main
 from motorcade.replays.export import Shown, open_run
 from motorcade.replays.pipeline import Job, run_job
 from motorcade.replays.synthetic_room import write_recording
+from tests.animation.formats.gltf_vertices import GltfVertices
+
+TWO = """
+[[characters]]
+name = "ann"
+start = [0.0, -0.2]
+
+[[characters]]
+name = "ben"
+path = [[0.2, 0.1], [0.3, 0.2]]
+height_m = 0.2
+"""
 
 
 @pytest.fixture(scope="module")
@@ -35,14 +49,15 @@ def test_a_run_is_read_back_from_another_folder_than_it_was_made_in(
     finished: Path, shown: Shown, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     root, hero = finished.parent, finished.parent / "hero.glb"
-    write_gltf(hero, shown.character, [shown.clip])
+    write_gltf(hero, shown.cast["character"].character, [shown.cast["character"].clip])
     monkeypatch.chdir(root)
     settings = ("smoothed.representations=motor", "placed.character=hero.glb")
     run_job(Job(Path("room"), Path("away"), until="placed", settings=settings))
     (root / "elsewhere").mkdir()
     monkeypatch.chdir(root / "elsewhere")
     found = open_run(root / "away")
-    assert len(found.character.skeleton.names) == len(shown.character.skeleton.names)
+    names = [one.cast["character"].character.skeleton.names for one in (found, shown)]
+    assert names[0] == names[1]
     made = [one.name for one in (root / "away" / ".cache").glob("placed-*")]
     assert len(made) == 1  # found, not computed again
 
@@ -106,9 +121,31 @@ def test_the_character_of_the_gltf_stands_where_the_run_placed_it(
     glb = Glb(file)
     (node,) = (k for k, one in enumerate(glb.document["nodes"]) if one.get("name") == "path")
     _, places = glb.channel(node, "translation")
-    stand = shown.placement.world_T_character.translation_m
+    stand = shown.cast["character"].placement.world_T_character.translation_m
     np.testing.assert_allclose(places, np.broadcast_to(stand, places.shape), atol=1e-6)
-    assert len(read_character(file).triangles) == len(shown.character.triangles)
+    assert len(read_character(file).triangles) == len(shown.cast["character"].character.triangles)
+
+
+@pytest.mark.slow
+def test_a_whole_cast_is_exported(finished: Path, tmp_path: Path) -> None:
+    """Vertices of all figures, evaluated from the file's bytes, are those that a run draws."""
+    cast = tmp_path / "cast.toml"
+    cast.write_text(TWO)
+    settings = ("smoothed.representations=motor", f"placed.cast={cast}", "placed.position_m=")
+    run_job(Job(finished.parent / "room", tmp_path / "out", until="placed", settings=settings))
+    assert main(["export", str(tmp_path / "out"), "--gltf", str(tmp_path / "cast.glb")]) == 0
+    found, shown = GltfVertices(tmp_path / "cast.glb"), open_run(tmp_path / "out")
+    assert list(shown.cast) == ["ann", "ben"]
+    for time_s in (0.0, 0.2, 0.4):
+        stamp = shown.path.time_ns[0] + round(1e9 * time_s)
+        every = []
+        for one in shown.cast.values():
+            shaped = one.character.shaped(one.clip.morph_weights(time_s))
+            vertices, _ = skin(shaped, one.clip.at(time_s), "linear")
+            every.append(one.world_T_character(stamp).apply(vertices))
+        expected = np.concatenate(every)[:, [1, 2, 0]]  # z up to y up
+        far, _ = cKDTree(expected).query(found.at(time_s))
+        assert far.max() < 1e-5
 
 
 def test_points_of_a_map_are_in_the_gltf(shown: Shown, tmp_path: Path) -> None:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from motorcade.animation.appearance import Material, TextureMap
 from motorcade.animation.character import Character
-from motorcade.animation.formats.gltf.binary import INDICES, VERTICES, BinaryBuffer
 from motorcade.animation.formats.gltf.materials import MAPS, TRANSFORM, WRAPS
+from motorcade.animation.formats.gltf.writing.binary import INDICES, VERTICES, BinaryBuffer
 from motorcade.animation.srgb import to_linear
 from motorcade.ga.arrays import IntArray
 
@@ -51,8 +51,7 @@ class LookWriter:
             one = self._primitive(character, everything, character.triangles, flat=False)
             colors = to_linear(character.colors)
             one["attributes"]["COLOR_0"] = self._buffer.add(colors, target=VERTICES)
-            one["material"] = 0
-            self._document["materials"] = [PLAIN]
+            one["material"] = _number(self._document.setdefault("materials", []), PLAIN)
             return self._with_names(character, [one])
         primitives = []
         for part in look.parts:
