@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import cv2
 import numpy as np
@@ -98,10 +99,15 @@ def exposed(layer: Layer, gain: float) -> Layer:
     if gain == 1.0:
         return layer
     rgba = layer.rgba.copy()
-    seen = rgba[..., 3] > 0
-    alpha = rgba[seen][:, 3:] / 255.0
-    own = to_linear(np.minimum(rgba[seen][:, :3] / 255.0 / alpha, 1.0))
-    rgba[seen, :3] = np.rint(255.0 * to_srgb(gain * own) * alpha)
+    part = rgba[_extent(rgba[..., 3] > 0)]
+    # Most of a figure covers its pixels whole: there a byte goes to a byte.
+    whole = np.rint(255.0 * to_srgb(gain * _linear())).astype(np.uint8)
+    colors = whole[part[..., :3]]
+    rim = (part[..., 3] > 0) & (part[..., 3] < 255)
+    alpha = part[rim][:, 3:] / 255.0
+    own = to_linear(np.minimum(part[rim][:, :3] / 255.0 / alpha, 1.0))
+    colors[rim] = np.rint(255.0 * to_srgb(gain * own) * alpha)
+    part[..., :3] = colors
     return Layer(rgba, layer.depth_m)
 
 
@@ -113,13 +119,24 @@ def frame_noise(frame: ImageArray) -> float:
     noise.
     """
     # Whole numbers hold the sum of three bytes and what the mask leaves of it.
-    channels = frame.astype(np.int16).reshape(*frame.shape[:2], -1)
-    grey = sum((channels[..., k] for k in range(1, channels.shape[2])), channels[..., 0])
+    grey: NDArray[Any] = frame
+    if frame.ndim == 3:
+        grey = sum(
+            (frame[..., k] for k in range(1, frame.shape[2])), frame[..., 0].astype(np.int16)
+        )
     if min(grey.shape) < 3:
         return 0.0
     mask = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], dtype=np.float32)
-    left = cv2.filter2D(grey, -1, mask)[1:-1, 1:-1]
-    return float(1.4826 * np.median(np.abs(left[::2, ::2])) / (6.0 * channels.shape[2]))
+    left = np.abs(cv2.filter2D(grey, cv2.CV_16S, mask)[1:-1:2, 1:-1:2])
+    middle = _median(left)
+    return float(1.4826 * middle / (6.0 * (1 if frame.ndim == 2 else frame.shape[2])))
+
+
+def _median(counts: NDArray[np.int16]) -> float:
+    """The median of numbers from 0 on, by counting them: several times as fast as sorting."""
+    below = np.cumsum(np.bincount(counts.ravel()))
+    low, high = np.searchsorted(below, [(counts.size - 1) // 2, counts.size // 2], side="right")
+    return 0.5 * float(low + high)
 
 
 def noisy(
@@ -147,7 +164,7 @@ def as_rgb(frame: ImageArray) -> ImageArray:
             f"frame: expected uint8 of shape (h, w) or (h, w, 3), got {frame.dtype} {frame.shape}"
         )
     if frame.ndim == 2:
-        return np.repeat(frame[..., None], 3, axis=2)
+        return np.asarray(cv2.cvtColor(frame, cv2.COLOR_GRAY2RGB), np.uint8)
     return frame.copy()
 
 
@@ -192,9 +209,9 @@ def over(frame: ImageArray, layer: Layer, depth_m: DepthArray | None = None) -> 
     if depth_m is not None and rgba.size:
         alpha = alpha * _seen_share(layer.depth_m[part], depth_m[part]) / 256.0
     whole, rim = alpha == 1.0, (alpha > 0.0) & (alpha < 1.0)
-    result[part][whole] = rgba[whole][:, :3]
+    np.copyto(result[part], rgba[..., :3], where=whole[..., None])
     own = rgba[rim][:, :3] / np.maximum(rgba[rim][:, 3:], 1.0)
-    share, below = alpha[rim][:, None], to_linear(frame[part][rim] / 255.0)
+    share, below = alpha[rim][:, None], _linear()[frame[part][rim]]
     mixed = share * to_linear(np.minimum(own, 1.0)) + (1.0 - share) * below
     result[part][rim] = np.rint(255.0 * to_srgb(mixed))
     return result
@@ -225,7 +242,7 @@ def _seen_share(drawn_m: DepthArray, real_m: DepthArray) -> NDArray[np.uint16]:
     return np.asarray(np.rint(256.0 * (1.0 - np.minimum(spread, 1.0))), dtype=np.uint16)
 
 
-def darken(frame: ImageArray, shade: FloatArray) -> ImageArray:
+def darken(frame: ImageArray, shade: NDArray[np.floating[Any]]) -> ImageArray:
     """Take a share of light away from every pixel.
 
     Args:
@@ -236,7 +253,7 @@ def darken(frame: ImageArray, shade: FloatArray) -> ImageArray:
         (h, w, 3) uint8, a new array.
     """
     result = frame.copy()
-    part = _extent(shade > 0.0)
+    part = _extent(shade * (SHADES - 1.0) >= 0.5)
     lost = np.rint((SHADES - 1.0) * np.clip(shade[part], 0.0, 1.0)).astype(np.intp)
     first, table = 256 * lost, _darkened().ravel()
     for k in range(3):  # a channel at once is half of what all three at once take
@@ -245,11 +262,16 @@ def darken(frame: ImageArray, shade: FloatArray) -> ImageArray:
 
 
 @cache
+def _linear() -> FloatArray:
+    """The light that each byte stands for."""
+    return to_linear(np.arange(256) / 255.0)
+
+
+@cache
 def _darkened() -> ImageArray:
     """Each byte (column) when a share of its light is lost (row, of SHADES)."""
-    light = to_linear(np.arange(256) / 255.0)
     kept = 1.0 - np.arange(SHADES)[:, None] / (SHADES - 1.0)
-    return np.rint(255.0 * to_srgb(kept * light)).astype(np.uint8)
+    return np.rint(255.0 * to_srgb(kept * _linear())).astype(np.uint8)
 
 
 def _extent(touched: NDArray[np.bool_]) -> tuple[slice, slice]:

@@ -10,10 +10,12 @@ would blur all of it and cut its border off.
 from __future__ import annotations
 
 import math
-from typing import TypeVar
+from functools import lru_cache
+from typing import Any, TypeVar
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
@@ -65,8 +67,25 @@ def warped(picture: Pixels, homography: FloatArray) -> Pixels:
     return np.asarray(moved, picture.dtype)
 
 
+WHOLE = slice(None), slice(None)
+Extent = tuple[IntArray, IntArray]
+"""First and last (column, row) of a part of a picture."""
+Window = tuple[slice, slice]
+"""The same as the rows and the columns that it takes of an array."""
+
+
+def window_of(extent: Extent) -> Window:
+    """Rows and columns of a part of a picture."""
+    (left, top), (right, bottom) = extent
+    return slice(int(top), int(bottom) + 1), slice(int(left), int(right) + 1)
+
+
 WIDEST = 3.0
 """The pinhole picture may be this many times as wide or tall as the distorted one."""
+STEP = 8
+"""Every so many pixels a lens is asked which part of one picture shows in the other."""
+ROWS = 16
+"""Pixels of so many rows are undistorted at once: their numbers stay in the processor's cache."""
 
 
 def can_be_drawn_for(camera: Camera | None) -> bool:
@@ -102,8 +121,7 @@ class LensWarp:
         self.camera, self.pinhole = camera, camera
         if camera.model == "pinhole":
             return
-        columns, rows = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
-        source = camera.undistort(np.stack([columns, rows], axis=-1).astype(np.float64))
+        source = _sources(camera)
         low, high = source.reshape(-1, 2).min(axis=0), source.reshape(-1, 2).max(axis=0)
         size = high - low + 3.0
         if not np.all(size < WIDEST * np.array([camera.width, camera.height])):
@@ -124,25 +142,69 @@ class LensWarp:
         )
         self._source = (source - (left, top)).astype(np.float32)
         self._whole, self._fraction = cv2.convertMaps(self._source, None, cv2.CV_16SC2)
+        self._some = self._source[::STEP, ::STEP]
+        steps = [np.abs(np.diff(self._some, axis=k)).max(initial=STEP) for k in (0, 1)]
+        self._reach = 2.0 * max(steps) + 1.0
 
-    def layer(self, drawn: Layer) -> Layer:
-        """A layer of `pinhole` as `camera` sees it; depth is taken from the nearest pixel."""
+    def shown(self, drawn: Extent) -> Window:
+        """Where `camera`'s picture can show a part of `pinhole`'s, and a little around it.
+
+        One pixel where none can.
+        """
         if self.camera is self.pinhole:
-            return drawn
-        rgba = cv2.remap(drawn.rgba, self._whole, self._fraction, cv2.INTER_LINEAR)
-        return Layer(rgba, self.depth(drawn.depth_m))
+            return window_of(drawn)
+        first, last = drawn
+        near = (self._some >= first - self._reach) & (self._some <= last + self._reach)
+        rows, columns = np.nonzero(near.all(axis=-1))
+        if not rows.size:
+            return slice(0, 1), slice(0, 1)
+        found, size = np.array([columns, rows]), np.array([self.camera.width, self.camera.height])
+        low = np.maximum(STEP * (found.min(axis=1) - 1), 0)
+        return window_of((low, np.minimum(STEP * (found.max(axis=1) + 1), size - 1)))
 
-    def depth(self, depth_m: DepthArray) -> DepthArray:
+    def drawn(self, shown: Window) -> Extent:
+        """The part of `pinhole`'s picture that shows in a window of `camera`'s, and a little around
+        it.
+        """
+        rows, columns = shown
+        if self.camera is self.pinhole:
+            first = np.array([columns.start, rows.start])
+            return first, np.array([columns.stop, rows.stop]) - 1
+        seen = self._source[shown][::STEP, ::STEP].reshape(-1, 2)
+        high = np.array([self.pinhole.width, self.pinhole.height]) - 1
+        low = np.clip(np.floor(seen.min(axis=0) - self._reach), 0, high)
+        last = np.clip(np.ceil(seen.max(axis=0) + self._reach), 0, high)
+        return low.astype(np.int64), last.astype(np.int64)
+
+    def layer(self, drawn: Layer, window: Window = WHOLE) -> Layer:
+        """A layer of `pinhole` as `camera` sees it in a window of its picture; depth is taken from
+        the nearest pixel.
+        """
+        if self.camera is self.pinhole:
+            return drawn if window == WHOLE else Layer(drawn.rgba[window], drawn.depth_m[window])
+        return Layer(self._mixed(drawn.rgba, window), self.depth(drawn.depth_m, window))
+
+    def depth(self, depth_m: DepthArray, window: Window = WHOLE) -> DepthArray:
         """A depth picture likewise, depths of different surfaces never mixed."""
         if self.camera is self.pinhole:
-            return depth_m
-        return np.asarray(cv2.remap(depth_m, self._source, None, cv2.INTER_NEAREST))
+            return depth_m[window]
+        return np.asarray(cv2.remap(depth_m, self._source[window], None, cv2.INTER_NEAREST))
 
-    def smooth(self, values: FloatArray) -> FloatArray:
-        """A picture (h, w) of numbers that may be mixed, such as shade."""
-        if self.camera is self.pinhole:
-            return values
-        distorted = cv2.remap(
-            values.astype(np.float32), self._whole, self._fraction, cv2.INTER_LINEAR
-        )
-        return np.asarray(distorted, dtype=np.float64)
+    def smooth(self, values: NDArray[np.float32], window: Window = WHOLE) -> NDArray[np.float32]:
+        """A picture (h, w) of numbers that may be mixed, such as shade, likewise."""
+        return values[window] if self.camera is self.pinhole else self._mixed(values, window)
+
+    def _mixed(self, picture: NDArray[Any], window: Window) -> NDArray[Any]:
+        maps = self._whole[window], self._fraction[window]
+        return np.asarray(cv2.remap(picture, *maps, cv2.INTER_LINEAR))
+
+
+@lru_cache(maxsize=4)
+def _sources(camera: Camera) -> FloatArray:
+    """Where in the undistorted picture each pixel of a camera lies, (height, width, 2)."""
+    columns, rows = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
+    pixels = np.stack([columns, rows], axis=-1).astype(np.float64)
+    some = (pixels[first : first + ROWS] for first in range(0, camera.height, ROWS))
+    found = np.concatenate([camera.undistort(part) for part in some])
+    found.setflags(write=False)
+    return found

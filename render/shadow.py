@@ -9,15 +9,17 @@ homography. Everything is deterministic.
 The frame: ground is z = 0, z up, metres, the grid centred on the origin.
 """
 
+import math
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from motorcade.animation.vectors import UP
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.render.lens import plane_homography
+from motorcade.render.lens import Extent, plane_homography, seen_extent, window_of
 from motorcade.tracking.cameras.camera import Camera
 
 GRID = 320
@@ -28,6 +30,14 @@ COARSEST = 4
 DENSITY = 2.2
 # Rays that fall less than this meet the ground nowhere.
 BARELY = 1e-9
+# Shade below this changes no byte of a picture (`composite.SHADES` are told apart).
+DARKENS = 1e-4
+# In its standard deviations, how far OpenCV's blur of floats reaches.
+KERNEL = 4.0
+# In metres: where a corner of the ground is nearer to the camera, or behind it, it may be anywhere.
+NEAREST_M = 0.01
+
+ShadeArray = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
@@ -60,7 +70,7 @@ def ground_shade(
     half_width_m: float,
     look: ShadowLook,
     strength: float,
-) -> FloatArray:
+) -> ShadeArray:
     """Share of light that the mesh takes away from each cell of the ground.
 
     Args:
@@ -72,7 +82,8 @@ def ground_shade(
         strength: share of the light that a full shadow takes away, where the look gives none.
 
     Returns:
-        (GRID, GRID) of linear light, from 0 (full light) to 1, row along +y, column along +x.
+        (GRID, GRID) float32 of linear light, from 0 (full light) to 1, row along +y, column
+        along +x.
 
     Raises:
         ValueError: light that does not come from above.
@@ -90,32 +101,34 @@ def ground_shade(
         raise ValueError(
             f"ground_shade(light_direction): expected light from above, got {light_direction}"
         )
-    a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    area = 0.5 * np.cross(b - a, c - a)
-    middle = (a + b + c) / 3.0
-    height = np.maximum(middle[:, 2], 0.0)
+    # A coordinate at once: (3 coordinates, 3 corners, T).
+    corners = np.take(np.ascontiguousarray(vertices.T), np.ascontiguousarray(triangles.T), axis=1)
+    middle = (corners[:, 0] + corners[:, 1] + corners[:, 2]) / 3.0
+    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    area = 0.5 * np.stack([a[j] * b[k] - a[k] * b[j] for j, k in ((1, 2), (2, 0), (0, 1))])
+    height = np.maximum(middle[2], 0.0)
     cell = 2.0 * half_width_m / GRID
     slant = light_direction[:2] / light_direction[2]
     # A disc of radius r has a standard deviation of r / 2; slanting light stretches it.
     spread = 0.5 * look.lamp_radius_rad * (-light_direction[2]) ** -1.5
     shadow = _spread(
-        middle[:, :2] - height[:, None] * slant,
-        np.maximum(area @ light_direction / light_direction[2], 0.0) / cell**2,
+        middle[:2] - height * slant[:, None],
+        np.maximum(light_direction @ area / light_direction[2], 0.0) / cell**2,
         0.9 + height * (spread / cell),
         cell,
     )
     top = look.contact_height * half_width_m
     near = np.clip(1.0 - height / top, 0.0, 1.0) ** 2
     sky = _spread(
-        middle[:, :2],
-        np.maximum(-area[:, 2], 0.0) / cell**2 * near,
+        middle[:2],
+        np.maximum(-area[2], 0.0) / cell**2 * near,
         0.010 * half_width_m / cell + 0.8 * height / cell,
         cell,
     )
     # Area that covers a place whole hides the lamp whole; in the rim, a part of the lamp.
     full = strength if look.strength is None else look.strength
-    direct = full * np.minimum(shadow, 1.0)
-    ambient = look.contact * (1.0 - np.exp(-DENSITY * sky))
+    direct = np.float32(full) * np.minimum(shadow, 1.0)
+    ambient = np.float32(look.contact) * (1.0 - np.exp(np.float32(-DENSITY) * sky))
     return np.asarray(1.0 - (1.0 - direct) * (1.0 - ambient))
 
 
@@ -124,9 +137,33 @@ def shade_step_m(half_width_m: float) -> float:
     return COARSEST * 2.0 * half_width_m / GRID
 
 
+def shade_extent(
+    shade: ShadeArray, half_width_m: float, camera: Camera, camera_T_ground: Motor
+) -> Extent | None:
+    """The part of a camera's picture that shade darkens, or None where it darkens no byte.
+
+    The arguments are those of `shade_in_picture`.
+    """
+    dark = shade > DARKENS
+    columns, rows = (np.flatnonzero(dark.any(axis=axis)) for axis in (0, 1))
+    if not columns.size or camera_T_ground.inverse().translation_m[2] <= 0.0:
+        return None
+    cell = 2.0 * half_width_m / GRID
+    x, y = (
+        cell * (np.array([held[0] - 1.0, held[-1] + 1.0]) + 0.5) - half_width_m
+        for held in (columns, rows)
+    )
+    corners = [[x[i], y[k], 0.0] for i in (0, 1) for k in (0, 1)]
+    return seen_extent(camera, camera_T_ground.apply(corners), NEAREST_M, 1.0)
+
+
 def shade_in_picture(
-    shade: FloatArray, half_width_m: float, camera: Camera, camera_T_ground: Motor
-) -> FloatArray | None:
+    shade: ShadeArray,
+    half_width_m: float,
+    camera: Camera,
+    camera_T_ground: Motor,
+    part: Extent | None = None,
+) -> ShadeArray | None:
     """The ground's shade as a camera sees it.
 
     Args:
@@ -134,77 +171,99 @@ def shade_in_picture(
         half_width_m: of its grid.
         camera: pinhole.
         camera_T_ground: pose of the ground in the camera.
+        part: of the picture that is wanted; there is no shade elsewhere. All of it by default.
 
     Returns:
         (height, width) float32 shade of every pixel, or None where the camera is below the ground.
     """
-    eye_height_m = camera_T_ground.inverse().translation_m[2]
-    if eye_height_m <= 0.0:
+    if camera_T_ground.inverse().translation_m[2] <= 0.0:
         return None
+    shown = np.zeros((camera.height, camera.width), np.float32)
+    if part is None:
+        part = np.zeros(2, np.int64), np.array([camera.width, camera.height]) - 1
+    first, last = part
     cell = 2.0 * half_width_m / GRID
-    grid_to_ground = np.array(
-        [[cell, 0.0, 0.5 * cell - half_width_m], [0.0, cell, 0.5 * cell - half_width_m], [0, 0, 1]]
-    )
+    corner = 0.5 * cell - half_width_m
+    grid_to_ground = np.array([[cell, 0.0, corner], [0.0, cell, corner], [0.0, 0.0, 1.0]])
     ground_to_picture = plane_homography(camera, camera_T_ground)
-    picture_to_grid = np.linalg.inv(ground_to_picture @ grid_to_ground)
-    shown = cv2.warpPerspective(
-        shade.astype(np.float32),
-        picture_to_grid,
-        (camera.width, camera.height),
+    part_to_picture = np.array([[1.0, 0.0, first[0]], [0.0, 1.0, first[1]], [0.0, 0.0, 1.0]])
+    seen = cv2.warpPerspective(
+        shade,
+        np.linalg.inv(ground_to_picture @ grid_to_ground) @ part_to_picture,
+        (int(last[0] - first[0]) + 1, int(last[1] - first[1]) + 1),
         flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
         borderMode=cv2.BORDER_CONSTANT,
         borderValue=0.0,
     )
-    offset, fall = _offset_and_fall(camera, camera_T_ground)
+    up = camera_T_ground.rotor.apply(UP)
+    offset = float(np.dot(up, camera_T_ground.translation_m))
     # What falls to the ground is one side of a straight line: the corners tell of all pixels.
-    if np.min(offset * fall[:: max(1, len(fall) - 1), :: max(1, fall.shape[1] - 1)]) <= BARELY:
-        shown[offset * fall <= BARELY] = 0.0
-    return np.asarray(shown, dtype=np.float64)
+    if np.min(offset * _falls(camera, up, [first[0], last[0]], [first[1], last[1]])) <= BARELY:
+        columns, rows = (np.arange(first[k], last[k] + 1) for k in (0, 1))
+        seen[offset * _falls(camera, up, columns, rows) <= BARELY] = 0.0
+    shown[window_of(part)] = seen
+    return shown
 
 
-def _spread(at: FloatArray, amount: FloatArray, sigma: FloatArray, cell: float) -> FloatArray:
-    """Drop amounts onto the grid, each blurred by its own width in cells, in a few layers."""
+def _spread(at: FloatArray, amount: FloatArray, sigma: FloatArray, cell: float) -> ShadeArray:
+    """Drop amounts (T,) at places (2, T) in metres onto the grid, each blurred by its own width in
+    cells, in a few layers.
+    """
+    total = np.zeros((GRID, GRID), np.float32)
     facing = np.flatnonzero(amount > 0.0)
     if not facing.size:
-        return np.zeros((GRID, GRID))
-    at, amount, sigma = at[facing], amount[facing], sigma[facing]
+        return total
+    at, amount, sigma = np.take(at, facing, axis=1) / cell, amount[facing], sigma[facing]
     widest = max(float(sigma.max()), 1.5 * float(sigma.min()))
     widths = np.geomspace(float(sigma.min()), widest, LAYERS)
     place = np.interp(sigma, widths, np.arange(LAYERS))
-    total = np.zeros((GRID, GRID))
     for layer, width in enumerate(widths):
         share = amount * np.maximum(1.0 - np.abs(place - layer), 0.0)
         held = np.flatnonzero(share > 0.0)
         if held.size:
-            total += _blurred(at[held] / cell, share[held], float(width))
+            _add_blurred(total, np.take(at, held, axis=1), share[held], float(width))
     return total
 
 
-def _blurred(at_cell: FloatArray, amount: FloatArray, width: float) -> FloatArray:
-    """Amounts on the whole grid, blurred; for wide blurs a coarser grid is enough."""
+def _add_blurred(total: ShadeArray, at_cell: FloatArray, amount: FloatArray, width: float) -> None:
+    """Add amounts to the grid, blurred; for wide blurs a coarser grid is enough."""
     coarse = 1 if width < 4.0 else 2 if width < 8.0 else COARSEST
     size = GRID // coarse
-    dropped = _dropped(at_cell / coarse + 0.5 * size - 0.5, amount / coarse**2, size)
-    soft = cv2.GaussianBlur(
-        dropped.astype(np.float32), (0, 0), width / coarse, borderType=cv2.BORDER_CONSTANT
-    )
-    return np.asarray(cv2.resize(soft, (GRID, GRID), interpolation=cv2.INTER_LINEAR))
-
-
-def _dropped(at_cell: FloatArray, amount: FloatArray, size: int) -> FloatArray:
-    """Bilinear sums of amounts on a square grid; what falls outside is lost."""
-    x, y = np.ascontiguousarray(at_cell.T)
+    x, y = at_cell / coarse + (0.5 * size - 0.5)
     inside = (x >= 0.0) & (x < size - 1) & (y >= 0.0) & (y < size - 1)
     if not inside.all():
         x, y, amount = x[inside], y[inside], amount[inside]
+    if not x.size:
+        return
+    # Farther away than this the blur ends, and bringing it to the fine grid takes a cell more.
+    reach = math.ceil(KERNEL * width / coarse) + 2
+    (left, right), (low, high) = (
+        (max(int(one.min()) - reach, 0), min(int(one.max()) + reach + 2, size)) for one in (x, y)
+    )
+    soft = cv2.GaussianBlur(
+        _dropped(x - left, y - low, amount / coarse**2, (high - low, right - left)),
+        (0, 0),
+        width / coarse,
+        borderType=cv2.BORDER_CONSTANT,
+    )
+    if coarse > 1:
+        soft = cv2.resize(soft, None, fx=coarse, fy=coarse, interpolation=cv2.INTER_LINEAR)
+    total[coarse * low : coarse * high, coarse * left : coarse * right] += soft
+
+
+def _dropped(
+    x: FloatArray, y: FloatArray, amount: FloatArray, shape: tuple[int, int]
+) -> ShadeArray:
+    """Bilinear sums of amounts on a grid of some rows and columns that has room for all."""
     column, row = x.astype(np.int64), y.astype(np.int64)
     right, up = x - column, y - row
-    first = row * size + column
+    first = row * shape[1] + column
     above, below = amount * up, amount * (1.0 - up)
-    cells = np.concatenate([first, first + 1, first + size, first + size + 1])
-    shares = [below * (1.0 - right), below * right, above * (1.0 - right), above * right]
-    total = np.bincount(cells, weights=np.concatenate(shares), minlength=size * size)
-    return np.asarray(total.reshape(size, size))
+    cells = np.concatenate([first, first + 1, first + shape[1], first + shape[1] + 1])
+    to_right = above * right, below * right
+    shares = [below - to_right[1], to_right[1], above - to_right[0], to_right[0]]
+    total = np.bincount(cells, weights=np.concatenate(shares), minlength=shape[0] * shape[1])
+    return total.reshape(shape).astype(np.float32)
 
 
 def ground_depth(camera: Camera, camera_T_ground: Motor) -> FloatArray:
@@ -217,17 +276,15 @@ def ground_depth(camera: Camera, camera_T_ground: Motor) -> FloatArray:
     Returns:
         (height, width) metres; infinite at and above the horizon.
     """
-    offset, fall = _offset_and_fall(camera, camera_T_ground)
+    up = camera_T_ground.rotor.apply(UP)
+    offset = float(np.dot(up, camera_T_ground.translation_m))
+    fall = _falls(camera, up, np.arange(camera.width), np.arange(camera.height))
     meets = offset * fall > BARELY
     return np.asarray(np.where(meets, offset / np.where(meets, fall, 1.0), np.inf))
 
 
-def _offset_and_fall(camera: Camera, camera_T_ground: Motor) -> tuple[float, FloatArray]:
-    """The ground's offset from the camera along its normal, and how far each pixel's ray, one
-    metre deep, goes along it.
-    """
-    up = camera_T_ground.rotor.apply(UP)
-    x = (np.arange(camera.width) - camera.cx) / camera.fx
-    y = (np.arange(camera.height) - camera.cy) / camera.fy
-    fall = up[0] * x[None, :] + up[1] * y[:, None] + up[2]
-    return float(np.dot(up, camera_T_ground.translation_m)), fall
+def _falls(camera: Camera, up: FloatArray, columns: ArrayLike, rows: ArrayLike) -> FloatArray:
+    """How far the rays of pixels (rows, columns), one metre deep, go along the ground's normal."""
+    x = (np.asarray(columns) - camera.cx) / camera.fx
+    y = (np.asarray(rows) - camera.cy) / camera.fy
+    return np.asarray(up[0] * x[None, :] + up[1] * y[:, None] + up[2])

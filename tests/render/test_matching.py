@@ -47,7 +47,7 @@ def test_a_bent_layer_shows_points_where_the_lens_does() -> None:
 
 def test_the_pinhole_picture_holds_every_bent_pixel() -> None:
     lens = LensWarp(BENT)
-    full = np.full((lens.pinhole.height, lens.pinhole.width), 1.0)
+    full = np.full((lens.pinhole.height, lens.pinhole.width), 1.0, np.float32)
     np.testing.assert_allclose(lens.smooth(full), 1.0, atol=1e-6)
 
 

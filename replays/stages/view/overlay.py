@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Iterable, Iterator
 from typing import Literal
 
@@ -181,7 +182,7 @@ class _Footage:
         self.camera = recording.camera if distorted else recording.camera.undistorted()
         self.drawn_into = 0
         self._distorted = distorted
-        self._given: ImageArray | None = None
+        self._given: deque[ImageArray] = deque()
         self._turn: tuple[Trajectory, Trajectory] | None = None
 
     def turned(self, taken: Trajectory, shown: Trajectory) -> Trajectory:
@@ -194,7 +195,7 @@ class _Footage:
     ) -> Iterator[tuple[int, ImageArray, DepthArray | None]]:
         """Stamp, picture and depth of frames."""
         for time_ns, picture, depth_m in ahead(self._prepared, frames):
-            self._given = picture
+            self._given.append(picture)
             yield time_ns, picture, depth_m
 
     def _prepared(self, frame: Frame) -> tuple[int, ImageArray, DepthArray | None]:
@@ -214,10 +215,9 @@ class _Footage:
     def counted(self, pictures: Iterable[ImageArray]) -> Iterator[ImageArray]:
         """The drawn frames as they are."""
         for picture in pictures:
-            given = self._given
-            if given is not None:
-                before = given if given.ndim == 3 else given[..., None]
-                self.drawn_into += bool(np.any(picture != before))
+            given = self._given.popleft()
+            before = given if given.ndim == 3 else given[..., None]
+            self.drawn_into += bool(np.any(picture != before))
             yield picture
 
 

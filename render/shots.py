@@ -1,0 +1,302 @@
+"""Frames on their way through the overlay: figures posed, drawn in a window, and laid over footage.
+
+Only the part of a picture that figures and their shade can change is distorted, shaded and mixed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+
+from motorcade.animation.vectors import box_corners
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
+from motorcade.render.backends.renderer import Renderer
+from motorcade.render.composite import (
+    Matching,
+    as_rgb,
+    blended,
+    darken,
+    exposed,
+    frame_noise,
+    greyed,
+    is_grey,
+    noisy,
+    over,
+)
+from motorcade.render.figures import DrawnFigure, Performer, lit_together
+from motorcade.render.lens import WHOLE, Extent, LensWarp, Window, seen_extent
+from motorcade.render.light import ExposureMeter, Prints
+from motorcade.render.occluders import known_depth, raised, share_on_ground
+from motorcade.render.scene import DepthArray, ImageArray, Layer, Lighting
+from motorcade.render.shadow import (
+    NEAREST_M,
+    ShadeArray,
+    ShadowLook,
+    ground_depth,
+    ground_shade,
+    shade_extent,
+    shade_in_picture,
+)
+from motorcade.tracking.cameras.camera import Camera
+
+# In heights of the character: what is farther than this from the ground, above or below, takes no
+# shadow; what is lower than this is the ground, as a sensor has it, and hides no foot.
+LOW, SOLE = 0.1, 0.05
+
+StampedFrame = tuple[int, ImageArray] | tuple[int, ImageArray, DepthArray | None]
+
+
+@dataclass(frozen=True, eq=False)
+class _PosedFigure:
+    """A figure at a moment: its mesh on its ground, and what it takes from that about a centre.
+
+    No shade where it is not there, nor on a ground that has none.
+    """
+
+    figure: DrawnFigure
+    world_T_ground: Motor
+    own_m: FloatArray
+    normals: FloatArray
+    shade: ShadeArray | None
+    center_m: FloatArray
+
+    def camera_T_shade(self, world_T_camera: Motor) -> Motor:
+        """Where what it takes from the ground lies before a camera."""
+        ground = self.world_T_ground @ Motor.from_translation(self.center_m)
+        return world_T_camera.inverse() @ ground
+
+    def hull_m(self) -> FloatArray:
+        """Corners (8, 3) of a box about it, world."""
+        return self.world_T_ground.apply(box_corners(self.own_m))
+
+
+@dataclass(frozen=True, eq=False)
+class _Moment:
+    """All figures at a moment, before the camera."""
+
+    time_ns: int
+    world_T_camera: Motor
+    figures: list[_PosedFigure]
+
+
+@dataclass(frozen=True, eq=False)
+class _Drawn:
+    """One moment in a window of the footage's pixels: layer, shade, where depth was measured the
+    depth of the ground and the camera's height above it, and where not the depth of what is known
+    to hide the figure.
+    """
+
+    layer: Layer
+    shade: ShadeArray | None
+    ground_m: DepthArray | None
+    known_m: DepthArray | None
+    eye_m: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """A frame, and what is to be laid over a window of it: nothing where there is no pose."""
+
+    picture: ImageArray
+    drawn: list[_Drawn] | None = None
+    window: Window = WHOLE
+    depth_m: DepthArray | None = None
+    gain: float = 1.0
+
+
+class FilmStage:
+    """What stays the same over all frames: surfaces, light, and the ground with its shadows.
+
+    Args:
+        camera: of the frames.
+        performers: who and what is drawn, one or more.
+        lighting: all the light, made for the first.
+        look: of the shadows; None for the usual one.
+        prints: that may hide figures.
+        matching: how what is drawn is fitted to the footage; None for not at all.
+
+    Raises:
+        ValueError: a lens too wide to draw for.
+    """
+
+    def __init__(
+        self,
+        camera: Camera,
+        performers: Sequence[Performer],
+        lighting: Lighting,
+        look: ShadowLook | None,
+        prints: Prints | None,
+        matching: Matching | None,
+    ) -> None:
+        self.lens = LensWarp(camera)
+        self.figures = [DrawnFigure(figure) for figure in performers]
+        self.lighting = lit_together(lighting, self.figures)
+        self.height_m = max(figure.height_m for figure in self.figures)
+        still = [figure for figure in self.figures if figure.performer.ground_motion is None]
+        self.ground = (still or self.figures)[0].performer
+        self.start_ns: int | None = None
+        self._look, self._prints = look or ShadowLook(), prints
+        self._matching = matching or Matching()
+
+    def shots(
+        self,
+        renderer: Renderer,
+        frames: Iterable[StampedFrame],
+        world_T_camera: Trajectory,
+        meter: ExposureMeter | None,
+    ) -> Iterator[Shot]:
+        """Draw what is to be laid over each frame; the first one's stamp starts the clips.
+
+        Raises:
+            ValueError: a frame of another size.
+        """
+        span_ns = int(world_T_camera.time_ns[0]), int(world_T_camera.time_ns[-1])
+        camera, matching = self.lens.camera, self._matching
+        for time_ns, picture, *rest in frames:
+            self.start_ns = time_ns if self.start_ns is None else self.start_ns
+            if picture.shape[:2] != (camera.height, camera.width):
+                raise ValueError(
+                    f"frames: expected {camera.width} x {camera.height} pixels, got "
+                    f"{picture.shape[1]} x {picture.shape[0]} at {time_ns} ns"
+                )
+            if not span_ns[0] <= time_ns <= span_ns[1]:
+                yield Shot(picture)
+                continue
+            depth_m = rest[0] if rest else None
+            moments = [
+                self._posed(int(one), world_T_camera.motors_at(one))
+                for one in np.clip(matching.moments_ns(time_ns), *span_ns)
+            ]
+            window = self._window(moments)
+            drawn = [self._draw(renderer, one, window, depth_m is not None) for one in moments]
+            gain = matching.gain
+            if meter is not None:
+                gain *= meter.gain(picture, camera, world_T_camera.motors_at(time_ns))
+            yield Shot(picture, drawn, window, None if depth_m is None else depth_m[window], gain)
+
+    def _posed(self, time_ns: int, world_T_camera: Motor) -> _Moment:
+        """The figures, and what they take from their grounds."""
+        time_s = 1e-9 * (time_ns - (self.start_ns or 0))
+        figures = []
+        for figure in self.figures:
+            own_m, normals = figure.at(time_s, time_ns)
+            ground = figure.performer.world_T_ground(time_ns)
+            shade, center_m = None, np.zeros(3)
+            if figure.seen(time_s):
+                sun, strength = figure.sun_on(ground, self.lighting)
+                center_m = figure.shade_center_m(own_m, sun)
+                shade = ground_shade(
+                    own_m - center_m,
+                    figure.character.triangles,
+                    sun,
+                    figure.half_width_m,
+                    self._look,
+                    strength,
+                )
+            else:  # all of it at one point: nothing to draw
+                own_m = np.broadcast_to(own_m.mean(axis=0), own_m.shape)
+            figures.append(_PosedFigure(figure, ground, own_m, normals, shade, center_m))
+        return _Moment(time_ns, world_T_camera, figures)
+
+    def _window(self, moments: Sequence[_Moment]) -> Window:
+        """The part of the footage's pictures that figures and shade can change at some moments."""
+        pinhole = self.lens.pinhole
+        parts: list[Extent] = []
+        for moment in moments:
+            pose = moment.world_T_camera
+            for one in moment.figures:
+                hull_m = pose.inverse().apply(one.hull_m())
+                parts.append(seen_extent(pinhole, hull_m, NEAREST_M, 1.0))
+                if one.shade is not None:
+                    width_m, place = one.figure.half_width_m, one.camera_T_shade(pose)
+                    part = shade_extent(one.shade, width_m, pinhole, place)
+                    parts += [] if part is None else [part]
+        low, high = zip(*parts, strict=True)
+        return self.lens.shown((np.min(low, axis=0), np.max(high, axis=0)))
+
+    def _draw(self, renderer: Renderer, moment: _Moment, window: Window, measured: bool) -> _Drawn:
+        """The figures and their shade, as the footage's camera sees them in a window."""
+        for k, one in enumerate(moment.figures):
+            turn = one.world_T_ground.rotor
+            renderer.move(k, one.world_T_ground.apply(one.own_m), turn.apply(one.normals))
+        self._follow(renderer, moment.figures[0])
+        pinhole, pose = self.lens.pinhole, moment.world_T_camera
+        layer = self.lens.layer(renderer.render(pinhole, pose), window)
+        part = self.lens.drawn(window)
+        shades = [
+            shade_in_picture(
+                one.shade, one.figure.half_width_m, pinhole, one.camera_T_shade(pose), part
+            )
+            for one in moment.figures
+            if one.shade is not None
+        ]
+        seen = [self.lens.smooth(one, window) for one in shades if one is not None]
+        # One sun throws them: where shadows lie over one another it is hidden once.
+        shade = np.maximum.reduce(seen) if seen else None
+        stand = self.ground.world_T_ground(moment.time_ns)
+        if measured:
+            camera_T_ground = pose.inverse() @ stand
+            ground_m = ground_depth(pinhole, camera_T_ground).astype(np.float32)
+            eye_m = float(camera_T_ground.inverse().translation_m[2])
+            return _Drawn(layer, shade, self.lens.depth(ground_m, window), None, eye_m)
+        hull_m = np.concatenate([one.hull_m() for one in moment.figures])
+        known = known_depth(pinhole, pose, hull_m, self._prints, stand)
+        return _Drawn(layer, shade, None, None if known is None else self.lens.depth(known, window))
+
+    def _follow(self, renderer: Renderer, posed: _PosedFigure) -> None:
+        """Light that goes where one that walks alone goes, or all go on one ground that moves."""
+        first, ground = self.figures[0], posed.world_T_ground
+        alone = len(self.figures) == 1 and first.travels
+        motions = {id(figure.performer.ground_motion) for figure in self.figures}
+        together = len(motions) == 1 and first.performer.ground_motion is not None
+        if first.performer.motion is not None or not (alone or together):
+            return
+        stand = first.performer.placement.world_T_character
+        center_m = first.center_m(posed.own_m) if alone else np.zeros(3)
+        light = self.lighting.translated_by(ground.apply(center_m) - stand.translation_m)
+        ball_m = (ground @ stand.inverse()).apply(self.lighting.shadow_center_m)
+        x, y, z = (ball_m + ground.rotor.apply(center_m)).tolist()
+        renderer.relight(replace(light, shadow_center_m=(x, y, z)))
+
+    def composed(self, rng: np.random.Generator, shot: Shot) -> tuple[ImageArray, bool | None]:
+        """A frame with all that lies over it, and whether a figure shows; None without a pose."""
+        frame = as_rgb(shot.picture)
+        if shot.drawn is None:
+            return frame, None
+        sigma = self._matching.noise
+        sigma = frame_noise(shot.picture) if sigma is None else sigma
+        layer = exposed(blended([one.layer for one in shot.drawn]), shot.gain)
+        layer = greyed(layer) if is_grey(frame) else layer
+        part = self._laid_over(frame[shot.window], layer, shot.drawn, shot.depth_m)
+        frame[shot.window] = noisy(part, layer.rgba[..., 3] / 255.0, sigma, rng)
+        return frame, bool(layer.rgba.any())
+
+    def _laid_over(
+        self, frame: ImageArray, layer: Layer, drawn: list[_Drawn], depth_m: DepthArray | None
+    ) -> ImageArray:
+        """A window of a frame: the shade on the ground, then the character over it."""
+        middle = drawn[len(drawn) // 2]
+        hiding_m = middle.known_m if depth_m is None else depth_m
+        raised_m = None
+        if depth_m is not None and middle.ground_m is not None:
+            raised_m = raised(depth_m, middle.ground_m, middle.eye_m)
+            hiding_m = np.where(raised_m < SOLE * self.height_m, np.float32(0.0), depth_m)
+        if hiding_m is not None:
+            layer = Layer(layer.rgba, _depth_to_the_rim(layer))
+        shades = [one.shade for one in drawn if one.shade is not None]
+        if shades:
+            shade = shades[0] if len(shades) == 1 else np.mean(shades, axis=0)
+            if raised_m is not None:
+                shade = shade * share_on_ground(raised_m, LOW * self.height_m)
+            frame = darken(frame, shade)
+        return over(frame, layer, hiding_m)
+
+
+def _depth_to_the_rim(layer: Layer) -> DepthArray:
+    """Depth of a layer, with its partly covered rim given the depth next to it."""
+    wider = cv2.dilate(layer.depth_m, np.ones((3, 3), dtype=np.uint8))
+    return np.asarray(np.where(layer.depth_m > 0.0, layer.depth_m, wider), dtype=np.float32)
