@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from motorcade.animation import Character, Clip, Placement
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import checked_floats
+from motorcade.ga.lookahead import ahead
 from motorcade.render.backends.choice import RendererName, new_renderer
 from motorcade.render.composite import Matching
 from motorcade.render.figures import Performer
@@ -25,7 +26,6 @@ from motorcade.render.light import (
 from motorcade.render.scene import ImageArray, Lighting
 from motorcade.render.shadow import ShadowLook
 from motorcade.render.shots import FilmStage, StampedFrame
-from motorcade.render.video import ahead
 from motorcade.tracking.cameras.camera import Camera
 
 log = logging.getLogger("motorcade.overlay")

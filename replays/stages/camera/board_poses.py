@@ -8,6 +8,7 @@ from __future__ import annotations
 import logging
 import time
 
+from motorcade.ga.lookahead import ahead
 from motorcade.replays.engine.progress import track
 from motorcade.replays.engine.stage import NotOffered
 from motorcade.replays.recording import Recording
@@ -52,7 +53,9 @@ def board_poses(recording: Recording) -> BoardPoses:
         raise NotOffered(f"{recording.name}: no board known; describe it in a manifest")
     warn_of_size(board)
     start = time.perf_counter()
-    pictures = ((frame.time_ns, frame.gray()) for frame in track(frames, "tracking", len(frames)))
+    pictures = ahead(
+        lambda frame: (frame.time_ns, frame.gray()), track(frames, "tracking", len(frames))
+    )
     tracked = track_board(pictures, camera, board)
     seconds = time.perf_counter() - start
     audit = audited_board(recording, board, tracked)

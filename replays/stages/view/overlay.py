@@ -12,6 +12,7 @@ import numpy as np
 from motorcade.animation import Character
 from motorcade.fusion.smoothing.view import steady_view, turned_homography
 from motorcade.ga import Motor, Trajectory
+from motorcade.ga.lookahead import ahead
 from motorcade.render import (
     RendererName,
     RenderUnavailable,
@@ -28,7 +29,6 @@ from motorcade.render.light import (
     lighting_without_depth,
 )
 from motorcade.render.scene import DepthArray, ImageArray, Lighting
-from motorcade.render.video import ahead
 from motorcade.replays.characters.performers import performers
 from motorcade.replays.engine.artifacts import new_file
 from motorcade.replays.engine.progress import track

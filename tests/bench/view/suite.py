@@ -6,24 +6,19 @@ are left out where it is absent.
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from motorcade.ga import Trajectory
 from motorcade.render import Lighting
-from motorcade.replays.pipeline import Job, run_job
-from motorcade.replays.readers.opening import open_recording
 from tests.bench.data import data_folder
 from tests.bench.view import ground_truth as truth
+from tests.bench.view.film import bench_film, film_lines
 from tests.bench.view.registration import bench_registration, registration_lines
 
 __all__ = ["bench_view", "view_table"]
-
-MANIFEST = Path(__file__).parents[3] / "docs" / "manifests" / "vamr_board.toml"
 
 
 def bench_view() -> dict[str, Any]:
@@ -34,7 +29,7 @@ def bench_view() -> dict[str, Any]:
     """
     found: dict[str, Any] = {"ground_truth": _ground_truth()}
     if (data_folder() / "replays" / "vamr_board").is_dir():
-        found |= {"registration": bench_registration(), "overlay": _overlay()}
+        found |= {"registration": bench_registration(), "film": bench_film()}
     return found
 
 
@@ -53,12 +48,8 @@ def view_table(found: Mapping[str, Any]) -> str:
     if "registration" in found:
         lines.append("a board drawn on the real one, vamr_board")
         lines += registration_lines(found["registration"])
-    if "overlay" in found:
-        row = found["overlay"]
-        lines.append(
-            f"stage overlay of vamr_board: {row['seconds']:.1f} s for {row['frames']} frames, "
-            "with encoding"
-        )
+    if "film" in found:
+        lines += film_lines(found["film"])
     return "\n".join(lines)
 
 
@@ -93,12 +84,3 @@ def _compared(shots: truth.Shots, poses: Trajectory, lighting: Lighting) -> list
             }
         )
     return rows
-
-
-def _overlay() -> dict[str, Any]:
-    """Seconds of the stage, as the run itself tells them."""
-    with tempfile.TemporaryDirectory() as out:
-        job = Job(data_folder() / "replays" / "vamr_board", Path(out), MANIFEST, until="overlay")
-        stages = run_job(job)["stages"]
-    frames = len(open_recording(job.recording, MANIFEST).frames)
-    return {"seconds": stages["overlay"]["seconds"], "frames": frames}
