@@ -43,9 +43,14 @@ function unpacked(key, value) {
   return value;
 }
 
+/** @param {string} text JSON @returns {any} what it says, its packed arrays unpacked */
+export function decoded(text) {
+  return JSON.parse(text, unpacked);
+}
+
 /** @param {string} text @returns {Look} */
 export function decode(text) {
-  const look = JSON.parse(text, unpacked);
+  const look = decoded(text);
   if (look.format !== FORMAT || look.version !== 1) {
     throw new Error(`expected ${FORMAT} version 1, got ${look.format} ${look.version}`);
   }

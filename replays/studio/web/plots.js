@@ -178,9 +178,10 @@ export class Plots {
     for (const { chart, cursor, value, plot } of this.charts) {
       cursor.style.transform = `translateX(${chart.valToPos(seconds, "x").toFixed(1)}px)`;
       const index = chart.valToIdx(seconds);
-      const shown = plot.series.findIndex((_, k) => chart.series[k + 1].show && k >= 0);
-      const number = shown < 0 ? null : chart.data[shown + 1][index];
-      value.textContent = plainly(number);
+      // Of what is on top: the drawn path, unless it is hidden.
+      const shown = plot.series.findLastIndex((_one, k) => chart.series[k + 1].show);
+      value.textContent = plainly(shown < 0 ? null : chart.data[shown + 1][index]);
+      value.title = shown < 0 ? "" : plot.series[shown].label;
     }
   }
 }

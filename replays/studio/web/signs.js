@@ -31,12 +31,12 @@ export class CameraSign {
     this.object.matrixAutoUpdate = false;
     const depth = SHARE * radius;
     const corner = (u, v) => rayAt(camera, u, v).map((one) => depth * one);
-    const picture = new Mesh(pictureGeometry(corner), pictureMaterial(texture));
+    this.picture = new Mesh(pictureGeometry(corner), pictureMaterial(texture));
     this.edges = new LineSegments2(
       new LineSegmentsGeometry().setPositions(pyramid(corner)),
       new LineMaterial({ linewidth: 1.5 }),
     );
-    this.object.add(picture, this.edges);
+    this.object.add(this.picture, this.edges);
   }
 
   /** @param {import("three").Matrix4|null} world_T_camera hidden where there is no pose */

@@ -236,7 +236,9 @@ class Viewer {
     const ask = () => (help.open ? help.close() : help.showModal());
     const actions = { " ": toggle, "?": ask, s: beside };
     for (const [k, button] of find("#views").querySelectorAll("button").entries()) {
-      button.addEventListener("click", (actions[String(k + 1)] = show(k)));
+      // Recordings of corners alone have no film.
+      button.hidden = VIEWS[k].includes("film") && !this.runs[0].filmOf("film");
+      if (!button.hidden) button.addEventListener("click", (actions[String(k + 1)] = show(k)));
     }
     find("#play").addEventListener("click", toggle);
     find("#back").addEventListener("click", () => this.timeline.go(this.timeline.frame - 1));

@@ -43,7 +43,7 @@ export const PARTS = {
 
 const SHADOW = 0.34;
 // Width of the picture that hangs in the camera's sign, pixels.
-const SMALL = 320;
+const SMALL = 256;
 
 export class World {
   /** @param {import("./look.js").Look} look @param {HTMLCanvasElement} picture of its film */
@@ -62,7 +62,7 @@ export class World {
     this.small.height = Math.round((SMALL * look.camera.height) / look.camera.width);
     this.texture = new CanvasTexture(this.small);
     this.texture.colorSpace = SRGBColorSpace;
-    this.texture.generateMipmaps = false;
+    this.texture.anisotropy = 4;
     this.sign = new CameraSign(look.camera, this.texture, this.bounds.radius);
     this.parts.camera.add(this.sign.object);
     this.#surround();
@@ -139,10 +139,10 @@ export class World {
   /** Take the colours that the page now has. */
   recolour() {
     for (const [name, line] of this.lines) line.material.color.set(css(variableOf(name)));
-    const [ink, soft, grid] = ["--ink", "--soft", "--grid"].map(css);
+    const [ink, soft, grid, sky] = ["--ink", "--soft", "--grid", "--line-sky"].map(css);
     this.sign.colour(ink);
     this.grid?.material.color.set(grid);
-    this.parts.markers.traverse((one) => one.material?.color.set(soft));
+    this.parts.markers.traverse((one) => one.material?.color.set(sky));
     this.parts.points.traverse((one) => one.material?.color.set(soft));
   }
 
@@ -150,6 +150,18 @@ export class World {
   cameraAt(frame, pathName, into) {
     const pose = poseAt(pathNamed(this.look, pathName), frame);
     return pose && setPose(into, pose);
+  }
+
+  /** A small copy for the camera's sign; browsers keep films beside a local page from WebGL. */
+  #copyPicture() {
+    const { width, height } = this.small;
+    const brush = this.small.getContext("2d", { willReadFrequently: true });
+    brush.drawImage(this.picture, 0, 0, width, height);
+    try {
+      return brush.getImageData(0, 0, 1, 1).data.length > 0;
+    } catch {
+      return false;
+    }
   }
 
   /**
@@ -172,8 +184,7 @@ export class World {
     this.sign.place(outside ? this.cameraAt(frame, pathName, new Matrix4()) : null);
     if (!outside || this.held === frame) return;
     this.held = frame;
-    this.small.getContext("2d").drawImage(this.picture, 0, 0, this.small.width, this.small.height);
-    this.texture.needsUpdate = true;
+    this.texture.needsUpdate = this.sign.picture.visible = this.#copyPicture();
   }
 }
 

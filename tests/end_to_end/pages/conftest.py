@@ -155,8 +155,24 @@ class Page:
                 windowsVirtualKeyCode=code,
             )
 
-    def complaints(self) -> list[str]:
-        """Errors and warnings of the console, exceptions, and requests for anything else."""
+    def click(self, x: float, y: float) -> None:
+        """A click of the mouse, CSS pixels of the window."""
+        for kind in ("mousePressed", "mouseReleased"):
+            self.ask(
+                "Input.dispatchMouseEvent",
+                type=kind,
+                x=x,
+                y=y,
+                button="left",
+                buttons=1,
+                clickCount=1,
+            )
+
+    def complaints(self, beside: tuple[str, ...] = ()) -> list[str]:
+        """Errors and warnings of the console, exceptions, and requests for anything else.
+
+        `beside` names files of the page's folder that it may ask for.
+        """
         self.evaluate("0")  # what is on its way arrives before the answer
         told = []
         for event in self._browser.events:
@@ -171,7 +187,11 @@ class Page:
                 told.append(str(about["entry"]))
             elif method == "Network.requestWillBeSent":
                 address = about["request"]["url"]
-                if address != self.address and not address.startswith(("data:", "blob:")):
+                expected = (
+                    self.address,
+                    *(self.address.rpartition("/")[0] + f"/{n}" for n in beside),
+                )
+                if address not in expected and not address.startswith(("data:", "blob:")):
                     told.append(address)
         return told
 

@@ -11,7 +11,10 @@ import pytest
 from motorcade.animation import Character, Placement, mannequin, read_character, skin
 from motorcade.ga import Motor
 from motorcade.render import Performer
+from motorcade.replays.cli.main import main
 from motorcade.replays.studio.look.figures import gltf_bytes
+from motorcade.replays.studio.page import view_page
+from motorcade.replays.studio.view import write_view
 from motorcade.tracking import Camera
 from tests.end_to_end.pages.made_looks import BITS, SIDE_PX, MadeLook, looking_at
 
@@ -91,6 +94,12 @@ MIDDLES = """(async () => {
   return middles;
 })()"""
 
+SHOWN = """new Promise((done) => {
+  const look = () => (viewer.films.every((film) => film.shown === FRAME) ? done(true)
+    : setTimeout(look, 20));
+  look();
+})"""
+
 CAMERAS = {
     "pinhole": Camera(640, 480, 500.0, 505.0, 319.5, 239.5),
     "off_centre": Camera(640, 480, 520.0, 480.0, 201.0, 333.25),
@@ -128,6 +137,84 @@ def expected_m(look: MadeLook, who: Character, frame: int) -> np.ndarray:
     since_s = 1e-9 * float(look.time_ns[frame])
     vertices, _ = skin(who, look.figure.clip.at(since_s))
     return look.figure.placement.apply(vertices)
+
+
+@pytest.fixture(scope="module")
+def run(board_recording: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A finished run of the small board."""
+    out = tmp_path_factory.mktemp("looked_at") / "run"
+    assert main(["run", str(board_recording), "--out", str(out)]) == 0
+    return out
+
+
+@pytest.fixture(scope="module")
+def view(run: Path) -> Path:
+    """Its page."""
+    assert main(["view", str(run), "--no-open"]) == 0
+    return run / "view.html"
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [360, 1400, 2560])
+def test_the_page_fits_and_asks_for_nothing(
+    width: int, scheme: str, view: Path, opened: Callable[..., Any]
+) -> None:
+    page = opened(view, width, scheme)
+    assert page.evaluate(READY)
+    for kind in range(4):
+        page.evaluate(f"viewer.view = {kind}, viewer.arrange()")
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+    nameless = (
+        "[...document.querySelectorAll('button, select, input')].filter((one) =>"
+        " !one.ariaLabel && !one.textContent.trim()).map((one) => one.outerHTML)"
+    )
+    assert page.evaluate(nameless) == []
+    assert page.complaints() == []
+
+
+def test_keys_and_clicks_go_where_they_say(view: Path, opened: Callable[..., Any]) -> None:
+    page = opened(view, 1400)
+    assert page.evaluate(READY)
+    last = page.evaluate("viewer.timeline.last")
+    for key, frame in (("ArrowRight", 1), ("End", last), ("ArrowLeft", last - 1), ("Home", 0)):
+        page.press(key)
+        assert page.evaluate("viewer.timeline.frame") == frame
+        assert page.evaluate(SHOWN.replace("FRAME", str(frame)))
+    page.evaluate("document.querySelector('.u-over').scrollIntoView({ block: 'center' })")
+    box = page.evaluate(
+        "(({ left, top, width, height }) => [left, top, width, height])"
+        "(document.querySelector('.u-over').getBoundingClientRect())"
+    )
+    page.click(box[0] + 0.5 * box[2], box[1] + 0.5 * box[3])
+    middle = page.evaluate("viewer.timeline.seconds / viewer.timeline.times.at(-1)")
+    assert abs(middle - 0.5) < 1.5 / last
+    page.press(" ")
+    page.evaluate("new Promise((done) => setTimeout(done, 1500))")
+    assert page.evaluate("viewer.timeline.frame") > 0.5 * last
+    assert page.complaints() == []
+
+
+def test_two_runs_stand_side_by_side_with_films_beside_the_page(
+    run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, opened: Callable[..., Any]
+) -> None:
+    monkeypatch.setattr("motorcade.replays.studio.view.INSIDE_BYTES", 0)
+    written = write_view([run, run], tmp_path / "both.html")
+    films = tuple(path.name for path in written[1:])
+    assert len(films) == 2 * (1 + (run / "overlay.mp4").exists())
+    page = opened(written[0], 1400)
+    assert page.evaluate(READY)
+    page.evaluate("viewer.view = 3, viewer.arrange(), viewer.timeline.go(5)")
+    assert page.evaluate(SHOWN.replace("FRAME", "5"))
+    assert page.evaluate("viewer.stage.panes.length") == 4
+    assert page.evaluate("new Set(viewer.stage.panes.map((one) => one.world)).size") == 2
+    assert page.complaints(films) == []
+
+
+def test_names_of_recordings_stay_words() -> None:
+    """Whatever stands in a look, no browser takes it for markup."""
+    hostile = "</script><script>alert(1)</script>"
+    look = made(CAMERAS["pinhole"], 3).document([]) | {"name": hostile, "headline": hostile}
+    assert hostile not in view_page([look], [])
 
 
 def test_random_seeks_show_the_right_frame(tmp_path: Path, opened: Callable[..., Any]) -> None:
