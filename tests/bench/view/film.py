@@ -136,7 +136,10 @@ video = "board.mp4"
 model = "pinhole"
 width = {width}
 height = {height}
-matrix = [[{focal}, 0, {0.5 * (width - 1)}], [0, {focal}, {0.5 * (height - 1)}], [0, 0, 1]]
+fx = {focal}
+fy = {focal}
+cx = {0.5 * (width - 1)}
+cy = {0.5 * (height - 1)}
 [board]
 type = "checkerboard"
 columns = {COLUMNS}
