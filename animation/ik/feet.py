@@ -65,12 +65,12 @@ def swing_lift_m(
         if end < len(at):
             share *= smootherstep((when[-1] - when) / roll)
         lacking = np.maximum(min(CLEAR * leg_m, CLEAR_OF_WAY * way) - low_m[rows], 0.0)
-        lift[rows] = share * _smooth_over(lacking, when)
+        lift[rows] = share * smooth_over(lacking, when)
     return lift
 
 
-def _smooth_over(values: FloatArray, time_s: FloatArray) -> FloatArray:
-    """A smooth curve ``(F,)`` nowhere below the values."""
+def smooth_over(values: FloatArray, time_s: FloatArray) -> FloatArray:
+    """A smooth curve ``(F,)`` nowhere below values ``(F,)``, each spread over `SPREAD_S`."""
     first = np.searchsorted(time_s, time_s - SPREAD_S, side="left")
     last = np.searchsorted(time_s, time_s + SPREAD_S, side="right")
     near = [slice(a, b) for a, b in zip(first, last, strict=True)]
@@ -105,6 +105,8 @@ class Leg:
         heel: how far behind the ankle the sole begins, as a share of the way from ankle to ball.
         tip: how far before the ball it ends, likewise. Both by default as of a human foot in a
             shoe; `fitted_legs` measures them on a mesh.
+        foot_m, toes_m: points of the skin in character space at rest, where it may touch the
+            ground: those that go along with the ankle, and with the ball. `fitted_legs` finds them.
 
     >>> from motorcade.animation import Leg
     >>> Leg("left_thigh", "left_calf", "left_foot", ball="left_toes").limb
@@ -117,6 +119,8 @@ class Leg:
     ball: str = ""
     heel: float = 0.47
     tip: float = 0.7
+    foot_m: tuple[tuple[float, float, float], ...] = ()
+    toes_m: tuple[tuple[float, float, float], ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "ball", self.ball or self.ankle)
@@ -129,6 +133,11 @@ class Leg:
     def foot(self, skeleton: Skeleton) -> tuple[int, int]:
         """Numbers of ankle and ball."""
         return skeleton.index(self.ankle), skeleton.index(self.ball)
+
+    def sole(self, skeleton: Skeleton) -> Sole:
+        """What the foot stands on."""
+        foot, toes = (np.reshape(points, (-1, 3)) for points in (self.foot_m, self.toes_m))
+        return Sole(*self.foot(skeleton), self.heel, self.tip, foot, toes)
 
 
 @dataclass(frozen=True)

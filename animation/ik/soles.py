@@ -1,13 +1,14 @@
 """Soles over the ground: how low they are, and heels and toes raised to it by turns of the foot.
 
 Where a foot's heel and toes are is known from the rest pose, in which soles lie on z = 0: the heel
-behind the ankle and the tip before the ball by shares of the way between the two.
+behind the ankle and the tip before the ball by shares of the way between the two. Boots are wide as
+well: their edges are known where a mesh was measured.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -19,14 +20,21 @@ from motorcade.ga.arrays import FloatArray
 Heights = Callable[[FloatArray], FloatArray]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sole:
-    """Numbers of a foot's joints, and how far heel and tip lie behind ankle and before ball."""
+    """Numbers of a foot's joints, and how far heel and tip lie behind ankle and before ball.
+
+    Fields:
+        foot_m, toes_m: ``(P, 3)`` of the skin in character space at rest, where it may touch the
+            ground; they go along with ankle and ball.
+    """
 
     ankle: int
     ball: int
     heel: float
     tip: float
+    foot_m: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    toes_m: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
 
     def marks(self, skeleton: Skeleton) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Heel, ball and tip of the sole in character space, at rest."""
@@ -69,20 +77,41 @@ def raised_soles(
 def sole_clearance_m(
     skeleton: Skeleton, feet: tuple[Motor, Motor], sole: Sole, ground_m: Heights
 ) -> FloatArray:
-    """Heights ``(F,)`` over the ground of the lowest of heel, ball and tip, or the foot's joint.
+    """Heights ``(F,)`` over the ground of the lowest of what the sole has, or the foot's joint.
+
+    That is its skin where that was measured, else heel, ball and tip.
 
     Args as for `raised_soles`; a ball that is no child of the ankle, or is the ankle, has no sole
     but itself.
     """
-    rest = skeleton.rest_world
     heel, middle, tip = sole.marks(skeleton)
-    ankle, ball = sole.ankle, sole.ball
-    marks = [(1, ball, middle)]
-    if skeleton.parents[ball] == ankle:
-        marks += [(0, ankle, heel), (1, ball, tip)]
-    at = [feet[foot].apply(rest[joint].inverse().apply(mark)) for foot, joint, mark in marks]
-    over: FloatArray = np.min([one[:, 2] - ground_m(one[:, :2]) for one in at], axis=0)
-    return over
+    of_foot, of_toes = [sole.foot_m], [sole.toes_m]
+    if not len(sole.foot_m) + len(sole.toes_m):
+        of_toes.append(middle[None])
+        if skeleton.parents[sole.ball] == sole.ankle:
+            of_foot.append(heel[None])
+            of_toes.append(tip[None])
+    lows = []
+    for pose, joint, parts in ((feet[0], sole.ankle, of_foot), (feet[1], sole.ball, of_toes)):
+        own = skeleton.rest_world[joint].inverse().apply(np.concatenate(parts))
+        at = pose.reshape(-1, 1).apply(own)
+        over = at[..., 2] - ground_m(at[..., :2])
+        lows.append(np.min(over, axis=1, initial=np.inf))
+    made: FloatArray = np.min(lows, axis=0)
+    return made
+
+
+def bent_toes(
+    skeleton: Skeleton, feet: tuple[Motor, Motor], sole: Sole, ground_m: Heights
+) -> Rotor:
+    """The ball's rotor in the world ``(F,)``: toes bent up about it until their tip is not sunk.
+
+    Args as for `raised_soles`.
+    """
+    _, _, tip = sole.marks(skeleton)
+    pivot = feet[1].translation_m
+    before = feet[1].apply(skeleton.rest_world[sole.ball].inverse().apply(tip)) - pivot
+    return _raising(before, pivot, ground_m) @ feet[1].rotor
 
 
 def _raising(lever: FloatArray, pivot: FloatArray, ground_m: Heights) -> Rotor:

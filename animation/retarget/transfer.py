@@ -9,7 +9,6 @@ Spines of different numbers of joints, or of joints spaced otherwise, share turn
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from itertools import pairwise, product
 
 import numpy as np
@@ -17,8 +16,7 @@ import numpy as np
 from motorcade.animation.anatomy.words import SIDES
 from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Leg
-from motorcade.animation.ik.feet import GroundHeights
-from motorcade.animation.ik.soles import Sole, sole_clearance_m
+from motorcade.animation.retarget.grounding import grounded, leg_m, leg_scale
 from motorcade.animation.retarget.reference import constants
 from motorcade.animation.retarget.roles import (
     LIMBS,
@@ -29,10 +27,9 @@ from motorcade.animation.retarget.roles import (
     common_parent,
     figure_of,
     joints_alike,
-    legs_of,
 )
 from motorcade.animation.skeleton import Skeleton, with_joint
-from motorcade.animation.vectors import UP, along_axes, shortest_turn
+from motorcade.animation.vectors import along_axes, shortest_turn
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 
@@ -95,12 +92,6 @@ def _joined(parts: list[Motor]) -> Motor:
     return Motor(np.concatenate([one.coefficients for one in parts], axis=-2))
 
 
-# Of all moments, the share in which the lower foot is taken to be below where it stands.
-LOWEST_SHARE = 0.2
-# A source whose soles come down to within this share of its legs stands there.
-STANDING = 0.15
-
-
 def retarget(
     clip: Clip,
     source: Skeleton,
@@ -122,10 +113,10 @@ def retarget(
         target: that is to move; it rests standing, as a bound mesh does.
         joints: the source's joint for each of the target's; by default `joints_alike`. The hips
             go their way only if they, or what carries legs and trunk, are among them.
-
         legs: of the target, whose soles are put on the ground; `fitted_legs` measures them on a
             mesh. By default those of `legs_of`, of which ankles and balls alone count: how long
-            soles are no skeleton tells.
+            soles are no skeleton tells. Where the source's rest tells no soles, toes that would
+            roll into the ground bend, which is told by the legs given.
 
     Raises:
         ValueError: joints that one of the skeletons does not have, or no pair at all; an animal on
@@ -173,8 +164,7 @@ def retarget(
     if carrier in numbers:
         poses = _with_way(match, poses, carrier, _way(match, carrier, hips))
         if source is not target:
-            bare = [replace(leg, heel=0.0, tip=0.0) for leg in legs_of(target)]
-            poses = _grounded(match, poses, carrier, bare if legs is None else legs)
+            poses = grounded(match, clip, poses, carrier, legs)
     return Clip(clip.name, clip.time_s, poses, clip.looped, clip.key_count)
 
 
@@ -212,33 +202,12 @@ def _way(match: Match, carrier: int, hips: int) -> FloatArray:
     """Positions ``(F, 3)`` of the target's carrier: the source's way, scaled."""
     start = match.source.rest_world[hips].translation_m
     own = match.target.rest_world[carrier].translation_m
-    lengths = [_leg_m(skeleton) for skeleton in (match.target, match.source)]
-    scale = _scale(match)
+    lengths = [leg_m(skeleton) for skeleton in (match.target, match.source)]
+    scale = leg_scale(match)
     if not min(lengths) > NO_BONE_M and min(own[2], start[2]) > NO_BONE_M:
         scale = own[2] / start[2]
     way: FloatArray = own + scale * (match.source_world[:, hips].translation_m - start)
     return way
-
-
-def _scale(match: Match) -> float:
-    """How much longer the target's legs are; 1 where they are not known."""
-    lengths = [_leg_m(skeleton) for skeleton in (match.target, match.source)]
-    return lengths[0] / lengths[1] if min(lengths) > NO_BONE_M else 1.0
-
-
-def _leg_m(skeleton: Skeleton) -> float:
-    """Mean length of the legs, thigh and calf; 0 where they are not known."""
-    body, at = body_of(skeleton), skeleton.rest_world.translation_m
-    parts = ("thigh", "calf", "foot")
-    lengths = [
-        sum(
-            float(np.linalg.norm(at[body[f"{side}_{b}"]] - at[body[f"{side}_{a}"]]))
-            for a, b in pairwise(parts)
-        )
-        for side in SIDES
-        if all(f"{side}_{part}" in body for part in parts)
-    ]
-    return float(np.mean(lengths)) if lengths else 0.0
 
 
 def _with_way(match: Match, poses: Motor, carrier: int, way: FloatArray) -> Motor:
@@ -254,60 +223,6 @@ def _with_way(match: Match, poses: Motor, carrier: int, way: FloatArray) -> Moto
         way = above.inverse().apply(way)
     source_world = Motor.from_rotor_translation(poses[:, carrier].rotor, way)
     return with_joint(poses, carrier, source_world)
-
-
-def _grounded(match: Match, poses: Motor, carrier: int, legs: Sequence[Leg]) -> Motor:
-    """Poses raised or lowered so that at each moment the lower foot is as high as the source's.
-
-    Heights are in proportion to the legs, and measured on both figures alike. Where the source's
-    rest tells no soles, they are differences; the target's soles then are put on the ground as a
-    whole: raised moment by moment, feet that roll would lift the body, and none would stand still.
-    Without feet on both sides poses stay.
-    """
-    target, flat, others = match.target, match.comparable, legs_of(match.source)
-    if not legs or not others:
-        return poses
-    world = target.world(poses)
-    own = _clearance_m(target, world, legs, flat)
-    other = _clearance_m(match.source, match.source_world, others, flat)
-    level = float(np.quantile(other, LOWEST_SHARE))
-    if abs(level) < STANDING * _leg_m(match.source):
-        other = np.maximum(other - level, 0.0)
-    rise = _scale(match) * other - own
-    if not flat:
-        rise -= np.quantile(_clearance_m(target, world, legs, True) + rise, LOWEST_SHARE)
-    up = rise[:, None] * UP
-    parent = int(target.parents[carrier])
-    above = world[:, parent].rotor if parent >= 0 else Rotor.identity(poses.shape[:1])
-    lift = Motor.from_translation(above.inverse().apply(up))
-    return with_joint(poses, carrier, lift @ poses[:, carrier])
-
-
-def _clearance_m(skeleton: Skeleton, world: Motor, legs: Sequence[Leg], flat: bool) -> FloatArray:
-    """Heights ``(F,)`` of the lowest part of the feet over the ground.
-
-    Soles lie on z = 0 at rest; where the rest is a stride, the height at which each foot's joints
-    stand is told by their lowest moments.
-
-    Args:
-        skeleton: with J joints.
-        world: Motor ``(F, J)``, its joints in character space.
-        legs: of it, one or more.
-        flat: whether the rest pose tells the soles.
-    """
-    feet = []
-    pairs = [leg.foot(skeleton) for leg in legs]
-    for leg, (ankle, ball) in zip(legs, pairs, strict=True):
-        if flat:
-            sole = Sole(ankle, ball, leg.heel, leg.tip)
-            pair = world[:, ankle], world[:, ball]
-            feet.append(sole_clearance_m(skeleton, pair, sole, GroundHeights().height_m))
-            continue
-        for joint in {ankle, ball}:
-            height = world[:, joint].translation_m[:, 2]
-            feet.append(height - np.quantile(height, LOWEST_SHARE))
-    made: FloatArray = np.min(feet, axis=0)
-    return made
 
 
 def laid_limbs(source: Skeleton, world: Motor) -> Motor:

@@ -89,6 +89,7 @@ def with_motions(character: Character, motions: tuple[Path, ...]) -> Character:
         ValueError: a file that cannot be read, or whose skeleton shares nothing with its own.
     """
     clips, taken = list(character.clips), {clip.name for clip in character.clips}
+    legs = fitted_legs(legs_of(character.skeleton), character)
     for file in motions:
         try:
             motion = read_motion(file)
@@ -102,7 +103,7 @@ def with_motions(character: Character, motions: tuple[Path, ...]) -> Character:
                 raise ValueError(f"{file}: expected clips of different names, got {name!r} twice")
             taken.add(name)
             try:
-                made = retarget(clip, motion.skeleton, character.skeleton)
+                made = retarget(clip, motion.skeleton, character.skeleton, legs=legs)
             except ValueError as fault:
                 raise ValueError(
                     f"{file}: '{clip.name}' does not fit the character ({fault})"

@@ -168,12 +168,17 @@ def standing(name: str) -> Row:
     return row
 
 
+def played(clip: Clip, source: Skeleton, who: Character) -> Clip:
+    """A motion as a rig plays it, on its own soles."""
+    legs = fitted_legs(legs_of(who.skeleton), who)
+    return retarget(clip, source, who.skeleton, legs=legs)
+
+
 def on_rig(name: str, rig: str) -> Row:
     """One motion on one rig."""
     (clip, source), who = motion(name), character(rig)
     row, target = Row(f"{name} on {rig}"), who.skeleton
-    legs = fitted_legs(legs_of(target), who)
-    made = retarget(clip, source, target, legs=legs)
+    made = played(clip, source, who)
     times = moments(clip)
     theirs, ours = (s.world(c.at(times).rigid) for s, c in ((source, clip), (target, made)))
     row.put("limbs_deg", _limbs_deg(source, theirs, target, ours), LIMBS_DEG)
@@ -277,8 +282,7 @@ def _draw(path: Path, rigs: list[str], motions: list[str]) -> None:
         clip, source = motion(name)
         time_s = clip.time_s[0] + 0.4 * clip.duration_s
         shown = [("source", source, clip)] + [
-            (rig, character(rig).skeleton, retarget(clip, source, character(rig).skeleton))
-            for rig in rigs
+            (rig, character(rig).skeleton, played(clip, source, character(rig))) for rig in rigs
         ]
         for ax, (title, skeleton, one) in zip(line, shown, strict=True):
             _figure(ax, skeleton, skeleton.world(one.at(time_s).rigid).translation_m)

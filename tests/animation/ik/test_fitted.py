@@ -10,9 +10,12 @@ import pytest
 from docs.making.figure.proportions import HEEL_BACK_M, TOE_FORWARD_M, TOE_LENGTH_M
 from motorcade.animation import GroundPath, mannequin, retarget, skin, walk_along
 from motorcade.animation.formats import read_character
-from motorcade.animation.ik import Leg, fitted_legs
+from motorcade.animation.ik import GroundHeights, Leg, fitted_legs
+from motorcade.animation.ik.soles import sole_clearance_m
 from motorcade.animation.place import on_the_spot
 from motorcade.animation.retarget import legs_of
+from motorcade.animation.skeleton import turned_joint
+from motorcade.ga import Rotor
 
 BOOTS = {"knight": "kaykit/Knight.glb", "bob": "md5/Bob.md5mesh"}
 
@@ -53,8 +56,48 @@ def test_a_walker_in_boots_neither_sinks_nor_drags_them(data_dir: Path, name: st
     assert more > 3.0 * dragged
 
 
-def test_a_leg_without_a_sole_on_the_mesh_stays_as_it_is():
-    figure = mannequin()
+@pytest.mark.parametrize("name", ["mannequin", *BOOTS])
+def test_a_tilted_foot_is_as_low_as_its_lowest_skin(request, name: str):
+    """Tilted to either side, on its toes and on its heel; the witness is the skin itself."""
+    if name == "mannequin":
+        who = mannequin()
+    else:
+        who = read_character(request.getfixturevalue("data_dir") / "rigs" / BOOTS[name])
+    skeleton, joints = who.skeleton, who.influences[0][:, 0]
+    plain = legs_of(skeleton)[0]
+    (leg,) = fitted_legs([plain], who)
+    ankle, ball = leg.foot(skeleton)
+    of_foot = np.isin(joints, (ankle, *np.flatnonzero(skeleton.parents == ankle), ball))
+    of_foot |= np.isin(joints, np.flatnonzero(skeleton.parents == ball))
+    off = []
+    for axis in np.eye(3)[:2]:
+        for angle in np.radians([-40.0, -15.0, 0.0, 15.0, 40.0]):
+            world = skeleton.rest_world.rotor
+            turn = Rotor.from_rotation_vector(angle * axis)
+            above = world[skeleton.parents[ankle]].inverse()
+            pose = turned_joint(skeleton.rest, ankle, above @ turn @ world[ankle])
+            lowest = skin(who, pose, "linear")[0][of_foot, 2].min()
+            feet = tuple(skeleton.world(pose)[[joint]] for joint in (ankle, ball))
+            flat = GroundHeights().height_m
+            lows = [
+                float(sole_clearance_m(skeleton, feet, one.sole(skeleton), flat)[0])
+                for one in (leg, plain)
+            ]
+            off.append((np.array(lows) - lowest) / who.height_m)
+    found = np.abs(off).max(axis=0)
+    print(name, "edges and centre lines, off the skin in heights:", found.round(4))
+    assert found[0] < 0.004
+    assert found[1] > 2.0 * found[0]
+
+
+def test_a_leg_without_skin_near_the_ground_stays_as_it_is():
     hip, knee, ankle, ball = "left_upper_arm", "left_forearm", "left_hand", "left_middle_1"
-    legs = [Leg(hip, knee, ankle, ball), Leg("left_thigh", "left_calf", "left_foot")]
-    assert fitted_legs(legs, figure) == legs
+    arm = [Leg(hip, knee, ankle, ball)]
+    assert fitted_legs(arm, mannequin()) == arm
+
+
+def test_a_leg_without_a_ball_has_its_edges_measured_alone():
+    plain = Leg("left_thigh", "left_calf", "left_foot")
+    (leg,) = fitted_legs([plain], mannequin())
+    assert (leg.heel, leg.tip, leg.foot_m) == (plain.heel, plain.tip, ())
+    assert np.ptp(leg.toes_m, axis=0)[0] > 0.2
