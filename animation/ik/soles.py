@@ -79,26 +79,33 @@ def sole_clearance_m(
 ) -> FloatArray:
     """Heights ``(F,)`` over the ground of the lowest of what the sole has, or the foot's joint.
 
-    That is its skin where that was measured, else heel, ball and tip.
+    Args as for `raised_soles`; see `sole_points`.
+    """
+    at = sole_points(skeleton, feet, sole)
+    made: FloatArray = np.min(at[..., 2] - ground_m(at[..., :2]), axis=1)
+    return made
 
-    Args as for `raised_soles`; a ball that is no child of the ankle, or is the ankle, has no sole
+
+def sole_points(skeleton: Skeleton, feet: tuple[Motor, Motor], sole: Sole) -> FloatArray:
+    """Where the sole is in the world ``(F, P, 3)``: its skin if that was measured, or its marks.
+
+    Marks are heel, ball and tip; a ball that is no child of the ankle, or is the ankle, has no mark
     but itself.
+
+    Args as for `raised_soles`.
     """
     heel, middle, tip = sole.marks(skeleton)
-    of_foot, of_toes = [sole.foot_m], [sole.toes_m]
-    if not len(sole.foot_m) + len(sole.toes_m):
-        of_toes.append(middle[None])
-        if skeleton.parents[sole.ball] == sole.ankle:
-            of_foot.append(heel[None])
-            of_toes.append(tip[None])
-    lows = []
-    for pose, joint, parts in ((feet[0], sole.ankle, of_foot), (feet[1], sole.ball, of_toes)):
-        own = skeleton.rest_world[joint].inverse().apply(np.concatenate(parts))
-        at = pose.reshape(-1, 1).apply(own)
-        over = at[..., 2] - ground_m(at[..., :2])
-        lows.append(np.min(over, axis=1, initial=np.inf))
-    made: FloatArray = np.min(lows, axis=0)
-    return made
+    of_foot, of_toes = sole.foot_m, sole.toes_m
+    if not len(of_foot) + len(of_toes):
+        joined = skeleton.parents[sole.ball] == sole.ankle
+        of_foot = np.array([heel] if joined else []).reshape(-1, 3)
+        of_toes = np.array([middle, tip] if joined else [middle])
+    parts = ((feet[0], sole.ankle, of_foot), (feet[1], sole.ball, of_toes))
+    found = [
+        pose.reshape(-1, 1).apply(skeleton.rest_world[joint].inverse().apply(points))
+        for pose, joint, points in parts
+    ]
+    return np.concatenate(found, axis=1)
 
 
 def bent_toes(

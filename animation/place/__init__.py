@@ -8,6 +8,7 @@ from motorcade.animation.place.anchors import (
     plane_anchor,
 )
 from motorcade.animation.place.cycles import on_the_spot
+from motorcade.animation.place.standing import on_its_soles, standing_height_m
 from motorcade.animation.place.walks import GroundPath, Walk, walk_along
 
 __all__ = [
@@ -16,8 +17,10 @@ __all__ = [
     "Placement",
     "Walk",
     "followed",
+    "on_its_soles",
     "on_the_spot",
     "place_on_plane",
     "plane_anchor",
+    "standing_height_m",
     "walk_along",
 ]

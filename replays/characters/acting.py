@@ -11,7 +11,7 @@ import numpy as np
 
 from motorcade.animation import Character, Clip, mannequin
 from motorcade.animation.ik import fitted_legs
-from motorcade.animation.place import GroundPath, on_the_spot, walk_along
+from motorcade.animation.place import GroundPath, on_its_soles, on_the_spot, walk_along
 from motorcade.animation.retarget import figure_of, legs_of, retarget
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
@@ -77,6 +77,14 @@ def clip_named(character: Character, name: str) -> Clip:
             f"placed.clip: the character has no clip {name!r} of its own, and the mannequin's does "
             f"not fit it ({fault})"
         ) from fault
+
+
+def standing_clip(character: Character, clip: Clip) -> tuple[Clip, float]:
+    """A clip as it stands on something real, and by how many metres it was raised for that.
+
+    An author's clip may float or be sunk; see `on_its_soles`.
+    """
+    return on_its_soles(character, fitted_legs(legs_of(character.skeleton), character), clip)
 
 
 def _idle(character: Character) -> Clip:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from motorcade.render import Performer
-from motorcade.replays.characters.acting import character_named, clip_named, walked
+from motorcade.replays.characters.acting import character_named, clip_named, standing_clip, walked
 from motorcade.replays.values.view import PlacedCharacter
 
 
@@ -34,4 +34,6 @@ def performers(placed: PlacedCharacter, lasting_s: float = 0.0) -> list[Performe
     if len(placed.path_m):
         scale, start = placed.placement.scale, placed.plane_T_character
         clip = walked(character, clip, placed.path_m, scale, start, lasting_s)
+    else:
+        clip, _ = standing_clip(character, clip)
     return [Performer(character, clip, placed.placement, ground_motion=placed.ground_motion)]

@@ -1,12 +1,14 @@
 """`python -m tests.end_to_end.rigs [--rig R] [--motion M]`: rigs stand, and lend their motions.
 
 Two tables. Of each character of `rigs` and `looks` in the folder that `MOTORCADE_DATA` names: how
-far its feet point from +x and how high its lowest sole lies at rest and in its clips, skinned, as
-shares of its height. Of each motion on each rig: how far limbs point from where the source's do,
-how much farther knees and elbows bend beside their hinges, as these lie at rest, than the source's
-do, in what share of moments
-shins are crossed that are not in the source, and how high the lowest sole lies where the source
-stands. `--sheet FILE` draws the pairs. Ends with 1 where a figure is beyond its bound.
+far its feet point from +x and how high its lowest sole lies at rest, skinned, as shares of its
+height; how many of its clips stand (`standing_height_m`), how many of these do so beyond the bound
+as their author left them, and how far the worst is off once put on its soles, by the median over
+moments in which the lowest sole is at rest. `--clips` lists them. Of each motion on each rig: how
+far limbs point from where the source's do, how much farther knees and elbows bend beside their
+hinges, as these lie at rest, than the source's do, in what share of moments shins are crossed that
+are not in the source, and how high the lowest sole lies where the source stands. `--sheet FILE`
+draws the pairs. Ends with 1 where a figure is beyond its bound.
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ import numpy as np
 from motorcade.animation import Character, Clip, Skeleton
 from motorcade.animation.formats import NoMeshError, read_character, read_motion
 from motorcade.animation.ik import fitted_legs
+from motorcade.animation.place import on_its_soles, standing_height_m
 from motorcade.animation.retarget import body_of, legs_of, retarget
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
@@ -60,9 +63,9 @@ STRIDING = ("walk", "jog", "run", "dance")
 MOMENTS = 60
 # Bounds: degrees of feet from +x, of limbs and of twists; shares of the height and of moments.
 FACING_DEG, LIMBS_DEG, TWIST_DEG, GROUND, CROSSED = 20.0, 15.0, 25.0, 0.01, 0.02
-# Clips whose feet are farther from the ground at nearly all times do not stand.
-FLYING = 0.1
 LOW_SHARE = 0.2
+# Soles are at rest that go up or down slower than this, in heights a second.
+AT_REST = 0.1
 # Limbs bent by less have no plane.
 BENT_RAD = np.radians(25.0)
 SIDES = ("left", "right")
@@ -154,18 +157,33 @@ def standing(name: str) -> Row:
     ]
     row.put("sides_wrong", float(len(wrong)), 0.0)
     row.put("rest", float(feet[:, 2].min() / who.height_m), GROUND)
-    levels = [
-        float(np.quantile(lowest(who, clip.at(moments(clip)).rigid), LOW_SHARE))
-        for clip in who.clips
-    ]
-    stand = [level for level in levels if abs(level) < FLYING]
-    row.figures |= {"clips": len(levels), "standing": len(stand)}
-    beyond = [level for level in stand if abs(level) > GROUND]
-    row.figures["beyond"] = len(beyond)
-    row.figures["median"] = float(np.median(stand)) if stand else 0.0
-    if stand:
-        row.put("median", float(np.median(stand)), GROUND)
+    heights = clip_heights(name)
+    stand = [one for one in heights.values() if one is not None]
+    row.figures |= {"clips": len(heights), "standing": len(stand)}
+    row.figures["authored_beyond"] = sum(abs(authored) > GROUND for authored, _ in stand)
+    row.put("placed", max((abs(placed) for _, placed in stand), default=0.0), GROUND)
     return row
+
+
+def clip_heights(name: str) -> dict[str, tuple[float, float] | None]:
+    """By clip how high its lowest sole is while at rest, skinned: as authored, and once placed.
+
+    None for clips that do not stand.
+    """
+    who = character(name)
+    legs, found = fitted_legs(legs_of(who.skeleton), who), {}
+    for clip in who.clips:
+        stands = standing_height_m(who, legs, clip) is not None
+        both = (clip, on_its_soles(who, legs, clip)[0])
+        found[clip.name] = tuple(_level(who, one) for one in both) if stands else None
+    return found
+
+
+def _level(who: Character, clip: Clip) -> float:
+    step_s = min(0.01, clip.duration_s)
+    first = np.linspace(clip.time_s[0], clip.time_s[-1] - step_s, MOMENTS)
+    low, after = (lowest(who, clip.at(at).rigid) for at in (first, first + step_s))
+    return float(np.median(low[np.abs(after - low) <= AT_REST * step_s]))
 
 
 def played(clip: Clip, source: Skeleton, who: Character) -> Clip:
@@ -251,11 +269,17 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--rig", choices=list(RIGS), help="this one alone")
     parser.add_argument("--motion", choices=list(MOTIONS), help="this one alone")
     parser.add_argument("--sheet", type=Path, help="draw motions on rigs into this picture")
+    parser.add_argument("--clips", action="store_true", help="list which clips stand, and how high")
     given = parser.parse_args(arguments)
     rigs = [given.rig] if given.rig else list(RIGS)
     rows = [] if given.motion else [standing(name) for name in rigs]
     for row in rows:
         print(row, flush=True)
+        for clip, heights in clip_heights(row.name).items() if given.clips else ():
+            told = (
+                "does not stand" if heights is None else "{:7.4f}, placed {:7.4f}".format(*heights)
+            )
+            print(f"    {clip:32s} {told}")
     targets = [name for name in rigs if name in TARGETS]
     for name in [given.motion] if given.motion else list(MOTIONS):
         for rig in targets:

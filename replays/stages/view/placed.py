@@ -17,6 +17,7 @@ from motorcade.replays.characters.acting import (
     character_named,
     clip_named,
     path_of,
+    standing_clip,
     walked,
 )
 from motorcade.replays.characters.casting import played
@@ -39,6 +40,8 @@ NOTHING = FILE_KNOBS["placed.scene"]
 CAST_SAYS = ("character", "clip", "path", "position_m", "heading_deg")
 SCENE_SAYS = (*CAST_SAYS, "height_m", "cast")
 LISTS = ("path", "position_m")
+# A clip that is raised or lowered by more of the height is named in the log.
+TOLD_SHARE = 0.01
 
 
 def placed(
@@ -141,9 +144,24 @@ def placed(
     if way is not None:  # refused here rather than when it is drawn
         walked(who, motion, points, placement.scale, inside)
         _warn_of_points_off(points, ground)
+    else:
+        _tell_of_raising(standing_clip(who, motion)[1] / who.height_m, clip)
     return PlacedCharacter(
         str(character), clip, placement, ground.name, frozen(points), inside, ground_motion
     )
+
+
+def _tell_of_raising(share: float, clip: str) -> None:
+    """Say in the log where an author's clip floats over the ground or is sunk, by more than 1 %."""
+    if abs(share) > TOLD_SHARE:
+        where, done = ("below", "raised") if share > 0.0 else ("over", "lowered")
+        log.info(
+            "'%s' stands %.1f %% of the height %s the ground in its file: %s by that",
+            clip,
+            100.0 * abs(share),
+            where,
+            done,
+        )
 
 
 def _refuse_beside(what: str, *told: bool) -> None:

@@ -1,12 +1,18 @@
 """A walker in the pipeline: from standing to standing, and alive where it has arrived."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from motorcade.animation import Character, Clip, mannequin
+from motorcade.animation import Character, Clip, legs_of, mannequin, place_on_plane
+from motorcade.animation.ik import fitted_legs
+from motorcade.animation.place import standing_height_m
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.characters.acting import IDLE_HZ, walked
+from motorcade.replays.characters.acting import IDLE_HZ, character_named, walked
+from motorcade.replays.characters.performers import performers
+from motorcade.replays.values.view import PlacedCharacter
 
 PATH_M = np.array([[0.0, 0.0], [1.5, 0.0]])
 LASTING_S = 8.0
@@ -55,3 +61,16 @@ def test_it_idles_on_without_a_jump(figure: Character, walk: Clip) -> None:
 def test_a_long_recording_is_idled_for_two_minutes(figure: Character) -> None:
     long = walked(figure, figure.clip("walk"), PATH_M, 1.0, Motor.identity(), 1e6)
     assert 120.0 < long.duration_s < 130.0
+
+
+def test_a_clip_that_its_author_left_sunk_is_drawn_on_its_soles(data_dir: Path):
+    file = data_dir / "rigs" / "kaykit" / "Knight.glb"
+    who = character_named(str(file))
+    legs = fitted_legs(legs_of(who.skeleton), who)
+    placement = place_on_plane(who, height_m=0.2)
+    (shown,) = performers(PlacedCharacter(str(file), "Dodge_Left", placement, "a floor"))
+    levels = [standing_height_m(who, legs, one) for one in (who.clip("Dodge_Left"), shown.clip)]
+    assert levels[0] is not None
+    assert levels[1] is not None
+    assert levels[0] < -0.01 * who.height_m
+    assert abs(levels[1]) < 1e-6
