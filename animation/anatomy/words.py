@@ -58,6 +58,12 @@ def named_sides(names: tuple[str, ...]) -> list[str]:
     return [_side_and_part(name)[0] for name in _bare(names)]
 
 
+def named_eyes(names: tuple[str, ...]) -> list[int]:
+    """Joints of eyes, as far as names tell them."""
+    parts = [_side_and_part(name)[1] for name in _bare(names)]
+    return [joint for joint, part in enumerate(parts) if part in ("eye", "eyeball")]
+
+
 def _bare(names: tuple[str, ...]) -> list[str]:
     """Names without what most of them begin with, and without numbers that end most of them."""
     made = [name.rsplit(":", 1)[-1] for name in names]

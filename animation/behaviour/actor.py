@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
+from motorcade.animation.behaviour.gaze import Gaze
 from motorcade.animation.blend import BlendSpace, RootMotion, phase_between, split_root_motion
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
@@ -140,6 +141,15 @@ class Actor:
     def standing(self) -> Clip:
         """How it stands between what it does: as its idling begins."""
         return Clip("standing", self.idle.time_s[:1], self.idle.poses.rigid[:1])
+
+    @cached_property
+    def gaze(self) -> Gaze:
+        """What it looks with.
+
+        Raises:
+            ValueError: nothing tells its head.
+        """
+        return Gaze.of(self.character)
 
     def pace(self, length_m: float) -> Pace:
         """How it goes a way of this length, in the plane's metres, from standing to standing.

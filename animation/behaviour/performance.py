@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.behaviour.actor import Actor, ClipLayer
+from motorcade.animation.behaviour.gaze import LookTarget
 from motorcade.animation.behaviour.sources import (
     Along,
     Layered,
@@ -60,16 +61,23 @@ class Performance:
     segments: tuple[Segment, ...]
 
 
-def perform(timeline: Timeline, lasts_s: float, rate_hz: float = 60.0) -> Performance:
+def perform(
+    timeline: Timeline,
+    lasts_s: float,
+    rate_hz: float = 60.0,
+    look_at: LookTarget | None = None,
+) -> Performance:
     """Make a timeline into poses with planted feet.
 
     Args:
         timeline: of an actor and its errand.
         lasts_s: until when, or until all of the errand is done where that is later.
         rate_hz: frames a second.
+        look_at: what neck, head and eyes turn to, as far as they can.
 
     Raises:
-        ValueError: a time or rate that is not positive.
+        ValueError: a time or rate that is not positive, or something to look at for a character
+            whose head nothing tells.
     """
     checked_positive(lasts_s, "perform(lasts_s)")
     checked_positive(rate_hz, "perform(rate_hz)")
@@ -82,6 +90,9 @@ def perform(timeline: Timeline, lasts_s: float, rate_hz: float = 60.0) -> Perfor
         poses = plant_feet(
             actor.skeleton, time_s, poses, actor.legs, world_T_character=own, stances=stances
         )
+    if look_at is not None:
+        target = own.inverse().apply(look_at.at(time_s) / actor.scale)
+        poses = actor.gaze.looking(poses, target, time_s)
     return Performance(time_s, way, poses, timeline.segments)
 
 

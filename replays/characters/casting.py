@@ -15,6 +15,8 @@ from motorcade.animation.behaviour import (
     ClipLayer,
     Crowd,
     Errand,
+    Gaze,
+    LookTarget,
     Performance,
     closest_m,
     foot_slides_m,
@@ -30,7 +32,7 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.names import did_you_mean
 from motorcade.replays.characters.acting import LONGEST_IDLE_S, character_named, clip_named
-from motorcade.replays.readers.manifest.cast import Cast, CastMember, LayerAsked
+from motorcade.replays.readers.manifest.cast import CAMERA, Cast, CastMember, LayerAsked
 from motorcade.replays.values.view import PartState, PlayedPart
 
 log = logging.getLogger("motorcade.placed")
@@ -68,6 +70,8 @@ def actor_of(member: CastMember, height_m: float) -> Actor:
             for name in dict.fromkeys(member.acts)
         }
         layers = tuple(_layer(character, one) for one in member.layers)
+        if member.look_at is not None:
+            Gaze.of(character)  # refused here rather than when it acts
         cycle, speed_m_s = None, 1.0
         if len(member.path_m) > 1:
             if not legs:
@@ -116,7 +120,7 @@ def played(
     cast: Cast,
     plane: Motor,
     height_m: float,
-    towards: FloatArray,
+    camera: LookTarget,
     lasts_s: float,
 ) -> tuple[tuple[PlayedPart, ...], float]:
     """What everybody of a cast does on a plane, and the least distance between two bodies.
@@ -125,13 +129,15 @@ def played(
         cast: as it was asked for.
         plane: ``world_T_plane``.
         height_m: of those whose height the cast does not say.
-        towards: ``(2,)`` of the plane, at which those look who are not told where to.
+        camera: where it is on the plane, from its first frame on: those face it who are not told
+            where to, and look at it who are asked to.
         lasts_s: of the recording.
 
     Raises:
         ValueError: see `actor_of` and `keep_apart`.
     """
     actors = [actor_of(member, height_m) for member in cast.members]
+    towards = camera.at(0.0)[:2]
     errands = [_errand(member, towards) for member in cast.members]
     smallest = min(actor.scale * actor.character.height_m for actor in actors)
     gap_m = GAP * smallest if cast.gap_m is None else cast.gap_m
@@ -141,9 +147,9 @@ def played(
         raise ValueError(f"cast: {fault}") from fault
     _tell(crowd, actors, lasts_s)
     made = []
-    for timeline in crowd.timelines:
+    for member, timeline in zip(cast.members, crowd.timelines, strict=True):
         lasting = max(min(lasts_s, timeline.done_s + LONGEST_IDLE_S), 0.1)
-        made.append(perform(timeline, lasting))
+        made.append(perform(timeline, lasting, look_at=_look_at(member, camera)))
     apart_m = closest_m(list(zip(actors, made, strict=True)))
     if np.isfinite(apart_m):
         log.info("cast: bodies are %.3g m apart or more", apart_m)
@@ -152,6 +158,12 @@ def played(
         for member, actor, one, note in zip(cast.members, actors, made, crowd.notes, strict=True)
     )
     return parts, apart_m
+
+
+def _look_at(member: CastMember, camera: LookTarget) -> LookTarget | None:
+    if member.look_at is None or isinstance(member.look_at, str):
+        return camera if member.look_at == CAMERA else None
+    return LookTarget(np.zeros(1), member.look_at[None])
 
 
 def _errand(member: CastMember, towards: FloatArray) -> Errand:

@@ -18,6 +18,7 @@ from motorcade.replays.errors import one_line
 from motorcade.replays.readers.manifest.section import FILE_KNOBS, Section, load_toml
 
 MANNEQUIN, NOBODY = FILE_KNOBS["placed.character"], FILE_KNOBS["placed.cast"]
+CAMERA = "camera"
 MASKS = ("whole", "upper", "left_arm", "right_arm", "head")
 _TOP = ("gap_m", "characters")
 _CHARACTER = (
@@ -29,6 +30,7 @@ _CHARACTER = (
     "path",
     "heading_deg",
     "facing_deg",
+    "look_at",
     "gaits",
     "speed_m_s",
     "idle",
@@ -62,6 +64,7 @@ class CastMember:
         height_m: as tall as it shall stand.
         path_m: ``(P, 2)`` where it stands first, and what it walks through from there, if anything.
         heading_deg, facing_deg: where it looks at first, and at its goal.
+        look_at: "camera", or ``(3,)`` a place on the plane, at which its head looks.
         gaits: names of clips that it walks by, blended to `speed_m_s` at the size of its file.
         idle: name of the clip by which it waits.
         acts: names of clips that it plays at its goal.
@@ -76,6 +79,7 @@ class CastMember:
     path_m: FloatArray
     heading_deg: float | None
     facing_deg: float | None
+    look_at: str | FloatArray | None
     gaits: tuple[str, ...]
     speed_m_s: float | None
     idle: str
@@ -150,6 +154,7 @@ def _member(path: Path, number: int, table: object) -> CastMember:
         _path(section),
         maybe("heading_deg", -360.0, 360.0),
         maybe("facing_deg", -360.0, 360.0),
+        _look_at(section),
         texts("gaits", ("walk",)),
         maybe("speed_m_s", 1e-6, _FARTHEST_M),
         section.text("idle") if "idle" in section else "idle",
@@ -184,6 +189,19 @@ def _path(section: Section) -> FloatArray:
             raise section.fault("path", f"expected neighbours apart, got {place} twice")
         points.append(numbers)
     return np.array(points)
+
+
+def _look_at(section: Section) -> str | FloatArray | None:
+    """A word, or a place (3,) of the plane."""
+    if "look_at" not in section:
+        return None
+    if isinstance(section["look_at"], str):
+        return section.text("look_at", (CAMERA,))
+    place = np.array(section.numbers("look_at", 3))
+    if len(place) != 3 or np.abs(place).max() > _FARTHEST_M:
+        expected = f"expected '{CAMERA}' or [x, y, z] within {_FARTHEST_M:g} m"
+        raise section.fault("look_at", f"{expected}, got {one_line(place.tolist())}")
+    return place
 
 
 def _layers(path: Path, number: int, section: Section) -> tuple[LayerAsked, ...]:

@@ -10,7 +10,8 @@ import numpy as np
 from motorcade.animation import place_on_plane
 from motorcade.animation.authoring import read_scene
 from motorcade.animation.authoring.parts import Interpolation
-from motorcade.ga import Trajectory
+from motorcade.animation.behaviour import LookTarget
+from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, frozen
 from motorcade.replays.characters.acting import (
     MANNEQUIN,
@@ -115,9 +116,9 @@ def placed(
         folder = scene.absolute().parent
         return _scene_on(BoundScene(read, folder, grounds, ground, interpolation))
     if str(cast) != NOBODY:
-        towards = (plane.inverse() @ first_camera).translation_m[:2]
         height = ground.height_m if height_m is None else height_m
-        return _cast_on(read_cast(cast), ground, ground_motion, height, towards, recording)
+        seen_from = integrity.drawn
+        return _cast_on(read_cast(cast), ground, ground_motion, height, seen_from, recording)
     who = character_named(str(character))
     clip = clip or ("idle" if way is None else "walk")
     motion = clip_named(who, clip)
@@ -179,12 +180,13 @@ def _cast_on(
     ground: Ground,
     ground_motion: Trajectory | None,
     height_m: float,
-    towards: FloatArray,
+    seen_from: Trajectory,
     recording: Recording,
 ) -> PlacedCharacter:
     """Everybody of a cast on a ground; the first stands for all where one is asked for."""
     plane = ground.world_T_plane
-    parts, apart_m = played(cast, plane, height_m, towards, recording.duration_s)
+    camera = _camera_on(plane, ground_motion, seen_from, int(recording.frames.time_ns[0]))
+    parts, apart_m = played(cast, plane, height_m, camera, recording.duration_s)
     for member in cast.members:
         _warn_of_points_off(member.path_m, ground)
     first = parts[0]
@@ -215,6 +217,19 @@ def _scene_on(bound: BoundScene) -> PlacedCharacter:
         ground_motion=first.ground_motion,
         parts=parts,
     )
+
+
+def _camera_on(
+    plane: Motor, ground_motion: Trajectory | None, seen_from: Trajectory, start_ns: int
+) -> LookTarget:
+    """Where the camera is on a plane, which may move, by seconds from the first frame on."""
+    stamps = seen_from.time_ns
+    now = plane
+    if ground_motion is not None:
+        known = np.clip(stamps, ground_motion.time_ns[0], ground_motion.time_ns[-1])
+        now = ground_motion.motors_at(known) @ plane
+    time_s = np.asarray(1e-9 * (stamps - start_ns), dtype=np.float64)
+    return LookTarget(time_s, (now.inverse() @ seen_from.motors).translation_m)
 
 
 def _warn_of_points_off(path_m: FloatArray, ground: Ground) -> None:

@@ -8,7 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from motorcade.animation import read_motion
+from motorcade.animation import mannequin, read_motion
+from motorcade.animation.behaviour import LookTarget
 from motorcade.ga import Motor
 from motorcade.replays.characters.casting import actor_of, check_cast, played
 from motorcade.replays.errors import RecordingError
@@ -69,7 +70,9 @@ def test_every_key_is_read_and_acted() -> None:
     guide = asked.members[0]
     assert guide.gaits == ("walk", "jog")
     assert guide.layers[0].joints == "right_arm"
-    parts, apart_m = played(asked, Motor.identity(), 0.1, np.array([0.1, -0.6]), 4.0)
+    parts, apart_m = played(
+        asked, Motor.identity(), 0.1, LookTarget([0.0], [[0.1, -0.6, 0.3]]), 4.0
+    )
     assert [part.name for part in parts] == ["guide", "visitor"]
     assert apart_m >= 0.02
     states = [one.state for one in parts[0].states]
@@ -123,12 +126,29 @@ acts = ["jumping_jacks"]
 def test_real_rigs_keep_apart_and_their_feet_in_place(tmp_path: Path, data_dir: Path) -> None:
     """Paths that cross: no skin nears another, no foot slides by more than 1.5 % of the height."""
     asked = read_cast(cast(tmp_path, REAL.format(rigs=data_dir / "rigs")))
-    parts, apart_m = played(asked, Motor.identity(), 0.2, np.array([0.5, 0.0]), 8.0)
+    parts, apart_m = played(asked, Motor.identity(), 0.2, LookTarget([0.0], [[0.5, 0.0, 0.3]]), 8.0)
     assert apart_m >= 0.02
     for part, height_m in zip(parts, (0.2, 0.23), strict=True):
         assert part.worst_slide_m < 0.015 * height_m
         states = [one.state for one in part.states]
         assert states.index("walk") < states.index("arrive") < states.index("act")
+
+
+def test_heads_look_at_what_the_cast_says(tmp_path: Path) -> None:
+    """At a place, at the camera, and nowhere: angles between the head's front and the camera."""
+    camera, off = LookTarget([0.0], [[0.6, 0.5, 0.16]]), []
+    for asked in ("", "look_at = 'camera'\n", "look_at = [0.6, 0.5, 0.16]\n"):
+        text = ONE + "height_m = 0.175\nheading_deg = 0\n" + asked
+        member = read_cast(cast(tmp_path, text))
+        (part,), _ = played(member, Motor.identity(), 0.1, camera, 2.0)
+        figure = mannequin()
+        head = figure.skeleton.index("head")
+        world = part.placement.world_T_character @ figure.skeleton.world(part.poses)[-1, head]
+        rest = figure.skeleton.rest_world[head].rotor
+        faces = world.rotor.apply(rest.inverse().apply([1.0, 0.0, 0.0]))
+        off.append(np.degrees(np.arccos(faces @ [0.6, 0.5, 0.0] / np.hypot(0.6, 0.5))))
+    assert off[0] > 30.0
+    assert max(off[1:]) < 5.0
 
 
 def test_a_taken_name_is_told_by_its_file(tmp_path: Path) -> None:
@@ -158,6 +178,9 @@ ONE = "[[characters]]\nstart = [0, 0]\n"
         ("[[characters]]\nstart = [1e12, 0]\n", r"start: expected \[x, y\] within 10000 m"),
         (ONE + 'name = "a\\u202e\\nb"\n', "name: expected up to 100 printable letters, got 'a.*b'"),
         (ONE + f"name = '{101 * 'a'}'\n", "name: expected up to 100 printable letters"),
+        (ONE + "look_at = 'lens'\n", r"\[characters 1\] look_at: expected one of camera"),
+        (ONE + "look_at = [1, 2]\n", r"look_at: expected 'camera' or \[x, y, z\] within 10000 m"),
+        (ONE + "look_at = [1, 2, 1e9]\n", r"look_at: expected 'camera' or \[x, y, z\] within"),
         (ONE + "waits_s = 3600\n", "waits_s: expected a number from 0 to 600"),
         (ONE + "layers = 'wave'\n", r"tables, got 'wave'"),
         ("[[characters]]\npath = [[0, 0]]\n", "expected 2 to 100 points"),
