@@ -41,6 +41,7 @@ KINDS = (
     "containers",
     "trajectories",
     "scenes",
+    "casts",
     "settings",
     "archives",
     "commands",

@@ -13,7 +13,7 @@ import pytest
 
 from tests.fuzz import guided, runner, targets
 from tests.fuzz.__main__ import recorded, table
-from tests.fuzz.kinds import manifests, scripts
+from tests.fuzz.kinds import casts, manifests, scripts
 from tests.fuzz.own import RefusedError, ended, is_own, refusals
 
 QUICK = {"scripts": 700, "rigs": 1000}
@@ -49,6 +49,11 @@ def test_scripts_of_every_kind_are_made(kind: str) -> None:
 def test_every_key_of_a_manifest_has_right_values() -> None:
     keys = {key for table, keys in manifests.KEYS.items() for key in keys}
     assert keys - set(manifests.KEYS) == set(manifests.RIGHT)
+
+
+def test_every_key_of_a_cast_has_right_values() -> None:
+    keys = {key for keys in casts.KEYS.values() for key in keys}
+    assert keys - set(casts.KEYS) == set(casts.RIGHT)
 
 
 def prepare(folder: Path) -> runner.Feed:
