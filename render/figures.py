@@ -71,6 +71,10 @@ class Performer:
         ground = Similarity.from_motor_scale(self.world_T_ground(time_ns), self.placement.scale)
         return ground if self.motion is None else ground @ _similarities(self.motion, time_ns)
 
+    def seen(self, time_s: float) -> bool:
+        """Whether it is there so long after the first frame."""
+        return self.visible_s is None or self.visible_s[0] <= time_s <= self.visible_s[1]
+
 
 def _held(time_ns: IntArray | int, path: Trajectory) -> IntArray:
     return np.clip(np.asarray(time_ns, dtype=np.int64), path.time_ns[0], path.time_ns[-1])
@@ -116,11 +120,6 @@ class DrawnFigure:
             pose = _similarities(self.performer.motion, time_ns)
             vertices, normals = pose.apply(vertices), pose.rotor.apply(normals)
         return self.placement.scale * vertices, normals
-
-    def seen(self, time_s: float) -> bool:
-        """Whether it is there at a moment."""
-        span = self.performer.visible_s
-        return span is None or span[0] <= time_s <= span[1]
 
     def sun_on(self, ground: Motor, lighting: Lighting) -> tuple[FloatArray, float]:
         """The way the sun's light goes (3,) in the frame of its ground, and its share there.

@@ -186,7 +186,7 @@ class FilmStage:
             own_m, normals = figure.at(time_s, time_ns)
             ground = figure.performer.world_T_ground(time_ns)
             shade, center_m = None, np.zeros(3)
-            if figure.seen(time_s):
+            if figure.performer.seen(time_s):
                 sun, strength = figure.sun_on(ground, self.lighting)
                 center_m = figure.shade_center_m(own_m, sun)
                 shade = ground_shade(

@@ -13,7 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from motorcade.animation import Clip
 from motorcade.animation.formats import CameraPath, CharacterOnPath, write_cast_gltf
+from motorcade.animation.morphs import MorphTrack
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.files import FileError, read_bounded
@@ -60,6 +62,11 @@ class Shown:
         stamps = np.unique(np.concatenate([ends, *moved]))
         stamps = stamps[(ends[0] <= stamps) & (stamps <= ends[1])]
         return Trajectory(stamps, who.world_T_character(stamps), "world", "character")
+
+    def clip(self, name: str) -> Clip:
+        """What a character does, from the path's first stamp on; clips begin at the first frame."""
+        passed_ns = self.path.time_ns[0] - self.recording.frames.time_ns[0]
+        return _from(self.cast[name].clip, 1e-9 * float(passed_ns))
 
 
 def open_run(folder: Path) -> Shown:
@@ -140,8 +147,9 @@ def _read_origin(folder: Path) -> _Origin:
 
 
 def write_run_gltf(shown: Shown, path: Path) -> None:
-    """Camera path, characters and map as one `.glb`; time zero is the path's first stamp.
+    """Camera path, characters, props and map as one `.glb`; time zero is the path's first stamp.
 
+    glTF has no word for what is seen for a while: all are there all the time.
     glTF knows neither principal points nor uneven pixels: the camera has the vertical field of
     view of the recording's, centred.
 
@@ -153,7 +161,7 @@ def write_run_gltf(shown: Shown, path: Path) -> None:
     field_rad = 2.0 * float(np.arctan(0.5 * camera.height / camera.fy))
     points = _thinned(shown.points_m)
     cast = [
-        CharacterOnPath(name, one.character, one.clip, shown.world_T_character(name))
+        CharacterOnPath(name, one.character, shown.clip(name), shown.world_T_character(name))
         for name, one in shown.cast.items()
     ]
     lens = CameraPath(shown.path, field_rad, camera.width / camera.height)
@@ -201,6 +209,7 @@ def _log_frames(rr: Any, stream: Any, shown: Shown) -> None:
     if camera is None:
         raise ValueError(f"{shown.recording.name}: expected a camera, got none")
     first_ns, last_ns = int(shown.path.time_ns[0]), int(shown.path.time_ns[-1])
+    start_ns = int(shown.recording.frames.time_ns[0])
     for frame in shown.recording.frames:
         if not first_ns <= frame.time_ns <= last_ns:
             continue
@@ -214,7 +223,10 @@ def _log_frames(rr: Any, stream: Any, shown: Shown) -> None:
         stream.log("world/camera/picture", rr.Image(picture).compress(jpeg_quality=85))
         for name, one in shown.cast.items():
             stand = one.world_T_character(frame.time_ns)
-            time_s = (frame.time_ns - first_ns) * 1e-9
+            time_s = (frame.time_ns - start_ns) * 1e-9
+            if not one.seen(time_s):
+                stream.log(f"world/{name}", rr.Clear(recursive=False))
+                continue
             shaped = one.character.shaped(one.clip.morph_weights(time_s))
             vertices, normals = skin(shaped, one.clip.at(time_s))
             stream.log(
@@ -226,6 +238,22 @@ def _log_frames(rr: Any, stream: Any, shown: Shown) -> None:
                     vertex_colors=np.rint(255 * one.character.colors).astype(np.uint8),
                 ),
             )
+
+
+def _from(clip: Clip, passed_s: float) -> Clip:
+    """A clip from a moment on, with that as its zero."""
+    first = float(clip.time_s[0])
+    if passed_s == 0.0 or len(clip.time_s) == 1:
+        return clip
+    left = clip.time_s - first - passed_s
+    if clip.looped:  # all of it, begun elsewhere
+        times = np.unique(np.concatenate([np.mod(left, clip.duration_s), [0.0, clip.duration_s]]))
+    else:
+        times = np.unique(np.concatenate([[0.0], left[left > 0.0]]))
+    at = times + first + passed_s
+    weights = clip.morph_weights(at)
+    track = None if weights is None else MorphTrack(times, weights)
+    return Clip(clip.name, times, clip.at(at), clip.looped, morphs=track)
 
 
 def _thinned(points_m: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ from motorcade.animation import Character, Skeleton, write_gltf
 from motorcade.ga import Motor
 
 
-def box(size_m: float = 0.2) -> Character:
+def box(size_m: float = 0.2, shade: float = 0.1) -> Character:
     """A cube on z = 0, its sides' normals at its corners."""
     corner = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1], indexing="ij")).reshape(3, -1).T
     quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
@@ -20,7 +20,7 @@ def box(size_m: float = 0.2) -> Character:
         0.5 * size_m * (corner + np.array([0.0, 0.0, 1.0])),
         corner / np.sqrt(3.0),
         np.array(triangles),
-        np.full((8, 3), 0.1),
+        np.full((8, 3), shade),
         np.zeros((8, 4), dtype=int),
         np.tile([1.0, 0.0, 0.0, 0.0], (8, 1)),
     )
@@ -49,5 +49,5 @@ def ball(radius_m: float = 0.1, rings: int = 12) -> Character:
 
 def write_props(folder: Path) -> None:
     """A cube of 0.2 m and a ball of as much as `box.glb` and `ball.glb`."""
-    write_gltf(folder / "box.glb", box())
+    write_gltf(folder / "box.glb", box(shade=0.55))
     write_gltf(folder / "ball.glb", ball())

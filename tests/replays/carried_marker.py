@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from motorcade.ga import Motor, Rotor, Trajectory
@@ -14,7 +15,7 @@ from motorcade.replays.recording import Frame, FrameSequence, ImageArray, Record
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.integrity import Integrity
 from motorcade.tracking import Board, Camera, PoseMeasurements
-from tests.bench.tracking.tag_scene import TagScene, handheld_path
+from tests.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 
 CAMERA = Camera(320, 240, 300.0, 300.0, 159.5, 119.5)
 FRAMES, RATE_HZ, SIDE_M, ID = 40, 20.0, 0.1, 7
@@ -92,3 +93,42 @@ def recorded(
     origin = "slam" if board is None else "board"
     found = CameraPoses(measured, TIME_NS, nothing, origin, "as given")
     return recording, Integrity((), {}, path, "smoothed"), found
+
+
+def write_carried(folder: Path, size: int = 2) -> None:
+    """A recording on disk: three markers on a wall, and one that is carried about before them.
+
+    Args:
+        folder: to write into.
+        size: factor on the pictures' 320 by 240 pixels.
+    """
+    rng = np.random.default_rng(8)
+    wall, cameras = wall_of_markers(3, 1, 0.16, 20.0, rng), handheld_path(FRAMES, 0.7)
+    big = Camera(
+        size * CAMERA.width,
+        size * CAMERA.height,
+        size * CAMERA.fx,
+        size * CAMERA.fy,
+        size * (CAMERA.cx + 0.5) - 0.5,
+        size * (CAMERA.cy + 0.5) - 0.5,
+    )
+    (folder / "images").mkdir(parents=True)
+    for k in range(FRAMES):
+        poses = Motor.concatenate([wall, Motor.stack([wandering(k)])])
+        scene = TagScene(big, "tag36h11", np.array([1, 2, 3, ID]), SIDE_M, poses)
+        picture = scene.picture(cameras[k], rng)
+        if not cv2.imwrite(str(folder / "images" / f"{k:04d}.png"), picture):
+            raise OSError(f"{folder}: cannot be written")
+    lines = [
+        f'settings = ["marker_poses.moving={ID}", "smoothed.representations=motor"]',
+        "[frames]",
+        'images = "images/*.png"',
+        f"rate_hz = {RATE_HZ}",
+        "[camera]",
+        'model = "pinhole"',
+        *(f"{name} = {getattr(big, name)}" for name in ("fx", "fy", "cx", "cy")),
+        "[markers]",
+        'family = "tag36h11"',
+        f"side_m = {SIDE_M}",
+    ]
+    (folder / "motorcade.toml").write_text("\n".join(lines) + "\n")
