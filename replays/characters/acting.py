@@ -43,7 +43,7 @@ def character_named(name: str) -> Character:
     return character
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=8)
 def _read(path: Path) -> tuple[Character, Mapping[Path, str]]:
     """A character, and the files that it was read from."""
     from motorcade.animation.formats import FormatError, read_character

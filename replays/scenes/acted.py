@@ -9,7 +9,15 @@ import numpy as np
 
 from motorcade.animation import Character, Clip
 from motorcade.animation.authoring import Scene, SceneLayer, ScenePart, SceneWalk
-from motorcade.animation.behaviour import Actor, Errand, Timeline, gait_between, perform
+from motorcade.animation.behaviour import (
+    Actor,
+    Errand,
+    Performance,
+    Timeline,
+    foot_slides_m,
+    gait_between,
+    perform,
+)
 from motorcade.animation.behaviour.performance import FADE_S
 from motorcade.animation.behaviour.sources import Layered
 from motorcade.animation.blend import Shifted
@@ -25,6 +33,8 @@ from motorcade.replays.scenes.checked import cast_as
 from motorcade.replays.values.view import PartState
 
 RATE_HZ = 60.0
+MOST_POSES = 2**24
+"""Of all joints and objects over a recording: a gigabyte."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +49,7 @@ class Acted:
         poses: Motor ``(F, J)``, local poses.
         parent_T_character: Motor ``(F,)``, its way on foot; None where it does not walk.
         states: what it does when.
+        worst_slide_m: the farthest that a walker's foot goes on the ground in one step.
     """
 
     file: str
@@ -48,6 +59,7 @@ class Acted:
     poses: Motor
     parent_T_character: Motor | None
     states: tuple[PartState, ...]
+    worst_slide_m: float | None = None
 
 
 def acted(scene: Scene, name: str, folder: Path, lasts_s: float) -> Acted:
@@ -68,7 +80,13 @@ def acted(scene: Scene, name: str, folder: Path, lasts_s: float) -> Acted:
     try:
         size = 1.0 if part.height_m is None else part.height_m / character.height_m
         time_s = _clock(part, lasts_s)
+        if len(time_s) * len(character.skeleton) > MOST_POSES:
+            raise ValueError(
+                f"expected to be done earlier: {time_s[-1]:.0f} s are more than {MOST_POSES} poses "
+                "of its joints"
+            )
         way: Motor | None = None
+        slide_m: float | None = None
         states: tuple[PartState, ...]
         if part.walk is None:
             clip = _clip(character, part)
@@ -76,13 +94,17 @@ def acted(scene: Scene, name: str, folder: Path, lasts_s: float) -> Acted:
             states = (PartState("act" if part.clip else "idle", clip.name, 0.0, float(time_s[-1])),)
         else:
             scale = size * float(scene.pose(name).as_similarity().scale)
-            time_s, poses, way, states = _walked(name, character, scale, part, part.walk, time_s)
+            actor = _walker(name, character, scale, part, part.walk)
+            made = perform(_timeline(actor, part.walk), float(time_s[-1]), RATE_HZ)
+            time_s, poses, way = made.time_s, made.poses, made.plane_T_character
+            slide_m = max((slide for _, _, slide in foot_slides_m(actor, made)), default=0.0)
+            states = _states(made)
         for layer in part.layers:
             poses = _layered(character, layer, time_s, poses)
         poses = _turned(character.skeleton, part, time_s, poses)
     except ValueError as fault:
         raise ValueError(f"scene, '{name}': {fault}") from fault
-    return Acted(file_of(part, folder), character, size, time_s, poses, way, states)
+    return Acted(file_of(part, folder), character, size, time_s, poses, way, states, slide_m)
 
 
 def _clock(part: ScenePart, lasts_s: float) -> FloatArray:
@@ -114,32 +136,33 @@ def _played(clip: Clip, passed_s: FloatArray) -> Motor:
     return clip.at(np.maximum(passed_s, 0.0) + clip.time_s[0]).rigid
 
 
-def _walked(
-    name: str,
-    character: Character,
-    scale: float,
-    part: ScenePart,
-    walk: SceneWalk,
-    time_s: FloatArray,
-) -> tuple[FloatArray, Motor, Motor, tuple[PartState, ...]]:
-    """Times, poses, way and states of one that walks."""
+def _walker(
+    name: str, character: Character, scale: float, part: ScenePart, walk: SceneWalk
+) -> Actor:
+    """One that walks, as large as `scale` makes it."""
     skeleton = character.skeleton
     legs = tuple(fitted_legs(legs_of(skeleton), character))
     if not legs:
         raise ValueError("walk: neither bones nor names tell the character's legs")
     gaits = [rigid_clip(character, one) for one in walk.gaits]
     cycle, speed_m_s = gait_between(gaits, skeleton, legs, walk.speed_m_s)
-    actor = Actor(name, character, legs, scale, _clip(character, part), cycle, speed_m_s)
+    return Actor(name, character, legs, scale, _clip(character, part), cycle, speed_m_s)
+
+
+def _timeline(actor: Actor, walk: SceneWalk) -> Timeline:
+    """It looks along its path, waits, and walks."""
     x, y = walk.path_m[1] - walk.path_m[0]
-    errand = Errand(walk.path_m[0], float(np.arctan2(y, x)), walk.path_m, waits_s=walk.start_s)
-    made = perform(Timeline(actor, errand), float(time_s[-1]), RATE_HZ)
+    heading = float(np.arctan2(y, x))
+    return Timeline(actor, Errand(walk.path_m[0], heading, walk.path_m, waits_s=walk.start_s))
+
+
+def _states(made: Performance) -> tuple[PartState, ...]:
     last_s = float(made.time_s[-1])
-    states = tuple(
+    return tuple(
         PartState(one.state, one.clip, one.start_s, min(one.end_s, last_s))
         for one in made.segments
         if one.start_s <= last_s
     )
-    return made.time_s, made.poses, made.plane_T_character, states
 
 
 def _layered(character: Character, layer: SceneLayer, time_s: FloatArray, poses: Motor) -> Motor:

@@ -12,7 +12,8 @@ from motorcade.animation.authoring import Scene, between_keyframes
 from motorcade.animation.authoring.parts import Interpolation
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.replays.scenes.acted import Acted, acted
+from motorcade.replays.scenes.acted import MOST_POSES, Acted, acted
+from motorcade.replays.scenes.checked import things_of
 from motorcade.replays.stages.view.anchored import Grounds
 from motorcade.replays.stages.view.ground import Ground
 from motorcade.replays.values.view import PlayedPart
@@ -52,16 +53,20 @@ class BoundScene:
                 raise ValueError(f"scene, anchor '{name}': {fault}") from fault
             self._anchors[name] = found
         lasts_s = 1e-9 * float(self._span_ns[1] - self._span_ns[0])
-        for name in self.scene.parents:
-            if self.scene.part(name).kind != "group":
-                self._acted[name] = acted(self.scene, name, self.folder, lasts_s)
-        if not self._acted:
-            raise ValueError("scene: expected a character or a prop, got groups alone")
+        poses = 0
+        for name in things_of(self.scene):
+            one = acted(self.scene, name, self.folder, lasts_s)
+            poses += one.poses.coefficients.size // 8 + int(RATE_HZ * lasts_s)
+            if poses > MOST_POSES:
+                raise ValueError(
+                    f"scene, '{name}': expected at most {MOST_POSES} poses of joints and objects "
+                    f"up to here, got {poses}: fewer of them, or a shorter recording"
+                )
+            self._acted[name] = one
 
     def parts(self) -> tuple[PlayedPart, ...]:
         """All characters and props; first the first character, or prop where there is none."""
-        names = sorted(self._acted, key=lambda one: self.scene.part(one).kind != "character")
-        return tuple(self._part(name) for name in names)
+        return tuple(map(self._part, self._acted))
 
     def ground_of(self, name: str) -> tuple[Ground, Trajectory | None]:
         """What an object's shadow falls on, and how that moves: its anchor's plane.
@@ -89,6 +94,7 @@ class BoundScene:
             one.time_s,
             one.poses,
             one.states,
+            worst_slide_m=one.worst_slide_m,
             motion=self._motion(name, ground.world_T_plane),
             ground_motion=ground_motion,
             visible_s=part.visible_s,

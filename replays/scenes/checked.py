@@ -10,18 +10,36 @@ from motorcade.replays.characters.acting import character_named
 from motorcade.replays.characters.casting import mask_of, rigid_clip
 from motorcade.replays.readers.manifest.scene import file_of
 
+MOST_THINGS = 100
+"""Characters and props of a scene that is played."""
+
 
 def check_scene(path: Path) -> None:
     """Refuse what can be refused before a recording is looked at: files, clips, joints.
 
     Raises:
-        ValueError: see `read_scene`; a file that cannot be read, a clip or joint that is not there;
-            the message names the object.
+        ValueError: see `read_scene` and `things_of`; a file that cannot be read, a clip or joint
+            that is not there; the message names the object.
     """
     scene = read_scene(path)
-    for name in scene.parts:
-        if scene.part(name).kind != "group":
-            cast_as(scene, name, path.absolute().parent)
+    for name in things_of(scene):
+        cast_as(scene, name, path.absolute().parent)
+
+
+def things_of(scene: Scene) -> list[str]:
+    """The names of all characters and props, first the characters.
+
+    Raises:
+        ValueError: none, or more than a hundred.
+    """
+    names = [name for name in scene.parents if scene.part(name).kind != "group"]
+    if not names:
+        raise ValueError("scene: expected a character or a prop, got groups alone")
+    if len(names) > MOST_THINGS:
+        raise ValueError(
+            f"scene: expected at most {MOST_THINGS} characters and props, got {len(names)}"
+        )
+    return sorted(names, key=lambda one: scene.part(one).kind != "character")
 
 
 def cast_as(scene: Scene, name: str, folder: Path) -> Character:

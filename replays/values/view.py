@@ -35,7 +35,8 @@ class PlayedPart:
         poses: Motor ``(F, J)``, local poses; its root goes its way.
         states: in their order.
         note: how it keeps out of the others' way; "" where it does as it was asked.
-        worst_slide_m: the farthest that a foot goes on the ground in one step.
+        worst_slide_m: the farthest that a foot goes on the ground in one step; None for one of a
+            scene that does not walk.
         motion: of a scene, `placement_T_character` with its scale, from the first frame on.
         ground_motion: of a scene, what moves the placement along; see `PlacedCharacter`.
         visible_s: from when to when it is seen; None for always.
@@ -48,7 +49,7 @@ class PlayedPart:
     poses: Motor
     states: tuple[PartState, ...]
     note: str = ""
-    worst_slide_m: float = 0.0
+    worst_slide_m: float | None = None
     motion: Trajectory | None = None
     ground_motion: Trajectory | None = None
     visible_s: tuple[float, float] | None = None

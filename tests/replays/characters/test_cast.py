@@ -81,6 +81,7 @@ def test_every_key_is_read_and_acted() -> None:
     for member, part in zip(asked.members, parts, strict=True):
         height_m = part.placement.scale * 1.75
         assert height_m == pytest.approx(member.height_m)
+        assert part.worst_slide_m is not None
         assert part.worst_slide_m < 0.01 * height_m
         root = part.placement.apply(part.poses[-1, 0].translation_m)
         np.testing.assert_allclose(root[:2], member.path_m[-1], atol=0.1 * height_m)
@@ -129,6 +130,7 @@ def test_real_rigs_keep_apart_and_their_feet_in_place(tmp_path: Path, data_dir: 
     parts, apart_m = played(asked, Motor.identity(), 0.2, LookTarget([0.0], [[0.5, 0.0, 0.3]]), 8.0)
     assert apart_m >= 0.02
     for part, height_m in zip(parts, (0.2, 0.23), strict=True):
+        assert part.worst_slide_m is not None
         assert part.worst_slide_m < 0.015 * height_m
         states = [one.state for one in part.states]
         assert states.index("walk") < states.index("arrive") < states.index("act")

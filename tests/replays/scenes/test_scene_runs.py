@@ -106,6 +106,9 @@ def test_a_walker_walks_its_path_on_the_anchor_and_carries_its_child(tmp_path: P
     assert off.max() < 2e-3
     np.testing.assert_allclose(inside[0, :2], path[0], atol=2e-3)
     assert np.linalg.norm(inside[-1] - inside[0]) > 0.02
+    assert part.worst_slide_m is not None
+    assert part.worst_slide_m < 0.01 * 0.06
+    assert made["hat"][0].worst_slide_m is None
     crown = mannequin().height_m * float(one.world_T_character(0).scale)
     assert crown == pytest.approx(0.06)
     crowns_m = centers_m(one, (0.0, 0.0, mannequin().height_m))
@@ -172,6 +175,21 @@ def test_what_a_scene_asks_for_in_vain_is_refused_by_name(
 ) -> None:
     with pytest.raises(ValueError, match=said):
         bound(scene(tmp_path, thing))
+
+
+def test_more_than_can_be_played_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    crowd = [{**BOX, "name": f"box {k}", "parent": "ground"} for k in range(101)]
+    with pytest.raises(ValueError, match="expected at most 100 characters and props, got 101"):
+        bound(scene(tmp_path, *crowd))
+    monkeypatch.setattr("motorcade.replays.scenes.bound.MOST_POSES", 300)
+    with pytest.raises(ValueError, match=r"scene, 'box 1': expected at most 300 poses"):
+        bound(scene(tmp_path, *crowd[:2]))
+    monkeypatch.setattr("motorcade.replays.scenes.acted.MOST_POSES", 5000)
+    who = {"name": "who", "kind": "character", "file": "mannequin"}
+    with pytest.raises(ValueError, match="scene, 'who': expected to be done earlier: 2 s are more"):
+        bound(scene(tmp_path, who))
 
 
 def test_an_anchor_that_is_not_there_is_named(tmp_path: Path) -> None:
