@@ -1,6 +1,18 @@
 """Scene authoring: objects turned, moved and grown by drags, on rotors or on Euler angles."""
 
-from motorcade.animation.authoring.editor import Drag, SceneEditor, Snapping, read_gestures, replay
+from motorcade.animation.authoring.editing.drags import Drag, Snapping
+from motorcade.animation.authoring.editing.editor import SceneEditor, replay
+from motorcade.animation.authoring.editing.edits import Edit
+from motorcade.animation.authoring.editing.gestures import (
+    AnchorsStand,
+    Dragged,
+    Gesture,
+    HistoryStep,
+    Together,
+    gesture_of,
+    gestures_text,
+    read_gestures,
+)
 from motorcade.animation.authoring.interpolations import (
     InterpolationFigures,
     compare_interpolations,
@@ -16,11 +28,16 @@ from motorcade.animation.authoring.parts import (
 )
 from motorcade.animation.authoring.poses import EulerObjectPose, ObjectPose, VersorObjectPose
 from motorcade.animation.authoring.scene import Scene
-from motorcade.animation.authoring.scene_file import read_scene, scene_of
+from motorcade.animation.authoring.scene_file import read_scene, scene_of, scene_text
 
 __all__ = [
+    "AnchorsStand",
     "Drag",
+    "Dragged",
+    "Edit",
     "EulerObjectPose",
+    "Gesture",
+    "HistoryStep",
     "InterpolationFigures",
     "JointKeyframe",
     "ObjectPose",
@@ -32,11 +49,15 @@ __all__ = [
     "ScenePart",
     "SceneWalk",
     "Snapping",
+    "Together",
     "VersorObjectPose",
     "between_keyframes",
     "compare_interpolations",
+    "gesture_of",
+    "gestures_text",
     "read_gestures",
     "read_scene",
     "replay",
     "scene_of",
+    "scene_text",
 ]

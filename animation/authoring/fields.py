@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from reprlib import Repr
 from typing import Any
 
 from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.ga.files import read_bounded
 
 MOST_BYTES = 16 * 2**20
+_SHORT = Repr()
+_SHORT.maxstring = _SHORT.maxlong = _SHORT.maxother = 70
 
 
 def number(given: object, where: str) -> float:
@@ -20,7 +24,7 @@ def number(given: object, where: str) -> float:
         ValueError: anything else.
     """
     if isinstance(given, bool) or not isinstance(given, int | float) or not abs(given) < 1e9:
-        raise ValueError(f"{where}: expected a number, got {_short(given)}")
+        raise ValueError(f"{where}: expected a number, got {short(given)}")
     return float(given)
 
 
@@ -31,7 +35,7 @@ def vector(given: object, where: str, size: int) -> FloatArray:
         ValueError: anything else.
     """
     if not isinstance(given, list) or len(given) != size:
-        raise ValueError(f"{where}: expected {size} numbers, got {_short(given)}")
+        raise ValueError(f"{where}: expected {size} numbers, got {short(given)}")
     return checked_floats([number(one, where) for one in given], where, ())
 
 
@@ -42,7 +46,18 @@ def text(given: object, where: str) -> str:
         ValueError: anything else.
     """
     if not isinstance(given, str) or not 1 <= len(given) <= 1000 or not given.isprintable():
-        raise ValueError(f"{where}: expected a text, got {_short(given)}")
+        raise ValueError(f"{where}: expected a text, got {short(given)}")
+    return given
+
+
+def object_name(given: object, where: str) -> str:
+    """A name: a text of 1 to 100 printable letters.
+
+    Raises:
+        ValueError: anything else.
+    """
+    if not isinstance(given, str) or not 1 <= len(given) <= 100 or not given.isprintable():
+        raise ValueError(f"{where}: expected a name, got {short(given)}")
     return given
 
 
@@ -53,7 +68,7 @@ def listed(given: object, where: str, most: int) -> list[Any]:
         ValueError: anything else.
     """
     if not isinstance(given, list) or len(given) > most:
-        raise ValueError(f"{where}: expected a list of at most {most}, got {_short(given)}")
+        raise ValueError(f"{where}: expected a list of at most {most}, got {short(given)}")
     return given
 
 
@@ -64,11 +79,11 @@ def table(given: object, where: str, known: Iterable[str]) -> dict[str, Any]:
         ValueError: anything else; the message names the first key that is not.
     """
     if not isinstance(given, dict):
-        raise ValueError(f"{where}: expected an object of JSON, got {_short(given)}")
+        raise ValueError(f"{where}: expected an object of JSON, got {short(given)}")
     allowed = sorted(known)
     for key in given:
         if key not in allowed:
-            raise ValueError(f"{where}: expected fields of {', '.join(allowed)}, got {_short(key)}")
+            raise ValueError(f"{where}: expected fields of {', '.join(allowed)}, got {short(key)}")
     return given
 
 
@@ -78,33 +93,52 @@ def read_json(path: Path) -> Any:
     Raises:
         ValueError: a file that cannot be read, is larger than 16 MiB, or no JSON.
     """
-    return _json(path.name, _text(path))
+    return parsed_json(_text(path), path.name)
 
 
-def read_json_lines(path: Path) -> list[tuple[int, Any]]:
+def read_json_lines(path: Path, most_bytes: int = MOST_BYTES) -> Iterator[tuple[int, Any]]:
     """Line numbers and values of a file of JSON lines; empty lines are left out.
 
     Raises:
         ValueError: a file that cannot be read or is too large, a line that is no JSON.
     """
-    lines = enumerate(_text(path).splitlines(), start=1)
-    return [(at, _json(f"{path.name}:{at}", line)) for at, line in lines if line.strip()]
+    for at, line in enumerate(_text(path, most_bytes).split("\n"), start=1):
+        if line.strip():
+            yield at, parsed_json(line, f"{path.name}:{at}")
 
 
-def _text(path: Path) -> str:
+def _text(path: Path, most_bytes: int = MOST_BYTES) -> str:
     try:
-        return read_bounded(path, MOST_BYTES).decode("utf-8")
+        return read_bounded(path, most_bytes).decode("utf-8")
     except UnicodeDecodeError as fault:
         raise ValueError(f"{path}: expected UTF-8, got other bytes") from fault
 
 
-def _json(where: str, text: str) -> Any:
+def parsed_json(text: str, where: str) -> Any:
+    """JSON in which no key stands twice and every number is one.
+
+    Raises:
+        ValueError: anything else; the message begins with `where`.
+    """
     try:
-        return json.loads(text)
+        return json.loads(text, object_pairs_hook=_once, parse_constant=_no_number)
     except (ValueError, RecursionError) as fault:  # also numbers of thousands of digits
         raise ValueError(f"{where}: expected JSON, got {' '.join(str(fault).split())}") from fault
 
 
-def _short(given: object) -> str:
-    told = repr(given)
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    made = dict(pairs)
+    if len(made) < len(pairs):
+        twice = Counter(key for key, _ in pairs).most_common(1)[0][0]
+        raise ValueError(f"expected different keys, got {short(twice)} twice")
+    return made
+
+
+def _no_number(word: str) -> Any:
+    raise ValueError(f"expected a number, got {word}")
+
+
+def short(given: object) -> str:
+    """What was given in 80 letters at most, however large it is."""
+    told = _SHORT.repr(given)
     return told if len(told) <= 80 else f"{told[:77]}..."

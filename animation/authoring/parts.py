@@ -249,6 +249,11 @@ class ScenePart:
         if self.walk is not None and self.keyframes:
             raise ValueError("ScenePart.keyframes: expected none beside a walk, which says where")
 
+    @property
+    def keyframe_count(self) -> int:
+        """Of poses and of joints."""
+        return len(self.keyframes) + len(self.joint_keyframes)
+
     def angles_at(self, number: int) -> FloatArray:
         """``(3,)`` rad of a keyframe, as written or as its turn has them."""
         one = self.keyframes[number]

@@ -55,6 +55,15 @@ class ObjectPose(ABC):
     def scaled(self, factor: float) -> Self:
         """Grown about the object's origin."""
 
+    @classmethod
+    @abstractmethod
+    def from_similarity(cls, parent_T_object: Similarity) -> Self:
+        """The mirror of `as_similarity`."""
+
+    @abstractmethod
+    def moved(self, motion: Similarity, frame: Frame, world_T_parent: Similarity) -> Self:
+        """Moved as a whole by a similarity of the frame: turned, shifted and grown at once."""
+
     @abstractmethod
     def towards(self, other: Self, fraction: FloatArray) -> Similarity:
         """Similarities ``(*)`` on the way to another pose, as this writing interpolates."""
@@ -100,7 +109,7 @@ class VersorObjectPose(ObjectPose):
         about = axis if frame != "global" else world_T_parent.rotor.inverse().apply(axis)
         rotor = Rotor.from_rotation_vector(angle_rad * about)
         rotated = pose.rotor @ rotor if frame == "local" else rotor @ pose.rotor
-        return VersorObjectPose(_joined(rotated, pose.translation_m, pose.scale))
+        return VersorObjectPose(pose_of(rotated, pose.translation_m, pose.scale))
 
     def translated(
         self, shift_m: FloatArray, frame: Frame, world_T_parent: Similarity
@@ -108,13 +117,31 @@ class VersorObjectPose(ObjectPose):
         """A translator on the left, by the vector as the parent sees it."""
         pose = self.parent_T_object
         shift = _in_parent(shift_m, frame, pose, world_T_parent)
-        return VersorObjectPose(_joined(pose.rotor, pose.translation_m + shift, pose.scale))
+        return VersorObjectPose(pose_of(pose.rotor, pose.translation_m + shift, pose.scale))
 
     def scaled(self, factor: float) -> VersorObjectPose:
         """A dilator on the right."""
         pose = self.parent_T_object
         scaled = Similarity.from_motor_scale(Motor.identity(), factor)
         return VersorObjectPose(Similarity.normalize((pose @ scaled).coefficients))
+
+    @classmethod
+    def from_similarity(cls, parent_T_object: Similarity) -> VersorObjectPose:
+        """The pose that is that similarity."""
+        return cls(parent_T_object)
+
+    def moved(
+        self, motion: Similarity, frame: Frame, world_T_parent: Similarity
+    ) -> VersorObjectPose:
+        """The versor goes to the right in the local frame, else to the left."""
+        pose = self.parent_T_object
+        if frame == "local":
+            product = pose @ motion
+        elif frame == "parent":
+            product = motion @ pose
+        else:
+            product = world_T_parent.inverse() @ motion @ world_T_parent @ pose
+        return VersorObjectPose(pose_of(product.rotor, product.translation_m, product.scale))
 
     def towards(self, other: VersorObjectPose, fraction: FloatArray) -> Similarity:
         """Turned by rotors along the geodesic, moved straight, grown evenly in the logarithm."""
@@ -123,7 +150,7 @@ class VersorObjectPose(ObjectPose):
         rotor = a.rotor.interpolate(b.rotor, part)
         shift = part[..., None] * (b.translation_m - a.translation_m)
         scale = a.scale ** (1.0 - part) * b.scale**part
-        return _joined(rotor, a.translation_m + shift, scale)
+        return pose_of(rotor, a.translation_m + shift, scale)
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +194,7 @@ class EulerObjectPose(ObjectPose):
 
     def as_similarity(self) -> Similarity:
         """`parent_T_object`."""
-        return _joined(Rotor.from_euler(self.angles_rad), self.position_m, self.scale)
+        return pose_of(Rotor.from_euler(self.angles_rad), self.position_m, self.scale)
 
     def rotated(
         self, axis: FloatArray, angle_rad: float, frame: Frame, world_T_parent: Similarity
@@ -189,6 +216,13 @@ class EulerObjectPose(ObjectPose):
         """The scale times the factor."""
         return EulerObjectPose(self.angles_rad, self.position_m, self.scale * factor)
 
+    def moved(
+        self, motion: Similarity, frame: Frame, world_T_parent: Similarity
+    ) -> EulerObjectPose:
+        """Where a versor would be, with the angles of that."""
+        versor = VersorObjectPose(self.as_similarity()).moved(motion, frame, world_T_parent)
+        return EulerObjectPose.from_similarity(versor.parent_T_object)
+
     def towards(self, other: EulerObjectPose, fraction: FloatArray) -> Similarity:
         """Angles, position and scale each interpolated straight."""
         part = checked_floats(fraction, "towards(fraction)", ())[..., None]
@@ -197,10 +231,11 @@ class EulerObjectPose(ObjectPose):
         angles = (1.0 - part) * start.angles_rad + part * end.angles_rad
         position = (1.0 - part) * start.translation_m + part * end.translation_m
         scale = (1.0 - part[..., 0]) * self.scale + part[..., 0] * other.scale
-        return _joined(Rotor.from_euler(angles), position, scale)
+        return pose_of(Rotor.from_euler(angles), position, scale)
 
 
-def _joined(rotor: Rotor, position_m: FloatArray, scale: FloatArray | float) -> Similarity:
+def pose_of(rotor: Rotor, position_m: FloatArray, scale: FloatArray | float) -> Similarity:
+    """A pose by its parts, the rotor at length 1."""
     unit = Rotor.normalize(rotor.coefficients)
     return Similarity.from_rotor_translation_scale(unit, position_m, scale)
 

@@ -7,12 +7,16 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
+from motorcade.animation.authoring.keyframes import between_keyframes
 from motorcade.animation.authoring.parts import SceneAnchor, ScenePart
-from motorcade.animation.authoring.poses import EulerObjectPose, ObjectPose
+from motorcade.animation.authoring.poses import EulerObjectPose, ObjectPose, pose_of
 from motorcade.animation.authoring.written import anchor_json, part_json, pose_json
 from motorcade.ga import Similarity
 
 SCHEMA, VERSION = "motorcade-scene", 1
+_NOWHERE: Mapping[str, Similarity] = MappingProxyType({})
 DEEPEST = 64
 _GROUP = ScenePart()
 
@@ -88,8 +92,37 @@ class Scene:
             above = self.parents[above]
         return above
 
-    def world_T_parent(self, name: str) -> Similarity:
-        """Where the frame stands in which an object has its pose, in the world or its anchor.
+    def pose_at(self, name: str, time_s: float | None = None) -> Similarity:
+        """`parent_T_object` at a time: between keyframes where it has some, else its pose.
+
+        Args:
+            name: which; one that walks is where it sets out.
+            time_s: from the first frame; None for what it has apart from keyframes.
+
+        Raises:
+            ValueError: no such object.
+        """
+        pose, part = self.pose(name).as_similarity(), self.part(name)
+        if part.keyframes and time_s is not None:
+            return between_keyframes(part, np.array([time_s]))[0]
+        if part.walk is not None:
+            x, y = part.walk.path_m[0]
+            return pose_of(pose.rotor, np.array([x, y, pose.translation_m[2]]), pose.scale)
+        return pose
+
+    def world_T_parent(
+        self,
+        name: str,
+        time_s: float | None = None,
+        world_T_anchor: Mapping[str, Similarity] = _NOWHERE,
+    ) -> Similarity:
+        """Where the frame stands in which an object has its pose.
+
+        Args:
+            name: which.
+            time_s: see `pose_at`.
+            world_T_anchor: where anchors stand; for one that is left out, its own frame is the
+                world of what hangs on it.
 
         Raises:
             ValueError: no such object.
@@ -100,17 +133,37 @@ class Scene:
             chain.append(above)
             above = self.parents[above]
         world = Similarity.identity()
+        if above is not None:
+            world = world_T_anchor.get(above, world)
         for one in reversed(chain):
-            world = world @ self.poses[one].as_similarity()
+            world = world @ self.pose_at(one, time_s)
         return world
 
-    def world_T_object(self, name: str) -> Similarity:
-        """Where an object stands in the world, or in the frame of its anchor.
+    def world_T_object(
+        self,
+        name: str,
+        time_s: float | None = None,
+        world_T_anchor: Mapping[str, Similarity] = _NOWHERE,
+    ) -> Similarity:
+        """Where an object stands in the world; see `world_T_parent`.
 
         Raises:
             ValueError: no such object.
         """
-        return self.world_T_parent(name) @ self.pose(name).as_similarity()
+        return self.world_T_parent(name, time_s, world_T_anchor) @ self.pose_at(name, time_s)
+
+    def branch(self, name: str) -> list[str]:
+        """An object and all that hang on it, in their order.
+
+        Raises:
+            ValueError: no such object.
+        """
+        self.pose(name)
+        found = {name}
+        for one, parent in self.parents.items():
+            if parent in found:
+                found.add(one)
+        return [one for one in self.parents if one in found]
 
     def pose(self, name: str) -> ObjectPose:
         """The pose of an object in its parent.
@@ -125,8 +178,28 @@ class Scene:
         return self.poses[name]
 
     def with_pose(self, name: str, pose: ObjectPose) -> Scene:
-        """The scene with one object somewhere else."""
-        return replace(self, poses={**self.poses, name: pose})
+        """The scene with one object somewhere else.
+
+        Raises:
+            ValueError: no such object.
+        """
+        self.pose(name)
+        return self.but(poses={**self.poses, name: pose})
+
+    def with_part(self, name: str, part: ScenePart) -> Scene:
+        """The scene with one object that is or does something else.
+
+        Raises:
+            ValueError: no such object.
+        """
+        self.pose(name)
+        return self.but(parts={**self.parts, name: part})
+
+    def but(self, **fields: Mapping[str, Any]) -> Scene:
+        """The same with fields that need no check: a drag of a large scene has no time for it."""
+        made: Scene = object.__new__(Scene)
+        made.__dict__.update(self.__dict__ | fields)
+        return made
 
     def on_euler_angles(self) -> Scene:
         """The same scene with poses held as Euler angles."""
@@ -143,10 +216,15 @@ class Scene:
             "schema": SCHEMA,
             "version": VERSION,
             **({"anchors": anchors} if anchors else {}),
-            "objects": [self._object_json(name) for name in self.parents],
+            "objects": [self.object_json(name) for name in self.parents],
         }
 
-    def _object_json(self, name: str) -> dict[str, Any]:
+    def object_json(self, name: str) -> dict[str, Any]:
+        """An object's entry in a scene file.
+
+        Raises:
+            ValueError: no such object.
+        """
         part, parent = self.part(name), self.parents[name]
         return {
             "name": name,

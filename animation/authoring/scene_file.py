@@ -18,13 +18,25 @@ left out, as in files of earlier versions.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from motorcade.animation.authoring.fields import listed, number, read_json, table, text, vector
+from motorcade.animation.authoring.fields import (
+    MOST_BYTES,
+    listed,
+    number,
+    object_name,
+    read_json,
+    short,
+    table,
+    text,
+    vector,
+)
 from motorcade.animation.authoring.parts import (
     JointKeyframe,
     SceneAnchor,
@@ -39,25 +51,11 @@ from motorcade.ga import Motor, Rotor, Similarity
 
 MOST_OBJECTS = 10_000
 MOST_KEYFRAMES = 100_000
+# A pose that was read is written within rounding of it, and must be read again.
+FARTHEST_M, SCALES, _ROUNDING = 999e6, (1e-6, 1e6), 1e-6
 _MOST_IN_A_LIST = 1000
 _TOP = ("schema", "version", "anchors", "objects")
-_POSE = ("position_m", "wxyz", "euler_deg", "scale")
-_OBJECT = (
-    "name",
-    "kind",
-    "file",
-    "parent",
-    *_POSE,
-    "height_m",
-    "clip",
-    "clip_start_s",
-    "layers",
-    "walk",
-    "keyframes",
-    "interpolation",
-    "joint_keyframes",
-    "visible",
-)
+POSE_KEYS = ("position_m", "wxyz", "euler_deg", "scale")
 
 
 def read_scene(path: Path) -> Scene:
@@ -78,14 +76,14 @@ def scene_of(tree: object, where: str) -> Scene:
         ValueError: see `read_scene`.
     """
     if not isinstance(tree, dict):
-        raise ValueError(f"{where}: objects: expected a list of 1 to {MOST_OBJECTS} objects")
+        raise ValueError(f"{where}: objects: expected a list of at most {MOST_OBJECTS} objects")
     top = table(tree, where, _TOP)
     if top.get("schema", SCHEMA) != SCHEMA or top.get("version", VERSION) != VERSION:
-        told = f"{top.get('schema', SCHEMA)!r} {top.get('version', VERSION)!r}"[:80]
+        told = f"{short(top.get('schema', SCHEMA))} {short(top.get('version', VERSION))}"
         raise ValueError(f"{where}: schema: expected '{SCHEMA}' {VERSION}, got {told}")
     objects = top.get("objects")
-    if not isinstance(objects, list) or not 1 <= len(objects) <= MOST_OBJECTS:
-        raise ValueError(f"{where}: objects: expected a list of 1 to {MOST_OBJECTS} objects")
+    if not isinstance(objects, list) or len(objects) > MOST_OBJECTS:
+        raise ValueError(f"{where}: objects: expected a list of at most {MOST_OBJECTS} objects")
     anchors = _anchors(top.get("anchors", {}), f"{where}: anchors")
     parents: dict[str, str | None] = {}
     poses: dict[str, ObjectPose] = {}
@@ -93,29 +91,66 @@ def scene_of(tree: object, where: str) -> Scene:
     keyframes = 0
     for index, given in enumerate(objects):
         here = f"{where}: objects[{index}]"
-        table(given, here, _OBJECT)
-        name = given.get("name")
-        if not isinstance(name, str) or not name or name in parents or name in anchors:
-            raise ValueError(f"{here}.name: expected a name of its own, got {str(name)[:80]!r}")
-        parent = given.get("parent")
-        if parent is not None and not (
-            isinstance(parent, str) and (parent in parents or parent in anchors)
-        ):
-            told = repr(parent)[:80]
-            raise ValueError(f"{here}.parent: expected an object named before, got {told}")
-        parents[name] = parent
-        poses[name] = VersorObjectPose(_similarity(given, here))
-        for key in ("keyframes", "joint_keyframes"):
-            keyframes += len(listed(given.get(key, []), f"{here}.{key}", MOST_KEYFRAMES))
+        one = object_of(given, here)
+        if one.name in parents or one.name in anchors:
+            raise ValueError(f"{here}.name: expected a name of its own, got {one.name!r}")
+        if one.parent is not None and not (one.parent in parents or one.parent in anchors):
+            raise ValueError(
+                f"{here}.parent: expected an object named before, got {short(one.parent)}"
+            )
+        parents[one.name], poses[one.name] = one.parent, one.pose
+        keyframes += one.part.keyframe_count
         if keyframes > MOST_KEYFRAMES:
             raise ValueError(f"{here}: expected at most {MOST_KEYFRAMES} keyframes in all")
-        part = _part(given, here)
-        if part is not None:
-            parts[name] = part
+        if one.part.kind != "group" or one.part.keyframes:
+            parts[one.name] = one.part
     try:
         return Scene(parents, poses, parts, anchors)
     except ValueError as fault:
         raise ValueError(f"{where}: {fault}") from fault
+
+
+@dataclass(frozen=True, eq=False)
+class SceneEntry:
+    """An object as a scene file lists it: what `Scene` holds of it by name."""
+
+    name: str
+    parent: str | None
+    pose: ObjectPose
+    part: ScenePart
+
+
+def object_of(given: object, where: str) -> SceneEntry:
+    """An entry of `objects`.
+
+    Raises:
+        ValueError: a field that is unknown or wrong; the message begins with `where`.
+    """
+    entry = table(given, where, ("name", "parent", *POSE_KEYS, *_PART))
+    name = object_name(entry.get("name"), f"{where}.name")
+    parent = entry.get("parent")
+    if parent is not None and not isinstance(parent, str):
+        raise ValueError(f"{where}.parent: expected an object named before, got {short(parent)}")
+    pose = VersorObjectPose(similarity_of(entry, where))
+    part = prefixed(where, lambda: ScenePart(**part_fields(entry, where)))
+    return SceneEntry(name, parent, pose, part)
+
+
+def scene_text(scene: Scene) -> str:
+    """A scene file: the same text of the same scene.
+
+    Raises:
+        ValueError: more than 16 MiB, which could not be read again.
+
+    >>> import json
+    >>> from motorcade.animation.authoring import scene_of, scene_text
+    >>> json.loads(scene_text(scene_of({"objects": [{"name": "cup"}]}, "")))["version"]
+    1
+    """
+    made = json.dumps(scene.as_json(), indent=1, allow_nan=False) + "\n"
+    if len(made) > MOST_BYTES:  # in ASCII
+        raise ValueError(f"scene: expected at most {MOST_BYTES} bytes to write, got {len(made)}")
+    return made
 
 
 def _anchors(given: object, where: str) -> dict[str, SceneAnchor]:
@@ -123,61 +158,68 @@ def _anchors(given: object, where: str) -> dict[str, SceneAnchor]:
     if not isinstance(given, dict) or len(given) > _MOST_IN_A_LIST:
         raise ValueError(f"{where}: expected at most {_MOST_IN_A_LIST} anchors by name")
     for name, one in given.items():
-        here = f"{where}['{text(name, where)}']"
-        entry = table(one, here, ("on", "marker", "floor_m"))
-        marker = entry.get("marker")
-        if marker is not None and (type(marker) is not int or not 0 <= marker < 10**6):
-            raise ValueError(f"{here}.marker: expected an id, got {str(marker)[:80]!r}")
-        floor_m = number(entry.get("floor_m", 0.0), f"{here}.floor_m")
-        try:
-            made[name] = SceneAnchor(_word(entry.get("on", "auto")), marker, floor_m)
-        except ValueError as fault:
-            raise ValueError(f"{here}: {fault}") from fault
+        made[name] = anchor_of(one, f"{where}['{object_name(name, where)}']")
     return made
 
 
-def _part(given: Mapping[str, Any], where: str) -> ScenePart | None:
-    """What an object is and does; None for a group that does nothing."""
-    said: dict[str, Any] = {}
-    for key in ("kind", "interpolation"):
+def anchor_of(given: object, where: str) -> SceneAnchor:
+    """An entry of `anchors`.
+
+    Raises:
+        ValueError: a wrong field; the message begins with `where`.
+    """
+    entry = table(given, where, ("on", "marker", "floor_m"))
+    marker = entry.get("marker")
+    if marker is not None and (type(marker) is not int or not 0 <= marker < 10**6):
+        raise ValueError(f"{where}.marker: expected an id, got {short(marker)}")
+    floor_m = number(entry.get("floor_m", 0.0), f"{where}.floor_m")
+    on = _word(entry.get("on", "auto"))
+    made: SceneAnchor = prefixed(where, lambda: SceneAnchor(on, marker, floor_m))
+    return made
+
+
+def part_fields(given: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """What an object's keys say of its `ScenePart`, by its fields; null is the default.
+
+    Raises:
+        ValueError: a wrong field; the message begins with `where`.
+    """
+    said = {}
+    for key, (field, read) in _PART.items():
         if key in given:
-            said[key] = _word(given[key])
-    for key in ("file", "clip"):
-        if given.get(key) is not None:
-            said[key] = text(given[key], f"{where}.{key}")
-    for key in ("height_m", "clip_start_s"):
-        if given.get(key) is not None:
-            said[key] = number(given[key], f"{where}.{key}")
+            at = f"{where}.{key}"
+            value = given[key]
+            said[field] = _DEFAULTS[field] if value is None else prefixed(at, read, value, at)
+    return said
+
+
+def prefixed(where: str, read: Callable[..., Any], *given: Any) -> Any:
+    """What is read; what is refused without saying where, says so."""
     try:
-        if "layers" in given:
-            layers = listed(given["layers"], f"{where}.layers", _MOST_IN_A_LIST)
-            said["layers"] = tuple(
-                _layer(one, f"{where}.layers[{k}]") for k, one in enumerate(layers)
-            )
-        if given.get("walk") is not None:
-            said["walk"] = _walk(given["walk"], f"{where}.walk")
-        said["keyframes"] = tuple(
-            _keyframe(one, f"{where}.keyframes[{k}]")
-            for k, one in enumerate(given.get("keyframes", []))
-        )
-        said["joint_keyframes"] = tuple(
-            _joint_keyframe(one, f"{where}.joint_keyframes[{k}]")
-            for k, one in enumerate(given.get("joint_keyframes", []))
-        )
-        if given.get("visible") is not None:
-            said["visible_s"] = tuple(vector(given["visible"], f"{where}.visible", 2).tolist())
-        made = ScenePart(**said)
+        return read(*given)
     except ValueError as fault:
         told = str(fault)
         raise ValueError(told if told.startswith(where) else f"{where}: {told}") from fault
-    return None if made.kind == "group" and not made.keyframes else made
+
+
+def _rows(read: Callable[[object, str], Any], most: int) -> Callable[[object, str], Any]:
+    def made(given: object, where: str) -> tuple[Any, ...]:
+        rows = enumerate(listed(given, where, most))
+        return tuple(prefixed(f"{where}[{k}]", read, one, f"{where}[{k}]") for k, one in rows)
+
+    return made
+
+
+def _span(given: object, where: str) -> tuple[float, float]:
+    start, end = vector(given, where, 2).tolist()
+    return start, end
 
 
 def _layer(given: object, where: str) -> SceneLayer:
     one = table(given, where, ("clip", "joints", "weight", "additive", "start_s", "end_s"))
     additive = one.get("additive", False)
     if not isinstance(additive, bool):
-        raise ValueError(f"{where}.additive: expected true or false, got {str(additive)[:80]!r}")
+        raise ValueError(f"{where}.additive: expected true or false, got {short(additive)}")
     end = one.get("end_s")
     return SceneLayer(
         text(one.get("clip"), f"{where}.clip"),
@@ -203,13 +245,13 @@ def _walk(given: object, where: str) -> SceneWalk:
 
 
 def _keyframe(given: object, where: str) -> SceneKeyframe:
-    one = table(given, where, ("time_s", *_POSE))
+    one = table(given, where, ("time_s", *POSE_KEYS))
     angles = None
     if one.get("euler_deg") is not None:
         x, y, z = vector(one["euler_deg"], f"{where}.euler_deg", 3).tolist()
         angles = x, y, z
     return SceneKeyframe(
-        number(one.get("time_s"), f"{where}.time_s"), _similarity(one, where), angles
+        number(one.get("time_s"), f"{where}.time_s"), similarity_of(one, where), angles
     )
 
 
@@ -219,30 +261,41 @@ def _joint_keyframe(given: object, where: str) -> JointKeyframe:
     if not isinstance(joints, dict) or len(joints) > _MOST_IN_A_LIST:
         raise ValueError(f"{where}.joints: expected at most {_MOST_IN_A_LIST} turns by joint")
     rotors = {
-        text(name, f"{where}.joints"): _rotor(wxyz, f"{where}.joints['{name}']")
+        text(name, f"{where}.joints"): rotor_of(wxyz, f"{where}.joints['{short(name)}']")
         for name, wxyz in joints.items()
     }
     return JointKeyframe(number(one.get("time_s"), f"{where}.time_s"), rotors)
 
 
-def _similarity(given: Mapping[str, Any], where: str) -> Similarity:
+def similarity_of(given: Mapping[str, Any], where: str) -> Similarity:
+    """A pose by its keys; what is left out is none.
+
+    Raises:
+        ValueError: a wrong field; the message begins with `where`.
+    """
     if "wxyz" in given and "euler_deg" in given:
         raise ValueError(f"{where}: expected wxyz or euler_deg, got both")
     rotor = Rotor.identity()
     if "wxyz" in given:
-        rotor = _rotor(given["wxyz"], f"{where}.wxyz")
+        rotor = rotor_of(given["wxyz"], f"{where}.wxyz")
     elif "euler_deg" in given:
         angles = np.radians(vector(given["euler_deg"], f"{where}.euler_deg", 3))
         rotor = Rotor.from_euler(angles)
     position = vector(given.get("position_m", [0, 0, 0]), f"{where}.position_m", 3)
     scale = number(given.get("scale", 1.0), f"{where}.scale")
-    if not 1e-6 <= scale <= 1e6:
+    low, high = SCALES
+    if not low * (1.0 - _ROUNDING) <= scale <= high * (1.0 + _ROUNDING):
         raise ValueError(f"{where}.scale: expected 1e-6 to 1e6, got {scale:g}")
     motor = Motor.from_rotor_translation(rotor, position)
     return Similarity.from_motor_scale(motor, scale)
 
 
-def _rotor(given: object, where: str) -> Rotor:
+def rotor_of(given: object, where: str) -> Rotor:
+    """A turn ``wxyz``.
+
+    Raises:
+        ValueError: no quaternion; the message begins with `where`.
+    """
     wxyz = vector(given, where, 4)
     try:
         return Rotor.from_quaternion(wxyz)
@@ -250,6 +303,24 @@ def _rotor(given: object, where: str) -> Rotor:
         raise ValueError(f"{where}: {fault}") from fault
 
 
-def _word(given: object) -> Any:
+def _word(given: object, where: str = "") -> Any:
     """A word that the value itself checks; whatever else JSON holds as text that is none."""
-    return given if isinstance(given, str) else repr(given)[:80]
+    return given if isinstance(given, str) else short(given)
+
+
+# By the key of an object, the field of its part and how it is read.
+_PART: dict[str, tuple[str, Callable[[object, str], Any]]] = {
+    "kind": ("kind", _word),
+    "file": ("file", text),
+    "height_m": ("height_m", number),
+    "clip": ("clip", text),
+    "clip_start_s": ("clip_start_s", number),
+    "layers": ("layers", _rows(_layer, _MOST_IN_A_LIST)),
+    "walk": ("walk", _walk),
+    "keyframes": ("keyframes", _rows(_keyframe, MOST_KEYFRAMES)),
+    "interpolation": ("interpolation", _word),
+    "joint_keyframes": ("joint_keyframes", _rows(_joint_keyframe, MOST_KEYFRAMES)),
+    "visible": ("visible_s", _span),
+}
+PART_KEYS = tuple(_PART)
+_DEFAULTS: dict[str, Any] = {one.name: getattr(ScenePart(), one.name) for one in fields(ScenePart)}

@@ -149,7 +149,11 @@ TARGETS: dict[str, Callable[[Path], Target]] = {
         "motorcade.animation.authoring.scene_file", "read_scene", "a.json", _SCENE, _TURNED, _EULER
     ),
     "guided-drags": _file(
-        "motorcade.animation.authoring.editor", "read_gestures", "a", _DRAGS, words="local global"
+        "motorcade.animation.authoring.editing.gestures",
+        "read_gestures",
+        "a",
+        _DRAGS,
+        words="local global",
     ),
     "guided-camera": _file(
         "motorcade.replays.readers.manifest.section",

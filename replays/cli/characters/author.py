@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 
 from motorcade.replays.cli.arguments import Subparsers, new_command
@@ -62,7 +61,7 @@ def author_scene(arguments: argparse.Namespace) -> None:
     """Replay, write, and say where the two writings of rotations part."""
     import numpy as np
 
-    from motorcade.animation.authoring import Snapping
+    from motorcade.animation.authoring import Snapping, scene_text
     from motorcade.replays.characters.authoring import author
     from motorcade.replays.cli.arguments import print_json
     from motorcade.replays.files.atomic import write_bytes
@@ -72,8 +71,7 @@ def author_scene(arguments: argparse.Namespace) -> None:
     )
     made = author(arguments.scene, arguments.gestures, arguments.rotations, snapping)
     if arguments.output is not None:
-        text = json.dumps(made.scene.as_json(), indent=1) + "\n"
-        write_bytes(arguments.output, text.encode())
+        write_bytes(arguments.output, scene_text(made.scene).encode())
     if arguments.json:
         print_json(made.as_json())
         return

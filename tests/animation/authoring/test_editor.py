@@ -181,13 +181,21 @@ def test_undo_and_redo_walk_through_the_history(scene):
     for k in range(3):
         states.append(editor.apply(Drag("cup", "translate", (1, 0, 0)), 0.1 * (k + 1)))
     for expected in (states[2], states[1]):
-        assert editor.undo() is expected
-    assert editor.redo() is states[2]
+        _assert_same_poses(editor.undo(), expected)
+    _assert_same_poses(editor.redo(), states[2])
     changed = editor.apply(Drag("cup", "scale"), 2.0)
     assert editor.redo() is changed  # what was undone is gone
+    assert not editor.can_redo
     for _ in range(9):
         editor.undo()
-    assert editor.scene is scene
+    _assert_same_poses(editor.scene, scene)
+    assert not editor.can_undo
+
+
+def _assert_same_poses(one: Scene, other: Scene) -> None:
+    """The very values, not equal ones."""
+    assert list(one.parents) == list(other.parents)
+    assert all(one.poses[name] is other.poses[name] for name in one.parents)
 
 
 def test_a_cancelled_drag_leaves_no_trace(scene):
@@ -214,7 +222,7 @@ def test_refusals(scene):
     assert editor.scene is scene
     with pytest.raises(ValueError, match="expected a direction"):
         Drag("cup", "rotate", (0, 0, 0))
-    with pytest.raises(ValueError, match="expected rotate, translate or scale"):
+    with pytest.raises(ValueError, match="expected one of rotate, translate, scale, similarity"):
         Drag("cup", "shear")
     with pytest.raises(ValueError, match="expected two poses of type VersorObjectPose"):
         editor.path("cup", EulerObjectPose(np.zeros(3), np.zeros(3)), scene.pose("cup"))

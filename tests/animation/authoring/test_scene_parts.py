@@ -62,7 +62,7 @@ def test_every_key_is_read_and_written_back(tmp_path: Path) -> None:
     [
         (changed(0, kind="person"), r"objects\[0\]: ScenePart.kind: expected one of character"),
         (changed(0, colour="red"), r"objects\[0\]: expected fields of .*, got 'colour'"),
-        (changed(0, walk={"path_m": [[0, 0]]}), r"\[0\]: SceneWalk.path_m: expected \(P, 2\)"),
+        (changed(0, walk={"path_m": [[0, 0]]}), r"\[0\].walk: SceneWalk.path_m: expected \(P, 2\)"),
         (changed(0, keyframes=[{"time_s": 1}]), "expected none beside a walk"),
         (changed(0, layers=[{"clip": "wave", "mask": 1}]), r"layers\[0\]: expected fields of"),
         (changed(0, layers=[{"clip": "wave", "joints": []}]), r"SceneLayer.joints: expected one"),

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.animation.authoring.editor import SceneEditor, read_gestures, replay
+from motorcade.animation.authoring import SceneEditor, read_gestures, replay
 from motorcade.animation.authoring.scene import Scene
 from motorcade.animation.authoring.scene_file import read_scene
 from motorcade.ga import Rotor

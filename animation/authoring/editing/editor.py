@@ -1,0 +1,255 @@
+"""The editor: drags and edits of a scene, composed from where each began, undone and done again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from motorcade.animation.authoring.editing.drags import Amount, Drag, Snapping, dragged, held
+from motorcade.animation.authoring.editing.edits import Edit
+from motorcade.animation.authoring.editing.gestures import (
+    AnchorsStand,
+    Dragged,
+    Gesture,
+    HistoryStep,
+    Together,
+)
+from motorcade.animation.authoring.editing.history import SceneStep
+from motorcade.animation.authoring.poses import ObjectPose
+from motorcade.animation.authoring.scene import Scene
+from motorcade.ga import Similarity
+from motorcade.ga.arrays import FloatArray
+
+
+class SceneEditor:
+    """Edits a scene by drags and edits; one gesture is one step, and what changes nothing is none.
+
+    While a drag goes on, every amount is applied to the pose in which the drag found the object,
+    so neither small steps nor snapping add up errors. The scene's poses say whether it turns by
+    rotors or by Euler angles (`Scene.on_euler_angles`).
+
+    Args:
+        scene: what is edited; it is not changed.
+        snapping: steps for the amounts of drags.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.authoring import Drag, Scene, SceneEditor, Snapping
+    >>> from motorcade.animation.authoring import VersorObjectPose
+    >>> from motorcade.ga import Similarity
+    >>> table = Scene({"cup": None}, {"cup": VersorObjectPose(Similarity.identity())})
+    >>> editor = SceneEditor(table, Snapping(distance_m=0.1))
+    >>> moved = editor.apply(Drag("cup", "translate", axis=[1.0, 0, 0]), 0.27)
+    >>> moved.world_T_object("cup").translation_m.round(6) + 0.0
+    array([0.3, 0. , 0. ])
+    >>> editor.undo().world_T_object("cup").translation_m + 0.0
+    array([0., 0., 0.])
+    """
+
+    def __init__(self, scene: Scene, snapping: Snapping | None = None) -> None:
+        self.snapping = snapping or Snapping()
+        self._scene = scene
+        self._past: list[SceneStep] = []
+        self._future: list[SceneStep] = []
+        self._drag: Drag | None = None
+        # Where the gesture began, and where the drag of it that is going on began.
+        self._start = self._before = scene
+        self._world_T_anchor: Mapping[str, Similarity] = {}
+
+    @property
+    def scene(self) -> Scene:
+        """The scene as it is now, in the middle of a drag too."""
+        return self._scene
+
+    @property
+    def world_T_anchor(self) -> Mapping[str, Similarity]:
+        """Where anchors stand; see `stand`."""
+        return self._world_T_anchor
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a step to take back."""
+        return bool(self._past)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is a step to take again."""
+        return bool(self._future)
+
+    def stand(self, world_T_anchor: Mapping[str, Similarity]) -> None:
+        """Say where anchors stand from here on; global axes and new parents go by it.
+
+        Raises:
+            RuntimeError: a drag is going on.
+        """
+        self._idle()
+        self._world_T_anchor = AnchorsStand(world_T_anchor).world_T_anchor
+
+    def begin(self, drag: Drag) -> None:
+        """Take hold of an object.
+
+        Raises:
+            ValueError: no such object.
+            RuntimeError: a drag is going on.
+        """
+        if self._drag is not None:
+            raise RuntimeError("SceneEditor.begin: end or cancel the drag that is going on first")
+        self._scene.pose(drag.object_name)
+        self._drag, self._start, self._before = drag, self._scene, self._scene
+
+    def go_on(self, drag: Drag) -> None:
+        """Go on within the gesture by another drag, from where the last one has come: about other
+        axes, or of another object.
+
+        Raises:
+            ValueError: no such object.
+            RuntimeError: no drag is going on.
+        """
+        self._going_on("go_on")
+        self._scene.pose(drag.object_name)
+        self._drag, self._before = drag, self._scene
+
+    def drag_to(self, amount: Amount) -> Scene:
+        """Move on to an amount since the drag began: rad, m, a factor, or a similarity.
+
+        Raises:
+            ValueError: see `Drag.applied`; the scene stays where the drag had brought it.
+            RuntimeError: no drag is going on.
+        """
+        drag = self._going_on("drag_to")
+        given = drag.checked(amount)
+        if self.snapping != Snapping():
+            given = self.snapping.snapped(drag, given, self._origin_m(drag))
+        if drag.is_nothing(given):
+            self._scene = self._before
+        else:
+            self._scene = dragged(self._before, drag, given, self._world_T_anchor)
+        return self._scene
+
+    def end(self) -> Scene:
+        """Let go: the gesture becomes one step that can be undone, unless it changed nothing.
+
+        Raises:
+            RuntimeError: no drag is going on.
+        """
+        self._going_on("end")
+        self._drag = None
+        return self._step_to(self._start, self._scene)
+
+    def cancel(self) -> Scene:
+        """Put everything back where the gesture began.
+
+        Raises:
+            RuntimeError: no drag is going on.
+        """
+        self._going_on("cancel")
+        self._drag, self._scene = None, self._start
+        return self._scene
+
+    def apply(self, drag: Drag, amount: Amount) -> Scene:
+        """A whole drag at once; see `do`."""
+        return self.do(Dragged(drag, (amount,)))
+
+    def do(self, gesture: Gesture) -> Scene:
+        """A whole gesture at once: one step, or none where it is refused.
+
+        Raises:
+            ValueError: what the scene does not have or may not have; all is then as it was.
+            RuntimeError: a drag is going on.
+        """
+        self._idle()
+        if isinstance(gesture, HistoryStep):
+            return self.undo() if gesture.way == "undo" else self.redo()
+        if isinstance(gesture, AnchorsStand):
+            self.stand(gesture.world_T_anchor)
+            return self._scene
+        start = self._scene
+        try:
+            for one in gesture.gestures if isinstance(gesture, Together) else (gesture,):
+                self._done(one)
+        except ValueError:
+            self._scene = start
+            raise
+        finally:
+            self._drag = None
+        return self._step_to(start, self._scene)
+
+    def undo(self) -> Scene:
+        """The scene before the last step; without one, the scene as it is."""
+        return self._walk(self._past, self._future, back=True)
+
+    def redo(self) -> Scene:
+        """Takes an undo back; without one, the scene as it is."""
+        return self._walk(self._future, self._past, back=False)
+
+    def path(self, name: str, start: ObjectPose, end: ObjectPose, steps: int = 100) -> Similarity:
+        """`parent_T_object` ``(steps + 1,)`` of an object animated from one pose to another.
+
+        Both poses are of the scene's own kind; how they are interpolated is the kind's.
+
+        Raises:
+            ValueError: no such object, poses of another kind, fewer than one step.
+        """
+        kind = type(self._scene.pose(name))
+        if type(start) is not kind or type(end) is not kind or steps < 1:
+            raise ValueError(
+                f"SceneEditor.path: expected two poses of type {kind.__name__} and a step or more, "
+                f"got {type(start).__name__}, {type(end).__name__} and {steps}"
+            )
+        return start.towards(end, np.linspace(0.0, 1.0, steps + 1))
+
+    def _done(self, one: Dragged | Edit) -> None:
+        if isinstance(one, Edit):
+            self._scene = one.applied(self._scene, self._world_T_anchor)
+            return
+        self._scene.pose(one.drag.object_name)
+        self._drag, self._before = one.drag, self._scene
+        for amount in one.amounts:
+            self.drag_to(amount)
+
+    def _origin_m(self, drag: Drag) -> FloatArray:
+        """Where an object's origin is in the frame of a drag."""
+        if drag.frame == "local":
+            return np.zeros(3)
+        origin = held(self._before, drag).as_similarity().translation_m
+        if drag.frame == "parent":
+            return origin
+        name, anchors = drag.object_name, self._world_T_anchor
+        return self._before.world_T_parent(name, drag.time_s, anchors).apply(origin)
+
+    def _going_on(self, verb: str) -> Drag:
+        if self._drag is None:
+            raise RuntimeError(f"SceneEditor.{verb}: begin a drag first")
+        return self._drag
+
+    def _idle(self) -> None:
+        if self._drag is not None:
+            raise RuntimeError("SceneEditor: end or cancel the drag that is going on first")
+
+    def _step_to(self, start: Scene, scene: Scene) -> Scene:
+        """Where a gesture ends, put on record unless nothing has changed."""
+        step = SceneStep.between(start, scene)
+        self._scene = start if step is None else scene
+        if step is not None:
+            self._past.append(step)
+            self._future.clear()
+        return self._scene
+
+    def _walk(self, source: list[SceneStep], target: list[SceneStep], *, back: bool) -> Scene:
+        self._idle()
+        if source:
+            step = source.pop()
+            target.append(step)
+            self._scene = step.taken(self._scene, back)
+        return self._scene
+
+
+def replay(editor: SceneEditor, gestures: Iterable[Gesture]) -> Scene:
+    """Do what was recorded, amount by amount; returns the scene at the end.
+
+    Raises:
+        ValueError: an object that is not there, an amount that the drag refuses.
+    """
+    for gesture in gestures:
+        editor.do(gesture)
+    return editor.scene
