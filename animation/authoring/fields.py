@@ -13,6 +13,7 @@ from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.ga.files import read_bounded
 
 MOST_BYTES = 16 * 2**20
+MOST_LINES_BYTES = 64 * 2**20
 _SHORT = Repr()
 _SHORT.maxstring = _SHORT.maxlong = _SHORT.maxother = 70
 
@@ -93,23 +94,25 @@ def read_json(path: Path) -> Any:
     Raises:
         ValueError: a file that cannot be read, is larger than 16 MiB, or no JSON.
     """
-    return parsed_json(_text(path), path.name)
+    return parsed_json(_decoded(read_bounded(path, MOST_BYTES), path), path.name)
 
 
-def read_json_lines(path: Path, most_bytes: int = MOST_BYTES) -> Iterator[tuple[int, Any]]:
+def read_json_lines(path: Path) -> Iterator[tuple[int, Any]]:
     """Line numbers and values of a file of JSON lines; empty lines are left out.
 
     Raises:
         ValueError: a file that cannot be read or is too large, a line that is no JSON.
     """
-    for at, line in enumerate(_text(path, most_bytes).split("\n"), start=1):
+    for at, line in enumerate(
+        _decoded(read_bounded(path, MOST_LINES_BYTES), path).split("\n"), start=1
+    ):
         if line.strip():
             yield at, parsed_json(line, f"{path.name}:{at}")
 
 
-def _text(path: Path, most_bytes: int = MOST_BYTES) -> str:
+def _decoded(data: bytes, path: Path) -> str:
     try:
-        return read_bounded(path, most_bytes).decode("utf-8")
+        return data.decode("utf-8")
     except UnicodeDecodeError as fault:
         raise ValueError(f"{path}: expected UTF-8, got other bytes") from fault
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Literal, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from motorcade.ga import EulerPose, Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive, frozen
@@ -180,9 +181,7 @@ class EulerObjectPose(ObjectPose):
 
     def __post_init__(self) -> None:
         for name in ("angles_rad", "position_m"):
-            given = checked_floats(getattr(self, name), f"EulerObjectPose.{name}", (3,))
-            if given.shape != (3,):
-                raise ValueError(f"EulerObjectPose.{name}: expected (3,), got {given.shape}")
+            given = checked_vector(getattr(self, name), f"EulerObjectPose.{name}")
             object.__setattr__(self, name, frozen(given))
         checked_positive(self.scale, "EulerObjectPose.scale")
 
@@ -238,6 +237,18 @@ def pose_of(rotor: Rotor, position_m: FloatArray, scale: FloatArray | float) -> 
     """A pose by its parts, the rotor at length 1."""
     unit = Rotor.normalize(rotor.coefficients)
     return Similarity.from_rotor_translation_scale(unit, position_m, scale)
+
+
+def checked_vector(value: ArrayLike, name: str) -> FloatArray:
+    """One vector ``(3,)`` of finite numbers.
+
+    Raises:
+        ValueError: anything else.
+    """
+    given = checked_floats(value, name, (3,))
+    if given.shape != (3,):
+        raise ValueError(f"{name}: expected (3,), got {given.shape}")
+    return given
 
 
 def _in_parent(

@@ -37,7 +37,7 @@ from motorcade.animation.authoring.fields import (
 )
 from motorcade.ga import Similarity
 
-MOST_GESTURES, MOST_BYTES = 1_000_000, 64 * 2**20
+MOST_GESTURES = 1_000_000
 _MOST_TOGETHER = 10_000
 _WORDS = (*KINDS, *EDITS, "together", "anchors", "undo", "redo")
 _AMOUNTS = {
@@ -172,7 +172,7 @@ def read_gestures(path: Path) -> list[Gesture]:
             lines, a line that is no gesture; the message names file, line and field.
     """
     made: list[Gesture] = []
-    for at, given in read_json_lines(path, MOST_BYTES):
+    for at, given in read_json_lines(path):
         if len(made) == MOST_GESTURES:
             raise ValueError(f"{path}:{at}: expected at most {MOST_GESTURES} gestures, got more")
         made.append(gesture_of(given, f"{path}:{at}"))
