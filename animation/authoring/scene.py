@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
@@ -14,6 +14,7 @@ from motorcade.animation.authoring.parts import SceneAnchor, ScenePart
 from motorcade.animation.authoring.poses import EulerObjectPose, ObjectPose, pose_of
 from motorcade.animation.authoring.written import anchor_json, part_json, pose_json
 from motorcade.ga import Similarity
+from motorcade.ga.arrays import FloatArray
 
 SCHEMA, VERSION = "motorcade-scene", 1
 _NOWHERE: Mapping[str, Similarity] = MappingProxyType({})
@@ -92,19 +93,24 @@ class Scene:
             above = self.parents[above]
         return above
 
-    def pose_at(self, name: str, time_s: float | None = None) -> Similarity:
+    def pose_at(self, name: str, time_s: float | FloatArray | None = None) -> Similarity:
         """`parent_T_object` at a time: between keyframes where it has some, else its pose.
 
         Args:
             name: which; one that walks is where it sets out.
-            time_s: from the first frame; None for what it has apart from keyframes.
+            time_s: from the first frame, one time or ``(T,)``; None for what it has apart from
+                keyframes.
+
+        Returns:
+            a batch ``(T,)`` where it has keyframes and several times are asked for, else one.
 
         Raises:
             ValueError: no such object.
         """
         pose, part = self.pose(name).as_similarity(), self.part(name)
         if part.keyframes and time_s is not None:
-            return between_keyframes(part, np.array([time_s]))[0]
+            clock = np.asarray(time_s, dtype=np.float64)
+            return between_keyframes(part, clock.reshape(-1)).reshape(*clock.shape)
         if part.walk is not None:
             x, y = part.walk.path_m[0]
             return pose_of(pose.rotor, np.array([x, y, pose.translation_m[2]]), pose.scale)
@@ -113,7 +119,7 @@ class Scene:
     def world_T_parent(
         self,
         name: str,
-        time_s: float | None = None,
+        time_s: float | FloatArray | None = None,
         world_T_anchor: Mapping[str, Similarity] = _NOWHERE,
     ) -> Similarity:
         """Where the frame stands in which an object has its pose.
@@ -142,15 +148,53 @@ class Scene:
     def world_T_object(
         self,
         name: str,
-        time_s: float | None = None,
+        time_s: float | FloatArray | None = None,
         world_T_anchor: Mapping[str, Similarity] = _NOWHERE,
     ) -> Similarity:
-        """Where an object stands in the world; see `world_T_parent`.
+        """Where an object stands in the world; over times ``(T,)`` the path that it takes, a batch
+        unless neither it nor what carries it moves. See `world_T_parent`.
 
         Raises:
             ValueError: no such object.
         """
         return self.world_T_parent(name, time_s, world_T_anchor) @ self.pose_at(name, time_s)
+
+    def world_T_objects(
+        self,
+        names: Sequence[str],
+        time_s: float | None = None,
+        world_T_anchor: Mapping[str, Similarity] = _NOWHERE,
+    ) -> Similarity:
+        """Where several objects stand ``(N,)``, each parent being looked at once.
+
+        Raises:
+            ValueError: no name, no such object.
+        """
+        if not names:
+            raise ValueError("world_T_objects(names): expected one or more, got none")
+        wanted: set[str] = set()
+        for name in names:
+            self.pose(name)
+            above: str | None = name
+            while above is not None and above not in wanted:
+                wanted.add(above)
+                above = self.parents.get(above)
+        still = Similarity.identity()
+        rows = {one: k for k, one in enumerate(one for one in self.anchors if one in wanted)}
+        poses = [world_T_anchor.get(one, still).coefficients for one in rows]
+        levels: dict[int, list[tuple[int, int]]] = {}
+        depth = dict.fromkeys(rows, 0)
+        for one in (one for one in self.parents if one in wanted):
+            rows[one], parent = len(poses), self.parents[one]
+            poses.append(self.pose_at(one, time_s).coefficients)
+            depth[one] = 0 if parent is None else depth[parent] + 1
+            if parent is not None:
+                levels.setdefault(depth[one], []).append((rows[parent], rows[one]))
+        made = np.array(poses)
+        for level in sorted(levels):
+            above_rows, own = np.array(levels[level]).T
+            made[own] = (Similarity(made[above_rows]) @ Similarity(made[own])).coefficients
+        return Similarity(made[[rows[name] for name in names]])
 
     def branch(self, name: str) -> list[str]:
         """An object and all that hang on it, in their order.
