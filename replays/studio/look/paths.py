@@ -94,6 +94,10 @@ def _truth(findings: Findings) -> Trajectory | None:
         return None
     judged = next(iter(findings.smoothed.trajectories.values()))
     fit = alignment_of(associate(judged, truth), findings.errors.align)
+    return back_home(fit).apply_to(truth[inside])
+
+
+def back_home(fit: Alignment) -> Alignment:
+    """From the ground truth's world to that of the run: the inverse of an alignment."""
     turn = fit.rotor.inverse()
-    back = Alignment(turn, -turn.apply(fit.translation_m) / fit.scale, 1.0 / fit.scale)
-    return back.apply_to(truth[inside])
+    return Alignment(turn, -turn.apply(fit.translation_m) / fit.scale, 1.0 / fit.scale)

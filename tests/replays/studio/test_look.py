@@ -1,0 +1,52 @@
+"""What a look says of a run: packed arrays, poses at frames, and the ground truth brought home."""
+
+import base64
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motorcade.fusion.metrics.poses.alignment import Alignment
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.replays.studio.look.packing import packed
+from motorcade.replays.studio.look.paths import back_home, rows_at
+from motorcade.replays.studio.view import write_view
+
+
+@pytest.mark.parametrize(("kind", "written"), [("f32", "<f4"), ("f64", "<f8"), ("u32", "<u4")])
+def test_arrays_are_packed_little_endian_with_their_shape(kind: str, written: str) -> None:
+    values = np.arange(12, dtype=np.int64).reshape(3, 4)[:, ::2]
+    told = packed(values, kind)
+    again = np.frombuffer(base64.b64decode(told[kind]), written).reshape(told["shape"])
+    np.testing.assert_array_equal(again, values)
+
+
+def test_poses_at_frames_are_the_paths_own_and_nothing_beyond_its_ends() -> None:
+    rng = np.random.default_rng(2)
+    stamps = np.arange(5) * 100_000_000
+    path = Trajectory(stamps, Motor.random(rng, (5,)), "world", "camera")
+    asked = np.array([-1, 0, 150_000_000, 400_000_000, 400_000_001])
+    rows = rows_at(path, asked)
+    assert np.isnan(rows[[0, 4]]).all()
+    again = Motor.from_quaternion_translation(rows[1:4, 3:], rows[1:4, :3])
+    apart = again.inverse() @ path.motors_at(asked[1:4])
+    assert np.abs(apart.as_twist()).max() < 1e-12
+
+
+def test_the_truth_comes_home_by_the_inverse_of_the_alignment() -> None:
+    rng = np.random.default_rng(4)
+    for scale in (1.0, 0.3, 7.0):
+        fit = Alignment(Rotor.random(rng), rng.normal(size=3), scale)
+        poses = Motor.random(rng, (50,))
+        again = back_home(fit).apply(fit.apply(poses))
+        assert np.abs((again.inverse() @ poses).as_twist()).max() < 1e-12
+
+
+def test_only_one_or_two_runs_become_a_page(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="one or two runs"):
+        write_view([], tmp_path / "view.html")
+    with pytest.raises(ValueError, match=r"ends in \.html"):
+        write_view([tmp_path], tmp_path / "view.txt")
+    with pytest.raises(ValueError, match=r"run\.json is not there"):
+        write_view([tmp_path], tmp_path / "view.html")
+    assert not list(tmp_path.iterdir())
