@@ -78,7 +78,8 @@ def scene_of(tree: object, where: str) -> Scene:
     if not isinstance(tree, dict):
         raise ValueError(f"{where}: objects: expected a list of at most {MOST_OBJECTS} objects")
     top = table(tree, where, _TOP)
-    if top.get("schema", SCHEMA) != SCHEMA or top.get("version", VERSION) != VERSION:
+    version = top.get("version", VERSION)
+    if top.get("schema", SCHEMA) != SCHEMA or type(version) is not int or version != VERSION:
         told = f"{short(top.get('schema', SCHEMA))} {short(top.get('version', VERSION))}"
         raise ValueError(f"{where}: schema: expected '{SCHEMA}' {VERSION}, got {told}")
     objects = top.get("objects")
@@ -88,7 +89,7 @@ def scene_of(tree: object, where: str) -> Scene:
     parents: dict[str, str | None] = {}
     poses: dict[str, ObjectPose] = {}
     parts: dict[str, ScenePart] = {}
-    keyframes = 0
+    _count_keyframes(objects, where)
     for index, given in enumerate(objects):
         here = f"{where}: objects[{index}]"
         one = object_of(given, here)
@@ -99,15 +100,25 @@ def scene_of(tree: object, where: str) -> Scene:
                 f"{here}.parent: expected an object named before, got {short(one.parent)}"
             )
         parents[one.name], poses[one.name] = one.parent, one.pose
-        keyframes += one.part.keyframe_count
-        if keyframes > MOST_KEYFRAMES:
-            raise ValueError(f"{here}: expected at most {MOST_KEYFRAMES} keyframes in all")
         if one.part.kind != "group" or one.part.keyframes:
             parts[one.name] = one.part
     try:
         return Scene(parents, poses, parts, anchors)
     except ValueError as fault:
         raise ValueError(f"{where}: {fault}") from fault
+
+
+def _count_keyframes(objects: list[Any], where: str) -> None:
+    """Refuse too many keyframes before any is looked at."""
+    lists = [
+        one[key]
+        for one in objects
+        if isinstance(one, dict)
+        for key in ("keyframes", "joint_keyframes")
+        if isinstance(one.get(key), list)
+    ]
+    if sum(map(len, lists)) > MOST_KEYFRAMES:
+        raise ValueError(f"{where}: objects: expected at most {MOST_KEYFRAMES} keyframes in all")
 
 
 @dataclass(frozen=True, eq=False)

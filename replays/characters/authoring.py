@@ -63,7 +63,7 @@ def author(
         "euler": replay(SceneEditor(start.on_euler_angles(), snapping), recorded),
     }
     apart = {}
-    for name in start.parents:
+    for name in ends[rotations].parents:  # what gestures added too
         one, other = (end.world_T_object(name) for end in ends.values())
         angle = float((one.rotor.inverse() @ other.rotor).angle())
         shift = float(np.linalg.norm(one.translation_m - other.translation_m))

@@ -8,7 +8,7 @@ from pathlib import Path
 from motorcade.replays.cli.arguments import Subparsers, new_command
 
 DESCRIPTION = """\
-Replay recorded drags on a scene, on rotors or on Euler angles.
+Replay recorded gestures on a scene, on rotors or on Euler angles.
 
 A scene names objects, parents before children. Rotations are wxyz, or euler_deg (intrinsic
 x-y'-z''):
@@ -16,12 +16,15 @@ x-y'-z''):
   {"objects": [{"name": "table", "position_m": [0, 0, 0.7]},
                {"name": "cup", "parent": "table", "wxyz": [1, 0, 0, 0], "scale": 0.5}]}
 
-A line of the drags does one thing; the frame is local, parent or global:
+A line of the gestures does one thing; the frame of a drag is local, parent or global:
 
   {"object": "cup", "do": "rotate", "axis": [0, 0, 1], "amounts_rad": [0.1, 0.3]}
   {"object": "cup", "do": "translate", "axis": [1, 0, 0], "frame": "global", "amounts_m": [0.2]}
   {"object": "cup", "do": "scale", "factors": [1.1, 1.3]}
-  {"do": "undo"}                      (or "redo")"""
+  {"do": "copy", "object": "cup", "name": "mug"}
+  {"do": "undo"}                      (or "redo")
+
+docs/tutorials/gestures.md lists all that can be done."""
 
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -31,13 +34,13 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         shared,
         author_scene,
         name="author",
-        summary="replay recorded drags on a scene, on rotors or on Euler angles",
+        summary="replay recorded gestures on a scene, on rotors or on Euler angles",
         example="motorcade author scene.json --gestures drags.jsonl -o edited.json",
     )
     parser.description = DESCRIPTION
     parser.add_argument("scene", type=Path, metavar="SCENE", help="JSON: objects with poses")
     parser.add_argument(
-        "--gestures", type=Path, required=True, metavar="FILE", help="JSON lines of drags"
+        "--gestures", type=Path, required=True, metavar="FILE", help="JSON lines of drags and edits"
     )
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="write the scene there")
     parser.add_argument(

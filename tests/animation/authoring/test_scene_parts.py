@@ -20,6 +20,7 @@ from motorcade.animation.authoring import (
     read_scene,
     scene_of,
 )
+from motorcade.animation.authoring.scene_file import PART_KEYS, POSE_KEYS
 from motorcade.ga import Motor, Similarity
 
 EVERY_KEY = Path(__file__).parents[3] / "docs" / "manifests" / "every_scene_key.json"
@@ -55,6 +56,13 @@ def test_every_key_is_read_and_written_back(tmp_path: Path) -> None:
     for name in scene.parents:
         pose, again = scene.world_T_object(name), read_scene(file).world_T_object(name)
         np.testing.assert_allclose(again.as_matrix(), pose.as_matrix(), atol=1e-15)
+
+
+def test_the_example_shows_every_key_that_is_read() -> None:
+    tree = json.loads(EVERY_KEY.read_text())
+    shown = {key for one in tree["objects"] for key in one}
+    assert shown == {"name", "parent", *POSE_KEYS, *PART_KEYS}
+    assert {key for one in tree["anchors"].values() for key in one} == {"on", "marker", "floor_m"}
 
 
 @pytest.mark.parametrize(

@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import contextlib
+import copy
 import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from motorcade.animation.authoring import SceneEditor, read_gestures, replay
+from motorcade.animation.authoring import (
+    SceneEditor,
+    read_gestures,
+    read_scene,
+    scene_of,
+    scene_text,
+)
 from motorcade.animation.authoring.scene import Scene
-from motorcade.animation.authoring.scene_file import read_scene
 from motorcade.ga import Rotor
+from tests.animation.authoring.made import BUSY, busy_scene, drawn_gesture
 from tests.fuzz.mutations import changed_tree, mutated, one_of
-from tests.fuzz.own import ended
+from tests.fuzz.own import RefusedError, ended, refusals
 from tests.fuzz.runner import Feed
 
 __all__ = ["prepare"]
@@ -23,13 +31,17 @@ NUMBERS = [0, 1, -1, 0.5, 1e-9, 1e8, 9.9e8, -3.2, 1e-320, 90, 180]
 
 
 def prepare(folder: Path) -> Feed:
-    """A scene and gestures that fit it, with faults; read and replayed."""
+    """A scene and gestures that fit it, with faults; read, replayed, written and read again."""
 
     def feed(rng: np.random.Generator) -> str:
-        scene, drags = _scene(rng), [_drag(rng) for _ in range(int(rng.integers(1, 8)))]
         if rng.random() < 0.5:
-            changed_tree(one_of([scene, drags], rng), rng)
-        texts = [json.dumps(scene).encode(), b"\n".join(json.dumps(x).encode() for x in drags)]
+            scene, lines = _scene(rng), [_drag(rng) for _ in range(int(rng.integers(1, 8)))]
+        else:
+            scene, busy = copy.deepcopy(BUSY), busy_scene()
+            lines = [drawn_gesture(rng, busy) for _ in range(int(rng.integers(1, 8)))]
+        if rng.random() < 0.5:
+            changed_tree(one_of([scene, lines], rng), rng)
+        texts = [json.dumps(scene).encode(), b"\n".join(json.dumps(x).encode() for x in lines)]
         if rng.random() < 0.2:
             which = int(rng.integers(2))
             texts[which] = mutated(".json", texts[which], rng)
@@ -43,16 +55,28 @@ def prepare(folder: Path) -> Feed:
 def _used(folder: Path, on_euler_angles: bool) -> None:
     scene = read_scene(folder / "scene.json")
     scene = scene.on_euler_angles() if on_euler_angles else scene
-    gestures = read_gestures(folder / "gestures.jsonl")
-    _finite(replay(SceneEditor(scene), gestures))
+    editor = SceneEditor(scene)
+    for gesture in read_gestures(folder / "gestures.jsonl"):
+        with contextlib.suppress(RefusedError), refusals():  # what the scene does not have
+            editor.do(gesture)
+        _written(editor.scene)
+    states = 0
+    while editor.can_undo:
+        editor.undo()
+        states += 1
+    if scene_text(editor.scene) != scene_text(scene):
+        raise AssertionError(f"{states} steps do not lead back")
 
 
-def _finite(scene: Scene) -> None:
+def _written(scene: Scene) -> None:
     for name in scene.parents:
-        if not np.isfinite(scene.world_T_object(name).coefficients).all():
+        if not np.isfinite(scene.world_T_object(name, 1.0).coefficients).all():
             raise AssertionError(f"{name} is not finite")
-    text = json.dumps(scene.as_json(), allow_nan=False)
-    if len(json.loads(text)["objects"]) != len(scene.parents):
+    try:
+        again = scene_of(json.loads(scene_text(scene)), "again")
+    except ValueError as fault:
+        raise AssertionError(f"what was written is refused: {fault}") from fault
+    if list(again.parents.items()) != list(scene.parents.items()):
         raise AssertionError("objects were lost")
 
 
