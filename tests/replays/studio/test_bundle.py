@@ -2,6 +2,7 @@
 
 import shutil
 import subprocess
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -19,6 +20,26 @@ def test_the_licences_of_both_libraries_lie_beside_the_bundle() -> None:
         assert f"{name} " in told
         assert f"{name} " in head
     assert told.count("Permission is hereby granted") == 2
+
+
+def test_wheels_hold_the_modules_and_not_what_makes_them() -> None:
+    paths = pytest.importorskip("scikit_build_core.build._pathutil", reason="builds wheels")
+    recipe = WEB.parents[2] / "pyproject.toml"
+    if not recipe.exists():
+        pytest.skip("an installed wheel is tested")
+    told = tomllib.loads(recipe.read_text())["tool"]["scikit-build"]["wheel"]["exclude"]
+    found = paths.iter_package_files(
+        packages={"motorcade/replays": str(WEB.parents[1])},
+        include=[],
+        src_exclude=[],
+        target_exclude=told,
+        build_dir="build",
+        mode="default",
+    )
+    held = {target.name for _, target in found if "web" in target.parts}
+    assert {"vendor.js", "vendor.css", "VENDOR_LICENSES.txt", "camera.js", "studio.css"} <= held
+    assert not held & {"entry.js", "build.js", "package.json", "eslint.config.js"}
+    assert not any(name.endswith(".test.js") for name in held)
 
 
 @pytest.mark.slow
