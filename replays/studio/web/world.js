@@ -236,7 +236,7 @@ function cloud(places) {
 }
 
 /** A soft dark disc where a character stands: it says where its feet are. */
-function softDisc(height) {
+export function softDisc(height) {
   const canvas = document.createElement("canvas");
   canvas.width = canvas.height = 64;
   const brush = canvas.getContext("2d");

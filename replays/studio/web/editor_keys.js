@@ -1,0 +1,40 @@
+// The keyboard: as quick as buttons for those who have one.
+
+/** @param {import("./editor.js").Editor} editor */
+export function keyboard(editor) {
+  const buttons = editor.panel.act;
+  const acts = {
+    " ": () => editor.timeline.toggle(),
+    ArrowLeft: () => editor.timeline.step(-1),
+    ArrowRight: () => editor.timeline.step(1),
+    Delete: () => editor.chosen && buttons.remove(),
+    Backspace: () => editor.chosen && buttons.remove(),
+    k: () => editor.chosen && buttons.key(),
+    w: () => editor.one?.kind === "character" && buttons.draw(),
+  };
+  const withControl = {
+    z: () => editor.ask({ do: "undo" }),
+    Z: () => editor.ask({ do: "redo" }),
+    y: () => editor.ask({ do: "redo" }),
+    d: () => editor.chosen && buttons.copy(),
+  };
+  addEventListener("keydown", (event) => {
+    if (event.key === "Escape") {
+      escape(editor);
+      return;
+    }
+    if (event.target.closest("input, select, textarea")) return;
+    if (event.key === " " && event.target.closest("button, a")) return;
+    const act = (event.ctrlKey || event.metaKey ? withControl : acts)[event.key];
+    if (!act || event.altKey) return;
+    event.preventDefault();
+    act();
+  });
+}
+
+function escape(editor) {
+  if (editor.draws) editor.sketchWalk();
+  else if (editor.gestures.going) editor.gestures.cancel();
+  else if (editor.panel.open) editor.panel.close();
+  else editor.choose(null);
+}

@@ -1,0 +1,104 @@
+// The bar below the scene: where in the film one is, the keyframes of what is chosen, and playing.
+
+import { icon } from "studio/editor_icons.js";
+
+/** An element with a class and what stands in it. */
+export function made(tag, className, ...inside) {
+  const element = document.createElement(tag);
+  if (className) element.className = className;
+  element.append(...inside);
+  return element;
+}
+
+/** A button that says what it does. */
+export function button(text, act, { sign = "", title = text, className = "" } = {}) {
+  const one = made("button", className);
+  one.type = "button";
+  if (sign) one.append(icon(sign));
+  one.append(made("span", "word", text));
+  one.title = title;
+  one.ariaLabel = title;
+  one.addEventListener("click", act);
+  return one;
+}
+
+export class EditorTimeline {
+  /**
+   * @param {Float64Array} times of the frames, s
+   * @param {{seek: (frame: number) => void, key: (time: number) => void}} told
+   */
+  constructor(times, told) {
+    Object.assign(this, { times, told, frame: 0, playing: false });
+    this.play = button("Play", () => this.toggle(), { sign: "play", className: "round" });
+    this.range = made("input", "scrub");
+    Object.assign(this.range, { type: "range", min: 0, max: times.length - 1, step: 1, value: 0 });
+    this.range.ariaLabel = "Time";
+    this.range.addEventListener("input", () => this.#seek(Number(this.range.value)));
+    this.keys = made("div", "keys");
+    this.clock = made("output", "clock");
+    this.element = made("div", "timeline", this.play, made("div", "track", this.keys, this.range), this.clock);
+    this.show(0);
+  }
+
+  #seek(frame) {
+    this.pause();
+    this.told.seek(frame);
+  }
+
+  step(by) {
+    this.#seek(Math.min(Math.max(this.frame + by, 0), this.times.length - 1));
+  }
+
+  show(frame) {
+    this.frame = frame;
+    this.range.value = String(frame);
+    this.clock.textContent = `${(this.times[frame] - this.times[0]).toFixed(1)} s`;
+    this.range.ariaValueText = this.clock.textContent;
+  }
+
+  toggle() {
+    if (this.playing) this.pause();
+    else this.start();
+  }
+
+  start() {
+    this.playing = true;
+    this.#face("Pause", "pause");
+    const last = this.times.length - 1;
+    const from = this.frame >= last ? 0 : this.frame;
+    const began = performance.now() - 1e3 * this.times[from];
+    const tick = (now) => {
+      if (!this.playing) return;
+      const seconds = (now - began) / 1e3;
+      let frame = this.frame >= last ? 0 : this.frame;
+      while (frame < last && this.times[frame + 1] <= seconds) frame++;
+      this.told.seek(frame);
+      if (frame >= last) this.pause();
+      else requestAnimationFrame(tick);
+    };
+    requestAnimationFrame(tick);
+  }
+
+  pause() {
+    this.playing = false;
+    this.#face("Play", "play");
+  }
+
+  #face(word, sign) {
+    this.play.replaceChildren(icon(sign), made("span", "word", word));
+    this.play.title = this.play.ariaLabel = word;
+  }
+
+  /** Show the keyframes of what is chosen. @param {number[]} seconds */
+  mark(seconds) {
+    const [first, last] = [this.times[0], this.times.at(-1)];
+    this.keys.replaceChildren(
+      ...seconds.map((time) => {
+        const one = button("", () => this.told.key(time), { sign: "key", title: `Keyframe at ${time.toFixed(1)} s` });
+        const share = (time - first) / Math.max(last - first, 1e-9);
+        one.style.left = `${100 * Math.min(Math.max(share, 0), 1)}%`;
+        return one;
+      }),
+    );
+  }
+}
