@@ -53,6 +53,7 @@ ALLOWED = {
     ("replays/readers/ros/reader.py", "Reader2"): "admitted",
     ("replays/readers/ros/reader.py", "self._reader.open"): "admitted",
     ("replays/results.py", "pages.summary.read_text"): "a cached result, found whole",
+    ("replays/studio/server/journal.py", "self.gestures.open"): "to cut off what a kill left",
     ("replays/studio/server/serving.py", "probe.connect"): "no file, and nothing is sent",
     ("replays/studio/server/serving.py", "webbrowser.open"): "our own page",
     ("replays/studio/server/shell.py", "path.read_bytes"): "our own source",

@@ -1,4 +1,4 @@
-"""`motorcade author`: a scene edited by recorded gestures."""
+"""`motorcade author`: a scene edited in the browser, or by recorded gestures."""
 
 from __future__ import annotations
 
@@ -8,7 +8,12 @@ from pathlib import Path
 from motorcade.replays.cli.arguments import Subparsers, new_command
 
 DESCRIPTION = """\
-Replay recorded gestures on a scene, on rotors or on Euler angles.
+Edit a scene by hand in the browser: characters and things put into the footage of a run, moved by
+touch or mouse. It listens on this machine alone; --lan lets others of the network in who have the
+link. What is done is kept as it is done, in RUN/scene.json and, to be replayed, beside it in
+RUN/scene.session; `motorcade run RECORDING --scene RUN/scene.json` draws it.
+
+With --gestures, replay recorded gestures on a scene, on rotors or on Euler angles.
 
 A scene names objects, parents before children. Rotations are wxyz, or euler_deg (intrinsic
 x-y'-z''):
@@ -34,13 +39,19 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         shared,
         author_scene,
         name="author",
-        summary="replay recorded gestures on a scene, on rotors or on Euler angles",
-        example="motorcade author scene.json --gestures drags.jsonl -o edited.json",
+        summary="edit a scene in the browser, or replay recorded gestures on it",
+        example="motorcade author out/demo",
     )
     parser.description = DESCRIPTION
-    parser.add_argument("scene", type=Path, metavar="SCENE", help="JSON: objects with poses")
     parser.add_argument(
-        "--gestures", type=Path, required=True, metavar="FILE", help="JSON lines of drags and edits"
+        "scene",
+        type=Path,
+        metavar="RUN|SCENE",
+        help="a run's folder, a folder of runs, or a scene (JSON)",
+    )
+    _add_server(parser)
+    parser.add_argument(
+        "--gestures", type=Path, metavar="FILE", help="replay these drags and edits on SCENE"
     )
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="write the scene there")
     parser.add_argument(
@@ -60,8 +71,40 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print figures as JSON")
 
 
+def _add_server(parser: argparse.ArgumentParser) -> None:
+    """What is said of the server."""
+    parser.add_argument("--run", type=Path, metavar="RUN", help="of a SCENE that lies elsewhere")
+    parser.add_argument("--lan", action="store_true", help="let the network in, by a link")
+    parser.add_argument("--port", type=int, default=0, metavar="N", help="listen there (any free)")
+    parser.add_argument(
+        "--tls", type=Path, nargs=2, metavar=("CERT", "KEY"), help="serve by https, with these"
+    )
+    parser.add_argument("--no-open", action="store_true", help="print the link, open no browser")
+
+
+def _serve(arguments: argparse.Namespace) -> None:
+    """Serve the editor until it is stopped."""
+    try:
+        from motorcade.replays.studio.server.app import studio_app
+        from motorcade.replays.studio.server.opening import offered
+        from motorcade.replays.studio.server.serving import Listening, serve
+    except ModuleNotFoundError as missing:
+        raise RuntimeError(
+            f"editing in the browser needs the Python package {missing.name}, which is not "
+            'installed; pip install "motorcade[studio]" brings it, or replay with --gestures'
+        ) from missing
+    tls = None if arguments.tls is None else (arguments.tls[0], arguments.tls[1])
+    listening = Listening(arguments.lan, arguments.port, tls)
+    offers = offered(arguments.scene, arguments.run)
+    opens = not arguments.no_open
+    serve(lambda access: studio_app(offers, access), listening, open_browser=opens)
+
+
 def author_scene(arguments: argparse.Namespace) -> None:
-    """Replay, write, and say where the two writings of rotations part."""
+    """Serve the editor; or replay, write, and say where the two writings of rotations part."""
+    if arguments.gestures is None:
+        _serve(arguments)
+        return
     import numpy as np
 
     from motorcade.animation.authoring import Snapping, scene_text

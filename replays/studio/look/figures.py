@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.animation import write_gltf
+from motorcade.animation import Character, write_gltf
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import read_bounded
@@ -32,7 +32,7 @@ def shown_character(name: str, figure: Performer, time_ns: IntArray) -> dict[str
     seen = figure.visible_s
     return {
         "name": name,
-        "gltf": text(gltf_bytes(figure)),
+        "gltf": text(gltf_bytes(figure.character)),
         "joints": packed(_rows(world)),
         "morphs": None if weights is None else packed(weights),
         "world_T_character": packed(_rows(stands), "f64"),
@@ -41,11 +41,11 @@ def shown_character(name: str, figure: Performer, time_ns: IntArray) -> dict[str
     }
 
 
-def gltf_bytes(figure: Performer) -> bytes:
+def gltf_bytes(character: Character) -> bytes:
     """The character's mesh, skeleton and materials as `.glb`, without clips."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "character.glb")
-        write_gltf(path, figure.character, [])
+        write_gltf(path, character, [])
         return read_bounded(path, GLTF_LIMIT)
 
 

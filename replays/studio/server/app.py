@@ -48,6 +48,7 @@ def studio_app(offers: Sequence[Offer], access: Access) -> ASGIApp:
         Route("/run/{run:int}/about.json", site.about),
         Route("/run/{run:int}/frame/{frame:int}.jpg", site.frame),
         Route("/run/{run:int}/figure/{figure:int}.glb", site.figure),
+        Route("/run/{run:int}/motion/{motion:int}.json", site.motion),
         WebSocketRoute("/run/{run:int}/edit", site.edit),
     ]
     return Doorkeeper(Starlette(routes=routes), access)
@@ -108,6 +109,14 @@ class _Site:
         if glb is None:
             raise HTTPException(404)
         return Response(glb, media_type="model/gltf-binary", headers=KEPT)
+
+    async def motion(self, request: Request) -> Response:
+        """What the joints of an object do, frame by frame."""
+        desk = await self._opened.desk(request.path_params["run"])
+        motion = await run_in_threadpool(desk.motion, request.path_params["motion"])
+        if motion is None:
+            raise HTTPException(404)
+        return JSONResponse(motion, headers=KEPT)
 
     async def edit(self, socket: WebSocket) -> None:
         """One browser's messages, from when it comes until it goes."""

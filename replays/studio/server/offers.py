@@ -40,6 +40,12 @@ class Desk(Protocol):
     def figure(self, number: int) -> bytes | None:
         """What is drawn of an object, as `.glb`; None where there is no such number."""
 
+    def motion(self, number: int) -> dict[str, Any] | None:
+        """What the joints of an object do, as JSON; None where there is no such number."""
+
+    def joined(self, visitor: int) -> Mapping[str, Any]:
+        """What a browser is told when it comes."""
+
     def answer(self, visitor: int, message: Mapping[str, Any]) -> Answer:
         """Do what a browser asks for."""
 

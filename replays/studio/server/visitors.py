@@ -59,6 +59,7 @@ class Visitors:
         visitor = next(self._numbers)
         unsent = self._unsent[visitor] = asyncio.Queue(MAX_UNSENT)
         sending = asyncio.create_task(_send(socket, unsent))
+        self._put(visitor, desk.joined(visitor))
         try:
             await self._listen(socket, desk, visitor)
         except WebSocketDisconnect:

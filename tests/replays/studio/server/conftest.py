@@ -34,6 +34,12 @@ class EchoDesk:
     def figure(self, number: int) -> bytes | None:
         return b"glTF" if number == 0 else None
 
+    def motion(self, number: int) -> dict[str, Any] | None:
+        return {"joints": 1} if number == 0 else None
+
+    def joined(self, visitor: int) -> Mapping[str, Any]:
+        return {"hello": True}
+
     def answer(self, visitor: int, message: Mapping[str, Any]) -> Answer:
         self.heard.append((visitor, message))
         if message.get("do") == "refuse":

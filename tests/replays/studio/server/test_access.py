@@ -38,7 +38,10 @@ def asked(
 
 def visit(served: Served, address: str | None = None, **options: object) -> ClientConnection:
     settings = {"origin": served.origin, "proxy": None, "open_timeout": PATIENCE_S} | options
-    return connect(address or served.socket, **settings)
+    browser = connect(address or served.socket, **settings)
+    with contextlib.suppress(websockets.ConnectionClosed):  # where it is one too many
+        assert json.loads(browser.recv(PATIENCE_S)) == {"hello": True}
+    return browser
 
 
 def closed(browser: ClientConnection) -> int:
@@ -150,6 +153,7 @@ def test_two_hosts_in_one_request_are_refused(served: Served) -> None:
         "run/0/frame/-1.jpg",
         "run/0/frame/99999999999999999999999999.jpg",
         "run/0/figure/1.glb",
+        "run/0/motion/1.json",
         "run/1/",
         "run/1/about.json",
         "run/0/scene.json",

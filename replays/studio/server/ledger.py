@@ -1,0 +1,122 @@
+"""A scene and its history, each step of it on the disk before it counts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Literal
+
+from motorcade.animation.authoring import (
+    AnchorsStand,
+    Dragged,
+    Edit,
+    Gesture,
+    HistoryStep,
+    Scene,
+    SceneEditor,
+    Together,
+    gesture_of,
+    read_scene,
+    scene_text,
+)
+from motorcade.ga import Similarity
+from motorcade.replays.studio.server.journal import Journal
+
+_BY_ANCHORS = ("group", "ungroup", "reparent")
+"""Edits whose outcome depends on where anchors stand."""
+
+
+class Ledger:
+    """The history of one scene, replayed from its journal.
+
+    Args:
+        journal: the session.
+
+    Raises:
+        ValueError: a start or a line that cannot be read.
+    """
+
+    def __init__(self, journal: Journal) -> None:
+        self.journal = journal
+        self._editor = SceneEditor(read_scene(journal.start))
+        for number, line in enumerate(journal.lines(), 1):
+            self._editor.do(gesture_of(line, f"{journal.gestures}:{number}"))
+        self._writer = ThreadPoolExecutor(1)
+        self._written: Future[None] | None = None
+
+    @property
+    def scene(self) -> Scene:
+        """As it is now."""
+        return self._editor.scene
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a step to take back."""
+        return self._editor.can_undo
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is a step to take again."""
+        return self._editor.can_redo
+
+    def do(self, gesture: Gesture, world_T_anchor: Mapping[str, Similarity]) -> None:
+        """A whole gesture as one step.
+
+        Args:
+            gesture: what is done.
+            world_T_anchor: where anchors are while it is; kept where it matters.
+
+        Raises:
+            ValueError: what the scene does not have or may not have.
+            OSError: the step cannot be written; the scene is then as it was.
+        """
+        editor, before = self._editor, self._editor.scene
+        lines = [gesture.as_json()]
+        if _by_anchors(gesture) and not _same(editor.world_T_anchor, world_T_anchor):
+            editor.stand(world_T_anchor)
+            lines.insert(0, AnchorsStand(world_T_anchor).as_json())
+        if editor.do(gesture) is before:
+            return
+        try:
+            self.journal.append(*lines)
+        except OSError:
+            back = isinstance(gesture, HistoryStep) and gesture.way == "undo"
+            editor.redo() if back else editor.undo()
+            raise
+        self._save()
+
+    def step(self, way: Literal["undo", "redo"]) -> None:
+        """A step back or forth; raises as `do`."""
+        self.do(HistoryStep(way), {})
+
+    def close(self) -> None:
+        """Write the scene as it is."""
+        self._save()
+        self._writer.shutdown()
+
+    def _save(self) -> None:
+        """Write the scene soon; of many changes at once the last."""
+        if self._written is None or self._written.done():
+            self._written = self._writer.submit(self._write)
+
+    def _write(self) -> None:
+        while True:
+            scene = self.scene
+            self.journal.save(scene_text(scene).encode())
+            if self.scene is scene:
+                return
+
+
+def _by_anchors(gesture: Gesture) -> bool:
+    """Whether what a gesture makes of a scene depends on where anchors are."""
+    if isinstance(gesture, Together):
+        return any(map(_by_anchors, gesture.gestures))
+    if isinstance(gesture, Dragged):
+        return gesture.drag.frame == "global"
+    return isinstance(gesture, Edit) and gesture.line["do"] in _BY_ANCHORS
+
+
+def _same(one: Mapping[str, Similarity], other: Mapping[str, Similarity]) -> bool:
+    return one.keys() == other.keys() and all(
+        bool((one[name].coefficients == other[name].coefficients).all()) for name in one
+    )

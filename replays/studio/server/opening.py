@@ -1,0 +1,47 @@
+"""What `motorcade author` opens: a run, a folder of runs, or a scene that lies beside its run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from motorcade.replays.studio.server.desk import RunDesk, open_desk
+from motorcade.replays.studio.server.offers import Offer
+
+MOST_RUNS = 1000
+RUN_LOG = "run.json"
+
+
+def offered(path: Path, run: Path | None = None) -> list[Offer]:
+    """The runs whose scenes can be edited.
+
+    Args:
+        path: a run's folder, a folder of runs, or a scene's file.
+        run: of a scene that lies elsewhere.
+
+    Raises:
+        ValueError: none of these.
+    """
+    if path.is_dir():
+        if run is not None:
+            raise ValueError(f"--run: expected with a scene's file, got the folder {path}")
+        if (path / RUN_LOG).is_file():
+            return [_offer(path, None)]
+        runs = sorted(one.parent for one in path.glob(f"*/{RUN_LOG}"))[:MOST_RUNS]
+        if not runs:
+            raise ValueError(f"{path}: expected what `motorcade run` wrote, or a folder of such")
+        return [_offer(one, None) for one in runs]
+    folder = path.absolute().parent if run is None else run
+    if not (folder / RUN_LOG).is_file():
+        raise ValueError(
+            f"{path}: expected a run's folder, or a scene in one; name its run with --run"
+        )
+    return [_offer(folder, path)]
+
+
+def _offer(run: Path, scene: Path | None) -> Offer:
+    return Offer(run.absolute().name, _opener(run, scene))
+
+
+def _opener(run: Path, scene: Path | None) -> Callable[[], RunDesk]:
+    return lambda: open_desk(run, scene)

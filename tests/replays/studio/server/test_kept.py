@@ -1,0 +1,139 @@
+"""What is kept of all that is done to a scene: every answered step, through kills and restarts."""
+
+import json
+import os
+import signal
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motorcade.animation.authoring import (
+    SceneEditor,
+    read_gestures,
+    read_scene,
+    replay,
+    scene_text,
+)
+from motorcade.replays.characters.authoring import author
+from tests.replays.studio.server.stage import FRAMES, Visitor, desk, seen, stands
+
+
+def play(one: Visitor, rng: np.random.Generator) -> None:
+    """Something that a hand may do, at random."""
+    names = [about["name"] for about in one.at.joined(9)["scene"]["objects"]]
+    kind = rng.choice(["put", "move", "turn", "undo", "redo", "key", "copy", "remove"])
+    name = str(rng.choice(names)) if names else ""
+    frame = int(rng.integers(FRAMES))
+    if kind == "put" or not names:
+        one.put()
+    elif kind == "move":
+        pixel = seen(one.at, frame, stands(one.at, name, frame).translation_m)
+        if one.ask("begin", object=name, gesture="move", frame=frame, pixels=[pixel.tolist()])[
+            "ok"
+        ]:
+            one.ask("drag", pixels=[(pixel + rng.normal(size=2) * 20).tolist()])
+            one.done("end")
+    elif kind == "turn":
+        one.done("begin", object=name, gesture="turn", frame=frame)
+        one.done("drag", amount=float(rng.normal()))
+        one.done("end")
+    elif kind in ("undo", "redo"):
+        one.done(str(kind))
+    elif kind == "key":
+        time_s = float(one.at.filmed.time_s[frame])
+        one.done("edit", frame=frame, edit={"do": "keyframe", "object": name, "time_s": time_s})
+    elif kind == "copy" and len(names) < 4:
+        one.done("copy", object=name, frame=frame)
+    elif kind == "remove" and len(names) > 2:
+        one.done("edit", edit={"do": "remove", "object": name})
+
+
+def test_all_is_kept_and_replays_to_the_same_bytes(tmp_path: Path) -> None:
+    rng = np.random.default_rng(8)
+    at = desk(tmp_path)
+    one = Visitor(at)
+    for _ in range(60):
+        play(one, rng)
+    at.close()
+    written = (tmp_path / "scene.json").read_bytes()
+    again = desk(tmp_path)
+    assert again.session.ledger.can_undo, "the history is kept too"
+    again.close()
+    assert (tmp_path / "scene.json").read_bytes() == written
+    session = tmp_path / "scene.session"
+    made = author(session / "start.json", session / "gestures.jsonl")
+    assert scene_text(made.scene).encode() == written
+
+
+def test_half_a_line_at_the_end_is_left_out(tmp_path: Path) -> None:
+    at = desk(tmp_path)
+    one = Visitor(at)
+    one.put()
+    one.put()
+    at.close()
+    gestures = tmp_path / "scene.session" / "gestures.jsonl"
+    whole = gestures.read_bytes()
+    gestures.write_bytes(whole[:-7])
+    at = desk(tmp_path)
+    assert len(at.joined(1)["scene"]["objects"]) == 1
+    assert gestures.read_bytes() == whole.splitlines(keepends=True)[0]
+    at.close()
+
+
+def test_a_scene_that_another_program_wrote_is_taken_as_it_is(tmp_path: Path) -> None:
+    at = desk(tmp_path)
+    Visitor(at).put()
+    at.close()
+    scene = tmp_path / "scene.json"
+    tree = json.loads(scene.read_text())
+    tree["objects"][0]["name"] = "Somebody"
+    scene.write_text(json.dumps(tree))
+    at = desk(tmp_path)
+    assert [one["name"] for one in at.joined(1)["scene"]["objects"]] == ["Somebody"]
+    at.close()
+    old = tmp_path / "scene.session-1" / "gestures.jsonl"
+    assert b"Person" in old.read_bytes(), "nothing is thrown away"
+
+
+def edits_until_killed(folder: Path, seed: int, told: int) -> None:
+    """Of a child: edit at random, and say after each answer what is kept and how the scene is."""
+    rng = np.random.default_rng(seed)
+    at = desk(folder)
+    one, gestures = Visitor(at), folder / "scene.session" / "gestures.jsonl"
+    while True:
+        play(one, rng)
+        kept = len(gestures.read_bytes().splitlines()) if gestures.exists() else 0
+        os.write(told, json.dumps([kept, scene_text(at.session.ledger.scene)]).encode() + b"\n")
+
+
+@pytest.mark.slow
+def test_a_kill_loses_at_most_what_is_in_the_hand(tmp_path: Path) -> None:
+    rng = np.random.default_rng(11)
+    desk(tmp_path).close()  # all is imported, and the mannequin read
+    heard = 0
+    for kill in range(20):
+        hears, tells = os.pipe()
+        child = os.fork()
+        if child == 0:
+            os.close(hears)
+            edits_until_killed(tmp_path, kill, tells)
+        os.close(tells)
+        time.sleep(float(rng.uniform(0.3, 1.5)))
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+        with os.fdopen(hears, "rb") as pipe:
+            said = [json.loads(line) for line in pipe if line.endswith(b"\n")]
+        at = desk(tmp_path)
+        ledger = at.session.ledger
+        done = read_gestures(ledger.journal.gestures)
+        if said:
+            heard += len(said)
+            kept, text = said[-1]
+            assert kept <= len(done) <= kept + 2, "a step, and where anchors stood in it"
+            start = SceneEditor(read_scene(ledger.journal.start))
+            assert scene_text(replay(start, done[:kept])) == text, "what was answered is there"
+            assert scene_text(replay(start, done[kept:])) == scene_text(ledger.scene)
+        at.close()
+    assert heard > 100
