@@ -37,7 +37,7 @@ def shown_character(name: str, figure: Performer, time_ns: IntArray) -> dict[str
         "morphs": None if weights is None else packed(weights),
         "world_T_character": packed(_rows(stands), "f64"),
         "visible_s": None if seen is None else [float(one) for one in seen],
-        "height_m": figure.placement.scale * figure.character.height_m,
+        "height_m": float(stands.as_motor_scale()[1][0]) * figure.character.height_m,
     }
 
 

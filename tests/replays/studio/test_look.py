@@ -6,8 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from motorcade.animation import Placement, mannequin
 from motorcade.fusion.metrics.poses.alignment import Alignment
-from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga import Motor, Rotor, Similarity, Trajectory
+from motorcade.render import Performer
+from motorcade.replays.studio.look.figures import shown_character
 from motorcade.replays.studio.look.packing import packed
 from motorcade.replays.studio.look.paths import back_home, rows_at
 from motorcade.replays.studio.view import write_view
@@ -40,6 +43,18 @@ def test_the_truth_comes_home_by_the_inverse_of_the_alignment() -> None:
         poses = Motor.random(rng, (50,))
         again = back_home(fit).apply(fit.apply(poses))
         assert np.abs((again.inverse() @ poses).as_twist()).max() < 1e-12
+
+
+def test_a_figure_is_as_tall_as_it_stands_in_the_world() -> None:
+    who = mannequin()
+    stamps = np.array([0, 100_000_000])
+    grown = Similarity.from_motor_scale(Motor.identity((2,)), np.array([3.0, 3.0]))
+    path = Trajectory(stamps, grown, "ground", "character")
+    figure = Performer(who, who.clip("idle"), Placement(Motor.identity(), 0.5), path)
+    shown = shown_character("guide", figure, stamps)
+    assert shown["height_m"] == pytest.approx(1.5 * who.height_m)
+    rows = np.frombuffer(base64.b64decode(shown["world_T_character"]["f64"])).reshape(2, 8)
+    np.testing.assert_allclose(rows[:, 7], 1.5)
 
 
 def test_only_one_or_two_runs_become_a_page(tmp_path: Path) -> None:
