@@ -157,8 +157,9 @@ def _check_character(knobs: Mapping[str, Any]) -> None:
         check_cast(read_cast(knobs["cast"]))
     if str(knobs.get("scene", NOTHING)) != NOTHING:
         check_scene(knobs["scene"])
-    if {"character", "clip"} & knobs.keys():
-        character = character_named(str(knobs.get("character", MANNEQUIN)))
+    if {"character", "clip", "up", "front"} & knobs.keys():
+        axes = knobs.get("up"), knobs.get("front")
+        character = character_named(str(knobs.get("character", MANNEQUIN)), *axes)
         if knobs.get("clip") is not None:
             clip_named(character, knobs["clip"])
 

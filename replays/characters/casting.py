@@ -61,7 +61,7 @@ def actor_of(member: CastMember, height_m: float) -> Actor:
             member.
     """
     try:
-        character = with_motions(_character(member.file), member.motions)
+        character = with_motions(_character(member), member.motions)
         skeleton = character.skeleton
         legs = tuple(fitted_legs(legs_of(skeleton), character))
         idle = rigid_clip(character, member.idle)
@@ -225,15 +225,19 @@ def _part(
         states,
         note,
         max(slides, default=0.0),
+        up=member.up,
+        front=member.front,
     )
 
 
-def _character(file: str) -> Character:
+def _character(member: CastMember) -> Character:
     """The mannequin or that of a file, whose faults are those of the cast's key."""
     try:
-        return character_named(file)
+        return character_named(member.file, member.up, member.front)
     except ValueError as fault:
-        raise ValueError(f"file: {str(fault).removeprefix('placed.character: ')}") from fault
+        told = str(fault).removeprefix("placed.")
+        key = "" if told.startswith(("up: ", "front: ")) else "file: "
+        raise ValueError(f"{key}{told.removeprefix('character: ')}") from fault
 
 
 def rigid_clip(character: Character, name: str) -> Clip:

@@ -20,7 +20,7 @@ def performers(placed: PlacedCharacter, lasting_s: float = 0.0) -> list[Performe
     if placed.parts:
         return [
             Performer(
-                character_named(part.character),
+                character_named(part.character, part.up, part.front),
                 part.clip,
                 part.placement,
                 part.motion,
@@ -29,7 +29,7 @@ def performers(placed: PlacedCharacter, lasting_s: float = 0.0) -> list[Performe
             )
             for part in placed.parts
         ]
-    character = character_named(placed.character)
+    character = character_named(placed.character, placed.up, placed.front)
     clip = clip_named(character, placed.clip)
     if len(placed.path_m):
         scale, start = placed.placement.scale, placed.plane_T_character

@@ -40,6 +40,7 @@ class PlayedPart:
         motion: of a scene, `placement_T_character` with its scale, from the first frame on.
         ground_motion: of a scene, what moves the placement along; see `PlacedCharacter`.
         visible_s: from when to when it is seen; None for always.
+        up, front: axes of the character's file, where the user knows better than the file.
     """
 
     name: str
@@ -53,6 +54,8 @@ class PlayedPart:
     motion: Trajectory | None = None
     ground_motion: Trajectory | None = None
     visible_s: tuple[float, float] | None = None
+    up: str | None = None
+    front: str | None = None
 
     @property
     def clip(self) -> Clip:
@@ -75,6 +78,7 @@ class PlacedCharacter:
             that takes what stands in the world at the first frame to where it is later.
         parts: of a cast or a scene, what all do, the one first that the other fields tell of.
         apart_m: the least distance between two bodies of it; None for one alone.
+        up, front: axes of the character's file, where the user knows better than the file.
     """
 
     character: str
@@ -86,6 +90,8 @@ class PlacedCharacter:
     ground_motion: Trajectory | None = None
     parts: tuple[PlayedPart, ...] = ()
     apart_m: float | None = None
+    up: str | None = None
+    front: str | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,11 +19,14 @@ from motorcade.replays.readers.manifest.section import FILE_KNOBS, Section, load
 
 MANNEQUIN, NOBODY = FILE_KNOBS["placed.character"], FILE_KNOBS["placed.cast"]
 CAMERA = "camera"
+AXES = ("x", "-x", "y", "-y", "z", "-z")
 MASKS = ("whole", "upper", "left_arm", "right_arm", "head")
 _TOP = ("gap_m", "characters")
 _CHARACTER = (
     "name",
     "file",
+    "up",
+    "front",
     "motions",
     "height_m",
     "start",
@@ -60,6 +63,7 @@ class CastMember:
     Fields:
         name: what it is called.
         file: "mannequin", or where it is read from.
+        up, front: axes of its file that are up, and that it faces, where the cast knows better.
         motions: files with further clips, which are retargeted to it.
         height_m: as tall as it shall stand.
         path_m: ``(P, 2)`` where it stands first, and what it walks through from there, if anything.
@@ -74,6 +78,8 @@ class CastMember:
 
     name: str
     file: str
+    up: str | None
+    front: str | None
     motions: tuple[Path, ...]
     height_m: float | None
     path_m: FloatArray
@@ -149,6 +155,8 @@ def _member(path: Path, number: int, table: object) -> CastMember:
     return CastMember(
         name,
         file if file == MANNEQUIN else str((path.parent / file).absolute()),
+        section.text("up", AXES) if "up" in section else None,
+        section.text("front", AXES) if "front" in section else None,
         tuple((path.parent / one).absolute() for one in texts("motions")),
         maybe("height_m", 1e-6, _FARTHEST_M),
         _path(section),

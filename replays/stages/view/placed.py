@@ -38,7 +38,7 @@ log = logging.getLogger("motorcade.placed")
 
 NOTHING = FILE_KNOBS["placed.scene"]
 # What a cast says in place of knobs; those that are lists of numbers may be empty.
-CAST_SAYS = ("character", "clip", "path", "position_m", "heading_deg")
+CAST_SAYS = ("character", "clip", "up", "front", "path", "position_m", "heading_deg")
 SCENE_SAYS = (*CAST_SAYS, "height_m", "cast")
 LISTS = ("path", "position_m")
 # A clip that is raised or lowered by more of the height is named in the log.
@@ -62,6 +62,8 @@ def placed(
     floor_m: float = 0.0,
     position_m: tuple[float, ...] = (),
     heading_deg: float | None = None,
+    up: str | None = None,
+    front: str | None = None,
     height_m: float | None = None,
 ) -> PlacedCharacter:
     """Stand the character on the board or markers, on a plane that was found, or on a floor.
@@ -88,6 +90,7 @@ def placed(
     `marker_poses.moving` where loose markers are mapped. `position_m` (x, y) lies
     in the plane's own frame; without it the character stands in the middle of the board or marker,
     on a plane where it is in view best and longest, or on the floor where the first camera looks.
+    `up` and `front` are axes of the character's file, such as z and -y, where its own are wrong.
     `heading_deg` turns from the plane's x towards its y; without it the character looks at the
     first camera. `height_m` is the character's; without it, half the shorter side of the board or
     plane, a marker's side, and at most 1.75 m, or 1.75 m on a floor; where lengths have no unit, at
@@ -96,7 +99,8 @@ def placed(
     """
     if position_m and len(position_m) != 2:
         raise ValueError(f"placed.position_m: expected x,y, got {len(position_m)} numbers")
-    told = (character != Path(MANNEQUIN), clip, path, position_m, heading_deg is not None)
+    axes = up, front
+    told = (character != Path(MANNEQUIN), clip, *axes, path, position_m, heading_deg is not None)
     if str(cast) != NOBODY:
         _refuse_beside("cast", *map(bool, told))
     if interpolation is not None and str(scene) == NOTHING:
@@ -119,7 +123,7 @@ def placed(
         height = ground.height_m if height_m is None else height_m
         seen_from = integrity.drawn
         return _cast_on(read_cast(cast), ground, ground_motion, height, seen_from, recording)
-    who = character_named(str(character))
+    who = character_named(str(character), *axes)
     clip = clip or ("idle" if way is None else "walk")
     motion = clip_named(who, clip)
     if way is None:
@@ -148,7 +152,15 @@ def placed(
     else:
         _tell_of_raising(standing_clip(who, motion)[1] / who.height_m, clip)
     return PlacedCharacter(
-        str(character), clip, placement, ground.name, frozen(points), inside, ground_motion
+        str(character),
+        clip,
+        placement,
+        ground.name,
+        frozen(points),
+        inside,
+        ground_motion,
+        up=up,
+        front=front,
     )
 
 

@@ -28,6 +28,8 @@ RIGHT: dict[str, list[Any]] = {
     "gap_m": [0.0, 0.02, 1e4],
     "name": ["guide", "ü", "<script>", "a" * 100],
     "file": ["mannequin"],
+    "up": ["z", "-y"],
+    "front": ["x", "-z"],
     "motions": [[], ["salute.bvh"]],
     "height_m": [0.1, 1.75, 1e-6],
     "start": [[0.0, 0.0], [3.0, -1.0], [9e3, 9e3]],

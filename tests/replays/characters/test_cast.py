@@ -11,6 +11,7 @@ import pytest
 from motorcade.animation import mannequin, read_motion
 from motorcade.animation.behaviour import LookTarget
 from motorcade.ga import Motor
+from motorcade.replays.characters.acting import character_named
 from motorcade.replays.characters.casting import actor_of, check_cast, played
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.readers.manifest.cast import read_cast
@@ -153,6 +154,21 @@ def test_heads_look_at_what_the_cast_says(tmp_path: Path) -> None:
     assert max(off[1:]) < 5.0
 
 
+def test_a_person_knows_the_axes_of_a_file_better(tmp_path: Path, data_dir: Path) -> None:
+    """One that is told to face the other way walks backwards by its own clips' lights."""
+    file = data_dir / "rigs" / "kaykit" / "Knight.glb"
+    found = []
+    for axes in ("", "front = '-z'\n", "front = 'z'\n"):
+        text = f"[[characters]]\nfile = '{file}'\nidle = 'Idle'\nstart = [0, 0]\n{axes}"
+        asked = read_cast(cast(tmp_path, text))
+        (part,), _ = played(asked, Motor.identity(), 0.2, LookTarget([0.0], [[1.0, 0, 0]]), 0.5)
+        who = character_named(part.character, part.up, part.front)
+        names = [who.skeleton.index(f"foot.{side}") for side in "lr"]
+        at = part.placement.apply(who.skeleton.world(part.poses)[0, names].translation_m)
+        found.append(np.sign(at[0, 1] - at[1, 1]))
+    assert found == [1.0, -1.0, 1.0]
+
+
 def test_a_taken_name_is_told_by_its_file(tmp_path: Path) -> None:
     bvh(tmp_path / "wave.bvh")
     text = '[[characters]]\nmotions = ["wave.bvh"]\nstart = [0, 0]\nacts = ["wave/wave", "wave"]\n'
@@ -180,6 +196,7 @@ ONE = "[[characters]]\nstart = [0, 0]\n"
         ("[[characters]]\nstart = [1e12, 0]\n", r"start: expected \[x, y\] within 10000 m"),
         (ONE + 'name = "a\\u202e\\nb"\n', "name: expected up to 100 printable letters, got 'a.*b'"),
         (ONE + f"name = '{101 * 'a'}'\n", "name: expected up to 100 printable letters"),
+        (ONE + "up = 'w'\n", r"\[characters 1\] up: expected one of x, -x"),
         (ONE + "look_at = 'lens'\n", r"\[characters 1\] look_at: expected one of camera"),
         (ONE + "look_at = [1, 2]\n", r"look_at: expected 'camera' or \[x, y, z\] within 10000 m"),
         (ONE + "look_at = [1, 2, 1e9]\n", r"look_at: expected 'camera' or \[x, y, z\] within"),
@@ -211,6 +228,7 @@ def test_what_a_cast_gets_wrong_is_refused_by_table_and_key(
             "[[characters]]\npath = [[0, 0], [1, 0]]\ngaits = []\n",
             r"gait_between\(clips\): expected one gait or more, got none",
         ),
+        (ONE + "up = 'z'\n", "cast, 'character 1': up: expected none for the mannequin"),
         (ONE + "motions = ['none.bvh']\n", "cast, 'character 1': .*none.bvh"),
         (
             "[[characters]]\npath = [[0, 0], [1, 0]]\ngaits = ['idle']\n",
