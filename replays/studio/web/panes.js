@@ -14,7 +14,7 @@ const TURNED = new Matrix4().makeScale(1, -1, -1);
 const FINEST = 2;
 
 /** Whether there is no graphics card: smooth edges would then cost a third of the time. */
-function drawnBySoftware() {
+export function drawnBySoftware() {
   const gl = document.createElement("canvas").getContext("webgl2");
   if (!gl) return false;
   let name = gl.getParameter(gl.RENDERER);

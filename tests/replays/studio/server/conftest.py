@@ -3,6 +3,7 @@
 import threading
 import time
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,7 +12,7 @@ import uvicorn
 
 from motorcade.replays.studio.server.access import Access
 from motorcade.replays.studio.server.app import studio_app
-from motorcade.replays.studio.server.offers import Answer, Offer
+from motorcade.replays.studio.server.offers import Answer, Desk, Offer
 from motorcade.replays.studio.server.serving import Listening, configured, opened
 
 PATIENCE_S = 30.0
@@ -70,10 +71,10 @@ class Served:
         return f"http://{self.access.names[0]}"
 
 
-@pytest.fixture
-def served() -> Iterator[Served]:
-    """A server with one run."""
-    listening, desk = Listening(), EchoDesk()
+@contextmanager
+def running(desk: Desk) -> Iterator[tuple[Access, int, uvicorn.Server]]:
+    """A server of one run's desk, for as long as the block lasts: its key, its port, itself."""
+    listening = Listening()
     with opened(listening) as (listener, access):
         offers = [Offer("table <top>", lambda: desk)]
         server = configured(studio_app(offers, access), listening)
@@ -83,7 +84,15 @@ def served() -> Iterator[Served]:
         while not server.started:
             assert time.monotonic() < until, "the server does not start"
             time.sleep(0.01)
-        yield Served(access, desk, listener.getsockname()[1], server)
+        yield access, listener.getsockname()[1], server
         server.should_exit = True
         thread.join(PATIENCE_S)
         assert not thread.is_alive()
+
+
+@pytest.fixture
+def served() -> Iterator[Served]:
+    """A server with one run."""
+    desk = EchoDesk()
+    with running(desk) as (access, port, server):
+        yield Served(access, desk, port, server)

@@ -1,0 +1,243 @@
+"""The editor in a real browser: what is grabbed stays under mouse and fingers, others see it."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from websockets.sync.client import connect
+
+from tests.end_to_end.pages.conftest import Browser
+from tests.replays.studio.server.conftest import running
+from tests.replays.studio.server.stage import RunDesk, desk, stands
+
+pytestmark = pytest.mark.slow
+PATIENCE_S = 60.0
+# Where the middle of an object is on the page, its pose, and whether all that was said is answered.
+IDLE = "!editor.link.under_way && !editor.link.queue.length"
+POSE = "editor.actors.get('Person').matrix.clone()"
+
+
+class Tab:
+    """The editor in a tab of its own."""
+
+    def __init__(
+        self, browser: Browser, address: str, width: int, height: int, scheme: str
+    ) -> None:
+        self.browser = browser
+        self.target = browser.ask("Target.createTarget", url="about:blank")["targetId"]
+        attached = browser.ask("Target.attachToTarget", targetId=self.target, flatten=True)
+        self.session = attached["sessionId"]
+        for domain in ("Page", "Runtime", "Log"):
+            self.ask(f"{domain}.enable")
+        self.mobile = width < 900
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": self.mobile}
+        self.ask("Emulation.setDeviceMetricsOverride", **size)
+        touch = {"enabled": self.mobile, "maxTouchPoints": 5}
+        self.ask("Emulation.setTouchEmulationEnabled", **touch)
+        features = [{"name": "prefers-color-scheme", "value": scheme}]
+        self.ask("Emulation.setEmulatedMedia", features=features)
+        self.ask("Page.navigate", url=address)
+        self.until("!!window.editor && editor.drawnFrame === 0")
+
+    def ask(self, method: str, **parameters: object) -> dict[str, Any]:
+        return self.browser.ask(method, self.session, **parameters)
+
+    def evaluate(self, expression: str) -> Any:
+        asked = {"expression": expression, "returnByValue": True, "awaitPromise": True}
+        found = self.ask("Runtime.evaluate", **asked)
+        assert "exceptionDetails" not in found, found
+        return found["result"].get("value")
+
+    def until(self, expression: str) -> None:
+        end = time.monotonic() + PATIENCE_S
+        while not self.evaluate(expression):
+            assert time.monotonic() < end, expression
+            time.sleep(0.02)
+
+    def drag(self, places: list[tuple[int, int]]) -> None:
+        """One finger, or the mouse, along places of the page."""
+        if self.mobile:
+            self.fingers([[one] for one in places])
+            return
+        for k, (x, y) in enumerate([*places, places[-1]]):
+            kind = "mousePressed" if k == 0 else "mouseMoved"
+            kind = "mouseReleased" if k == len(places) else kind
+            about = {"type": kind, "x": x, "y": y, "button": "left", "clickCount": 1, "buttons": 1}
+            self.ask("Input.dispatchMouseEvent", **about)
+
+    def fingers(self, places: list[list[tuple[int, int]]]) -> None:
+        """Fingers come down one by one, go along, and are lifted."""
+        for count in range(1, len(places[0]) + 1):
+            self._touch("touchStart", places[0][:count])
+        for one in places[1:]:
+            self._touch("touchMove", one)
+        self._touch("touchEnd", [])
+
+    def _touch(self, kind: str, places: list[tuple[int, int]]) -> None:
+        points = [{"x": x, "y": y, "id": k} for k, (x, y) in enumerate(places)]
+        self.ask("Input.dispatchTouchEvent", type=kind, touchPoints=points)
+
+    def press(self, word: str) -> None:
+        """A button, by what stands on it."""
+        found = self.evaluate(
+            "(() => { const one = [...document.querySelectorAll('button')].find("
+            f"(b) => b.offsetParent && b.textContent.includes('{word}'));"
+            "const r = one.getBoundingClientRect();"
+            "return [r.x + r.width / 2, r.y + r.height / 2] })()"
+        )
+        self.drag([(round(found[0]), round(found[1]))])
+
+    def somebody(self) -> None:
+        """Put a person in and wait until it is seen."""
+        self.press("Add")
+        self.press("Person")
+        self.until("!!editor.actors.get('Person')?.figure && editor.chosen === 'Person'")
+        self.settled()
+
+    def settled(self) -> None:
+        """Wait for answers, and until they are drawn."""
+        self.until(IDLE)
+        self.evaluate(
+            "new Promise((seen) => requestAnimationFrame(() => requestAnimationFrame(seen)))"
+        )
+
+    def place(self, share: float = 0.0) -> np.ndarray:
+        """Where the person is on the page: its foot, or so much of its height up."""
+        return np.array(
+            self.evaluate(
+                "(() => { const one = editor.actors.get('Person'); const up = one.place;"
+                f"up.z += {share} * one.height; return editor.stage.placeOf(up) }})()"
+            )
+        )
+
+    def complaints(self) -> list[str]:
+        self.evaluate("0")
+        told = []
+        for event in self.browser.events:
+            about = event["params"]
+            if event.get("sessionId") != self.session:
+                continue
+            if event["method"] == "Runtime.exceptionThrown" or (
+                event["method"] == "Runtime.consoleAPICalled" and about["type"] != "log"
+            ):
+                told.append(str(about))
+            elif event["method"] == "Log.entryAdded":
+                told.append(str(about["entry"]))
+        return told
+
+    def close(self) -> None:
+        self.browser.ask("Target.closeTarget", targetId=self.target)
+
+
+@pytest.fixture
+def at(tmp_path: Path) -> RunDesk:
+    return desk(tmp_path)
+
+
+@pytest.fixture
+def tab(browser: Browser, at: RunDesk) -> Iterator[Callable[..., Tab]]:
+    """Open the editor in a tab."""
+    tabs: list[Tab] = []
+    with running(at) as (access, _, _):
+
+        def opened(width: int = 1400, height: int = 900, scheme: str = "light") -> Tab:
+            tabs.append(Tab(browser, access.link(), width, height, scheme))
+            return tabs[-1]
+
+        yield opened
+        for one in tabs:
+            one.close()
+        browser.events.clear()
+
+
+@pytest.mark.parametrize(
+    ("width", "height", "scheme"), [(1400, 900, "light"), (390, 844, "dark"), (844, 390, "light")]
+)
+def test_what_is_grabbed_stays_under_mouse_and_finger(
+    tab: Callable[..., Tab], width: int, height: int, scheme: str
+) -> None:
+    rng, one = np.random.default_rng(2), tab(width, height, scheme)
+    one.somebody()
+    moved = 0
+    for _ in range(12):
+        x, y = one.place(rng.uniform(0.2, 0.8)).round().astype(int).tolist()
+        held = one.evaluate(
+            f"(() => {{ const got = editor.pick({x}, {y}, false);"
+            "if (got?.name !== 'Person' || got.handle) return false;"
+            f"window.was = {POSE}; window.point = got.point; return true }})()"
+        )
+        box = "editor.stage.ground.getBoundingClientRect()"
+        left, top, wide, high = one.evaluate(
+            f"(({{x, y, width, height}}) => [x, y, width, height])({box})"
+        )
+        goal = np.array([left, top]) + rng.uniform([0.3, 0.45], [0.7, 0.8]) * [wide, high]
+        goal = goal.round().astype(int)
+        if not held:
+            continue
+        way = np.linspace([x, y], goal, 8).round().astype(int)
+        one.drag([tuple(place) for place in way.tolist()])
+        one.settled()
+        now = one.evaluate(
+            f"editor.stage.placeOf(point.clone().applyMatrix4(was.invert()).applyMatrix4({POSE}))"
+        )
+        assert np.hypot(*(np.array(now) - goal)) < 0.5
+        moved += 1
+    assert moved > 5
+    assert one.complaints() == []
+    sides = one.evaluate("[document.documentElement.scrollWidth, innerWidth]")
+    assert sides[0] <= sides[1], "nothing scrolls sideways"
+    small = one.evaluate(
+        "[...document.querySelectorAll('.bar button, .bar a, .panel button, .timeline > button')]"
+        ".filter((b) => b.offsetParent && (b.offsetWidth < 44 || b.offsetHeight < 44))"
+        ".map((b) => b.title)"
+    )
+    assert small == [], "fingers need 44 pixels"
+
+
+def test_two_fingers_turn_and_grow(tab: Callable[..., Tab], at: RunDesk) -> None:
+    one = tab(390, 844)
+    one.somebody()
+    x, y = one.place(0.05).round().astype(int).tolist()
+    before = stands(at, "Person", 0)
+    seen = [(x - 30, y), (x + 30, y)]
+    ends = [(x - 40, y - 12), (x + 44, y + 10)]
+    way = np.linspace(np.array(seen), np.array(ends), 10).round().astype(int).tolist()
+    one.fingers([[tuple(place) for place in places] for places in way])
+    one.settled()
+    ground = []
+    for pairs in (seen, ends):
+        pixels = [one.evaluate(f"editor.pixelAt({u}, {v})") for u, v in pairs]
+        origin, rays = at.filmed.rays(0, pixels)
+        ground.append([origin - origin[2] / ray[2] * ray for ray in rays])
+    ways = [complex(*(second - first)[:2]) for first, second in ground]
+    done = stands(at, "Person", 0) @ before.inverse()
+    np.testing.assert_allclose(float(done.scale), abs(ways[1] / ways[0]), rtol=1e-3)
+    turned = np.degrees(done.rotor.as_rotation_vector()[2] - np.angle(ways[1] / ways[0]))
+    assert abs(turned) < 0.1
+
+
+def test_a_drawn_way_is_walked_and_others_hear_of_it(tab: Callable[..., Tab], at: RunDesk) -> None:
+    one = tab(390, 844)
+    address = one.evaluate("editor.link.address")
+    origin = one.evaluate("location.origin")
+    with connect(address, origin=origin, proxy=None) as other:
+        one.somebody()
+        x, y = one.place().round().astype(int).tolist()
+        one.press("Walk")
+        one.until("editor.draws")
+        one.drag([(x - 4 * k, y + (k % 7)) for k in range(30)])
+        one.until("editor.one?.walk === true")
+        assert at.session.ledger.scene.part("Person").walk is not None
+        one.until("editor.timeline.playing || editor.frame > 0")
+        one.press("Undo")
+        one.until("editor.one?.walk === false")
+        heard = [json.loads(other.recv(PATIENCE_S)) for _ in range(4)]
+    walks = [[thing["walk"] for thing in news["scene"]["objects"]] for news in heard]
+    assert walks == [[], [False], [True], [False]]
+    assert one.complaints() == []
