@@ -312,8 +312,10 @@ def _morph(
 
 def _cofactors(blocks: FloatArray, mirrored: NDArray[np.bool_]) -> FloatArray:
     """What turns normals as blocks (V, 3, 3) turn vertices."""
-    a, b, c = blocks[:, 0], blocks[:, 1], blocks[:, 2]
-    cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
+    after, last = blocks[:, [1, 2, 0]], blocks[:, [2, 0, 1]]
+    # NumPy's cross product takes longer than all else where a file has thousands of meshes.
+    cofactors = after[..., [1, 2, 0]] * last[..., [2, 0, 1]]
+    cofactors -= after[..., [2, 0, 1]] * last[..., [1, 2, 0]]
     return cofactors * np.where(mirrored, -1.0, 1.0)[:, None, None]
 
 
