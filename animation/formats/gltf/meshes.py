@@ -50,6 +50,7 @@ class Meshes:
         self._targets_read = 0
         self._looked_at = self._morphs = 0  # numbers of targets, and those of moved vertices
         self._lines = 0
+        self._read: dict[tuple[int, int], RigSurface] = {}
         self._elsewhere = ""
         self._total = 0
         self._unplaced: set[str] = set()
@@ -88,11 +89,32 @@ class Meshes:
             name = str(given.get("name") or mesh.get("name") or f"mesh {given['mesh']}")[:100]
             for part in listed(mesh.get("primitives"), f"mesh '{name}'.primitives"):
                 one = table(part, f"mesh '{name}'")
-                surface = self._surface(one, name, node, skin)
-                if surface is not None:
-                    morphs = self._targets(one, mesh, given, name, len(surface.vertices))
-                    made.append(replace(surface, morphs=morphs))
+                made += self._shared(one, mesh, name, node, skin)
         return tuple(made), tuple(sorted(joints))
+
+    def _shared(
+        self, part: dict[str, Any], mesh: dict[str, Any], name: str, node: int, skin: Skin | None
+    ) -> list[RigSurface]:
+        """The surface of a primitive at a node, if any; read once, however many nodes show it."""
+        given = self._nodes.given[node]
+        key = id(part), id(skin)
+        if key in self._read and "weights" not in given:
+            known = self._read[key]
+            self._total += max(len(known.vertices), len(known.triangles))
+            check_count("vertices and triangles", self._total, MAX_VERTICES)
+            self._targets_read += len(known.morphs)
+            check_count("morph targets", self._targets_read, MAX_MORPHS)
+            self._morphs += 6 * sum(len(one.rows) for one in known.morphs)
+            check_count("numbers of morph targets", self._morphs, MAX_VALUES // 2)
+            return [replace(known, name=name, node=node)]
+        surface = self._surface(part, name, node, skin)
+        if surface is None:
+            return []
+        morphs = self._targets(part, mesh, given, name, len(surface.vertices))
+        made = replace(surface, morphs=morphs)
+        if "weights" not in given:
+            self._read[key] = made
+        return [made]
 
     def _shown(self) -> list[int]:
         """Nodes with a mesh: those of the scene that is shown, or all where it has none."""

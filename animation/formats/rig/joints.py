@@ -200,25 +200,41 @@ def joint_poses(tree: NodeTree, joints: Joints, nodes: Transforms, world: World)
     wxyz = nodes.wxyz[:, joints.nodes]
     size = np.where(above < 0, world.unit_m, scale[:, above])[..., None]
     places = nodes.translation[:, joints.nodes] * size
-    for joint, chain in enumerate(joints.chains):
-        if len(chain) > 1 or joints.parents[joint] < 0:
-            motor = _folded(tree, chain, nodes, scale, world)
-            wxyz[:, joint], places[:, joint] = motor.as_quaternion_translation()
+    held = [
+        joint
+        for joint, chain in enumerate(joints.chains)
+        if len(chain) > 1 or joints.parents[joint] < 0
+    ]
+    if held:
+        motors = _folded(tree, [joints.chains[joint] for joint in held], nodes, scale, world)
+        wxyz[:, held], places[:, held] = motors.as_quaternion_translation()
     return JointPoses(wxyz, places, scale[:, joints.nodes], None)
 
 
 def _folded(
-    tree: NodeTree, chain: tuple[int, ...], nodes: Transforms, scale: FloatArray, world: World
+    tree: NodeTree,
+    chains: list[tuple[int, ...]],
+    nodes: Transforms,
+    scale: FloatArray,
+    world: World,
 ) -> Motor:
-    """Rigid poses (F,) of the last node of a chain in the frame above its first."""
-    motor = world.motor if tree.parents[chain[0]] < 0 else Motor.identity()
-    for node in chain:
-        parent = tree.parents[node]
-        size = world.unit_m if parent < 0 else scale[:, parent, None]
-        motor = motor @ Motor.from_quaternion_translation(
-            nodes.wxyz[:, node], nodes.translation[:, node] * size
+    """Rigid poses (F, C) of the last nodes of chains in the frames above their first."""
+    made = np.zeros((*nodes.shape[:1], len(chains), 8))
+    rooted = np.array([tree.parents[chain[0]] < 0 for chain in chains])
+    made[:, rooted] = world.motor.coefficients
+    made[:, ~rooted, 0] = 1.0
+    reached, step = list(range(len(chains))), 0
+    while reached:  # all chains go on at once: files may have thousands of roots
+        own = np.array([chains[which][step] for which in reached])
+        above = tree.parents[own]
+        size = np.where(above < 0, world.unit_m, scale[:, above])[..., None]
+        further = Motor.from_quaternion_translation(
+            nodes.wxyz[:, own], nodes.translation[:, own] * size
         )
-    return motor
+        made[:, reached] = (Motor(made[:, reached]) @ further).coefficients
+        step += 1
+        reached = [which for which in reached if len(chains[which]) > step]
+    return Motor(made)
 
 
 def _sheared(tree: NodeTree, joints: Joints, nodes: Transforms, world: World) -> JointPoses:

@@ -25,7 +25,7 @@ from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import Rig, RigClip
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Rotor, Similarity
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 CONSTANT_SCALE = 1e-4
 """Scales that stay this near to the rest's, as a share of it, count as constant."""
@@ -204,13 +204,17 @@ def _skin(rig: Rig, joints: Joints, binding: Binding) -> FloatArray:
     """The centre (J, 3) of the vertices that mostly follow each joint; NaN for none."""
     sums, counts = np.zeros((len(joints.nodes), 3)), np.zeros(len(joints.nodes))
     frames = binding.frames()
+    skins: dict[int, tuple[IntArray, FloatArray]] = {}
     for surface in rig.surfaces:
         if surface.skin is None or not surface.weights.size:
             continue
+        if id(surface.skin) not in skins:
+            own = np.searchsorted(joints.nodes, surface.skin.nodes)
+            skins[id(surface.skin)] = own, frames[own] @ surface.skin.inverse_bind
+        own, placed = skins[id(surface.skin)]
         rows = np.arange(len(surface.vertices))
         inside = surface.influences[rows, np.argmax(surface.weights, axis=1)]
-        own = np.searchsorted(joints.nodes, surface.skin.nodes)
-        matrices = (frames[own] @ surface.skin.inverse_bind)[inside]
+        matrices = placed[inside]
         at = np.einsum("vij,vj->vi", matrices[:, :3, :3], surface.vertices) + matrices[:, :3, 3]
         np.add.at(sums, own[inside], at)
         np.add.at(counts, own[inside], 1.0)

@@ -14,7 +14,7 @@ from motorcade.animation.appearance import Appearance, MaterialPart
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.rig.binding import Binding
 from motorcade.animation.formats.rig.joints import Joints, World, nearest_joints, node_matrices
-from motorcade.animation.formats.rig.values import NodeTree, RigMorph, RigSurface, Skin
+from motorcade.animation.formats.rig.values import NodeTree, RigMorph, RigSurface
 from motorcade.animation.morphs import MorphTarget
 from motorcade.animation.vectors import UP, unit
 from motorcade.ga.arrays import FloatArray, IntArray
@@ -131,16 +131,19 @@ def bound_mesh(
     """
     nearest = nearest_joints(tree, joints)
     frames = binding.frames()
-    stands = node_matrices(tree, world)
+    stands, from_found = node_matrices(tree, world), frames @ np.linalg.inv(binding.found)
     parts: list[BoundMesh] = []
     notices: list[str] = []
+    skins: dict[int, tuple[IntArray, FloatArray]] = {}
     for surface in surfaces:
         if surface.skin is None:
             joint = int(nearest[surface.node])
-            from_found = frames[joint] @ np.linalg.inv(binding.found[joint])
-            part = _hanging(surface, joint, from_found @ stands[surface.node])
+            part = _hanging(surface, joint, from_found[joint] @ stands[surface.node])
         else:
-            part = _skinned(joints, frames, surface, surface.skin)
+            if id(surface.skin) not in skins:
+                own = np.searchsorted(joints.nodes, surface.skin.nodes)
+                skins[id(surface.skin)] = own, frames[own] @ surface.skin.inverse_bind
+            part = _skinned(surface, *skins[id(surface.skin)])
         parts.append(part)
         notices += part.notices
     starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
@@ -225,11 +228,12 @@ def _hanging(surface: RigSurface, joint: int, matrix: FloatArray) -> BoundMesh:
     return _placed(surface, matrix[None], numbers, weights, ())
 
 
-def _skinned(joints: Joints, frames: FloatArray, surface: RigSurface, skin: Skin) -> BoundMesh:
-    """A surface in the bind pose that all share: posed there by its own bind matrices."""
+def _skinned(surface: RigSurface, own: IntArray, matrices: FloatArray) -> BoundMesh:
+    """A surface in the bind pose that all share: posed there by its own bind matrices.
+
+    Its skin's joints are `own` (M,), whose `matrices` (M, 4, 4) lead to character space.
+    """
     held = strongest_four(surface)
-    own = np.searchsorted(joints.nodes, skin.nodes)
-    matrices = frames[own] @ skin.inverse_bind
     used = np.unique(held.numbers[held.weights > 0.0])
     first = matrices[used[0]]
     far = np.abs(surface.vertices).max(initial=0.0)

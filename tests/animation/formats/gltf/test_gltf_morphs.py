@@ -1,10 +1,13 @@
 """Morph targets of glTF files: mixed into the rest pose by their node's weights, and by clips."""
 
+from copy import deepcopy
+
 import numpy as np
 import pytest
 
 from motorcade.animation import read_character
 from motorcade.animation.formats import FormatError
+from tests.animation.formats.dressed import dressed_gltf, encoded
 from tests.animation.formats.samples import Gltf, Write, tower
 
 RAISED, TURNED = np.zeros((12, 3)), np.zeros((12, 3))
@@ -80,3 +83,26 @@ def test_weights_that_do_not_fit_their_targets_are_refused(write: Write) -> None
     )
     with pytest.raises(FormatError, match="expected 12 values"):
         read_character(write("short.glb", short.glb()))
+
+
+def test_a_mesh_at_two_nodes_is_read_as_two_meshes_are(write: Write) -> None:
+    found = []
+    for own in (False, True):
+        made = dressed_gltf((encoded("PNG"),))
+        nodes, meshes = made.document["nodes"], made.document["meshes"]
+        meshes[0].pop("weights")
+        meshes += [deepcopy(meshes[0]), deepcopy(meshes[0])] if own else []
+        for number, weights in ((2, {"weights": [0.5, 1.0]}), (3, {})):
+            mesh = number if own else 0
+            nodes.append({**nodes[3], "name": f"twin {number}", "mesh": mesh} | weights)
+            made.document["scenes"][0]["nodes"].append(len(nodes) - 1)
+        found.append(read_character(write(f"{own}.glb", made.glb())))
+    shared, apart = found
+    for name in ("vertices", "normals", "triangles", "colors", "joints", "weights"):
+        assert np.array_equal(getattr(shared, name), getattr(apart, name)), name
+    assert len(shared.triangles) > 20
+    assert [one.weight for one in shared.morphs] == [0.0, 0.0, 0.5, 1.0, 0.0, 0.0]
+    assert [one.weight for one in apart.morphs] == [one.weight for one in shared.morphs]
+    for one, other in zip(shared.morphs, apart.morphs, strict=True):
+        assert np.array_equal(one.rows, other.rows)
+        assert np.array_equal(one.positions, other.positions)
