@@ -165,16 +165,34 @@ def _track(given: RigClip, mesh: BoundMesh) -> MorphTrack | None:
 
 
 def _lost(rig: Rig, stage: Stance, mesh: BoundMesh, binding: Binding) -> list[str]:
-    """How far shear and uneven scales, in the nodes' pose and all clips, would move vertices on."""
+    """How far shear and uneven scales, in the nodes' pose and all clips, would move vertices on.
+
+    What hangs on a node without a skin was placed by all the shear that the node has as it stands:
+    of that it loses nothing, but for what clips change.
+    """
+    sheared = stage.sheared(rig)
+    if not sheared:
+        return []
     rows = np.arange(0, len(mesh.vertices), -(-len(mesh.vertices) // VERTICES_SEEN))
     joints, weights = mesh.joints[rows], mesh.weights[rows]
     frames = np.linalg.inv(binding.frames())[joints]
     places = np.einsum("vkij,vj->vki", frames[..., :3, :3], mesh.vertices[rows])
     places += frames[..., :3, 3]
     height_m, most, where = float(np.ptp(mesh.vertices[:, 2])) or 1.0, 0.0, ""
-    for name, one in stage.sheared(rig).items():
-        for lost in () if one.lost is None else one.lost:
-            shift = np.einsum("vk,vkij,vkj->vi", weights, lost[joints], places)
+    hanging = np.repeat(
+        [surface.skin is None for surface in rig.surfaces],
+        [len(surface.vertices) for surface in rig.surfaces],
+    )[rows]
+    resting = stage.blocks(stage.rest)[0]
+    given = resting if stage.rest.lost is None else resting + stage.rest.lost[0]
+    placed = np.linalg.pinv(given, rcond=1e-9) @ resting
+    for name, one in sheared.items():
+        lost = np.zeros((len(one.scale), 1, 3, 3)) if one.lost is None else one.lost
+        near = stage.blocks(one)
+        hung = (near + lost) @ placed - near
+        for own, other in zip(np.broadcast_to(lost, near.shape), hung, strict=True):
+            beyond = np.where(hanging[:, None, None, None], other[joints], own[joints])
+            shift = np.einsum("vk,vkij,vkj->vi", weights, beyond, places)
             worst = float(np.linalg.norm(shift, axis=1).max())
             if worst > most:
                 most, where = worst, name

@@ -106,14 +106,21 @@ class Stance:
         return [joint_poses(rig.tree, self.joints, nodes, self.world) for nodes in seen_nodes(rig)]
 
     def sheared(self, rig: Rig) -> dict[str, JointPoses]:
-        """Some poses (F, J) of the nodes and of each clip in which joints do not scale evenly."""
+        """Some poses (F, J) of the nodes and each clip; of none where all joints scale evenly."""
         found = {} if self.rest.lost is None else {"the pose of its nodes": self.rest}
         every = zip(rig.clips, seen_nodes(rig, max(len(rig.clips), 1)), strict=True)
         return found | {
             f"clip '{clip.name}'": joint_poses(rig.tree, self.joints, nodes, self.world)
             for clip, nodes in every
-            if nodes.blocks is not None
+            if nodes.blocks is not None or found
         }
+
+    def blocks(self, poses: JointPoses) -> FloatArray:
+        """Turns times scales (F, J, 3, 3) from the joints of poses to character space."""
+        motors = poses.motors()
+        skeleton = Skeleton(self.joints.names, self.joints.parents, motors[0])
+        turns: FloatArray = skeleton.world(motors).rotor.as_matrix()
+        return turns * poses.scale[..., None, None]
 
     def clips(
         self, rig: Rig, reference: FloatArray, height_m: float, watched: NDArray[np.bool_]

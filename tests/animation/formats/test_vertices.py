@@ -10,7 +10,7 @@ import pytest
 from motorcade.animation import read_character, skin
 from tests.animation.formats.dressed import dressed_gltf, encoded
 from tests.animation.formats.gltf_vertices import GltfVertices
-from tests.animation.formats.samples import Write, rich_gltf
+from tests.animation.formats.samples import Gltf, Write, animate, rich_gltf, tower
 
 SHARE = 1e-5
 """How far a vertex may lie from its place, as a share of the largest side of what is shown."""
@@ -69,6 +69,46 @@ def worst(path: Path, raw_path: Path | None = None) -> tuple[float, float]:
             off = np.abs(back.apply(vertices) - raw.at(time_s, number)).max() / size
             moving = max(moving, float(off))
     return float(at_rest), moving
+
+
+def uneven_gltf(key: str, values: object) -> Gltf:
+    """A tower that hangs, without a skin, on a node of uneven scale under one that a clip turns."""
+    made = Gltf()
+    vertices, triangles, _ = tower()
+    part = {
+        "attributes": {"POSITION": made.add(vertices)},
+        "indices": made.add(triangles.reshape(-1), "uint32"),
+    }
+    made.document |= {
+        "meshes": [{"primitives": [part]}],
+        "nodes": [
+            {"name": "base", "children": [1], "scale": [1.0, 2.0, 1.0]},
+            {"name": "tower", "mesh": 0, "rotation": [0.0, 0.0, 0.3826834, 0.9238795]},
+        ],
+        "scenes": [{"nodes": [0]}],
+        "scene": 0,
+    }
+    animate(made, "move", made.add([0.0, 1.0]), {(0, key): made.add(values)})
+    return made
+
+
+def test_parts_without_a_skin_that_only_turn_lose_no_shear(write: Write) -> None:
+    made = uneven_gltf("rotation", [[0.0, 0.0, 0.0, 1.0], [0.0, 0.6, 0.0, 0.8]])
+    path = write("turned.glb", made.glb())
+    assert max(worst(path)) < SHARE
+    assert not any("nearest uniform scales" in one for one in read_character(path).notices)
+
+
+def test_parts_without_a_skin_that_are_stretched_are_as_far_off_as_is_told(write: Write) -> None:
+    made = uneven_gltf("scale", [[1.0, 2.0, 1.0], [2.0, 1.0, 1.0]])
+    path = write("stretched.glb", made.glb())
+    at_rest, moving = worst(path)
+    assert at_rest < 1e-6
+    (told,) = [one for one in read_character(path).notices if "nearest uniform scales" in one]
+    share = 0.01 * float(told.split("mm, ")[1].split(" %")[0])
+    # Shares of the largest side and of the height, along an axis and in space, are not quite one.
+    assert moving > 0.05
+    assert 0.8 * moving < share < 2.0 * moving
 
 
 @pytest.fixture(scope="session")
