@@ -64,7 +64,7 @@ class Props:
         given = line.get("object") if line.get("do") == "add" else line
         file = given.get("file") if isinstance(given, Mapping) else None
         known = {MANNEQUIN, *self.files, *(part.file for part in scene.parts.values())}
-        if file is not None and file not in known:
+        if file is not None and (not isinstance(file, str) or file not in known):
             raise ValueError("file: expected one that is on offer")
 
     def entry(self, file: str, scene: Scene, filmed: Filmed) -> dict[str, Any]:

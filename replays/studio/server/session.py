@@ -16,6 +16,7 @@ import numpy as np
 from motorcade.animation.authoring import (
     Drag,
     Dragged,
+    Edit,
     Scene,
     SceneEditor,
     Snapping,
@@ -39,7 +40,7 @@ from motorcade.replays.studio.server.hands import Hands
 from motorcade.replays.studio.server.ledger import Ledger
 from motorcade.replays.studio.server.offers import Answer
 from motorcade.replays.studio.server.played import PlayedScene, rows
-from motorcade.replays.studio.server.props import Props, free_name
+from motorcade.replays.studio.server.props import GROUND, Props, free_name
 from motorcade.replays.studio.server.told import ToldScene
 from motorcade.replays.studio.server.ways import thinned
 
@@ -200,7 +201,15 @@ class EditingSession:
         line = message.get("edit")
         if not isinstance(line, dict):
             raise ValueError("edit: expected an object of JSON")
-        return self._edited(visitor, message, line)
+        # Each of many is looked at as it would be alone.
+        lines = line.get("gestures") if line.get("do") == "together" else [line]
+        if (
+            not isinstance(lines, list)
+            or not lines
+            or not all(isinstance(one, dict) for one in lines)
+        ):
+            raise ValueError("edit: gestures: expected a list of objects of JSON")
+        return self._edited(visitor, message, *lines)
 
     def _edited(self, visitor: int, message: Message, *lines: Mapping[str, Any]) -> Answer:
         """Do edits and drags as one step, at the moment that the browser shows."""
@@ -210,8 +219,8 @@ class EditingSession:
         for line in lines:
             self._require_free(visitor, line)
             self.props.require_offered(line, before)
-        steps = [gesture_of(line, "edit") for line in lines]
-        gesture = steps[0] if len(steps) == 1 else Together(tuple(steps))  # type: ignore[arg-type]
+        steps = tuple(map(_edit_of, lines))
+        gesture = steps[0] if len(steps) == 1 else Together(steps)
         trial = SceneEditor(before)
         trial.stand(self.anchors(before, frame, lines))
         after = trial.do(gesture)
@@ -233,8 +242,13 @@ class EditingSession:
 
     def _place(self, visitor: int, message: Message) -> Answer:
         """Somebody or something new, in the middle of what there is to stand on."""
-        entry = self.props.entry(name_of(message, "file"), self.ledger.scene, self.filmed)
-        answer = self._edited(visitor, message, {"do": "add", "object": entry})
+        scene, lines = self.ledger.scene, []
+        if not scene.anchors:
+            stand = anchor_json(self.filmed.first)
+            lines.append({"do": "anchor", "name": free_name(GROUND, scene), **stand})
+            scene = Edit(lines[0]).applied(scene)
+        entry = self.props.entry(name_of(message, "file"), scene, self.filmed)
+        answer = self._edited(visitor, message, *lines, {"do": "add", "object": entry})
         return Answer({**answer.reply, "object": entry["name"]}, answer.news)
 
     def _copy(self, visitor: int, message: Message) -> Answer:
@@ -351,3 +365,11 @@ class EditingSession:
             return ()
         origin, directions = self.filmed.rays(frame, pixels)
         return tuple(Ray(origin, one) for one in directions)
+
+
+def _edit_of(line: Message) -> Dragged | Edit:
+    """A line that is one change of the scene, and not of its history or of where anchors stand."""
+    gesture = gesture_of(line, "edit")
+    if not isinstance(gesture, Dragged | Edit):
+        raise ValueError(f"edit: expected a drag or an edit, got {gesture.as_json()['do']}")
+    return gesture
