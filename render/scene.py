@@ -84,6 +84,7 @@ class Sun:
         direction: (3,) the way the light travels.
         intensity: irradiance in pyrender's units; about 3 lights white paper fully.
         color: linear RGB.
+        radius_rad: apparent radius; the shadow of a larger one is softer.
 
     >>> from motorcade.render import Sun
     >>> Sun(direction=(0.0, 0.0, -1.0), intensity=3.0).color  # from the zenith; white
@@ -93,6 +94,7 @@ class Sun:
     direction: Triple
     intensity: float
     color: Triple = (1.0, 1.0, 1.0)
+    radius_rad: float = 0.12
 
 
 @dataclass(frozen=True)

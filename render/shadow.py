@@ -1,16 +1,18 @@
-"""Soft contact shadow of a mesh on the plane it stands on, computed in the plane's own frame.
+"""Soft shadow of a mesh on the plane it stands on, computed in the plane's own frame.
 
-Every triangle that faces the lamp drops its projected area onto a grid on the ground, blurred by
-as much as the lamp's apparent radius spreads it over the triangle's height: sharp where the figure
-touches the ground, soft where it is far above. A second, vertical pass stands for the sky that
-the body hides close around its feet. The grid is then carried into the picture by the plane's
-homography. Everything is deterministic.
+The lamp's light: every triangle that faces the lamp drops its projected area onto a grid on the
+ground, blurred by as much as the lamp's apparent radius spreads it over the triangle's height:
+sharp where the figure touches the ground, soft where it is far above. Light from all sides: the
+same without blur, from a few directions spread over the sky as they light the ground, which is the
+ambient occlusion of the ground about the feet. The grid is then carried into the picture by the
+plane's homography. Everything is deterministic.
 
 The frame: ground is z = 0, z up, metres, the grid centred on the origin.
 """
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
 import cv2
 import numpy as np
@@ -26,8 +28,14 @@ GRID = 320
 LAYERS = 6
 # Cells of the grid to one of the coarsest, which wide blurs are computed on.
 COARSEST = 4
-# How quickly area that hides sky turns dark; one full layer lets exp(-2.2) = 11 % through.
-DENSITY = 2.2
+# Directions of the sky, and the coarser, smaller grid that they are gathered on: cells a side,
+# its share of the whole one, and the blur of one direction and of their sum, in its cells.
+SKY, SKY_GRID, SKY_SHARE, SKY_BLUR, SKY_SOFT = 24, 96, 0.6, 0.5, 0.7
+# Triangles are dropped in parts of at most this width, in cells of the finest grid, and of so many
+# parts along a side at most.
+PART, MOST_PARTS = 3.0, 48
+# Cells over which it is told how often a place is covered: triangles do not drop evenly.
+OVERLAP_SOFT = 1.5
 # Rays that fall less than this meet the ground nowhere.
 BARELY = 1e-9
 # Shade below this changes no byte of a picture (`composite.SHADES` are told apart).
@@ -47,20 +55,20 @@ class ShadowLook:
     Attributes:
         strength: share of the light that comes from the lamp, so that a full shadow takes it
             away, 0 to 1; None leaves it to the scene's lighting.
-        lamp_radius_rad: apparent radius of the lamp; larger is softer.
-        contact: share that the hidden sky takes away at the feet, 0 to 1.
-        contact_height: height up to which the body hides sky, as a share of the grid's half-width.
+        lamp_radius_rad: apparent radius of the lamp; larger is softer; None leaves it to the
+            scene's lighting.
+        contact: how much of the light from the sky that a body hides is lost to the ground; what
+            is not is given back by the body.
 
     >>> from motorcade.render import ShadowLook
     >>> overcast = ShadowLook(strength=0.1, lamp_radius_rad=0.5)  # faint and soft
     >>> overcast.contact  # dark at the feet all the same
-    0.5
+    0.8
     """
 
     strength: float | None = None
-    lamp_radius_rad: float = 0.12
-    contact: float = 0.50
-    contact_height: float = 0.22
+    lamp_radius_rad: float | None = None
+    contact: float = 0.8
 
 
 def ground_shade(
@@ -70,6 +78,7 @@ def ground_shade(
     half_width_m: float,
     look: ShadowLook,
     strength: float,
+    lamp_radius_rad: float,
 ) -> ShadeArray:
     """Share of light that the mesh takes away from each cell of the ground.
 
@@ -80,6 +89,7 @@ def ground_shade(
         half_width_m: half the width of the square grid.
         look: how the shadow looks.
         strength: share of the light that a full shadow takes away, where the look gives none.
+        lamp_radius_rad: of the lamp, where the look gives none.
 
     Returns:
         (GRID, GRID) float32 of linear light, from 0 (full light) to 1, row along +y, column
@@ -93,43 +103,107 @@ def ground_shade(
     >>> from motorcade.render.shadow import ground_shade
     >>> roof = np.array([[-0.5, -0.5, 0.1], [0.5, -0.5, 0.1], [0.5, 0.5, 0.1], [-0.5, 0.5, 0.1]])
     >>> faces = np.array([[0, 1, 2], [0, 2, 3], [2, 1, 0], [3, 2, 0]])
-    >>> shade = ground_shade(roof, faces, np.array([0, 0, -1.0]), 2.0, ShadowLook(contact=0.0), 0.8)
-    >>> bool(shade.max() <= 0.8), float(shade[0, 0])
-    (True, 0.0)
+    >>> noon, look = np.array([0, 0, -1.0]), ShadowLook(contact=0.0)
+    >>> shade = ground_shade(roof, faces, noon, 2.0, look, 0.8, 0.1)
+    >>> round(float(shade.max()), 3), float(shade[0, 0])
+    (0.8, 0.0)
     """
     if not light_direction[2] < 0.0:
         raise ValueError(
             f"ground_shade(light_direction): expected light from above, got {light_direction}"
         )
-    # A coordinate at once: (3 coordinates, 3 corners, T).
-    corners = np.take(np.ascontiguousarray(vertices.T), np.ascontiguousarray(triangles.T), axis=1)
-    middle = (corners[:, 0] + corners[:, 1] + corners[:, 2]) / 3.0
-    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    area = 0.5 * np.stack([a[j] * b[k] - a[k] * b[j] for j, k in ((1, 2), (2, 0), (0, 1))])
-    height = np.maximum(middle[2], 0.0)
     cell = 2.0 * half_width_m / GRID
+    middle, area = _parts(vertices, triangles, PART * cell)
+    height = np.maximum(middle[:, 2], 0.0)
     slant = light_direction[:2] / light_direction[2]
+    radius = lamp_radius_rad if look.lamp_radius_rad is None else look.lamp_radius_rad
     # A disc of radius r has a standard deviation of r / 2; slanting light stretches it.
-    spread = 0.5 * look.lamp_radius_rad * (-light_direction[2]) ** -1.5
+    spread = 0.5 * radius * (-light_direction[2]) ** -1.5
     shadow = _spread(
-        middle[:2] - height * slant[:, None],
-        np.maximum(light_direction @ area / light_direction[2], 0.0) / cell**2,
+        middle[:, :2].T - height * slant[:, None],
+        np.maximum(area @ light_direction / light_direction[2], 0.0) / cell**2,
         0.9 + height * (spread / cell),
         cell,
     )
-    top = look.contact_height * half_width_m
-    near = np.clip(1.0 - height / top, 0.0, 1.0) ** 2
-    sky = _spread(
-        middle[:2],
-        np.maximum(-area[2], 0.0) / cell**2 * near,
-        0.010 * half_width_m / cell + 0.8 * height / cell,
-        cell,
-    )
-    # Area that covers a place whole hides the lamp whole; in the rim, a part of the lamp.
     full = strength if look.strength is None else look.strength
-    direct = np.float32(full) * np.minimum(shadow, 1.0)
-    ambient = np.float32(look.contact) * (1.0 - np.exp(np.float32(-DENSITY) * sky))
-    return np.asarray(1.0 - (1.0 - direct) * (1.0 - ambient))
+    # Area that covers a place whole hides the lamp whole; in the rim, a part of the lamp.
+    lost = np.float32(full) * np.minimum(shadow, 1.0)
+    if look.contact > 0.0 and full < 1.0:
+        hidden = _hidden_sky(middle, area, half_width_m)
+        lost += np.float32((1.0 - full) * look.contact) * hidden
+    return np.asarray(lost)
+
+
+def _parts(
+    vertices: FloatArray, triangles: IntArray, width_m: float
+) -> tuple[FloatArray, FloatArray]:
+    """Middles (P, 3) and areas with their normals (P, 3) of triangles, wide ones cut into parts."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    ab, ac = b - a, c - a
+    area = 0.5 * np.cross(ab, ac)
+    middle = a + (ab + ac) / 3.0
+    longest = np.sqrt(np.max(np.sum(np.stack([ab, ac, ac - ab]) ** 2, axis=2), axis=0))
+    wide = longest > width_m
+    if not wide.any():
+        return middle, area
+    middles, areas = [middle[~wide]], [area[~wide]]
+    count = np.minimum(np.ceil(longest / width_m), MOST_PARTS).astype(np.int64)
+    for n in np.unique(count[wide]):
+        own = wide & (count == n)
+        u, v = _middles(int(n))
+        cut = a[own, None] + u[:, None] * ab[own, None] + v[:, None] * ac[own, None]
+        middles.append(cut.reshape(-1, 3))
+        areas.append(np.repeat(area[own] / n**2, n**2, axis=0))
+    return np.concatenate(middles), np.concatenate(areas)
+
+
+def _middles(n: int) -> tuple[FloatArray, FloatArray]:
+    """Middles of the n² equal parts of a triangle, as shares (n²,) of two of its sides."""
+    i, j = (part.ravel() for part in np.mgrid[:n, :n])
+    upright, turned = i + j < n, i + j < n - 1
+    u = np.concatenate([i[upright] + 1 / 3, i[turned] + 2 / 3]) / n
+    v = np.concatenate([j[upright] + 1 / 3, j[turned] + 2 / 3]) / n
+    return u, v
+
+
+def _hidden_sky(middle: FloatArray, area: FloatArray, half_width_m: float) -> ShadeArray:
+    """Share (GRID, GRID) of evenly bright sky, as it lights the ground, that is hidden there."""
+    cell = 2.0 * SKY_SHARE * half_width_m / SKY_GRID
+    wide = SKY_GRID + 2  # what falls outside is gathered in a rim
+    at, height = (middle[:, :2] / cell).T.astype(np.float32), middle[:, 2].astype(np.float32) / cell
+    amount = area.astype(np.float32) / np.float32(cell**2)
+    total = np.zeros((SKY_GRID, SKY_GRID), np.float32)
+    for slope in _sky_slopes():
+        facing = np.maximum(-(amount[:, 0] * slope[0] + amount[:, 1] * slope[1] + amount[:, 2]), 0)
+        column, row = (
+            np.clip(at[k] - slope[k] * height + (0.5 * SKY_GRID + 1), 0, wide - 1).astype(np.intp)
+            for k in range(2)
+        )
+        dropped = np.bincount(row * wide + column, weights=facing, minlength=wide * wide)
+        inside = dropped.reshape(wide, wide)[1:-1, 1:-1].astype(np.float32)
+        total += np.minimum(cv2.GaussianBlur(inside, (0, 0), SKY_BLUR), 1.0)
+    soft = cv2.GaussianBlur(total / SKY, (0, 0), SKY_SOFT, borderType=cv2.BORDER_REPLICATE)
+    size = round(SKY_SHARE * GRID)
+    rim = (GRID - size) // 2
+    shown = cv2.resize(soft * _fading(), (size, size), interpolation=cv2.INTER_LINEAR)
+    return np.pad(shown, (rim, GRID - size - rim)).astype(np.float32)
+
+
+@cache
+def _sky_slopes() -> tuple[tuple[np.float32, np.float32], ...]:
+    """Level parts x / z and y / z of directions of the sky that light the ground alike."""
+    k = np.arange(SKY) + 0.5
+    level, turn = np.sqrt(k / SKY), k * np.pi * (3.0 - np.sqrt(5.0))
+    slope = np.stack([np.cos(turn), np.sin(turn)]) * level / np.sqrt(1.0 - k / SKY)
+    return tuple((np.float32(x), np.float32(y)) for x, y in slope.T)
+
+
+@cache
+def _fading() -> ShadeArray:
+    """1 about the middle of the sky's grid, falling to 0 at its edge."""
+    along = np.abs(np.arange(SKY_GRID) + 0.5 - 0.5 * SKY_GRID) / (0.5 * SKY_GRID)
+    falling = np.clip(3.0 * (1.0 - along), 0.0, 1.0)
+    return np.outer(falling, falling).astype(np.float32)
 
 
 def shade_step_m(half_width_m: float) -> float:
@@ -207,13 +281,14 @@ def shade_in_picture(
 
 def _spread(at: FloatArray, amount: FloatArray, sigma: FloatArray, cell: float) -> ShadeArray:
     """Drop amounts (T,) at places (2, T) in metres onto the grid, each blurred by its own width in
-    cells, in a few layers.
+    cells, in a few layers. Where several lie over one another they cover the place once.
     """
     total = np.zeros((GRID, GRID), np.float32)
     facing = np.flatnonzero(amount > 0.0)
     if not facing.size:
         return total
     at, amount, sigma = np.take(at, facing, axis=1) / cell, amount[facing], sigma[facing]
+    amount = amount / _overlap(at, amount)
     widest = max(float(sigma.max()), 1.5 * float(sigma.min()))
     widths = np.geomspace(float(sigma.min()), widest, LAYERS)
     place = np.interp(sigma, widths, np.arange(LAYERS))
@@ -223,6 +298,15 @@ def _spread(at: FloatArray, amount: FloatArray, sigma: FloatArray, cell: float) 
         if held.size:
             _add_blurred(total, np.take(at, held, axis=1), share[held], float(width))
     return total
+
+
+def _overlap(at_cell: FloatArray, amount: FloatArray) -> FloatArray:
+    """How often each amount's place is covered, 1 or more."""
+    x, y = np.clip(at_cell + 0.5 * GRID, 0, GRID - 1).astype(np.intp)
+    place = y * GRID + x
+    dropped = np.bincount(place, weights=amount, minlength=GRID * GRID).astype(np.float32)
+    covered = cv2.GaussianBlur(dropped.reshape(GRID, GRID), (0, 0), OVERLAP_SOFT)
+    return np.asarray(np.maximum(covered.ravel()[place], 1.0), dtype=np.float64)
 
 
 def _add_blurred(total: ShadeArray, at_cell: FloatArray, amount: FloatArray, width: float) -> None:

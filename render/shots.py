@@ -196,6 +196,7 @@ class FilmStage:
                     figure.half_width_m,
                     self._look,
                     strength,
+                    self.lighting.sun.radius_rad,
                 )
             else:  # all of it at one point: nothing to draw
                 own_m = np.broadcast_to(own_m.mean(axis=0), own_m.shape)

@@ -9,7 +9,7 @@ the slope of light over a print, that say the same are believed.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -26,18 +26,31 @@ SMALLEST, LARGEST = 60, 0.12
 FOOT, HIDDEN = 0.25, 0.3
 """A thing stands where the quarter of it nearest to the cameras is; behind it (cosine) it hides
 the ground itself."""
-BESIDE = 0.4, 3.0
+BESIDE, OWN_RIM = (0.4, 5.0), 2.0
 REACH = 2.5, 8.0, 30.0
 """How far from a thing its shadow is looked for, and the ground that it is compared with: in the
-thing's radii, and at least, and at most, so many cells."""
+thing's radii, and at least, and at most, so many cells; nearer than the rim, blur mixes the thing
+itself with the ground."""
 STEPS, SHADED, COUNTS = 8, 0.07, 0.1
 """The ground's own light is fitted to what is around, where what lies darker by more than a share
 hardly counts."""
 SIDED = 0.5
 """Of a shadow: by what share the other sides are brighter, at least."""
-FAINT, BLACKEST = 0.08, 0.1
-"""Of the ground's light: a shadow takes more than the first and leaves more than the second, or
-it is black paint."""
+HIDDEN_SKY = 0.25
+"""Of the light from all sides: what a thing takes from the ground close beside it by standing
+there, half at most; in light without a lamp there is no more."""
+FAINT, BLACKEST = HIDDEN_SKY, 0.1
+"""Of the ground's light: a shadow takes more than the first, which hidden sky may, and leaves more
+than the second, or it is black paint."""
+RIM = 0.8, 0.2
+"""Of a shadow's darkness: its rim lies between."""
+RESOLVED = 4.0
+"""Cells: the rim that sharp shadows show, by the blur of pictures and map and corners of things; as
+sharp ones of drawn rooms have it."""
+AT_45 = 0.71
+"""A lamp's apparent radius over (width of the rim / length of the shadow), for light at 45°: a disc
+of radius R spreads the shadow of a height h by a standard deviation of R h / 2 sin(45°)^-1.5, and
+1.68 of them lie between the two shares of `RIM`."""
 DARK = 0.15
 """Of the brightest ground: what is darker farther out is other ground."""
 
@@ -51,6 +64,8 @@ class CastShadow:
         towards: (2,) unit vector on the ground, against the shadow: where the light comes from.
         darkening: share of light that is gone where the shadow is full.
         weight: how sided the shadow is, 0 to 1.
+        lamp_radius_rad: apparent radius of the light by the shadow's rim, were it 45° high; None
+            where the rim is not seen.
 
     >>> import numpy as np
     >>> from motorcade.render.light import CastShadow
@@ -62,6 +77,7 @@ class CastShadow:
     towards: FloatArray
     darkening: float
     weight: float
+    lamp_radius_rad: float | None = None
 
 
 def cast_shadows(ground: GroundMap) -> list[CastShadow]:
@@ -82,12 +98,30 @@ def cast_shadows(ground: GroundMap) -> list[CastShadow]:
         area = int(stats[k, cv2.CC_STAT_AREA])
         if SMALLEST <= area <= LARGEST * label.size:
             foot, away = _foot(label == k, ground.eye_m / ground.cell_m + 0.5 * len(label) - 0.5)
-            lost = _lost(ground, label == k, solid > 0, foot, away, bright)
+            around = _around(ground, label == k, solid > 0, foot, away, bright)
             middle_m = (foot + 0.5 - 0.5 * len(label)) * ground.cell_m
-            shadow = _one_sided(*lost, middle_m)
-            if shadow is not None:
-                found.append(shadow)
+            shadow = None if around is None else _one_sided(around, middle_m)
+            if shadow is not None and around is not None:
+                found.append(replace(shadow, lamp_radius_rad=_lamp_radius(around, shadow)))
     return found
+
+
+def things_seen(ground: GroundMap) -> int:
+    """How many things stand on the ground, such that the ground beside them is seen.
+
+    Where there are several and none has a shadow (`cast_shadows`), light comes from all sides.
+    """
+    solid = _standing(ground)
+    count, label, stats, _ = cv2.connectedComponentsWithStats(solid)
+    bright = np.nanquantile(ground.light, 0.9) * DARK
+    seen = 0
+    for k in range(1, count):
+        if SMALLEST <= int(stats[k, cv2.CC_STAT_AREA]) <= LARGEST * label.size:
+            foot, away = _foot(label == k, ground.eye_m / ground.cell_m + 0.5 * len(label) - 0.5)
+            around = _around(ground, label == k, solid > 0, foot, away, bright)
+            sides = 0 if around is None else int(np.count_nonzero(np.isfinite(around.middle)))
+            seen += sides >= SECTORS // 2
+    return seen
 
 
 def _foot(thing: NDArray[np.bool_], eye: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -102,18 +136,31 @@ def _foot(thing: NDArray[np.bool_], eye: FloatArray) -> tuple[FloatArray, FloatA
     return at[along <= np.quantile(along, FOOT)].mean(axis=0), away
 
 
-def _lost(
+@dataclass(frozen=True, eq=False)
+class _Around:
+    """The ground around a thing: of each cell (N,) the share of light that is gone by the ground's
+    own light there, the distance to the thing in cells, and the direction from it, rad; of each
+    sector close beside the thing (SECTORS,) the share that is gone from half the cells, and from
+    the darker quarter, NaN where that is not seen; and the thing's radius in cells.
+    """
+
+    lost: FloatArray
+    apart: FloatArray
+    turn: FloatArray
+    middle: FloatArray
+    darker: FloatArray
+    radius: float
+
+
+def _around(
     ground: GroundMap,
     thing: NDArray[np.bool_],
     anything: NDArray[np.bool_],
     foot: FloatArray,
     away: FloatArray,
     bright: float,
-) -> tuple[FloatArray, FloatArray]:
-    """Share of light (SECTORS,) that is gone beside a thing, by the ground's own light around it:
-    of half the cells, and of the darker quarter. NaN in sectors that do not show it.
-    """
-    none = np.full(SECTORS, np.nan)
+) -> _Around | None:
+    """The ground around a thing; None where too little of it is seen."""
     apart = cv2.distanceTransform((~thing).astype(np.uint8), cv2.DIST_L2, 5)
     radius = float(np.sqrt(np.count_nonzero(thing) / np.pi))
     reach = np.clip(REACH[0] * radius, *REACH[1:])
@@ -121,19 +168,40 @@ def _lost(
     rows, columns = np.nonzero(around)
     light = ground.light[rows, columns]
     if np.count_nonzero(light > bright) < 3 * SECTORS:
-        return none, none
+        return None
     own = _own_light(np.stack([columns, rows], axis=1) - foot, light, light > bright)
     down, across = np.gradient(apart)  # from the nearest cell of the thing
     turn = np.arctan2(down[rows, columns], across[rows, columns])
     sector = ((turn + np.pi) / (2.0 * np.pi) * SECTORS).astype(int) % SECTORS
-    near = apart[rows, columns] <= max(BESIDE[0] * radius, BESIDE[1])
+    off = apart[rows, columns]
+    near = (off > OWN_RIM) & (off <= max(BESIDE[0] * radius, BESIDE[1]))
     near &= (
         (own > bright)
         & (light > BLACKEST * own)
         & (np.cos(turn - np.arctan2(away[1], away[0])) < HIDDEN)
     )
-    middle, darker = (_by_sector(light / own, sector, near, at) for at in (0.5, 0.25))
-    return 1.0 - middle, 1.0 - darker
+    middle, darker = (1.0 - _by_sector(light / own, sector, near, at) for at in (0.5, 0.25))
+    lost = np.where(own > bright, 1.0 - light / own, np.nan)
+    return _Around(lost, apart[rows, columns], turn, middle, darker, radius)
+
+
+def _lamp_radius(around: _Around, shadow: CastShadow) -> float | None:
+    """By how the shadow fades out along its middle, from where it is full to where it ends."""
+    off = np.abs(np.angle(np.exp(1j * (around.turn - np.arctan2(*-shadow.towards[::-1])))))
+    along = (off < np.pi / SECTORS * 2.0) & np.isfinite(around.lost) & (around.apart > OWN_RIM)
+    steps = np.arange(1, int(around.apart.max(initial=0.0)) + 1)
+    cells = [around.lost[along & (np.abs(around.apart - step) <= 0.7)] for step in steps]
+    lost = np.array([np.median(one) if one.size >= 3 else np.nan for one in cells])
+    if np.count_nonzero(np.isfinite(lost)) < 4:
+        return None
+    level = np.interp(steps, steps[np.isfinite(lost)], lost[np.isfinite(lost)])
+    level = np.minimum.accumulate(level / level[:2].max())
+    if level[-1] > RIM[1]:
+        return None
+    first, half, last = (float(steps[np.argmax(level <= at)]) for at in (RIM[0], 0.5, RIM[1]))
+    width = np.sqrt(max((last - first) ** 2 - RESOLVED**2, 0.0))
+    # What throws the shadow's end stands between the thing's side and its middle.
+    return float(AT_45 * width / (half + 0.5 * around.radius))
 
 
 def _own_light(at: FloatArray, light: FloatArray, counts: NDArray[np.bool_]) -> FloatArray:
@@ -147,8 +215,9 @@ def _own_light(at: FloatArray, light: FloatArray, counts: NDArray[np.bool_]) -> 
     return np.asarray(np.exp(basis @ fitted))
 
 
-def _one_sided(lost: FloatArray, most: FloatArray, middle_m: FloatArray) -> CastShadow | None:
+def _one_sided(around: _Around, middle_m: FloatArray) -> CastShadow | None:
     """The shadow that a profile around a thing shows; None where it shows none on one side."""
+    lost, most = around.middle, around.darker
     seen = np.isfinite(lost)
     level = np.maximum(np.nan_to_num(lost), 0.0)
     if np.count_nonzero(seen) < SECTORS // 3 or level.max() < FAINT:

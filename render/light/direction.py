@@ -45,8 +45,10 @@ class LightDirection:
     Attributes:
         towards: (3,) unit, world, to the light; None where it is unknown.
         doubt_rad: root mean square angle between it and all directions that remain.
-        darkening: share of light that a full shadow takes from the ground; None where none is seen.
+        darkening: share of light that is gone from the ground close beside things, in their
+            shadow; None where none is seen.
         told: by what, or why it is unknown.
+        lamp_radius_rad: apparent radius of the light by the rims of shadows; None where none tells.
 
     >>> from motorcade.render.light import LightDirection
     >>> LightDirection(None, 1.2, None, "no shadow beside anything").towards is None
@@ -57,6 +59,7 @@ class LightDirection:
     doubt_rad: float
     darkening: float | None
     told: str
+    lamp_radius_rad: float | None = None
 
 
 def light_direction(
@@ -108,9 +111,9 @@ def light_direction(
     named = " and ".join(by)
     if doubt > MOST_DOUBT_RAD:
         why = f"{named} leave directions {np.rad2deg(doubt):.0f}° apart"
-        return LightDirection(None, doubt, _darkening(ground, shadows, None), why)
-    dark = _darkening(ground, shadows, towards)
-    return LightDirection(np.asarray(towards), doubt, dark, f"by {named}")
+        return LightDirection(None, doubt, *_shadow_look(ground, shadows, None, why))
+    look = _shadow_look(ground, shadows, towards, f"by {named}")
+    return LightDirection(np.asarray(towards), doubt, *look)
 
 
 def _sky(up: FloatArray) -> FloatArray:
@@ -176,14 +179,17 @@ def _slope(ground: GroundMap) -> FloatArray | None:
     return found if np.linalg.norm(found) > SLOPED else None
 
 
-def _darkening(
-    ground: GroundMap | None, shadows: Sequence[CastShadow], towards: FloatArray | None
-) -> float | None:
-    """Of the shadows that fall away from the light, the one in the middle."""
+def _shadow_look(
+    ground: GroundMap | None, shadows: Sequence[CastShadow], towards: FloatArray | None, told: str
+) -> tuple[float | None, str, float | None]:
+    """How dark, and of how wide a lamp, shadows are that fall away from the light: the middle of
+    those that are seen out to their ends, if there are such, since of others the rim alone may be.
+    """
     if ground is None:
-        return None
+        return None, told, None
     own = None if towards is None else ground.world_T_ground.rotor.inverse().apply(towards)[:2]
     kept = [one for one in shadows if own is None or one.towards @ own > 0.5 * np.linalg.norm(own)]
-    if not kept:
-        return None
-    return float(np.median([one.darkening for one in kept]))
+    whole = [one for one in kept if one.lamp_radius_rad is not None]
+    radii = [one.lamp_radius_rad for one in whole if one.lamp_radius_rad is not None]
+    dark = float(np.median([one.darkening for one in whole or kept])) if kept else None
+    return dark, told, float(np.median(radii)) if radii else None

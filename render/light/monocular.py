@@ -21,7 +21,7 @@ from motorcade.animation.srgb import to_linear
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.composite import as_rgb
-from motorcade.render.light.cast import cast_shadows
+from motorcade.render.light.cast import HIDDEN_SKY, cast_shadows, things_seen
 from motorcade.render.light.direction import LightDirection, light_direction
 from motorcade.render.light.ground import GroundMap, ground_map
 from motorcade.render.light.lamps import character_lighting, light_on, sunlight_direction
@@ -33,9 +33,18 @@ MIDDLE_GREY = 0.18
 MINKOWSKI = 6.0
 BELIEVED = 0.5
 GAINS = (0.05, 4.0)
-SHARE = 0.5
-"""Of the light on the ground that the sun has where no shadow shows it."""
+SHARE, UNTOLD = 0.5, 0.35
+"""Of the light on the ground that the sun has where no shadow shows how much, and where shadows
+contradict each other: indoors it is between none and three quarters, and too dark a shadow that
+falls the wrong way is the worse mistake."""
 SHARES = (0.15, 0.9)
+SHADOWLESS = 2
+"""So many things without a shadow show that light comes from all sides."""
+SOFT_RAD = 0.35
+"""Apparent radius of a light whose direction nothing tells: a window's, or a ceiling's lamps'."""
+RADII_RAD = (0.05, 0.2)
+"""Of a lamp or window, at least and at most: wider ones are sky, which the even light is; the rims
+of low, round things tell too much, since their own hidden sky adds to the rim."""
 STEEP = 0.25
 """Least height of the sun, as a sine: lower ones throw shadows that nobody believes."""
 
@@ -81,10 +90,10 @@ def lighting_without_depth(
     if ground is None:
         ground = ground_map(seen, camera, placement.world_T_character, prints)
     found = _direction(ground, placement, prints, on_prints)
-    shaped, where = usual, f"its direction assumed ({found.told})"
+    shaped = _from(found, usual, placement, _share(found, ground))
+    where = f"its direction assumed ({found.told})"
     if found.towards is not None:
-        doubt = np.rad2deg(found.doubt_rad)
-        shaped, where = _from(found, usual, placement), f"its direction {found.told}, ±{doubt:.0f}°"
+        where = f"its direction {found.told}, ±{np.rad2deg(found.doubt_rad):.0f}°"
     if prints is not None and on_prints:
         gain = _gain_by_paper(shaped, prints, on_prints)
         summary = f"brightness and colour of light by printed paper, {where}"
@@ -165,18 +174,39 @@ def _direction(
     return light_direction(ground, shadows, normals, falling, placement.up)
 
 
-def _from(found: LightDirection, usual: Lighting, placement: Placement) -> Lighting:
-    """Sun and light from all sides, of which the sun has the share that shadows show."""
-    assert found.towards is not None  # asked by who calls
-    towards, up = found.towards, placement.up
+def _share(found: LightDirection, ground: GroundMap | None) -> float | None:
+    """The sun's, of the light on the ground; None where nothing tells."""
+    if found.towards is None:
+        if found.darkening is not None:
+            return UNTOLD
+        shadowless = ground is not None and things_seen(ground) >= SHADOWLESS
+        return SHARES[0] if shadowless else None
+    if found.darkening is None:
+        return SHARE
+    own = (found.darkening - HIDDEN_SKY) / (1.0 - HIDDEN_SKY)
+    return float(np.clip(own, *SHARES))
+
+
+def _from(
+    found: LightDirection, usual: Lighting, placement: Placement, share: float | None
+) -> Lighting:
+    """Sun and light from all sides, of which the sun has a share; it is as wide as the rims of
+    shadows say. What is not told is the usual light's, but soft.
+    """
+    if share is None:
+        return replace(usual, sun=replace(usual.sun, radius_rad=SOFT_RAD))
+    towards, up, radius = -np.array(usual.sun.direction), placement.up, SOFT_RAD
+    if found.towards is not None:
+        towards, radius = found.towards, usual.sun.radius_rad
+        if found.lamp_radius_rad is not None:
+            radius = float(np.clip(found.lamp_radius_rad, *RADII_RAD))
     height = max(float(towards @ up), STEEP)
-    share = float(np.clip(SHARE if found.darkening is None else found.darkening, *SHARES))
     x, y, z = (-towards).tolist()
     ambient = 1.0 - share
     return replace(
         usual,
         ambient=(ambient, ambient, ambient),
-        sun=Sun((x, y, z), np.pi * share / height),
+        sun=Sun((x, y, z), np.pi * share / height, radius_rad=radius),
         lamps=(),
     )
 

@@ -10,7 +10,7 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import Layer, over, render_overlay
 from motorcade.render.composite import as_rgb, darken
 from motorcade.render.light import character_lighting, sunlight_direction
-from motorcade.render.shadow import GRID, ShadowLook, ground_depth, ground_shade, shade_in_picture
+from motorcade.render.shadow import GRID, ShadowLook, ground_depth, shade_in_picture
 from motorcade.tracking.cameras.camera import Camera
 
 CAMERA = Camera(200, 150, 180.0, 180.0, 99.5, 74.5)
@@ -103,52 +103,6 @@ def test_darken_by_nothing_and_by_all() -> None:
 def test_frames_of_other_shapes_are_refused(shape: tuple[int, ...]) -> None:
     with pytest.raises(ValueError, match="frame: expected uint8"):
         as_rgb(np.zeros(shape, dtype=np.uint8))
-
-
-def cube(half_m: float, bottom_m: float) -> tuple[np.ndarray, np.ndarray]:
-    """A cube in small triangles, its centre above the origin."""
-    steps = np.linspace(-1.0, 1.0, 25)
-    u, v = np.meshgrid(steps, steps)
-    grid = np.stack([u, v, np.ones_like(u)], axis=-1).reshape(-1, 3)
-    k = (np.arange(24)[:, None] * 25 + np.arange(24)).reshape(-1, 1)
-    face = np.concatenate([np.hstack([k, k + 1, k + 26]), np.hstack([k, k + 26, k + 25])])
-    turns = [np.roll(np.eye(3), s, axis=1) for s in range(3)]
-    turns += [turn @ np.diag([-1.0, 1.0, -1.0]) for turn in turns]
-    vertices = np.concatenate([grid @ turn.T for turn in turns]) * half_m
-    triangles = np.concatenate([face + 625 * n for n in range(6)])
-    vertices[:, 2] += bottom_m + half_m
-    return vertices, triangles
-
-
-def test_shadow_of_a_cube_lies_where_the_light_carries_it() -> None:
-    vertices, triangles = cube(0.1, 0.4)
-    light = np.array([0.6, 0.0, -0.8])
-    look = ShadowLook(strength=1.0, lamp_radius_rad=0.01, contact=0.0)
-    shade = ground_shade(vertices, triangles, light, 1.0, look, 1.0)
-    # centre height 0.5 m, slope 0.75: the middle of the shadow is 0.375 m along +x
-    y, x = np.mgrid[:GRID, :GRID]
-    middle = np.array([np.sum(shade * x), np.sum(shade * y)]) / shade.sum()
-    metres = (middle + 0.5) * (2.0 / GRID) - 1.0
-    np.testing.assert_allclose(metres, [0.375, 0.0], atol=0.01)
-    assert shade[GRID // 2, int((0.375 + 1.0) / 2.0 * GRID)] > 0.85
-    assert shade[GRID // 2, GRID // 10] == 0.0
-
-
-def test_a_shadow_softens_with_height() -> None:
-    light = np.array([0.0, 0.0, -1.0])
-    look = ShadowLook(strength=1.0, lamp_radius_rad=0.1, contact=0.0)
-    widths = []
-    for bottom in (0.0, 0.3, 0.8):
-        vertices, triangles = cube(0.1, bottom)
-        row = ground_shade(vertices, triangles, light, 1.0, look, 1.0)[GRID // 2]
-        widths.append(np.count_nonzero((row > 0.1) & (row < 0.8)))
-    assert widths[0] < widths[1] < widths[2]
-
-
-def test_light_from_below_the_ground_is_refused() -> None:
-    vertices, triangles = cube(0.1, 0.0)
-    with pytest.raises(ValueError, match="light from above"):
-        ground_shade(vertices, triangles, np.array([0.0, 0.0, 1.0]), 1.0, ShadowLook(), 1.0)
 
 
 def looking_at_origin(azimuth_rad: float, height_m: float = 0.4) -> Motor:

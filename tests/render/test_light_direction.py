@@ -15,6 +15,7 @@ from motorcade.render.light import (
     cast_shadows,
     light_direction,
 )
+from motorcade.render.light.cast import things_seen
 from motorcade.tracking.cameras.camera import Camera
 from tests.bench.view.rooms import FIVE, Room, draw_room, found_in, off_deg
 
@@ -129,3 +130,23 @@ def test_a_rooms_light_lies_within_its_doubt_or_is_said_to_be_unknown(room: Room
         assert found.darkening is None or abs(found.darkening - room.share) < 0.2
     if room == FIVE[2]:  # bright, with five things that throw shadows: no excuse to know nothing
         assert off_deg(room, found) < 25.0
+
+
+@pytest.mark.parametrize("rim", [0.0, 6.0, 16.0])
+def test_a_lamp_is_as_wide_as_the_rim_of_its_shadow_is_long(rim: float) -> None:
+    """A shadow 14 cells long whose end fades out evenly over a number of cells."""
+    ground = table(0.0)
+    y, x = np.mgrid[:N, :N] - 0.5 * (N - 1)
+    end = np.clip((23.0 + 0.5 * rim - x) / max(rim, 1e-9), 0.0, 1.0)
+    lost = 0.7 * end * (np.abs(y) < 7.0) * (x > 0.0)
+    (found,) = cast_shadows(replace(ground, light=0.6 * (1.0 - lost)))
+    assert found.lamp_radius_rad is not None
+    # Of an even ramp, 0.6 lies between 80 % and 20 %; half of the thing's radius is added.
+    across = np.sqrt(max((0.6 * rim) ** 2 - 4.0**2, 0.0))
+    assert found.lamp_radius_rad == pytest.approx(0.71 * across / 18.5, abs=0.08)
+
+
+def test_things_without_shadows_are_counted() -> None:
+    assert things_seen(table(None)) == 1
+    nothing = table(None)
+    assert things_seen(replace(nothing, scatter=0.0 * nothing.scatter)) == 0

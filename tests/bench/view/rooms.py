@@ -1,9 +1,10 @@
 """Drawn rooms with a light that is known, to be found from their pictures without depth.
 
 A table top with a checkerboard on it, things that stand about, and in some rooms markers on the
-sides of boxes, drawn by the house's renderer with soft shadows from a sun of some width; then
-vignetted, exposed anew for every picture, and grained. Poses are the true ones. The five rooms that
-are judged, and as many others as asked for, whose constants may be looked at:
+sides of boxes, drawn by the house's renderer with shadows from many points of a sun of some width
+and of the sky, which things hide from the table; then vignetted, exposed anew for every picture,
+and grained. Poses are the true ones. The five rooms that are judged, and as many others as asked
+for, whose constants may be looked at:
 
     python -m tests.bench.view.rooms              # the five
     python -m tests.bench.view.rooms --others 20  # twenty others
@@ -19,6 +20,7 @@ import cv2
 import numpy as np
 
 from motorcade.animation import Placement, mannequin, place_on_plane
+from motorcade.animation.srgb import to_linear, to_srgb
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Lighting, Sun, Surface
@@ -35,14 +37,28 @@ from motorcade.tracking.boards import Checkerboard
 from motorcade.tracking.cameras.camera import Camera
 from tests.bench.view.printed import printed_surface
 
-__all__ = ["FIVE", "Room", "RoomPictures", "draw_room", "found_in", "off_deg"]
+__all__ = [
+    "CAMERA",
+    "FIVE",
+    "HEIGHT_M",
+    "Room",
+    "RoomPictures",
+    "draw_room",
+    "found_in",
+    "mean_light",
+    "off_deg",
+    "others",
+]
 
 CAMERA = Camera(480, 360, 420.0, 420.0, 239.5, 179.5)
 BOARD = Checkerboard(7, 5, 0.035)
 VIEWS = 16
-SUN_RADIUS_RAD, SUN_POINTS = 0.08, 7
+SUN_RADIUS_RAD, SUN_POINTS, SKY_POINTS = 0.08, 7, 24
+LEVEL = 0.85
+"""Light on what lies: white paper is lit nearly fully."""
 HEIGHT_M = 0.15
 PIXELS_PER_M = 1500.0
+_LINEAR = to_linear(np.arange(256) / 255.0).astype(np.float32)
 
 
 @dataclass(frozen=True)
@@ -90,6 +106,7 @@ class RoomPictures:
     prints: Prints
     placement: Placement
     lighting: Lighting
+    surfaces: list[Surface]
 
 
 def off_deg(room: Room, found: LightDirection) -> float:
@@ -111,31 +128,51 @@ def draw_room(room: Room) -> RoomPictures:
         RenderUnavailable: this machine has no OpenGL.
     """
     rng = np.random.default_rng(room.seed)
-    surfaces, prints = _furniture(room, rng)
+    surfaces, prints = furniture(room, rng)
     poses = _cameras(rng)
-    light = np.zeros((VIEWS, CAMERA.height, CAMERA.width, 3))
-    with new_renderer("fast", CAMERA.width, CAMERA.height) as renderer:
-        for towards in _suns(room.towards):
-            renderer.show(surfaces, _lit(towards, room.share))
-            for total, pose in zip(light, poses, strict=True):
-                shown = renderer.render(CAMERA, pose).rgba[..., :3]
-                total += _linear(shown) / SUN_POINTS
+    light = mean_light(surfaces, poses, room)
     stamps = 100_000_000 * np.arange(VIEWS, dtype=np.int64)
     frames = tuple(
         (int(stamp), _taken(one, rng), None) for stamp, one in zip(stamps, light, strict=True)
     )
     placement = place_on_plane(mannequin(), (0.0, 0.0), 0.0, height_m=HEIGHT_M)
     path = Trajectory(stamps, poses, "world", "camera")
-    return RoomPictures(frames, path, prints, placement, _lit(room.towards, room.share))
+    return RoomPictures(frames, path, prints, placement, _lit(room.towards, room.share), surfaces)
+
+
+def mean_light(surfaces: list[Surface], poses: Motor, room: Room) -> FloatArray:
+    """Linear pictures (N, h, w, 3) of all poses in the room's light: sun and sky by points."""
+    points = [(towards, room.share / towards[2] / SUN_POINTS) for towards in _suns(room.towards)]
+    points += [(towards, 2.0 * (1.0 - room.share) / SKY_POINTS) for towards in _sky()]
+    light = np.zeros((len(poses), CAMERA.height, CAMERA.width, 3), np.float32)
+    with new_renderer("fast", CAMERA.width, CAMERA.height) as renderer:
+        for towards, weight in points:
+            if weight == 0.0:
+                continue
+            x, y, z = (-towards).tolist()
+            sun = Sun((x, y, z), np.pi * LEVEL)
+            renderer.show(surfaces, Lighting((0.0, 0.0, 0.0), sun, (), (0.0, 0.0, 0.05), 0.75))
+            for total, pose in zip(light, poses, strict=True):
+                total += np.float32(weight) * _LINEAR[renderer.render(CAMERA, pose).rgba[..., :3]]
+    return light.astype(np.float64)
 
 
 def _lit(towards: FloatArray, share: float) -> Lighting:
-    """Light of which the sun has a share on what lies; white paper is lit nearly fully."""
-    level = 0.85
-    ambient = level * (1.0 - share)
+    """Light of which the sun has a share on what lies."""
+    ambient = LEVEL * (1.0 - share)
     x, y, z = (-towards).tolist()
-    sun = Sun((x, y, z), np.pi * level * share / max(towards[2], 0.05))
+    sun = Sun(
+        (x, y, z), np.pi * LEVEL * share / max(towards[2], 0.05), (1.0, 1.0, 1.0), SUN_RADIUS_RAD
+    )
     return Lighting((ambient, ambient, ambient), sun, (), (0.0, 0.0, 0.05), 0.75)
+
+
+def _sky() -> FloatArray:
+    """Directions spread evenly over the half sphere above."""
+    k = np.arange(SKY_POINTS) + 0.5
+    z, turn = k / SKY_POINTS, k * np.pi * (3.0 - np.sqrt(5.0))
+    level = np.sqrt(1.0 - z * z)
+    return np.stack([level * np.cos(turn), level * np.sin(turn), z], axis=1)
 
 
 def _suns(towards: FloatArray) -> Iterator[FloatArray]:
@@ -167,7 +204,7 @@ def _cameras(rng: np.random.Generator) -> Motor:
     return Motor.stack(poses)
 
 
-def _furniture(room: Room, rng: np.random.Generator) -> tuple[list[Surface], Prints]:
+def furniture(room: Room, rng: np.random.Generator) -> tuple[list[Surface], Prints]:
     """The table, its board and things, and what is printed."""
     picture, origin = BOARD.draw(PIXELS_PER_M)
     low = BOARD.points_m[:, :2].min(axis=0)
@@ -250,18 +287,12 @@ def _box(stand: Motor, size: FloatArray, color: FloatArray) -> Surface:
     )
 
 
-def _linear(shown: ImageArray) -> FloatArray:
-    x = shown / 255.0
-    return np.asarray(np.where(x < 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4))
-
-
 def _taken(light: FloatArray, rng: np.random.Generator) -> ImageArray:
     """As a camera takes it: vignetted, exposed by chance, grained, stored as sRGB."""
     y, x = np.mgrid[: CAMERA.height, : CAMERA.width]
     square = ((x - CAMERA.cx) ** 2 + (y - CAMERA.cy) ** 2) / CAMERA.fx**2
     seen = light * ((1.0 + square) ** -2.0)[..., None] * rng.uniform(0.85, 1.1)
-    stored = np.where(seen < 0.0031308, 12.92 * seen, 1.055 * seen ** (1 / 2.4) - 0.055)
-    seen = np.rint(255.0 * stored + rng.normal(0.0, 1.5, seen.shape))
+    seen = np.rint(255.0 * to_srgb(seen) + rng.normal(0.0, 1.5, seen.shape))
     return np.asarray(np.clip(seen, 0, 255), np.uint8)
 
 
@@ -272,7 +303,7 @@ def others(count: int) -> list[Room]:
         Room(
             rng.uniform(-180.0, 180.0),
             rng.uniform(25.0, 70.0),
-            rng.uniform(0.3, 0.75),
+            rng.uniform(0.3, 0.75) if k % 5 else 0.0,  # some without a sun
             int(rng.integers(1, 6)),
             bool(rng.integers(0, 2)),
             1000 + k,
