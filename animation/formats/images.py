@@ -1,8 +1,9 @@
 """Textures as their files have them, and the colours of their nearest pixels at vertices.
 
 Pillow decodes; nothing but the formats below is tried, and of all pictures of a file together no
-more than MAX_IMAGE_PIXELS, in no more than MAX_IMAGE_BYTES. Both are taken from what is left before
-a picture is decoded, so that broken ones cost as much as whole ones.
+more than MAX_IMAGE_PIXELS are kept, in files of no more than MAX_IMAGE_BYTES. Further ones are kept
+smaller, of MAX_REDUCED_PIXELS in all before that. Each limit is taken from what is left before a
+picture is decoded, so that broken ones cost as much as whole ones.
 """
 
 from __future__ import annotations
@@ -16,7 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.formats.errors import FormatError, shown
-from motorcade.animation.formats.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS
+from motorcade.animation.formats.limits import (
+    MAX_IMAGE_BYTES,
+    MAX_IMAGE_PIXELS,
+    MAX_REDUCED_PIXELS,
+)
 from motorcade.animation.srgb import to_linear, to_srgb
 from motorcade.ga.arrays import FloatArray
 
@@ -28,6 +33,8 @@ if TYPE_CHECKING:
 FORMATS = ("PNG", "JPEG", "WEBP", "TGA", "BMP")
 STRIP_PIXELS = 1 << 20
 """Converted at once: a picture's copies would fill the memory."""
+SMALLER_PIXELS = 1 << 20
+"""What pictures have at most that are kept smaller."""
 NAMED_PICTURES = 4
 WITH_ALPHA = ("RGBA", "LA", "PA", "P")
 """Modes of Pillow that may hold alpha."""
@@ -53,13 +60,13 @@ class Texture:
         return self.pixels[rows, columns, :3] / 255.0
 
 
-def decode_texture(data: bytes, admit: Callable[[int, int], None]) -> Texture:
+def decode_texture(data: bytes, admit: Callable[[int, int], int]) -> Texture:
     """Decode a PNG, JPEG, WebP, TGA or BMP.
 
     Args:
         data: the file.
-        admit: is told width and height before anything is decoded, and raises where that is too
-            much.
+        admit: is told width and height before anything is decoded, and says how many pixels to a
+            side become one by their mean, a power of two; it raises where that is too much.
 
     Raises:
         FormatError: another format, a broken picture, or one that is not admitted.
@@ -71,9 +78,9 @@ def decode_texture(data: bytes, admit: Callable[[int, int], None]) -> Texture:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # its own limit of size is replaced by ours
             with Image.open(io.BytesIO(data), formats=FORMATS) as opened:
-                admit(opened.width, opened.height)
+                factor = admit(opened.width, opened.height)
                 kept = data if opened.format in ("PNG", "JPEG") else b""
-                pixels = _pixels(opened)
+                pixels = _pixels(opened, factor)
                 pixels.setflags(write=False)
                 return Texture(pixels, kept)
     except FormatError:
@@ -82,19 +89,32 @@ def decode_texture(data: bytes, admit: Callable[[int, int], None]) -> Texture:
         raise FormatError(f"expected a picture, got {type(fault).__name__}") from fault
 
 
-def _pixels(opened: Image) -> NDArray[np.uint8]:
-    """All pixels (h, w, 4), 8 bits each; of 16 the upper half."""
-    made = np.empty((opened.height, opened.width, 4), np.uint8)
-    step = max(1, STRIP_PIXELS // opened.width)
-    for top in range(0, opened.height, step):
-        strip = opened.crop((0, top, opened.width, min(top + step, opened.height)))
-        if strip.mode.startswith("I"):
-            made[top : top + step, :, :3] = (np.asarray(strip).astype(np.int64) >> 8)[..., None]
-            made[top : top + step, :, 3] = 255
-            continue
-        plain = strip if strip.mode in WITH_ALPHA else strip.convert("RGB")
-        made[top : top + step] = np.asarray(plain.convert("RGBA"))
+def _pixels(opened: Image, factor: int) -> NDArray[np.uint8]:
+    """All pixels (h, w, 4), 8 bits each, or the means of squares of so many to a side."""
+    if factor > 1:
+        largest = max(opened.size)
+        wanted = -(-opened.width // factor), -(-opened.height // factor)
+        opened.draft(opened.mode, wanted)  # JPEG alone: halved in decoding, some times
+        factor //= round(largest / max(opened.size))
+    width, height = -(-opened.width // factor), -(-opened.height // factor)
+    made = np.empty((height, width, 4), np.uint8)
+    step = max(1, STRIP_PIXELS // (opened.width * factor))
+    for top in range(0, height, step):
+        bottom = min((top + step) * factor, opened.height)
+        strip = _plain(opened.crop((0, top * factor, opened.width, bottom)))
+        made[top : top + step] = np.asarray(strip.reduce(factor) if factor > 1 else strip)
     return made
+
+
+def _plain(strip: Image) -> Image:
+    """The same as RGBA; of 16 bits the upper half."""
+    from PIL import Image
+
+    if not strip.mode.startswith("I"):
+        kept = strip if strip.mode in WITH_ALPHA else strip.convert("RGB")
+        return kept.convert("RGBA")
+    grey = (np.asarray(strip).astype(np.int64) >> 8).astype(np.uint8)
+    return Image.fromarray(grey).convert("RGBA")
 
 
 class Textures:
@@ -102,15 +122,24 @@ class Textures:
 
     def __init__(self) -> None:
         self._known: dict[str, Texture | None] = {}
-        self._pixels_left = MAX_IMAGE_PIXELS
+        self._pixels_left, self._reduced_left = MAX_IMAGE_PIXELS, MAX_REDUCED_PIXELS
         self._bytes_left = MAX_IMAGE_BYTES
         self._problems: list[str] = []
+        self._smaller: list[str] = []
+        self._reduced = ""
 
     @property
     def notices(self) -> list[str]:
-        """Those that could not be read: the first few by name, the others by their number."""
+        """Those that could not be read or were reduced: the first few by name, others by number."""
         more = len(self._problems) - NAMED_PICTURES
         told = [f"and {more} more textures were not read"] if more > 0 else []
+        if self._smaller:
+            rest = len(self._smaller) - NAMED_PICTURES
+            named = ", ".join(self._smaller[:NAMED_PICTURES])
+            told.append(
+                f"textures of more than {MAX_IMAGE_PIXELS} pixels in all: kept smaller are {named}"
+                + (f" and {rest} more" if rest > 0 else "")
+            )
         return [*self._problems[:NAMED_PICTURES], *told]
 
     def read(self, name: str, data: Callable[[], bytes], key: str = "") -> Texture | None:
@@ -123,11 +152,12 @@ class Textures:
         """
         known = key or name
         if known not in self._known:
-            self._known[known] = None
+            self._known[known], self._reduced = None, ""
+            label = shown(name, 60)
             try:
                 self._known[known] = decode_texture(self._admitted(data), self._admit)
+                self._smaller += [f"'{label}' ({self._reduced})"] if self._reduced else []
             except FormatError as fault:
-                label = shown(name, 60)
                 self._problems.append(
                     f"texture '{label}' was not read ({fault}): plain colours stand in"
                 )
@@ -140,12 +170,22 @@ class Textures:
         self._bytes_left -= len(made)
         return made
 
-    def _admit(self, width: int, height: int) -> None:
-        if width * height > self._pixels_left:
+    def _admit(self, width: int, height: int) -> int:
+        count = width * height
+        if count <= self._pixels_left:
+            self._pixels_left -= count
+            return 1
+        if count > min(self._reduced_left, MAX_IMAGE_PIXELS):
             raise FormatError(
-                f"expected at most {self._pixels_left} more pixels, got {width} x {height}"
+                f"expected at most {MAX_IMAGE_PIXELS} pixels, and {self._reduced_left} more of "
+                f"all that are kept smaller, got {width} x {height}"
             )
-        self._pixels_left -= width * height
+        self._reduced_left -= count
+        factor = 1
+        while count > SMALLER_PIXELS * factor**2:
+            factor *= 2
+        self._reduced = f"{width} x {height}" if factor > 1 else ""
+        return factor
 
 
 def colors_at_vertices(

@@ -29,9 +29,11 @@ MAX_CLIPS = 4096
 MAX_VERTICES = 4 << 20
 """Vertices, and triangles, of all surfaces together; surfaces may share their arrays."""
 MAX_IMAGE_PIXELS = 64 << 20
-"""Pixels of all textures of a file together, broken ones too."""
+"""Pixels of one texture, and of all of a file that are kept as they are, broken ones too."""
+MAX_REDUCED_PIXELS = 128 << 20
+"""Pixels of further textures that are decoded, one by one, to be kept smaller."""
 MAX_IMAGE_BYTES = 512 << 20
-"""Bytes of the files of all these."""
+"""Bytes of the files of all textures."""
 MAX_MORPHS = 32_768
 """Morph targets of all surfaces together, those of each of their materials counted apart."""
 

@@ -1,6 +1,7 @@
 """Materials as the fast renderer draws them: alpha, sides, wrapping, and light that is linear."""
 
 from dataclasses import replace
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from motorcade.animation.srgb import to_srgb
 from motorcade.ga import Motor, Rotor
 from motorcade.render import Layer, Lighting, OffscreenRenderer, Sun, Surface
 from motorcade.render.backends.fast.facets import mirrored_table
+from motorcade.render.backends.fast.materials import Pictures
 from motorcade.render.backends.fast.renderer import FastRenderer
 from motorcade.render.light import harmonics
 from motorcade.tracking.cameras.camera import Camera
@@ -164,3 +166,26 @@ def test_surroundings_turn_with_the_scene(rng: np.random.Generator) -> None:
         seen = renderer.render(CAMERA, place).rgba
     assert expected[..., :3].std() > 1.0
     np.testing.assert_allclose(seen[2:-2, 2:-2], expected[2:-2, 2:-2], atol=2)
+
+
+def test_textures_that_are_too_large_are_drawn_by_means_and_said_once(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    """Of stripes every third pixel would be of one colour; sRGB is averaged in linear light."""
+    gl = MagicMock()
+    gl.info = {"GL_MAX_TEXTURE_SIZE": 8}
+    pixels = np.full((7, 22, 4), 255, np.uint8)
+    pixels[:, ::2, :3] = 0
+    pictures = Pictures(gl, lambda *given: None)
+    for encoded in (True, False):
+        pictures.texture(TextureMap(pixels), encoded=encoded)
+    drawn = [call.args[2].astype(int) for call in gl.texture.call_args_list]
+    assert [one.shape for one in drawn] == [(3, 8, 4)] * 2
+    assert [call.args[0] for call in gl.texture.call_args_list] == [(8, 3)] * 2
+    # Thirds of light, encoded by the standard's own curve, and the last column's one pixel.
+    curve = [round(255 * (1.055 * share ** (1 / 2.4) - 0.055)) for share in (1 / 3, 2 / 3)]
+    assert drawn[0][:, :, 0].tolist() == [[*curve * 3, curve[0], 255]] * 3
+    assert drawn[1][:, :, 0].tolist() == [[85, 170] * 3 + [85, 255]] * 3
+    assert all((one[..., 3] == 255).all() for one in drawn)
+    (said,) = caplog.messages
+    assert said == "textures of more than 8 pixels a side are drawn smaller, as one of 22 x 7"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from typing import Any
 
@@ -9,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.appearance import Appearance, Material, MaterialPart, TextureMap
-from motorcade.animation.srgb import to_linear
+from motorcade.animation.srgb import to_linear, to_srgb
 from motorcade.render.backends.fast.facets import SIZE, mirrored_table
 from motorcade.render.backends.fast.programs import SRGB8_ALPHA8, Programs
 from motorcade.render.scene import Surface
+
+log = logging.getLogger("motorcade.render")
 
 MAPS = {
     "base_map": "BASE_MAP",
@@ -41,6 +44,7 @@ class Pictures:
         self._gl, self._set_parameter = gl, set_parameter
         self._made: dict[tuple[object, ...], tuple[Any, NDArray[np.uint8]]] = {}
         self._table: Any = None
+        self._told = False
 
     def texture(self, given: TextureMap, *, encoded: bool) -> Any:
         """A texture with the map's sampler; `encoded` pixels are turned into linear light."""
@@ -73,7 +77,15 @@ class Pictures:
         pixels = np.ascontiguousarray(given.pixels)
         most = int(self._gl.info["GL_MAX_TEXTURE_SIZE"])
         step = -(-max(pixels.shape[:2]) // most)
-        pixels = np.ascontiguousarray(pixels[::step, ::step])
+        if step > 1:
+            if not self._told:
+                height, width = pixels.shape[:2]
+                log.warning(
+                    "textures of more than %d pixels a side are drawn smaller, as one of %d x %d",
+                    most, width, height,
+                )  # fmt: skip
+            self._told = True
+            pixels = _means(pixels, step, encoded=encoded)
         size = pixels.shape[1], pixels.shape[0]
         kind = {"internal_format": SRGB8_ALPHA8} if encoded else {}
         made = self._gl.texture(size, 4, pixels, **kind)
@@ -95,6 +107,23 @@ class Pictures:
         magnify = moderngl.NEAREST if given.magnify == "nearest" else moderngl.LINEAR
         made.filter = filters[given.minify, given.mipmaps], magnify
         return made
+
+
+def _means(pixels: NDArray[np.uint8], step: int, *, encoded: bool) -> NDArray[np.uint8]:
+    """Means of squares of so many pixels to a side, in linear light where these are sRGB."""
+    height, width = pixels.shape[:2]
+    starts = np.arange(0, width, step)
+    counts = np.diff([*starts, width])[:, None]
+    made = np.empty((-(-height // step), len(starts), 4), np.uint8)
+    for row in range(len(made)):
+        part = pixels[row * step : (row + 1) * step] / 255.0
+        if encoded:
+            part[..., :3] = to_linear(part[..., :3])
+        mean = np.add.reduceat(part.mean(axis=0), starts, axis=0) / counts
+        if encoded:
+            mean[:, :3] = to_srgb(mean[:, :3])
+        made[row] = np.rint(255.0 * mean)
+    return made
 
 
 class DrawnPart:

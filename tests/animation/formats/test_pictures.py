@@ -1,6 +1,7 @@
 """Pictures of characters: formats and depths that Pillow reads otherwise, and cheap bombs."""
 
 import io
+import zlib
 
 import numpy as np
 import pytest
@@ -65,20 +66,61 @@ def test_tall_and_wide_pictures_are_converted_whole(monkeypatch: pytest.MonkeyPa
     pixels = np.random.default_rng(3).integers(0, 256, (23, 11, 3), np.uint8)
     data = io.BytesIO()
     Image.fromarray(pixels).save(data, "PNG")
-    made = images.decode_texture(data.getvalue(), lambda width, height: None)
+    made = images.decode_texture(data.getvalue(), lambda width, height: 1)
     np.testing.assert_array_equal(made.pixels[..., :3], pixels)
 
 
 def test_broken_pictures_cost_what_they_say(monkeypatch: pytest.MonkeyPatch) -> None:
     """Else a thousand of them would each be decoded to their end."""
-    monkeypatch.setattr(images, "MAX_IMAGE_PIXELS", 250_000)
+    monkeypatch.setattr(images, "MAX_IMAGE_PIXELS", 125_000)
+    monkeypatch.setattr(images, "MAX_REDUCED_PIXELS", 125_000)
     held = images.Textures()
     broken = png(400, 300)[:-40]
     decoded = [held.read(str(k), lambda: broken) for k in range(8)]
     assert decoded == [None] * 8
-    assert [("more pixels" in one) for one in held.notices] == [False, False, True, True, False]
+    assert [("at most" in one) for one in held.notices] == [False, False, True, True, False]
     assert held.notices[-1] == "and 4 more textures were not read"
     assert held.read("small", lambda: encoded("PNG")) is not None
+
+
+@pytest.mark.parametrize("kind", ["PNG", "JPEG", "WEBP", "palette", "deep"])
+def test_pictures_beyond_the_limit_are_kept_smaller_by_means(
+    monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    """Every second or fourth pixel of stripes would be of one colour."""
+    monkeypatch.setattr(images, "MAX_IMAGE_PIXELS", 90_000)
+    monkeypatch.setattr(images, "SMALLER_PIXELS", 10_000)
+    pixels = np.zeros((303, 290), np.uint8)
+    pixels[:, ::2], pixels[200:] = 200, 60
+    picture, data = Image.fromarray(pixels), io.BytesIO()
+    if kind == "deep":
+        pixels = pixels.astype(np.uint16) << 8
+        rows = [b"\0" + np.repeat(row[:, None], 3, 1).astype(">u2").tobytes() for row in pixels]
+        data.write(png(290, 303, zlib.compress(b"".join(rows)), depth=16))
+    elif kind == "palette":
+        picture.convert("P").save(data, "PNG")
+    else:
+        picture.convert("RGB").save(data, kind, quality=95)
+    held = images.Textures()
+    assert held.read("first", data.getvalue) is not None
+    second = held.read("second", data.getvalue)
+    assert second is not None
+    assert second.pixels.shape == (76, 73, 4)
+    assert np.abs(second.pixels[:48, :-1, :3].astype(int) - 100).max() < 8
+    assert np.abs(second.pixels[52:, :, :3].astype(int) - 60).max() < 8
+    (told,) = held.notices
+    assert "kept smaller are 'second' (290 x 303)" in told
+
+
+def test_how_much_is_decoded_to_be_kept_smaller_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(images, "MAX_IMAGE_PIXELS", 10_000)
+    monkeypatch.setattr(images, "MAX_REDUCED_PIXELS", 25_000)
+    monkeypatch.setattr(images, "SMALLER_PIXELS", 100)
+    held = images.Textures()
+    read = [held.read(str(k), lambda: encoded("PNG", (100, 100))) for k in range(5)]
+    shapes = [None if one is None else one.pixels.shape for one in read]
+    assert shapes == [(100, 100, 4), (7, 7, 4), (7, 7, 4), None, None]
+    assert held.read("one too large", lambda: encoded("PNG", (101, 100))) is None
 
 
 def test_bytes_of_all_pictures_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:

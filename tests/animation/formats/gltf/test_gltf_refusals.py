@@ -281,7 +281,7 @@ def test_a_picture_beyond_the_limit_is_not_decoded(
         "images": [{"bufferView": made.view(np.frombuffer(_bitmap(), np.uint8))}],
     }
     told = read_character(write("large.glb", made.glb())).notices
-    assert any("expected at most 0 more pixels, got 1 x 1" in notice for notice in told)
+    assert any("expected at most 0 pixels, and" in notice for notice in told)
 
 
 def test_a_document_in_which_nothing_moves_is_refused(write: Write) -> None:
