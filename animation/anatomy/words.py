@@ -32,10 +32,14 @@ SIDED = {
 }
 PART_OF = {word: part for part, words in SIDED.items() for word in words}
 FINGER = re.compile(
-    r"(?:hand)?(thumb|index|middle|ringpinky|ring|pinky|little)(?:finger)?(1|2|3|prox|med|dist)"
+    r"(?:hand)?(thumb|index|middle|ringpinky|ring|pinky|little)(?:finger)?"
+    r"(1|2|3|prox|med|dist|metacarpal|proximal|intermediate|distal)"
 )
 FINGERS = {"ringpinky": "little", "pinky": "little"}
 PHALANX = {"prox": "1", "med": "2", "dist": "3"}
+PHALANX |= {"proximal": "1", "intermediate": "2", "distal": "3"}
+# A thumb has no intermediate phalanx: VRM 1 calls its first joint so, and its second proximal.
+THUMB = {"metacarpal": "1", "proximal": "2"}
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 CONTROL = re.compile(r"(?<![A-Za-z])ik|IK|ik(?![a-z])|[Cc]ontrol|[Rr]oll|[Pp]ole|[Tt]arget")
 # Of so many names most must begin or end alike, for that to say nothing.
@@ -87,6 +91,10 @@ def _role(side: str, part: str, words: list[tuple[str, str]]) -> str:
     finger = FINGER.fullmatch(part)
     if finger:
         name, phalanx = finger.groups()
+        if name == "thumb" and (side, "thumbmetacarpal") in words:
+            phalanx = THUMB.get(phalanx, phalanx)
+        if phalanx == "metacarpal":  # of other fingers it lies in the palm
+            return ""
         return f"{side}_{FINGERS.get(name, name)}_{PHALANX.get(phalanx, phalanx)}"
     known = {PART_OF.get(word, "") for at, word in words if at == side}
     if part == "shoulder":  # the collarbone where the upper arm has a word of its own

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Character, read_character
+from motorcade.animation.anatomy.words import named_eyes
 from motorcade.animation.formats import FormatError
 from motorcade.animation.retarget.roles import body_of
 from motorcade.replays.cli import main
@@ -93,6 +94,42 @@ def test_bones_are_called_by_what_they_are_and_the_figure_faces_x(
     roles = body_of(found.skeleton)
     assert roles["left_thigh"] == found.skeleton.index("leftUpperLeg")
     assert roles["right_foot"] == found.skeleton.index("rightFoot")
+
+
+@pytest.mark.parametrize(
+    ("version", "thumb"),
+    [(0, ("Proximal", "Intermediate", "Distal")), (1, ("Metacarpal", "Proximal", "Distal"))],
+)
+def test_fingers_and_eyes_are_told(
+    write: Write, monkeypatch: pytest.MonkeyPatch, version: int, thumb: tuple[str, str, str]
+) -> None:
+    bones: dict[str, tuple[float, float, float]] = dict(BONES)
+    parents, wanted = dict(PARENTS), {}
+    fingers = dict.fromkeys(("Index", "Ring", "Little"), ("Proximal", "Intermediate", "Distal"))
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        for number, part in enumerate(("UpperArm", "LowerArm", "Hand")):
+            bones[f"{side}{part}"] = (sign * (0.2 + 0.25 * number), 1.4, 0.0)
+            parents[f"{side}{part}"] = (
+                f"{side}{('UpperArm', 'LowerArm')[number - 1]}" if number else "spine"
+            )
+        for row, (name, parts) in enumerate({"Thumb": thumb, **fingers}.items()):
+            above = f"{side}Hand"
+            for number, part in enumerate(parts):
+                bone = f"{side}{name}{part}"
+                place = sign * (0.75 + 0.03 * number), 1.4, 0.04 - 0.02 * row
+                bones[bone], parents[bone] = place, above
+                wanted[f"{side}_{name.lower()}_{number + 1}"] = above = bone
+        bones[f"{side}Eye"], parents[f"{side}Eye"] = (sign * 0.03, 1.7, 0.08), "head"
+    monkeypatch.setitem(globals(), "BONES", bones)
+    monkeypatch.setitem(globals(), "PARENTS", parents)
+    skeleton = read(write, humanoid(version)).skeleton
+    roles = body_of(skeleton)
+    told = {role: skeleton.names[joint] for role, joint in roles.items() if role in wanted}
+    assert told == wanted
+    assert [skeleton.names[joint] for joint in named_eyes(skeleton.names)] == [
+        "leftEye",
+        "rightEye",
+    ]
 
 
 @pytest.mark.parametrize(("version", "looks"), [(0, "VRM/MToon"), (1, "VRMC_materials_mtoon")])
