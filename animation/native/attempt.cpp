@@ -9,6 +9,10 @@
 namespace motorcade::animation::ik {
 namespace {
 
+// Where all goals are out of reach, what may be won at most, in lengths of the size, for which no
+// other pose is sought.
+constexpr double HARDLY = 0.1;
+
 // The rotation vector that takes one direction to another; about any axis where they are opposite.
 Vector turn_between(const Vector &from, const Vector &to) {
     const Vector across = cross(from, to);
@@ -40,7 +44,42 @@ Attempt::Attempt(const Solver &solver, const double *local, const std::vector<Go
     }
     find_path();
     start_ = turns_;
+    tried_ = turns_;
     place(start_);
+    find_least_cost();
+}
+
+// By how much targets are farther than the bones from the first joint that turns are long together.
+void Attempt::find_least_cost() {
+    for (std::size_t g = 0; g < goals_.size(); ++g) {
+        const Goal &goal = goals_[g];
+        if (goal.aim != Aim::position) {
+            all_out_ = false;
+            continue;
+        }
+        double bones = std::sqrt(dot(goal.point, goal.point)), reach = 0.0;
+        Vector base{};
+        for (auto j = static_cast<std::ptrdiff_t>(goal.joint); j >= 0;) {
+            const auto number = static_cast<std::size_t>(j);
+            if (const std::ptrdiff_t k = solver_.joint_of_[number]; k >= 0) {
+                const Kind kind = solver_.joints()[static_cast<std::size_t>(k)].kind;
+                reach = kind == Kind::floating ? std::numeric_limits<double>::infinity() : bones;
+                base = position(matrices_[number]);
+            }
+            bones += std::sqrt(dot(shifts_[number], shifts_[number]));
+            j = std::isinf(reach) ? -1 : solver_.parents_[number];
+        }
+        const Vector away = targets_[g].point - base;
+        const double lacks = std::sqrt(dot(away, away)) - reach;
+        all_out_ = all_out_ && lacks > 0.0;
+        const double share = goal.weight * std::max(lacks, 0.0) / solver_.size_m();
+        least_cost_ += 0.5 * share * share;
+    }
+}
+
+bool Attempt::could_leave(double share) const {
+    if (share * cost_ <= least_cost_) return false;
+    return !all_out_ || std::sqrt(2.0 * cost_) > std::sqrt(2.0 * least_cost_) + HARDLY;
 }
 
 void Attempt::find_path() {

@@ -20,13 +20,20 @@ public:
             const std::vector<Target> &targets);
 
     // Steps until nothing is left, nothing gets less, or so many rounds are over; returns those.
-    std::size_t descend(std::size_t rounds, double tolerance);
+    // Ends also where a cost of `worth` will not be reached at the pace of the last step.
+    std::size_t descend(std::size_t rounds, double tolerance, double worth);
+    // Whether second derivatives tell that no pose around costs less; false where they are unknown.
+    bool settled();
     void place(std::vector<Turn> turns);
     void report(Solved &solved);
     void write(double *out) const;
     bool reached(double tolerance) const;
 
     double cost() const { return cost_; }
+    // Whether bones are too short for some goal.
+    bool out_of_reach() const { return least_cost_ > 0.0; }
+    // Whether a pose could be worth a search that leaves a share of the cost at most.
+    bool could_leave(double share) const;
     const std::vector<Turn> &turns() const { return turns_; }
     // The given pose, brought within the limits.
     const std::vector<Turn> &start() const { return start_; }
@@ -41,6 +48,7 @@ private:
     };
 
     void find_path();
+    void find_least_cost();
     double pose(const std::vector<Turn> &turns);
     Vector residual(std::size_t goal) const;
     void differentiate();
@@ -48,6 +56,7 @@ private:
     void differentiate_goal(std::size_t goal, const Vector &axis, const Vector &at, bool shifts,
                             double *column) const;
     void choose_directions();
+    bool take(std::vector<double> &steps);
     bool step_for(double damping, bool curved, std::vector<double> &steps);
     void add_curvature();
     void add_curvature_of_ball(std::size_t first, std::size_t end);
@@ -75,7 +84,10 @@ private:
     std::vector<double> jacobian_;  // (columns, 3 goals)
     std::vector<double> square_, solution_, column_;
     std::vector<Vector> arms_;  // of a goal by columns: speed, pull across, speed of turns alone
+    std::vector<Turn> tried_;
     double cost_ = 0.0;
+    double least_cost_ = 0.0;  // for which bones are too short, whatever the limits
+    bool all_out_ = true;      // of reach: every goal, for want of bones
 };
 
 }  // namespace motorcade::animation::ik

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "attempt.h"
 
@@ -13,6 +14,7 @@ namespace {
 constexpr std::size_t ROUNDS = 200, ROUNDS_OF_RESTART = 60;
 // A restart is taken where it leaves this share of the cost at most.
 constexpr double BETTER = 0.99;
+constexpr double ANY = std::numeric_limits<double>::infinity();
 // Costs that differ by less than this share are alike.
 constexpr int AGREED = 1;
 constexpr double ALIKE = 1e-6;
@@ -88,21 +90,26 @@ Solved Solver::solve(const double *local, const std::vector<Goal> &goals,
                      const std::vector<Target> &targets, const Options &options,
                      double *out) const {
     Attempt attempt(*this, local, goals, targets);
-    std::size_t rounds = attempt.descend(ROUNDS, options.tolerance);
+    std::size_t rounds = attempt.descend(ROUNDS, options.tolerance, ANY);
     std::vector<Turn> best = attempt.turns();
     double cost = attempt.cost();
     Spread spread;
     int agreed = 0;
+    // Out of reach every search would go on to the end: one that promises nothing is given up, and
+    // what it came to is told less exactly.
+    const bool far = attempt.out_of_reach();
+    const double alike = far ? 1.0 - BETTER : ALIKE;
     // A pose in which nothing pulls sideways, like a straight chain whose target is in line, is
     // left by a nudge. Where the pose was the nearest after all, it comes back and is kept.
     const std::vector<Turn> start = attempt.start();
     for (std::size_t k = 0; k <= options.restarts; ++k) {
-        if (attempt.reached(options.tolerance)) break;
+        if (attempt.reached(options.tolerance) || !attempt.could_leave(BETTER)) break;
+        if (k == 0 && attempt.settled()) continue;
         attempt.place(k == 0 ? nudged(joints_, best, spread) : scattered(joints_, start, spread));
-        rounds += attempt.descend(ROUNDS_OF_RESTART, options.tolerance);
+        rounds += attempt.descend(ROUNDS_OF_RESTART, options.tolerance, far ? BETTER * cost : ANY);
         const double found = attempt.cost();
         // Poses apart that come to the same are no hint at a better one.
-        agreed += k > 0 && std::abs(found - cost) <= ALIKE * cost;
+        agreed += k > 0 && std::abs(found - cost) <= alike * cost;
         if (found < BETTER * cost) {
             best = attempt.turns();
             cost = attempt.cost();

@@ -3,7 +3,8 @@
 // Goals are residuals of three numbers each: where a point of a joint is, how a joint is turned, or
 // where an axis of it points. Steps are those of Levenberg and Marquardt, in the coordinates of
 // joint_limits.h without the directions that press on a limit; a step is brought back within the
-// limits before it is judged (projected Levenberg-Marquardt; Kanzow, Yamashita and Fukushima 2004).
+// limits before it is judged, whole or in part (projected Levenberg-Marquardt; Kanzow, Yamashita
+// and Fukushima 2004).
 #pragma once
 
 #include <cstddef>

@@ -23,6 +23,15 @@ constexpr double SMALL_TORQUE = 1e-8;
 constexpr double SLOW = 0.3;
 // After so many slow steps in a row, the dearer ones of Newton are taken.
 constexpr int SLOW_ROUNDS = 2;
+// So much more damping is tried where the second derivatives lead uphill.
+constexpr double MORE_CURVED = 4.0;
+// A step that leaves more is shortened to this share, until so many are tried.
+constexpr double SHORTER = 0.3;
+constexpr int TRIES = 4;
+// Steps whose gains get less hardly gain more together than so many like the last.
+constexpr double PACE = 10.0;
+// Curvatures above this share of the largest are told from rounding.
+constexpr double CERTAIN = 1e-9;
 
 // Solves A x = b in place for a symmetric A above 0, by Cholesky's factors; false where it is not.
 // Of A the lower half is read; `column` has room for n numbers. What is left of A is updated by one
@@ -243,44 +252,66 @@ Vector Attempt::torque(std::size_t k) const {
     return sum;
 }
 
-std::size_t Attempt::descend(std::size_t rounds, double tolerance) {
+bool Attempt::settled() {
+    for (const Goal &goal : goals_)
+        if (goal.aim != Aim::position) return false;
+    differentiate();
+    choose_directions();
+    const double most = largest_square();
+    std::vector<double> steps;
+    return most > 0.0 && columns_.size() <= MOST_CURVED && step_for(CERTAIN * most, true, steps);
+}
+
+// Takes a step, or as much of it as leaves less.
+bool Attempt::take(std::vector<double> &steps) {
+    shorten(steps);
+    for (int tries = 0; tries < TRIES; ++tries) {
+        for (const std::size_t k : used_)
+            tried_[k] = stepped(solver_.joints()[k], turns_[k], steps.data() + 6 * k);
+        const double cost = pose(tried_);
+        if (cost < cost_) {
+            turns_ = tried_;
+            cost_ = cost;
+            return true;
+        }
+        for (double &step : steps) step *= SHORTER;
+    }
+    return false;
+}
+
+std::size_t Attempt::descend(std::size_t rounds, double tolerance, double worth) {
     double share = 1e-3, growth = 2.0;
-    bool curved = false;
+    bool curved = least_cost_ > 0.0;
     int slow = 0;
     std::vector<double> steps;
-    std::vector<Turn> tried = turns_;
     for (std::size_t round = 0; round < rounds; ++round) {
         if (reached(tolerance)) return round;
         differentiate();
         choose_directions();
-        const double most = largest_square();
+        const double most = largest_square(), before = cost_;
         if (!(most > 0.0)) return round;
-        for (;; share *= growth, growth *= 2.0) {
+        // Where second derivatives lead uphill, steps are damped until they do not: those of the
+        // first alone would throw a chain whose target is out of reach into a heap.
+        const bool second = curved && columns_.size() <= MOST_CURVED;
+        for (;; share *= growth) {
             if (share > MOST_DAMPING) {
                 cost_ = pose(turns_);
                 return round;
             }
-            // Where the second derivatives lead uphill, those of the squares alone do not.
-            const bool second = curved && columns_.size() <= MOST_CURVED;
-            if (!(second && step_for(share * most, true, steps)) &&
-                !step_for(share * most, false, steps))
+            if (!step_for(share * most, second, steps)) {
+                growth = MORE_CURVED;
                 continue;
-            shorten(steps);
-            for (const std::size_t k : used_)
-                tried[k] = stepped(solver_.joints()[k], turns_[k], steps.data() + 6 * k);
-            const double cost = pose(tried);
-            if (cost < cost_) {
-                const double gained = cost_ - cost;
-                turns_ = tried;
-                cost_ = cost;
-                share = std::max(0.2 * share, LEAST_DAMPING);
-                growth = 2.0;
-                if (gained <= STILL * cost) return round + 1;
-                slow = gained < SLOW * (gained + cost) ? slow + 1 : 0;
-                curved = curved || slow == SLOW_ROUNDS;
-                break;
             }
+            if (take(steps)) break;
+            growth *= 2.0;
         }
+        share = std::max(0.2 * share, LEAST_DAMPING);
+        growth = 2.0;
+        const double gained = before - cost_;
+        if (gained <= STILL * cost_) return round + 1;
+        if (cost_ - PACE * gained > worth) return round + 1;
+        slow = gained < SLOW * before ? slow + 1 : 0;
+        curved = curved || slow == SLOW_ROUNDS;
     }
     return rounds;
 }

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from importlib import import_module
 from itertools import cycle
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,7 @@ __all__ = ["Solving", "solving"]
 # Job, figure, unit.
 Solving = tuple[str, float, str]
 
-COUNT, JOINTS = 2000, 20
+COUNT, JOINTS, CHAINS = 2000, 20, 1000
 LIMIT_RAD = float(np.radians(60.0))
 TURN_RAD = 0.8
 
@@ -120,7 +121,34 @@ def _figures(rng: np.random.Generator) -> Iterator[Solving]:
             far,
             partial(_solved, limited, restarts),
         )
+    yield from _random_limits(rng)
     yield _tree(rng)
+
+
+def _random_limits(rng: np.random.Generator) -> Iterator[Solving]:
+    """Chains each with limits and a target out of reach of its own: the usual call, and the worst.
+
+    Of three calls the shortest counts, so that other work on the machine does not.
+    """
+    skeleton, spent = _straight(), []
+    for target in _targets(rng, CHAINS, 1.1, 2.0):
+        widest = rng.uniform(0.1, 1.2, 2)
+        joints = {
+            name: Ball(float(swing), (-float(low), float(high)))
+            for name, (swing, low, high) in zip(
+                skeleton.names, widest[[0, 1, 1]] * rng.uniform(0.3, 1.0, (JOINTS, 3)), strict=False
+            )
+        }
+        solver = IkSolver(skeleton, joints)
+        calls = []
+        for _ in range(3):
+            start = process_time()
+            _solved(solver, 4, target)
+            calls.append(process_time() - start)
+        spent.append(1e6 * min(calls))
+    job = f"{CHAINS} chains of random limits, out of reach"
+    yield f"{job}, one call", float(np.median(spent)), "µs a call"
+    yield f"{job}, the slowest call", max(spent), "µs a call"
 
 
 def _solved(solver: IkSolver, restarts: int, target: FloatArray) -> object:

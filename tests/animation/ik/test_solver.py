@@ -361,6 +361,25 @@ def test_a_chain_of_a_thousand_joints_is_solved_in_few_operations():
     assert 19.99 <= solved.error_m[0] < 22.0  # 9.99 m of bones, 10 mm off the origin
 
 
+def test_targets_beyond_the_bones_are_approached_in_few_rounds(rng):
+    """Chains that bend by 60 degrees a joint stretch out to any target in front of them; without a
+    look at second derivatives they fold into a heap first, which takes hundreds of rounds.
+    """
+    names = tuple(f"j{k}" for k in range(21))
+    shifts = [[0.0, 0.0, 0.0], *[[0.0, 0.0, 0.05]] * 20]
+    skeleton = Skeleton(names, np.arange(21) - 1, Motor.from_translation(shifts))
+    solver = IkSolver(skeleton, dict.fromkeys(names[:-1], Ball(np.pi / 3.0, (-0.8, 0.8))))
+    places = rng.standard_normal((100, 3))
+    places *= rng.uniform(1.1, 2.0, (100, 1)) / np.linalg.norm(places, axis=1, keepdims=True)
+    least = np.linalg.norm(places, axis=1) - 1.0
+    ahead = places[:, 2] > np.cos(np.pi / 3.0) * (1.0 + least)
+    for place, lacks, near in zip(places, least, ahead, strict=True):
+        solved = solver.solve(skeleton.rest, [PoseGoal("j20", place)], restarts=0)
+        assert solved.error_m[0] >= lacks - 1e-9
+        assert solved.error_m[0] < lacks + (1e-6 if near else 0.1)
+        assert solved.rounds <= 60
+
+
 def test_a_solution_of_a_batch_asks_for_which_pose():
     solver = IkSolver(STRAIGHT, {"j2": Ball()})
     solved = solver.solve(STRAIGHT.rest, [PoseGoal("j4", [[0, 0, 9.0], [0, 9.0, 0]])])
