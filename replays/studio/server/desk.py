@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -71,7 +72,15 @@ class RunDesk:
             "height_m": filmed.height_m,
             "anchors": {name: spoken(one) for name, one in anchors.items()},
             "wardrobe": self.session.props.listed(),
+            "film": self.film_command(),
         }
+
+    def film_command(self) -> str:
+        """What draws the scene into the footage, to be typed where the server runs."""
+        scene = self.session.ledger.journal.scene.absolute()
+        out = scene.with_name(f"{scene.stem}-film")
+        words = ["motorcade", "run", str(self.filmed.recording.root.absolute())]
+        return shlex.join([*words, "--scene", str(scene), "--out", str(out)])
 
     def frame(self, index: int) -> bytes:
         """A picture as JPEG."""

@@ -145,7 +145,7 @@ def spoken(anchor: SceneAnchor) -> str:
     if anchor.on == "marker":
         return f"Marker {anchor.marker}"
     return {"auto": "The ground", "board": "The board", "plane": "The plane"}.get(
-        anchor.on, "The floor"
+        anchor.on, "The ground"
     )
 
 

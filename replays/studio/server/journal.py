@@ -38,7 +38,7 @@ class Journal:
     """
 
     def __init__(self, scene: Path, start: bytes) -> None:
-        self._scene = scene
+        self.scene = scene
         self._folder = scene.with_name(f"{scene.stem}.session")
         self._begin(start)
 
@@ -91,11 +91,11 @@ class Journal:
         """
         marks = [*self._marks()[-1:], sha256(scene).hexdigest()]  # either may be found after a kill
         write_bytes(self._folder / "written.json", json.dumps(marks).encode())
-        write_bytes(self._scene, scene)
+        write_bytes(self.scene, scene)
 
     def _begin(self, start: bytes) -> None:
         """Go on with the session, or begin one where the scene is not what it wrote last."""
-        present = read_bounded(self._scene, MAX_SCENE_BYTES) if is_there(self._scene) else None
+        present = read_bounded(self.scene, MAX_SCENE_BYTES) if is_there(self.scene) else None
         known = is_there(self.start) and (
             (present is None and not self._marks())
             or (present is not None and sha256(present).hexdigest() in self._marks())

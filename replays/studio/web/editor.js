@@ -14,11 +14,15 @@ import { decoded } from "studio/look.js";
 import { actions } from "studio/editor_actions.js";
 import { keyboard } from "studio/editor_keys.js";
 
+const MOUSE = matchMedia("(hover: hover) and (pointer: fine)").matches;
+const HANDS = MOUSE
+  ? "Drag to move, the ring turns, the wheel resizes."
+  : "Drag to move. Two fingers turn and resize.";
 const HINTS = {
-  empty: "Tap Add to put somebody into the picture.",
-  chosen: "Drag to move. Two fingers turn and resize. Walk lets you draw a way.",
-  prop: "Drag to move. Two fingers turn and resize.",
-  none: "Tap somebody to choose them.",
+  empty: `${MOUSE ? "Click" : "Tap"} Add to put somebody into the picture.`,
+  chosen: `${HANDS} Walk lets you draw a way.`,
+  prop: HANDS,
+  none: `${MOUSE ? "Click" : "Tap"} somebody to choose them.`,
   draw: "Draw on the ground where to walk.",
 };
 
@@ -55,8 +59,9 @@ export class Editor {
     Object.assign(home, { href: body.dataset.home, title: "All footage", ariaLabel: "All footage" });
     this.undo = button("Undo", () => this.ask({ do: "undo" }), { sign: "undo", className: "round" });
     this.redo = button("Redo", () => this.ask({ do: "redo" }), { sign: "redo", className: "round" });
+    const film = button("Film", () => this.panel.film(), { title: "How the film is drawn", className: "film" });
     this.title = made("strong", "title", this.about.name);
-    const bar = made("header", "bar", home, this.title, this.undo, this.redo);
+    const bar = made("header", "bar", home, this.title, film, this.undo, this.redo);
     const view = made("div", "stage");
     this.hint = made("p", "hint");
     this.hint.setAttribute("role", "status");
@@ -283,6 +288,7 @@ export class Editor {
     this.draws = false;
     document.body.classList.remove("draws");
     this.stage.sketch(null);
+    this.panel.show(this.state.objects, this.chosen);
     const pixels = way.map(([x, y]) => this.pixelAt(x, y));
     const step = Math.max(1, Math.ceil(pixels.length / 400));
     const answer = await this.ask({
@@ -302,6 +308,7 @@ export class Editor {
     this.draws = !this.draws;
     document.body.classList.toggle("draws", this.draws);
     this.timeline.pause();
+    this.panel.show(this.state.objects, this.chosen);
     this.#hints();
     this.redraw();
   }

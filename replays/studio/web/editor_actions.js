@@ -9,6 +9,7 @@ export function actions(editor) {
     snaps: () => editor.snapping,
     snap: (on) => (editor.snapping = on),
     draw: () => editor.sketchWalk(),
+    draws: () => editor.draws,
     async add(one) {
       const answer = await editor.ask({ do: "place", file: one.file, kind: one.kind, frame: editor.frame });
       if (answer.ok) editor.choose(answer.object);

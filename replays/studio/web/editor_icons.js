@@ -8,7 +8,7 @@ const PATHS = {
   axes: "M12 13V3M9 6l3-3 3 3M12 13l8 5M20 14v4h-4M12 13l-8 5M8 18H4v-4",
   numbers: "M9 4L7 20M17 4l-2 16M4 9h17M3 15h17",
   copy: "M9 9h11v11H9zM5 15H4V4h11v1",
-  more: "M5 12h.01M12 12h.01M19 12h.01",
+  more: "M4 12h2M11 12h2M18 12h2",
   remove: "M4 7h16M9 7V4h6v3M6 7l1 13h10l1-13M10 11v5M14 11v5",
   play: "M8 5l11 7-11 7z",
   pause: "M8 5v14M16 5v14",

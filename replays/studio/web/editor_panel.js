@@ -51,7 +51,7 @@ export class Panel {
     const { act, chosen } = this;
     const walks = chosen.kind === "character";
     const all = [
-      walks && button("Walk", () => act.draw(), { sign: "walk", title: "Draw where it walks", className: "main" }),
+      walks && button("Walk", () => act.draw(), { sign: "walk", title: "Draw where it walks", className: act.draws() ? "main" : "" }),
       walks && button("Do", () => this.#toggle("clips"), { sign: "act", title: "What it does" }),
       !chosen.walk && button("Key", () => act.key(), { sign: "key", title: "Keep where it is at this moment" }),
       button("Axes", () => act.axes(), { sign: "axes", title: "Handles: few or all" }),
@@ -61,6 +61,11 @@ export class Panel {
       button("Delete", () => act.remove(), { sign: "remove" }),
     ];
     return [add, ...all.filter(Boolean)];
+  }
+
+  /** How the film is drawn, or no longer that. */
+  film() {
+    this.#toggle("film");
   }
 
   #toggle(what) {
@@ -74,7 +79,7 @@ export class Panel {
   }
 
   #fill(what) {
-    const need = what && what !== "add";
+    const need = what && what !== "add" && what !== "film";
     if (!what || (need && !this.chosen)) {
       this.close();
       return;
@@ -82,7 +87,7 @@ export class Panel {
     this.sheet.hidden = false;
     const typing = this.sheet.contains(document.activeElement) && document.activeElement.matches("input");
     if (what !== "add" && typing) return;
-    const parts = { add: () => this.#add(), clips: () => this.#clips(), numbers: () => this.#numbers(), more: () => this.#more() };
+    const parts = { add: () => this.#add(), film: () => this.#film(), clips: () => this.#clips(), numbers: () => this.#numbers(), more: () => this.#more() };
     this.sheet.replaceChildren(button("Close", () => this.close(), { sign: "close", className: "close" }), ...parts[what]());
   }
 
@@ -94,6 +99,15 @@ export class Panel {
       }, { sign: one.kind === "character" ? "person" : "thing", className: "choice" }),
     );
     return [made("h2", "", "Put into the scene"), made("div", "choices", ...choices)];
+  }
+
+  #film() {
+    const command = made("code", "command", this.about.film);
+    return [
+      made("h2", "", "Draw the film"),
+      made("p", "", "The scene is kept as you go. To draw it into the footage, type this into another terminal of the computer that serves this page; the film is overlay.mp4 in the last folder it names."),
+      command,
+    ];
   }
 
   #clips() {

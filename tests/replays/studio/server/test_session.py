@@ -1,11 +1,14 @@
 """Fingers on the picture, several browsers at once, and what is kept of all they do."""
 
+import argparse
+import shlex
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from motorcade.ga import Rotor
+from motorcade.replays.cli.recordings import run
 from motorcade.tracking import Camera
 from tests.replays.studio.server.stage import FRAMES, STRAIGHT, Visitor, desk, seen, stands
 
@@ -104,6 +107,19 @@ def test_a_second_finger_goes_on_from_where_the_first_has_come(one: Visitor) -> 
     told = one.done("undo")
     assert told["scene"]["undo"], "one gesture, one step: the other was to put it there"
     np.testing.assert_array_equal(stands(one.at, name, 0).translation_m, before)
+
+
+def test_the_page_tells_the_command_that_draws_the_film(tmp_path: Path) -> None:
+    folder = tmp_path / "a run; of mine"
+    folder.mkdir()
+    words = shlex.split(desk(folder).about()["film"])
+    assert words[:2] == ["motorcade", "run"]
+    parser = argparse.ArgumentParser()
+    run.add_to(parser.add_subparsers(), argparse.ArgumentParser(add_help=False))
+    told = parser.parse_args(words[1:])
+    assert told.recordings == [Path("table").absolute()]
+    assert told.scene == folder / "scene.json"
+    assert told.out == folder / "scene-film"
 
 
 def test_fingers_above_the_horizon_move_nothing(one: Visitor) -> None:
