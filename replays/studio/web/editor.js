@@ -83,7 +83,7 @@ export class Editor {
     document.body.classList.toggle("lost", !up);
     if (!up) {
       this.gestures?.cancel();
-      this.say(why || "The server does not answer. Trying again; what you did is kept.", true);
+      this.say(why || "The server does not answer. Trying again; what you did is kept. If it was started anew, open its new link.", true);
     } else {
       this.note.hidden = true;
     }
