@@ -12,7 +12,9 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+import stat
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -33,13 +35,14 @@ class Journal:
         start: its bytes where it does not.
 
     Raises:
-        OSError: nothing can be written there.
+        OSError: nothing can be written there, or a link or a pipe is in the place of its files.
         ValueError: a file that is too large.
     """
 
     def __init__(self, scene: Path, start: bytes) -> None:
         self.scene = scene
         self._folder = scene.with_name(f"{scene.stem}.session")
+        self._last: list[str] = []
         self._begin(start)
 
     @property
@@ -73,14 +76,15 @@ class Journal:
             OSError: it cannot be written; nothing of it is left then.
         """
         text = "".join(json.dumps(one, separators=(",", ":")) + "\n" for one in lines)
-        with self.gestures.open("ab") as file:
-            whole = file.tell()
+        with self._opened() as file:
+            whole = os.fstat(file).st_size
             try:
-                file.write(text.encode())
-                file.flush()
-                os.fsync(file.fileno())
+                left = memoryview(text.encode())
+                while left:  # a full disk may take a part of it
+                    left = left[os.write(file, left) :]
+                os.fsync(file)
             except OSError:
-                file.truncate(whole)
+                os.ftruncate(file, whole)
                 raise
 
     def save(self, scene: bytes) -> None:
@@ -89,31 +93,51 @@ class Journal:
         Raises:
             OSError: it cannot be written.
         """
-        marks = [*self._marks()[-1:], sha256(scene).hexdigest()]  # either may be found after a kill
+        mark = sha256(scene).hexdigest()
+        marks = [*self._last, mark]  # either may be found after a kill or a write that failed
         write_bytes(self._folder / "written.json", json.dumps(marks).encode())
         write_bytes(self.scene, scene)
+        self._last = [mark]
 
     def _begin(self, start: bytes) -> None:
         """Go on with the session, or begin one where the scene is not what it wrote last."""
+        if self._folder.is_symlink():
+            raise OSError(f"{self._folder}: expected a folder, got a link")
         present = read_bounded(self.scene, MAX_SCENE_BYTES) if is_there(self.scene) else None
+        self._last = [] if present is None else [sha256(present).hexdigest()]
         known = is_there(self.start) and (
             (present is None and not self._marks())
-            or (present is not None and sha256(present).hexdigest() in self._marks())
+            or (present is not None and self._last[0] in self._marks())
         )
         if not known:
             if self._folder.exists():
                 self._set_aside()
             self._folder.mkdir(parents=True)
             begun = start if present is None else present
-            marks = [] if present is None else [sha256(present).hexdigest()]
-            write_bytes(self._folder / "written.json", json.dumps(marks).encode())
+            write_bytes(self._folder / "written.json", json.dumps(self._last).encode())
             write_bytes(self.start, begun)
         data = self._read()
         whole = data.rfind(b"\n") + 1
         if whole < len(data):  # what a killed process was writing
-            with self.gestures.open("r+b") as file:
-                file.truncate(whole)
-                os.fsync(file.fileno())
+            with self._opened() as file:
+                os.ftruncate(file, whole)
+                os.fsync(file)
+
+    @contextmanager
+    def _opened(self) -> Iterator[int]:
+        """The gestures, open to be written at their end: a file of their own, where no link leads.
+
+        A folder that somebody else made may hold a link to any file here.
+        """
+        way = os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
+        file = os.open(self.gestures, way, 0o666)
+        try:
+            about = os.fstat(file)
+            if not stat.S_ISREG(about.st_mode) or about.st_nlink != 1:
+                raise OSError(f"{self.gestures}: expected a file of its own")
+            yield file
+        finally:
+            os.close(file)
 
     def _set_aside(self) -> None:
         """Another program wrote the scene: the old session is kept under another name."""
@@ -132,5 +156,8 @@ class Journal:
         path = self._folder / "written.json"
         if not is_there(path):
             return []
-        found = json.loads(read_bounded(path, MAX_MARK_BYTES))
-        return [str(one) for one in found]
+        try:
+            found = json.loads(read_bounded(path, MAX_MARK_BYTES))
+        except (ValueError, RecursionError):
+            return []  # it marks nothing: the session is set aside, and the scene is as it is
+        return list(map(str, found)) if isinstance(found, list) else []

@@ -70,24 +70,30 @@ class Ledger:
             ValueError: what the scene does not have or may not have.
             OSError: the step cannot be written; the scene is then as it was.
         """
-        editor, before = self._editor, self._editor.scene
-        lines = [gesture.as_json()]
-        if _by_anchors(gesture) and not _same(editor.world_T_anchor, world_T_anchor):
-            editor.stand(world_T_anchor)
-            lines.insert(0, AnchorsStand(world_T_anchor).as_json())
-        if editor.do(gesture) is before:
+        editor, lines = self._editor, [gesture.as_json()]
+        stands: Mapping[str, Similarity] = editor.world_T_anchor
+        if _by_anchors(gesture) and not _same(stands, world_T_anchor):
+            stands = world_T_anchor
+            lines.insert(0, AnchorsStand(stands).as_json())
+        if not self._changes(gesture, stands):
             return
-        try:
-            self.journal.append(*lines)
-        except OSError:
-            back = isinstance(gesture, HistoryStep) and gesture.way == "undo"
-            editor.redo() if back else editor.undo()
-            raise
+        # Written first: nothing is taken back, which would leave a step to redo that no line tells.
+        self.journal.append(*lines)
+        editor.stand(stands)
+        editor.do(gesture)
         self._save()
 
     def step(self, way: Literal["undo", "redo"]) -> None:
         """A step back or forth; raises as `do`."""
         self.do(HistoryStep(way), {})
+
+    def _changes(self, gesture: Gesture, world_T_anchor: Mapping[str, Similarity]) -> bool:
+        """Whether a gesture makes another scene of this one; raises as `do`."""
+        if isinstance(gesture, HistoryStep):
+            return self.can_undo if gesture.way == "undo" else self.can_redo
+        trial = SceneEditor(self.scene)
+        trial.stand(world_T_anchor)
+        return trial.do(gesture) is not self.scene
 
     def close(self) -> None:
         """Write the scene as it is."""
