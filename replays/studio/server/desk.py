@@ -130,4 +130,6 @@ def open_desk(run: Path, scene: Path | None = None) -> RunDesk:
     props = Props(folder, files_beside(folder))
     played = PlayedScene(filmed, folder)
     told = ToldScene(filmed, played, props)
-    return RunDesk(filmed, EditingSession(filmed, ledger, played, props, told))
+    session = EditingSession(filmed, ledger, played, props, told)
+    session.joined(0)  # a scene that cannot be shown is refused here, and not to each browser
+    return RunDesk(filmed, session)

@@ -5,6 +5,7 @@ A browser names one of these; no other file is ever read for it.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,6 +18,8 @@ from motorcade.animation.authoring import Scene, ScenePart
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.characters.acting import MANNEQUIN, character_named
 from motorcade.replays.studio.server.filmed import Filmed
+
+log = logging.getLogger("motorcade.studio")
 
 SUFFIXES = (".glb", ".gltf", ".vrm", ".dae", ".fbx", ".md5mesh")
 MOST_FILES = 200
@@ -37,10 +40,15 @@ class Props:
     _names: dict[str, list[str]] = field(default_factory=dict)
 
     def listed(self) -> list[dict[str, str]]:
-        """For the page: files with labels, characters first."""
+        """For the page: files with labels, the mannequin first; none that cannot be read."""
         told = [{"file": MANNEQUIN, "label": "Person", "kind": "character"}]
         for file in self.files:
-            told.append({"file": file, "label": Path(file).stem, "kind": self._kind(file)})
+            try:
+                kind = self._kind(file)
+            except (ValueError, OSError, RuntimeError, ImportError) as fault:
+                log.warning("not on offer: %s", " ".join(str(fault).split()))
+                continue
+            told.append({"file": file, "label": Path(file).stem, "kind": kind})
         return told
 
     def clips(self, part: ScenePart) -> list[str]:

@@ -91,7 +91,7 @@ class EditingSession:
             answer = acts[do](visitor, message)
         except OutOfReach:
             return Answer({"n": number, "ok": do == "drag", "said": BEYOND, "error": BEYOND})
-        except (ValueError, OSError) as fault:
+        except (ValueError, OSError, RuntimeError, ImportError) as fault:
             told = " ".join(str(fault).split())[:300]
             return Answer({"n": number, "ok": False, "error": told})
         return Answer({"n": number, "ok": True, **answer.reply}, answer.news)

@@ -59,8 +59,8 @@ class Visitors:
         visitor = next(self._numbers)
         unsent = self._unsent[visitor] = asyncio.Queue(MAX_UNSENT)
         sending = asyncio.create_task(_send(socket, unsent))
-        self._put(visitor, desk.joined(visitor))
         try:
+            self._put(visitor, desk.joined(visitor))
             await self._listen(socket, desk, visitor)
         except WebSocketDisconnect:
             log.debug("browser %d went", visitor)

@@ -356,3 +356,18 @@ def test_files_that_are_no_certificate_are_named(tmp_path: Path) -> None:
         (tmp_path / name).write_text("nothing")
     with pytest.raises(ValueError, match="--tls: expected a certificate and its key"):
         serving.configured(None, Listening(tls=(tmp_path / "cert.pem", tmp_path / "key.pem")))
+
+
+def test_a_scene_that_cannot_be_shown_keeps_no_places(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(visitor: int) -> dict[str, object]:
+        raise ValueError("a file is gone")
+
+    with monkeypatch.context() as gone:
+        gone.setattr(served.desk, "joined", fails)
+        for _ in range(bounds.MAX_EDITORS + 1):
+            with visit(served) as one:
+                assert closed(one) != 1013
+    with visit(served) as one:
+        assert works(one)

@@ -1,12 +1,14 @@
 """What a browser may send to get round a check, and scenes that the page itself would not make."""
 
+import json
 from pathlib import Path
 
 import pytest
 
 from motorcade.replays.characters.acting import mannequin
 from motorcade.replays.studio.look.figures import gltf_bytes
-from tests.replays.studio.server.stage import Visitor, desk
+from motorcade.replays.studio.server import desk as server_desk
+from tests.replays.studio.server.stage import Visitor, desk, filmed
 
 
 @pytest.fixture
@@ -63,3 +65,21 @@ def test_somebody_comes_into_a_scene_that_hangs_on_nothing(tmp_path: Path) -> No
     assert scene.anchors["ground 2"] == one.at.filmed.first
     one.done("undo")
     assert not one.at.session.ledger.scene.anchors
+
+
+def test_a_file_that_cannot_be_read_is_left_out_alone(tmp_path: Path) -> None:
+    (tmp_path / "junk.glb").write_bytes(b"no model")
+    (tmp_path / "doll.glb").write_bytes(gltf_bytes(mannequin()))
+    one = Visitor(desk(tmp_path))
+    assert [each["file"] for each in one.at.about()["wardrobe"]] == ["mannequin", "doll.glb"]
+    assert not one.ask("place", file="junk.glb")["ok"]
+
+
+def test_a_scene_that_cannot_be_shown_is_refused_when_it_is_opened(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(server_desk, "open_filmed", lambda _: filmed())
+    scene = {"objects": [{"name": "guide", "kind": "character", "file": "gone.glb"}]}
+    (tmp_path / "scene.json").write_text(json.dumps(scene))
+    with pytest.raises(ValueError, match=r"gone\.glb"):
+        server_desk.open_desk(tmp_path)
