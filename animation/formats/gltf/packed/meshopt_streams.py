@@ -162,7 +162,7 @@ def unpack_triangles(data: bytes, count: int) -> NDArray[np.int64]:
         raise IndexError
     edges: list[tuple[int, int]] = [(0, 0)] * RECENT_EDGES
     seen: list[int] = [0] * RECENT_VERTICES
-    made: list[int] = []
+    made = array("I")
     following = 0
     for code in codes:
         high, low = code >> 4, code & 15
@@ -202,11 +202,11 @@ def unpack_triangles(data: bytes, count: int) -> NDArray[np.int64]:
             a, b, c = corners
             seen += fresh
             edges += ((b, a), (c, b), (a, c))
-        made += (a, b, c)
+        made.extend((a, b, c))
         if len(edges) > 4096:
             del edges[:-RECENT_EDGES]
             del seen[:-RECENT_VERTICES]
-    return np.array(made, dtype=np.int64) & MASK
+    return np.frombuffer(made, np.uint32).astype(np.int64)
 
 
 def unpack_indices(data: bytes, count: int) -> NDArray[np.int64]:
@@ -217,13 +217,13 @@ def unpack_indices(data: bytes, count: int) -> NDArray[np.int64]:
     """
     if data[0] != 0xD1:
         raise expected("header", "0xd1", hex(data[0]))
-    reader, last, made = _Numbers(data, 1), [0, 0], []
+    reader, last, made = _Numbers(data, 1), [0, 0], array("I")
     for _ in range(count):
         value = reader.unsigned()
         which, step = value & 1, value >> 1
         last[which] = (last[which] + ((step >> 1) ^ -(step & 1))) & MASK
         made.append(last[which])
-    return np.array(made, dtype=np.int64)
+    return np.frombuffer(made, np.uint32).astype(np.int64)
 
 
 class _Numbers:

@@ -1,6 +1,7 @@
 """Streams of meshoptimizer hold what it packed; what is wrong with them is refused."""
 
 import hashlib
+import tracemalloc
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from motorcade.animation import read_character
 from motorcade.animation.formats import FormatError
 from motorcade.animation.formats.gltf.container import open_gltf
 from motorcade.animation.formats.gltf.packed import meshopt
+from motorcade.animation.formats.gltf.packed.meshopt_streams import unpack_indices, unpack_triangles
 from tests.animation.formats import samples
 from tests.animation.formats.packed import MESHOPT, add_stream, meshopt_streams, meshopt_tower
 from tests.animation.formats.samples import Gltf, Write
@@ -108,3 +110,20 @@ def test_streams_of_more_than_the_limit_are_refused(
         unpacked(write, some, some, some)
     with pytest.raises(FormatError, match="a whole number from 1 to 1000"):
         unpacked(write, some | {"count": 1001})
+
+
+@pytest.mark.parametrize("kind", ["triangles", "indices"])
+def test_long_lists_of_corners_take_little_memory(kind: str) -> None:
+    count = 300_000
+    tracemalloc.start()
+    try:
+        if kind == "triangles":
+            made = unpack_triangles(b"\xe1" + b"\xf0" * (count // 3) + bytes(16), count // 3)
+        else:
+            made = unpack_indices(b"\xd1" + b"\x04" * count + bytes(4), count)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert len(made) == count
+    assert made.max() > 250_000, "no two are the same object"
+    assert peak < 24 * count, "so many bytes a corner"
