@@ -17,11 +17,12 @@ from mkdocs.structure.files import File, Files
 TOP = Path(__file__).resolve().parents[2]
 FROM_THE_TOP = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")
 MADE = {
-    f"../../{name}": f"../{page}"
+    f"{up}../{name}": f"{up}{page}"
     for name, page in [
         *((name, name.lower()) for name in FROM_THE_TOP),
         ("replays/stages", "reference/stages.md"),
     ]
+    for up in ("", "../")
 }
 """Links to what is there when a page is read as a file, and to the page made of it."""
 WIDTH = 88
@@ -40,7 +41,8 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
 def on_page_markdown(markdown: str, **_: object) -> str:
     """Lead links out of this folder to the pages that are made of what they name."""
     for written, made in MADE.items():
-        markdown = markdown.replace(f"]({written})", f"]({made})")
+        for end in ")#":
+            markdown = markdown.replace(f"]({written}{end}", f"]({made}{end}")
     return markdown
 
 
