@@ -1,5 +1,6 @@
 """The bundle of three.js and uPlot is what its lockfile makes, and its licences go with it."""
 
+import json
 import shutil
 import subprocess
 import tomllib
@@ -38,8 +39,19 @@ def test_wheels_hold_the_modules_and_not_what_makes_them() -> None:
     )
     held = {target.name for _, target in found if "web" in target.parts}
     assert {"vendor.js", "vendor.css", "VENDOR_LICENSES.txt", "camera.js", "studio.css"} <= held
-    assert not held & {"entry.js", "build.js", "package.json", "eslint.config.js"}
+    assert not held & {"entry.js", "build.js", "package.json", ".npmrc", "eslint.config.js"}
     assert not any(name.endswith(".test.js") for name in held)
+
+
+def test_the_lockfile_pins_bytes_and_names_no_host() -> None:
+    lockfile = WEB / "package-lock.json"
+    if not lockfile.exists():
+        pytest.skip("an installed wheel is tested")
+    packages = json.loads(lockfile.read_text())["packages"]
+    installed = [one for name, one in packages.items() if name]
+    assert installed
+    assert all(one["integrity"].startswith("sha512-") for one in installed)
+    assert not any("resolved" in one for one in installed)
 
 
 @pytest.mark.slow
