@@ -7,6 +7,7 @@ stand where the object was grabbed, and the drag's amount is counted since the g
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -157,19 +158,10 @@ class Grip:
         """
         now = self._world_T_parent @ self._done @ self._parent_T_object
         touched = now.translation_m if grab.point_m is None else _on(grab.rays[0], grab.point_m)
-        planes = [DragPlane(touched, self._up)]
         if grab.gesture == "pinch":
-            planes.insert(0, DragPlane(now.translation_m, self._up))
-        for plane in planes[:-1]:
-            try:
-                for ray in grab.rays:
-                    plane.met_by(ray)
-                return plane
-            except OutOfReach:
-                continue
-        for ray in grab.rays:
-            planes[-1].met_by(ray)
-        return planes[-1]
+            with suppress(OutOfReach):
+                return _pointed_at(DragPlane(now.translation_m, self._up), grab.rays)
+        return _pointed_at(DragPlane(touched, self._up), grab.rays)
 
     def _take_handle(self, grab: Grab) -> None:
         """An axis or a ring, or a wheel over the object."""
@@ -215,6 +207,13 @@ class Grip:
             if self.drag.kind == "translate"
             else f"× {self.amount:.2f}"
         )
+
+
+def _pointed_at(plane: DragPlane, rays: Sequence[Ray]) -> DragPlane:
+    """The plane, where every finger points at it; raises `OutOfReach` where one does not."""
+    for ray in rays:
+        plane.met_by(ray)
+    return plane
 
 
 def _on(ray: Ray, point_m: FloatArray) -> FloatArray:
