@@ -101,6 +101,12 @@ OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
     "viewer": {
         "rerun-sdk": ("rerun", "runs exported for the Rerun viewer"),
     },
+    "studio": {
+        "starlette": ("starlette", "the page of `motorcade author`"),
+        "uvicorn": ("uvicorn", "its server"),
+        "websockets": ("websockets", "what browsers say to it"),
+        "segno": ("segno", "its link as a QR code"),
+    },
     "scale": {
         "dask": ("dask", "sweeps on a cluster"),
         "distributed": ("distributed", "sweeps on a cluster"),
