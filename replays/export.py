@@ -116,6 +116,21 @@ def read_run(folder: Path, stage: str) -> tuple[Recording, GraphRun]:
     return recording, graph.run(stage, {"recording": recording}, folder / ".cache", knobs)
 
 
+def run_words(folder: Path) -> list[str]:
+    """The words of a command line that made a run, but for where to and who stands in it.
+
+    Raises:
+        ValueError: a folder that holds no run, or one whose recording cannot be read any more.
+        OSError: its recording is gone.
+    """
+    origin = _read_origin(folder)
+    own = len(open_recording(origin.recording, origin.manifest).settings)
+    manifest = [] if origin.manifest is None else ["--manifest", str(origin.manifest)]
+    told = [one for one in origin.settings[own:] if not one.startswith("placed.")]
+    settings = [word for one in told for word in ("--set", one)]
+    return ["motorcade", "run", str(origin.recording), *manifest, *settings]
+
+
 @dataclass(frozen=True)
 class _Origin:
     """What a folder's `run.json` says was run."""

@@ -79,8 +79,7 @@ class RunDesk:
         """What draws the scene into the footage, to be typed where the server runs."""
         scene = self.session.ledger.journal.scene.absolute()
         out = scene.with_name(f"{scene.stem}-film")
-        words = ["motorcade", "run", str(self.filmed.recording.root.absolute())]
-        return shlex.join([*words, "--scene", str(scene), "--out", str(out)])
+        return shlex.join([*self.filmed.words, "--scene", str(scene), "--out", str(out)])
 
     def frame(self, index: int) -> bytes:
         """A picture as JPEG."""

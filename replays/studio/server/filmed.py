@@ -14,7 +14,7 @@ from motorcade.animation.authoring import SceneAnchor
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.characters.performers import performers
-from motorcade.replays.export import read_run
+from motorcade.replays.export import read_run, run_words
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.camera.offered import camera_of
@@ -37,6 +37,7 @@ class Filmed:
         first: what the run itself stood its character on.
         place_m: ``(2,)`` where that was, in the plane.
         height_m: and how tall.
+        words: of the command line that made the run, but for where to and who stands in it.
     """
 
     recording: Recording
@@ -44,6 +45,7 @@ class Filmed:
     first: SceneAnchor
     place_m: FloatArray
     height_m: float
+    words: tuple[str, ...]
 
     def __post_init__(self) -> None:
         self._found: dict[SceneAnchor, tuple[Ground, Similarity]]
@@ -168,4 +170,5 @@ def open_filmed(folder: Path) -> Filmed:
     who = performers(placed)[0]
     height_m = who.placement.scale * who.character.height_m
     place_m = placed.plane_T_character.translation_m[:2]
-    return Filmed(recording, grounds, SceneAnchor(**told), place_m, height_m)
+    words = tuple(run_words(folder))
+    return Filmed(recording, grounds, SceneAnchor(**told), place_m, height_m, words)

@@ -4,6 +4,7 @@ import json
 import struct
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from motorcade.animation import skin
 from motorcade.animation.formats import read_character, write_gltf
+from motorcade.replays import export
 from motorcade.replays.cli import main
 from motorcade.replays.export import Shown, open_run
 from motorcade.replays.pipeline import Job, run_job
@@ -214,3 +216,21 @@ def test_a_run_log_of_another_program_is_refused(
     assert main(["export", str(tmp_path), "--gltf", "x.glb"]) == 1
     told = capsys.readouterr().err
     assert f"{tmp_path / 'run.json'}: expected what `motorcade run` wrote of a recording" in told
+
+
+def test_a_runs_command_line_gives_its_manifest_and_settings_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = {
+        "recording": "/my/board",
+        "manifest": "/my/board.toml",
+        "content": "",
+        "settings": ["smoothed.order=2", "placed.clip=wave", "overlay.gain=1.5"],
+    }
+    (tmp_path / "run.json").write_text(json.dumps(told))
+    own = SimpleNamespace(settings=("smoothed.order=2",))  # which the manifest says itself
+    monkeypatch.setattr(export, "open_recording", lambda *_: own)
+    assert export.run_words(tmp_path) == [
+        *("motorcade", "run", "/my/board", "--manifest", "/my/board.toml"),
+        *("--set", "overlay.gain=1.5"),  # who stands there is the scene's to say
+    ]

@@ -82,7 +82,8 @@ def filmed(camera: Camera = STRAIGHT) -> Filmed:
     recording = Recording(
         name="table", root=Path("table"), layout="made", frames=pictures, camera=camera
     )
-    return Filmed(recording, Stands(path), SceneAnchor(), np.zeros(2), 0.2)
+    words = "motorcade", "run", str(Path("table").absolute())
+    return Filmed(recording, Stands(path), SceneAnchor(), np.zeros(2), 0.2, words)
 
 
 def desk(folder: Path, camera: Camera = STRAIGHT) -> RunDesk:
