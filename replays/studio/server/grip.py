@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.animation.authoring import Drag, Scene, Snapping
+from motorcade.animation.authoring import Drag, Dragged, Scene, Snapping
 from motorcade.animation.authoring.editing.drags import Kind, dragged
 from motorcade.animation.authoring.pointing import (
     DragPlane,
@@ -157,7 +157,7 @@ class Grip:
         as tall as the camera is high, are taken to hold the plane through what they touched.
         """
         now = self._world_T_parent @ self._done @ self._parent_T_object
-        touched = now.translation_m if grab.point_m is None else _on(grab.rays[0], grab.point_m)
+        touched = now.translation_m if grab.point_m is None else on_ray(grab.rays[0], grab.point_m)
         if grab.gesture == "pinch":
             with suppress(OutOfReach):
                 return _pointed_at(DragPlane(now.translation_m, self._up), grab.rays)
@@ -184,6 +184,12 @@ class Grip:
     def _snapped(self, amount: Amount) -> Amount:
         assert self.drag is not None  # it was taken
         return self.snapping.snapped(self.drag, amount, self._parent_T_object.translation_m)
+
+    def gesture(self) -> Dragged | None:
+        """What was done with it, as one step; None where it was not moved."""
+        if self.drag is None or self.amount is None or self.drag.is_nothing(self.amount):
+            return None
+        return Dragged(self.drag, (self.amount,))
 
     def told(self) -> str:
         """How far it has come, for people."""
@@ -216,7 +222,7 @@ def _pointed_at(plane: DragPlane, rays: Sequence[Ray]) -> DragPlane:
     return plane
 
 
-def _on(ray: Ray, point_m: FloatArray) -> FloatArray:
+def on_ray(ray: Ray, point_m: FloatArray) -> FloatArray:
     """The place on a ray nearest to a point, so that what is grabbed is under the finger."""
     along = float((point_m - ray.origin_m) @ ray.direction)
     return ray.origin_m + along * ray.direction

@@ -122,15 +122,17 @@ class PlayedScene:
         if found is None:
             return None
         one = found[1]
-        still = len(one.time_s) < 2
-        moments = np.zeros(1) if still else self.filmed.time_s
-        local = Clip("acted", one.time_s, one.poses).at(moments)
         return {
-            "joints": packed(rows(one.character.skeleton.world(local))),
+            "joints": packed(rows(one.character.skeleton.world(self.local_poses(one)))),
             "morphs": None,
             "size": one.size,
             "height_m": one.size * one.character.height_m,
         }
+
+    def local_poses(self, one: Acted) -> Motor:
+        """Its joints in their parents ``(F, J)`` over the footage; ``(1, J)`` where none moves."""
+        moments = np.zeros(1) if len(one.time_s) < 2 else self.filmed.time_s
+        return Clip("acted", one.time_s, one.poses).at(moments).rigid
 
     @off_record()  # a file of our own
     def glb(self, number: int) -> bytes | None:

@@ -26,6 +26,7 @@ from motorcade.animation.authoring import (
 from motorcade.animation.authoring.pointing import DragPlane, OutOfReach, Ray
 from motorcade.animation.authoring.written import anchor_json
 from motorcade.ga import Similarity
+from motorcade.replays.studio.look.packing import packed
 from motorcade.replays.studio.server.asked import (
     frame_number,
     frame_of_axes,
@@ -40,6 +41,7 @@ from motorcade.replays.studio.server.hands import Hands
 from motorcade.replays.studio.server.ledger import Ledger
 from motorcade.replays.studio.server.offers import Answer
 from motorcade.replays.studio.server.played import PlayedScene, rows
+from motorcade.replays.studio.server.posing import JointGrip
 from motorcade.replays.studio.server.props import GROUND, Props, free_name
 from motorcade.replays.studio.server.told import ToldScene
 from motorcade.replays.studio.server.ways import thinned
@@ -67,7 +69,7 @@ class EditingSession:
     props: Props
     told: ToldScene
     _hands: Hands = field(default_factory=Hands)
-    _grips: dict[int, Grip] = field(default_factory=dict)
+    _grips: dict[int, Grip | JointGrip] = field(default_factory=dict)
     _frames: dict[int, int] = field(default_factory=dict)
     _version: int = 0
 
@@ -120,6 +122,8 @@ class EditingSession:
         scene = self.ledger.scene
         scene.pose(name)
         rays = self._rays(frame, message)
+        if message.get("gesture") == "joint":
+            return self._begin_joint(visitor, message, frame, rays)
         point = point_of(message, "point")
         axis = point_of(message, "axis")
         grab = Grab(
@@ -130,7 +134,7 @@ class EditingSession:
             frame_of_axes(message),
         )
         grip = self._grips.get(visitor)
-        if grip is None or grip.name != name:
+        if isinstance(grip, JointGrip) or grip is None or grip.name != name:
             if grip is not None:
                 raise ValueError("begin: expected what is held to be let go first")
             self._hands.take(visitor, name, scene)
@@ -148,6 +152,22 @@ class EditingSession:
             if visitor not in self._grips:
                 self._hands.let_go(visitor)
             raise
+        return self._held(visitor, grip, frame)
+
+    def _begin_joint(
+        self, visitor: int, message: Message, frame: int, rays: tuple[Ray, ...]
+    ) -> Answer:
+        """Take a hand, a foot or the head: its limb follows, and the rest of the body stays."""
+        self._require_idle(visitor)
+        if len(rays) != 1:
+            raise ValueError("pixels: expected those of one finger")
+        name, scene = name_of(message, "object"), self.ledger.scene
+        joint = None if message.get("joint") is None else name_of(message, "joint")
+        grip = JointGrip(self.played, scene, name, frame, rays[0], joint)
+        self._hands.take(visitor, name, scene)
+        return self._held(visitor, grip, frame)
+
+    def _held(self, visitor: int, grip: Grip | JointGrip, frame: int) -> Answer:
         self._grips[visitor] = grip
         self._frames[visitor] = frame
         return Answer({}, {"holds": sorted(self._hands.held.values())})
@@ -156,6 +176,9 @@ class EditingSession:
         grip, frame = self._grip(visitor), self._frames[visitor]
         amount = number_of(message, "amount") if "amount" in message else None
         rays = () if amount is not None else self._rays(frame, message)
+        if isinstance(grip, JointGrip):
+            joints = {grip.name: packed(rows(grip.move(rays))[None])}
+            return Answer({"joints": joints}, {"joints": joints})
         scene = grip.move(rays, amount)
         told = self._poses(scene, grip)
         return Answer({"poses": told, "said": grip.told()}, {"poses": told})
@@ -163,17 +186,17 @@ class EditingSession:
     def _end(self, visitor: int, message: Message) -> Answer:
         grip = self._grip(visitor)
         news = self._dropped(visitor)
-        if grip.amount is None or grip.drag is None or grip.drag.is_nothing(grip.amount):
+        gesture, before = grip.gesture(), self.ledger.scene
+        if gesture is None:
             return Answer(dict(news or {}), news)
-        before = self.ledger.scene
-        self.ledger.do(Dragged(grip.drag, (grip.amount,)), grip.anchors)
+        self.ledger.do(gesture, {} if isinstance(grip, JointGrip) else grip.anchors)
         return self._changed(before)
 
     def _cancel(self, visitor: int, message: Message) -> Answer:
         news = self._dropped(visitor)
         return Answer(dict(news or {}), news)
 
-    def _grip(self, visitor: int) -> Grip:
+    def _grip(self, visitor: int) -> Grip | JointGrip:
         if visitor not in self._grips:
             raise ValueError("Nothing is held.")
         return self._grips[visitor]

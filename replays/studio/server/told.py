@@ -9,6 +9,7 @@ from motorcade.animation.authoring import Scene
 from motorcade.replays.studio.look.packing import packed
 from motorcade.replays.studio.server.filmed import Filmed, spoken
 from motorcade.replays.studio.server.played import PlayedScene, rows
+from motorcade.replays.studio.server.posing import joints_held_by
 from motorcade.replays.studio.server.props import Props
 
 MOST_POINTS = 400
@@ -46,6 +47,7 @@ class ToldScene:
             "clip": part.clip,
             "clips": self.props.clips(part),
             "walk": part.walk is not None,
+            "turns": [one.time_s for one in part.joint_keyframes],
             "keys": [one.time_s for one in part.keyframes],
             "interpolation": part.interpolation,
             "visible_s": None if part.visible_s is None else list(part.visible_s),
@@ -53,6 +55,11 @@ class ToldScene:
         if part.kind != "group":
             number, one = self.played.acted(scene, name)
             about |= {"motion": number, "figure": self.played.figure(one)}
+            if part.kind == "character":
+                about["held_by"] = {
+                    body: [number, one.character.skeleton.names[number]]
+                    for body, number in joints_held_by(one.character.skeleton).items()
+                }
         if before is None or not self.played.stands_alike(before, scene, name):
             track = self.played.world_T_object(scene, name)
             about["track"] = packed(rows(track), "f64")

@@ -8,6 +8,7 @@ import { icon } from "studio/editor_icons.js";
 import { Link } from "studio/editor_link.js";
 import { Panel } from "studio/editor_panel.js";
 import { Pictures } from "studio/editor_pictures.js";
+import { Posing } from "studio/editor_posing.js";
 import { EditorStage } from "studio/editor_stage.js";
 import { EditorTimeline, button, made } from "studio/editor_timeline.js";
 import { decoded } from "studio/look.js";
@@ -23,6 +24,7 @@ const HINTS = {
   chosen: `${HANDS} Walk lets you draw a way.`,
   prop: HANDS,
   none: `${MOUSE ? "Click" : "Tap"} somebody to choose them.`,
+  pose: "Drag a hand, a foot or the head.",
   draw: "Draw on the ground where to walk.",
 };
 
@@ -37,6 +39,7 @@ export class Editor {
     this.#layOut(body);
     this.wardrobe = new Wardrobe(this.base);
     this.handles = new Handles();
+    this.posing = new Posing(this.stage.element, this);
     this.stage.scene.add(this.handles.object);
     this.pictures = new Pictures(this.base, about.frames, () => this.redraw());
     this.gestures = new Gestures(this.stage.element, this);
@@ -83,6 +86,7 @@ export class Editor {
     document.body.classList.toggle("lost", !up);
     if (!up) {
       this.gestures?.cancel();
+      this.posing?.cancel();
       this.say(why || "The server does not answer. Trying again; what you did is kept. If it was started anew, open its new link.", true);
     } else {
       this.note.hidden = true;
@@ -113,9 +117,13 @@ export class Editor {
         if (actor) actor.held = pose;
       }
     }
+    for (const [name, joints] of Object.entries(message.joints ?? {})) {
+      const actor = this.actors.get(name);
+      if (actor) actor.pose = joints.data;
+    }
     for (const name of message.free ?? []) {
       const actor = this.actors.get(name);
-      if (actor) actor.held = null;
+      if (actor) actor.held = actor.pose = null;
     }
     if (message.scene) this.#take(message.scene);
     if (message.holds) {
@@ -123,7 +131,7 @@ export class Editor {
       this.panel.show(this.state.objects, this.chosen);
     }
     if (message.said !== undefined) this.hint.textContent = message.said;
-    else if (!message.poses) this.#hints();
+    else if (!message.poses && !message.joints) this.#hints();
     this.redraw();
   }
 
@@ -163,7 +171,7 @@ export class Editor {
   choose(name) {
     this.chosen = this.actors.has(name) ? name : null;
     this.panel.show(this.state.objects, this.chosen);
-    this.timeline.mark(this.one?.keys ?? []);
+    this.timeline.mark(this.one ? [...this.one.keys, ...this.one.turns] : []);
     this.#ways();
     this.#hints();
     this.redraw();
@@ -172,6 +180,10 @@ export class Editor {
   #hints() {
     const { one } = this;
     const what = !this.state.objects.length ? "empty" : !one ? "none" : one.kind === "character" ? "chosen" : "prop";
+    if (this.posing.on && what === "chosen") {
+      this.hint.textContent = HINTS.pose;
+      return;
+    }
     const known = this.taught && (what === "chosen" || what === "prop");
     this.hint.textContent = this.draws || !known ? HINTS[this.draws ? "draw" : what] : "";
   }
@@ -239,7 +251,9 @@ export class Editor {
   #placeHandles() {
     const actor = this.actors.get(this.chosen);
     const shown = actor && actor.object.visible && !this.draws && !this.timeline.playing;
-    if (!shown) {
+    const poses = shown && this.posing.on && this.one.kind === "character";
+    this.posing.show(poses ? actor : null);
+    if (!shown || poses) {
       this.handles.show(null);
       return;
     }

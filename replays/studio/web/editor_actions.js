@@ -10,6 +10,9 @@ export function actions(editor) {
     snap: (on) => (editor.snapping = on),
     draw: () => editor.sketchWalk(),
     draws: () => editor.draws,
+    pose: () => editor.posing.toggle(),
+    poses: () => editor.posing.on,
+    unpose: () => named({ do: "set", joint_keyframes: [] }),
     async add(one) {
       const answer = await editor.ask({ do: "place", file: one.file, kind: one.kind, frame: editor.frame });
       if (answer.ok) editor.choose(answer.object);

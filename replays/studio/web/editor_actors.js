@@ -25,6 +25,8 @@ export class Actor {
     this.figure = null;
     this.matrix = new Matrix4();
     this.held = null;
+    /** @type {Float32Array|null} joints as they are dragged, until the scene has them so */
+    this.pose = null;
     this.about = null;
     this.shadow = softDisc(1);
     this.shadow.visible = false;
@@ -51,7 +53,7 @@ export class Actor {
     this.object.visible = !span || (span[0] <= seconds && seconds <= span[1]);
     this.object.matrix.copy(this.matrix);
     this.object.matrixWorldNeedsUpdate = true;
-    if (this.figure) this.figure.show(frame);
+    if (this.figure) this.figure.show(frame, this.pose);
     this.object.updateMatrixWorld(true);
     this.#shade(frame);
   }
@@ -72,6 +74,11 @@ export class Actor {
   /** How tall it is, metres. */
   get height() {
     return (this.figure?.character.height_m ?? 0) * this.matrix.getMaxScaleOnAxis();
+  }
+
+  /** Where a joint is, in the world. @returns {Vector3} */
+  joint(number) {
+    return this.figure.joint(number).applyMatrix4(this.matrix);
   }
 
   /** Where it stands. @returns {Vector3} */
@@ -99,8 +106,9 @@ export class Wardrobe {
   /** Dress an actor as its `figure` and `motion` say. */
   async dress(actor) {
     const { figure, motion } = actor.about;
-    if (figure === null || (actor.figure && actor.worn === `${figure} ${motion}`)) return;
     const worn = `${figure} ${motion}`;
+    if (actor.worn === worn) actor.pose = null;
+    if (figure === null || (actor.figure && actor.worn === worn)) return;
     actor.wanted = worn;
     const [file, moves] = await Promise.all([this.#mesh(figure), this.#motion(motion)]);
     if (actor.wanted !== worn) return;
@@ -111,6 +119,7 @@ export class Wardrobe {
     if (actor.figure) actor.object.remove(actor.figure.object);
     actor.figure = made;
     actor.worn = worn;
+    actor.pose = null;
     actor.object.add(made.object);
   }
 

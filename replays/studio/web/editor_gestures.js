@@ -33,7 +33,7 @@ export class Gestures {
     if (event.target.closest("button, input, select, a")) return;
     event.preventDefault();
     this.#endWheel();
-    if (this.fingers.size >= 2) return;
+    if (this.fingers.size >= 2 || this.editor.posing.held) return;
     this.element.setPointerCapture(event.pointerId);
     const { clientX: x, clientY: y, pointerType: kind } = event;
     this.fingers.set(event.pointerId, { x, y, from: [x, y], kind });

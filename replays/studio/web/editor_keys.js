@@ -10,6 +10,7 @@ export function keyboard(editor) {
     Delete: () => editor.chosen && buttons.remove(),
     Backspace: () => editor.chosen && buttons.remove(),
     k: () => editor.chosen && buttons.key(),
+    p: () => editor.one?.kind === "character" && buttons.pose(),
     w: () => editor.one?.kind === "character" && buttons.draw(),
   };
   const withControl = {
@@ -34,6 +35,8 @@ export function keyboard(editor) {
 
 function escape(editor) {
   if (editor.draws) editor.sketchWalk();
+  else if (editor.posing.held) editor.posing.cancel();
+  else if (editor.posing.on) editor.posing.toggle();
   else if (editor.gestures.going) editor.gestures.cancel();
   else if (editor.panel.open) editor.panel.close();
   else editor.choose(null);

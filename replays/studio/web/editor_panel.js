@@ -53,6 +53,7 @@ export class Panel {
     const all = [
       walks && button("Walk", () => act.draw(), { sign: "walk", title: "Draw where it walks", className: act.draws() ? "main" : "" }),
       walks && button("Do", () => this.#toggle("clips"), { sign: "act", title: "What it does" }),
+      Object.keys(chosen.held_by ?? {}).length > 0 && button("Pose", () => act.pose(), { sign: "pose", title: "Drag hands, feet and head", className: act.poses() ? "main" : "" }),
       !chosen.walk && button("Key", () => act.key(), { sign: "key", title: "Keep where it is at this moment" }),
       button("Axes", () => act.axes(), { sign: "axes", title: "Handles: few or all" }),
       button("Numbers", () => this.#toggle("numbers"), { sign: "numbers" }),
@@ -175,6 +176,7 @@ export class Panel {
       ...(chosen.kind === "group" ? [wide("Ungroup", () => act.ungroup())] : []),
       ...(chosen.kind !== "group" ? [wide("Appear at this moment", () => act.appears()), wide("Vanish at this moment", () => act.vanishes())] : []),
       ...(chosen.visible_s ? [wide("Always be there", () => act.appear(null))] : []),
+      ...(chosen.turns.length ? [wide("Forget its poses", () => act.unpose())] : []),
       ...(chosen.keys.length ? [wide("Forget its keyframes", () => act.unkey())] : []),
     ];
   }

@@ -75,11 +75,12 @@ export class Figure {
     this.object.add(mesh);
   }
 
-  /** Take the pose of a frame. */
-  show(frame) {
+  /** Take the pose of a frame, or another that its joints are dragged to. */
+  show(frame, dragged = null) {
     const { joints, morphs, world_T_character: stands } = this.character;
     const stand = row(stands, frame);
-    const all = row(joints, frame);
+    const all = dragged ?? row(joints, frame);
+    this.shown = all;
     for (const mesh of this.meshes) {
       if (mesh.isSkinnedMesh) {
         mesh.skeleton.bones.forEach((bone, number) => {
@@ -91,6 +92,12 @@ export class Figure {
     }
     setPose(this.object.matrix, stand, stand[7]);
     this.object.matrixWorldNeedsUpdate = true;
+  }
+
+  /** Where a joint of the pose on show is, in the world. @returns {Vector3} */
+  joint(number) {
+    const at = new Vector3(...this.shown.subarray(8 * number, 8 * number + 3));
+    return at.applyMatrix4(this.object.matrix);
   }
 
   /** Where on the ground the root stands, in the world. @returns {Vector3} */

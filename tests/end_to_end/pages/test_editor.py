@@ -222,6 +222,50 @@ def test_two_fingers_turn_and_grow(tab: Callable[..., Tab], at: RunDesk) -> None
     assert abs(turned) < 0.1
 
 
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), (390, 844)])
+def test_a_hand_is_dragged_and_stays_under_mouse_and_finger(
+    tab: Callable[..., Tab], at: RunDesk, width: int, height: int
+) -> None:
+    one = tab(width, height)
+    one.somebody()
+    one.press("Pose")
+    one.until("editor.posing.on && !editor.posing.handles.get('left_hand').hidden")
+    one.settled()
+    small = one.evaluate(
+        "[...document.querySelectorAll('.joint')].filter((b) => !b.hidden)"
+        ".map((b) => Math.min(b.offsetWidth, b.offsetHeight))"
+    )
+    assert len(small) == 5
+    assert min(small) >= 44, "fingers need 44 pixels"
+    hand = (
+        "editor.stage.placeOf(editor.actors.get('Person').joint(editor.one.held_by.left_hand[0]))"
+    )
+    start = np.array(one.evaluate(hand))
+    down = start.round().astype(int)
+    shoulder = np.array(
+        one.evaluate(
+            "editor.stage.placeOf(editor.actors.get('Person').joint("
+            "editor.one.held_by.left_hand[0] - 2))"
+        )
+    )
+    up = (down + 0.3 * (shoulder - start)).round().astype(int)
+    way = np.linspace(down, up, 6).round().astype(int).tolist()
+    one.drag([tuple(place) for place in way])
+    one.until("editor.one.turns.length === 1")
+    one.settled()
+    one.until("editor.actors.get('Person').pose === null")
+    one.settled()
+    moved = np.array(one.evaluate(hand)) - start
+    assert np.hypot(*(moved - (up - down))) < 0.5
+    assert np.hypot(*moved) > 3.0
+    assert len(at.session.ledger.scene.part("Person").joint_keyframes) == 1
+    one.press("Undo")
+    one.until("editor.one.turns.length === 0")
+    one.settled()
+    one.until(f"Math.hypot({hand}[0] - {start[0]}, {hand}[1] - {start[1]}) < 0.1")
+    assert one.complaints() == []
+
+
 def test_a_drawn_way_is_walked_and_others_hear_of_it(tab: Callable[..., Tab], at: RunDesk) -> None:
     one = tab(390, 844)
     address = one.evaluate("editor.link.address")
