@@ -10,9 +10,7 @@ export function actions(editor) {
     snap: (on) => (editor.snapping = on),
     draw: () => editor.sketchWalk(),
     draws: () => editor.draws,
-    pose: () => editor.posing.toggle(),
-    poses: () => editor.posing.on,
-    unpose: () => named({ do: "set", joint_keyframes: [] }),
+    ...posing(editor, named),
     async add(one) {
       const answer = await editor.ask({ do: "place", file: one.file, kind: one.kind, frame: editor.frame });
       if (answer.ok) editor.choose(answer.object);
@@ -51,6 +49,15 @@ export function actions(editor) {
       editor.handles.axes = axes;
       editor.redraw();
     },
+  };
+}
+
+/** What is done with poses of joints. */
+function posing(editor, named) {
+  return {
+    pose: () => editor.posing.toggle(),
+    poses: () => editor.posing.on,
+    unpose: () => named({ do: "set", joint_keyframes: [] }),
   };
 }
 
