@@ -106,7 +106,7 @@ class RunDesk:
         return self.session.left(visitor)
 
     def close(self) -> None:
-        """Write the scene as it is."""
+        """Write the scene as it is; raises `OSError` where it cannot be."""
         self.session.ledger.close()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Literal
@@ -21,6 +22,8 @@ from motorcade.animation.authoring import (
 )
 from motorcade.ga import Similarity
 from motorcade.replays.studio.server.journal import Journal
+
+log = logging.getLogger("motorcade.studio")
 
 _BY_ANCHORS = ("group", "ungroup", "reparent")
 """Edits whose outcome depends on where anchors stand."""
@@ -42,7 +45,7 @@ class Ledger:
         for number, line in enumerate(journal.lines(), 1):
             self._editor.do(gesture_of(line, f"{journal.gestures}:{number}"))
         self._writer = ThreadPoolExecutor(1)
-        self._written: Future[None] | None = None
+        self._saved: Scene | None = None
 
     @property
     def scene(self) -> Scene:
@@ -96,21 +99,29 @@ class Ledger:
         return trial.do(gesture) is not self.scene
 
     def close(self) -> None:
-        """Write the scene as it is."""
-        self._save()
-        self._writer.shutdown()
+        """Write the scene as it is.
 
-    def _save(self) -> None:
+        Raises:
+            OSError: it cannot be written; its steps are all kept.
+        """
+        last = self._save()
+        self._writer.shutdown()
+        last.result()
+
+    def _save(self) -> Future[None]:
         """Write the scene soon; of many changes at once the last."""
-        if self._written is None or self._written.done():
-            self._written = self._writer.submit(self._write)
+        return self._writer.submit(self._write)
 
     def _write(self) -> None:
-        while True:
-            scene = self.scene
+        scene = self.scene
+        if scene is self._saved:
+            return
+        try:
             self.journal.save(scene_text(scene).encode())
-            if self.scene is scene:
-                return
+        except OSError as fault:
+            log.warning("the scene is not written, its steps are kept: %s", fault)
+            raise
+        self._saved = scene
 
 
 def _by_anchors(gesture: Gesture) -> bool:

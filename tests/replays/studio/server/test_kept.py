@@ -17,6 +17,7 @@ from motorcade.animation.authoring import (
     scene_text,
 )
 from motorcade.replays.characters.authoring import author
+from motorcade.replays.studio.server.journal import Journal
 from tests.replays.studio.server.stage import FRAMES, Visitor, desk, seen, stands
 
 
@@ -65,6 +66,25 @@ def test_all_is_kept_and_replays_to_the_same_bytes(tmp_path: Path) -> None:
     session = tmp_path / "scene.session"
     made = author(session / "start.json", session / "gestures.jsonl")
     assert scene_text(made.scene).encode() == written
+
+
+def test_a_scene_that_cannot_be_written_is_told_and_its_steps_are_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def full(self: Journal, scene: bytes) -> None:
+        raise OSError("no space left")
+
+    at = desk(tmp_path)
+    with monkeypatch.context() as patched:
+        patched.setattr(Journal, "save", full)
+        Visitor(at).put()
+        with pytest.raises(OSError, match="no space left"):
+            at.close()
+    assert "its steps are kept: no space left" in caplog.text
+    again = desk(tmp_path)
+    assert len(again.joined(1)["scene"]["objects"]) == 1
+    again.close()
+    assert (tmp_path / "scene.json").exists()
 
 
 def test_half_a_line_at_the_end_is_left_out(tmp_path: Path) -> None:
