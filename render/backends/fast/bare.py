@@ -57,8 +57,10 @@ class BareFunctions:
 
     def clear_numbers(self) -> None:
         """Empty a framebuffer of whole numbers and depth."""
-        self._clear(_COLOR, 0, np.zeros(4, np.uint32).ctypes.data)
-        self._clear_depth(_DEPTH, 0, np.ones(1, np.float32).ctypes.data)
+        # Named, since what OpenGL reads must live until it has: other threads allocate meanwhile.
+        nothing, far = np.zeros(4, np.uint32), np.ones(1, np.float32)
+        self._clear(_COLOR, 0, nothing.ctypes.data)
+        self._clear_depth(_DEPTH, 0, far.ctypes.data)
 
     def look_up(self, buffer: Any, form: int) -> int:
         """A new texture that shows a buffer's content, to be deleted by `forget`."""
@@ -75,7 +77,8 @@ class BareFunctions:
 
     def forget(self, texture: int) -> None:
         """Delete what `look_up` gave."""
-        self._delete_textures(1, ctypes.addressof(ctypes.c_uint(texture)))
+        gone = ctypes.c_uint(texture)
+        self._delete_textures(1, ctypes.addressof(gone))
 
     def tell_unit(self, program: Any, name: str, unit: int) -> None:
         """Set a sampler of buffers, where the program has it."""
