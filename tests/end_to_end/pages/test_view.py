@@ -128,7 +128,7 @@ def as_written(figure: Performer) -> Character:
     """The character with its vertices in the order of the page's file."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "figure.glb")
-        path.write_bytes(gltf_bytes(figure))
+        path.write_bytes(gltf_bytes(figure.character))
         return read_character(path)
 
 
