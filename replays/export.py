@@ -105,43 +105,52 @@ def read_run(folder: Path, stage: str) -> tuple[Recording, GraphRun]:
             recording without a camera.
         OSError: its recording is gone.
     """
-    origin = _read_origin(folder)
+    origin = read_origin(folder)
     recording = open_recording(origin.recording, origin.manifest).intact()
     if recording.digest() != origin.content:
         raise ValueError(f"{folder}: its recording has changed since; run it again")
     if recording.camera is None:
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
-    graph = pipeline_graph()
-    knobs = parse_knobs(origin.settings, graph)
-    return recording, graph.run(stage, {"recording": recording}, folder / ".cache", knobs)
-
-
-def run_words(folder: Path) -> list[str]:
-    """The words of a command line that made a run, but for where to and who stands in it.
-
-    Raises:
-        ValueError: a folder that holds no run, or one whose recording cannot be read any more.
-        OSError: its recording is gone.
-    """
-    origin = _read_origin(folder)
-    own = len(open_recording(origin.recording, origin.manifest).settings)
-    manifest = [] if origin.manifest is None else ["--manifest", str(origin.manifest)]
-    told = [one for one in origin.settings[own:] if not one.startswith("placed.")]
-    settings = [word for one in told for word in ("--set", one)]
-    return ["motorcade", "run", str(origin.recording), *manifest, *settings]
+    cache = folder / ".cache"
+    return recording, pipeline_graph().run(stage, {"recording": recording}, cache, origin.knobs)
 
 
 @dataclass(frozen=True)
-class _Origin:
-    """What a folder's `run.json` says was run."""
+class RunOrigin:
+    """What a folder's `run.json` says was run.
+
+    Attributes:
+        recording, manifest: files, the latter None where none was given.
+        content: digest of the recording.
+        settings: knobs as `stage.knob=value`, the manifest's before those of the command line.
+    """
 
     recording: Path
     manifest: Path | None
     content: str
-    settings: list[str]
+    settings: tuple[str, ...]
+
+    @property
+    def knobs(self) -> dict[str, dict[str, Any]]:
+        """The settings by stage; those left out have their stage's defaults."""
+        return parse_knobs(self.settings, pipeline_graph())
+
+    def words(self, recording: Recording) -> list[str]:
+        """Of a command line that does it again, but for where to and who stands in it."""
+        manifest = [] if self.manifest is None else ["--manifest", str(self.manifest)]
+        told = self.settings[len(recording.settings) :]
+        kept = [one for one in told if not one.startswith("placed.")]
+        settings = [word for one in kept for word in ("--set", one)]
+        return ["motorcade", "run", str(self.recording), *manifest, *settings]
 
 
-def _read_origin(folder: Path) -> _Origin:
+def read_origin(folder: Path) -> RunOrigin:
+    """What was run into a folder.
+
+    Raises:
+        ValueError: a folder that holds no run, or another file in the place of its `run.json`.
+        OSError: it cannot be read.
+    """
     file = folder / "run.json"
     if not file.exists():
         raise ValueError(
@@ -149,9 +158,9 @@ def _read_origin(folder: Path) -> _Origin:
         )
     try:
         told = json.loads(read_bounded(file, MAX_LOG_BYTES))
-        manifest, settings = told["manifest"], list(map(str, told["settings"]))
+        manifest, settings = told["manifest"], tuple(map(str, told["settings"]))
         place = None if manifest is None else Path(manifest)
-        return _Origin(Path(told["recording"]), place, str(told["content"]), settings)
+        return RunOrigin(Path(told["recording"]), place, str(told["content"]), settings)
     except FileError:
         raise
     except (ValueError, KeyError, TypeError, RecursionError) as fault:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from ast import literal_eval
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,7 +13,7 @@ from motorcade.animation.authoring import SceneAnchor
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.characters.performers import performers
-from motorcade.replays.export import read_run, run_words
+from motorcade.replays.export import read_origin, read_run
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.camera.offered import camera_of
@@ -159,16 +158,17 @@ def open_filmed(folder: Path) -> Filmed:
             without a camera.
         OSError: its recording is gone.
     """
+    origin = read_origin(folder)
     recording, run = read_run(folder, "placed")
+    words = tuple(origin.words(recording))
     found, integrity = run.outputs["camera_poses"], run.outputs["integrity"]
     recording = as_found(recording, found.camera, found.depth_camera)
     path: Trajectory = extrapolated(integrity.drawn, found.measurements.trajectory)
     grounds = Grounds(recording, found, run.outputs.get("marker_poses"), path)
-    knobs = next(one.knobs for one in run.records if one.stage == "placed")
-    told = {name: literal_eval(knobs[name]) for name in ("on", "marker", "floor_m")}
+    knobs = origin.knobs.get("placed", {})
+    told = {name: knobs[name] for name in ("on", "marker", "floor_m") if name in knobs}
     placed = run.outputs["placed"]
     who = performers(placed)[0]
     height_m = who.placement.scale * who.character.height_m
     place_m = placed.plane_T_character.translation_m[:2]
-    words = tuple(run_words(folder))
     return Filmed(recording, grounds, SceneAnchor(**told), place_m, height_m, words)

@@ -4,7 +4,6 @@ import json
 import struct
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,10 +12,10 @@ from scipy.spatial import cKDTree
 
 from motorcade.animation import skin
 from motorcade.animation.formats import read_character, write_gltf
-from motorcade.replays import export
 from motorcade.replays.cli import main
-from motorcade.replays.export import Shown, open_run
+from motorcade.replays.export import Shown, open_run, read_origin
 from motorcade.replays.pipeline import Job, run_job
+from motorcade.replays.recording import Recording
 from motorcade.replays.synthetic_room import write_recording
 from tests.animation.formats.gltf_vertices import GltfVertices
 
@@ -218,9 +217,7 @@ def test_a_run_log_of_another_program_is_refused(
     assert f"{tmp_path / 'run.json'}: expected what `motorcade run` wrote of a recording" in told
 
 
-def test_a_runs_command_line_gives_its_manifest_and_settings_again(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_runs_command_line_gives_its_manifest_and_settings_again(tmp_path: Path) -> None:
     told = {
         "recording": "/my/board",
         "manifest": "/my/board.toml",
@@ -228,9 +225,12 @@ def test_a_runs_command_line_gives_its_manifest_and_settings_again(
         "settings": ["smoothed.order=2", "placed.clip=wave", "overlay.gain=1.5"],
     }
     (tmp_path / "run.json").write_text(json.dumps(told))
-    own = SimpleNamespace(settings=("smoothed.order=2",))  # which the manifest says itself
-    monkeypatch.setattr(export, "open_recording", lambda *_: own)
-    assert export.run_words(tmp_path) == [
+    frames: Any = (None,)  # nobody looks at them
+    own = "smoothed.order=2"  # which the manifest says itself
+    recording = Recording("board", Path("/my/board"), "made", frames, settings=(own,))
+    origin = read_origin(tmp_path)
+    assert origin.words(recording) == [
         *("motorcade", "run", "/my/board", "--manifest", "/my/board.toml"),
         *("--set", "overlay.gain=1.5"),  # who stands there is the scene's to say
     ]
+    assert origin.knobs["placed"] == {"clip": "wave"}
