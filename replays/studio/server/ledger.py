@@ -42,10 +42,13 @@ class Ledger:
     def __init__(self, journal: Journal) -> None:
         self.journal = journal
         self._editor = SceneEditor(read_scene(journal.start))
-        for number, line in enumerate(journal.lines(), 1):
+        lines = journal.lines()
+        for number, line in enumerate(lines, 1):
             self._editor.do(gesture_of(line, f"{journal.gestures}:{number}"))
         self._writer = ThreadPoolExecutor(1)
         self._saved: Scene | None = None
+        if lines:  # a process that was killed may have left the scene a step behind
+            self._save()
 
     @property
     def scene(self) -> Scene:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from pathlib import Path
 
 from motorcade.replays.studio.server.desk import RunDesk, open_desk
 from motorcade.replays.studio.server.offers import Offer
+
+log = logging.getLogger("motorcade.studio")
 
 MOST_RUNS = 1000
 RUN_LOG = "run.json"
@@ -27,10 +30,12 @@ def offered(path: Path, run: Path | None = None) -> list[Offer]:
             raise ValueError(f"--run: expected with a scene's file, got the folder {path}")
         if (path / RUN_LOG).is_file():
             return [_offer(path, None)]
-        runs = sorted(one.parent for one in path.glob(f"*/{RUN_LOG}"))[:MOST_RUNS]
+        runs = sorted(one.parent for one in path.glob(f"*/{RUN_LOG}"))
         if not runs:
             raise ValueError(f"{path}: expected what `motorcade run` wrote, or a folder of such")
-        return [_offer(one, None) for one in runs]
+        if len(runs) > MOST_RUNS:
+            log.warning("%s: the first %d of %d runs are listed", path, MOST_RUNS, len(runs))
+        return [_offer(one, None) for one in runs[:MOST_RUNS]]
     folder = path.absolute().parent if run is None else run
     if not (folder / RUN_LOG).is_file():
         raise ValueError(

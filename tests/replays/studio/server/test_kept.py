@@ -4,6 +4,7 @@ import json
 import os
 import signal
 import time
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -85,6 +86,29 @@ def test_a_scene_that_cannot_be_written_is_told_and_its_steps_are_kept(
     assert len(again.joined(1)["scene"]["objects"]) == 1
     again.close()
     assert (tmp_path / "scene.json").exists()
+
+
+def test_a_scene_that_was_left_behind_its_steps_is_brought_up_to_them(tmp_path: Path) -> None:
+    scene = tmp_path / "scene.json"
+    at = desk(tmp_path)
+    one = Visitor(at)
+    one.put()
+    at.close()
+    behind = scene.read_bytes()
+    at = desk(tmp_path)
+    Visitor(at).put()
+    at.close()
+    whole = scene.read_bytes()
+    scene.write_bytes(behind)  # as if the process had been killed before it was written
+    (tmp_path / "scene.session" / "written.json").write_text(
+        json.dumps([sha256(behind).hexdigest(), sha256(whole).hexdigest()])
+    )
+    desk(tmp_path)
+    for _ in range(200):
+        if scene.read_bytes() == whole:
+            break
+        time.sleep(0.05)
+    assert scene.read_bytes() == whole
 
 
 def test_half_a_line_at_the_end_is_left_out(tmp_path: Path) -> None:
