@@ -6,6 +6,9 @@ import numpy as np
 
 from motorcade.ga.arrays import FloatArray
 
+FADE_S = 0.3
+"""How long a clip or a pose takes to come in over another, or to go."""
+
 
 def smoothstep(x: FloatArray) -> FloatArray:
     """``3 x² - 2 x³`` of x (*), 0 below 0 and 1 above 1: no velocity at its ends.

@@ -12,6 +12,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from motorcade.animation.easing import FADE_S
 from motorcade.ga import Rotor, Similarity
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_number, checked_positive, frozen
 
@@ -69,9 +70,11 @@ class SceneLayer:
         weight: its share, 0 to 1.
         additive: whether it is added, as the difference to its own first pose.
         start_s, end_s: from when to when; None for ever.
+        fade_s: how long its weight takes to rise from nothing and to fall again, within these.
 
     Raises:
-        ValueError: an empty name, another word, a weight out of range, an end before its start.
+        ValueError: an empty name, another word, a weight out of range, an end before its start, a
+            time below 0 to fade in.
     """
 
     clip: str
@@ -80,6 +83,7 @@ class SceneLayer:
     additive: bool = False
     start_s: float = 0.0
     end_s: float | None = None
+    fade_s: float = FADE_S
 
     def __post_init__(self) -> None:
         if not self.clip:
@@ -91,6 +95,8 @@ class SceneLayer:
         if not 0.0 <= self.weight <= 1.0:
             raise ValueError(f"SceneLayer.weight: expected 0 to 1, got {self.weight}")
         _checked_span(self.start_s, self.end_s, "SceneLayer")
+        if not 0.0 <= self.fade_s < np.inf:
+            raise ValueError(f"SceneLayer.fade_s: expected 0 or more, got {self.fade_s}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,18 +163,26 @@ class SceneKeyframe:
 
 @dataclass(frozen=True, eq=False)
 class JointKeyframe:
-    """How some joints are turned in their parents at a time.
+    """A pose: how some joints are turned in their parents at a time.
+
+    A joint comes to its first pose out of what clips have it do, goes from one pose to the next
+    along the geodesic, and after one that ends goes back to its clips.
 
     Args:
         time_s: when.
         rotors: by the names of joints, in place of what clips have them do.
+        end_s: until when they are held so, but not beyond the next pose of theirs; None for ever.
+
+    Raises:
+        ValueError: no joints, an end that is not after the time.
     """
 
     time_s: float
     rotors: Mapping[str, Rotor]
+    end_s: float | None = None
 
     def __post_init__(self) -> None:
-        checked_number(self.time_s, "JointKeyframe.time_s")
+        _checked_span(self.time_s, self.end_s, "JointKeyframe")
         if not self.rotors:
             raise ValueError("JointKeyframe.rotors: expected one joint or more, got none")
         object.__setattr__(self, "rotors", MappingProxyType(dict(self.rotors)))

@@ -47,13 +47,14 @@ from motorcade.animation.authoring.parts import (
 )
 from motorcade.animation.authoring.poses import ObjectPose, VersorObjectPose
 from motorcade.animation.authoring.scene import SCHEMA, VERSION, Scene
+from motorcade.animation.easing import FADE_S
 from motorcade.ga import Motor, Rotor, Similarity
 
 MOST_OBJECTS = 10_000
 MOST_KEYFRAMES = 100_000
 # A pose that was read is written within rounding of it, and must be read again.
 FARTHEST_M, SCALES, _ROUNDING = 999e6, (1e-6, 1e6), 1e-6
-_MOST_IN_A_LIST = 1000
+MOST_IN_A_LIST = 1000
 _TOP = ("schema", "version", "anchors", "objects")
 POSE_KEYS = ("position_m", "wxyz", "euler_deg", "scale")
 
@@ -166,8 +167,8 @@ def scene_text(scene: Scene) -> str:
 
 def _anchors(given: object, where: str) -> dict[str, SceneAnchor]:
     made = {}
-    if not isinstance(given, dict) or len(given) > _MOST_IN_A_LIST:
-        raise ValueError(f"{where}: expected at most {_MOST_IN_A_LIST} anchors by name")
+    if not isinstance(given, dict) or len(given) > MOST_IN_A_LIST:
+        raise ValueError(f"{where}: expected at most {MOST_IN_A_LIST} anchors by name")
     for name, one in given.items():
         made[name] = anchor_of(one, f"{where}['{object_name(name, where)}']")
     return made
@@ -226,8 +227,15 @@ def _span(given: object, where: str) -> tuple[float, float]:
     return start, end
 
 
-def _layer(given: object, where: str) -> SceneLayer:
-    one = table(given, where, ("clip", "joints", "weight", "additive", "start_s", "end_s"))
+def layer_of(given: object, where: str) -> SceneLayer:
+    """An entry of `layers`.
+
+    Raises:
+        ValueError: a wrong field; the message begins with `where`.
+    """
+    one = table(
+        given, where, ("clip", "joints", "weight", "additive", "start_s", "end_s", "fade_s")
+    )
     additive = one.get("additive", False)
     if not isinstance(additive, bool):
         raise ValueError(f"{where}.additive: expected true or false, got {short(additive)}")
@@ -239,14 +247,15 @@ def _layer(given: object, where: str) -> SceneLayer:
         additive,
         number(one.get("start_s", 0.0), f"{where}.start_s"),
         None if end is None else number(end, f"{where}.end_s"),
+        number(one.get("fade_s", FADE_S), f"{where}.fade_s"),
     )
 
 
 def _walk(given: object, where: str) -> SceneWalk:
     one = table(given, where, ("path_m", "start_s", "speed_m_s", "gaits"))
-    points = listed(one.get("path_m"), f"{where}.path_m", _MOST_IN_A_LIST)
+    points = listed(one.get("path_m"), f"{where}.path_m", MOST_IN_A_LIST)
     speed = one.get("speed_m_s")
-    gaits = listed(one.get("gaits", ["walk"]), f"{where}.gaits", _MOST_IN_A_LIST)
+    gaits = listed(one.get("gaits", ["walk"]), f"{where}.gaits", MOST_IN_A_LIST)
     return SceneWalk(
         np.array([vector(point, f"{where}.path_m", 2) for point in points]).reshape(-1, 2),
         number(one.get("start_s", 0.0), f"{where}.start_s"),
@@ -267,15 +276,20 @@ def _keyframe(given: object, where: str) -> SceneKeyframe:
 
 
 def _joint_keyframe(given: object, where: str) -> JointKeyframe:
-    one = table(given, where, ("time_s", "joints"))
+    one = table(given, where, ("time_s", "joints", "end_s"))
     joints = one.get("joints")
-    if not isinstance(joints, dict) or len(joints) > _MOST_IN_A_LIST:
-        raise ValueError(f"{where}.joints: expected at most {_MOST_IN_A_LIST} turns by joint")
+    if not isinstance(joints, dict) or len(joints) > MOST_IN_A_LIST:
+        raise ValueError(f"{where}.joints: expected at most {MOST_IN_A_LIST} turns by joint")
     rotors = {
         text(name, f"{where}.joints"): rotor_of(wxyz, f"{where}.joints['{short(name)}']")
         for name, wxyz in joints.items()
     }
-    return JointKeyframe(number(one.get("time_s"), f"{where}.time_s"), rotors)
+    end = one.get("end_s")
+    return JointKeyframe(
+        number(one.get("time_s"), f"{where}.time_s"),
+        rotors,
+        None if end is None else number(end, f"{where}.end_s"),
+    )
 
 
 def similarity_of(given: Mapping[str, Any], where: str) -> Similarity:
@@ -326,7 +340,7 @@ _PART: dict[str, tuple[str, Callable[[object, str], Any]]] = {
     "height_m": ("height_m", number),
     "clip": ("clip", text),
     "clip_start_s": ("clip_start_s", number),
-    "layers": ("layers", _rows(_layer, _MOST_IN_A_LIST)),
+    "layers": ("layers", _rows(layer_of, MOST_IN_A_LIST)),
     "walk": ("walk", _walk),
     "keyframes": ("keyframes", _rows(_keyframe, MOST_KEYFRAMES)),
     "interpolation": ("interpolation", _word),

@@ -5,12 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from motorcade.animation.authoring.parts import (
+    JointKeyframe,
     SceneAnchor,
     SceneKeyframe,
     SceneLayer,
     ScenePart,
     SceneWalk,
 )
+from motorcade.animation.easing import FADE_S
 from motorcade.ga import Similarity
 
 
@@ -43,7 +45,7 @@ def part_json(part: ScenePart) -> dict[str, Any]:
     if part.clip_start_s:
         made["clip_start_s"] = part.clip_start_s
     if part.layers:
-        made["layers"] = [_layer_json(one) for one in part.layers]
+        made["layers"] = [layer_json(one) for one in part.layers]
     if part.walk is not None:
         made["walk"] = _walk_json(part.walk)
     if part.keyframes:
@@ -51,15 +53,7 @@ def part_json(part: ScenePart) -> dict[str, Any]:
     if part.interpolation != "motor":
         made["interpolation"] = part.interpolation
     if part.joint_keyframes:
-        made["joint_keyframes"] = [
-            {
-                "time_s": one.time_s,
-                "joints": {
-                    name: rotor.as_quaternion().tolist() for name, rotor in one.rotors.items()
-                },
-            }
-            for one in part.joint_keyframes
-        ]
+        made["joint_keyframes"] = [_pose_of_joints_json(one) for one in part.joint_keyframes]
     if part.visible_s is not None:
         made["visible"] = list(part.visible_s)
     return made
@@ -73,7 +67,16 @@ def _keyframe_json(one: SceneKeyframe) -> dict[str, Any]:
     return made
 
 
-def _layer_json(layer: SceneLayer) -> dict[str, Any]:
+def _pose_of_joints_json(one: JointKeyframe) -> dict[str, Any]:
+    joints = {name: rotor.as_quaternion().tolist() for name, rotor in one.rotors.items()}
+    made: dict[str, Any] = {"time_s": one.time_s, "joints": joints}
+    if one.end_s is not None:
+        made["end_s"] = one.end_s
+    return made
+
+
+def layer_json(layer: SceneLayer) -> dict[str, Any]:
+    """As an entry of `layers`."""
     made: dict[str, Any] = {"clip": layer.clip, "joints": layer.joints, "weight": layer.weight}
     if layer.additive:
         made["additive"] = True
@@ -81,6 +84,8 @@ def _layer_json(layer: SceneLayer) -> dict[str, Any]:
         made["start_s"] = layer.start_s
     if layer.end_s is not None:
         made["end_s"] = layer.end_s
+    if layer.fade_s != FADE_S:
+        made["fade_s"] = layer.fade_s
     return made
 
 

@@ -26,7 +26,7 @@ from motorcade.animation.behaviour.sources import (
 from motorcade.animation.behaviour.timeline import Segment, Timeline
 from motorcade.animation.blend import Inertialized, PoseSource, Shifted
 from motorcade.animation.clip import Clip
-from motorcade.animation.easing import smootherstep
+from motorcade.animation.easing import FADE_S, smootherstep
 from motorcade.animation.ik import find_stances, plant_feet
 from motorcade.animation.ik.feet import stretches
 from motorcade.animation.place.walks import played, rigid, stances_along
@@ -35,8 +35,6 @@ from motorcade.ga.arrays import FloatArray, checked_positive
 
 # Poses go over within this time, in which both feet can step.
 SWITCH_S = 0.5
-# How a clip comes in over another.
-FADE_S = 0.3
 # Feet nearer to where they shall stand than this share of the highest joint's height stay; a foot
 # that moves by less in all of a clip stands.
 NEAR = 0.01

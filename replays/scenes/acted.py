@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from motorcade.animation import Character, Clip
-from motorcade.animation.authoring import Scene, SceneLayer, ScenePart, SceneWalk
+from motorcade.animation.authoring import (
+    JointKeyframe,
+    Scene,
+    SceneLayer,
+    ScenePart,
+    SceneWalk,
+)
 from motorcade.animation.behaviour import (
     Actor,
     Errand,
@@ -18,14 +25,14 @@ from motorcade.animation.behaviour import (
     gait_between,
     perform,
 )
-from motorcade.animation.behaviour.performance import FADE_S
 from motorcade.animation.behaviour.sources import Layered
 from motorcade.animation.blend import Shifted
+from motorcade.animation.easing import FADE_S, smoothstep
 from motorcade.animation.ik import fitted_legs
 from motorcade.animation.retarget import legs_of
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Rotor
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.characters.acting import IDLE, LONGEST_IDLE_S
 from motorcade.replays.characters.casting import mask_of, rigid_clip
 from motorcade.replays.readers.manifest.scene import file_of
@@ -114,7 +121,7 @@ def _clock(part: ScenePart, lasts_s: float) -> FloatArray:
     last_s = max(
         [
             part.clip_start_s,
-            *(one.time_s for one in part.joint_keyframes),
+            *(one.time_s if one.end_s is None else one.end_s for one in part.joint_keyframes),
             *(one.start_s if one.end_s is None else one.end_s for one in part.layers),
         ]
     )
@@ -170,32 +177,51 @@ def _layered(character: Character, layer: SceneLayer, time_s: FloatArray, poses:
     clip = rigid_clip(character, layer.clip)
     mask = layer.weight * mask_of(character.skeleton, layer.joints)
     # One that never ends is not faded out.
-    span = layer.start_s, float(time_s[-1]) + 2.0 * FADE_S if layer.end_s is None else layer.end_s
+    never_s = float(time_s[-1]) + 2.0 * layer.fade_s + 1.0
+    span = layer.start_s, never_s if layer.end_s is None else layer.end_s
     within = (time_s >= span[0]) & (time_s <= span[1])
     if not np.any(within):
         return poses
     over = Shifted(clip, layer.start_s, float(clip.time_s[0]))
     reference = clip.poses.rigid[0] if layer.additive else None
-    made = Layered(Clip("below", time_s, poses), over, mask, span, FADE_S, reference)
+    made = Layered(Clip("below", time_s, poses), over, mask, span, layer.fade_s, reference)
     changed = poses.coefficients.copy()
     changed[within] = made.at(time_s[within]).coefficients
     return Motor(changed)
 
 
 def _turned(skeleton: Skeleton, part: ScenePart, time_s: FloatArray, poses: Motor) -> Motor:
-    """Poses with the joints turned that keyframes turn, along geodesics between them."""
-    keys: dict[str, list[tuple[float, Rotor]]] = {}
+    """Poses with the joints turned as keyframes have them, out of their clips and back to them."""
+    keys: dict[str, list[JointKeyframe]] = {}
     for one in part.joint_keyframes:
-        for joint, rotor in one.rotors.items():
-            keys.setdefault(joint, []).append((one.time_s, rotor))
+        for joint in one.rotors:
+            keys.setdefault(joint, []).append(one)
     changed = poses.coefficients.copy()
     for joint, told in keys.items():
         number = skeleton.index(joint)
-        at, rotors = np.array([when for when, _ in told]), Rotor.stack([one for _, one in told])
-        before = np.clip(np.searchsorted(at, time_s, side="right") - 1, 0, max(len(at) - 2, 0))
-        after = np.minimum(before + 1, len(at) - 1)
-        share = (time_s - at[before]) / np.maximum(at[after] - at[before], 1e-12)
-        turn = rotors[before].interpolate(rotors[after], np.clip(share, 0.0, 1.0))
-        shift_m = poses[:, number].translation_m
-        changed[:, number] = Motor.from_rotor_translation(turn, shift_m).coefficients
+        rotors = Rotor.stack([one.rotors[joint] for one in told])
+        before, after, share, weight = _between(told, time_s)
+        turn = rotors[before].interpolate(rotors[after], share)
+        kept = poses[:, number]
+        turn = kept.rotor.interpolate(turn, weight)
+        changed[:, number] = Motor.from_rotor_translation(turn, kept.translation_m).coefficients
     return Motor.normalize(changed) if keys else poses
+
+
+def _between(
+    told: Sequence[JointKeyframe], time_s: FloatArray
+) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
+    """The poses ``(T,)`` of a joint between which it is, its share of the way, and their weight."""
+    at = np.array([one.time_s for one in told])
+    next_at = np.append(at[1:], np.inf)
+    ends = np.array([np.inf if one.end_s is None else one.end_s for one in told])
+    ended = ends < next_at
+    before = np.clip(np.searchsorted(at, time_s, side="right") - 1, 0, len(at) - 1)
+    after = np.minimum(before + 1, len(at) - 1)
+    leaves = np.where(ended, ends, at)[before]
+    share = np.clip((time_s - leaves) / np.maximum(at[after] - leaves, 1e-12), 0.0, 1.0)
+    held = ~ended[before] | (time_s <= ends[before])
+    going = smoothstep(1.0 - (time_s - np.where(held, time_s, ends[before])) / FADE_S)
+    early = time_s < at[0]
+    coming = smoothstep(1.0 - (np.where(early, at[0], next_at[before]) - time_s) / FADE_S)
+    return before, after, share, np.where(early, coming, np.maximum(going, coming))

@@ -18,6 +18,11 @@ holds of it.
 ``move_keyframe``   ``object``, ``time_s``, ``to_s``
 ``remove_keyframe`` ``object``, ``time_s``; after the last one it stays where that was
 ``joints``          ``object``, ``time_s``, ``joints``: ``wxyz`` by name, null to let one go
+``move_joints``     ``object``, ``time_s``, ``to_s``: a pose of joints, its end with it
+``end_joints``      ``object``, ``time_s``, ``end_s``: until when a pose is held, null for ever
+``remove_joints``   ``object``, ``time_s``
+``layer``           ``object``, (``number``), ``layer``: one as in a scene file, null to take it
+                    away; without a number a new one on top
 ``anchor``          ``name``, ``on``, (``marker``, ``floor_m``): a new one, or another than it was
 ``remove_anchor``   ``name``, on which nothing hangs
 ==================  ============================================================================
@@ -30,7 +35,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from motorcade.animation.authoring.editing import keyed, trees
+from motorcade.animation.authoring.editing import keyed, posed, trees
 from motorcade.animation.authoring.fields import parsed_json, short, table
 from motorcade.animation.authoring.scene import Scene
 from motorcade.ga import Similarity
@@ -49,7 +54,11 @@ _KINDS: dict[str, tuple[tuple[str, ...], Callable[[Mapping[str, Any]], Change]]]
     "keyframe": (("object", "time_s", *keyed.POSE_KEYS), keyed.keyframe_set),
     "move_keyframe": (("object", "time_s", "to_s"), keyed.keyframe_moved),
     "remove_keyframe": (("object", "time_s"), keyed.keyframe_removed),
-    "joints": (("object", "time_s", "joints"), keyed.joints_set),
+    "joints": (("object", "time_s", "joints"), posed.joints_set),
+    "move_joints": (("object", "time_s", "to_s"), posed.joints_moved),
+    "end_joints": (("object", "time_s", "end_s"), posed.joints_ended),
+    "remove_joints": (("object", "time_s"), posed.joints_removed),
+    "layer": (("object", "number", "layer"), posed.layer_set),
     "anchor": (("name", "on", "marker", "floor_m"), trees.anchor_set),
     "remove_anchor": (("name",), trees.anchor_removed),
 }

@@ -1,4 +1,4 @@
-"""Edits of what an object is, does and when: its fields, keyframes, and turns of its joints."""
+"""Edits of what an object is and where it is when: its fields and keyframes."""
 
 from __future__ import annotations
 
@@ -17,22 +17,19 @@ from motorcade.animation.authoring.editing.drags import (
 )
 from motorcade.animation.authoring.editing.trees import Change, pose_kind
 from motorcade.animation.authoring.fields import number, object_name
-from motorcade.animation.authoring.parts import JointKeyframe
 from motorcade.animation.authoring.poses import EulerObjectPose, ObjectPose
 from motorcade.animation.authoring.scene import Scene
 from motorcade.animation.authoring.scene_file import (
     PART_KEYS,
     POSE_KEYS,
     part_fields,
-    rotor_of,
     similarity_of,
 )
 from motorcade.animation.authoring.written import pose_json
-from motorcade.ga import Rotor, Similarity
+from motorcade.ga import Similarity
 
 __all__ = ["FIELDS", "POSE_KEYS"]
 FIELDS = (*POSE_KEYS, *PART_KEYS)
-_MOST_JOINTS = 1000
 
 
 def fields_set(line: Mapping[str, Any]) -> Change:
@@ -55,7 +52,7 @@ def fields_set(line: Mapping[str, Any]) -> Change:
 def keyframe_set(line: Mapping[str, Any]) -> Change:
     """A keyframe, where an object is at that time but for what is given."""
     name, time_s, given = (
-        _at(line, "time_s"),
+        object_at(line, "time_s"),
         number(line.get("time_s"), "time_s"),
         _pose_given(line),
     )
@@ -70,7 +67,7 @@ def keyframe_set(line: Mapping[str, Any]) -> Change:
 
 def keyframe_moved(line: Mapping[str, Any]) -> Change:
     """A keyframe at another time, in place of one that is there."""
-    name = _at(line, "time_s")
+    name = object_at(line, "time_s")
     time_s, to_s = number(line.get("time_s"), "time_s"), number(line.get("to_s"), "to_s")
 
     def made(scene: Scene, _: Mapping[str, Similarity]) -> Scene:
@@ -84,7 +81,7 @@ def keyframe_moved(line: Mapping[str, Any]) -> Change:
 
 def keyframe_removed(line: Mapping[str, Any]) -> Change:
     """A keyframe taken away; after the last, the object stays where that was."""
-    name, time_s = _at(line, "time_s"), number(line.get("time_s"), "time_s")
+    name, time_s = object_at(line, "time_s"), number(line.get("time_s"), "time_s")
 
     def made(scene: Scene, _: Mapping[str, Similarity]) -> Scene:
         found, others = _keyframes(scene, name, time_s)
@@ -96,34 +93,7 @@ def keyframe_removed(line: Mapping[str, Any]) -> Change:
     return made
 
 
-def joints_set(line: Mapping[str, Any]) -> Change:
-    """Turns of joints at a time, beside those that are there."""
-    name, time_s = _at(line, "time_s"), number(line.get("time_s"), "time_s")
-    given = line.get("joints")
-    if not isinstance(given, dict) or not 1 <= len(given) <= _MOST_JOINTS:
-        raise ValueError(f"joints: expected 1 to {_MOST_JOINTS} turns by joint")
-    turns: dict[str, Rotor | None] = {
-        object_name(joint, "joints"): None if wxyz is None else rotor_of(wxyz, f"joints['{joint}']")
-        for joint, wxyz in given.items()
-    }
-
-    def made(scene: Scene, _: Mapping[str, Similarity]) -> Scene:
-        part = scene.part(name)
-        at: dict[float, dict[str, Rotor]] = {
-            one.time_s: dict(one.rotors) for one in part.joint_keyframes
-        }
-        when = next((one for one in at if abs(one - time_s) < SAME_TIME_S), time_s)
-        if when not in at:
-            room_for_keyframes(scene, 1)
-        rotors = {**at.get(when, {}), **turns}
-        at[when] = {joint: rotor for joint, rotor in rotors.items() if rotor is not None}
-        keys = tuple(JointKeyframe(one, at[one]) for one in sorted(at) if at[one])
-        return scene.with_part(name, replace(part, joint_keyframes=keys))
-
-    return made
-
-
-def _at(line: Mapping[str, Any], key: str) -> str:
+def object_at(line: Mapping[str, Any], key: str) -> str:
     """The object of a line that must say when."""
     if line.get(key) is None:
         raise ValueError(f"{key}: expected a number, got none")

@@ -66,6 +66,7 @@ def drawn_edit(rng: np.random.Generator, scene: Scene) -> dict[str, Any]:
     names = list(scene.parents) or ["nobody"]
     name, other = (str(rng.choice(names)) for _ in range(2))
     new, time_s = f"new {rng.integers(1000)}", float(rng.uniform(0, 3))
+    when = float(rng.choice([1.0, time_s]))
     turn = Rotor.random(rng, ()).as_quaternion().tolist()
     parents = [None, *scene.anchors, *names]
     return [
@@ -81,7 +82,12 @@ def drawn_edit(rng: np.random.Generator, scene: Scene) -> dict[str, Any]:
         {"do": "keyframe", "object": name, "time_s": time_s, "wxyz": turn},
         {"do": "remove_keyframe", "object": name, "time_s": 0.5},
         {"do": "move_keyframe", "object": name, "time_s": 2.0, "to_s": time_s},
-        {"do": "joints", "object": name, "time_s": time_s, "joints": {"left_hand": turn}},
+        {"do": "joints", "object": name, "time_s": when, "joints": {"left_hand": turn}},
+        {"do": "move_joints", "object": name, "time_s": 1.0, "to_s": time_s},
+        {"do": "end_joints", "object": name, "time_s": 1.0, "end_s": 1.5 + time_s},
+        {"do": "remove_joints", "object": name, "time_s": 1.0},
+        {"do": "layer", "object": name, "layer": {"clip": "wave", "weight": time_s / 3}},
+        {"do": "layer", "object": name, "number": int(rng.integers(3)), "layer": None},
         {"do": "anchor", "name": "floor", "on": "floor", "floor_m": time_s},
         {"do": "remove_anchor", "name": "floor"},
         {"do": "together", "gestures": [drawn_drag(rng, scene) for _ in range(2)]}
@@ -91,4 +97,4 @@ def drawn_edit(rng: np.random.Generator, scene: Scene) -> dict[str, Any]:
             "table": Similarity.random(rng, (), 1.0, 0.0).coefficients.tolist()}},
         {"do": "undo"},
         {"do": "redo"},
-    ][int(rng.integers(19))]  # fmt: skip
+    ][int(rng.integers(24))]  # fmt: skip

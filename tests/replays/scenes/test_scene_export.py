@@ -119,7 +119,7 @@ def test_a_path_that_begins_late_brings_clips_along(shown: Shown, tmp_path: Path
         assert apart(found.at(time_s), vertices_m(late, int(TIME_NS[frame]))) < 1e-5
 
 
-class _Assimp:
+class Assimp:
     """Where nodes are over time, by assimp's own dump of a file: text of six digits."""
 
     def __init__(self, path: Path) -> None:
@@ -163,7 +163,7 @@ def _numbers(element: ElementTree.Element | None) -> FloatArray:
 def test_assimp_has_everything_at_the_same_places(shown: Shown, tmp_path: Path) -> None:
     """Origins and axes of all objects at all keys, in the world, to 1e-5 of a metre."""
     write_run_gltf(shown, tmp_path / "scene.glb")
-    read = _Assimp(tmp_path / "scene.glb")
+    read = Assimp(tmp_path / "scene.glb")
     assert set(shown.cast) == {"walker", "guest", "guide", "box", "ball"}
     upright = Motor.from_quaternion_translation([0.5, -0.5, -0.5, -0.5], [0.0, 0.0, 0.0])
     for name, one in shown.cast.items():

@@ -71,8 +71,9 @@ def check_film(out: Path, least: float) -> None:
         assert np.mean(found) > least, name
 
 
-def test_three_characters_and_two_props_on_the_board(data_dir: Path, tmp_path: Path) -> None:
-    source, recording = data_dir / "replays" / "vamr_board", tmp_path / "board"
+def write_board(data_dir: Path, folder: Path) -> tuple[Path, Path]:
+    """The first frames of vamr_board, and their manifest."""
+    source, recording = data_dir / "replays" / "vamr_board", folder / "board"
     (recording / "images").mkdir(parents=True)
     for picture in sorted((source / "images").iterdir())[:FRAMES]:
         shutil.copy(picture, recording / "images")
@@ -80,9 +81,13 @@ def test_three_characters_and_two_props_on_the_board(data_dir: Path, tmp_path: P
         shutil.copy(source / name, recording)
     lines = [line for line in (source / "poses.txt").read_text().splitlines() if line.strip()]
     (recording / "poses.txt").write_text("\n".join(lines[:FRAMES]) + "\n")
-    manifest = tmp_path / "board.toml"
-    told = MANIFEST.read_text().replace("rows = 250", f"rows = {FRAMES}")
-    manifest.write_text(told)
+    manifest = folder / "board.toml"
+    manifest.write_text(MANIFEST.read_text().replace("rows = 250", f"rows = {FRAMES}"))
+    return recording, manifest
+
+
+def test_three_characters_and_two_props_on_the_board(data_dir: Path, tmp_path: Path) -> None:
+    recording, manifest = write_board(data_dir, tmp_path)
     write_props(tmp_path)
     keys = [
         {"time_s": 0.0, "position_m": [0.05, -0.05, 0.05], "scale": 0.2},

@@ -11,7 +11,7 @@ import pytest
 
 from motorcade.animation import mannequin
 from motorcade.animation.place import GroundPath
-from motorcade.ga import Motor, Similarity
+from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Performer, render_performers
 from motorcade.replays.characters.performers import performers
@@ -138,6 +138,49 @@ def test_layers_and_turned_joints_are_played_over_the_clip(tmp_path: Path) -> No
     early = part.time_s <= 0.4
     np.testing.assert_allclose(hands[0][early], hands[1][early], atol=1e-12)
     assert np.linalg.norm(hands[0] - hands[1], axis=1)[at[3]] > 0.2
+
+
+def test_a_pose_that_ends_gives_the_joint_back_to_its_clip(tmp_path: Path) -> None:
+    """Before it comes and after it went as if it were not there; between two, no leap."""
+    who = {"name": "who", "kind": "character", "file": "mannequin", "clip": "walk"}
+    turned = [0.6, 0.0, 0.8, 0.0]
+    keys = [
+        {"time_s": 0.5, "joints": {"head": turned}, "end_s": 0.8},
+        {"time_s": 1.5, "joints": {"head": [1, 0, 0, 0]}, "end_s": 1.6},
+    ]
+    plain = parts(bound(scene(tmp_path, who)))["who"][0]
+    part = parts(bound(scene(tmp_path, {**who, "joint_keyframes": keys})))["who"][0]
+    head, time_s = mannequin().skeleton.index("head"), part.time_s
+    rotors, before = part.poses[:, head].rotor, plain.poses[:, head].rotor
+    off = np.asarray((rotors.inverse() @ before).angle())
+    free = (time_s < 0.2) | ((time_s > 1.1) & (time_s < 1.2)) | (time_s > 1.9)
+    assert off[free].max() < 1e-9
+    asked = Rotor.from_quaternion(turned)
+    away = np.asarray((rotors.inverse() @ asked).angle())
+    assert away[(time_s >= 0.5) & (time_s <= 0.8)].max() < 1e-9
+    assert np.asarray(rotors.angle())[(time_s >= 1.5) & (time_s <= 1.6)].max() < 1e-9
+    step = np.asarray((rotors[:-1].inverse() @ rotors[1:]).angle())
+    # At its fastest, smoothstep goes 1.5 times as fast as a straight line would.
+    assert step.max() < 1.6 * (2.0 * np.arccos(0.6) + 0.1) / 0.3 / 60.0
+
+
+def test_a_layer_rises_and_falls_within_its_fade(tmp_path: Path) -> None:
+    who = {"name": "who", "kind": "character", "file": "mannequin", "clip": "idle"}
+    layer = {"clip": "wave", "joints": "right_arm", "start_s": 0.2, "end_s": 1.8, "fade_s": 0.8}
+    still = parts(bound(scene(tmp_path, who)))["who"][0]
+    made = {}
+    for fade_s in (0.0, 0.8):
+        layers = [{**layer, "fade_s": fade_s}]
+        made[fade_s] = parts(bound(scene(tmp_path, {**who, "layers": layers})))["who"][0]
+    arm = mannequin().skeleton.index("right_upper_arm")
+    base, over, faded = (one.poses[:, arm].rotor for one in (still, made[0.0], made[0.8]))
+    whole = np.asarray((base.inverse() @ over).angle())
+    part = np.asarray((base.inverse() @ faded).angle())
+    time_s = still.time_s
+    assert whole[(time_s > 0.5) & (time_s < 1.5)].min() > 0.1
+    for when, share in ((0.21, 0.0), (0.6, 0.5), (1.0, 1.0), (1.4, 0.5), (1.79, 0.0)):
+        at = np.searchsorted(time_s, when)
+        assert part[at] == pytest.approx(share * whole[at], abs=0.02)
 
 
 @pytest.mark.usefixtures("opengl")
