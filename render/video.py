@@ -6,24 +6,33 @@ from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga.arrays import IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import admit_file
-from motorcade.ga.lookahead import ahead
 from motorcade.ga.stamps import LONGEST_BRIDGE_S, stretches
 from motorcade.ga.unfinished import unfinished
+from motorcade.render.encoding import encode
 from motorcade.render.scene import ImageArray
 
 if TYPE_CHECKING:
     from av.container import InputContainer
-    from av.video.reformatter import VideoReformatter
 
-__all__ = ["contact_sheet", "open_video", "read_frames", "write_pictures", "write_video"]
+    from motorcade.render.original import OriginalVideo
+
+__all__ = [
+    "contact_sheet",
+    "open_video",
+    "read_frames",
+    "read_original",
+    "read_stamps_s",
+    "write_pictures",
+    "write_video",
+]
 
 MAX_FILE_BYTES = 1 << 40
 MAX_PIXELS = 100_000_000
@@ -31,12 +40,15 @@ TIME_LIMIT_S = 60.0
 """For opening a video, and for each reading of it: slow disks answer within seconds."""
 _CONTAINERS = "mov,matroska,avi,mpeg,mpegts,mpegvideo,m4v"
 CLOCKS_HZ = {".mp4": 90_000, ".mkv": 1000}
-QUALITY = 18
 MOST_APART_S = 21_600.0  # MP4 counts a frame's ticks in 32 bits
-BT_709 = 1
 
 
-def write_video(path: Path, frames: Iterable[ImageArray], time_ns: ArrayLike) -> None:
+def write_video(
+    path: Path,
+    frames: Iterable[ImageArray],
+    time_ns: ArrayLike,
+    original: OriginalVideo | None = None,
+) -> None:
     """Write frames as an H.264 MP4 (yuv420p, BT.709, fast start), or as lossless FFV1 in Matroska.
 
     H.264 in this form needs even sizes: an odd last column or row is repeated once. FFV1 gives back
@@ -49,19 +61,29 @@ def write_video(path: Path, frames: Iterable[ImageArray], time_ns: ArrayLike) ->
         time_ns: (N,) strictly increasing stamps in ns; the video starts at the first. Through a
             gap of more than ten seconds that splits them (see `motorcade.ga.stamps`) an MP4 shows
             the frame before it for ten seconds, and goes on; Matroska keeps the stamps.
+        original: the video that the frames were made from, whose stamps `time_ns` are: an MP4 then
+            keeps its frame times, its coding of colours and its sound (packets as they are).
 
     Raises:
-        ValueError: another ending, stamps that do not increase or are farther apart than six hours
-            without being gaps (MP4), frames of other shapes, or another number of frames than
-            stamps.
+        ValueError: another ending, an original with another ending than ".mp4", stamps that do not
+            increase or are farther apart than six hours without being gaps (MP4), frames of other
+            shapes, or another number of frames than stamps.
         OSError: the file cannot be written.
     """
     if path.suffix not in CLOCKS_HZ:
         raise ValueError(f"write_video(path): expected a name ending in .mp4 or .mkv, got {path}")
-    stamps = _ticks(time_ns, path.suffix)
+    if original is not None and path.suffix != ".mp4":
+        raise ValueError(f"write_video(original): expected a film in .mp4, got {path.name}")
+    clock = Fraction(1, CLOCKS_HZ[path.suffix]) if original is None else original.clock
+    stamps = np.asarray(time_ns)
+    ticks = _ticks(stamps, clock, bridged=path.suffix == ".mp4" and original is None)
     with unfinished(path.parent) as place:
         part = place / f"part{path.suffix}"
-        _encode(part, frames, stamps)
+        if original is None:
+            encode(part, frames, ticks, clock)
+        else:
+            with open_video(original.path) as container:
+                encode(part, frames, ticks, clock, (original, container, int(stamps[0])))
         part.replace(path)
 
 
@@ -87,6 +109,37 @@ def open_video(path: Path) -> InputContainer:
         if stream.codec_context is not None:  # None where the coding is unknown
             stream.codec_context.options = {"max_pixels": str(MAX_PIXELS)}
     return container
+
+
+def read_original(path: Path) -> OriginalVideo:
+    """What a film made of a video keeps of it; `write_video` takes it.
+
+    Raises:
+        FileError: a file that cannot be read.
+        OSError: one that holds no video.
+    """
+    from motorcade.render.original import OriginalVideo
+
+    with open_video(path) as container:
+        return OriginalVideo.of(path, container)
+
+
+def read_stamps_s(path: Path) -> FloatArray:
+    """When the frames of a video file begin ``(F,)``, in seconds of the film, in order.
+
+    Raises:
+        FileError: a file that cannot be read.
+        OSError: one that holds no video.
+    """
+    with open_video(path) as container:
+        if not container.streams.video:
+            raise OSError(f"{path}: expected a video stream, got none")
+        stream = container.streams.video[0]
+        clock = stream.time_base
+        ticks = [one.pts for one in container.demux(stream) if one.pts is not None]
+    if clock is None:
+        raise OSError(f"{path}: expected a clock of the video, got none")
+    return np.sort(np.array(ticks, dtype=np.float64)) * float(clock)
 
 
 def read_frames(path: Path, every: int = 1) -> Iterator[tuple[int, ImageArray]]:
@@ -128,20 +181,20 @@ def read_frames(path: Path, every: int = 1) -> Iterator[tuple[int, ImageArray]]:
             yield stamp_ns, np.asarray(frame.to_ndarray(format="rgb24"), dtype=np.uint8)
 
 
-def _ticks(time_ns: ArrayLike, suffix: str) -> IntArray:
-    """Stamps on the video's clock, from zero."""
-    clock_hz, stamps = CLOCKS_HZ[suffix], np.asarray(time_ns)
+def _ticks(stamps: IntArray, clock: Fraction, *, bridged: bool) -> IntArray:
+    """Stamps on the video's clock, from zero; long gaps made shorter where that is asked for."""
     if stamps.ndim != 1 or stamps.size == 0 or stamps.dtype.kind != "i":
         raise ValueError(
             "write_video(time_ns): expected integers of shape (N,), got "
             f"{stamps.dtype} {stamps.shape}"
         )
-    if suffix == ".mp4":
+    if bridged:
         stamps = _without_long_gaps(stamps)
-    ticks: IntArray = np.rint((stamps - stamps[0]) * (clock_hz * 1e-9)).astype(np.int64)
+    per_ns = 1e-9 / float(clock)
+    ticks: IntArray = np.rint((stamps - stamps[0]) * per_ns).astype(np.int64)
     if np.any(np.diff(ticks) <= 0):
         raise ValueError(
-            f"write_video(time_ns): expected stamps at least 1/{clock_hz} s apart and increasing"
+            f"write_video(time_ns): expected stamps at least {clock} s apart and increasing"
         )
     return ticks
 
@@ -159,118 +212,6 @@ def _without_long_gaps(time_ns: IntArray) -> IntArray:
         )
     shorter: IntArray = time_ns[0] + np.append(0, np.cumsum(steps))
     return shorter
-
-
-def _encode(path: Path, frames: Iterable[ImageArray], ticks: IntArray) -> None:
-    """Encode and mux into a file that nobody reads yet."""
-    import av
-    from av.video.reformatter import VideoReformatter
-
-    lossless = path.suffix == ".mkv"
-    clock = Fraction(1, CLOCKS_HZ[path.suffix])
-    kind, options = ("matroska", {}) if lossless else ("mp4", {"movflags": "+faststart"})
-    with av.open(str(path), "w", format=kind, options={**options, "fflags": "+bitexact"}) as file:
-        stream: Any = file.add_stream(
-            "ffv1" if lossless else "libx264", rate=_usual_rate(ticks, clock)
-        )
-        _set_up(stream, lossless, clock)
-        form = VideoReformatter()
-
-        def packets(numbered: tuple[int, ImageArray]) -> Any:
-            number, picture = numbered
-            frame = _frame(picture, lossless, form)
-            if number == 0:
-                stream.height, stream.width = frame.height, frame.width
-            frame.pts, frame.time_base = int(ticks[number]), clock
-            return stream.encode(frame)
-
-        for some in ahead(packets, _checked(frames, len(ticks))):
-            file.mux(some)
-        file.mux(stream.encode(None))
-
-
-def _checked(frames: Iterable[ImageArray], expected: int) -> Iterator[tuple[int, ImageArray]]:
-    """Frames with their numbers: as many as expected, all of the first one's shape."""
-    count = 0
-    shape: tuple[int, ...] = ()
-    for count, picture in enumerate(frames, 1):
-        shape = _checked_shape(picture, shape, count - 1, expected)
-        yield count - 1, picture
-    if count != expected:
-        raise ValueError(f"write_video(frames): expected {expected} frames, got {count}")
-
-
-def _set_up(stream: Any, lossless: bool, clock: Fraction) -> None:
-    """The codec's settings."""
-    from av.codec.context import Flags
-    from av.video.reformatter import ColorRange, Colorspace
-
-    context = stream.codec_context
-    context.thread_count = 1
-    context.flags |= Flags.bitexact.value
-    context.time_base = clock
-    if lossless:
-        stream.pix_fmt = "bgr0"
-        # Version 3 with a checksum a slice: damage is found, and stays where it is.
-        stream.options = {"level": "3", "slicecrc": "1", "slices": "4"}
-        return
-    stream.pix_fmt = "yuv420p"
-    # As good as the preset "veryfast" (0.1 dB and 3 % of size) in two thirds of its time. x264's
-    # macroblock tree has AVX-512 code whose result varies from run to run.
-    params = "mbtree=0:subme=2"
-    stream.options = {"crf": str(QUALITY), "preset": "superfast", "x264-params": params}
-    context.color_range = ColorRange.MPEG.value
-    context.colorspace = Colorspace.ITU709.value
-    context.color_primaries = BT_709
-    context.color_trc = BT_709
-
-
-def _frame(picture: ImageArray, lossless: bool, form: VideoReformatter) -> Any:
-    """A picture in the codec's own form."""
-    import av
-    from av.video.reformatter import ColorRange, Colorspace
-
-    if lossless:
-        # Copied by hand: the library's conversion to the padded form may round.
-        padded = np.zeros((*picture.shape[:2], 4), dtype=np.uint8)
-        padded[..., :3] = picture[..., ::-1]
-        return av.VideoFrame.from_ndarray(padded, format="bgra").reformat(format="bgr0")
-    odd = picture.shape[0] % 2, picture.shape[1] % 2
-    even = np.pad(picture, ((0, odd[0]), (0, odd[1]), (0, 0)), "edge") if any(odd) else picture
-    return form.reformat(
-        av.VideoFrame.from_ndarray(even, format="rgb24"),
-        format="yuv420p",
-        dst_colorspace=Colorspace.ITU709,
-        dst_color_range=ColorRange.MPEG,
-    )
-
-
-def _checked_shape(
-    picture: ImageArray, before: tuple[int, ...], count: int, expected: int
-) -> tuple[int, ...]:
-    """The shape of a frame that fits those before it."""
-    if count >= expected:
-        raise ValueError(f"write_video(frames): expected {expected} frames, got more")
-    shape = picture.shape
-    if (
-        picture.dtype != np.uint8
-        or picture.ndim != 3
-        or shape[2] != 3
-        or 0 in shape
-        or (before and shape != before)
-    ):
-        raise ValueError(
-            f"write_video(frames): expected uint8 RGB pictures of shape {before or '(h, w, 3)'}, "
-            f"got {picture.dtype} {shape} as number {count}"
-        )
-    return shape
-
-
-def _usual_rate(ticks: IntArray, clock: Fraction) -> Fraction:
-    """The frame rate of the middle gap, for players that show one; 30 for a single frame."""
-    if len(ticks) < 2:
-        return Fraction(30)
-    return (1 / (clock * int(np.median(np.diff(ticks))))).limit_denominator(1001)
 
 
 GAP_PX, PAPER = 6, 250

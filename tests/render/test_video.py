@@ -7,14 +7,20 @@ import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
+import av
 import cv2
 import numpy as np
 import pytest
 
 from motorcade.ga.files import FileError
 from motorcade.render import read_frames, video, write_video
+from motorcade.render.encoding import KEYFRAME_FRAMES
 from motorcade.render.scene import ImageArray
-from motorcade.render.video import contact_sheet, write_pictures
+from motorcade.render.video import (
+    contact_sheet,
+    read_stamps_s,
+    write_pictures,
+)
 
 UNEVEN_NS = np.array([0, 33_333_333, 66_666_667, 166_666_667, 200_000_000, 233_333_333])
 
@@ -83,6 +89,20 @@ def test_the_same_frames_give_the_same_bytes(tmp_path: Path) -> None:
     for name in ("one.mp4", "two.mp4"):
         write_video(tmp_path / name, pictures(40, 241, 321), stamps)
     assert (tmp_path / "one.mp4").read_bytes() == (tmp_path / "two.mp4").read_bytes()
+
+
+def test_any_frame_is_near_a_keyframe_and_stamps_are_told(tmp_path: Path) -> None:
+    stamps = np.cumsum(np.tile([33_000_000, 41_000_000], 30))
+    write_video(tmp_path / "v.mp4", pictures(60, 120, 160), stamps)
+    with av.open(str(tmp_path / "v.mp4")) as file:
+        frames = list(file.decode(video=0))
+    keys = [k for k, frame in enumerate(frames) if frame.key_frame]
+    assert max(np.diff([*keys, 60])) <= KEYFRAME_FRAMES
+    told = read_stamps_s(tmp_path / "v.mp4")
+    np.testing.assert_allclose(told, (stamps - stamps[0]) * 1e-9, atol=1e-5)
+    np.testing.assert_allclose(told, [frame.time for frame in frames], atol=1e-9)
+    with pytest.raises(FileError, match="the file is missing"):
+        read_stamps_s(tmp_path / "absent.mp4")
 
 
 def test_odd_sizes_gain_one_row_and_column(tmp_path: Path) -> None:

@@ -1,0 +1,137 @@
+"""The video that a film is made from: what the film keeps of it besides the pictures.
+
+Frame times are on the original's clock, colours are coded as there, and sound is copied packet by
+packet, in step with the pictures.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from av.container import InputContainer
+
+log = logging.getLogger("motorcade.overlay")
+
+BT_709, UNSPECIFIED, LIMITED, FULL = 1, 2, 1, 2
+_CONVERTED = {1: 1, 2: 5, 4: 4, 5: 5, 6: 5, 7: 7, 9: 9}
+"""Matrices by their number in ITU-T H.273, and as what pictures are converted with them: those that
+say none are read as BT.601 has it, so they are written so too. 10 (constant luminance) and those of
+RGB are not among them.
+"""
+
+
+@dataclass(frozen=True)
+class ColourCoding:
+    """How a video's numbers stand for colours, by the numbers of ITU-T H.273; BT.709 by default.
+
+    Fields:
+        matrix, primaries, transfer: 2 where the video does not say.
+        levels: 1 limited (16 to 235), 2 full; 0 where the video does not say: limited.
+    """
+
+    matrix: int = BT_709
+    primaries: int = BT_709
+    transfer: int = BT_709
+    levels: int = LIMITED
+
+    @property
+    def converted_as(self) -> tuple[int, int]:
+        """Matrix and levels by which pictures become numbers of this coding."""
+        return _CONVERTED[self.matrix], FULL if self.levels == FULL else LIMITED
+
+
+@dataclass(frozen=True)
+class OriginalVideo:
+    """What a film keeps of the video that it is made from.
+
+    Fields:
+        path: the file.
+        clock: of its frames, seconds a tick.
+        coding: of its colours.
+    """
+
+    path: Path
+    clock: Fraction
+    coding: ColourCoding
+
+    @classmethod
+    def of(cls, path: Path, container: InputContainer) -> OriginalVideo:
+        """What an open video is; see `motorcade.render.video.read_original`.
+
+        Raises:
+            OSError: it holds no video.
+        """
+        stream = next(iter(container.streams.video), None)
+        if stream is None or stream.time_base is None:
+            raise OSError(f"{path}: expected a video stream with a clock, got none")
+        clock = Fraction(1, stream.time_base.denominator)
+        context: Any = stream.codec_context
+        told = context.colorspace, context.color_primaries, context.color_trc
+        matrix, primaries, transfer = map(int, told)
+        if matrix not in _CONVERTED:
+            return cls(path, clock, ColourCoding())
+        # Older names of pixel forms say full levels by themselves, whatever the container says.
+        old = str(context.pix_fmt).startswith("yuvj")
+        levels = FULL if old else int(context.color_range)
+        return cls(path, clock, ColourCoding(matrix, primaries, transfer, levels))
+
+
+class CopiedSound:
+    """The sound of a video on its way into a film.
+
+    What sounds before the film starts is left out, to a packet.
+
+    Args:
+        container: the video, open.
+        film: an open container, to which its tracks are added; those that it cannot hold are left
+            out, which is said.
+        start_ns: stamp of the original at which the film starts.
+    """
+
+    def __init__(self, container: InputContainer, film: Any, start_ns: int) -> None:
+        self._start_s = Fraction(start_ns, 10**9)
+        self._tracks: dict[int, Any] = {}
+        for stream in container.streams.audio:
+            context = stream.codec_context
+            try:
+                if context is None:
+                    raise ValueError("its coding is unknown")
+                self._tracks[stream.index] = film.add_stream_from_template(stream)
+            except ValueError as fault:
+                name = "an unknown coding" if context is None else context.name
+                log.warning(
+                    "overlay: sound of %s (%s) is left out: the film cannot hold it: %s",
+                    container.name,
+                    name,
+                    fault,
+                )
+        chosen = [container.streams[index] for index in self._tracks]
+        self._packets = container.demux(chosen) if chosen else iter(())
+        self._next: Any = None
+
+    def until(self, time_s: float) -> Iterator[Any]:
+        """Packets that begin before a time of the film and were not given yet."""
+        while True:
+            packet = self._next if self._next is not None else next(self._packets, None)
+            self._next = None
+            if packet is None:
+                return
+            if packet.size == 0 or packet.dts is None or packet.time_base is None:
+                continue  # the end of a track
+            starts_s = packet.dts * packet.time_base - self._start_s
+            if starts_s < 0 <= packet.dts:
+                continue  # before the film; what is below zero in the original fills a decoder
+            if float(starts_s) >= time_s:
+                self._next = packet
+                return
+            shift = round(self._start_s / packet.time_base)
+            packet.stream = self._tracks[packet.stream_index]
+            packet.dts -= shift
+            packet.pts = None if packet.pts is None else packet.pts - shift
+            yield packet

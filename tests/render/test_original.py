@@ -1,0 +1,170 @@
+"""Films of videos: frame times, colours and sound of the original, with PyAV and ffprobe as
+witnesses.
+"""
+
+import json
+import shutil
+import subprocess
+from fractions import Fraction
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+
+from motorcade.render import read_frames, write_video
+from motorcade.render.video import read_original
+
+CLOCK = Fraction(1, 600)  # a phone's
+TICKS = np.cumsum([0, 20, 20, 21, 40, 19, 20, 20, 60, 20, 20, 20])
+CODINGS = {  # matrix, primaries, transfer, levels
+    "BT.709": (1, 1, 1, 1),
+    "BT.601": (6, 6, 6, 1),
+    "BT.709, full": (1, 1, 1, 2),
+    "BT.2020": (9, 9, 14, 1),
+    "P3, HLG": (9, 12, 18, 1),
+    "not told": (2, 2, 2, 0),
+}
+
+
+def _picture(index: int) -> np.ndarray:
+    y, x = np.mgrid[:64, :96]
+    wave = 128 + 90 * np.sin((x + 3 * index) / 15.0) * np.cos(y / 20.0)
+    return np.stack([wave, 255 - wave, 0.6 * wave + 60], axis=-1).astype(np.uint8)
+
+
+def _write(path: Path, coding: tuple[int, ...] = CODINGS["BT.709"], sound: str = "aac") -> Path:
+    """A clip with uneven stamps, B-frames and, longer than its pictures, sound."""
+    with av.open(str(path), "w") as file:
+        stream = file.add_stream("libx264", rate=30, options={"crf": "8"})
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+        context = stream.codec_context
+        context.time_base = CLOCK
+        context.colorspace, context.color_primaries, context.color_trc = coding[:3]
+        context.color_range = coding[3]
+        matrix = {2: 5, 6: 5}.get(coding[0], coding[0])
+        track = file.add_stream(sound, rate=44_100, layout="mono") if sound else None
+        for index, tick in enumerate(TICKS):
+            rgb = av.VideoFrame.from_ndarray(_picture(index), format="rgb24")
+            frame = rgb.reformat(
+                format="yuv420p", dst_colorspace=matrix, dst_color_range=max(coding[3], 1)
+            )
+            frame.pts, frame.time_base = int(tick), CLOCK
+            file.mux(stream.encode(frame))
+        file.mux(stream.encode(None))
+        if track is not None:
+            rng = np.random.default_rng(0)
+            for start in range(0, 22_050, 1024):
+                noise = rng.uniform(-0.2, 0.2, (1, 1024)).astype(np.float32)
+                heard = av.AudioFrame.from_ndarray(noise, format="fltp", layout="mono")
+                heard.rate, heard.pts, heard.time_base = 44_100, start, Fraction(1, 44_100)
+                file.mux(track.encode(heard))
+            file.mux(track.encode(None))
+    return path
+
+
+def _made(source: Path, film: Path) -> Path:
+    given = list(read_frames(source))
+    stamps = np.array([stamp for stamp, _ in given])
+    write_video(film, (picture for _, picture in given), stamps, read_original(source))
+    return film
+
+
+def _packets(path: Path, kind: str) -> list[tuple[float, bytes]]:
+    with av.open(str(path)) as file:
+        stream = next(one for one in file.streams if one.type == kind)
+        packets = [one for one in file.demux(stream) if one.size]
+        return [(float(one.pts * one.time_base), bytes(one)) for one in packets]
+
+
+def test_frame_times_are_the_originals(tmp_path: Path) -> None:
+    source = _write(tmp_path / "clip.mp4")
+    film = _made(source, tmp_path / "film.mp4")
+    for path in (source, film):
+        with av.open(str(path)) as file:
+            stamps = [one.pts * one.time_base for one in file.decode(video=0)]
+        assert stamps == [int(tick) * CLOCK for tick in TICKS]
+
+
+@pytest.mark.parametrize("sound", ["aac", "mp3", "ac3"])
+def test_sound_is_copied_packet_by_packet_and_in_step(tmp_path: Path, sound: str) -> None:
+    source = _write(tmp_path / "clip.mp4", sound=sound)
+    film = _made(source, tmp_path / "film.mp4")
+    before, after = _packets(source, "audio"), _packets(film, "audio")
+    assert len(before) >= 15
+    assert [data for _, data in after] == [data for _, data in before]
+    apart = np.subtract([at for at, _ in after], [at for at, _ in before])
+    assert np.abs(apart).max() <= 1.0 / 44_100
+
+
+def test_sound_stays_in_step_where_the_video_starts_late(tmp_path: Path) -> None:
+    source, late = _write(tmp_path / "clip.mp4"), tmp_path / "late.mkv"
+    with av.open(str(source)) as taken, av.open(str(late), "w") as file:
+        tracks = [file.add_stream_from_template(one) for one in taken.streams]
+        for packet in taken.demux():
+            if packet.size and packet.dts is not None:
+                moved = Fraction(3) if packet.stream.type == "video" else Fraction(11, 4)
+                shift = int(moved / packet.time_base)
+                packet.stream = tracks[packet.stream_index]
+                packet.pts, packet.dts = packet.pts + shift, packet.dts + shift
+                file.mux(packet)
+    film = _made(late, tmp_path / "film.mp4")
+    assert min(at for at, _ in _packets(film, "video")) == 0.0
+    heard = {data: at for at, data in _packets(late, "audio")}
+    kept = _packets(film, "audio")
+    assert 0 < len(kept) < len(heard)  # the first quarter of a second has no pictures
+    assert max(abs(at - (heard[data] - 3.0)) for at, data in kept) < 2e-3  # Matroska counts in ms
+
+
+@pytest.mark.parametrize("name", CODINGS)
+def test_colours_are_coded_as_in_the_original(tmp_path: Path, name: str) -> None:
+    source = _write(tmp_path / "clip.mp4", CODINGS[name])
+    film = _made(source, tmp_path / "film.mp4")
+    seen = []
+    for path in (source, film):
+        with av.open(str(path)) as file:
+            frame = next(file.decode(video=0))
+            told = (frame.colorspace, frame.color_primaries, frame.color_trc, frame.color_range)
+            seen.append((tuple(map(int, told)), [_plane(one) for one in frame.planes]))
+    assert seen[0][0] == seen[1][0] == CODINGS[name]
+    for before, after in zip(seen[0][1], seen[1][1], strict=True):  # coded numbers, not colours
+        assert np.abs(before.astype(int) - after).mean() < 2.0
+    if shutil.which("ffprobe") is None:
+        pytest.skip("ffprobe, the second witness, is not installed")
+    keys = "color_space,color_primaries,color_transfer,color_range"
+    told = [_probed(path, f"stream={keys}") for path in (source, film)]
+    assert told[0] == told[1]
+
+
+def _plane(plane: av.video.plane.VideoPlane) -> np.ndarray:
+    rows = np.frombuffer(bytes(plane), np.uint8).reshape(-1, plane.line_size)
+    return rows[: plane.height, : plane.width]
+
+
+def _probed(path: Path, entries: str) -> dict[str, str]:
+    command = ["ffprobe", "-v", "error", "-select_streams", "v", "-show_entries", entries]
+    done = subprocess.run([*command, "-of", "json", str(path)], capture_output=True, check=True)
+    return dict(json.loads(done.stdout)["streams"][0])
+
+
+def test_sound_that_the_film_cannot_hold_is_said(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    film = _made(_write(tmp_path / "clip.mkv", sound="wavpack"), tmp_path / "film.mp4")
+    with av.open(str(film)) as file:
+        held = len(file.streams.audio)
+    assert held == 0
+    assert "sound of" in caplog.text
+    assert "(wavpack) is left out" in caplog.text
+
+
+def test_a_silent_video_makes_a_silent_film(tmp_path: Path) -> None:
+    film = _made(_write(tmp_path / "clip.mp4", sound=""), tmp_path / "film.mp4")
+    with av.open(str(film)) as file:
+        assert [one.type for one in file.streams] == ["video"]
+
+
+def test_only_mp4_keeps_what_the_original_had(tmp_path: Path) -> None:
+    original = read_original(_write(tmp_path / "clip.mp4"))
+    with pytest.raises(ValueError, match=r"write_video\(original\): expected a film in \.mp4"):
+        write_video(tmp_path / "film.mkv", [_picture(0)], np.array([0]), original)
