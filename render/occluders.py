@@ -24,6 +24,8 @@ SUNK_M = 1e-3
 NEAREST_M = 0.01
 # Planes through the eye, nearly, are seen edge on and hide nothing.
 EDGE_ON = 1e12
+# A thing is before the ground, and not on it, where it is nearer by this share.
+NEARER = 1e-3
 # Of the edge between what takes a shadow and what does not.
 SOFT_PX = 1.5
 
@@ -62,7 +64,8 @@ def known_depth(
         world_T_print = prints.world_T_print[k]
         if _between(world_T_print, eye_m, figure_m):
             hides = True
-            _lay(nearest, camera, camera_T_world @ world_T_print, prints.low_m[k], prints.high_m[k])
+            low, high = prints.low_m[k] - prints.margin_m, prints.high_m[k] + prints.margin_m
+            _lay(nearest, camera, camera_T_world @ world_T_print, low, high)
     return np.where(np.isfinite(nearest), nearest, np.float32(0.0)) if hides else None
 
 
@@ -127,3 +130,14 @@ def share_on_ground(raised_m: DepthArray, within_m: float) -> FloatArray:
     weight = cv2.GaussianBlur(known.astype(np.float32), (0, 0), SOFT_PX)
     smooth = cv2.GaussianBlur((share * known).astype(np.float32), (0, 0), SOFT_PX)
     return np.where(weight > 1e-3, smooth / np.maximum(weight, 1e-3), 1.0).astype(np.float64)
+
+
+def share_beyond(known_m: DepthArray, ground_m: DepthArray) -> FloatArray:
+    """How much of each pixel's ground no known thing stands before, softened by a pixel.
+
+    Args:
+        known_m: (height, width) of `known_depth`.
+        ground_m: of the plane, in the same pixels; infinite at and above the horizon.
+    """
+    before = (known_m > 0.0) & (known_m < (1.0 - NEARER) * ground_m)
+    return np.asarray(1.0 - cv2.GaussianBlur(before.astype(np.float64), (0, 0), 0.5))

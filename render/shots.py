@@ -30,7 +30,7 @@ from motorcade.render.composite import (
 from motorcade.render.figures import DrawnFigure, Performer, lit_together
 from motorcade.render.lens import WHOLE, Extent, LensWarp, Window, seen_extent
 from motorcade.render.light import ExposureMeter, Prints
-from motorcade.render.occluders import known_depth, raised, share_on_ground
+from motorcade.render.occluders import known_depth, raised, share_beyond, share_on_ground
 from motorcade.render.scene import DepthArray, ImageArray, Layer, Lighting
 from motorcade.render.shadow import (
     NEAREST_M,
@@ -239,14 +239,15 @@ class FilmStage:
         # One sun throws them: where shadows lie over one another it is hidden once.
         shade = np.maximum.reduce(seen) if seen else None
         stand = self.ground.world_T_ground(moment.time_ns)
-        if measured:
-            camera_T_ground = pose.inverse() @ stand
-            ground_m = ground_depth(pinhole, camera_T_ground).astype(np.float32)
-            eye_m = float(camera_T_ground.inverse().translation_m[2])
-            return _Drawn(layer, shade, self.lens.depth(ground_m, window), None, eye_m)
+        camera_T_ground = pose.inverse() @ stand
         hull_m = np.concatenate([one.hull_m() for one in moment.figures])
-        known = known_depth(pinhole, pose, hull_m, self._prints, stand)
-        return _Drawn(layer, shade, None, None if known is None else self.lens.depth(known, window))
+        known = None if measured else known_depth(pinhole, pose, hull_m, self._prints, stand)
+        if known is None and not measured:
+            return _Drawn(layer, shade, None, None)
+        ground_m = ground_depth(pinhole, camera_T_ground).astype(np.float32)
+        eye_m = float(camera_T_ground.inverse().translation_m[2])
+        known_m = None if known is None else self.lens.depth(known, window)
+        return _Drawn(layer, shade, self.lens.depth(ground_m, window), known_m, eye_m)
 
     def _follow(self, renderer: Renderer, posed: _PosedFigure) -> None:
         """Light that goes where one that walks alone goes, or all go on one ground that moves."""
@@ -293,6 +294,8 @@ class FilmStage:
             shade = shades[0] if len(shades) == 1 else np.mean(shades, axis=0)
             if raised_m is not None:
                 shade = shade * share_on_ground(raised_m, LOW * self.height_m)
+            elif middle.known_m is not None and middle.ground_m is not None:
+                shade = shade * share_beyond(middle.known_m, middle.ground_m)
             frame = darken(frame, shade)
         return over(frame, layer, hiding_m)
 

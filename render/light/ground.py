@@ -148,16 +148,23 @@ def _evened(
     away = square - np.nanmean(square, axis=0)
     for _ in range(2):
         off = np.where(full, np.nan, level - np.nanmedian(level, axis=0))
-        off -= np.nanmedian(off, axis=1, keepdims=True)
+        off -= _middle(off)
         kept = np.isfinite(off) & (np.abs(off) < FAR_OFF)
         fall = np.sum(off[kept] * away[kept]) / max(float(np.sum(away[kept] ** 2)), 1e-9)
         level = level - np.where(full, 0.0, np.clip(fall, -MOST_FALL, 0.0) * square)
         off = np.where(full, np.nan, level - np.nanmedian(level, axis=0))
-        gain = np.nan_to_num(np.nanmedian(off, axis=1, keepdims=True))
-        level = level - np.where(full, 0.0, gain)
+        level = level - np.where(full, 0.0, _middle(off))
     middle = np.nanmedian(level, axis=0)
     scatter = 1.4826 * np.nanmedian(np.abs(level - middle), axis=0)
     return middle, scatter, np.sum(full & known, axis=0) / np.sum(known, axis=0)
+
+
+def _middle(off: FloatArray) -> FloatArray:
+    """Median (K, 1) of what each picture knows; 0 of one that shows nothing here."""
+    told = np.isfinite(off).any(axis=1)
+    middle = np.zeros((len(off), 1))
+    middle[told] = np.nanmedian(off[told], axis=1, keepdims=True)
+    return middle
 
 
 def _printed(world_T_ground: Motor, cell_m: float, prints: Prints | None) -> NDArray[np.bool_]:

@@ -33,9 +33,10 @@ class Prints:
         world_T_print: Motor (P,); z comes out of the printed face.
         low_m: (P, 2) least x and y of what is printed, in its own frame.
         high_m: (P, 2) greatest.
+        margin_m: how far the paper reaches beyond that on every side; it hides things too.
 
     Raises:
-        ValueError: shapes that differ, or a print of no size.
+        ValueError: shapes that differ, a print of no size, or a margin below 0.
 
     >>> import numpy as np
     >>> from motorcade.ga import Motor
@@ -48,6 +49,7 @@ class Prints:
     world_T_print: Motor
     low_m: FloatArray
     high_m: FloatArray
+    margin_m: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("low_m", "high_m"):
@@ -60,6 +62,8 @@ class Prints:
             object.__setattr__(self, name, frozen(given))
         if not np.all(self.high_m > self.low_m):
             raise ValueError("Prints.high_m: expected more than low_m")
+        if not 0.0 <= self.margin_m < np.inf:
+            raise ValueError(f"Prints.margin_m: expected 0 or more, got {self.margin_m}")
 
     def __len__(self) -> int:
         """Number of prints."""

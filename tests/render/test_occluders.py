@@ -9,7 +9,7 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.render import render_overlay
 from motorcade.render.figures import SHADOW_REACH
 from motorcade.render.light import Prints, character_lighting
-from motorcade.render.occluders import known_depth
+from motorcade.render.occluders import known_depth, share_beyond
 from motorcade.render.scene import ImageArray
 from motorcade.render.shadow import ShadowLook, shade_step_m
 from motorcade.tracking.cameras.camera import Camera
@@ -59,6 +59,32 @@ def test_a_print_has_the_depth_at_which_rays_meet_it(seed: int) -> None:
     both = (found > 0.0) & (expected > 0.0)
     assert both.any()
     np.testing.assert_allclose(found[both], expected[both], rtol=1e-6)
+
+
+def test_the_paper_round_a_print_hides_as_the_print_does() -> None:
+    """A print with a margin is a print as large as its paper."""
+    eye = Motor.from_translation([0.0, 0.0, -2.0])
+    low, high = np.full((1, 2), -0.3), np.full((1, 2), 0.2)
+    prints, sheet = (
+        Prints(Motor.identity().reshape(1), low, high, 0.1),
+        Prints(Motor.identity().reshape(1), low - 0.1, high + 0.1),
+    )
+    with_margin, as_sheet = (
+        known_depth(CAMERA, eye, EVERYWHERE_M, one, eye @ FAR_BELOW) for one in (prints, sheet)
+    )
+    np.testing.assert_array_equal(with_margin, as_sheet)
+    with pytest.raises(ValueError, match="margin_m: expected 0 or more"):
+        Prints(Motor.identity().reshape(1), low, high, -0.1)
+
+
+def test_no_shadow_shows_on_what_stands_before_the_ground() -> None:
+    ground = np.full((40, 60), 2.0, np.float32)
+    known = np.zeros_like(ground)
+    known[:, 20:30] = 1.5  # before the ground
+    known[:, 40:50] = 2.0  # on it
+    share = share_beyond(known, ground)
+    assert share[:, 22:28].max() < 1e-6
+    assert share[:, :17].min() == share[:, 35:].min() == 1.0
 
 
 def test_what_has_the_figure_and_the_camera_on_one_side_hides_nothing() -> None:
