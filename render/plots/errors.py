@@ -27,6 +27,7 @@ from motorcade.render.plots.style import (
 
 Series = tuple[NDArray[Any], NDArray[Any]]
 TINT = "#999999"
+_BAND_SPANS = 150
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +127,7 @@ def plot_within_sigma(
         figure, panels = new_figure(WIDTH_IN, 3.9, rows=3)
         for column, (axes, name) in enumerate(zip(panels, "xyz", strict=True)):
             for times, alpha in ((2.0, 0.22), (1.0, 0.3)):
-                at_s, reach = thinned(time_s, times * sigma[:, column])
+                at_s, reach = thinned(time_s, times * sigma[:, column], _BAND_SPANS)
                 axes.fill_between(at_s, -reach, reach, color=TINT, alpha=alpha, linewidth=0)
             line = thinned(time_s, errors[:, column])
             axes.plot(*line, color=AXIS_COLOURS[column])

@@ -117,6 +117,7 @@ def house_style(ink: str = INK, grid: str = GRID, page: str = PAGE) -> Iterator[
         "legend.labelcolor": ink,
         "lines.linewidth": 1.2,
         "lines.solid_joinstyle": "round",
+        "path.simplify_threshold": 0.3,  # points, a third of a thin line
         "text.color": ink,
         "xtick.color": ink,
         "ytick.color": ink,
@@ -172,12 +173,13 @@ def plane_axes(plane: str, points_m: FloatArray) -> tuple[int, int]:
     return across, up
 
 
-def thinned(time_s: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """A long line as the least and the largest value of each of 600 spans; a short one as it is.
+def thinned(
+    time_s: FloatArray, values: FloatArray, spans: int = 600
+) -> tuple[FloatArray, FloatArray]:
+    """A long line as the least and the largest value of each of its spans; a short one as it is.
 
-    At the width of plots the two look the same.
+    At the width of plots the two look the same with 600.
     """
-    spans = 600
     if len(values) <= 2 * spans:
         return time_s, values
     edges = np.linspace(0, len(values), spans + 1).round().astype(int)
@@ -225,6 +227,7 @@ def as_svg(figure: Figure, label: str) -> str:
     svg = re.sub(r"font-family: [^;\"]+", "font-family: system-ui, sans-serif", svg)
     svg = re.sub(r' transform="rotate\(-?0 [^"]*"', "", svg)
     svg = re.sub(r'(?<= )(?:d|x|y)="[^"]*"', _rounded, svg)
+    svg = re.sub(r'(?<= )d="[ML\s\d.e-]*"', _shortened, svg)
     for colour, variable in _VARIABLES.items():
         svg = svg.replace(colour, variable)
     return svg
@@ -233,6 +236,11 @@ def as_svg(figure: Figure, label: str) -> str:
 def _rounded(attribute: re.Match[str]) -> str:
     """Coordinates to a hundredth of a point, less than any screen shows."""
     return re.sub(r"-?\d+\.\d{3,}", lambda number: f"{float(number[0]):.2f}", attribute[0])
+
+
+def _shortened(drawn: re.Match[str]) -> str:
+    """Strokes without a letter each: what follows the beginning of a line are its other ends."""
+    return re.sub(r"\s*\bL (?=-?[\d.])", " ", drawn[0]).replace(" \n", "\n")
 
 
 def with_own_ids(svg: str, mark: str) -> str:

@@ -59,7 +59,14 @@ class Axis:
 
 def points(path: str) -> Points:
     """Corners of a path, in order; strokes of no length once."""
-    return np.array([[float(x), float(y)] for x, y in re.findall(r"[ML] (\S+) (\S+)", path)])
+    # After the two numbers of an M or L come further corners without a letter (SVG 1.1, 8.3.3).
+    assert re.fullmatch(r"[MLCQz\s\d.e+-]*", path), "only absolute strokes are written"
+    corners: list[list[float]] = []
+    for letter, numbers in re.findall(r"([MLCQz])([^MLCQz]*)", path):
+        values = [float(number) for number in numbers.split()]
+        if letter in "ML":
+            corners += [values[at : at + 2] for at in range(0, len(values), 2)]
+    return np.array(corners)
 
 
 def panels(svg: str) -> list[ElementTree.Element]:
