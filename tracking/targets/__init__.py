@@ -1,0 +1,27 @@
+"""Printed targets that pictures show, of which nothing was told: families, boards, their sizes."""
+
+from __future__ import annotations
+
+from motorcade.tracking.targets.chessboards import CountedBoard, checkerboard_seen
+from motorcade.tracking.targets.families import SeenFamily, families_seen
+from motorcade.tracking.targets.finding import (
+    FoundTarget,
+    find_target,
+    seen_board,
+    seen_markers,
+)
+from motorcade.tracking.targets.layouts import SeenMarkers, board_of_markers, regapped
+
+__all__ = [
+    "CountedBoard",
+    "FoundTarget",
+    "SeenFamily",
+    "SeenMarkers",
+    "board_of_markers",
+    "checkerboard_seen",
+    "families_seen",
+    "find_target",
+    "regapped",
+    "seen_board",
+    "seen_markers",
+]

@@ -1,0 +1,195 @@
+"""Which marker families pictures show: every family is read at once, and chance is kept out.
+
+A quad's bits are random where it is no marker, so a family of n words of b bits finds one in every
+``2^b / (8 n)`` quads by chance (four turns, read plain and sharpened). That is never for 36 bits,
+and in every picture for ``aruco_4x4_1000``. So a sighting counts where every cell of the print,
+borders included, is right; an id counts where several pictures show it; and where chance is likely
+its print must look like it, too. What stronger families claim is no marker of a weaker one: the
+middle of a 6 x 6 print passes for a 4 x 4 one now and then. Dictionaries of ArUco that differ in
+size alone begin with the same words: the smallest that holds the ids seen is named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from motorcade.ga.arrays import FloatArray
+from motorcade.tracking.checks import GrayImage, checked_gray
+from motorcade.tracking.markers.families import FAMILIES, layout
+from motorcade.tracking.markers.native._quads import find_quads
+from motorcade.tracking.markers.reading import (
+    LEAST_CONTRAST,
+    Quads,
+    decode_quads,
+    read_markers,
+)
+from motorcade.tracking.pictures import shrunk
+
+SMALL_PX = 1280
+"""A longer picture is searched at half its size or less."""
+_REACHES_PX = (0, 2)
+_NESTED = (50, 100, 250, 1000)
+_UNLIKELY = 1e-3
+"""Chance of a quad above which a family's sightings must look like their prints."""
+_LOOKS_RIGHT = 0.9
+_LEGIBLE = 0.75
+_SAME_SHARE = 0.6
+_LEAST_SHARE = 0.15
+_FAR_IDS = 4
+"""Ids beyond the first 250 of a likely dictionary that are no chance together."""
+
+
+@dataclass(frozen=True)
+class SeenFamily:
+    """A family and where it was seen.
+
+    Fields:
+        family: its name.
+        marker_ids: ids that count, rising.
+        pictures: rising indices of those that show one of them.
+        sightings: how often one of them was seen.
+
+    >>> from motorcade.tracking import MarkerGrid
+    >>> from motorcade.tracking.targets import families_seen
+    >>> picture, _ = MarkerGrid("aruco_5x5_100", 3, 2, 0.05, 0.02).draw(pixels_per_m=1500.0)
+    >>> [found] = families_seen([picture, picture])
+    >>> found.family, found.marker_ids, found.sightings
+    ('aruco_5x5_50', (0, 1, 2, 3, 4, 5), 12)
+    """
+
+    family: str
+    marker_ids: tuple[int, ...]
+    pictures: tuple[int, ...]
+    sightings: int
+
+
+@dataclass(frozen=True)
+class _Sighting:
+    """A marker read without a wrong cell."""
+
+    family: str
+    marker_id: int
+    picture: int
+    centre: tuple[float, float]
+    side_px: float
+    agreement: float
+
+
+def families_seen(pictures: Sequence[GrayImage], *, whole: bool = False) -> tuple[SeenFamily, ...]:
+    """The marker families that pictures of one place show, those seen most often first.
+
+    Args:
+        pictures: grey uint8 pictures ``(height, width)``, some seconds apart where they are
+            frames of a clip. Of one or two, more ids must be seen before a small family counts.
+        whole: search large pictures as they are, for small markers; they are halved otherwise.
+
+    Raises:
+        ValueError: not grey uint8 pictures.
+    """
+    grays = [checked_gray(one) for one in pictures]
+    searched = grays if whole else [shrunk(gray, SMALL_PX) for gray in grays]
+    seen = [one for index, gray in enumerate(searched) for one in _exact(gray, index)]
+    found = [_counted(family, seen, len(grays)) for family in _widest()]
+    kept = [one for one in found if one is not None]
+    return tuple(sorted(kept, key=lambda one: -one.sightings))
+
+
+@cache
+def _widest() -> tuple[str, ...]:
+    """Families that hold no other's words from the first on, the least likely by chance first."""
+    nested = {f"aruco_{n}x{n}_{count}" for n in (4, 5, 6, 7) for count in _NESTED[:-1]}
+    return tuple(sorted(set(FAMILIES) - nested, key=lambda one: (_chance(one), one)))
+
+
+def _chance(family: str) -> float:
+    """Of a quad with random bits to read as one of the family, without a wrong bit."""
+    shape = layout(family)
+    return float(8.0 * len(shape.words) / 2.0 ** len(shape.bit_rows))
+
+
+def _exact(gray: GrayImage, picture: int) -> list[_Sighting]:
+    """Markers of every family in a picture, read without a wrong cell; each place is one's."""
+    image = np.ascontiguousarray(gray)
+    quads = {
+        white_inside: np.concatenate(
+            [find_quads(image, white_inside, 5.0, reach) for reach in _REACHES_PX]
+        ).astype(np.float64)
+        for white_inside in (False, True)
+    }
+    found: list[_Sighting] = []
+    for family in _widest():
+        read = decode_quads(image, quads[layout(family).white_inside], family)
+        for one in _legible(image, read, family, picture):
+            if not any(_same_place(one, other) for other in found):
+                found.append(one)
+    return found
+
+
+def _legible(image: GrayImage, read: Quads, family: str, picture: int) -> list[_Sighting]:
+    reading = read_markers(image, read.corners_px, family, read.ids)
+    good = (reading.wrong_cells == 0) & (reading.agreement >= _LEGIBLE)
+    rows = np.flatnonzero(good & (reading.contrast >= LEAST_CONTRAST))
+    centres, sides = read.corners_px.mean(axis=1), _sides_px(read.corners_px)
+    return [
+        _Sighting(
+            family,
+            int(read.ids[row]),
+            picture,
+            (float(centres[row, 0]), float(centres[row, 1])),
+            float(sides[row]),
+            float(reading.agreement[row]),
+        )
+        for row in rows[np.argsort(-reading.agreement[rows], kind="stable")]
+    ]
+
+
+def _sides_px(corners_px: FloatArray) -> FloatArray:
+    lengths = np.linalg.norm(np.roll(corners_px, 1, axis=1) - corners_px, axis=-1)
+    mean: FloatArray = lengths.mean(axis=1)
+    return mean
+
+
+def _same_place(one: _Sighting, other: _Sighting) -> bool:
+    apart = np.hypot(*np.subtract(one.centre, other.centre))
+    return bool(apart < _SAME_SHARE * max(one.side_px, other.side_px))
+
+
+def _counted(family: str, sightings: Sequence[_Sighting], searched: int) -> SeenFamily | None:
+    """What is seen of a family, without ids that chance may have given; None without any."""
+    own = [one for one in sightings if one.family == family]
+    likely = _chance(family) > _UNLIKELY
+    least = 1 if searched < 3 else max(2, round(_LEAST_SHARE * searched)) if likely else 2
+    ids = []
+    for marker in sorted({one.marker_id for one in own}):
+        these = [one for one in own if one.marker_id == marker]
+        steady = len({one.picture for one in these}) >= least
+        looks = not likely or float(np.median([one.agreement for one in these])) >= _LOOKS_RIGHT
+        if steady and looks:
+            ids.append(marker)
+    if likely and searched < 3 and len(ids) < 3:
+        return None
+    name, ids = _smallest(family, ids, likely)
+    own = [one for one in own if one.marker_id in ids]
+    if not own:
+        return None
+    shown = tuple(sorted({one.picture for one in own}))
+    return SeenFamily(name, tuple(ids), shown, len(own))
+
+
+def _smallest(family: str, ids: list[int], likely: bool) -> tuple[str, list[int]]:
+    """The smallest dictionary that holds the ids, less those that stand there by chance.
+
+    Beyond the first 250 words of a dictionary that chance fills, ids are believed in numbers only.
+    """
+    stem, _, size = family.rpartition("_")
+    if size != str(_NESTED[-1]) or not ids:
+        return family, ids
+    if likely and sum(one >= _NESTED[2] for one in ids) < _FAR_IDS:
+        ids = [one for one in ids if one < _NESTED[2]]
+        if not ids:
+            return family, ids
+    return f"{stem}_{next(one for one in _NESTED if ids[-1] < one)}", ids

@@ -1,0 +1,178 @@
+"""What printed target pictures show, of which nothing was told: the one that tells most."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence, Set
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from motorcade.tracking.boards.charuco import CharucoBoard
+from motorcade.tracking.boards.checkerboard import Checkerboard
+from motorcade.tracking.boards.corners import Board
+from motorcade.tracking.boards.markers import MarkerGrid
+from motorcade.tracking.checks import GrayImage
+from motorcade.tracking.markers.detection import Detection, detect_markers
+from motorcade.tracking.targets.chessboards import checkerboard_seen
+from motorcade.tracking.targets.families import SMALL_PX, SeenFamily, families_seen
+from motorcade.tracking.targets.layouts import SeenMarkers, board_of_markers
+
+_ENOUGH_SHARE = 0.5
+"""Of the pictures: markers seen in so many are not set against a checkerboard."""
+_LEAST_SHARE = 0.5
+"""Of the pictures with a ChArUco board's markers, in which its corners must be found as well."""
+
+
+@dataclass(frozen=True, eq=False)
+class FoundTarget:
+    """A printed target, of which all but its size is known.
+
+    Fields:
+        board: what it is, with squares (of a board of bare markers: marker sides) of length 1;
+            None for markers that make up no board known here.
+        family: of its markers; None for a checkerboard.
+        marker_ids: those seen, rising.
+        markers: those of each picture searched, sharp ones alone; ids that stand twice left out.
+        pictures: rising indices of the pictures that show it.
+        searched: how many were looked at.
+
+    >>> from motorcade.tracking import Checkerboard
+    >>> from motorcade.tracking.targets import find_target
+    >>> picture, _ = Checkerboard(7, 5, 0.03).draw(pixels_per_m=1500.0)
+    >>> find_target([picture] * 3).summary
+    'a checkerboard of 7 x 5 inner corners, in 3 of 3 pictures'
+    """
+
+    board: Board | None
+    family: str | None
+    marker_ids: tuple[int, ...]
+    markers: tuple[SeenMarkers, ...]
+    pictures: tuple[int, ...]
+    searched: int
+
+    @property
+    def unit(self) -> str:
+        """What a length of 1 is: the side of a square, or of a marker."""
+        return "square" if isinstance(self.board, Checkerboard | CharucoBoard) else "marker side"
+
+    @property
+    def summary(self) -> str:
+        """The target in words, and in how many pictures it is."""
+        board = self.board
+        if isinstance(board, Checkerboard):
+            what = f"a checkerboard of {board.columns} x {board.rows} inner corners"
+        elif isinstance(board, CharucoBoard):
+            what = f"a ChArUco board of {board.columns} x {board.rows} squares with {self.family}"
+        elif isinstance(board, MarkerGrid):
+            what = f"a grid of {board.columns} x {board.rows} markers {self.family}"
+        elif board is not None:
+            what = board.name
+        else:
+            count = len(self.marker_ids)
+            what = f"{count} loose {'marker' if count == 1 else 'markers'} {self.family}"
+        return f"{what}, in {len(self.pictures)} of {self.searched} pictures"
+
+
+def find_target(pictures: Sequence[GrayImage]) -> FoundTarget | None:
+    """Look for a board or markers that pictures of one place show; None where there are none.
+
+    All families of `tracking.FAMILIES` are looked for, ChArUco boards and grids of them, and
+    checkerboards. Of several families the one seen most often is taken; a checkerboard where more
+    pictures show one than show markers.
+
+    Args:
+        pictures: grey uint8 ``(height, width)``; a dozen or more, spread over a clip, tell chance
+            from markers best.
+
+    Breaks down for markers smaller than about 15 px, and for boards that never lie whole in a
+    picture and have no markers. A ChArUco board of OpenCV before 4.6 with an even count of rows, or
+    a grid whose ids do not rise row by row from its top left, gives loose markers.
+
+    Raises:
+        ValueError: not grey uint8 pictures.
+    """
+    seen = families_seen(pictures)
+    marked = _marked(seen[0], pictures) if seen else None
+    if marked is not None and len(marked.pictures) >= _ENOUGH_SHARE * len(pictures):
+        return marked
+    counted = checkerboard_seen(pictures)
+    large = max((max(one.shape) for one in pictures), default=0) > SMALL_PX
+    if large and counted is None and marked is None:
+        seen = families_seen(pictures, whole=True)  # small markers in large pictures
+        return _marked(seen[0], pictures) if seen else None
+    if counted is None or (marked and len(marked.pictures) >= len(counted.pictures)):
+        return marked
+    nothing = (_markers_of(()),) * len(pictures)
+    return FoundTarget(counted.board, None, (), nothing, counted.pictures, len(pictures))
+
+
+def seen_board(board: Board, pictures: Sequence[GrayImage]) -> FoundTarget:
+    """Where pictures show a board that is known.
+
+    Raises:
+        ValueError: not grey uint8 pictures.
+
+    >>> from motorcade.tracking import Checkerboard
+    >>> from motorcade.tracking.targets import seen_board
+    >>> board = Checkerboard(7, 5, 0.03)
+    >>> seen_board(board, [board.draw(pixels_per_m=1500.0)[0]]).pictures
+    (0,)
+    """
+    if isinstance(board, MarkerGrid):
+        found = seen_markers(board.family, pictures, set(board.marker_ids.tolist()))
+        return replace(found, board=board)
+    shown = tuple(row for row, one in enumerate(pictures) if board.detect(one) is not None)
+    nothing = (_markers_of(()),) * len(pictures)
+    return FoundTarget(board, None, (), nothing, shown, len(pictures))
+
+
+def seen_markers(
+    family: str, pictures: Sequence[GrayImage], wanted: Set[int] | None = None
+) -> FoundTarget:
+    """Where pictures show markers of a family, wherever they stand; those wanted, or all.
+
+    Raises:
+        ValueError: an unknown family, or not grey uint8 pictures.
+
+    >>> from motorcade.tracking import MarkerGrid
+    >>> from motorcade.tracking.targets import seen_markers
+    >>> picture, _ = MarkerGrid("aruco_5x5_100", 3, 2, 0.05, 0.02).draw(pixels_per_m=1500.0)
+    >>> seen_markers("aruco_5x5_100", [picture], {4, 5}).marker_ids
+    (4, 5)
+    """
+    markers = tuple(
+        _markers_of(
+            one
+            for one in detect_markers(picture, family)
+            if one.sharp and (wanted is None or one.marker_id in wanted)
+        )
+        for picture in pictures
+    )
+    ids = sorted({marker for one in markers for marker in one.ids.tolist()})
+    shown = tuple(row for row, one in enumerate(markers) if len(one.ids))
+    return FoundTarget(None, family, tuple(ids), markers, shown, len(pictures))
+
+
+def _marked(seen: SeenFamily, pictures: Sequence[GrayImage]) -> FoundTarget:
+    """Markers of a family, and the board that they make up."""
+    found = seen_markers(seen.family, pictures, set(seen.marker_ids))
+    markers, shown = found.markers, found.pictures or seen.pictures
+    board = board_of_markers(seen.family, markers)
+    if isinstance(board, CharucoBoard):
+        sample = shown[:: max(1, len(shown) // 8)]
+        if sum(board.detect(pictures[one]) is not None for one in sample) < _LEAST_SHARE * len(
+            sample
+        ):
+            board = None
+    return FoundTarget(board, seen.family, seen.marker_ids, markers, shown, len(pictures))
+
+
+def _markers_of(found: Iterable[Detection]) -> SeenMarkers:
+    """Markers of a picture whose ids stand there once."""
+    listed = list(found)
+    ids = [one.marker_id for one in listed]
+    once = [one for one in listed if ids.count(one.marker_id) == 1]
+    return SeenMarkers(
+        np.array([one.marker_id for one in once], np.int64),
+        np.array([one.corners_px for one in once]).reshape(-1, 4, 2),
+    )
