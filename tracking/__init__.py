@@ -30,7 +30,7 @@ Draw a marker, look at it straight on from 0.6 m, and find it again:
 np.float64(0.6)
 
 Sub-packages: `boards`, `depth`, `markers` (`markers.disambiguate`, `markers.mapping`,
-`markers.photometric`), `planes`, `slam`.
+`markers.photometric`), `planes`, `slam`, `targets`.
 """
 
 import lazy_loader as lazy

@@ -4,6 +4,7 @@ from . import depth as depth
 from . import markers as markers
 from . import optimise as optimise
 from . import planes as planes
+from . import self_calibration as self_calibration
 from . import slam as slam
 from .audit import AuditFinding as AuditFinding
 from .board_tracking.poses import BoardMeasurements as BoardMeasurements
@@ -34,6 +35,11 @@ from .planes.finding import find_planes as find_planes
 from .planes.finding import find_planes_in_depth as find_planes_in_depth
 from .planes.plane import Plane as Plane
 from .pose import TrackingError as TrackingError
+from .self_calibration.boards import self_calibrate_board as self_calibrate_board
+from .self_calibration.motion import self_calibrate_motion as self_calibrate_motion
+from .self_calibration.result import SelfCalibration as SelfCalibration
+from .self_calibration.result import SelfCalibrationError as SelfCalibrationError
+from .self_calibration.tags import self_calibrate_tags as self_calibrate_tags
 from .slam.mapping.map import MapSnapshot as MapSnapshot
 from .slam.results import SlamResult as SlamResult
 from .slam.settings import SlamSettings as SlamSettings

@@ -70,3 +70,19 @@ def track_corners(
     there, found = follow_corners(one, other, px, guess, return_px, threads())
     limit = (other.width - 1 - border_px, other.height - 1 - border_px)
     return there, found & np.all((there >= border_px) & (there <= limit), axis=-1)
+
+
+def shrunk(image: GrayImage, longest_px: int) -> GrayImage:
+    """A grey picture halved until its longer side is at most `longest_px`; itself if it is.
+
+    >>> import numpy as np
+    >>> from motorcade.tracking.pictures import shrunk
+    >>> shrunk(np.zeros((480, 640), np.uint8), 320).shape
+    (240, 320)
+    """
+    while max(image.shape) > longest_px:
+        height, width = image.shape
+        image = np.asarray(
+            cv2.resize(image, (width // 2, height // 2), interpolation=cv2.INTER_AREA), np.uint8
+        )
+    return image

@@ -1,0 +1,86 @@
+"""A clip's camera from motion alone: it follows from points, and what cannot tell it is refused."""
+
+import cv2
+import numpy as np
+import pytest
+
+from motorcade.ga import Motor, Rotor
+from motorcade.tracking import Camera, SelfCalibrationError, self_calibrate_motion
+from motorcade.tracking.self_calibration.lens import KINDS
+from motorcade.tracking.self_calibration.points import PointSightings, PointState, fit_points
+
+RADIAL = KINDS[2]
+SIZE = (960, 540)
+
+
+def moving(count: int) -> Motor:
+    t = np.linspace(0.0, 3.0, count)
+    turn = Rotor.from_rotation_vector(
+        np.stack([0.2 * np.sin(2.0 * t), 0.3 * np.cos(1.5 * t), 0.2 * np.sin(t)], axis=-1)
+    )
+    place = np.stack([0.8 * np.sin(1.3 * t), 0.4 * np.cos(t), 0.3 * np.sin(2.2 * t)], axis=-1)
+    return Motor.from_rotor_translation(turn, place)
+
+
+@pytest.mark.parametrize("wrong", [0.75, 1.3])
+def test_a_focal_length_that_is_far_off_comes_back(wrong: float) -> None:
+    """Poses and points start as a wrong lens would have them: depths stretched with its focus."""
+    rng = np.random.default_rng(8)
+    camera = Camera(*SIZE, 700.0, 700.0, 484.0, 266.0, "radtan", (0.06, -0.08))
+    poses, points = moving(16), rng.uniform([-2.5, -1.6, 2.5], [2.5, 1.6, 6.0], (250, 3))
+    px = camera.project(poses[:, None].inverse().apply(points), allow_nan=True)
+    inside = np.all((px > 0.0) & (px < (SIZE[0] - 1, SIZE[1] - 1)), axis=-1)
+    inside[:, np.count_nonzero(inside, axis=0) < 3] = False
+    view, point = np.nonzero(inside)
+    noisy = px[view, point] + 0.2 * rng.standard_normal((len(view), 2))
+    wild = rng.choice(len(noisy), len(noisy) // 30, replace=False)
+    noisy[wild] += rng.uniform(-60.0, 60.0, (len(wild), 2))
+    known, which = np.unique(point, return_inverse=True)
+    start = PointState(
+        RADIAL,
+        np.array([700.0 * wrong, 479.5, 269.5, 0.0, 0.0]),
+        poses[0].inverse() @ poses,
+        poses[0].inverse().apply(points[known]) * [1.0, 1.0, wrong],
+    )
+    found = fit_points(PointSightings(SIZE, view, which, noisy), start)
+    sigma = np.sqrt(np.diag(found.covariance))
+    error = found.state.numbers - [700.0, 484.0, 266.0, 0.06, -0.08]
+    assert abs(error[0]) < 0.005 * 700.0
+    assert np.all(np.abs(error) < 5.0 * sigma + [0.1, 0.1, 0.1, 1e-4, 1e-4])
+    assert found.noise_px == pytest.approx(0.2, rel=0.2)
+
+
+def turned_pictures(count: int) -> list[np.ndarray]:
+    """What a camera sees of a far noisy wall while it only turns: exact homographies."""
+    rng = np.random.default_rng(9)
+    wall = cv2.GaussianBlur(rng.integers(0, 255, (1500, 2600)).astype(np.float32), (0, 0), 2.5)
+    wall = cv2.normalize(wall, None, 0, 255, cv2.NORM_MINMAX).astype(np.uint8)
+    matrix = Camera(640, 480, 560.0, 560.0, 319.5, 239.5).matrix
+    of_wall = np.array([[560.0, 0.0, 1300.0], [0.0, 560.0, 750.0], [0.0, 0.0, 1.0]])
+    pictures = []
+    for at in np.linspace(0.0, 2.0, count):
+        turn = Rotor.from_rotation_vector(
+            [0.2 * np.sin(2.0 * at), 0.35 * np.sin(1.5 * at), 0.1 * at]
+        )
+        warp = matrix @ turn.as_matrix().T @ np.linalg.inv(of_wall)
+        pictures.append(cv2.warpPerspective(wall, warp, (640, 480)))
+    return pictures
+
+
+def test_a_camera_that_only_turns_is_refused_and_its_focal_length_told() -> None:
+    pictures = turned_pictures(40)
+    with pytest.raises(SelfCalibrationError, match="only turns") as refused:
+        self_calibrate_motion(pictures, (640, 480), np.arange(40) * 33_333_333)
+    told = float(str(refused.value).split("length of about ")[1].split()[0])
+    assert told == pytest.approx(560.0, rel=0.1)
+
+
+def test_pictures_of_another_size_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"pictures\[0\]: expected 64 x 48 pixels, got 48 x 64"):
+        self_calibrate_motion([np.zeros((64, 48), np.uint8)], (64, 48), [0])
+
+
+def test_a_camera_that_stands_still_is_refused() -> None:
+    still = turned_pictures(1) * 12
+    with pytest.raises(SelfCalibrationError, match="stands still"):
+        self_calibrate_motion(still, (640, 480), np.arange(12) * 33_333_333)

@@ -1,0 +1,129 @@
+"""Self-calibration from a board of known layout; its size need not be known.
+
+Sources: Zhang 2000 (views of a plane fix the lens), Hartley & Zisserman 2003, ch. 8.8.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from motorcade.ga import Motor
+from motorcade.ga.arrays import IntArray
+from motorcade.tracking.boards.corners import BoardCorners
+from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.markers.corner_stream import checked_stamps
+from motorcade.tracking.pose import TrackingError, planar_candidates, refine
+from motorcade.tracking.self_calibration.bodies import (
+    LEAST_VIEWS,
+    BodySightings,
+    BodyState,
+    spread_runs,
+)
+from motorcade.tracking.self_calibration.choosing import calibration_of, choose_lens
+from motorcade.tracking.self_calibration.homographies import focal_from_planes
+from motorcade.tracking.self_calibration.lens import PINHOLE, start_numbers
+from motorcade.tracking.self_calibration.result import SelfCalibration, SelfCalibrationError
+
+_MOST_CORNERS = 6_000
+_MOST_VIEWS = 300
+_BAD_VIEW = 4.0  # times the median error of a view's own best pose
+
+
+def self_calibrate_board(
+    views: Sequence[BoardCorners | None], size: tuple[int, int], time_ns: Sequence[int] | IntArray
+) -> SelfCalibration:
+    """Find the camera of a clip from a board that it shows.
+
+    Args:
+        views: of each frame the board's corners, None where it is not seen; every frame of the
+            clip if there is time, neighbours at least, since a rolling shutter is told by how fast
+            the camera moved. The unit of the board's lengths does not matter.
+        size: width and height of the pictures, pixels.
+        time_ns: ``(F,)`` stamps of all frames, strictly increasing.
+
+    Raises:
+        SelfCalibrationError: too few frames with the board, or frames from which the focal length
+            does not follow (the board always at one angle, or far away).
+        ValueError: stamps and views that do not agree.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor, Rotor
+    >>> from motorcade.tracking import Camera, Checkerboard, self_calibrate_board
+    >>> from motorcade.tracking.boards import BoardCorners
+    >>> camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
+    >>> points = Checkerboard(6, 5, 1.0).points_m
+    >>> views = []
+    >>> for step in range(12):
+    ...     turn = Rotor.from_rotation_vector([0.4 * np.sin(step), 0.4 * np.cos(step), 0.0])
+    ...     face_down = turn @ Rotor.from_rotation_vector([np.pi, 0.0, 0.0])
+    ...     pose = Motor.from_rotor_translation(face_down, [-2.5, -2.0, 10.0])
+    ...     views.append(BoardCorners(np.arange(30), camera.project(pose.apply(points)), points))
+    >>> found = self_calibrate_board(views, (640, 480), 100_000_000 * np.arange(12))
+    >>> round(found.camera.fx, 2), found.camera.model
+    (500.0, 'pinhole')
+    """
+    stamps = checked_stamps(np.asarray(time_ns), "time_ns")
+    if len(stamps) != len(views):
+        raise ValueError(f"time_ns: expected {len(views)} stamps, one a view, got {len(stamps)}")
+    shown = [k for k, view in enumerate(views) if view is not None and view.spanning]
+    if len(shown) < LEAST_VIEWS:
+        raise SelfCalibrationError(
+            f"views: expected at least {LEAST_VIEWS} frames that show the board, got "
+            f"{len(shown)} of {len(views)}"
+        )
+    few = np.asarray(shown)[spread_runs(len(shown), _MOST_VIEWS)]
+    kept = [(int(k), view) for k in few if (view := views[int(k)]) is not None]
+    focal = focal_from_planes([(view.points_m, view.corners_px) for _, view in kept], size)
+    camera = PINHOLE.camera(start_numbers(focal, size), size)
+    posed = [(row, view, *_posed(view, camera)) for row, view in kept]
+    errors = np.array([error for *_, error in posed])
+    good = errors <= _BAD_VIEW * np.median(errors)
+    kept_views = [one for one, fine in zip(posed, good, strict=True) if fine]
+    if len(kept_views) < LEAST_VIEWS or not np.isfinite(errors[good]).all():
+        raise SelfCalibrationError("views: expected corners that some camera explains, got none")
+    every = max(1, sum(len(view) for _, view, *_ in kept_views) // _MOST_CORNERS + 1)
+    seen = _sightings(kept_views, stamps, size, every)
+    start = BodyState(
+        PINHOLE,
+        start_numbers(focal, size),
+        np.zeros(2),
+        Motor.stack([pose for *_, pose, _ in kept_views]),
+        Motor.identity((1,)),
+    )
+    return calibration_of(choose_lens(seen, start, readout=True), seen, "board")
+
+
+def _posed(view: BoardCorners, camera: Camera) -> tuple[Motor, float]:
+    """The camera's better pose, refined, and its error; infinite where there is none."""
+    try:
+        pose = refine(view, camera, planar_candidates(view, camera).world_T_camera[0])
+    except TrackingError:
+        return Motor.identity(), np.inf
+    return pose.world_T_camera, pose.error_px
+
+
+def _sightings(
+    views: Sequence[tuple[int, BoardCorners, Motor, float]],
+    stamps: IntArray,
+    size: tuple[int, int],
+    every: int,
+) -> BodySightings:
+    """All views as one body's; of each view every `every`-th corner, from another on each time."""
+    rows = [
+        np.arange(k % every, len(view), every) if len(view) >= 4 * every else np.arange(len(view))
+        for k, (_, view, *_) in enumerate(views)
+    ]
+    points = [view.points_m[part] for part, (_, view, *_) in zip(rows, views, strict=True)]
+    px = [view.corners_px[part] for part, (_, view, *_) in zip(rows, views, strict=True)]
+    number = np.repeat(np.arange(len(views)), [len(one) for one in points])
+    time_s = 1e-9 * (stamps[[row for row, *_ in views]] - stamps[0])
+    return BodySightings(
+        size,
+        time_s,
+        number,
+        np.zeros(len(number), np.int64),
+        np.concatenate(points),
+        np.concatenate(px),
+    )

@@ -1,0 +1,272 @@
+"""Least squares over a camera, where it stood, and rigid bodies with known points that it saw.
+
+A board is one body; markers of unknown layout are one body each. All views are fitted at once; a
+rolling shutter bends each view by its own velocity, which follows from the views beside it. Views
+are eliminated (`BlockEquations`), so a step costs time in proportion to the corners.
+
+Sources: Triggs et al. 2000 (bundle adjustment); Zhang 2000 (a camera from planes); Hedborg et al.
+2012 (rolling shutter: a velocity a view, first order in the line's time).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.tracking.cameras.camera import by_twist
+from motorcade.tracking.optimise import BlockEquations, PairIndex, huber, sum_by
+from motorcade.tracking.self_calibration.lens import LensKind
+
+_READOUT_SIGMA_S = 0.03
+"""No sensor reads a picture for longer than its frame at 30 Hz lasts."""
+_NEIGHBOUR_S = 0.11
+_WIDTH = 6
+LEAST_VIEWS = 5
+"""Fewer frames leave no halves to hold against each other."""
+
+
+@dataclass(frozen=True, eq=False)
+class BodySightings:
+    """Corners of bodies in views, sorted by view, then body.
+
+    Fields:
+        size: width and height of the pictures.
+        time_s: ``(V,)`` rising.
+        view, body: ``(N,)`` of each corner; every view and every body has some.
+        points: ``(N, 3)`` in the body's frame, in any unit of length.
+        px: ``(N, 2)``.
+    """
+
+    size: tuple[int, int]
+    time_s: FloatArray
+    view: IntArray
+    body: IntArray
+    points: FloatArray
+    px: FloatArray
+
+    def only(self, views: IntArray) -> BodySightings:
+        """Some views ``(v,)``, rising; bodies keep their numbers."""
+        rows = np.isin(self.view, views)
+        return BodySightings(
+            self.size,
+            self.time_s[views],
+            np.searchsorted(views, self.view[rows]),
+            self.body[rows],
+            self.points[rows],
+            self.px[rows],
+        )
+
+    @cached_property
+    def starts(self) -> IntArray:
+        """The first corner of each view."""
+        return np.searchsorted(self.view, np.arange(len(self.time_s)))
+
+    @cached_property
+    def line(self) -> FloatArray:
+        """``(N, 2)`` where in the picture a corner lies, across and down: -1/2 to 1/2."""
+        return (self.px + 0.5) / self.size - 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class BodyState:
+    """What is estimated.
+
+    Fields:
+        kind: the lens model.
+        numbers: ``(3 + terms,)`` of the lens.
+        readout_s: ``(2,)`` seconds from left edge to right, and from upper to lower.
+        world_T_camera: Motor ``(V,)``.
+        world_T_body: Motor ``(B,)``; the first is the world.
+    """
+
+    kind: LensKind
+    numbers: FloatArray
+    readout_s: FloatArray
+    world_T_camera: Motor
+    world_T_body: Motor
+
+
+def velocities(time_s: FloatArray, world_T_camera: Motor) -> FloatArray:
+    """Twist ``(V, 6)`` per second of each view, in its own frame; 0 without near neighbours."""
+    found = np.zeros((len(time_s), 6))
+    if len(time_s) < 2:
+        return found
+    every = np.arange(len(time_s))
+    before, after = np.maximum(every - 1, 0), np.minimum(every + 1, len(time_s) - 1)
+    far = _NEIGHBOUR_S
+    before = np.where(time_s - time_s[before] > far, every, before)
+    after = np.where(time_s[after] - time_s > far, every, after)
+    moving = np.flatnonzero(after > before)
+    if len(moving):
+        one, other = world_T_camera[before[moving]], world_T_camera[after[moving]]
+        gap_s = (time_s[after] - time_s[before])[moving]
+        found[moving] = one.local(other) / gap_s[:, None]
+    return found
+
+
+@dataclass(frozen=True)
+class Freedom:
+    """What may move beside the views, and how far corners count in full.
+
+    Fields:
+        lens: its numbers; readout: of the shutter; bodies: all but the first.
+        limit_px: beyond it a corner counts less (Huber).
+        noise_px: of a corner, against which what is expected of the lens is weighed.
+    """
+
+    lens: bool
+    readout: bool
+    bodies: bool
+    limit_px: float
+    noise_px: float
+
+
+class BodyReprojection:
+    """All corners against their reprojection; infinite cost where no camera is like that."""
+
+    def __init__(
+        self, seen: BodySightings, velocity: FloatArray, free: Freedom, state: BodyState
+    ) -> None:
+        self._seen, self._state, self._free = seen, state, free
+        self.cost = np.inf
+        if not (np.isfinite(state.numbers).all() and state.numbers[0] > 0.0):
+            return
+        self._camera = state.kind.camera(state.numbers, seen.size)
+        camera_T_body = state.world_T_camera.inverse()[seen.view] @ state.world_T_body[seen.body]
+        self._camera_R_body = camera_T_body.rotor.as_matrix()
+        still = camera_T_body.apply(seen.points)
+        turn, shift = velocity[seen.view, :3], velocity[seen.view, 3:]
+        late_s = (seen.line @ state.readout_s)[:, None]
+        moves = np.cross(still, turn) - shift
+        self._by_time = moves + late_s * np.cross(moves, turn)
+        self._in_camera = still + late_s * (moves + 0.5 * late_s * np.cross(moves, turn))
+        self._pixels, self._by_point = self._camera.project_jacobian(self._in_camera)
+        self.residuals_px: FloatArray = self._pixels - seen.px
+        loss, self.weight = huber(np.linalg.norm(self.residuals_px, axis=-1), free.limit_px)
+        self._away, self._expected = self._prior()
+        cost = float(loss.sum() + 0.5 * (self._expected * self._away**2).sum())
+        self.cost = cost if np.isfinite(cost) else np.inf
+
+    @property
+    def starts(self) -> IntArray:
+        """The first corner of each view."""
+        return self._seen.starts
+
+    def _prior(self) -> tuple[FloatArray, FloatArray]:
+        """How far the numbers are from what is expected, and the weight of that."""
+        mean, information = self._state.kind.prior(self._seen.size)
+        away = np.concatenate([self._state.numbers - mean, self._state.readout_s])
+        both = np.concatenate([information, np.full(2, _READOUT_SIGMA_S**-2.0)])
+        return away, both * self._free.noise_px**2
+
+    @cached_property
+    def free_numbers(self) -> IntArray:
+        """Which of the lens's numbers and the readout's two move."""
+        lens = len(self._state.numbers)
+        return np.flatnonzero([self._free.lens] * lens + [self._free.readout] * 2)
+
+    @cached_property
+    def by_shared(self) -> FloatArray:
+        """Derivative ``(N, 2, 6 g)`` by the free numbers, filled up with zeros to groups of six."""
+        seen, free = self._seen, self.free_numbers
+        by_lens = self._state.kind.by_numbers(self._camera, self._in_camera, self._pixels)
+        by_time = np.einsum("nij,nj->ni", self._by_point, self._by_time)
+        by_readout = by_time[:, :, None] * seen.line[:, None, :]
+        every = np.concatenate([by_lens, by_readout], axis=-1)[..., free]
+        filled = np.zeros((len(seen.px), 2, -(-len(free) // _WIDTH) * _WIDTH))
+        filled[..., : len(free)] = every
+        return filled
+
+    @cached_property
+    def by_view(self) -> FloatArray:
+        """Derivative ``(N, 2, 6)`` by the twist of each corner's view."""
+        return by_twist(self._in_camera, self._by_point)
+
+    @cached_property
+    def equations(self) -> BlockEquations:
+        """Groups: the free numbers in sixes, then every body but the first; blocks: the views."""
+        seen = self._seen
+        by_view = self.by_view
+        pull = (by_view * self.weight[:, None, None]).swapaxes(-1, -2)
+        information, gradient = self._shared()
+        wide = len(gradient)
+        groups, views = wide // _WIDTH, np.arange(len(seen.starts))
+        met = np.add.reduceat(pull @ self.by_shared, seen.starts, axis=0)
+        block_of, group_of = np.repeat(views, groups), np.tile(np.arange(groups), len(views))
+        met = met.reshape(len(views), 6, groups, 6).swapaxes(1, 2)
+        coupling = met.reshape(len(views) * groups, 6, 6)
+        if self._free.bodies and self._state.world_T_body.shape[0] > 1:
+            index, by_body = self._body_pairs()
+            others = np.zeros((wide + self._body_width, wide + self._body_width))
+            others[:wide, :wide] = information
+            information, gradient = others, np.append(gradient, np.zeros(self._body_width))
+            self._add_bodies(by_body, information, gradient, wide)
+            rows = seen.body > 0
+            block_of = np.concatenate([block_of, index.rows])
+            group_of = np.concatenate([group_of, groups + index.columns])
+            coupling = np.concatenate([coupling, index.sums(pull[rows] @ by_body[rows])])
+        return BlockEquations(
+            information,
+            gradient,
+            np.add.reduceat(pull @ by_view, seen.starts, axis=0),
+            np.add.reduceat((pull @ self.residuals_px[..., None])[..., 0], seen.starts, axis=0),
+            block_of,
+            group_of,
+            coupling,
+        )
+
+    def _shared(self) -> tuple[FloatArray, FloatArray]:
+        """Information and gradient of the free numbers."""
+        pull, free = self.by_shared * self.weight[:, None, None], self.free_numbers
+        flat = pull.reshape(2 * len(pull), -1) if pull.size else np.zeros((2 * len(pull), 0))
+        information = flat.T @ self.by_shared.reshape(flat.shape)
+        gradient = flat.T @ self.residuals_px.ravel()
+        own = np.arange(len(free))
+        information[own, own] += self._expected[free]
+        gradient[own] += self._expected[free] * self._away[free]
+        return information, gradient
+
+    @property
+    def _body_width(self) -> int:
+        return (int(self._state.world_T_body.shape[0]) - 1) * _WIDTH
+
+    def _body_pairs(self) -> tuple[PairIndex, FloatArray]:
+        """Which view sees which body (but the first), and the derivative by each corner's body."""
+        seen = self._seen
+        by_body = -by_twist(seen.points, self._by_point @ self._camera_R_body)
+        rows = seen.body > 0
+        return PairIndex(seen.view[rows], seen.body[rows] - 1), by_body
+
+    def _add_bodies(
+        self, by_body: FloatArray, information: FloatArray, gradient: FloatArray, wide: int
+    ) -> None:
+        """Put the bodies behind the `wide` free numbers."""
+        seen = self._seen
+        pull = (by_body * self.weight[:, None, None]).swapaxes(-1, -2)
+        bodies = int(self._state.world_T_body.shape[0])
+        own = sum_by(pull @ by_body, seen.body, bodies)[1:]
+        across = sum_by(pull @ self.by_shared, seen.body, bodies)[1:]
+        push = sum_by((pull @ self.residuals_px[..., None])[..., 0], seen.body, bodies)[1:]
+        for body in range(bodies - 1):
+            place = slice(wide + body * _WIDTH, wide + (body + 1) * _WIDTH)
+            information[place, place] = own[body]
+            information[place, :wide] = across[body]
+            information[:wide, place] = across[body].T
+            gradient[place] = push[body]
+
+
+def spread_runs(count: int, most: int) -> IntArray:
+    """At most `most` of `count` frames, in runs of three neighbours that are spread evenly.
+
+    >>> from motorcade.tracking.self_calibration.bodies import spread_runs
+    >>> spread_runs(12, 6)
+    array([ 0,  1,  2,  9, 10, 11])
+    """
+    if count <= most:
+        return np.arange(count)
+    firsts = np.linspace(0, count - 3, max(most // 3, 1)).astype(np.int64)
+    return np.unique(firsts[:, None] + np.arange(3))

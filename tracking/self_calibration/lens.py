@@ -1,0 +1,98 @@
+"""The lens models that a clip is tried with, as few numbers, and back to a camera.
+
+Pixels are square and a phone's lens is round, so one focal length, the centre and up to three
+radial terms are asked for: more follow the noise where corners do not reach the picture's edges.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.ga.arrays import FloatArray
+from motorcade.tracking.cameras import lenses
+from motorcade.tracking.cameras.camera import Camera, CameraModel
+
+CENTRE_SHARE = 0.02
+"""Standard deviation, in long sides, of a lens's centre about the picture's before it is measured:
+pictures are cut from the middle of the sensor, to a per cent or two."""
+_TERM = 1.0
+_PLAIN = 3  # focal length and centre stand before the lens's terms
+
+
+@dataclass(frozen=True)
+class LensKind:
+    """A lens model with `terms` free radial terms, the others zero."""
+
+    name: str
+    model: CameraModel
+    terms: int
+
+    def camera(self, numbers: FloatArray, size: tuple[int, int]) -> Camera:
+        """The camera of numbers ``(3 + terms,)`` or more: focal length, centre, terms (pixels)."""
+        focal, cx, cy, *terms = numbers[: _PLAIN + self.terms].tolist()
+        return Camera(*size, focal, focal, cx, cy, self.model, self._distortion(terms))
+
+    def _distortion(self, terms: list[float]) -> tuple[float, ...]:
+        if self.model == "pinhole":
+            return ()
+        if self.model == "equidistant":
+            return tuple(terms) + (0.0,) * (4 - len(terms))
+        first = [*terms, 0.0, 0.0][:2]
+        return tuple(first) if self.terms <= 2 else (*first, 0.0, 0.0, terms[2])
+
+    def start(self, like: FloatArray, terms_like: int) -> FloatArray:
+        """Numbers to start from, given those of another kind with `terms_like` terms."""
+        numbers = np.zeros(_PLAIN + self.terms)
+        kept = _PLAIN + min(self.terms, terms_like)
+        numbers[:kept] = like[:kept]
+        return numbers
+
+    def prior(self, size: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
+        """What is expected of the numbers, and the information of that: centre and terms."""
+        width, height = size
+        mean = np.zeros(_PLAIN + self.terms)
+        mean[1:3] = 0.5 * (width - 1), 0.5 * (height - 1)
+        information = np.full(len(mean), _TERM**-2)
+        information[0] = 0.0
+        information[1:3] = (CENTRE_SHARE * max(size)) ** -2.0
+        return mean, information
+
+    def by_numbers(self, camera: Camera, in_camera: FloatArray, px: FloatArray) -> FloatArray:
+        """Derivative ``(n, 2, 3 + terms)`` of pixels by the numbers, in which models are linear.
+
+        Args:
+            camera: of which numbers.
+            in_camera: ``(n, 3)`` points.
+            px: ``(n, 2)`` where they are seen.
+        """
+        columns = np.zeros((len(px), 2, _PLAIN + self.terms))
+        columns[:, :, 0] = (px - (camera.cx, camera.cy)) / camera.fx
+        columns[:, 0, 1] = columns[:, 1, 2] = 1.0
+        if not self.terms:
+            return columns
+        length = 8 if self.model == "radtan" else 4
+        plain = lenses.distort(self.model, np.zeros(length), in_camera)
+        for term in range(self.terms):
+            one = np.zeros(length)
+            one[4 if self.model == "radtan" and term == 2 else term] = 1.0
+            bent = lenses.distort(self.model, one, in_camera) - plain
+            columns[:, :, _PLAIN + term] = camera.fx * bent
+        return columns
+
+
+PINHOLE = LensKind("pinhole", "pinhole", 0)
+KINDS = (
+    PINHOLE,
+    LensKind("radtan with k1", "radtan", 1),
+    LensKind("radtan with k1 k2", "radtan", 2),
+    LensKind("equidistant with k1 k2", "equidistant", 2),
+    LensKind("radtan with k1 k2 k3", "radtan", 3),
+)
+"""From the simplest on."""
+
+
+def start_numbers(focal: float, size: tuple[int, int]) -> FloatArray:
+    """Numbers ``(3,)`` of a pinhole with its centre in the middle of the picture."""
+    return np.array([focal, 0.5 * (size[0] - 1), 0.5 * (size[1] - 1)])

@@ -1,0 +1,214 @@
+"""Least squares over a camera, where it stood, and points of a scene that nobody knows.
+
+Points are eliminated (`BlockEquations`), so a step costs time in proportion to what was seen and
+with the cube of the poses. Nothing fixes the unit of length; the damping leaves it where it was.
+
+Sources: Triggs et al. 2000; Hartley & Zisserman 2003, ch. 19 (a moving camera).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+
+import numpy as np
+
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.tracking.cameras.camera import reproject
+from motorcade.tracking.optimise import (
+    BlockEquations,
+    Stop,
+    huber_cauchy,
+    minimise,
+    pair_sums,
+    sum_by,
+)
+from motorcade.tracking.self_calibration.lens import LensKind
+
+_STOP = Stop(steps=30, gain=1e-5)
+_WIDTH = 6
+_LIMIT, _OUTLIER = 2.0, 6.0  # of the noise of a coordinate
+_MEDIAN_OF_TWO = float(np.sqrt(2.0 * np.log(2.0)))
+_NOISE_FLOOR_PX = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class PointSightings:
+    """Points in views.
+
+    Fields:
+        size: width and height of the pictures.
+        view, point: ``(N,)`` of each sighting; a pair stands once, each has some.
+        px: ``(N, 2)``.
+    """
+
+    size: tuple[int, int]
+    view: IntArray
+    point: IntArray
+    px: FloatArray
+
+    def only(self, rows: IntArray) -> PointSightings:
+        """Some sightings; views and points keep their numbers."""
+        return replace(self, view=self.view[rows], point=self.point[rows], px=self.px[rows])
+
+
+@dataclass(frozen=True, eq=False)
+class PointState:
+    """What is estimated.
+
+    Fields:
+        kind: the lens model; numbers: ``(3 + terms,)`` of the lens.
+        world_T_camera: Motor ``(V,)``, the first of which stays.
+        points: ``(P, 3)`` world.
+    """
+
+    kind: LensKind
+    numbers: FloatArray
+    world_T_camera: Motor
+    points: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class PointFit:
+    """A state that is least squares.
+
+    Fields:
+        state: where it ended.
+        residuals_px: ``(N, 2)`` reprojection minus sighting; infinite behind the camera.
+        noise_px: of a coordinate, by the median.
+        covariance: ``(3 + terms, 3 + terms)`` of the lens's numbers, for independent sightings.
+    """
+
+    state: PointState
+    residuals_px: FloatArray
+    noise_px: float
+    covariance: FloatArray
+
+
+class _Reprojection:
+    """All sightings against their reprojection; those behind the camera count as far off."""
+
+    def __init__(self, seen: PointSightings, noise_px: float, state: PointState) -> None:
+        self._seen, self._state = seen, state
+        self.cost = np.inf
+        if not (np.isfinite(state.numbers).all() and state.numbers[0] > 0.0):
+            return
+        self._camera = state.kind.camera(state.numbers, seen.size)
+        poses = state.world_T_camera.inverse()[seen.view]
+        self._turn = poses.rotor.as_matrix()
+        in_camera = poses.apply(state.points[seen.point])
+        before = in_camera[:, 2] > 1e-6
+        self._in_camera = np.where(before[:, None], in_camera, [0.0, 0.0, 1.0])
+        self._pixels, self._by_pose, self._by_point = reproject(self._camera, self._in_camera)
+        far = np.full(2, 1e4)
+        self.residuals_px: FloatArray = np.where(before[:, None], self._pixels - seen.px, far)
+        limit, outlier = _LIMIT * noise_px, _OUTLIER * noise_px
+        size = np.linalg.norm(self.residuals_px, axis=-1)
+        loss, weight = huber_cauchy(size, limit, outlier)
+        self._weight = np.where(before, weight, 0.0)
+        mean, information = state.kind.prior(seen.size)
+        self._away, self._expected = state.numbers - mean, information * noise_px**2
+        cost = float(loss.sum() + 0.5 * (self._expected * self._away**2).sum())
+        self.cost = cost if np.isfinite(cost) else np.inf
+
+    @cached_property
+    def equations(self) -> BlockEquations:
+        """Groups: the lens's numbers, filled up to sixes, then every view but the first."""
+        seen, count = self._seen, len(self._state.numbers)
+        groups = -(-count // _WIDTH)
+        by_lens = np.zeros((len(seen.px), 2, groups * _WIDTH))
+        by_lens[..., :count] = self._state.kind.by_numbers(
+            self._camera, self._in_camera, self._pixels
+        )
+        by_world = self._by_point @ self._turn
+        weight, residual = self._weight[:, None, None], self.residuals_px[..., None]
+        pull_lens, pull_pose, pull_world = (
+            (weight * by).swapaxes(-1, -2) for by in (by_lens, self._by_pose, by_world)
+        )
+        points, moving = len(self._state.points), seen.view > 0
+        information, gradient = self._kept(by_lens, pull_lens, pull_pose, residual)
+        every, point = np.arange(points), seen.point
+        blocks = sum_by(pull_world @ by_world, point, points)
+        push = sum_by((pull_world @ residual)[..., 0], point, points)
+        met = sum_by(pull_world @ by_lens, point, points).reshape(points, 3, groups, _WIDTH)
+        rows, columns, across = pair_sums(
+            (pull_world @ self._by_pose)[moving], point[moving], seen.view[moving] - 1
+        )
+        return BlockEquations(
+            information,
+            gradient,
+            blocks,
+            push,
+            np.concatenate([np.repeat(every, groups), rows]),
+            np.concatenate([np.tile(np.arange(groups), points), groups + columns]),
+            np.concatenate([met.swapaxes(1, 2).reshape(-1, 3, _WIDTH), across]),
+        )
+
+    def _kept(
+        self,
+        by_lens: FloatArray,
+        pull_lens: FloatArray,
+        pull_pose: FloatArray,
+        residual: FloatArray,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Information and gradient of lens and views."""
+        seen, views = self._seen, int(self._state.world_T_camera.shape[0])
+        wide, count = by_lens.shape[-1], len(self._state.numbers)
+        information = np.zeros((wide + (views - 1) * _WIDTH,) * 2)
+        gradient = np.zeros(len(information))
+        information[:wide, :wide] = (pull_lens @ by_lens).sum(axis=0)
+        gradient[:wide] = (pull_lens @ residual)[..., 0].sum(axis=0)
+        own = np.arange(count)
+        information[own, own] += self._expected
+        gradient[own] += self._expected * self._away
+        blocks = sum_by(pull_pose @ self._by_pose, seen.view, views)
+        across = sum_by(pull_pose @ by_lens, seen.view, views)
+        push = sum_by((pull_pose @ residual)[..., 0], seen.view, views)
+        for view in range(1, views):
+            place = slice(wide + (view - 1) * _WIDTH, wide + view * _WIDTH)
+            information[place, place] = blocks[view]
+            information[place, :wide] = across[view]
+            information[:wide, place] = across[view].T
+            gradient[place] = push[view]
+        return information, gradient
+
+
+def fit_points(seen: PointSightings, start: PointState) -> PointFit:
+    """Minimise the reprojection error over lens, views and points; wrong matches hardly count.
+
+    Raises:
+        ValueError: a start from which nothing is seen.
+    """
+    state, noise_px = start, _noise_px(_Reprojection(seen, 1.0, start).residuals_px)
+    for _ in range(3):
+        evaluate = partial(_Reprojection, seen, noise_px)
+        found = minimise(state, evaluate, _retract, _STOP)
+        state, before = found.state, noise_px
+        noise_px = _noise_px(found.evaluation.residuals_px)
+        if abs(noise_px - before) < 0.05 * before:
+            break
+    at, count = found.evaluation, len(state.numbers)
+    inverse = np.linalg.inv(at.equations.reduced_information)[:count, :count]
+    covariance = np.asarray(noise_px**2 * inverse, np.float64)
+    return PointFit(state, at.residuals_px, noise_px, covariance)
+
+
+def _noise_px(residuals_px: FloatArray) -> float:
+    median = float(np.median(np.linalg.norm(residuals_px, axis=-1)))
+    if not np.isfinite(median):
+        raise ValueError("start: expected points before their cameras")
+    return max(median / _MEDIAN_OF_TWO, _NOISE_FLOOR_PX)
+
+
+def _retract(state: PointState, step: tuple[FloatArray, FloatArray]) -> PointState:
+    groups, points = step
+    count = len(state.numbers)
+    wide = -(-count // _WIDTH)
+    poses = np.concatenate([np.zeros((1, _WIDTH)), groups[wide:]])
+    return replace(
+        state,
+        numbers=state.numbers + groups[:wide].ravel()[:count],
+        world_T_camera=state.world_T_camera.retract(poses),
+        points=state.points + points,
+    )
