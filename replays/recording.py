@@ -1,9 +1,9 @@
 """A recording of one camera, whatever its layout: frames, IMU, calibration and ground truth.
 
 Conventions: stamps in integer nanoseconds, OpenCV camera axes, poses named `world_T_camera`,
-images uint8 in RGB order or grey as the file has them, pixels as stored (a rotation noted in EXIF
-or in a video's metadata is not applied: calibrations are given for the sensor's own axes), depth
-in metres with NaN where the sensor saw nothing (stored 0 or 65535).
+images uint8 in RGB order or grey as the file has them, upright (turned as EXIF or a video's display
+matrix says; the camera is that of the upright pictures), depth in metres with NaN where the sensor
+saw nothing (stored 0 or 65535).
 """
 
 from __future__ import annotations
@@ -145,10 +145,10 @@ class Recording:
     Fields:
         name: for people; the folder's name unless a manifest says otherwise.
         root: the folder, or the video file.
-        layout: "euroc", "seven_scenes", "tum_rgbd", "kitti", "tagslam", "ros", "images", "video"
-            or "synthetic".
+        layout: "euroc", "seven_scenes", "tum_rgbd", "kitti", "tagslam", "ros", "images",
+            "pictures", "video" or "synthetic".
         frames: the pictures.
-        camera: intrinsics, of the pictures' size.
+        camera: intrinsics, of the upright pictures' size.
         readout_s: from the first row of a picture to the last, whose middle row is read at the
             stamp (rolling shutter); 0 for a global one.
         baseline_m: how far to its right the camera of the frames' right pictures stands.
@@ -157,6 +157,8 @@ class Recording:
         odometry: a recorded odometry's path, None without.
         board: a board in view, and where it stands in the world (identity: it is the world).
         markers: markers in view that are no board.
+        metric: False where nobody knows how large board or markers are: their lengths are then
+            ratios, and so are those of poses that they give.
         slam_map: a saved map of the place, which visual SLAM goes on in.
         truth: world_T_camera. Its stamps need not be the frames' own, nor cover all of them.
         settings: knobs of the pipeline that suit this recording, each "stage.knob=value".
@@ -197,6 +199,7 @@ class Recording:
     baseline_m: float | None = None
     odometry: Odometry | None = None
     readout_s: float = 0.0
+    metric: bool = True
 
     def __post_init__(self) -> None:
         if len(self.frames) == 0:
@@ -281,6 +284,8 @@ class Recording:
         yield "damaged", repr(self.damaged).encode()
         if self.baseline_m is not None:
             yield "baseline", repr(self.baseline_m).encode()
+        if not self.metric:
+            yield "metric", b"false"
         yield "frame stamps", _bytes(self.frames.time_ns)
         if self.readout_s:
             yield "readout", repr(self.readout_s).encode()

@@ -12,20 +12,22 @@ import numpy as np
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.errors import RecordingError, refusal
 from motorcade.replays.files.atomic import write_bytes
+from motorcade.replays.readers.frames.exif import picture_orientation
 from motorcade.replays.readers.frames.files import pictures_in
-from motorcade.replays.readers.frames.pictures import SUFFIXES, read_gray
+from motorcade.replays.readers.frames.pictures import SUFFIXES, decode_gray, read_picture_bytes
 from motorcade.replays.readers.manifest.section import camera_toml
 from motorcade.replays.recording import Frame, ImageArray
 from motorcade.tracking import Board, Calibration, CalibrationError, calibrate
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.calibrate import spread_views
 from motorcade.tracking.cameras.camera import CameraModel
+from motorcade.tracking.cameras.orientation import AS_STORED, PictureOrientation
 
 # Frames of a video that are searched, and views that are fitted: more hardly change the result.
 _MOST_FRAMES = 300
 _MOST_VIEWS = 60
 
-_Read = tuple[str, Callable[[tuple[int, int] | None], ImageArray]]
+_Read = tuple[str, Callable[[tuple[int, int] | None], tuple[ImageArray, PictureOrientation]]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +42,7 @@ class CalibrationRun:
         searched: how many pictures were read.
         found: in how many of them the board was found.
         unreadable: one line for each picture that could not be read.
+        orientation: how the pictures are stored, where all say the same.
     """
 
     calibration: Calibration
@@ -49,6 +52,7 @@ class CalibrationRun:
     searched: int
     found: int
     unreadable: tuple[str, ...]
+    orientation: PictureOrientation = AS_STORED
 
 
 def calibrate_pictures(
@@ -76,15 +80,17 @@ def calibrate_pictures(
             raise refusal(path, "the file is missing")
     size: tuple[int, int] | None = None
     found: list[tuple[str, BoardCorners]] = []
+    held: set[PictureOrientation] = set()
     unreadable: list[str] = []
     searched = 0
     for name, read in _pictures(paths):
         try:
-            gray = read(size)
+            gray, orientation = read(size)
         except RecordingError as fault:
             unreadable.append(str(fault))
             continue
         size = gray.shape[1], gray.shape[0]
+        held.add(orientation)
         searched += 1
         view = board.detect(gray)
         if view is not None and view.spanning:
@@ -105,6 +111,7 @@ def calibrate_pictures(
         searched=searched,
         found=len(found),
         unreadable=tuple(unreadable),
+        orientation=held.pop() if len(held) == 1 else AS_STORED,
     )
 
 
@@ -119,14 +126,20 @@ def _pictures(paths: Sequence[Path]) -> Iterator[_Read]:
 
 
 def _picture(path: Path) -> _Read:
-    return str(path), lambda size: read_gray(path, None, size)
+    def read(size: tuple[int, int] | None) -> tuple[ImageArray, PictureOrientation]:
+        data = read_picture_bytes(path, None, size)
+        return decode_gray(path, data, None), picture_orientation(data)
+
+    return str(path), read
 
 
 def _video(path: Path) -> Iterator[_Read]:
     from motorcade.replays.readers.frames.video import VideoFrames
 
-    def reader(frame: Frame) -> Callable[[tuple[int, int] | None], ImageArray]:
-        return lambda _: frame.gray()
+    def reader(
+        frame: Frame,
+    ) -> Callable[[tuple[int, int] | None], tuple[ImageArray, PictureOrientation]]:
+        return lambda _: (frame.gray(), frames.orientation)
 
     frames = VideoFrames(path)
     count = min(len(frames), _MOST_FRAMES)
@@ -195,7 +208,7 @@ def write_calibration(run: CalibrationRun, path: Path) -> Path:
         "# standard deviations of fx fy cx cy and distortion: "
         f"{' '.join(f'{one:.2g}' for one in found.deviation)}\n"
     )
-    write_bytes(path, (said + camera_toml(camera)).encode())
+    write_bytes(path, (said + camera_toml(camera, run.orientation.degrees)).encode())
     picture = path.with_name(f"{path.stem}_coverage.png")
     title = f"{path.stem}: {found.rmse_px:.3f} px RMS, {found.coverage(run.views):.0%} of the cells"
     data = plot_coverage(

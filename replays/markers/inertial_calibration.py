@@ -19,6 +19,8 @@ from motorcade.fusion.camera_imu import CameraImuCalibration, calibrate_camera_i
 from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.files.atomic import write_bytes
+from motorcade.replays.readers.frames.files import PictureFrames
+from motorcade.replays.readers.frames.video import VideoFrames
 from motorcade.replays.readers.manifest.section import camera_toml
 from motorcade.replays.readers.opening import read_frames_of, read_imu_of
 from motorcade.replays.recording import FrameSequence
@@ -48,6 +50,7 @@ class InertialRun:
         searched: how many pictures were read; `seen.views` of them show the board.
         stated: the IMU's noise as given.
         rate_hz: of the IMU.
+        rotation_deg: by how much the pictures were turned clockwise to be upright.
     """
 
     found: CameraImuCalibration
@@ -56,6 +59,7 @@ class InertialRun:
     searched: int
     stated: ImuNoise
     rate_hz: float
+    rotation_deg: int = 0
 
 
 def calibrate_recording(
@@ -98,7 +102,8 @@ def calibrate_recording(
         )
     seen = measure_board(stamps, views, camera, size=size, model=model)
     found = calibrate_camera_imu(seen, stream, noise, gravity_m_s2=gravity_m_s2, search_s=search_s)
-    return InertialRun(found, seen, board, len(rows), noise, _rate_hz(stream))
+    turned = frames.orientation.degrees if isinstance(frames, VideoFrames | PictureFrames) else 0
+    return InertialRun(found, seen, board, len(rows), noise, _rate_hz(stream), turned)
 
 
 def _thinned(time_ns: IntArray) -> IntArray:
@@ -184,7 +189,7 @@ def _manifest(run: InertialRun, noise_file: str) -> str:
     lines = [f"# {found.poses} pictures of {run.board.name}, {found.span_s:.1f} s beside an IMU"]
     lines += [f"# not told by the motion: {one}" for one in found.untold]
     lines += [
-        camera_toml(found.camera),
+        camera_toml(found.camera, run.rotation_deg),
         "[imu]",
         f'noise_file = "{noise_file}"',
         f"clock_offset_s = {found.offset_s!r}",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,14 +12,21 @@ import cv2
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.errors import RecordingError
+from motorcade.replays.errors import RecordingError, refusal
 from motorcade.replays.files.atomic import write_bytes
-from motorcade.replays.readers.frames.pictures import read_gray
+from motorcade.replays.readers.frames.exif import picture_orientation
+from motorcade.replays.readers.frames.held import upright_camera
+from motorcade.replays.readers.frames.pictures import (
+    decode_gray,
+    picture_size,
+    read_picture_bytes,
+)
 from motorcade.replays.recording import ImageArray
 from motorcade.tracking import Camera, Detection, TrackingError, detect_markers, pose_marker
 from motorcade.tracking.checks import check_length
 from motorcade.tracking.markers.poses import PosedMarker
 
+_LOG = logging.getLogger("motorcade.replays")
 _OUTLINE, _FIRST, _DOUBTFUL = (0, 200, 0), (0, 0, 255), (0, 165, 255)  # blue, green, red
 _AXES = ((0, 0, 255), (0, 255, 0), (255, 0, 0))
 _SUBPIXEL_BITS = 4
@@ -26,7 +34,7 @@ _SUBPIXEL_BITS = 4
 
 @dataclass(frozen=True, eq=False)
 class MarkerPicture:
-    """The markers of one picture.
+    """The markers of one picture, upright.
 
     Fields:
         path: the file.
@@ -34,12 +42,14 @@ class MarkerPicture:
         detections: by rising id.
         posed: one for each detection where camera and size are known, else empty; None for a
             marker that has no pose (outside what the lens model covers).
+        camera: of the upright picture, where it is known.
     """
 
     path: Path
     gray: ImageArray
     detections: tuple[Detection, ...]
     posed: tuple[PosedMarker | None, ...] = ()
+    camera: Camera | None = None
 
 
 def markers_in(
@@ -47,14 +57,17 @@ def markers_in(
     family: str,
     camera: Camera | None = None,
     size_m: float | None = None,
+    rotation_deg: int | None = None,
 ) -> Iterator[MarkerPicture | RecordingError]:
     """Find the markers of picture files, one by one; a file that cannot be read gives its error.
 
     Args:
         paths: PNG, JPEG, BMP or PNM files, grey or colour, 8 or 16 bits.
         family: one of `tracking.FAMILIES`.
-        camera: undistorts lines; with `size_m` gives poses. The pictures must have its size.
+        camera: undistorts lines; with `size_m` gives poses. The pictures must have its size, as
+            shown or as stored.
         size_m: side of the markers' black square, metres.
+        rotation_deg: the axes that the camera is stated in (see `readers.frames.held`).
 
     Raises:
         ValueError: an unknown family, a size that is not above zero or is given without a camera.
@@ -63,18 +76,30 @@ def markers_in(
         raise ValueError("size_m: expected a camera with it, since poses need both, got none")
     if size_m is not None:
         check_length(size_m, "size_m")
-    size = None if camera is None else (camera.width, camera.height)
     for path in paths:
         try:
-            gray = read_gray(path, None, size)
+            data = read_picture_bytes(path, None, None)
+            taken_by = None if camera is None else _camera_of(path, data, camera, rotation_deg)
+            gray = decode_gray(path, data, None)
         except RecordingError as fault:
             yield fault
             continue
-        found = detect_markers(gray, family, camera)
+        found = detect_markers(gray, family, taken_by)
         posed: tuple[PosedMarker | None, ...] = ()
-        if camera is not None and size_m is not None:
-            posed = tuple(_posed(one, camera, size_m) for one in found)
-        yield MarkerPicture(path, gray, found, posed)
+        if taken_by is not None and size_m is not None:
+            posed = tuple(_posed(one, taken_by, size_m) for one in found)
+        yield MarkerPicture(path, gray, found, posed, taken_by)
+
+
+def _camera_of(path: Path, data: bytes, stated: Camera, rotation_deg: int | None) -> Camera:
+    """The camera of a picture as shown; says what it took for granted."""
+    try:
+        found = upright_camera(stated, rotation_deg, picture_size(data), picture_orientation(data))
+    except ValueError as fault:
+        raise refusal(path, str(fault)) from fault
+    if found.said:
+        _LOG.warning("%s: %s", path, found.said)
+    return found.camera
 
 
 def _posed(detection: Detection, camera: Camera, size_m: float) -> PosedMarker | None:
@@ -119,7 +144,7 @@ def _described_pose(posed: PosedMarker | None) -> dict[str, Any]:
     return {"candidates": candidates, "ambiguity": posed.ambiguity}
 
 
-def draw(picture: MarkerPicture, camera: Camera | None = None) -> ImageArray:
+def draw(picture: MarkerPicture) -> ImageArray:
     """The picture with outlines, ids, a dot on each printed top-left corner, and axes of poses.
 
     Outlines of corners that are not sharp are orange. Returns BGR ``(height, width, 3)``.
@@ -133,8 +158,8 @@ def draw(picture: MarkerPicture, camera: Camera | None = None) -> ImageArray:
         first = _fixed(one.corners_px)[0]
         cv2.circle(canvas, first.tolist(), 40, _FIRST, -1, cv2.LINE_AA, _SUBPIXEL_BITS)
         posed = picture.posed[index] if picture.posed else None
-        if camera is not None and posed is not None:
-            _draw_axes(canvas, posed, camera)
+        if picture.camera is not None and posed is not None:
+            _draw_axes(canvas, posed, picture.camera)
         _write_id(canvas, one)
     return np.asarray(canvas, np.uint8)
 
@@ -149,13 +174,13 @@ def drawing_names(paths: Sequence[Path]) -> list[str]:
     ]
 
 
-def write_drawing(picture: MarkerPicture, path: Path, camera: Camera | None = None) -> None:
+def write_drawing(picture: MarkerPicture, path: Path) -> None:
     """Write `draw`'s picture as a PNG file.
 
     Raises:
         OSError: a file that cannot be written.
     """
-    _, data = cv2.imencode(".png", draw(picture, camera))
+    _, data = cv2.imencode(".png", draw(picture))
     write_bytes(path, data.tobytes())
 
 

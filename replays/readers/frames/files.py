@@ -21,7 +21,9 @@ from motorcade.replays.engine.progress import track
 from motorcade.replays.errors import DamagedError, one_line, refusal
 from motorcade.replays.files.door import read_bounded
 from motorcade.replays.readers.frames import pictures
+from motorcade.replays.readers.frames.exif import picture_orientation
 from motorcade.replays.recording import DepthArray, Frame
+from motorcade.tracking.cameras.orientation import AS_STORED, PictureOrientation
 
 if TYPE_CHECKING:
     from motorcade.tracking import Camera
@@ -37,12 +39,15 @@ class PictureFrames:
     Fields:
         files: ``N`` picture files.
         time_ns: ``(N,)`` stamps, strictly increasing.
-        size: (width, height) that every picture must have; None before the camera is known.
+        size: (width, height) that every picture must have, upright; None before the camera is
+            known.
         depth_files: depth picture of each frame, None where it has none.
         depth_units_per_m: what a metre is in the depth pictures.
         right_files: right picture of each frame, where they are rectified pairs.
         depth_camera: what took the depth pictures, where they do not lie on the pictures' pixels
             yet: they are registered as they are read, to `colour_camera`.
+        orientation: how every picture says that it is to be shown.
+        shown_size: width and height of the first as shown, where `first_look` found them.
         digests: size in bytes and SHA-256 of files that were read whole, when they were checked.
     """
 
@@ -54,6 +59,8 @@ class PictureFrames:
     right_files: tuple[Path, ...] = ()
     depth_camera: DepthCamera | None = None
     colour_camera: Camera | None = None
+    orientation: PictureOrientation = AS_STORED
+    shown_size: tuple[int, int] | None = None
     digests: Mapping[Path, tuple[int, bytes]] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
@@ -162,15 +169,31 @@ class PictureFrames:
         digests: dict[Path, tuple[int, bytes]] = {}
         depth = set(self.depth_files)
         for path, name in self._all_files("reading pictures"):
-            advice = pictures.UNALIGNED if path in depth else pictures.ANOTHER_SIZE
+            advice = pictures.UNALIGNED if path in depth else None
             expected = size
             if path in depth and self.depth_camera is not None:
                 expected, advice = self._depth_size, pictures.ANOTHER_DEPTH_SIZE
             try:
-                digests[path] = _digest(pictures.read_picture_bytes(path, name, expected, advice))
+                data = pictures.read_picture_bytes(path, name, expected, advice)
             except DamagedError as fault:
                 damage[path] = fault
+                continue
+            if path not in depth:
+                self._check_orientation(path, name, data)
+            digests[path] = _digest(data)
         return damage, digests
+
+    def _check_orientation(self, path: Path, name: str, data: bytes) -> None:
+        """One camera holds for all pictures, so all must be held alike."""
+        found = picture_orientation(data)
+        if found != self.orientation:
+            raise refusal(
+                path,
+                f"expected a picture that is shown as the others are ({_told(self.orientation)}), "
+                f"got one {_told(found)}",
+                field=name,
+                advice="leave it out: one camera holds for pictures that are held alike",
+            )
 
     def content(self) -> Iterator[bytes]:
         """Size and digest of every picture; files that were not checked yet are read."""
@@ -184,13 +207,12 @@ class PictureFrames:
             yield digest
 
     def first_size(self) -> tuple[int, int]:
-        """Width and height of the first picture, for layouts whose calibration leaves them out.
+        """Width and height of the first picture as shown, for calibrations that leave them out.
 
         Raises:
             RecordingError: the first picture is missing or truncated.
         """
-        data = pictures.read_picture_bytes(self.files[0], "frame 0", None)
-        return pictures.picture_size(data)
+        return self.shown_size or first_look(self.files)[0]
 
     def first_depth_size(self) -> tuple[int, int]:
         """Width and height of the first depth picture; raises as `first_size`."""
@@ -210,6 +232,21 @@ class PictureFrames:
             if path is not None
         )
         return track(named, what, sum(len(files) for _, files in kinds))
+
+
+def first_look(files: Sequence[Path]) -> tuple[tuple[int, int], PictureOrientation]:
+    """Width and height of the first of some pictures as shown, and how that is to be done.
+
+    Raises:
+        RecordingError: the picture is missing or truncated.
+    """
+    data = pictures.read_picture_bytes(files[0], "frame 0", None)
+    return pictures.upright_size(data), picture_orientation(data)
+
+
+def _told(orientation: PictureOrientation) -> str:
+    mirrored = "mirrored and " if orientation.mirrored else ""
+    return f"{mirrored}turned clockwise by {orientation.degrees} degrees"
 
 
 def _digest(data: bytes) -> tuple[int, bytes]:

@@ -2,7 +2,8 @@
 
 PNG (chunks walked, checksums compared), JPEG (markers walked, end marker required), BMP and binary
 PNM. Decoders tend to return the upper part of a truncated picture without a word, so completeness
-is looked at before anything is decoded, and sizes before any memory is taken.
+is looked at before anything is decoded, and sizes before any memory is taken. Pictures come
+upright: turned as EXIF says (depth, which nothing turns, excepted).
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ from numpy.typing import NDArray
 
 from motorcade.replays.errors import DamagedError, one_line, refusal
 from motorcade.replays.files.door import read_bounded
+from motorcade.replays.readers.frames.exif import picture_orientation
+from motorcade.replays.readers.frames.held import size_advice
 from motorcade.replays.recording import DepthArray, ImageArray
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm")
@@ -27,17 +30,16 @@ _JPEG_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
 _PNM_HEADER = re.compile(rb"P[56]" + 3 * rb"(?:\s|#[^\n]*\n)+(\d{1,9})" + rb"\s")
 _TRUNCATED = "the picture is truncated"
 _COPY_AGAIN = "copy the file again"
-ANOTHER_SIZE = "correct the camera's width and height, or leave the picture out"
 UNALIGNED = "depth on pixels of its own needs [depth_camera] in a manifest"
 ANOTHER_DEPTH_SIZE = "correct the depth camera's width and height, or leave the picture out"
 
 
 def read_picture_bytes(
-    path: Path, field: str | None, size: tuple[int, int] | None, advice: str = ANOTHER_SIZE
+    path: Path, field: str | None, size: tuple[int, int] | None, advice: str | None = None
 ) -> bytes:
-    """Read a picture file and check that it is whole and has this size (width, height).
+    """Read a picture file and check that it is whole and has this size (width, height), upright.
 
-    `advice` is what to do about another size.
+    `advice` is what to do about another size, where that is not the camera's.
 
     Raises:
         DamagedError: empty, truncated, corrupt, or no picture at all.
@@ -45,7 +47,7 @@ def read_picture_bytes(
     """
     data = read_bounded(path, FILE_LIMIT, field)
     try:
-        found = picture_size(data)
+        found = upright_size(data)
     except ValueError as fault:
         raise _damaged(path, str(fault), field) from fault
     if size is not None and found != size:
@@ -53,7 +55,7 @@ def read_picture_bytes(
             path,
             f"expected {size[0]} x {size[1]} pixels as the camera has, got {found[0]} x {found[1]}",
             field=field,
-            advice=advice,
+            advice=advice or f"{size_advice(size, found)}, or leave the picture out",
         )
     return data
 
@@ -63,9 +65,9 @@ def _damaged(path: Path, problem: str, field: str | None) -> DamagedError:
 
 
 def read_picture(path: Path, field: str, size: tuple[int, int] | None) -> ImageArray:
-    """Decode a picture: uint8, RGB ``(height, width, 3)`` or grey ``(height, width)`` as stored.
+    """Decode a picture, upright: uint8, RGB ``(height, width, 3)`` or grey ``(height, width)``.
 
-    16-bit files are reduced to 8 bits; a rotation noted in EXIF is not applied.
+    16-bit files are reduced to 8 bits.
 
     Raises:
         RecordingError: as `read_picture_bytes`, and what cannot be decoded.
@@ -77,27 +79,34 @@ def read_picture(path: Path, field: str, size: tuple[int, int] | None) -> ImageA
         raise refusal(path, f"expected 8-bit pixels, got {picture.dtype}", field=field)
     if picture.ndim == 3:
         picture = cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
-    return np.asarray(picture, dtype=np.uint8)
+    return picture_orientation(data).upright(np.asarray(picture, dtype=np.uint8))
 
 
 def read_gray(path: Path, field: str | None, size: tuple[int, int] | None) -> ImageArray:
-    """Decode a picture of any kind to grey, uint8 ``(height, width)`` (luma, ITU-R BT.601).
+    """Decode a picture of any kind to grey, upright: uint8 ``(height, width)`` (BT.601's luma).
 
-    The brightest pixel of a 16-bit file becomes white, since such files seldom use all their
-    bits; a rotation noted in EXIF is not applied.
+    The brightest pixel of a 16-bit file becomes white, since such files seldom use all their bits.
 
     Raises:
         RecordingError: as `read_picture_bytes`, and what cannot be decoded.
     """
-    data = read_picture_bytes(path, field, size)
+    return decode_gray(path, read_picture_bytes(path, field, size), field)
+
+
+def decode_gray(path: Path, data: bytes, field: str | None) -> ImageArray:
+    """The same of a file that was read (`read_picture_bytes`).
+
+    Raises:
+        RecordingError: what cannot be decoded.
+    """
     flags = cv2.IMREAD_ANYDEPTH | cv2.IMREAD_IGNORE_ORIENTATION
     picture = _decode(path, data, field, flags)
     if picture.dtype == np.uint16:
         shown = picture.astype(np.float64) * (255.0 / max(int(picture.max()), 1))
-        return np.asarray(np.rint(shown), dtype=np.uint8)
+        picture = np.rint(shown).astype(np.uint8)
     if picture.dtype != np.uint8:
         raise refusal(path, f"expected 8 or 16 bits a pixel, got {picture.dtype}", field=field)
-    return np.asarray(picture, dtype=np.uint8)
+    return picture_orientation(data).upright(np.asarray(picture, dtype=np.uint8))
 
 
 def read_depth(
@@ -120,8 +129,13 @@ def read_depth(
     return np.asarray(metres, dtype=np.float32)
 
 
+def upright_size(data: bytes) -> tuple[int, int]:
+    """Find the width and height that a whole picture file is shown in; raises as `picture_size`."""
+    return picture_orientation(data).size(picture_size(data))
+
+
 def picture_size(data: bytes) -> tuple[int, int]:
-    """Find the width and height of a whole picture file.
+    """Find the width and height of a whole picture file, as stored.
 
     Raises:
         ValueError: truncated, corrupt, an unknown format, or more than 100 million pixels.

@@ -2,18 +2,19 @@
 
 Opening reads the packets' stamps only. Pictures asked for in order are decoded in one pass; going
 back or far ahead seeks to the nearest keyframe first. Stamps are `pts · time_base`, to the
-nanosecond. A rotation in the metadata is not applied.
+nanosecond. Pictures come upright, as the display matrix says, and with 8 bits a colour.
 """
 
 from __future__ import annotations
 
 import hashlib
+import logging
 import threading
 from collections.abc import Iterator
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from av.container import InputContainer
@@ -27,11 +28,19 @@ from motorcade.replays.errors import one_line, refusal
 from motorcade.replays.files.door import open_bounded, refused
 from motorcade.replays.readers.frames.decoded import DecodedFrames
 from motorcade.replays.readers.frames.files import FRAME_LIMIT
+from motorcade.replays.readers.frames.held import another_size
 from motorcade.replays.readers.gpmf import read_telemetry
 from motorcade.replays.recording import ImageArray, Recording
+from motorcade.tracking.cameras.orientation import AS_STORED, PictureOrientation
 
 if TYPE_CHECKING:
     from motorcade.tracking.cameras.camera import Camera
+
+_LOG = logging.getLogger("motorcade.replays")
+_HDR = {16: "PQ", 18: "HLG"}  # transfer characteristics by their number in ITU-T H.273
+_ORIENTATIONS = tuple(
+    PictureOrientation(turns, mirrored) for mirrored in (False, True) for turns in range(4)
+)
 
 SUFFIXES = (".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg", ".ts")
 
@@ -56,18 +65,26 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
 
 
 class VideoFrames(DecodedFrames):
-    """Pictures of the first video stream of a file, in the order they are shown.
+    """Pictures of the first video stream of a file, upright, in the order they are shown.
 
     Args:
         path: the file.
 
+    Attributes:
+        stored_size: width and height as coded.
+        orientation: how the coded pictures are to be shown.
+        size: width and height as shown.
+
     Raises:
-        RecordingError: not a video, truncated, without stamps, or with equal stamps.
+        RecordingError: not a video, truncated, without stamps, with equal stamps, or to be shown
+            turned by anything but quarter turns.
     """
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._pts, self._keys, time_base, self.size = _scan(path)
+        self._pts, self._keys, time_base, self.stored_size = _scan(path)
+        self.orientation = _first_looked_at(path)
+        self.size = self.orientation.size(self.stored_size)
         # Exact in Python's integers; a float would lose nanoseconds after some weeks.
         stamps = [round(int(pts) * time_base * 10**9) for pts in self._pts]
         if max(map(abs, stamps)) >= 2**62:
@@ -97,12 +114,7 @@ class VideoFrames(DecodedFrames):
             RecordingError: another size.
         """
         if camera is not None and self.size != (camera.width, camera.height):
-            raise refusal(
-                self._path,
-                f"expected {camera.width} x {camera.height} pixels as the camera has, "
-                f"got {self.size[0]} x {self.size[1]}",
-                advice="correct the camera's width and height",
-            )
+            raise refusal(self._path, another_size((camera.width, camera.height), self.size))
 
     def intact(self, camera: Camera | None) -> tuple[VideoFrames, tuple[str, ...]]:
         """All of it; raises as `check`."""
@@ -122,9 +134,10 @@ class VideoFrames(DecodedFrames):
         with self._lock:
             try:
                 picture = self._decoder_for(index).image(index)
-                if picture.shape[1::-1] != self.size:
-                    raise ValueError(f"expected {self.size} pixels, got {picture.shape[1::-1]}")
-                return picture
+                if picture.shape[1::-1] != self.stored_size:
+                    size = self.stored_size
+                    raise ValueError(f"expected {size} pixels, got {picture.shape[1::-1]}")
+                return self.orientation.upright(picture)
             except (FFmpegError, ValueError, StopIteration) as fault:
                 self._stop()
                 raise refusal(
@@ -207,6 +220,56 @@ def _scan(path: Path) -> tuple[IntArray, IntArray, Fraction, tuple[int, int]]:
     pts = np.array([place for place, _ in shown], dtype=np.int64)
     keys = np.flatnonzero([is_key for _, is_key in shown]).astype(np.int64)
     return pts, keys, time_base, (width, height)
+
+
+def _first_looked_at(path: Path) -> PictureOrientation:
+    """How the pictures are to be shown, by the first; says where reading takes colour away."""
+    try:
+        with refused(), open_video(path) as container:
+            frame = next(container.decode(video=0))
+    except (FFmpegError, OSError, StopIteration) as fault:
+        raise refusal(
+            path,
+            f"the picture cannot be decoded: {fault or 'the stream ends before it'}",
+            field="frame 0",
+            advice="copy the file again",
+        ) from fault
+    bits = max(component.bits for component in frame.format.components)
+    if bits > 8:
+        transfer = _HDR.get(int(frame.color_trc))
+        _LOG.warning(
+            "%s: its pictures have %d bits a colour%s: they are read with 8, and so is the film%s",
+            path,
+            bits,
+            "" if transfer is None else f" ({transfer}, high dynamic range)",
+            "" if transfer is None else "; light that is estimated from them is rough",
+        )
+    return _orientation(path, frame)
+
+
+def _orientation(path: Path, frame: VideoFrame) -> PictureOrientation:
+    """Of the eight orientations the one that a frame's display matrix has.
+
+    The matrix holds nine 32-bit numbers, (a, b, u, c, d, v, x, y, w): a pixel (p, q) is shown at
+    (a p + c q + x, b p + d q + y). Source: FFmpeg, libavutil/display.h.
+    """
+    stated: Any = frame.side_data.get("DISPLAYMATRIX")
+    if stated is None:
+        return AS_STORED
+    a, b, _, c, d = np.frombuffer(bytes(stated), np.int32)[:5].astype(float).tolist()
+    shown = np.array([[a, c], [b, d]])
+    length = np.linalg.norm(shown, axis=0)
+    if not np.all(length > 0.0):  # none at all: players show such a video as it is stored
+        return AS_STORED
+    near = [one for one in _ORIENTATIONS if np.abs(shown / length - one.matrix).max() < 0.01]
+    if not near:
+        raise refusal(
+            path,
+            f"expected pictures that are shown turned by quarter turns, got one by "
+            f"{-frame.rotation} degrees",
+            advice="encode the video again turned: ffmpeg -i IN OUT does it",
+        )
+    return near[0]
 
 
 def _refuse_cut_boxes(path: Path) -> None:

@@ -8,7 +8,7 @@ from typing import Protocol
 
 from motorcade.replays.errors import refusal
 from motorcade.replays.readers.frames import video
-from motorcade.replays.readers.layouts import euroc, kitti, seven_scenes, tum_rgbd
+from motorcade.replays.readers.layouts import euroc, kitti, loose_pictures, seven_scenes, tum_rgbd
 from motorcade.replays.readers.ros import recording as ros
 from motorcade.replays.readers.tagslam import corners as tagslam_corners
 from motorcade.replays.readers.tagslam import recording as tagslam
@@ -40,7 +40,7 @@ def find_layout(root: Path) -> LayoutReader | None:
 
 
 def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
-    """Read a recording whose layout is known.
+    """Read a recording whose layout is known, or a folder that holds nothing but pictures.
 
     Args:
         root: folder or file.
@@ -52,6 +52,8 @@ def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
     read = find_layout(root)
     if read is not None:
         return read(root, own_truth=own_truth)
+    if loose_pictures.recognise(root):
+        return loose_pictures.read(root)
     if root.is_dir() and not any(root.iterdir()):
         raise refusal(root, "expected a recording, got an empty folder")
     looked_for = ", ".join(what for _, _, what in _LAYOUTS)

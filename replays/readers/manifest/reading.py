@@ -23,11 +23,13 @@ from motorcade.replays.files.trajectories import even_stamps, read_times
 from motorcade.replays.files.transforms import transform
 from motorcade.replays.readers.frames.files import (
     PictureFrames,
+    first_look,
     inside,
     picture_glob,
     pictures_in,
     refuse_gaps,
 )
+from motorcade.replays.readers.frames.held import upright_camera
 from motorcade.replays.readers.frames.video import VideoFrames
 from motorcade.replays.readers.gpmf import read_telemetry
 from motorcade.replays.readers.layouts.detect import find_layout, read_layout
@@ -42,6 +44,7 @@ from motorcade.replays.readers.manifest.section import (
     section_board,
     section_camera,
     section_markers,
+    section_rotation,
     setting_from,
 )
 from motorcade.replays.readers.manifest.slam import SLAM_KEYS, section_slam
@@ -50,6 +53,7 @@ from motorcade.replays.readers.tables import UNITS
 from motorcade.replays.recording import FrameSequence, Recording
 from motorcade.tracking.boards import Board
 from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.cameras.orientation import AS_STORED, camera_T_turned
 from motorcade.tracking.depth.cameras import FINEST, DepthCamera
 
 _LOG = logging.getLogger("motorcade.replays")
@@ -96,6 +100,7 @@ class _Manifest:
         self.folder = root if root.is_dir() else root.parent
         self.table = load_toml(path)
         self.top = Section(path, "", self.table, _TOP)
+        self.stated_T_upright: Motor | None = None  # where the stated camera had to be turned
 
     def recording(self) -> Recording:
         """Read table by table; later ones may need earlier ones."""
@@ -110,11 +115,12 @@ class _Manifest:
         if "stereo" in self.top:
             made = self._with_right(made)
         if "board" in self.top:
-            board, world_T_board = self._board()
-            made = replace(made, board=board, world_T_board=world_T_board)
+            board, world_T_board, metric = self._board()
+            made = replace(made, board=board, world_T_board=world_T_board, metric=metric)
         if "markers" in self.top:
             section = self._section("markers", MARKERS_KEYS)
-            made = replace(made, markers=section_markers(section, self._file))
+            metric = section.truth("metric", otherwise=True) and made.metric
+            made = replace(made, markers=section_markers(section, self._file), metric=metric)
         if "slam" in self.top:
             section = self._section("slam", SLAM_KEYS)
             made = replace(made, slam_map=section_slam(section, self._file))
@@ -122,7 +128,8 @@ class _Manifest:
             made = self._with_imu(made)
         if "truth" in self.top:
             section = self._section("truth", TRUTH_KEYS)
-            made = replace(made, truth=read_truth(section, made, self._file))
+            truth = read_truth(section, made, self._file, self.stated_T_upright)
+            made = replace(made, truth=truth)
         if made.imu is not None and made.imu_T_camera is None:
             _LOG.warning(
                 "%s: its IMU is left aside: give imu_T_camera in [imu] to use it", self.root
@@ -203,13 +210,22 @@ class _Manifest:
         else:
             time_ns = even_stamps(len(files), section.number("rate_hz", 1e-3, 1e5))
             refuse_gaps(files, "copy it again; pictures taken at uneven times need [frames] stamps")
+        shown_size, orientation = first_look(files)
+        made = PictureFrames(files, time_ns, orientation=orientation, shown_size=shown_size)
         if "depth" not in section:
-            return PictureFrames(files, time_ns)
+            return made
+        if orientation != AS_STORED:
+            raise section.fault(
+                "depth",
+                "expected pictures that are shown as stored, got turned ones, with which depth "
+                "pictures do not turn",
+                "take the orientation out of the pictures: exiftool -Orientation= FILES",
+            )
         depth = picture_glob(self.folder, section.text("depth"))
         if len(depth) != len(files):
             raise section.fault("depth", f"expected {len(files)} pictures, got {len(depth)}")
         units = section.number("depth_units_per_m", 1e-3, 1e6)
-        return PictureFrames(files, time_ns, None, depth, units)
+        return replace(made, depth_files=depth, depth_units_per_m=units)
 
     def _with_camera(self, made: Recording) -> Recording:
         """Replace the camera, and ask the frames for its size; or say how it reads its rows."""
@@ -221,18 +237,42 @@ class _Manifest:
             made = replace(made, readout_s=section.number("readout_s", 0.0, LONGEST_READOUT_S))
             if made.camera is not None and section.holds_only("readout_s"):
                 return made
-        if isinstance(frames, VideoFrames):
-            camera = self._camera(section, frames.size)
-            frames.check(camera)
-            return replace(made, camera=camera)
-        if not isinstance(frames, PictureFrames):
+        if not isinstance(frames, VideoFrames | PictureFrames):
             raise section.fault("", "this recording's camera cannot be replaced")
         stated = "width" in section or "height" in section
-        size = None if stated else frames.first_size()
-        camera = self._camera(section, size)
+        size = None if stated else _size(frames)
+        camera, turns = self._upright(section, self._camera(section, size), frames)
+        if turns:
+            self.stated_T_upright = camera_T_turned(turns)
+        if made.readout_s and frames.orientation != AS_STORED:
+            _LOG.warning(
+                "%s: readout_s is left aside: the pictures are turned, and their rows are not "
+                "read one after the other from the first",
+                self.path,
+            )
+            made = replace(made, readout_s=0.0)
+        if isinstance(frames, VideoFrames):
+            frames.check(camera)
+            return replace(made, camera=camera)
         registered_to = None if frames.depth_camera is None else camera
         frames = replace(frames, size=(camera.width, camera.height), colour_camera=registered_to)
         return replace(made, camera=camera, frames=frames)
+
+    def _upright(
+        self, section: Section, stated: Camera, frames: VideoFrames | PictureFrames
+    ) -> tuple[Camera, int]:
+        """The camera of the pictures as shown, and how far the stated one was turned for it."""
+        stored = frames.orientation.size(_size(frames))  # undoes itself
+        rotation_deg = section_rotation(section)
+        if rotation_deg is None and frames.orientation == AS_STORED:
+            return stated, 0  # the pictures are compared with it when they are read
+        try:
+            found = upright_camera(stated, rotation_deg, stored, frames.orientation)
+        except ValueError as fault:
+            raise section.fault("", str(fault)) from fault
+        if found.said:
+            _LOG.warning("%s: [camera]: %s", self.path, found.said)
+        return found.camera, found.quarter_turns
 
     def _camera(self, section: Section, size: tuple[int, int] | None) -> Camera:
         return section_camera(self.path, section, size, lambda key: self._file(section, key))
@@ -266,15 +306,20 @@ class _Manifest:
             problem = f"expected {len(made.frames)} pictures, got {len(files)}"
             raise section.fault("right", problem)
         baseline_m = section.number("baseline_m", 1e-3, 1e3)
+        if made.frames.orientation != AS_STORED:
+            raise section.fault("right", "expected pictures that are shown as stored, got turned")
         return replace(made, frames=replace(made.frames, right_files=files), baseline_m=baseline_m)
 
-    def _board(self) -> tuple[Board, Motor]:
-        board = section_board(self.path, self.table["board"])
-        table = self.table["board"]
-        if not isinstance(table, Mapping) or "world_T_board" not in table:
-            return board, Motor.identity()
+    def _board(self) -> tuple[Board, Motor, bool]:
+        """The board, where it hangs, and whether its size is known."""
+        board, table = section_board(self.path, self.table["board"]), self.table["board"]
+        if not isinstance(table, Mapping):
+            return board, Motor.identity(), True
+        metric = Section(self.path, "board", table, tuple(table)).truth("metric", otherwise=True)
+        if "world_T_board" not in table:
+            return board, Motor.identity(), metric
         pose = transform(table["world_T_board"], self.path, "[board] world_T_board")
-        return board, pose
+        return board, pose, metric
 
     def _with_imu(self, made: Recording) -> Recording:
         section = self._section("imu", IMU_KEYS)
@@ -287,7 +332,13 @@ class _Manifest:
         if told.noise is not None:
             made = replace(made, imu_noise=told.noise)
         if told.imu_T_camera is not None:
-            made = replace(made, imu_T_camera=told.imu_T_camera)
+            pose, turn = told.imu_T_camera, self.stated_T_upright
+            made = replace(made, imu_T_camera=pose if turn is None else pose @ turn)
         if made.imu_T_camera is None:
             raise section.fault("imu_T_camera", "the key is missing", "give a 4 by 4 matrix")
         return made
+
+
+def _size(frames: VideoFrames | PictureFrames) -> tuple[int, int]:
+    """Width and height of the pictures as shown."""
+    return frames.size if isinstance(frames, VideoFrames) else frames.first_size()

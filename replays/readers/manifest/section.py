@@ -21,6 +21,7 @@ from motorcade.replays.readers.calibration import (
     read_numbers,
     yaml_camera,
 )
+from motorcade.replays.readers.frames.held import ROTATIONS_DEG
 from motorcade.tracking.boards import (
     Board,
     CharucoBoard,
@@ -127,6 +128,13 @@ class Section:
             raise self.fault(key, f"expected a list of numbers, got {one_line(value)}")
         return tuple(self._number(key, item, -1e12, 1e12) for item in value)
 
+    def truth(self, key: str, otherwise: bool) -> bool:
+        """True or false; `otherwise` where the key is missing."""
+        value = self._table.get(key, otherwise)
+        if not isinstance(value, bool):
+            raise self.fault(key, f"expected true or false, got {one_line(value)}")
+        return value
+
     def texts(self, key: str, most: int = 100) -> tuple[str, ...]:
         """A list of at most `most` strings."""
         value = self[key]
@@ -161,6 +169,9 @@ BOARD_KEYS = {
 }
 
 
+_BOARD_COMMON = ("type", "world_T_board", "metric")
+
+
 def read_board(text: str) -> Board:
     """Take a board's name (`boards.board_named`), or the `[board]` table of a TOML file.
 
@@ -182,9 +193,9 @@ def section_board(path: Path, table: object) -> Board:
     Raises:
         RecordingError: naming table and key.
     """
-    every = ("type", "world_T_board", *{key for keys in BOARD_KEYS.values() for key in keys})
+    every = (*_BOARD_COMMON, *{key for keys in BOARD_KEYS.values() for key in keys})
     kind = Section(path, "board", table, every).text("type", tuple(BOARD_KEYS))
-    section = Section(path, "board", table, ("type", "world_T_board", *BOARD_KEYS[kind]))
+    section = Section(path, "board", table, (*_BOARD_COMMON, *BOARD_KEYS[kind]))
     try:
         return _make_board(kind, section)
     except RecordingError:
@@ -224,8 +235,31 @@ CAMERA_KEYS = (
     "fov_deg",
     "distortion",
     "distortion_file",
+    "rotation_deg",
     "readout_s",
 )
+
+
+def stated_rotation(path: Path) -> int | None:
+    """The `rotation_deg` of a `.toml` file's camera; None without. Raises as `read_camera`."""
+    if path.suffix.lower() != ".toml":
+        return None
+    return section_rotation(Section(path, "camera", load_toml(path).get("camera"), CAMERA_KEYS))
+
+
+def section_rotation(section: Section) -> int | None:
+    """The `rotation_deg` of a camera's table; None where it does not say.
+
+    Raises:
+        RecordingError: another number than 0, 90, 180 or 270.
+    """
+    if "rotation_deg" not in section:
+        return None
+    found = section.whole("rotation_deg")
+    if found not in ROTATIONS_DEG:
+        expected = "expected 0, 90, 180 or 270 degrees clockwise"
+        raise section.fault("rotation_deg", f"{expected}, got {found}")
+    return found
 
 
 def read_camera(path: Path) -> Camera:
@@ -302,17 +336,45 @@ def _intrinsics(
     return fx, fy, section.number("cx", -1e9, 1e9), section.number("cy", -1e9, 1e9)
 
 
-def camera_toml(camera: Camera) -> str:
-    """Write a camera as the `[camera]` table that `read_camera` and manifests read."""
+def camera_toml(camera: Camera, rotation_deg: int = 0) -> str:
+    """Write a camera as the `[camera]` table that `read_camera` and manifests read.
+
+    `rotation_deg` says by how many degrees clockwise its pictures were turned to be shown.
+    """
     lines = ["[camera]", f'model = "{camera.model}"']
     lines += [f"{key} = {getattr(camera, key)!r}" for key in ("width", "height")]
     lines += [f"{key} = {getattr(camera, key)!r}" for key in ("fx", "fy", "cx", "cy")]
     if camera.distortion:
         lines.append(f"distortion = [{', '.join(map(repr, camera.distortion))}]")
+    if rotation_deg:
+        lines.append(f"rotation_deg = {rotation_deg}")
     return "\n".join(lines) + "\n"
 
 
-MARKERS_KEYS = ("family", "side_m", "map_file")
+_BOARD_KINDS = {
+    Checkerboard: "checkerboard",
+    MarkerGrid: "marker_grid",
+    SingleMarker: "marker",
+    CharucoBoard: "charuco",
+}
+
+
+def board_toml(board: Board) -> str:
+    """Write a board as the `[board]` table that `read_board` and manifests read."""
+    kind = _BOARD_KINDS[type(board)]
+    lines = ["[board]", f'type = "{kind}"']
+    for key in BOARD_KEYS[kind]:
+        value = getattr(board, key)
+        lines.append(f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value!r}")
+    return "\n".join(lines) + "\n"
+
+
+MARKERS_KEYS = ("family", "side_m", "metric", "map_file")
+
+
+def markers_toml(family: str, side_m: float) -> str:
+    """Write loose markers as the `[markers]` table that manifests read."""
+    return f'[markers]\nfamily = "{family}"\nside_m = {side_m!r}\n'
 
 
 def section_markers(section: Section, file: Callable[[Section, str], Path]) -> LooseMarkers:

@@ -50,7 +50,10 @@ OPENCV_BOARD = Motor.from_rotor_translation(
 
 
 def read_truth(
-    section: Section, recording: Recording, file_of: Callable[[Section, str], Path]
+    section: Section,
+    recording: Recording,
+    file_of: Callable[[Section, str], Path],
+    stated_T_upright: Motor | None = None,
 ) -> Trajectory:
     """Read the ground truth that a manifest names.
 
@@ -58,6 +61,7 @@ def read_truth(
         section: the manifest's truth table.
         recording: what is read so far: frames, board and IMU pose are used.
         file_of: finds the file that a key names.
+        stated_T_upright: how far the camera was turned with its pictures; None: it was not.
 
     Raises:
         RecordingError: an unknown key, a file that cannot be read, counts that differ, or a
@@ -77,7 +81,7 @@ def read_truth(
         if "rows" in section:
             poses = poses[: section.whole("rows", 1, len(poses))]
         time_ns = _stamps(section, len(poses), recording, file_of)
-    poses = _as_camera_poses(section, poses, recording)
+    poses = _as_camera_poses(section, poses, recording, stated_T_upright)
     if "board_frame" in section:
         if recording.board is None:
             raise section.fault("board_frame", "expected a [board] that it refers to")
@@ -151,13 +155,14 @@ def _stamps(
     return recording.frames.time_ns
 
 
-def _as_camera_poses(section: Section, poses: Motor, recording: Recording) -> Motor:
+def _as_camera_poses(
+    section: Section, poses: Motor, recording: Recording, stated_T_upright: Motor | None
+) -> Motor:
     """Turn poses of the stated convention into `world_T_camera`."""
     convention = section.text("convention", _CONVENTIONS)
-    if convention == "world_T_camera":
-        return poses
-    if convention == "camera_T_world":
-        return poses.inverse()
-    if recording.imu_T_camera is None:
-        raise section.fault("convention", "world_T_imu needs imu_T_camera in [imu]")
-    return poses @ recording.imu_T_camera
+    if convention == "world_T_imu":
+        if recording.imu_T_camera is None:
+            raise section.fault("convention", "world_T_imu needs imu_T_camera in [imu]")
+        return poses @ recording.imu_T_camera
+    stated = poses if convention == "world_T_camera" else poses.inverse()
+    return stated if stated_T_upright is None else stated @ stated_T_upright

@@ -27,8 +27,8 @@ from motorcade.replays.recording import Recording
 from motorcade.tracking.cameras.camera import Camera
 
 _LOG = logging.getLogger("motorcade.replays")
-_IMU = "sensor_msgs/msg/Imu"
-_INFO = "sensor_msgs/msg/CameraInfo"
+IMU_TYPE = "sensor_msgs/msg/Imu"
+CAMERA_INFO_TYPE = "sensor_msgs/msg/CameraInfo"
 _SUFFIXES = (".bag", ".mcap", ".db3")
 _MOST_SAMPLES = 20_000_000
 
@@ -48,6 +48,16 @@ def _bags_with_chain(folder: Path) -> list[Path]:
     return sorted([*files, *(one.parent for one in folder.glob("*/metadata.yaml"))])
 
 
+def holds_pictures(path: Path) -> bool:
+    """Whether a bag holds pictures, without which it is no recording.
+
+    Raises:
+        RecordingError: missing or damaged.
+    """
+    with Bag(path) as bag:
+        return bool(bag.topics(IMAGE_TYPES))
+
+
 def read(root: Path, *, own_truth: bool = True) -> Recording:
     """Read a bag; pictures stay in it until they are asked for.
 
@@ -64,8 +74,12 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
     with Bag(root) as bag:
         topic = _first(bag.topics(IMAGE_TYPES), root, "image")
         if topic is None:
-            raise refusal(root, f"expected messages of {' or '.join(IMAGE_TYPES)}, got none")
-        imu_topic = _first(bag.topics((_IMU,)), root, "IMU")
+            raise refusal(
+                root,
+                f"expected messages of {' or '.join(IMAGE_TYPES)}, got none",
+                advice="`motorcade inspect` lists what it holds",
+            )
+        imu_topic = _first(bag.topics((IMU_TYPE,)), root, "IMU")
         imu = None if imu_topic is None else _imu(bag, imu_topic)
         known = _from_chain(folder, topic)
         camera = known.camera if known else _from_info(bag, topic)
@@ -105,7 +119,7 @@ def _from_chain(folder: Path, topic: str) -> kalibr.ChainCamera | None:
 def _from_info(bag: Bag, topic: str) -> Camera | None:
     """The camera of the first `camera_info` beside an image topic."""
     place = topic.removesuffix("/compressed").rpartition("/")[0]
-    for _, message in bag.messages([f"{place}/camera_info"], (_INFO,)):
+    for _, message in bag.messages([f"{place}/camera_info"], (CAMERA_INFO_TYPE,)):
         content = {"distortion_model": message.distortion_model or "none"}
         k = [float(value) for value in getattr(message, "k", getattr(message, "K", ()))]
         d = [float(value) for value in getattr(message, "d", getattr(message, "D", ()))]
@@ -119,7 +133,7 @@ def _from_info(bag: Bag, topic: str) -> Camera | None:
 
 def _imu(bag: Bag, topic: str) -> ImuStream:
     stamps, rows = [], []
-    for time_ns, message in bag.messages([topic], (_IMU,)):
+    for time_ns, message in bag.messages([topic], (IMU_TYPE,)):
         stamps.append(time_ns)
         rows.append(_row(message))
         if len(rows) > _MOST_SAMPLES:

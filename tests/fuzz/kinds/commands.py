@@ -203,7 +203,7 @@ def _of_the_system(error: Exception) -> bool:
 
 def _arguments(name: str) -> list[argparse.Action]:
     """What a command takes."""
-    parser = cli._parser((cli.NAMES[name],))
+    parser = cli.command_parser((cli.NAMES[name],))
     commands = next(one for one in parser._actions if isinstance(one.choices, dict))
     taken: list[argparse.Action] = commands.choices[name]._actions
     return [one for one in taken if one.dest not in ("help", "verbose", "executor", "list")]

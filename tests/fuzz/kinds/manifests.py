@@ -69,6 +69,8 @@ RIGHT: dict[str, list[Any]] = {
     "cy": [7.5, 1e9],
     "matrix_file": ["K.txt"],
     "fov_deg": [65.0, 1.0, 170.0],
+    "rotation_deg": [0, 90, 180, 270],
+    "metric": [True, False],
     "distortion": [[], [-0.28, 0.07, 0.0002, 1e-5], [0.1, 0.1], [1e12] * 5, [-5.0] * 8],
     "distortion_file": ["D.txt"],
     "colour_T_depth": [MATRIX],

@@ -1,5 +1,6 @@
 """Picture files: sizes as OpenCV sees them; a truncated or corrupt file never gives a picture."""
 
+import zlib
 from pathlib import Path
 
 import cv2
@@ -9,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motorcade.replays.errors import RecordingError
+from motorcade.replays.readers.frames.exif import picture_orientation
 from motorcade.replays.readers.frames.files import (
     PictureFrames,
     inside,
@@ -16,7 +18,13 @@ from motorcade.replays.readers.frames.files import (
     picture_glob,
     refuse_gaps,
 )
-from motorcade.replays.readers.frames.pictures import picture_size, read_depth, read_picture
+from motorcade.replays.readers.frames.pictures import (
+    picture_size,
+    read_depth,
+    read_gray,
+    read_picture,
+)
+from motorcade.tracking.cameras.orientation import PictureOrientation
 
 ENDINGS = (".png", ".jpg", ".bmp", ".ppm", ".pgm")
 
@@ -91,13 +99,38 @@ def test_pixels_are_rgb_or_grey_as_stored(tmp_path: Path) -> None:
     assert read_picture(tmp_path / "grey.png", "frame 0", (6, 4)).shape == (4, 6)
 
 
-def test_a_rotation_in_the_metadata_is_not_applied(tmp_path: Path) -> None:
-    data = encoded(".jpg")
-    exif = b"Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0"
-    segment = b"\xff\xe1" + (len(exif) + 2).to_bytes(2, "big") + exif
-    (tmp_path / "a.jpg").write_bytes(data[:2] + segment + data[2:])
-    assert cv2.imread(str(tmp_path / "a.jpg")).shape == (37, 21, 3)
-    assert read_picture(tmp_path / "a.jpg", "frame 0", (37, 21)).shape == (21, 37, 3)
+@pytest.mark.parametrize("value", range(1, 10))
+@pytest.mark.parametrize("ending", [".jpg", ".png"])
+def test_pictures_are_upright_as_opencv_shows_them(tmp_path: Path, value: int, ending: str) -> None:
+    data = with_orientation(encoded(ending), value)
+    path = tmp_path / f"a{ending}"
+    path.write_bytes(data)
+    shown = cv2.cvtColor(cv2.imread(str(path)), cv2.COLOR_BGR2RGB)
+    assert shown.shape[:2] == ((37, 21) if value in (5, 6, 7, 8) else (21, 37))
+    size = shown.shape[1::-1]
+    assert np.array_equal(read_picture(path, "frame 0", size), shown)
+    assert np.array_equal(read_gray(path, None, size), cv2.imread(str(path), cv2.IMREAD_GRAYSCALE))
+
+
+def with_orientation(data: bytes, value: int, order: str = "big") -> bytes:
+    """A JPEG or PNG file with an EXIF orientation in front."""
+    tag = b"".join(number.to_bytes(2, order) for number in (274, 3))
+    entry = tag + (1).to_bytes(4, order) + value.to_bytes(2, order) + b"\0\0"
+    mark = b"MM" if order == "big" else b"II"
+    head = mark + (42).to_bytes(2, order) + (8).to_bytes(4, order) + (1).to_bytes(2, order)
+    tiff = head + entry + bytes(4)
+    if data.startswith(b"\xff\xd8"):
+        body = b"Exif\0\0" + tiff
+        return data[:2] + b"\xff\xe1" + (len(body) + 2).to_bytes(2, "big") + body + data[2:]
+    chunk = len(tiff).to_bytes(4, "big") + b"eXIf" + tiff
+    return data[:33] + chunk + zlib.crc32(b"eXIf" + tiff).to_bytes(4, "big") + data[33:]
+
+
+def test_an_orientation_is_found_in_either_order_of_bytes_and_never_beyond_the_end() -> None:
+    data = with_orientation(encoded(".jpg"), 6, "little")
+    assert picture_orientation(data) == PictureOrientation(1)
+    for cut in range(len(data)):
+        assert picture_orientation(data[:cut]).quarter_turns in (0, 1)
 
 
 def test_depth_is_metres_and_nan_where_unknown(tmp_path: Path) -> None:
