@@ -6,6 +6,7 @@ triangles, influences, clips.
 
 from __future__ import annotations
 
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +18,19 @@ from motorcade.fusion.health import check_health
 from motorcade.fusion.imu import ImuStream, screen_imu
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.stamps import near_steps
+from motorcade.replays.described.opening import open_described, summary
+from motorcade.replays.engine.stage import StageError
 from motorcade.replays.readers.frames.files import PictureFrames
+from motorcade.replays.readers.frames.video import VideoFrames
+from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.recording import Recording
+from motorcade.tracking.cameras.orientation import AS_STORED
 
 
 def describe(recording: Recording) -> dict[str, Any]:
     """Contents of a recording as JSON-ready values whose keys carry units."""
     about: dict[str, Any] = {"name": recording.name}
-    about |= _stream("frames", recording.frames.time_ns)
+    about |= describe_stream("frames", recording.frames.time_ns)
     camera = recording.camera
     if camera is not None:
         about["image_size_px"] = [camera.width, camera.height]
@@ -34,20 +40,40 @@ def describe(recording: Recording) -> dict[str, Any]:
         about["distortion"] = list(camera.distortion)
         if recording.readout_s:
             about["readout_s"] = recording.readout_s
+    frames = recording.frames
+    if isinstance(frames, PictureFrames | VideoFrames) and frames.orientation != AS_STORED:
+        about["shown_turned_deg"] = frames.orientation.degrees
     about |= _depth(recording)
     if recording.board is not None:
         about["board"] = recording.board.name
-        about["board_size_m"] = list(recording.board.size_m)
+        about["board_size_m" if recording.metric else "board_size"] = list(recording.board.size_m)
+    if recording.markers is not None:
+        about["markers"] = recording.markers.family
     if recording.imu is not None:
-        about |= _stream("imu", recording.imu.time_ns)
+        about |= describe_stream("imu", recording.imu.time_ns)
         about |= _health(recording, recording.imu)
     if recording.imu_noise is not None:
         about["imu_noise"] = str(recording.imu_noise)
     if recording.truth is not None:
-        about |= _stream("truth", recording.truth.time_ns)
+        about |= describe_stream("truth", recording.truth.time_ns)
         steps = np.diff(recording.truth.poses.translation_m, axis=0)
         about["truth_path_m"] = float(np.linalg.norm(steps, axis=1).sum())
     return about
+
+
+def describe_whole(path: Path, manifest: Path | None = None) -> dict[str, Any]:
+    """Contents of a recording, with what was found out where neither it nor a manifest tells them.
+
+    Raises:
+        RecordingError: as `open_recording`.
+    """
+    recording = open_recording(path, manifest)
+    with tempfile.TemporaryDirectory() as cache:
+        try:
+            opened = open_described(recording, manifest, Path(cache), {})
+        except StageError as fault:  # its pictures tell too little: that is worth telling, too
+            return describe(recording) | {"not_found": str(fault)}
+    return describe(opened.recording) | summary(opened)
 
 
 def _depth(recording: Recording) -> dict[str, Any]:
@@ -80,8 +106,8 @@ def _health(recording: Recording, imu: ImuStream) -> dict[str, Any]:
     return {"imu_health": [*found, *(one.summary for one in health.findings), *health.unknown]}
 
 
-def _stream(name: str, time_ns: IntArray) -> dict[str, Any]:
-    """Count, span, rate and gaps of a stamped stream."""
+def describe_stream(name: str, time_ns: IntArray) -> dict[str, Any]:
+    """Count, span, rate and gaps of a stamped stream, under keys that begin with its name."""
     about: dict[str, Any] = {f"{name}_count": len(time_ns)}
     if len(time_ns) < 2:
         return about

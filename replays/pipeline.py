@@ -11,7 +11,8 @@ from __future__ import annotations
 import logging
 import platform
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from os.path import relpath
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,13 @@ from motorcade import __version__
 from motorcade.ga.files import off_record
 from motorcade.replays.characters.acting import MANNEQUIN, character_named, clip_named
 from motorcade.replays.characters.casting import check_cast
+from motorcade.replays.described.opening import (
+    OpenedRecording,
+    description_graph,
+    open_described,
+    parted,
+    summary,
+)
 from motorcade.replays.engine.graph import Graph
 from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.engine.stage import first_of
@@ -26,7 +34,7 @@ from motorcade.replays.readers.manifest.cast import NOBODY, read_cast
 from motorcade.replays.readers.manifest.section import FILE_KNOBS, setting_from
 from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.recording import Recording
-from motorcade.replays.results import require_writable, write_results
+from motorcade.replays.results import OWN_MANIFEST, require_writable, write_results
 from motorcade.replays.scenes.checked import check_scene
 from motorcade.replays.stages.camera.board_poses import board_poses
 from motorcade.replays.stages.camera.camera_poses import camera_poses
@@ -95,7 +103,7 @@ class Job:
     def all_settings(self, recording: Recording) -> tuple[str, ...]:
         """The recording's own settings and the job's; a scene says in place of the recording's."""
         own = recording.settings
-        given = self.settings
+        given = parted(self.settings)[1]
         if self.scene is not None:
             said = tuple(f"placed.{name}=" for name in SCENE_SAYS)
             own = tuple(one for one in own if not one.replace(" ", "").startswith(said))
@@ -135,20 +143,26 @@ def run_job(job: Job) -> dict[str, Any]:
     Everything is checked before anything is computed, and earlier results stay as they are until
     the new ones are complete. Raises ValueError or OSError with one line that says what is wrong.
     """
-    graph = pipeline_graph()
+    graph, cache = pipeline_graph(), job.cache or job.out / ".cache"
     with off_record():  # the recording's digest and settings cover all that is read of it
         recording = open_recording(job.recording, job.manifest)
-    settings = job.all_settings(recording)
-    knobs = parse_knobs(settings, graph)
+    told = parse_knobs(parted(job.settings)[0], description_graph())
+    knobs = parse_knobs(job.all_settings(recording), graph)
     if "placed" in graph.needed(job.until):
         _check_character(knobs.get("placed", {}))
     require_writable(job.out)
     with off_record():
+        opened = open_described(recording, job.manifest, cache, told)
+    recording = opened.recording
+    settings = job.all_settings(recording)
+    knobs = parse_knobs(settings, graph)
+    with off_record():
         recording = recording.intact()
+    opened = replace(opened, recording=recording)
     for damage in recording.damaged:
         log.warning("left out: %s", damage)
-    run = graph.run(job.until, {"recording": recording}, job.cache or job.out / ".cache", knobs)
-    return write_results(run, job.out, _about(job, recording, settings))
+    run = graph.run(job.until, {"recording": recording}, cache, knobs)
+    return write_results(run, job.out, _about(job, opened, settings), opened.manifest)
 
 
 def _check_character(knobs: Mapping[str, Any]) -> None:
@@ -164,14 +178,18 @@ def _check_character(knobs: Mapping[str, Any]) -> None:
             clip_named(character, knobs["clip"])
 
 
-def _about(job: Job, recording: Recording, settings: tuple[str, ...]) -> dict[str, Any]:
-    """What was run: enough to run it again, from wherever that is done."""
+def _about(job: Job, opened: OpenedRecording, settings: tuple[str, ...]) -> dict[str, Any]:
+    """What was run: enough to run it again, from wherever that is done, or once moved."""
+    manifest = job.manifest if opened.manifest is None else job.out / OWN_MANIFEST
     return {
         "recording": str(job.recording.absolute()),
-        "manifest": None if job.manifest is None else str(job.manifest.absolute()),
-        "content": recording.digest(),
+        "recording_from_here": relpath(job.recording, job.out),
+        "manifest": None if manifest is None else str(manifest.absolute()),
+        "manifest_from_here": None if manifest is None else relpath(manifest, job.out),
+        "content": opened.recording.digest(),
         "until": job.until,
         "settings": list(settings),
         "motorcade": __version__,
         "python": platform.python_version(),
+        **summary(opened),
     }

@@ -24,7 +24,11 @@ _OUR_FILES = (
     "slam_history.csv",
     "report.html",
     "report.json",
+    "footage.mp4",
+    "viewer.html",
 )
+OWN_MANIFEST = "manifest.toml"
+"""What a run that was told too little found out, as a manifest that repeats it."""
 
 
 def require_writable(folder: Path) -> None:
@@ -39,14 +43,19 @@ def require_writable(folder: Path) -> None:
         ) from error
 
 
-def write_results(run: GraphRun, out: Path, about: Mapping[str, Any]) -> dict[str, Any]:
+def write_results(
+    run: GraphRun, out: Path, about: Mapping[str, Any], manifest: str | None = None
+) -> dict[str, Any]:
     """Write what a run computed into `out`, and the run log `run.json`, which begins with `about`.
 
-    Files of an earlier run that this one did not make are removed, so that what lies in `out`
-    belongs together. Returns the report, or the run log of a run that stopped before it.
+    `manifest` is what was found out of a recording that told too little. Files of an earlier run
+    that this one did not make are removed, so that what lies in `out` belongs together. Returns
+    the report, or the run log of a run that stopped before it.
     """
     run_log = _run_log(run, about)
     written = _write_trajectories(run, out / "trajectories") | _write_files(run, out)
+    if manifest is not None:
+        write_bytes(out / OWN_MANIFEST, manifest.encode())
     write_bytes(out / "run.json", (json.dumps(run_log, indent=2) + "\n").encode())
     of_earlier_runs = [out / name for name in _OUR_FILES] + [
         path
@@ -107,6 +116,7 @@ def _write_files(run: GraphRun, out: Path) -> set[Path]:
     film, pages = run.outputs.get("overlay"), run.outputs.get("report")
     copied = {"overlay.mp4": film and film.path}
     copied |= {"report.html": pages and pages.page, "report.json": pages and pages.summary}
+    copied |= {"footage.mp4": pages and pages.footage, "viewer.html": pages and pages.viewer}
     saved = {
         "marker_map.json": getattr(run.outputs.get("marker_poses"), "marker_map", None),
         "slam_map.npz": getattr(run.outputs.get("slam_poses"), "slam_map", None),

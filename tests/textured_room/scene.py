@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["Panel", "Room", "furnished_room"]
+__all__ = ["Panel", "Room", "bars_over_noise", "furnished_room", "upright_box"]
 
 WALL_X_M, WALL_Y_M, CEILING_M = 4.0, 3.0, 2.6
 BLOCK_X_M, BLOCK_Y_M = 1.8, 1.0
@@ -85,18 +85,20 @@ def furnished_room(rng: np.random.Generator, *, textured: bool = True) -> Room:
         rng: of the textures; the shape is always the same.
         textured: whether there is anything to see.
     """
-    shell = _upright_box((0.0, 0.0), (2 * WALL_X_M, 2 * WALL_Y_M, CEILING_M), 0.0)
+    shell = upright_box((0.0, 0.0), (2 * WALL_X_M, 2 * WALL_Y_M, CEILING_M), 0.0)
     faces = [_flipped(*face) for face in shell]
-    faces += _upright_box((0.0, 0.0), (2 * BLOCK_X_M, 2 * BLOCK_Y_M, CEILING_M), 0.0)[:4]
+    faces += upright_box((0.0, 0.0), (2 * BLOCK_X_M, 2 * BLOCK_Y_M, CEILING_M), 0.0)[:4]
     for x, y, sx, sy, sz, turn in _BOXES:
-        faces += _upright_box((x, y), (sx, sy, sz), turn)[:5]
-    return Room(tuple(Panel(*face, _texture(face[1], face[2], rng, textured)) for face in faces))
+        faces += upright_box((x, y), (sx, sy, sz), turn)[:5]
+    return Room(
+        tuple(Panel(*face, bars_over_noise(face[1], face[2], rng, textured)) for face in faces)
+    )
 
 
 Face = tuple[FloatArray, FloatArray, FloatArray]
 
 
-def _upright_box(
+def upright_box(
     centre_m: tuple[float, float], size_m: tuple[float, float, float], turn_rad: float
 ) -> list[Face]:
     """Corner, right and down of a box's faces seen from outside: four sides, top, bottom."""
@@ -120,8 +122,8 @@ def _flipped(corner: FloatArray, right: FloatArray, down: FloatArray) -> Face:
     return corner + right, -right, down
 
 
-def _texture(
-    right: FloatArray, down: FloatArray, rng: np.random.Generator, textured: bool
+def bars_over_noise(
+    right: FloatArray, down: FloatArray, rng: np.random.Generator, textured: bool = True
 ) -> NDArray[np.uint8]:
     """Noise of many sizes under randomly turned bars, without detail finer than two texels."""
     width, height = (max(8, round(float(np.linalg.norm(e)) * TEXELS_PER_M)) for e in (right, down))

@@ -16,12 +16,12 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         shared,
         inspect,
         name="inspect",
-        summary="say what a recording holds (frames, rates, streams, gaps, calibration) "
-        "or a character (joints, triangles, clips)",
+        summary="say what a recording holds (frames, rates, streams, gaps, calibration), "
+        "a bag (topics), a file of poses or readings, or a character (joints, triangles, clips)",
         example="motorcade inspect images/ --manifest camera.toml --json\n"
         "  motorcade inspect knight.glb --pose Walking_A@0.5",
     )
-    parser.add_argument("recording", type=Path, metavar="RECORDING|CHARACTER")
+    parser.add_argument("recording", type=Path, metavar="RECORDING|BAG|FILE|CHARACTER")
     parser.add_argument(
         "--manifest", type=Path, metavar="FILE", help="TOML description of the recording"
     )
@@ -35,8 +35,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 def inspect(arguments: argparse.Namespace) -> None:
     """Open the recording or character and print its contents."""
     from motorcade.animation.formats import SUFFIXES
-    from motorcade.replays.inspection import describe, describe_character
-    from motorcade.replays.readers.opening import open_recording
+    from motorcade.replays.inspection import describe_character
 
     is_character = arguments.recording.suffix.lower() in SUFFIXES
     if is_character:
@@ -46,12 +45,28 @@ def inspect(arguments: argparse.Namespace) -> None:
     elif given := [one for one in ("pose", "up", "front") if getattr(arguments, one) is not None]:
         raise ValueError(f"--{given[0]}: expected a character, got {arguments.recording}")
     else:
-        description = describe(open_recording(arguments.recording, arguments.manifest))
+        description = _describe(arguments.recording, arguments.manifest)
     if arguments.json:
         print_json(description)
         return
     for key, value in description.items():
         _print(key, value)
+
+
+def _describe(path: Path, manifest: Path | None) -> dict[str, Any]:
+    """What a recording, a bag or a file of poses or readings holds."""
+    from motorcade.replays.inspection import describe, describe_whole
+    from motorcade.replays.listing import TEXT_SUFFIXES, describe_bag, describe_text
+    from motorcade.replays.readers.opening import open_recording
+    from motorcade.replays.readers.ros.naming import is_bag
+    from motorcade.replays.readers.ros.recording import holds_pictures
+
+    if manifest is None and path.is_file() and path.suffix.lower() in TEXT_SUFFIXES:
+        return describe_text(path)
+    if manifest is None and is_bag(path) and path.exists():
+        held = describe_bag(path)
+        return (describe(open_recording(path)) if holds_pictures(path) else {}) | held
+    return describe_whole(path, manifest)
 
 
 def _print(key: str, value: Any) -> None:

@@ -11,13 +11,15 @@ import pytest
 
 from motorcade.fusion.smoothing import REPRESENTATIONS
 from motorcade.replays.cli import main
+from motorcade.replays.described.opening import description_graph
 from motorcade.replays.engine.graph import Graph
 from motorcade.replays.engine.knobs import Knob, described_knobs, parse_knobs
 from motorcade.replays.engine.stage import Stage
 from motorcade.replays.pipeline import pipeline_graph
 
 GRAPH = pipeline_graph()
-EVERY = [(stage, knob) for stage in GRAPH.stages.values() for knob in described_knobs(stage)]
+STAGES = (*description_graph().stages.values(), *GRAPH.stages.values())
+EVERY = [(stage, knob) for stage in STAGES for knob in described_knobs(stage)]
 IDS = [f"{stage.name}.{knob.name}" for stage, knob in EVERY]
 
 
@@ -73,7 +75,8 @@ def test_a_default_of_any_kind_is_told_as_it_is_typed() -> None:
 
 @pytest.mark.parametrize(("stage", "knob"), EVERY, ids=IDS)
 def test_every_default_can_be_typed_as_it_is_told(stage: Stage, knob: Knob) -> None:
-    read = parse_knobs([f"{stage.name}.{knob.name}={knob.default}"], GRAPH)
+    graph = GRAPH if stage.name in GRAPH.stages else description_graph()
+    read = parse_knobs([f"{stage.name}.{knob.name}={knob.default}"], graph)
     assert read == {stage.name: {knob.name: stage.knobs[knob.name].default}}
 
 

@@ -1,0 +1,102 @@
+"""The camera of a recording that names none: by a target in view, or by how wide it sees."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from motorcade.replays.described.values import SampledPictures
+from motorcade.replays.engine.progress import track
+from motorcade.replays.recording import FrameSequence
+from motorcade.tracking import (
+    Detection,
+    MarkerGrid,
+    SelfCalibration,
+    self_calibrate_board,
+    self_calibrate_motion,
+    self_calibrate_tags,
+)
+from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.targets import (
+    FoundTarget,
+    SeenMarkers,
+    regapped,
+    seen_markers,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class FoundCamera:
+    """A camera and what speaks for it.
+
+    Fields:
+        camera: of the pictures.
+        said: the same in words.
+        source: what it was found by.
+        target: as it was given, or with the gaps that this camera shows.
+        readout_s: from the first row of a picture to the last, 0 where nothing is known of it.
+        doubts: what may be wrong with it.
+    """
+
+    camera: Camera
+    said: str
+    source: str
+    target: FoundTarget | None
+    readout_s: float = 0.0
+    doubts: tuple[str, ...] = ()
+
+
+def camera_by_view(size: tuple[int, int], fov_deg: float) -> Camera:
+    """A lens without distortion that sees `fov_deg` along the longer side of its pictures."""
+    focal = 0.5 * max(size) / math.tan(math.radians(0.5 * fov_deg))
+    return Camera(*size, focal, focal, 0.5 * (size[0] - 1), 0.5 * (size[1] - 1))
+
+
+def camera_by_target(target: FoundTarget, sample: SampledPictures) -> FoundCamera:
+    """The camera that saw a target, whose size does not matter.
+
+    Raises:
+        SelfCalibrationError: pictures that show it too seldom, or always from one side.
+    """
+    if target.family is not None and (target.board is None or isinstance(target.board, MarkerGrid)):
+        seen = seen_markers(target.family, sample.pictures, set(target.marker_ids))
+        frames = [_detections(str(target.family), one) for one in seen.markers]
+        made = self_calibrate_tags(frames, sample.size, sample.time_ns)
+        if isinstance(target.board, MarkerGrid):
+            target = replace(target, board=regapped(target.board, seen.markers, made.camera))
+        return _said(made, "the markers in view", target)
+    board = target.board
+    if board is None:
+        raise ValueError("target: expected a board or markers, got neither")
+    views = [board.detect(one) for one in sample.pictures]
+    made = self_calibrate_board(views, sample.size, sample.time_ns)
+    return _said(made, "the board in view", target)
+
+
+def camera_by_motion(frames: FrameSequence, size: tuple[int, int]) -> FoundCamera:
+    """The camera that moved through a scene without targets.
+
+    Raises:
+        SelfCalibrationError: motion or texture from which no camera follows.
+    """
+    pictures = (frame.gray() for frame in track(frames, "finding the camera", len(frames)))
+    return _said(self_calibrate_motion(pictures, size, frames.time_ns), "the motion of the scene")
+
+
+def _said(made: SelfCalibration, by: str, target: FoundTarget | None = None) -> FoundCamera:
+    said = (
+        f"{made.camera.model}, focal length {made.camera.fx:.0f} px ± "
+        f"{100.0 * made.sigma_focal:.2g} %, {made.rms_px:.2g} px RMS over {made.views} frames"
+    )
+    down = made.readout is not None and made.readout.axis == "down"
+    readout_s = float(made.readout_s or 0.0) if down else 0.0
+    return FoundCamera(
+        made.camera, said, f"self-calibration by {by}", target, readout_s, made.doubts
+    )
+
+
+def _detections(family: str, seen: SeenMarkers) -> list[Detection]:
+    return [
+        Detection(family, int(marker), corners, 0, 1.0, sharp=True)
+        for marker, corners in zip(seen.ids, seen.corners_px, strict=True)
+    ]

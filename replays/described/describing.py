@@ -1,0 +1,255 @@
+"""Stage `described`: a manifest for a recording of whose camera nothing was told."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from motorcade.fusion.imu import ImuStream
+from motorcade.replays.described.camera import (
+    FoundCamera,
+    camera_by_motion,
+    camera_by_target,
+    camera_by_view,
+)
+from motorcade.replays.described.telemetry import (
+    GOPRO_IMU_R_CAMERA,
+    SeenTurns,
+    camera_by_turning,
+    check_axes,
+    seen_turns,
+)
+from motorcade.replays.described.values import (
+    Assumption,
+    Description,
+    SampledPictures,
+    sampled_pictures,
+)
+from motorcade.replays.engine.progress import working
+from motorcade.replays.readers.frames.corners import CornerFrames
+from motorcade.replays.readers.frames.files import PictureFrames
+from motorcade.replays.readers.layouts import loose_pictures
+from motorcade.replays.readers.manifest.section import board_toml, camera_toml, markers_toml
+from motorcade.replays.recording import Recording
+from motorcade.tracking import CharucoBoard, Checkerboard, MarkerGrid
+from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.checks import GrayImage, check_length
+from motorcade.tracking.targets import FoundTarget, find_target, seen_board, seen_markers
+
+_ENOUGH_SHARE = 0.4
+"""Of the pictures: a target seen in fewer is no good to track by."""
+_SAY_CAMERA = (
+    "say how wide the pictures see (--set described.fov_deg=65), or describe it in a manifest: "
+    "[camera] with fx, fy, cx, cy as `motorcade calibrate` finds them"
+)
+
+
+def lacks_description(recording: Recording) -> bool:
+    """Whether a recording has pictures, and neither a camera nor a truth to go by."""
+    unknown = recording.camera is None and recording.truth is None
+    return unknown and not isinstance(recording.frames, CornerFrames)
+
+
+def described(
+    recording: Recording,
+    *,
+    target: Literal["auto", "none"] = "auto",
+    size_m: float | None = None,
+    fov_deg: float | None = None,
+    rate_hz: float = loose_pictures.RATE_HZ,
+) -> Description:
+    """Find out what a recording does not tell, and write it as a manifest.
+
+    Boards and markers are looked for in pictures spread over it, unless the recording names some or
+    `target=none` says that there are none. Without `size_m`, the side of a square or of a marker's
+    black square in metres, lengths are counted in those. The camera is found by them, or by the
+    motion where there are none; `fov_deg` says instead how wide the pictures see along their
+    longer side. `rate_hz` is that of pictures without times.
+
+    Raises:
+        ValueError: a size that is not above zero, or pictures from which no camera follows.
+    """
+    if size_m is not None:
+        check_length(size_m, "described.size_m")
+    if fov_deg is not None and not 1.0 <= fov_deg <= 170.0:
+        raise ValueError(f"described.fov_deg: expected 1 to 170 degrees, got {fov_deg:g}")
+    made = _Describing(recording)
+    made.frames(rate_hz)
+    with working("looking for boards and markers"):
+        sample = sampled_pictures(recording.frames)
+        told = _told(recording, sample.spread)
+        found = told or (None if target == "none" else find_target(sample.spread))
+    with working("finding the camera"):
+        camera = made.camera(sample, found, fov_deg)
+    if told is None:
+        made.target(camera.target, size_m)
+    made.telemetry(camera.camera)
+    made.up(camera.target)
+    return made.description()
+
+
+def _told(recording: Recording, pictures: tuple[GrayImage, ...]) -> FoundTarget | None:
+    """The board or markers that the recording names; None where it names none."""
+    if recording.board is not None:
+        return seen_board(recording.board, pictures)
+    return seen_markers(recording.markers.family, pictures) if recording.markers else None
+
+
+class _Describing:
+    """A manifest on its way, and what was assumed so far."""
+
+    def __init__(self, recording: Recording) -> None:
+        self.recording = recording
+        self.assumed: list[Assumption] = []
+        self._tables: list[str] = []
+        self._settings: list[str] = []
+        self._seen_turns: SeenTurns | None = None
+
+    def description(self) -> Description:
+        """All of it."""
+        return Description("\n".join(self._tables), tuple(self._settings), tuple(self.assumed))
+
+    def frames(self, rate_hz: float) -> None:
+        """Which pictures are the frames, and how fast they follow one another."""
+        frames, root = self.recording.frames, self.recording.root
+        if self.recording.layout != loose_pictures.LAYOUT or not isinstance(frames, PictureFrames):
+            return
+        folder = frames.files[0].parent.relative_to(root)
+        lines = ["[frames]"] if folder.parts == () else ["[frames]", f'images = "{folder}/*.*"']
+        self._tables.append("\n".join([*lines, f"rate_hz = {rate_hz!r}"]) + "\n")
+        said = f"{len(frames)} pictures in the order of their names, {rate_hz:g} a second"
+        self._assume("times", said, "pictures that hold no times", "described.rate_hz=30")
+
+    def camera(
+        self,
+        sample: SampledPictures,
+        target: FoundTarget | None,
+        fov_deg: float | None,
+    ) -> FoundCamera:
+        """The camera: told by its view, or found."""
+        size = sample.size
+        if fov_deg is not None:
+            said = f"a lens without distortion that sees {fov_deg:g} degrees"
+            found = FoundCamera(camera_by_view(size, fov_deg), said, "what was told", target)
+        elif target is not None:
+            try:
+                found = camera_by_target(target, sample)
+            except ValueError as why:
+                problem = f"{self.recording.name}: {target.summary}, do not tell its camera: {why}"
+                raise ValueError(f"{problem}; {_SAY_CAMERA}") from why
+        else:
+            found = self._camera_of_motion(size)
+        doubts = "".join(f"; {one}" for one in found.doubts)
+        self._assume("camera", found.said + doubts, found.source, "described.fov_deg=65")
+        use_readout = found.readout_s > 0.0 and self.recording.imu is not None
+        readout = f"readout_s = {found.readout_s!r}\n" if use_readout else ""
+        self._tables.append(camera_toml(found.camera) + readout)
+        return found
+
+    def _camera_of_motion(self, size: tuple[int, int]) -> FoundCamera:
+        """The camera by the turns that a gyroscope counted, or by how the scene moves.
+
+        Raises:
+            ValueError: neither tells it.
+        """
+        imu = self.recording.imu
+        turned = None if imu is None else camera_by_turning(self._turns(imu), size)
+        if turned is None:
+            try:
+                return camera_by_motion(self.recording.frames, size)
+            except ValueError as why:
+                problem = f"{self.recording.name}: no camera known, no board or markers in its"
+                problem += f" pictures, and their motion does not tell it: {why}"
+                raise ValueError(f"{problem}; {_SAY_CAMERA}") from why
+        said = f"pinhole, focal length {turned.camera.fx:.0f} px ± {100.0 * turned.sigma:.2g} %, "
+        said += f"over {turned.pairs} pairs of frames"
+        doubts = ("how the lens bends is not known",)
+        source = "the turns that the gyroscope counted"
+        return FoundCamera(turned.camera, said, source, None, doubts=doubts)
+
+    def _turns(self, imu: ImuStream) -> SeenTurns:
+        if self._seen_turns is None:
+            self._seen_turns = seen_turns(self.recording.frames, imu)
+        return self._seen_turns
+
+    def target(self, target: FoundTarget | None, size_m: float | None) -> None:
+        """The board or the markers, and their size."""
+        if target is None:
+            self._assume(
+                "tracking",
+                "visual SLAM, whose lengths have a unit only where an IMU tells it",
+                "neither board nor markers in the pictures",
+                "[board] or [markers] in a manifest",
+            )
+            return
+        source = "counting in pictures spread over the recording"
+        self._assume("target", target.summary, source, "described.target=none")
+        length = 1.0 if size_m is None else size_m
+        table = _target_toml(target, length)
+        self._tables.append(table if size_m is not None else f"{table}metric = false\n")
+        if size_m is None:
+            said = f"unknown, so lengths are counted in {target.unit}s"
+            self._assume("size", said, "no ruler in the pictures", "described.size_m=0.03")
+        if len(target.pictures) < _ENOUGH_SHARE * target.searched:
+            self._settings.append("tracked.by=slam")
+            seen = f"a target in only {len(target.pictures)} of {target.searched} pictures"
+            self._assume("tracking", "visual SLAM", seen, "tracked.by=auto")
+        else:
+            by = "tracked.by=slam"
+            self._assume("tracking", f"by the {_word(target)}", "the target in view", by)
+
+    def telemetry(self, camera: Camera) -> None:
+        """How the camera sits on the IMU of a GoPro's telemetry, if the pictures do not deny it."""
+        imu = self.recording.imu
+        if imu is None or self.recording.imu_T_camera is not None:
+            return
+        told = check_axes(self._turns(imu), camera, GOPRO_IMU_R_CAMERA)
+        if told.verdict == "contradict":
+            said = "left aside: the pictures turn otherwise than GoPro's axes say"
+            self._assume("imu", said, f"a likeness of {told.likeness:.2f}", "[imu] in a manifest")
+            return
+        pose = np.eye(4)
+        pose[:3, :3] = GOPRO_IMU_R_CAMERA
+        rows = ",\n".join(f"    {row}" for row in pose.tolist())
+        self._tables.append(f"[imu]\nimu_T_camera = [\n{rows},\n]\n")
+        agree = {
+            "agree": f"the pictures agree, likeness {told.likeness:.2f}",
+            "do not tell": "the pictures do not tell",
+        }[told.verdict]
+        source = f"GoPro's axes; {agree}"
+        said = "the telemetry's, the lens looking along its -y, upright along z"
+        self._assume("imu", said, source, "[imu] imu_T_camera in a manifest")
+
+    def up(self, target: FoundTarget | None) -> None:
+        """Against what a character stands upright."""
+        if target is not None and "tracked.by=slam" not in self._settings:
+            face = "a marker's" if target.board is None else "the board's"
+            said, source = f"out of {face} printed face", "the target in view"
+            self._assume("up", said, source, "placed.on=plane")
+        elif any(one.startswith("[imu]") for one in self._tables):
+            self._assume("up", "against gravity", "the telemetry", "placed.on=floor")
+        else:
+            said = "out of the plane that faces the first picture's up"
+            self._assume("up", said, "nothing that measured gravity", "placed.on=floor")
+
+    def _assume(self, what: str, said: str, source: str, override: str) -> None:
+        option = override if " " in override else f"--set {override}"
+        self.assumed.append(Assumption(what, said, source, option))
+
+
+def _word(target: FoundTarget) -> str:
+    return "markers" if target.board is None else "board"
+
+
+def _target_toml(target: FoundTarget, length: float) -> str:
+    """The table of a target whose square or marker has this side."""
+    board = target.board
+    if isinstance(board, Checkerboard):
+        return board_toml(replace(board, square_m=length))
+    if isinstance(board, CharucoBoard):
+        return board_toml(replace(board, square_m=length, marker_m=length * board.marker_m))
+    if isinstance(board, MarkerGrid):
+        return board_toml(replace(board, marker_m=length, gap_m=length * board.gap_m))
+    return markers_toml(str(target.family), length)

@@ -1,0 +1,112 @@
+"""What was found out about a recording, and the pictures that tell it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.ga.arrays import IntArray
+from motorcade.replays.recording import FrameSequence
+from motorcade.tracking.checks import GrayImage
+
+_NEIGHBOURS = 3
+_FEWEST_PLACES, _MOST_PLACES = 8, 24
+_MOST_BYTES = 2**28
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """One thing that was found or assumed, and not told.
+
+    Fields:
+        what: the thing, in few words.
+        said: what is taken.
+        source: where that comes from.
+        override: how to say otherwise.
+
+    >>> from motorcade.replays.described.values import Assumption
+    >>> print(Assumption("times", "30 frames/s", "a guess", "--set described.rate_hz=..."))
+    times: 30 frames/s (from a guess); override: --set described.rate_hz=...
+    """
+
+    what: str
+    said: str
+    source: str
+    override: str
+
+    def __str__(self) -> str:
+        return f"{self.what}: {self.said} (from {self.source}); override: {self.override}"
+
+
+@dataclass(frozen=True)
+class Description:
+    r"""What a manifest lacks, and what in it was assumed.
+
+    Fields:
+        tables: text of a TOML file, whose files are named relative to the recording.
+        settings: knobs that stand before the tables.
+        assumed: in the order in which it was found out.
+
+    >>> from motorcade.replays.described.values import Description
+    >>> print(Description("[camera]\nfov_deg = 65.0\n", ("tracked.by=slam",), ()).manifest(""))
+    settings = ["tracked.by=slam"]
+    <BLANKLINE>
+    [camera]
+    fov_deg = 65.0
+    <BLANKLINE>
+    """
+
+    tables: str
+    settings: tuple[str, ...]
+    assumed: tuple[Assumption, ...]
+
+    def manifest(self, given: str) -> str:
+        """The text of a manifest, after that of the one that was given, if any."""
+        said = "".join(f"# {one}\n" for one in self.assumed)
+        quoted = ", ".join(f'"{one}"' for one in self.settings)
+        settings = f"settings = [{quoted}]\n" if quoted and not given else ""
+        return "\n".join(one for one in (said, given, settings, self.tables) if one)
+
+
+@dataclass(frozen=True, eq=False)
+class SampledPictures:
+    """Grey pictures of a recording: a few places, at each some neighbouring frames.
+
+    Fields:
+        pictures: in the order of time.
+        time_ns: ``(P,)`` their stamps.
+        places: rows of `pictures`, one a place.
+    """
+
+    pictures: tuple[GrayImage, ...]
+    time_ns: IntArray
+    places: tuple[int, ...]
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height, pixels."""
+        height, width = self.pictures[0].shape
+        return width, height
+
+    @property
+    def spread(self) -> tuple[GrayImage, ...]:
+        """One picture of each place."""
+        return tuple(self.pictures[row] for row in self.places)
+
+
+def sampled_pictures(frames: FrameSequence) -> SampledPictures:
+    """Three neighbouring frames at each of some places that are spread over a recording.
+
+    Neighbours tell how fast the camera moved; places, what it saw. Of large pictures fewer are
+    taken, so that all of them fit into a quarter of a GiB.
+    """
+    first = frames[0].gray()
+    places = int(np.clip(_MOST_BYTES / (_NEIGHBOURS * first.size), _FEWEST_PLACES, _MOST_PLACES))
+    last = len(frames) - 1
+    middles = np.unique(np.linspace(min(1, last), max(last - 1, 0), places).astype(int))
+    beside = (middles[:, None] + np.arange(_NEIGHBOURS) - _NEIGHBOURS // 2).ravel()
+    rows = np.unique(np.clip(beside, 0, last))
+    pictures = tuple(frames[int(row)].gray() for row in rows)
+    at = tuple(int(row) for row in np.searchsorted(rows, middles))
+    return SampledPictures(pictures, np.asarray(frames.time_ns[rows]), at)
