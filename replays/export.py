@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from os.path import normpath
 from pathlib import Path
 from typing import Any
 
@@ -158,9 +159,11 @@ def read_origin(folder: Path) -> RunOrigin:
         )
     try:
         told = json.loads(read_bounded(file, MAX_LOG_BYTES))
-        manifest, settings = told["manifest"], tuple(map(str, told["settings"]))
-        place = None if manifest is None else Path(manifest)
-        return RunOrigin(Path(told["recording"]), place, str(told["content"]), settings)
+        recording, manifest = (_found(folder, told, one) for one in ("recording", "manifest"))
+        if recording is None:
+            raise ValueError("recording: expected a path, got none")
+        settings = tuple(map(str, told["settings"]))
+        return RunOrigin(recording, manifest, str(told["content"]), settings)
     except FileError:
         raise
     except (ValueError, KeyError, TypeError, RecursionError) as fault:
@@ -168,6 +171,14 @@ def read_origin(folder: Path) -> RunOrigin:
             f"{file}: expected what `motorcade run` wrote of a recording, got another file: "
             f"{type(fault).__name__} {fault}"
         ) from fault
+
+
+def _found(folder: Path, told: dict[str, Any], name: str) -> Path | None:
+    """Where a file of a run lies: where it lay, or where it was moved together with the run."""
+    if told[name] is None:
+        return None
+    there, moved = Path(told[name]), told.get(f"{name}_from_here")
+    return there if there.exists() or moved is None else Path(normpath(folder.absolute() / moved))
 
 
 def write_run_gltf(shown: Shown, path: Path) -> None:
@@ -183,7 +194,7 @@ def write_run_gltf(shown: Shown, path: Path) -> None:
     """
     camera = shown.camera
     field_rad = 2.0 * float(np.arctan(0.5 * camera.height / camera.fy))
-    points = _thinned(shown.points_m)
+    points = thinned(shown.points_m)
     cast = [
         CharacterOnPath(name, one.character, shown.clip(name), shown.world_T_character(name))
         for name, one in shown.cast.items()
@@ -216,7 +227,7 @@ def write_rrd(shown: Shown, path: Path) -> None:
         places = one.poses.translation_m.astype(np.float32)
         stream.log(f"world/paths/{name}", rr.LineStrips3D([places]), static=True)
     if len(shown.points_m):
-        cloud = _thinned(shown.points_m).astype(np.float32)
+        cloud = thinned(shown.points_m).astype(np.float32)
         stream.log("world/map", rr.Points3D(cloud), static=True)
     lens = shown.camera
     pinhole = rr.Pinhole(image_from_camera=lens.matrix, width=lens.width, height=lens.height)
@@ -280,7 +291,7 @@ def _from(clip: Clip, passed_s: float) -> Clip:
     return Clip(clip.name, times, clip.at(at), clip.looped, morphs=track)
 
 
-def _thinned(points_m: FloatArray) -> FloatArray:
+def thinned(points_m: FloatArray) -> FloatArray:
     """At most `POINTS_SHOWN` of the points, evenly taken."""
     step = -(-len(points_m) // POINTS_SHOWN) or 1
     return points_m[::step]

@@ -187,7 +187,7 @@ def test_rerun_reads_what_is_written(finished: Path, tmp_path: Path) -> None:
     ("arguments", "told"),
     [
         (["--gltf", "x.obj"], "ends in .glb"),
-        ([], "got neither"),
+        ([], "got none"),
     ],
 )
 def test_bad_requests_are_refused_in_one_line(

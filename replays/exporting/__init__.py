@@ -1,0 +1,1 @@
+"""Runs in other programs' formats: COLMAP's text model, nerfstudio's transforms, USD."""
