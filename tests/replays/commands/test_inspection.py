@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.replays.inspection import _stream
+from motorcade.replays.inspection import describe_stream
 
 
 @pytest.fixture
@@ -15,7 +15,7 @@ def stamps() -> Callable[..., Any]:
 
 
 def test_an_even_stream_has_a_rate_and_no_gaps(stamps: Callable[..., Any]) -> None:
-    about = _stream("imu", stamps(*np.arange(0.0, 2.0, 0.005)))
+    about = describe_stream("imu", stamps(*np.arange(0.0, 2.0, 0.005)))
     assert about["imu_count"] == 400
     assert about["imu_rate_hz"] == pytest.approx(200.0)
     assert about["imu_gaps"] == 0
@@ -23,10 +23,10 @@ def test_an_even_stream_has_a_rate_and_no_gaps(stamps: Callable[..., Any]) -> No
 
 
 def test_gaps_are_steps_far_beyond_the_usual(stamps: Callable[..., Any]) -> None:
-    about = _stream("frames", stamps(0.0, 0.1, 0.2, 0.9, 1.0, 1.1, 1.3))
+    about = describe_stream("frames", stamps(0.0, 0.1, 0.2, 0.9, 1.0, 1.1, 1.3))
     assert about["frames_gaps"] == 1
     assert about["frames_longest_gap_s"] == pytest.approx(0.7)
 
 
 def test_a_single_stamp_has_no_rate(stamps: Callable[..., Any]) -> None:
-    assert _stream("truth", stamps(5.0)) == {"truth_count": 1}
+    assert describe_stream("truth", stamps(5.0)) == {"truth_count": 1}
