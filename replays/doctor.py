@@ -87,6 +87,7 @@ OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
         "av": ("av", "videos in and out"),
         "matplotlib": ("matplotlib", "plots of reports"),
         "Jinja2": ("jinja2", "report pages"),
+        "reportlab": ("reportlab", "boards to print"),
         "PyYAML": ("yaml", "calibration files"),
         "DracoPy": ("DracoPy", "meshes of characters that Draco compressed"),
         "pillow": ("PIL", "textures of characters"),
@@ -100,6 +101,9 @@ OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
     },
     "viewer": {
         "rerun-sdk": ("rerun", "runs exported for the Rerun viewer"),
+    },
+    "usd": {
+        "usd-core": ("pxr", "runs exported as USD"),
     },
     "studio": {
         "starlette": ("starlette", "the page of `motorcade author`"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Callable, Collection, Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
 Subparsers = Any
@@ -41,6 +42,14 @@ def new_command(
     )
     parser.set_defaults(command=command)
     return parser
+
+
+def add_stamps(parser: argparse.ArgumentParser) -> None:
+    """Add `--rate-hz` and `--times`: one of them gives poses of KITTI files their stamps."""
+    parser.add_argument(
+        "--rate-hz", type=float, metavar="HZ", help="rate of KITTI files, which have no stamps"
+    )
+    parser.add_argument("--times", type=Path, metavar="FILE", help="or their stamps, one a row, s")
 
 
 def add_executor(parser: argparse.ArgumentParser, default: str, where: str = "") -> None:

@@ -14,6 +14,7 @@ from typing import TextIO
 from motorcade import __version__
 from motorcade.replays.cli.arguments import one_line
 from motorcade.replays.cli.characters import author, blend
+from motorcade.replays.cli.parser import Parser
 from motorcade.replays.cli.recordings import demo, export, graph, inspect, run, sweep, view
 from motorcade.replays.cli.sensors import (
     allan,
@@ -24,8 +25,10 @@ from motorcade.replays.cli.sensors import (
     simulate_imu,
     sync,
 )
-from motorcade.replays.cli.tools import doctor, generate
+from motorcade.replays.cli.tools import completion, doctor, generate
+from motorcade.replays.cli.tools import print as print_
 from motorcade.replays.cli.trajectories import compare, consistency, evaluate, smooth, trajectory
+from motorcade.replays.engine.progress import show_progress
 
 COMMANDS = (
     demo,
@@ -33,6 +36,7 @@ COMMANDS = (
     sweep,
     inspect,
     detect,
+    print_,
     calibrate,
     smooth,
     trajectory,
@@ -51,6 +55,7 @@ COMMANDS = (
     compare,
     consistency,
     doctor,
+    completion,
 )
 
 NAMES = {command.__name__.rpartition(".")[2].replace("_", "-"): command for command in COMMANDS}
@@ -61,7 +66,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
     given = sys.argv[1:] if argv is None else list(argv)
     named = NAMES.get(given[0]) if given else None
-    parser = _parser(COMMANDS if named is None else (named,))
+    parser = command_parser(COMMANDS if named is None else (named,))
     if named is None and given and not given[0].startswith("-"):
         # Not at the top: commands such as doctor run where kernels do not load.
         from motorcade.ga.names import did_you_mean
@@ -89,7 +94,7 @@ def _run(parser: argparse.ArgumentParser, given: Sequence[str]) -> None:
     """Run what was given; what is still to be printed goes out while its errors can be told."""
     try:
         arguments = parser.parse_args(given)
-        _set_up_logging(arguments.verbose)
+        _set_up_logging(arguments.verbose, quiet=arguments.quiet)
         arguments.command(arguments)
     finally:
         print(end="", flush=True)
@@ -103,9 +108,9 @@ def _told(error: Exception) -> str:
     return one_line(error)
 
 
-def _parser(modules: Iterable[ModuleType] = COMMANDS) -> argparse.ArgumentParser:
+def command_parser(modules: Iterable[ModuleType] = COMMANDS) -> Parser:
     """The parser of these commands; one that is named needs no other's arguments."""
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="motorcade",
         description="From recorded camera and IMU sequences to smooth poses, augmented video "
         "and an error report.",
@@ -115,13 +120,18 @@ def _parser(modules: Iterable[ModuleType] = COMMANDS) -> argparse.ArgumentParser
     shared.add_argument(
         "-v", "--verbose", action="count", default=0, help="say more; twice for tracebacks"
     )
+    shared.add_argument(
+        "-q", "--quiet", action="store_true", help="no progress: results, warnings and errors only"
+    )
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for command in modules:
         command.add_to(commands, shared)
+    parser.set_defaults(every_command=command_parser)  # for commands that tell of all of them
     return parser
 
 
-def _set_up_logging(verbose: int) -> None:
+def _set_up_logging(verbose: int, *, quiet: bool) -> None:
+    show_progress(not quiet)
     level = (logging.WARNING, logging.INFO, logging.DEBUG)[min(verbose, 2)]
     handler = _Lines()
     handler.addFilter(_Once())

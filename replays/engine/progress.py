@@ -22,6 +22,13 @@ Item = TypeVar("Item")
 DELAY_S = 1.0
 _TICK_S = 0.5
 LINE_EVERY_S = 10.0
+_asked_for = True
+
+
+def show_progress(shown: bool) -> None:
+    """Whether this process shows progress from here on, where there is any to show."""
+    global _asked_for
+    _asked_for = shown
 
 
 def track(items: Iterable[Item], what: str, total: int) -> Iterator[Item]:
@@ -39,7 +46,7 @@ def track_jobs(items: Iterable[Item], what: str, total: int) -> Iterator[Item]:
 
     A line tells how many are done, and the time that remains at the rate so far.
     """
-    if _shown() or multiprocessing.parent_process() is not None:
+    if not _asked_for or _shown() or multiprocessing.parent_process() is not None:
         yield from track(items, what, total)
         return
     start = last = time.monotonic()
@@ -117,7 +124,7 @@ def log_stages(recording: str = "") -> Iterator[logging.Logger]:
         return True
 
     before = stages.level
-    if stages.getEffectiveLevel() > logging.INFO:
+    if _asked_for and stages.getEffectiveLevel() > logging.INFO:
         stages.setLevel(logging.INFO)
     if recording:
         stages.addFilter(named)
@@ -129,4 +136,4 @@ def log_stages(recording: str = "") -> Iterator[logging.Logger]:
 
 
 def _shown() -> bool:
-    return sys.stderr.isatty() and multiprocessing.parent_process() is None
+    return _asked_for and sys.stderr.isatty() and multiprocessing.parent_process() is None

@@ -241,8 +241,9 @@ def _read_kitti(
 ) -> Trajectory:
     if (rate_hz is None) == (times is None):
         raise ValueError(
-            f"{path}: KITTI files hold no stamps; give either rate_hz or a times file, "
-            f"got rate_hz={rate_hz} and times={times}"
+            f"{path}: KITTI files hold no stamps; give either rate_hz or a times file (of a "
+            f"command: --rate-hz, or --times where it has that), got "
+            f"{'neither' if times is None else 'both'}"
         )
     table = read_table(path, _MATRIX)
     if times is not None:

@@ -6,9 +6,9 @@ import shlex
 
 import pytest
 
-from motorcade.replays.cli.main import NAMES, _parser
+from motorcade.replays.cli.main import NAMES, command_parser
 
-(GROUP,) = (a for a in _parser()._actions if isinstance(a, argparse._SubParsersAction))
+(GROUP,) = (a for a in command_parser()._actions if isinstance(a, argparse._SubParsersAction))
 
 
 def examples(help_text: str) -> list[list[str]]:
@@ -35,7 +35,7 @@ def test_every_option_is_explained(name: str) -> None:
 
 
 def test_every_command_is_in_the_help_of_all_with_a_summary() -> None:
-    told = re.sub(r"\s+", " ", _parser().format_help())
+    told = re.sub(r"\s+", " ", command_parser().format_help())
     for action in GROUP._choices_actions:
         assert action.help is not None
         assert " ".join(action.help.split()) in told

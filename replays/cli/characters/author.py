@@ -85,8 +85,9 @@ def _add_server(parser: argparse.ArgumentParser) -> None:
 def _serve(arguments: argparse.Namespace) -> None:
     """Serve the editor until it is stopped."""
     try:
+        from motorcade.replays.engine.progress import log_stages
         from motorcade.replays.studio.server.app import studio_app
-        from motorcade.replays.studio.server.opening import offered
+        from motorcade.replays.studio.server.opening import offered, ready
         from motorcade.replays.studio.server.serving import Listening, serve
     except ModuleNotFoundError as missing:
         raise RuntimeError(
@@ -95,9 +96,12 @@ def _serve(arguments: argparse.Namespace) -> None:
         ) from missing
     tls = None if arguments.tls is None else (arguments.tls[0], arguments.tls[1])
     listening = Listening(arguments.lan, arguments.port, tls)
-    offers = offered(arguments.scene, arguments.run)
     opens = not arguments.no_open
-    serve(lambda access: studio_app(offers, access), listening, open_browser=opens)
+    with log_stages() as lines:
+        offers = offered(arguments.scene, arguments.run)
+        if len(offers) == 1:
+            offers = [ready(offers[0], lines.info)]
+        serve(lambda access: studio_app(offers, access), listening, open_browser=opens)
 
 
 def author_scene(arguments: argparse.Namespace) -> None:

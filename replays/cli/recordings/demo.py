@@ -27,7 +27,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def demo(arguments: argparse.Namespace) -> None:
     """Render the recording where it is not there yet, then run it as any other."""
-    from motorcade.replays.demo import ensure_demo_recording
+    from motorcade.replays.demo import ensure_demo_recording, settings_beside
     from motorcade.replays.pipeline import Job, require_integrity
 
     if arguments.strict:
@@ -44,7 +44,7 @@ def demo(arguments: argparse.Namespace) -> None:
         out=arguments.out,
         cache=cache,
         until=arguments.until,
-        settings=tuple(arguments.settings),
+        settings=settings_beside(arguments.settings),
         scene=arguments.scene,
     )
     run_one(job, as_json=arguments.json, strict=arguments.strict)

@@ -31,6 +31,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def draw(arguments: argparse.Namespace) -> None:
     """Print or write the drawing."""
+    from motorcade.replays.described.opening import description_graph
     from motorcade.replays.engine import drawing
     from motorcade.replays.engine.knobs import described_knobs
     from motorcade.replays.files.atomic import write_bytes
@@ -40,7 +41,7 @@ def draw(arguments: argparse.Namespace) -> None:
     if arguments.svg is not None:
         write_bytes(arguments.svg, drawing.svg(graph).encode())
     elif arguments.knobs:
-        for stage in graph.stages.values():
+        for stage in (*description_graph().stages.values(), *graph.stages.values()):
             for knob in described_knobs(stage):
                 print(f"{stage.name}.{knob.name}={knob.default}  ({knob.values})")
                 print(textwrap.indent(textwrap.fill(knob.meaning, WIDTH), " " * 4))

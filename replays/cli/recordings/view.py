@@ -34,11 +34,14 @@ def view(arguments: argparse.Namespace) -> None:
     """Write the page, and open it."""
     import webbrowser
 
+    from motorcade.replays.engine.progress import log_stages
     from motorcade.replays.studio.view import write_view
 
     runs = [arguments.run] if arguments.other is None else [arguments.run, arguments.other]
     out = arguments.run / "view.html" if arguments.out is None else arguments.out
-    for path in write_view(runs, out):
+    with log_stages():
+        written = write_view(runs, out)
+    for path in written:
         print(f"wrote {path}")
     if not arguments.no_open:
         webbrowser.open(out.resolve().as_uri())

@@ -68,12 +68,13 @@ def detect(arguments: argparse.Namespace) -> None:
         markers_in,
         write_drawing,
     )
-    from motorcade.replays.readers.manifest.section import read_camera
+    from motorcade.replays.readers.manifest.section import read_camera, stated_rotation
 
     camera = None if arguments.camera is None else read_camera(arguments.camera)
+    rotation_deg = None if arguments.camera is None else stated_rotation(arguments.camera)
     described: list[dict[str, Any]] = []
     failed = 0
-    found = markers_in(arguments.images, arguments.family, camera, arguments.size_m)
+    found = markers_in(arguments.images, arguments.family, camera, arguments.size_m, rotation_deg)
     names = drawing_names(arguments.images)
     for path, name, picture in zip(arguments.images, names, found, strict=True):
         if isinstance(picture, RecordingError):
@@ -85,7 +86,7 @@ def detect(arguments: argparse.Namespace) -> None:
         if not arguments.json:
             _print(picture)
         if arguments.draw is not None:
-            write_drawing(picture, arguments.draw / name, camera)
+            write_drawing(picture, arguments.draw / name)
     if arguments.json:
         print_json({"family": arguments.family, "pictures": described})
     if failed:

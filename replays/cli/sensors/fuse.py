@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.cli.arguments import Subparsers, new_command
+from motorcade.replays.cli.arguments import Subparsers, add_stamps, new_command
 
 if TYPE_CHECKING:
     from motorcade.fusion.imu import ImuNoise, ImuStream
@@ -39,7 +39,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT")
     parser.add_argument("--format", choices=("tum", "euroc", "kitti"), help="of OUT")
-    parser.add_argument("--rate-hz", type=float, help="rate of a KITTI file, which has no stamps")
+    add_stamps(parser)
     parser.add_argument(
         "--stamps",
         default="poses",
@@ -137,7 +137,7 @@ def fuse(arguments: argparse.Namespace) -> None:
 
     rig = None if arguments.rig is None else read_imu_calibration(arguments.rig)
     options = _options(arguments, rig)
-    poses = read_trajectory(arguments.poses, rate_hz=arguments.rate_hz)
+    poses = read_trajectory(arguments.poses, rate_hz=arguments.rate_hz, times=arguments.times)
     imu = read_imu_of(arguments.imu)
     if rig is not None:
         imu = rig.corrected(imu)

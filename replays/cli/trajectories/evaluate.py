@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, cast, get_args
 
-from motorcade.replays.cli.arguments import Subparsers, check_known, new_command
+from motorcade.replays.cli.arguments import Subparsers, add_stamps, check_known, new_command
 
 if TYPE_CHECKING:
     from motorcade.fusion.metrics import Delta, Evaluation, Matched, Relation
@@ -56,7 +56,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         "estimates", type=Path, nargs="+", metavar="EST", help="TUM, EuRoC or KITTI files"
     )
     parser.add_argument("reference", type=Path, metavar="REF", help="the same: the ground truth")
-    parser.add_argument("--rate-hz", type=float, help="rate of KITTI files, which have no stamps")
+    add_stamps(parser)
     _add_pairs_to(parser)
     _add_alignment_to(parser)
     _add_relative_to(parser)
@@ -178,10 +178,11 @@ def evaluate_files(arguments: argparse.Namespace) -> None:
 
     if arguments.plot is not None and arguments.plot.suffix != ".svg":
         raise ValueError(f"--plot: expected a name ending in .svg, got {arguments.plot}")
-    reference = read_trajectory(arguments.reference, rate_hz=arguments.rate_hz)
+    stamps = {"rate_hz": arguments.rate_hz, "times": arguments.times}
+    reference = read_trajectory(arguments.reference, **stamps)
     matched: dict[str, Matched] = {}
     for name, path in zip(_names(arguments.estimates), arguments.estimates, strict=True):
-        estimate = read_trajectory(path, rate_hz=arguments.rate_hz)
+        estimate = read_trajectory(path, **stamps)
         matched[name] = _matched(arguments, estimate, reference)
     delta = _delta(arguments)
     found = {name: _evaluated(one, delta, arguments) for name, one in matched.items()}

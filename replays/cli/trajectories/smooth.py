@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.cli.arguments import Subparsers, new_command
+from motorcade.replays.cli.arguments import Subparsers, add_stamps, new_command
 
 if TYPE_CHECKING:
     from motorcade.ga import Trajectory
@@ -73,7 +73,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--format", choices=("tum", "euroc", "kitti"), help="of files read and written"
     )
-    parser.add_argument("--rate-hz", type=float, help="rate of KITTI files, which have no stamps")
+    add_stamps(parser)
 
 
 def smooth_files(arguments: argparse.Namespace) -> None:
@@ -151,15 +151,16 @@ def _files(
 
 
 def _read(name: str, arguments: argparse.Namespace, *, many: bool) -> Trajectory:
-    """One trajectory; of several a rate is that of those without stamps."""
+    """One trajectory; of several, rate or stamps are those of files without."""
     from motorcade.replays.files.trajectories import read_trajectory, trajectory_format
 
+    stamps = {"rate_hz": arguments.rate_hz, "times": arguments.times}
     if _is_bag(name):
-        return read_trajectory(name, rate_hz=None if many else arguments.rate_hz)
+        return read_trajectory(name, **({} if many else stamps))
     if not many:
-        return read_trajectory(name, arguments.format, rate_hz=arguments.rate_hz)
+        return read_trajectory(name, arguments.format, **stamps)
     fmt = arguments.format or trajectory_format(Path(name))
-    return read_trajectory(name, fmt, rate_hz=arguments.rate_hz if fmt == "kitti" else None)
+    return read_trajectory(name, fmt, **(stamps if fmt == "kitti" else {}))
 
 
 def _smoothed(

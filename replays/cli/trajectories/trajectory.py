@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.cli.arguments import Subparsers, new_command
+from motorcade.replays.cli.arguments import Subparsers, add_stamps, new_command
 
 if TYPE_CHECKING:
     from motorcade.ga import Motor, Similarity, Trajectory
@@ -37,8 +37,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--all-topics", action="store_true", help="every topic of poses of bags without a topic"
     )
-    parser.add_argument("--rate-hz", type=float, help="rate of KITTI files, which have no stamps")
-    parser.add_argument("--times", type=Path, metavar="FILE", help="or their stamps, one a row, s")
+    add_stamps(parser)
     _add_output(parser)
     _add_edits(parser)
     _add_reference(parser)
