@@ -18,6 +18,24 @@ from motorcade.replays.values.integrity import Integrity
 from motorcade.replays.values.paths import FusedPath, SmoothedPaths
 from motorcade.replays.values.view import OverlayVideo, PlacedCharacter
 
+LABELS = {
+    "measured": "Measured",
+    "fused": "Fused",
+    "truth": "Ground truth",
+    "motor": "Smoothed, motors",
+    "similarity": "Smoothed, similarities",
+    "rotor": "Smoothed, rotors",
+    "dual_quaternion": "Smoothed, dual quaternions",
+    "quaternion": "Smoothed, quaternions",
+    "euler": "Smoothed, Euler angles",
+    "euler_unwrapped": "Smoothed, Euler angles unwrapped",
+}
+"""Paths in words."""
+
+ALIKE_DEG, ALIKE_M, ALIKE_SHARE = 0.01, 1e-4, 1e-4
+"""Paths are alike that are nowhere farther apart than so many degrees and, in metres or as a share
+of how far the path reaches, so much: a tenth of a pixel for most cameras, which nobody sees."""
+
 Spans = tuple[tuple[float, float], ...]
 
 
@@ -68,6 +86,57 @@ class Findings:
             return None
         inside = (series.time_s >= span_s[0]) & (series.time_s <= span_s[1])
         return float(series.position_m[inside].max()) if np.any(inside) else None
+
+
+def told_paths(findings: Findings) -> dict[str, str]:
+    """Paths that are worth telling apart, in order, each by its name in words.
+
+    Of representations whose paths are alike, the first stands for all. The fused path is left out
+    where nothing was fused, or where it was not smoothed any further.
+    """
+    smoothed, fused = findings.smoothed, findings.fused.by != "nothing"
+    told = {"measured": LABELS["measured"]}
+    if fused and smoothed.method is not None:
+        told["fused"] = LABELS["fused"]
+    groups = alike(smoothed, metric=findings.camera_poses.metric)
+    for first, names in groups.items():
+        told[first] = _label(names)
+    if len(groups) == 1:
+        left = "Fused, not smoothed further" if fused else "Not smoothed: as measured"
+        told[next(iter(groups))] = "Smoothed" if smoothed.method is not None else left
+    return told
+
+
+def _label(names: tuple[str, ...]) -> str:
+    first, *others = (LABELS.get(name, f"Smoothed, {name.replace('_', ' ')}") for name in names)
+    shorter = [one.removeprefix("Smoothed, ") for one in others]
+    if not shorter:
+        return first
+    return ", ".join([first, *shorter[:-1]]) + f" and {shorter[-1]}"
+
+
+def alike(smoothed: SmoothedPaths, *, metric: bool) -> dict[str, tuple[str, ...]]:
+    """Representations by the first of those whose paths nobody could tell from theirs."""
+    found: dict[str, tuple[str, ...]] = {}
+    for name, path in smoothed.trajectories.items():
+        for first in found:
+            if _is_alike(smoothed.trajectories[first], path, metric):
+                found[first] = (*found[first], name)
+                break
+        else:
+            found[name] = (name,)
+    return found
+
+
+def _is_alike(one: Trajectory, other: Trajectory, metric: bool) -> bool:
+    if not np.array_equal(one.time_ns, other.time_ns):
+        return False
+    apart = one.motors.inverse() @ other.motors
+    reach = float(np.linalg.norm(np.ptp(one.motors.translation_m, axis=0)))
+    limit = max(ALIKE_SHARE * reach, ALIKE_M if metric else 0.0)
+    turned = np.rad2deg(np.linalg.norm(apart.rotor.as_rotation_vector(), axis=-1))
+    moved = np.linalg.norm(apart.translation_m, axis=-1)
+    return bool(turned.max() <= ALIKE_DEG and moved.max() <= limit)
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The report page: one HTML file that needs nothing beside it."""
+"""The report page: one HTML file, and beside it what would make it large."""
 
 from __future__ import annotations
 
@@ -11,112 +11,70 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga import kernels
-from motorcade.ga.files import off_record, read_bounded
 from motorcade.replays.pages import page_environment
 from motorcade.replays.readers.frames.corners import CornerFrames
-from motorcade.replays.report.findings import Findings
-from motorcade.replays.report.pictures import sections, sheet_jpeg
-from motorcade.replays.report.summary import (
-    LEFT_AS_IT_WAS,
-    heading,
-    shown_columns,
-    shown_value,
+from motorcade.replays.report.before_after import Stills, steadiness
+from motorcade.replays.report.findings import Findings, told_paths
+from motorcade.replays.report.pictures import sections
+from motorcade.replays.report.summary import LEFT_AS_IT_WAS, heading, shown_columns, shown_value
+from motorcade.replays.report.viewer import Viewer
+from motorcade.replays.report.words import (
+    errors_caption,
+    headline,
+    lead,
+    next_steps,
+    parameters,
+    stages_caption,
+    tiles,
+    to_mend,
 )
 
-MOST_NAMED = 3
-VIDEO_LIMIT = 64 * 2**20
-BESIDE = "overlay.mp4"
 TEMPLATE = Path(__file__).with_name("template.html")
 NO_VIDEO = (
-    "there is no headless OpenGL on this machine. Debian and Ubuntu bring it with "
-    "apt-get install libegl1 libgl1-mesa-dri; then run the same command again."
+    "this machine has no headless OpenGL. Debian and Ubuntu bring it with "
+    "apt-get install libegl1 libgl1-mesa-dri; then run the same command again"
 )
-NO_PICTURES = "the recording holds corners of markers and no pictures to draw into."
-IMU_ORIGINS = {
-    "recorded": "recorded",
-    "reference": "simulated along the ground truth, as for an experiment",
-}
+NO_PICTURES = "the recording holds corners of markers and no pictures to draw into"
 
 
-def page(findings: Findings) -> str:
-    """The whole page as HTML text; a video of up to 64 MiB is inside as a data address."""
+def page(findings: Findings, viewer: Viewer, stills: Stills | None) -> str:
+    """The whole page as HTML text, with what `viewer` has inside and the stills of the film."""
     template = page_environment(TEMPLATE.parent).get_template(TEMPLATE.name)
-    figures = findings.errors.figures
+    told = told_paths(findings)
+    figures = {name: findings.errors.figures[name] for name in told}
     keys = shown_columns(figures)
     return template.render(
         name=findings.recording.name,
+        lead=lead(findings),
         headline=headline(findings),
-        video=_video(findings),
-        video_caption=_video_caption(findings),
+        viewer=viewer,
         shape=_shape(findings),
-        sheet=_sheet(findings),
-        no_video=_no_video(findings),
-        facts=_facts(findings),
-        errors_caption=_errors_caption(findings),
+        film_caption=_film_caption(findings),
+        tiles=tiles(findings),
+        mend=to_mend(findings, _why_no_film(findings)),
+        steps=next_steps(findings),
+        stills=None if stills is None else _stills(stills),
+        steadiness=steadiness(findings),
+        labels=told,
+        errors_caption=errors_caption(findings) + _smoothing(findings),
         columns=[heading(key, figures, metric=findings.camera_poses.metric) for key in keys],
         rows=_rows(figures, keys),
         sections=sections(findings),
-        stages=_stages(findings),
+        stages=stages_caption(findings),
         has_truth=bool(findings.errors.against_truth),
         provenance=_provenance(),
     )
 
 
-def headline(findings: Findings) -> str:
-    """What was measured, and what was made of it, in a few sentences."""
-    poses, fused = findings.camera_poses, findings.fused
-    imu = f"; IMU {_imu(findings)}" if fused.by == "imu" else ""
-    text = f"Camera poses {poses.summary}{imu}. The path was {fused.summary}."
-    if fused.noise is not None:
-        told = fused.noise.summary
-        text += f" {told[:1].upper()}{told[1:]}."
-    if poses.skipped:
-        text += f" Skipped: {'; '.join(poses.skipped)}."
-    damaged = findings.recording.damaged
-    if damaged:
-        text += f" {len(damaged)} damaged pictures were left out: {'; '.join(damaged[:MOST_NAMED])}"
-        text += " and others." if len(damaged) > MOST_NAMED else "."
-    return text
-
-
-def _imu(findings: Findings) -> str:
-    imu = findings.imu
-    text = IMU_ORIGINS[imu.origin]
-    if imu.clock_offset_sigma_s is not None:
-        text += (
-            f", its clock {1e3 * imu.clock_offset_s:+.2f} ± "
-            f"{1e3 * imu.clock_offset_sigma_s:.2f} ms from the camera's, taken off"
-        )
-    return text
-
-
-@off_record()  # it lies in the cache
-def _video(findings: Findings) -> str | None:
-    if findings.overlay is None:
-        return None
-    if _beside(findings):
-        return BESIDE
-    return _data_address("video/mp4", read_bounded(findings.overlay.path, VIDEO_LIMIT))
-
-
-def _beside(findings: Findings) -> bool:
-    """Whether the video is too large for a page, and stays a file beside it."""
-    film = findings.overlay
-    return film is not None and film.path.stat().st_size > VIDEO_LIMIT
-
-
-@off_record()
-def _sheet(findings: Findings) -> str | None:
-    """Frames of the video on one sheet; None where one frame is all there is."""
-    film = findings.overlay
-    if film is None or film.frames < 2:
-        return None
-    return _data_address("image/jpeg", sheet_jpeg(film.path, film.frames))
+def _stills(stills: Stills) -> dict[str, str]:
+    """Addresses of those that there are."""
+    found = {"sheet": stills.sheet, "before": stills.before, "after": stills.after}
+    return {name: _data_address("image/jpeg", data) if data else "" for name, data in found.items()}
 
 
 def _shape(findings: Findings) -> float:
-    """Width over height of the video."""
-    camera = findings.recording.camera
+    """Width over height of the film."""
+    camera = findings.camera_poses.camera or findings.recording.camera
     return camera.width / camera.height if camera is not None else 4.0 / 3.0
 
 
@@ -124,131 +82,34 @@ def _data_address(kind: str, data: bytes) -> str:
     return f"data:{kind};base64,{base64.b64encode(data).decode('ascii')}"
 
 
-def _no_video(findings: Findings) -> str:
+def _why_no_film(findings: Findings) -> str:
+    if findings.overlay is not None:
+        return ""
     corners = isinstance(findings.recording.frames, CornerFrames)
     return NO_PICTURES if corners else NO_VIDEO
 
 
-def _video_caption(findings: Findings) -> str:
-    if findings.overlay is None:
-        return ""
+def _film_caption(findings: Findings) -> str:
     film = findings.overlay
-    where = f" It is too large for this page, and lies beside it as {BESIDE}."
-    return (
-        f"{film.frames} {film.footage} frames, the character drawn along the {film.along} path; it "
-        f"or its shadow is in view in {film.frames_with_character} of them. It stands on "
-        f"{film.stands_on}, in {film.lit_by}.{where if _beside(findings) else ''}"
-    )
-
-
-def _verdict(findings: Findings) -> dict[str, Any]:
-    """The first tile: whether the result can be relied on, and what speaks against it."""
-    found = findings.integrity
-    if not found.doubts:
-        names, unknown = (
-            ", ".join(_words(check.name) for check in found.checks if check.verdict == verdict)
-            for verdict in ("consistent", "unknown")
-        )
-        agreed = f"stages and pictures agree ({names})" if names else "nothing was checked"
-        agreed += f"; cannot be told: {unknown}" if unknown else ""
-        return {"value": found.verdict, "label": agreed, "wrong": False}
-    reasons = "; ".join(found.doubts)
-    drawn = f"The character stands along the {found.drawn_is} path."
-    label = f"{reasons[:1].upper()}{reasons[1:]}. {drawn}"
-    return {"value": found.verdict, "label": label, "wrong": True}
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")
-
-
-def _facts(findings: Findings) -> list[dict[str, Any]]:
-    """The few figures that stand large at the top."""
-    poses = findings.camera_poses
-    measured = len(poses.measurements.trajectory)
-    facts = [("frames with a pose", f"{measured} of {len(poses.frame_times_ns)}")]
-    if np.any(np.isfinite(poses.reprojection_px)):
-        median = float(np.nanmedian(poses.reprojection_px))
-        facts.append(("median reprojection error", f"{median:.2f} px"))
-    if not poses.metric:
-        facts.append(("scale: lengths have no unit", "free"))
-    motor = findings.errors.figures.get("motor", {})
-    if motor.get("ape_rmse_m") is not None:
-        facts.append(
-            ("APE, motor-smoothed", f"{shown_value('ape_rmse_m', motor['ape_rmse_m'])} mm")
-        )
-        turn = shown_value("rotation_rmse_deg", motor["rotation_rmse_deg"])
-        facts.append(("rotation error, motor-smoothed", f"{turn}°"))
-    facts += _jitter_facts(findings)
-    if findings.nis_per_dimension is not None:
-        fact = f"{findings.nis_per_dimension:.2f}"
-        facts.append(("mean NIS a dimension (1: the noise model fits)", fact))
-    tiles = [{"label": label, "value": value, "wrong": False} for label, value in facts]
-    worse = [
-        {"label": f"{one[:1].upper()}{one[1:]}.", "value": "worse", "wrong": True}
-        for one in findings.errors.stages.worse
-    ]
-    return [_verdict(findings), *worse, *tiles]
-
-
-def _jitter_facts(findings: Findings) -> list[tuple[str, str]]:
-    """How much jitter the measured poses have, and the path that is drawn along."""
-    figures = findings.errors.figures
-    first = next(iter(findings.smoothed.trajectories))
-    made = []
-    for key in ("angular_jitter_rad_s2", "linear_jitter_m_s2"):
-        ends = [figures.get(name, {}).get(key) for name in ("measured", first)]
-        if None in ends:
-            continue
-        name = heading(key, figures, metric=findings.camera_poses.metric)
-        before, after = (shown_value(key, one) for one in ends)
-        made.append((f"{name}, measured → smoothed", f"{before} → {after}"))
-    return made
-
-
-def _errors_caption(findings: Findings) -> str:
-    errors = findings.errors
-    if errors.unaligned:
-        return f"No error can be told, only jitter: {errors.unaligned}."
-    if findings.recording.truth is None:
-        return "This recording has no ground truth: only jitter can be measured."
-    how = {
-        "none": "without alignment",
-        "se3": "after rigid alignment (SE3)",
-        "sim3": "after alignment with scale (Sim3)",
-    }[errors.align]
-    tint = "" if findings.smoothed.method is None else "The best of a column is tinted. "
-    against = f"Against the recording's ground truth, {how}; root mean squares. {tint}"
-    return against + _smoothing(findings)
-
-
-def _stages(findings: Findings) -> str:
-    """How far each stage's path is from what judges it, at the same stamps."""
-    found = findings.errors.stages
-    if found.judged_by == "nothing":
+    if film is None:
         return ""
-    metric = found.judged_by == "ground truth" or findings.camera_poses.metric
-    unit, factor = ("mm", 1e3) if metric else ("units", 1.0)
-    each = ", ".join(
-        f"{name} {factor * off:.3g} {unit} and {found.rotation_rmse_deg[name]:.3g}°"
-        for name, off in found.position_rmse_m.items()
+    seen = film.frames_with_character
+    where = f"all {film.frames}" if seen == film.frames else f"{seen} of {film.frames}"
+    footage = {"original": "the pictures as filmed", "undistorted": "straightened pictures"}
+    return (
+        f"Drawn into {footage.get(film.footage, f'{film.footage} pictures')} along the "
+        f"{film.along} path; the character or its shadow is in view in {where}. It stands on "
+        f"{film.stands_on}, in {film.lit_by}."
     )
-    how = {
-        "ground truth": f"At the {found.poses} stamps that all paths and the ground truth have",
-        "held-out poses": f"Judged by {found.poses} measured poses that they were made without",
-    }[found.judged_by]
-    return f"{how}, the stages' paths are off by: {each}."
 
 
 def _smoothing(findings: Findings) -> str:
-    method, parameters = findings.smoothed.method, findings.smoothed.parameters
+    method = findings.smoothed.method
+    if findings.recording.truth is None and method is None:
+        return ""
     if method is None:
         return LEFT_AS_IT_WAS
-    numbers = (
-        f"{name} {value:.3g}" if isinstance(value, float) else f"{name} {value}"
-        for name, value in parameters.items()
-    )
-    return f"Smoothed by {method}: {', '.join(numbers) or 'at its defaults'}."
+    return f" Smoothed by {method}: {parameters(findings.smoothed.parameters)}."
 
 
 def _rows(figures: dict[str, dict[str, float | None]], keys: list[str]) -> list[dict[str, Any]]:

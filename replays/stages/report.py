@@ -6,14 +6,19 @@ import json
 
 from motorcade.replays.engine.artifacts import new_file
 from motorcade.replays.recording import Recording
+from motorcade.replays.report.before_after import steps_between, stills
 from motorcade.replays.report.findings import Findings
 from motorcade.replays.report.page import page
 from motorcade.replays.report.summary import summarise
+from motorcade.replays.report.viewer import Kept, embedded
+from motorcade.replays.report.words import headline
+from motorcade.replays.studio.look.document import LookedAt
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.convergence import Convergence
 from motorcade.replays.values.errors import PathErrors
 from motorcade.replays.values.imu import UsedImu
 from motorcade.replays.values.integrity import Integrity
+from motorcade.replays.values.marker_poses import MarkerPoses
 from motorcade.replays.values.paths import FusedPath, SmoothedPaths
 from motorcade.replays.values.report import ReportFiles
 from motorcade.replays.values.view import OverlayVideo, PlacedCharacter
@@ -30,8 +35,9 @@ def report(
     errors: PathErrors,
     placed: PlacedCharacter,
     overlay: OverlayVideo | None,
+    marker_poses: MarkerPoses | None = None,
 ) -> ReportFiles:
-    """Write the page, with the video inside where one could be made."""
+    """Write the page, with the viewer inside, and the films where they are small."""
     findings = Findings(
         recording=recording,
         camera_poses=camera_poses,
@@ -45,8 +51,16 @@ def report(
         overlay=overlay,
     )
     summary = summarise(findings)
-    written = ReportFiles(new_file("report.html"), new_file("report.json"))
-    written.page.write_text(page(findings), encoding="utf-8")
+    marker_map = None if marker_poses is None else marker_poses.marker_map
+    run = LookedAt(findings, marker_map, headline(findings))
+    frames = 0 if overlay is None else overlay.frames
+    kept = Kept(max(1, steps_between(frames)))
+    viewer = embedded(run, kept)
+    shown = stills(overlay, kept.pictures, run.recording.camera) if overlay and frames > 1 else None
+    written = ReportFiles(
+        new_file("report.html"), new_file("report.json"), viewer.footage, viewer.file
+    )
+    written.page.write_text(page(findings, viewer, shown), encoding="utf-8")
     text = json.dumps(summary, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
     written.summary.write_text(text, encoding="utf-8")
     return written

@@ -1,4 +1,6 @@
-"""A run opens each picture once to check and digest it, once to track, and once to draw into.
+"""A run opens each picture once to check and digest it, once to track, once to draw into.
+
+The report opens it once more, for the copy of the footage that its viewer plays.
 
 A few, spread over the recording, are opened once more, for the light in them.
 """
@@ -62,7 +64,7 @@ def test_a_run_opens_each_picture_as_often_as_it_needs_it(
         run_job(Job(board_recording, tmp_path / "out", until=until))
     drawn = (tmp_path / "out" / "overlay.mp4").exists()
     counts = pictures(opened, board_recording)
-    usual = np.full(len(counts), 3 if drawn else 2)
+    usual = np.full(len(counts), 3 if drawn else 2) + (until == "report")
     if drawn:
         usual[np.unique(np.linspace(0, len(counts) - 1, LIT_FRAMES).round()).astype(int)] += 1
     # The first is looked at for its size, and three for that of the board, which fits.

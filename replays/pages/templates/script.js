@@ -1,4 +1,6 @@
 document.documentElement.classList.add("js");
+// What scrolls by itself can be scrolled by keys.
+for (const one of document.querySelectorAll(".scroll")) one.tabIndex = 0;
 // One of several tables at a time.
 for (const picker of document.querySelectorAll(".picker")) {
   const choices = [...picker.querySelectorAll(".choice")];

@@ -21,6 +21,7 @@ from motorcade.tracking.audit import AuditFinding
 log = logging.getLogger("motorcade.camera_poses")
 
 _LARGEST_M = 5.0
+_SIZELESS = ", whose size is not known: lengths have no unit"
 
 
 def warn_of_size(board: Board) -> None:
@@ -51,7 +52,8 @@ def board_poses(recording: Recording) -> BoardPoses:
     board, frames = recording.board, recording.frames
     if board is None:
         raise NotOffered(f"{recording.name}: no board known; describe it in a manifest")
-    warn_of_size(board)
+    if recording.metric:
+        warn_of_size(board)
     start = time.perf_counter()
     pictures = ahead(
         lambda frame: (frame.time_ns, frame.gray()), track(frames, "tracking", len(frames))
@@ -67,7 +69,8 @@ def board_poses(recording: Recording) -> BoardPoses:
         frames.time_ns,
         tracked.error_px,
         "board",
-        f"tracked by the {board.name} in the images",
+        f"tracked by the {board.name} in the images" + ("" if recording.metric else _SIZELESS),
+        metric=recording.metric,
         audit=audit,
         seconds=seconds,
         track=tracked,

@@ -84,6 +84,7 @@ def marker_poses(
         f"{len(found.marker_map)} loose markers, {where}"
         + (", refined on their prints" if refine == "photometric" else "")
         + (f"; {len(found.left_out)} markers never seen beside them" if found.left_out else "")
+        + ("" if recording.metric else "; their size is not known: lengths have no unit")
     )
     return MarkerPoses(
         _of_camera(found, next(iter(streams))),
@@ -91,6 +92,7 @@ def marker_poses(
         found.frame_error_px,
         "markers",
         summary,
+        metric=recording.metric,
         seconds=time.perf_counter() - start,
         marker_map=found.marker_map,
         sighted=_sighted(next(iter(streams.values())), found.marker_map),

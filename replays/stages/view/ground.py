@@ -131,7 +131,14 @@ def prints_of(
     if recording.board is not None and camera_poses.origin in ("board", "simulated"):
         points = recording.board.points_m[:, :2]
         low, high = points.min(axis=0)[None], points.max(axis=0)[None]
-        return Prints(recording.world_T_board.reshape(1), low, high)
+        # The paper holds the whole pattern and the white zone that finding it needs.
+        pattern = recording.board.pattern
+        sides = [
+            low[0] - [pattern.x_edges_m[0], -pattern.y_edges_m[-1]],
+            [pattern.x_edges_m[-1], -pattern.y_edges_m[0]] - high[0],
+        ]
+        margin_m = max(0.0, float(np.min(sides)) + pattern.quiet_m)
+        return Prints(recording.world_T_board.reshape(1), low, high, margin_m)
     if marker_map is None:
         return None
     side = marker_map.side_m[:, None]

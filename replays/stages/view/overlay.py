@@ -28,13 +28,16 @@ from motorcade.render.light import (
     lighting_of_footage,
     lighting_without_depth,
 )
+from motorcade.render.original import OriginalVideo
 from motorcade.render.scene import DepthArray, ImageArray, Lighting
+from motorcade.render.video import read_original
 from motorcade.replays.characters.performers import performers
 from motorcade.replays.engine.artifacts import new_file
 from motorcade.replays.engine.progress import track
 from motorcade.replays.engine.stage import Unavailable
 from motorcade.replays.readers.frames.corners import CornerFrames
-from motorcade.replays.recording import Frame, Recording
+from motorcade.replays.readers.frames.video import VideoFrames
+from motorcade.replays.recording import Frame, FrameSequence, Recording
 from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.view.ground import prints_of
 from motorcade.replays.values.camera_poses import CameraPoses
@@ -127,9 +130,9 @@ def overlay(
         meter=meter,
         renderer=renderer,
     )
-    file = new_file("overlay.mp4")
+    file, frames = new_file("overlay.mp4"), recording.frames
     try:
-        write_video(file, footage.counted(pictures), recording.frames.time_ns)
+        write_video(file, footage.counted(pictures), frames.time_ns, _original(frames))
     except RenderUnavailable as missing:
         raise Unavailable(str(missing)) from missing
     return OverlayVideo(
@@ -142,6 +145,11 @@ def overlay(
         integrity.drawn_is if representation is None else "smoothed",
         time.perf_counter() - start,
     )
+
+
+def _original(frames: FrameSequence) -> OriginalVideo | None:
+    """The video that the frames come from, where they do."""
+    return read_original(frames.path) if isinstance(frames, VideoFrames) else None
 
 
 def _estimated(

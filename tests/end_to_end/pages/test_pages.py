@@ -3,12 +3,16 @@ by mouse and by keys, and without any network.
 """
 
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from motorcade.replays.cli import main
+from motorcade.replays.export import read_run
+from motorcade.replays.report.findings import Findings
+from motorcade.replays.stages.report import report
 
 # One worker opens them all: they take long to make.
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("pages")]
@@ -21,6 +25,22 @@ smoothed.window_s = [0.2, 0.4]
 """
 NAMES = ("report", "comparison", "motion", "consistency", "sweep")
 PHONE = 360
+AXE = Path(__file__).resolve().parents[3] / "build/web/node_modules/axe-core/axe.min.js"
+INSIDE_READY = """new Promise((done) => {
+  const look = () => {
+    const frame = document.querySelector(".viewer iframe");
+    if (!frame?.contentDocument?.documentElement?.dataset.ready) return setTimeout(look, 20);
+    window.inside = frame.contentWindow.viewer;
+    done(Object.keys(inside.runs[0].films));
+  };
+  look();
+})"""
+SOUGHT = """new Promise((done) => {
+  inside.timeline.go(FRAME);
+  const look = () => inside.films[0].shown === FRAME ? done(FRAME) : setTimeout(look, 5);
+  look();
+})"""
+UNFOLD = "document.querySelectorAll('details').forEach(one => { one.open = true; })"
 
 
 @pytest.fixture(scope="module")
@@ -87,10 +107,11 @@ def test_pages_open_without_complaint_and_fit(
 ) -> None:
     """No error or warning, nothing fetched, nothing wider than the page but what scrolls itself."""
     page = opened(pages[name], width, scheme)
+    page.evaluate(UNFOLD)
     assert page.complaints() == []
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     wide = page.evaluate(
-        "[...document.querySelectorAll('body *')].filter(one => !one.closest('.scroll, details') &&"
+        "[...document.querySelectorAll('body *')].filter(one => !one.closest('.scroll') &&"
         " one.getBoundingClientRect().right > document.documentElement.clientWidth + 1)"
         ".map(one => one.outerHTML.slice(0, 80))"
     )
@@ -99,11 +120,71 @@ def test_pages_open_without_complaint_and_fit(
     assert ground == {"light": "rgb(255, 255, 255)", "dark": "rgb(20, 24, 30)"}[scheme]
 
 
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("name", NAMES)
+def test_axe_finds_no_serious_fault(
+    name: str, scheme: str, pages: dict[str, Path], opened: Callable[..., Any]
+) -> None:
+    if not AXE.is_file():
+        pytest.skip("no axe-core here: make lint brings it")
+    page = opened(pages[name], PHONE, scheme)
+    page.evaluate(UNFOLD)
+    page.evaluate(AXE.read_text(encoding="utf-8") + "; 0")
+    found = page.evaluate(
+        "axe.run(document, { resultTypes: ['violations'] }).then(all => all.violations"
+        ".filter(one => ['serious', 'critical'].includes(one.impact))"
+        ".map(one => [one.id, one.nodes.slice(0, 3).map(node => node.html.slice(0, 120))]))"
+    )
+    assert found == []
+
+
+def test_axe_sees_what_is_wrong(tmp_path: Path, opened: Callable[..., Any]) -> None:
+    if not AXE.is_file():
+        pytest.skip("no axe-core here: make lint brings it")
+    wrong = tmp_path / "wrong.html"
+    wrong.write_text(
+        "<!doctype html><html><title>wrong</title><button></button>"
+        "<p style='color:#aaa;background:#fff'>pale</p>"
+    )
+    page = opened(wrong)
+    page.evaluate(AXE.read_text(encoding="utf-8") + "; 0")
+    found = page.evaluate("axe.run().then(all => all.violations.map(one => one.id))")
+    assert {"button-name", "color-contrast", "html-has-lang"} <= set(found)
+
+
+@pytest.mark.parametrize("width", [PHONE, 1400])
+def test_the_viewer_opens_inside_the_report(
+    width: int, pages: dict[str, Path], opened: Callable[..., Any], opengl: None
+) -> None:
+    """From a local file, once it is asked for; every frame that is sought is the one on show."""
+    page = opened(pages["report"], width)
+    assert page.evaluate("document.querySelector('iframe')") is None
+    page.evaluate("document.getElementById('open-viewer').click()")
+    assert page.evaluate(INSIDE_READY) == ["footage", "overlay"]
+    for film in ("footage", "overlay"):
+        page.evaluate(f"inside.view = {int(film == 'footage')}, inside.arrange()")
+        for frame in (17, 3, 23, 0):
+            assert page.evaluate(SOUGHT.replace("FRAME", str(frame))) == frame
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert page.complaints() == []
+
+
+def test_a_report_is_the_same_for_the_same_run(pages: dict[str, Path]) -> None:
+    """Page and figures, byte for byte, made twice of what the stages gave."""
+    recording, run = read_run(pages["report"].parent, "report")
+    given = {one.name: run.outputs.get(one.name) for one in fields(Findings)}
+    made = report(**given | {"recording": recording})
+    assert made.page.read_bytes() == pages["report"].read_bytes()
+    assert made.summary.read_bytes() == pages["report"].with_suffix(".json").read_bytes()
+    assert (made.footage, made.viewer) == (None, None), "24 small frames are inside"
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_letters_in_plots_can_be_read_on_a_phone(
     name: str, pages: dict[str, Path], opened: Callable[..., Any]
 ) -> None:
     page = opened(pages[name], PHONE)
+    page.evaluate(UNFOLD)
     sizes = page.evaluate(
         "[...document.querySelectorAll('figure svg')].filter(svg => svg.querySelector('text') && "
         "!svg.closest('.scroll')).flatMap(svg => { const scale = svg.getBoundingClientRect().width "
@@ -119,6 +200,7 @@ def test_headings_sort_by_mouse_and_by_key(
     name: str, pages: dict[str, Path], opened: Callable[..., Any]
 ) -> None:
     page = opened(pages[name])
+    page.evaluate(UNFOLD)
     page.evaluate(
         "window.table = [...document.querySelectorAll('table.sortable')]"
         ".find(one => one.querySelectorAll('td data').length > 1)"
@@ -157,6 +239,7 @@ def test_headings_sort_by_mouse_and_by_key(
 def test_the_video_plays(pages: dict[str, Path], opened: Callable[..., Any], opengl: None) -> None:
     """24 frames at 20 Hz, decoded from inside the page."""
     page = opened(pages["report"])
+    page.evaluate(UNFOLD)
     film = page.evaluate(
         "(async () => { const film = document.querySelector('video');"
         " if (film.readyState < 2) await new Promise((done, failed) => {"
@@ -175,6 +258,20 @@ def test_the_video_plays(pages: dict[str, Path], opened: Callable[..., Any], ope
     )
     assert size[0] == pytest.approx(320 / 240, rel=0.01)
     assert page.evaluate("document.querySelector('img.sheet').naturalWidth") > 900
+
+
+def test_before_and_after_are_compared_by_a_slider(
+    pages: dict[str, Path], opened: Callable[..., Any], opengl: None
+) -> None:
+    page = opened(pages["report"], PHONE)
+    sizes = page.evaluate(
+        "[...document.querySelectorAll('.wipe img')].map(one => [one.naturalWidth, one.width])"
+    )
+    assert [one[0] for one in sizes] == [320, 320]
+    page.evaluate("document.querySelector('.wipe input').focus()")
+    page.press("End")
+    cut = page.evaluate("getComputedStyle(document.querySelector('.wipe .after')).clipPath")
+    assert cut == "inset(0px 0px 0px 100%)"
 
 
 def test_the_lock_can_be_played_and_stopped(

@@ -10,7 +10,7 @@ import pytest
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.render.plots import plot_series
-from motorcade.replays.report import page
+from motorcade.replays.report import viewer
 from motorcade.replays.report.page import _rows
 from motorcade.replays.report.summary import (
     LEFT_AS_IT_WAS,
@@ -19,8 +19,8 @@ from motorcade.replays.report.summary import (
     shown_value,
     without_nan,
 )
+from motorcade.replays.report.words import length_words, plainly, verdict
 from motorcade.replays.values.integrity import Integrity
-from motorcade.replays.values.view import OverlayVideo
 from motorcade.tracking.audit import AuditFinding, Verdict
 
 FIGURES = {
@@ -90,29 +90,27 @@ def test_what_json_cannot_say_becomes_null() -> None:
     assert json.dumps(tree, allow_nan=False) == '{"a": [1.0, null], "b": [null, "text", null]}'
 
 
-@pytest.mark.parametrize(("limit", "inside"), [(9, True), (8, False)])
-def test_a_video_too_large_for_a_page_lies_beside_it(
+@pytest.mark.parametrize(("limit", "inside"), [(18, True), (17, False)])
+def test_films_too_large_together_for_a_page_lie_beside_it(
     limit: int, inside: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(page, "VIDEO_LIMIT", limit)
-    film = tmp_path / "film.mp4"
-    film.write_bytes(b"not long.")
-    told = OverlayVideo(
-        film, 3, 4, "the board", "a fixed light", "original", "smoothed", seconds=1.0
-    )
-    found: Any = SimpleNamespace(overlay=told)
-    data = "data:video/mp4;base64,bm90IGxvbmcu"
-    assert page._video(found) == (data if inside else "overlay.mp4")
-    assert ("beside it as overlay.mp4" in page._video_caption(found)) is not inside
+    monkeypatch.setattr(viewer, "FILMS_INSIDE_BYTES", limit)
+    paths = {name: tmp_path / f"some-{name}.mp4" for name in ("overlay", "footage")}
+    for path in paths.values():
+        path.write_bytes(b"not long.")
+    found = viewer._films(paths)
+    assert [one.data for one in found.values()] == ["bm90IGxvbmcu" if inside else ""] * 2
+    beside = [one.beside for one in found.values()]
+    assert beside == (["", ""] if inside else ["overlay.mp4", "footage.mp4"])
 
 
 @pytest.mark.parametrize(
     ("verdicts", "value"),
     [
-        (("consistent", "unknown"), "consistent"),
-        (("doubtful", "unknown"), "doubtful"),
-        (("doubtful", "contradicted"), "contradicted"),
-        (("unknown", "unknown"), "unknown"),
+        (("consistent", "unknown"), "Looks right"),
+        (("doubtful", "unknown"), "Doubtful"),
+        (("doubtful", "contradicted"), "Contradicted"),
+        (("unknown", "unknown"), "Cannot be told"),
     ],
 )
 def test_the_first_tile_says_whether_the_result_can_be_relied_on(
@@ -126,14 +124,38 @@ def test_the_first_tile_says_whether_the_result_can_be_relied_on(
     )
     failed = [check.name for check in checks if not check.passed]
     drawn_is: Any = "measured" if failed else "smoothed"
-    tile = page._verdict(SimpleNamespace(integrity=Integrity(checks, {}, path, drawn_is)))  # type: ignore[arg-type]
-    assert tile["value"] == value
-    assert tile["wrong"] == bool(failed)
-    told = "; ".join(f"{name} is off; mend it" for name in failed)
-    assert tile["label"] == {
-        "consistent": "stages and pictures agree (coverage); cannot be told: extrinsics",
-        "unknown": "nothing was checked; cannot be told: coverage, extrinsics",
+    found: Any = SimpleNamespace(integrity=Integrity(checks, {}, path, drawn_is))
+    tile = verdict(found)
+    assert tile.value == value
+    assert tile.wrong == bool(failed)
+    told = "; ".join(f"{name} is off" for name in failed)
+    assert tile.label == {
+        "Looks right": "Nothing that was checked speaks against it: enough pictures have a camera "
+        "pose. This recording cannot tell: extrinsics.",
+        "Cannot be told": "This recording cannot tell: coverage, extrinsics.",
     }.get(value, f"{told.capitalize()}. The character stands along the measured path.")
+
+
+@pytest.mark.parametrize(
+    ("value", "floor", "shown"),
+    [
+        (0.0, 0.01, "under 0.01"),
+        (0.0099, 0.01, "under 0.01"),
+        (0.0526, 0.01, "0.053"),
+        (1.349, 0.01, "1.3"),
+        (12.6, 0.01, "13"),
+        (1234.5, 0.01, "1,234"),
+    ],
+)
+def test_people_are_told_two_digits(value: float, floor: float, shown: str) -> None:
+    assert plainly(value, floor) == shown
+
+
+def test_lengths_are_in_units_that_a_person_uses() -> None:
+    assert length_words(0.000535, "m") == "0.54 mm"
+    assert length_words(0.0871, "m") == "87 mm"
+    assert length_words(3.21, "m") == "3.2 m"
+    assert length_words(0.0871, "units") == "0.087 units"
 
 
 def test_plots_take_their_ink_from_the_page_and_are_reproducible() -> None:
