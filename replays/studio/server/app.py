@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import contextlib
 import json
-from collections.abc import Sequence
+from collections.abc import AsyncIterator, Sequence
 from typing import TYPE_CHECKING
 
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
+from starlette.convertors import Convertor, register_url_convertor
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
@@ -40,18 +41,33 @@ def studio_app(offers: Sequence[Offer], access: Access) -> ASGIApp:
         access: the key, and the names that the server goes by.
     """
     site = _Site(offers)
+    register_url_convertor("number", _Number())
     routes = [
         Route("/", site.start),
         Route("/app.webmanifest", site.installation),
         Route("/studio/{name}", site.module),
-        Route("/run/{run:int}/", site.editor),
-        Route("/run/{run:int}/about.json", site.about),
-        Route("/run/{run:int}/frame/{frame:int}.jpg", site.frame),
-        Route("/run/{run:int}/figure/{figure:int}.glb", site.figure),
-        Route("/run/{run:int}/motion/{motion:int}.json", site.motion),
-        WebSocketRoute("/run/{run:int}/edit", site.edit),
+        Route("/run/{run:number}/", site.editor),
+        Route("/run/{run:number}/about.json", site.about),
+        Route("/run/{run:number}/frame/{frame:number}.jpg", site.frame),
+        Route("/run/{run:number}/figure/{figure:number}.glb", site.figure),
+        Route("/run/{run:number}/motion/{motion:number}.json", site.motion),
+        WebSocketRoute("/run/{run:number}/edit", site.edit),
     ]
-    return Doorkeeper(Starlette(routes=routes), access)
+    return Doorkeeper(Starlette(routes=routes, lifespan=site.lifespan), access)
+
+
+class _Number(Convertor[int]):
+    """A number in a path; longer ones name nothing, and cost nothing to read."""
+
+    regex = "[0-9]{1,9}"
+
+    def convert(self, value: str) -> int:
+        """Of its digits."""
+        return int(value)
+
+    def to_string(self, value: int) -> str:
+        """Its digits."""
+        return str(value)
 
 
 class _Site:
@@ -60,6 +76,12 @@ class _Site:
     def __init__(self, offers: Sequence[Offer]) -> None:
         self._shell, self._opened = Shell(), OpenedOffers(offers)
         self._visitors = [Visitors() for _ in offers]
+
+    @contextlib.asynccontextmanager
+    async def lifespan(self, _: Starlette) -> AsyncIterator[None]:
+        """While the server runs; at its end what was opened is closed."""
+        yield
+        await self._opened.close()
 
     async def start(self, request: Request) -> Response:
         """The list of runs, or the one run."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -106,7 +107,7 @@ class RunDesk:
         return self.session.left(visitor)
 
     def close(self) -> None:
-        """Write the scene as it is; raises `OSError` where it cannot be."""
+        """Write the scene as it is, and let others edit it; raises `OSError` where it cannot be."""
         self.session.ledger.close()
 
 
@@ -119,16 +120,28 @@ def open_desk(run: Path, scene: Path | None = None) -> RunDesk:
 
     Raises:
         ValueError: a folder that holds no run, a scene that cannot be read.
-        OSError: its recording is gone, or nothing can be written beside the scene.
+        OSError: its recording is gone, another process edits the scene, or nothing can be written
+            beside it.
     """
     filmed = open_filmed(run)
     file = run / SCENE_NAME if scene is None else scene
     empty = Scene({}, {}, {}, {GROUND: filmed.first})
-    ledger = Ledger(Journal(file, scene_text(empty).encode()))
-    folder = file.absolute().parent
-    props = Props(folder, files_beside(folder))
-    played = PlayedScene(filmed, folder)
-    told = ToldScene(filmed, played, props)
-    session = EditingSession(filmed, ledger, played, props, told)
-    session.joined(0)  # a scene that cannot be shown is refused here, and not to each browser
+    journal = Journal(file, scene_text(empty).encode())
+    return desk_of(filmed, journal)
+
+
+def desk_of(filmed: Filmed, journal: Journal) -> RunDesk:
+    """The desk of a session; the journal is closed where it cannot be shown.
+
+    Raises:
+        ValueError: a line of the session, or a file of the scene, that cannot be read.
+    """
+    with ExitStack() as refused:
+        refused.callback(journal.close)
+        folder = journal.scene.absolute().parent
+        ledger, props = Ledger(journal), Props(folder, files_beside(folder))
+        played = PlayedScene(filmed, folder)
+        session = EditingSession(filmed, ledger, played, props, ToldScene(filmed, played, props))
+        session.joined(0)  # a scene that cannot be shown is refused here, and not to each browser
+        refused.pop_all()
     return RunDesk(filmed, session)

@@ -5,12 +5,15 @@ A session lies beside its scene, in `scene.session/`: `start.json` is the scene 
 
     motorcade author scene.session/start.json --gestures scene.session/gestures.jsonl -o scene.json
 
-A process that is killed leaves at most half a line at the end, which is what was under way.
+A process that is killed leaves at most half a line at the end, which is what was under way. One
+process at a time has a session: it keeps a lock on `scene.session.lock`, which the system ends
+together with the process.
 """
 
 from __future__ import annotations
 
 import json
+import logging
 import os
 import stat
 from collections.abc import Iterator, Mapping
@@ -20,7 +23,10 @@ from pathlib import Path
 from typing import Any
 
 from motorcade.ga.files import is_there, read_bounded
+from motorcade.ga.locks import try_lock
 from motorcade.replays.files.atomic import write_bytes
+
+log = logging.getLogger("motorcade.studio")
 
 MAX_JOURNAL_BYTES = 256 << 20
 MAX_SCENE_BYTES = 16 << 20
@@ -28,14 +34,15 @@ MAX_MARK_BYTES = 4096
 
 
 class Journal:
-    """The session of one scene.
+    """The session of one scene, which is this one's alone until it is closed.
 
     Args:
         scene: the scene's file, which need not exist yet.
         start: its bytes where it does not.
 
     Raises:
-        OSError: nothing can be written there, or a link or a pipe is in the place of its files.
+        OSError: another has the session, nothing can be written there, or a link or a pipe is in
+            the place of its files.
         ValueError: a file that is too large.
     """
 
@@ -43,7 +50,12 @@ class Journal:
         self.scene = scene
         self._folder = scene.with_name(f"{scene.stem}.session")
         self._last: list[str] = []
-        self._begin(start)
+        self._lock = self._taken()
+        try:
+            self._begin(start)
+        except BaseException:
+            self.close()
+            raise
 
     @property
     def start(self) -> Path:
@@ -99,6 +111,28 @@ class Journal:
         write_bytes(self.scene, scene)
         self._last = [mark]
 
+    def close(self) -> None:
+        """Let others have the session."""
+        if self._lock is not None:
+            os.close(self._lock)
+        self._lock = None
+
+    def _taken(self) -> int | None:
+        """The session's lock, ours; its file stays, as removing it could free a lock of another."""
+        path = self._folder.with_name(f"{self._folder.name}.lock")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        lock = _opened(path, os.O_RDWR)
+        ours = try_lock(lock)
+        if ours is False:
+            os.close(lock)
+            raise OSError(
+                f"{self.scene}: another `motorcade author` is editing this scene; open the link "
+                "that it printed, or stop it first"
+            )
+        if ours is None:
+            log.warning("%s: no locks here; let only one program edit the scene", path.parent)
+        return lock
+
     def _begin(self, start: bytes) -> None:
         """Go on with the session, or begin one where the scene is not what it wrote last."""
         if self._folder.is_symlink():
@@ -125,16 +159,9 @@ class Journal:
 
     @contextmanager
     def _opened(self) -> Iterator[int]:
-        """The gestures, open to be written at their end: a file of their own, where no link leads.
-
-        A folder that somebody else made may hold a link to any file here.
-        """
-        way = os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
-        file = os.open(self.gestures, way, 0o666)
+        """The gestures, open to be written at their end."""
+        file = _opened(self.gestures, os.O_WRONLY | os.O_APPEND)
         try:
-            about = os.fstat(file)
-            if not stat.S_ISREG(about.st_mode) or about.st_nlink != 1:
-                raise OSError(f"{self.gestures}: expected a file of its own")
             yield file
         finally:
             os.close(file)
@@ -161,3 +188,16 @@ class Journal:
         except (ValueError, RecursionError):
             return []  # it marks nothing: the session is set aside, and the scene is as it is
         return list(map(str, found)) if isinstance(found, list) else []
+
+
+def _opened(path: Path, way: int) -> int:
+    """A file of its own, made where it is not there, to which no link leads.
+
+    A folder that somebody else made may hold a link to any file here.
+    """
+    file = os.open(path, way | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, 0o666)
+    about = os.fstat(file)
+    if not stat.S_ISREG(about.st_mode) or about.st_nlink != 1:
+        os.close(file)
+        raise OSError(f"{path}: expected a file of its own")
+    return file

@@ -46,7 +46,7 @@ class Ledger:
         for number, line in enumerate(lines, 1):
             self._editor.do(gesture_of(line, f"{journal.gestures}:{number}"))
         self._writer = ThreadPoolExecutor(1)
-        self._saved: Scene | None = None
+        self._saved: Scene | None = None if lines else self.scene
         if lines:  # a process that was killed may have left the scene a step behind
             self._save()
 
@@ -102,13 +102,14 @@ class Ledger:
         return trial.do(gesture) is not self.scene
 
     def close(self) -> None:
-        """Write the scene as it is.
+        """Write the scene as it is, and let others have its session.
 
         Raises:
             OSError: it cannot be written; its steps are all kept.
         """
         last = self._save()
         self._writer.shutdown()
+        self.journal.close()
         last.result()
 
     def _save(self) -> Future[None]:

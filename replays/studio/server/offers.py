@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
+
+log = logging.getLogger("motorcade.studio")
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,9 @@ class Desk(Protocol):
 
     def left(self, visitor: int) -> Mapping[str, Any] | None:
         """A browser is gone: what it held is let go; news to all others."""
+
+    def close(self) -> None:
+        """The server ends: what is kept is written; raises `OSError` where it cannot be."""
 
 
 @dataclass(frozen=True)
@@ -95,3 +101,11 @@ class OpenedOffers:
         except (ValueError, OSError, RuntimeError) as fault:
             self._opening.pop(run, None)  # it may be there the next time
             raise HTTPException(503, " ".join(str(fault).split())) from fault
+
+    async def close(self) -> None:
+        """Close the desks that were opened."""
+        for run, opening in self._opening.items():
+            try:
+                await run_in_threadpool((await opening).close)
+            except (ValueError, OSError, RuntimeError) as fault:
+                log.warning("%s: %s", self.offers[run].name, fault)

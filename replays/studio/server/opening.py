@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
-from motorcade.replays.studio.server.desk import RunDesk, open_desk
+from motorcade.replays.studio.server.desk import open_desk
 from motorcade.replays.studio.server.offers import Offer
 
 log = logging.getLogger("motorcade.studio")
@@ -44,9 +46,23 @@ def offered(path: Path, run: Path | None = None) -> list[Offer]:
     return [_offer(folder, path)]
 
 
+def ready(offer: Offer, say: Callable[[str], None]) -> Offer:
+    """An offer that was opened, so that what keeps it from being edited is told before the link.
+
+    Args:
+        offer: a single one.
+        say: takes a line on what is under way.
+
+    Raises:
+        ValueError: a run or a scene that cannot be read.
+        OSError: its recording is gone, or another process edits the scene.
+    """
+    say(f"{offer.name}: opening the run")
+    since = time.monotonic()
+    desk = offer.open()
+    say(f"{offer.name}: {desk.frames} pictures, {time.monotonic() - since:.1f} s")
+    return replace(offer, open=lambda: desk)
+
+
 def _offer(run: Path, scene: Path | None) -> Offer:
-    return Offer(run.absolute().name, _opener(run, scene))
-
-
-def _opener(run: Path, scene: Path | None) -> Callable[[], RunDesk]:
-    return lambda: open_desk(run, scene)
+    return Offer(run.absolute().name, lambda: open_desk(run, scene))

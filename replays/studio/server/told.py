@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from motorcade.animation.authoring import Scene
+from motorcade.animation.authoring.written import layer_json
 from motorcade.replays.studio.look.packing import packed
 from motorcade.replays.studio.server.filmed import Filmed, spoken
 from motorcade.replays.studio.server.played import PlayedScene, rows
@@ -47,7 +48,8 @@ class ToldScene:
             "clip": part.clip,
             "clips": self.props.clips(part),
             "walk": part.walk is not None,
-            "turns": [one.time_s for one in part.joint_keyframes],
+            "turns": [[one.time_s, one.end_s] for one in part.joint_keyframes],
+            "layers": [layer_json(one) for one in part.layers],
             "keys": [one.time_s for one in part.keyframes],
             "interpolation": part.interpolation,
             "visible_s": None if part.visible_s is None else list(part.visible_s),

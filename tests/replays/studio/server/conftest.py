@@ -25,6 +25,7 @@ class EchoDesk:
     frames: int = 2
     heard: list[tuple[int, Mapping[str, Any]]] = field(default_factory=list)
     gone: list[int] = field(default_factory=list)
+    closed: bool = False
 
     def about(self) -> dict[str, Any]:
         return {"frames": self.frames}
@@ -50,6 +51,9 @@ class EchoDesk:
     def left(self, visitor: int) -> Mapping[str, Any] | None:
         self.gone.append(visitor)
         return {"gone": True}
+
+    def close(self) -> None:
+        self.closed = True
 
 
 @dataclass

@@ -13,14 +13,10 @@ from motorcade.animation.authoring import Scene, SceneAnchor, scene_text
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.view.ground import Ground
-from motorcade.replays.studio.server.desk import RunDesk
+from motorcade.replays.studio.server.desk import RunDesk, desk_of
 from motorcade.replays.studio.server.filmed import Filmed
 from motorcade.replays.studio.server.journal import Journal
-from motorcade.replays.studio.server.ledger import Ledger
-from motorcade.replays.studio.server.played import PlayedScene
-from motorcade.replays.studio.server.props import GROUND, Props, files_beside
-from motorcade.replays.studio.server.session import EditingSession
-from motorcade.replays.studio.server.told import ToldScene
+from motorcade.replays.studio.server.props import GROUND
 from motorcade.tracking import Camera
 
 FRAMES = 12
@@ -90,10 +86,7 @@ def desk(folder: Path, camera: Camera = STRAIGHT) -> RunDesk:
     """The desk of a scene in a folder, as it was left."""
     seen = filmed(camera)
     empty = Scene({}, {}, {}, {GROUND: seen.first})
-    ledger = Ledger(Journal(folder / "scene.json", scene_text(empty).encode()))
-    props, played = Props(folder, files_beside(folder)), PlayedScene(seen, folder)
-    told = ToldScene(seen, played, props)
-    return RunDesk(seen, EditingSession(seen, ledger, played, props, told))
+    return desk_of(seen, Journal(folder / "scene.json", scene_text(empty).encode()))
 
 
 class Visitor:

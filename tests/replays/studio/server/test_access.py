@@ -16,7 +16,7 @@ from websockets.sync.client import ClientConnection, connect
 from motorcade.replays.studio.server import bounds, serving
 from motorcade.replays.studio.server.access import Access
 from motorcade.replays.studio.server.serving import LOOPBACK, Listening, announce
-from tests.replays.studio.server.conftest import PATIENCE_S, Served
+from tests.replays.studio.server.conftest import PATIENCE_S, EchoDesk, Served, running
 
 
 def asked(
@@ -156,8 +156,19 @@ def test_two_hosts_in_one_request_are_refused(served: Served) -> None:
         "run/0/motion/1.json",
         "run/1/",
         "run/1/about.json",
+        "run/" + "9" * 5000 + "/",
+        "run/" + "9" * 5000 + "/about.json",
+        "run/" + "0" * 5000 + "/frame/0.jpg",
+        "run/0/frame/" + "9" * 5000 + ".jpg",
+        "run/0/figure/" + "9" * 5000 + ".glb",
+        "run/0/motion/" + "9" * 5000 + ".json",
+        "run/-0/",
+        "run/%D9%A0/",
+        "run/0%0a/",
+        "run/0x0/",
         "run/0/scene.json",
     ],
+    ids=lambda path: path[:40],
 )
 def test_nothing_but_the_fixed_paths(served: Served, path: str) -> None:
     assert asked(served, f"/{served.access.token}/{path}")[0] == 404
@@ -182,7 +193,11 @@ def test_a_socket_needs_our_own_page(served: Served, origin: str | None) -> None
 
 
 def test_a_socket_needs_the_token_and_a_run(served: Served) -> None:
-    for old, new in ((served.access.token, "0" * 22), ("run/0", "run/7")):
+    for old, new in (
+        (served.access.token, "0" * 22),
+        ("run/0", "run/7"),
+        ("run/0", "run/" + "9" * 5000),
+    ):
         with (
             pytest.raises(websockets.InvalidStatus) as fault,
             visit(served, served.socket.replace(old, new)),
@@ -341,6 +356,15 @@ def test_tokens_are_long_and_never_told() -> None:
 def test_ports_that_are_none_are_refused(port: int) -> None:
     with pytest.raises(ValueError, match=r"Listening\.port: expected 0 to 65535"):
         Listening(port=port)
+
+
+def test_what_was_opened_is_closed_with_the_server() -> None:
+    desk = EchoDesk()
+    with running(desk) as (access, port, server):
+        with visit(Served(access, desk, port, server)) as one:
+            assert works(one)
+        assert not desk.closed
+    assert desk.closed
 
 
 def test_a_port_that_is_taken_is_named(served: Served) -> None:

@@ -97,6 +97,7 @@ def test_a_scene_that_could_not_be_written_again_and_again_goes_on(tmp_path: Pat
             with pytest.raises(OSError, match="written"):
                 journal.save(old + b" " * (k + 1000))
     assert (tmp_path / "scene.json").read_bytes() == old
+    at.close()
     again = desk(tmp_path)
     assert again.session.ledger.can_undo, "it is the same session"
     assert not (tmp_path / "scene.session-1").exists()

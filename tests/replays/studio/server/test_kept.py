@@ -103,12 +103,20 @@ def test_a_scene_that_was_left_behind_its_steps_is_brought_up_to_them(tmp_path: 
     (tmp_path / "scene.session" / "written.json").write_text(
         json.dumps([sha256(behind).hexdigest(), sha256(whole).hexdigest()])
     )
-    desk(tmp_path)
+    at = desk(tmp_path)
     for _ in range(200):
         if scene.read_bytes() == whole:
             break
         time.sleep(0.05)
     assert scene.read_bytes() == whole
+    at.close()
+
+
+def test_what_was_only_looked_at_is_not_written(tmp_path: Path) -> None:
+    told = '{"objects": [\n  {"name": "table"}\n]}\n'
+    (tmp_path / "scene.json").write_text(told)
+    desk(tmp_path).close()
+    assert (tmp_path / "scene.json").read_text() == told
 
 
 def test_half_a_line_at_the_end_is_left_out(tmp_path: Path) -> None:
@@ -139,6 +147,54 @@ def test_a_scene_that_another_program_wrote_is_taken_as_it_is(tmp_path: Path) ->
     at.close()
     old = tmp_path / "scene.session-1" / "gestures.jsonl"
     assert b"Person" in old.read_bytes(), "nothing is thrown away"
+
+
+def test_one_process_has_a_session(tmp_path: Path) -> None:
+    at = desk(tmp_path)
+    Visitor(at).put()
+    gestures = tmp_path / "scene.session" / "gestures.jsonl"
+    with gestures.open("ab") as torn:
+        torn.write(b'{"do": "half')
+    kept = gestures.read_bytes()
+    with pytest.raises(OSError, match=r"scene\.json: another .* is editing this scene; open the"):
+        desk(tmp_path)
+    assert gestures.read_bytes() == kept, "what the other is writing is not cut"
+    at.close()
+    desk(tmp_path).close()
+    assert gestures.read_bytes() == kept[: kept.rfind(b"\n") + 1]
+
+
+def test_a_session_that_cannot_be_read_is_let_go(tmp_path: Path) -> None:
+    at = desk(tmp_path)
+    Visitor(at).put()
+    at.close()
+    gestures = tmp_path / "scene.session" / "gestures.jsonl"
+    whole = gestures.read_bytes()
+    gestures.write_bytes(b"no line\n")
+    with pytest.raises(ValueError, match=r"gestures\.jsonl:1"):
+        desk(tmp_path)
+    gestures.write_bytes(whole)
+    desk(tmp_path).close()
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
+def test_a_killed_process_keeps_nobody_out(tmp_path: Path) -> None:
+    hears, tells = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            desk(tmp_path)
+            os.write(tells, b"!")
+            time.sleep(60.0)
+        finally:
+            os._exit(0)
+    os.close(tells)
+    assert os.read(hears, 1) == b"!"
+    with pytest.raises(OSError, match="another"):
+        desk(tmp_path)
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    desk(tmp_path).close()
 
 
 def edits_until_killed(folder: Path, seed: int, told: int) -> None:
