@@ -5,6 +5,7 @@ import { Actor, Wardrobe, wayLine } from "studio/editor_actors.js";
 import { Gestures } from "studio/editor_gestures.js";
 import { Handles } from "studio/editor_handles.js";
 import { icon } from "studio/editor_icons.js";
+import { Lanes } from "studio/editor_lanes.js";
 import { Link } from "studio/editor_link.js";
 import { Panel } from "studio/editor_panel.js";
 import { Pictures } from "studio/editor_pictures.js";
@@ -73,10 +74,19 @@ export class Editor {
     this.note.setAttribute("role", "alert");
     view.append(this.hint, this.note);
     this.stage = new EditorStage(view, this.about);
-    this.timeline = new EditorTimeline(this.about.time_s.data, {
-      seek: (frame) => this.seek(frame),
-      key: (time) => this.seekTime(time),
+    this.lanes = new Lanes(this.length, {
+      snapped: (seconds) => this.#timeOf(this.#frameAt(seconds)),
+      seek: (seconds) => this.seekTime(seconds),
+      pick: (mark) => {
+        this.seekTime(mark.start_s);
+        this.panel.mark(mark);
+      },
+      change: async (mark, to) => {
+        const answer = await this.panel.act.mark(mark, to);
+        if (!answer.ok) this.lanes.show(this.one);
+      },
     });
+    this.timeline = new EditorTimeline(this.about.time_s.data, { seek: (frame) => this.seek(frame) }, this.lanes.element);
     this.panel = new Panel(this.about, actions(this));
     body.append(bar, view, made("footer", "below", this.timeline.element, this.panel.element));
   }
@@ -171,7 +181,7 @@ export class Editor {
   choose(name) {
     this.chosen = this.actors.has(name) ? name : null;
     this.panel.show(this.state.objects, this.chosen);
-    this.timeline.mark(this.one ? [...this.one.keys, ...this.one.turns] : []);
+    this.lanes.show(this.one);
     this.#ways();
     this.#hints();
     this.redraw();
@@ -200,14 +210,23 @@ export class Editor {
     for (const line of this.ways) this.stage.signs.add(line);
   }
 
-  seekTime(seconds) {
+  #frameAt(seconds) {
     const times = this.about.time_s.data;
+    const since = seconds + times[0];
     let best = 0;
     for (let k = 0; k < times.length; k++) {
-      if (Math.abs(times[k] - seconds) < Math.abs(times[best] - seconds)) best = k;
+      if (Math.abs(times[k] - since) < Math.abs(times[best] - since)) best = k;
     }
+    return best;
+  }
+
+  #timeOf(frame) {
+    return this.about.time_s.data[frame] - this.about.time_s.data[0];
+  }
+
+  seekTime(seconds) {
     this.timeline.pause();
-    this.seek(best);
+    this.seek(this.#frameAt(seconds));
   }
 
   seek(frame) {
@@ -217,7 +236,7 @@ export class Editor {
   }
 
   get seconds() {
-    return this.about.time_s.data[this.frame] - this.about.time_s.data[0];
+    return this.#timeOf(this.frame);
   }
 
   /** How long the footage is, s. */

@@ -1,5 +1,7 @@
 // What the panel's buttons do, as edits of the scene.
 
+import { marksOf } from "studio/editor_lanes.js";
+
 /** @param {import("./editor.js").Editor} editor */
 export function actions(editor) {
   const edit = (what) => editor.ask({ do: "edit", frame: editor.frame, edit: what });
@@ -11,6 +13,7 @@ export function actions(editor) {
     draw: () => editor.sketchWalk(),
     draws: () => editor.draws,
     ...posing(editor, named),
+    ...marking(editor, named),
     async add(one) {
       const answer = await editor.ask({ do: "place", file: one.file, kind: one.kind, frame: editor.frame });
       if (answer.ok) editor.choose(answer.object);
@@ -40,6 +43,13 @@ export function actions(editor) {
     group: (other) =>
       edit({ do: "group", objects: [editor.chosen, other], name: unused(editor, "Group"), time_s: editor.seconds }),
     ungroup: () => named({ do: "ungroup", time_s: editor.seconds }),
+    ...handling(editor),
+  };
+}
+
+/** Which handles there are, and along whose axes. */
+function handling(editor) {
+  return {
     axes() {
       editor.handles.kind = editor.handles.kind === "few" ? "all" : "few";
       editor.redraw();
@@ -59,6 +69,39 @@ function posing(editor, named) {
     poses: () => editor.posing.on,
     unpose: () => named({ do: "set", joint_keyframes: [] }),
   };
+}
+
+const UNMARKED = { key: "remove_keyframe", pose: "remove_joints" };
+
+/** What is done with keyframes, poses and layers on the timeline. */
+function marking(editor, named) {
+  const layer = (number, what) => named({ do: "layer", layer: what, ...(number !== null && { number }) });
+  return {
+    marks: () => marksOf(editor.one, editor.length).flat(),
+    layer,
+    addLayer() {
+      const { clips } = editor.one;
+      const clip = clips.find((name) => /wave/i.test(name)) ?? clips.at(-1);
+      const start_s = editor.frame ? editor.seconds : 0;
+      return layer(null, { clip, joints: "right_arm", weight: 1, start_s, end_s: null });
+    },
+    unmark({ kind, number, start_s }) {
+      return kind === "layer" ? layer(number, null) : named({ do: UNMARKED[kind], time_s: start_s });
+    },
+    /** A mark from and until other times; what is not said stays. */
+    async mark({ kind, number, start_s, layer: was }, to) {
+      if (kind === "layer") return layer(number, { ...was, ...to });
+      if (kind === "key") return renewed(editor, "key", to.start_s, await named({ do: "move_keyframe", time_s: start_s, to_s: to.start_s }));
+      if (!("start_s" in to)) return named({ do: "end_joints", time_s: start_s, end_s: to.end_s });
+      return renewed(editor, "pose", to.start_s, await named({ do: "move_joints", time_s: start_s, to_s: to.start_s }));
+    },
+  };
+}
+
+/** The form of a mark follows it to its new time. */
+function renewed(editor, kind, start_s, answer) {
+  if (answer.ok && editor.panel.open === "mark") editor.panel.mark({ kind, start_s });
+  return answer;
 }
 
 /** A name that nothing in the scene has. */

@@ -7,8 +7,8 @@ export function keyboard(editor) {
     " ": () => editor.timeline.toggle(),
     ArrowLeft: () => editor.timeline.step(-1),
     ArrowRight: () => editor.timeline.step(1),
-    Delete: () => editor.chosen && buttons.remove(),
-    Backspace: () => editor.chosen && buttons.remove(),
+    Delete: () => remove(editor),
+    Backspace: () => remove(editor),
     k: () => editor.chosen && buttons.key(),
     p: () => editor.one?.kind === "character" && buttons.pose(),
     w: () => editor.one?.kind === "character" && buttons.draw(),
@@ -31,6 +31,13 @@ export function keyboard(editor) {
     event.preventDefault();
     act();
   });
+}
+
+/** The mark on the timeline that is looked at, else what is chosen. */
+function remove(editor) {
+  const { panel } = editor;
+  if (panel.open === "mark") panel.act.unmark(panel.marked);
+  else if (editor.chosen) panel.act.remove();
 }
 
 function escape(editor) {

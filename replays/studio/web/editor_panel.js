@@ -1,5 +1,7 @@
 // Buttons and forms round the scene: what can be added, what the chosen one does, its numbers.
 
+import { choice, labelled, numberField, spoken, tick } from "studio/editor_fields.js";
+import { layerForms, markForm } from "studio/editor_marks.js";
 import { button, made } from "studio/editor_timeline.js";
 
 const NUMBERS = [
@@ -51,9 +53,9 @@ export class Panel {
     const { act, chosen } = this;
     const walks = chosen.kind === "character";
     const all = [
-      walks && button("Walk", () => act.draw(), { sign: "walk", title: "Draw where it walks", className: act.draws() ? "main" : "" }),
+      walks && button("Walk", () => this.#bare(act.draw), { sign: "walk", title: "Draw where it walks", className: act.draws() ? "main" : "" }),
       walks && button("Do", () => this.#toggle("clips"), { sign: "act", title: "What it does" }),
-      Object.keys(chosen.held_by ?? {}).length > 0 && button("Pose", () => act.pose(), { sign: "pose", title: "Drag hands, feet and head", className: act.poses() ? "main" : "" }),
+      Object.keys(chosen.held_by ?? {}).length > 0 && button("Pose", () => this.#bare(act.pose), { sign: "pose", title: "Drag hands, feet and head", className: act.poses() ? "main" : "" }),
       !chosen.walk && button("Key", () => act.key(), { sign: "key", title: "Keep where it is at this moment" }),
       button("Axes", () => act.axes(), { sign: "axes", title: "Handles: few or all" }),
       button("Numbers", () => this.#toggle("numbers"), { sign: "numbers" }),
@@ -67,6 +69,26 @@ export class Panel {
   /** How the film is drawn, or no longer that. */
   film() {
     this.#toggle("film");
+  }
+
+  /** What can be done with something on the timeline. @param {import("./editor_lanes.js").Mark} mark */
+  mark(mark) {
+    this.marked = mark;
+    this.open = "mark";
+    this.#fill("mark");
+  }
+
+  #mark() {
+    const { kind, start_s, number } = this.marked;
+    const same = (one) => one.kind === kind && (kind === "layer" ? one.number === number : Math.abs(one.start_s - start_s) < 1e-6);
+    const now = this.act.marks().find(same);
+    return now ? markForm(now, this.chosen, this.act) : null;
+  }
+
+  /** Do what needs the whole scene to be seen. */
+  #bare(act) {
+    this.close();
+    act();
   }
 
   #toggle(what) {
@@ -86,10 +108,16 @@ export class Panel {
       return;
     }
     this.sheet.hidden = false;
-    const typing = this.sheet.contains(document.activeElement) && document.activeElement.matches("input");
-    if (what !== "add" && typing) return;
-    const parts = { add: () => this.#add(), film: () => this.#film(), clips: () => this.#clips(), numbers: () => this.#numbers(), more: () => this.#more() };
-    this.sheet.replaceChildren(button("Close", () => this.close(), { sign: "close", className: "close" }), ...parts[what]());
+    const at = this.sheet.contains(document.activeElement) ? document.activeElement : null;
+    if (what !== "add" && at?.matches("input[type=text]") && at.value !== at.defaultValue) return;
+    const parts = { add: () => this.#add(), film: () => this.#film(), clips: () => this.#clips(), numbers: () => this.#numbers(), more: () => this.#more(), mark: () => this.#mark() };
+    const inside = parts[what]();
+    if (!inside) {
+      this.close();
+      return;
+    }
+    this.sheet.replaceChildren(button("Close", () => this.close(), { sign: "close", className: "close" }), ...inside);
+    if (at?.dataset.field) this.sheet.querySelector(`[data-field="${at.dataset.field}"]`)?.focus();
   }
 
   #add() {
@@ -115,13 +143,14 @@ export class Panel {
     const { chosen, act } = this;
     const clips = chosen.clips.map((name) => {
       const one = button(spoken(name), () => act.clip(name), { className: "choice" });
-      one.ariaPressed = String(chosen.clip === name);
+      one.ariaPressed = String((chosen.clip ?? "idle") === name);
       return one;
     });
     const halt = chosen.walk
       ? [button("Stop walking", () => act.stay(), { className: "choice" })]
       : [];
-    return [made("h2", "", `What ${chosen.name} does`), made("div", "choices", ...clips, ...halt)];
+    const layers = chosen.kind === "character" ? layerForms(chosen, act) : [];
+    return [made("h2", "", `What ${chosen.name} does`), made("div", "choices", ...clips, ...halt), ...layers];
   }
 
   #numbers() {
@@ -135,20 +164,12 @@ export class Panel {
 
   #fields(numbers) {
     return NUMBERS.map(([label, key, at, unit]) => {
-      const input = made("input");
       const now = at === null ? numbers[key] : numbers[key][at];
-      Object.assign(input, { type: "text", inputMode: "decimal", value: tidy(now), ariaLabel: label });
-      input.addEventListener("change", () => {
-        const value = Number(input.value.replace(",", "."));
-        if (!Number.isFinite(value) || input.value.trim() === "") {
-          input.value = tidy(now);
-          return;
-        }
+      return numberField(label, now, unit, (value) => {
         if (at === null) numbers[key] = value;
         else numbers[key][at] = value;
         this.act.number(key, numbers[key]);
       });
-      return made("label", "number", made("span", "", label), input, made("span", "unit", unit));
     });
   }
 
@@ -180,33 +201,4 @@ export class Panel {
       ...(chosen.keys.length ? [wide("Forget its keyframes", () => act.unkey())] : []),
     ];
   }
-}
-
-function labelled(text, control) {
-  return made("label", "pick", made("span", "", text), control);
-}
-
-function choice(options, value, told) {
-  const select = made("select");
-  for (const [key, text] of options) select.append(new Option(text, key, false, key === value));
-  select.addEventListener("change", () => told(select.value));
-  return select;
-}
-
-function tick(on, told) {
-  const box = made("input");
-  Object.assign(box, { type: "checkbox", checked: on });
-  box.addEventListener("change", () => told(box.checked));
-  return box;
-}
-
-/** @param {number} value */
-function tidy(value) {
-  return String(Number(value.toFixed(3)));
-}
-
-/** A clip's name as people say it. */
-export function spoken(name) {
-  const words = name.replaceAll(/[_|.]+/g, " ").replaceAll(/([a-z])([A-Z])/g, "$1 $2").trim();
-  return words.charAt(0).toUpperCase() + words.slice(1);
 }

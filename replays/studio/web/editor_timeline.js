@@ -1,4 +1,4 @@
-// The bar below the scene: where in the film one is, the keyframes of what is chosen, and playing.
+// The bar below the scene: where in the film one is, and playing.
 
 import { icon } from "studio/editor_icons.js";
 
@@ -25,18 +25,18 @@ export function button(text, act, { sign = "", title = text, className = "" } = 
 export class EditorTimeline {
   /**
    * @param {Float64Array} times of the frames, s
-   * @param {{seek: (frame: number) => void, key: (time: number) => void}} told
+   * @param {{seek: (frame: number) => void}} told
+   * @param {HTMLElement} lanes what stands below the bar
    */
-  constructor(times, told) {
+  constructor(times, told, lanes) {
     Object.assign(this, { times, told, frame: 0, playing: false });
     this.play = button("Play", () => this.toggle(), { sign: "play", className: "round" });
     this.range = made("input", "scrub");
     Object.assign(this.range, { type: "range", min: 0, max: times.length - 1, step: 1, value: 0 });
     this.range.ariaLabel = "Time";
     this.range.addEventListener("input", () => this.#seek(Number(this.range.value)));
-    this.keys = made("div", "keys");
     this.clock = made("output", "clock");
-    this.element = made("div", "timeline", this.play, made("div", "track", this.keys, this.range), this.clock);
+    this.element = made("div", "timeline", this.play, made("div", "track", this.range, lanes), this.clock);
     this.show(0);
   }
 
@@ -87,18 +87,5 @@ export class EditorTimeline {
   #face(word, sign) {
     this.play.replaceChildren(icon(sign), made("span", "word", word));
     this.play.title = this.play.ariaLabel = word;
-  }
-
-  /** Show the keyframes of what is chosen. @param {number[]} seconds */
-  mark(seconds) {
-    const [first, last] = [this.times[0], this.times.at(-1)];
-    this.keys.replaceChildren(
-      ...seconds.map((time) => {
-        const one = button("", () => this.told.key(time), { sign: "key", title: `Keyframe at ${time.toFixed(1)} s` });
-        const share = (time - first) / Math.max(last - first, 1e-9);
-        one.style.left = `${100 * Math.min(Math.max(share, 0), 1)}%`;
-        return one;
-      }),
-    );
   }
 }

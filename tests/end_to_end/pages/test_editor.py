@@ -3,136 +3,19 @@
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from websockets.sync.client import connect
 
 from tests.end_to_end.pages.conftest import Browser
+from tests.end_to_end.pages.editor_tab import PATIENCE_S, POSE, Tab
 from tests.replays.studio.server.conftest import running
 from tests.replays.studio.server.stage import RunDesk, desk, stands
 
 pytestmark = pytest.mark.slow
-PATIENCE_S = 60.0
-# Where the middle of an object is on the page, its pose, and whether all that was said is answered.
-IDLE = "!editor.link.under_way && !editor.link.queue.length"
-POSE = "editor.actors.get('Person').matrix.clone()"
-
-
-class Tab:
-    """The editor in a tab of its own."""
-
-    def __init__(
-        self, browser: Browser, address: str, width: int, height: int, scheme: str
-    ) -> None:
-        self.browser = browser
-        self.target = browser.ask("Target.createTarget", url="about:blank")["targetId"]
-        attached = browser.ask("Target.attachToTarget", targetId=self.target, flatten=True)
-        self.session = attached["sessionId"]
-        for domain in ("Page", "Runtime", "Log"):
-            self.ask(f"{domain}.enable")
-        self.mobile = width < 900
-        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": self.mobile}
-        self.ask("Emulation.setDeviceMetricsOverride", **size)
-        touch = {"enabled": self.mobile, "maxTouchPoints": 5}
-        self.ask("Emulation.setTouchEmulationEnabled", **touch)
-        features = [{"name": "prefers-color-scheme", "value": scheme}]
-        self.ask("Emulation.setEmulatedMedia", features=features)
-        self.ask("Page.navigate", url=address)
-        self.until("!!window.editor && editor.drawnFrame === 0")
-
-    def ask(self, method: str, **parameters: object) -> dict[str, Any]:
-        return self.browser.ask(method, self.session, **parameters)
-
-    def evaluate(self, expression: str) -> Any:
-        asked = {"expression": expression, "returnByValue": True, "awaitPromise": True}
-        found = self.ask("Runtime.evaluate", **asked)
-        assert "exceptionDetails" not in found, found
-        return found["result"].get("value")
-
-    def until(self, expression: str) -> None:
-        end = time.monotonic() + PATIENCE_S
-        while not self.evaluate(expression):
-            assert time.monotonic() < end, expression
-            time.sleep(0.02)
-
-    def drag(self, places: list[tuple[int, int]]) -> None:
-        """One finger, or the mouse, along places of the page."""
-        if self.mobile:
-            self.fingers([[one] for one in places])
-            return
-        for k, (x, y) in enumerate([*places, places[-1]]):
-            kind = "mousePressed" if k == 0 else "mouseMoved"
-            kind = "mouseReleased" if k == len(places) else kind
-            about = {"type": kind, "x": x, "y": y, "button": "left", "clickCount": 1, "buttons": 1}
-            self.ask("Input.dispatchMouseEvent", **about)
-
-    def fingers(self, places: list[list[tuple[int, int]]]) -> None:
-        """Fingers come down one by one, go along, and are lifted."""
-        for count in range(1, len(places[0]) + 1):
-            self._touch("touchStart", places[0][:count])
-        for one in places[1:]:
-            self._touch("touchMove", one)
-        self._touch("touchEnd", [])
-
-    def _touch(self, kind: str, places: list[tuple[int, int]]) -> None:
-        points = [{"x": x, "y": y, "id": k} for k, (x, y) in enumerate(places)]
-        self.ask("Input.dispatchTouchEvent", type=kind, touchPoints=points)
-
-    def press(self, word: str) -> None:
-        """A button, by what stands on it."""
-        found = self.evaluate(
-            "(() => { const one = [...document.querySelectorAll('button')].find("
-            f"(b) => b.offsetParent && b.textContent.includes('{word}'));"
-            "const r = one.getBoundingClientRect();"
-            "return [r.x + r.width / 2, r.y + r.height / 2] })()"
-        )
-        self.drag([(round(found[0]), round(found[1]))])
-
-    def somebody(self) -> None:
-        """Put a person in and wait until it is seen."""
-        self.press("Add")
-        self.press("Person")
-        self.until("!!editor.actors.get('Person')?.figure && editor.chosen === 'Person'")
-        self.settled()
-
-    def settled(self) -> None:
-        """Wait for answers, and until they are drawn."""
-        self.until(IDLE)
-        self.evaluate(
-            "new Promise((seen) => requestAnimationFrame(() => requestAnimationFrame(seen)))"
-        )
-
-    def place(self, share: float = 0.0) -> np.ndarray:
-        """Where the person is on the page: its foot, or so much of its height up."""
-        return np.array(
-            self.evaluate(
-                "(() => { const one = editor.actors.get('Person'); const up = one.place;"
-                f"up.z += {share} * one.height; return editor.stage.placeOf(up) }})()"
-            )
-        )
-
-    def complaints(self) -> list[str]:
-        self.evaluate("0")
-        told = []
-        for event in self.browser.events:
-            about = event["params"]
-            if event.get("sessionId") != self.session:
-                continue
-            if event["method"] == "Runtime.exceptionThrown" or (
-                event["method"] == "Runtime.consoleAPICalled" and about["type"] != "log"
-            ):
-                told.append(str(about))
-            elif event["method"] == "Log.entryAdded":
-                told.append(str(about["entry"]))
-        return told
-
-    def close(self) -> None:
-        self.browser.ask("Target.closeTarget", targetId=self.target)
 
 
 @pytest.fixture
@@ -263,6 +146,61 @@ def test_a_hand_is_dragged_and_stays_under_mouse_and_finger(
     one.until("editor.one.turns.length === 0")
     one.settled()
     one.until(f"Math.hypot({hand}[0] - {start[0]}, {hand}[1] - {start[1]}) < 0.1")
+    assert one.complaints() == []
+
+
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), (390, 844)])
+def test_layers_and_poses_come_end_and_go(
+    tab: Callable[..., Tab], at: RunDesk, width: int, height: int
+) -> None:
+    one = tab(width, height)
+    one.somebody()
+    one.press("Do")
+    one.press("Add a layer")
+    one.until("editor.one.layers.length === 1")
+    x, y = one.middle(".share input")
+    wide = one.evaluate("document.querySelector('.share input').offsetWidth")
+    one.drag([(x + wide // 2 - 8, y), (x + 4, y), (x, y)])
+    one.until("Math.abs(editor.one.layers[0].weight - 0.5) < 0.06")
+    one.settled()
+    one.press("Close")
+    x, y = one.middle(".mark.layer .grip.end")
+    wide = one.evaluate("document.querySelector('.lanes').offsetWidth")
+    one.drag([(x - round(share * wide), y) for share in np.linspace(0.0, 0.5, 8)])
+    one.until("editor.one.layers[0].end_s !== undefined")
+    one.settled()
+    layer = at.session.ledger.scene.part("Person").layers[0]
+    assert (layer.clip, layer.joints) == ("wave", "right_arm")
+    assert layer.end_s == pytest.approx(0.5 * at.filmed.time_s[-1], abs=0.03)
+    one.evaluate("editor.seek(0)")
+    one.press("Pose")
+    hand = "editor.stage.placeOf(editor.actors.get('Person').joint(editor.one.held_by.head[0]))"
+    one.until("editor.posing.on && !editor.posing.handles.get('head').hidden")
+    one.settled()
+    x, y = np.round(one.evaluate(hand)).astype(int).tolist()
+    one.drag([(x, y), (x + 6, y), (x + 14, y + 4)])
+    one.until("editor.one.turns.length === 1")
+    one.settled()
+    for part, share in ((".mark.pose .grip.end", -0.6), (".mark.pose", 0.2)):
+        x, y = one.middle(part)
+        one.drag([(x + round(far * wide), y) for far in np.linspace(0.0, share, 8)])
+        one.settled()
+    last = float(at.filmed.time_s[-1])
+    held = at.session.ledger.scene.part("Person").joint_keyframes[0]
+    assert held.time_s == pytest.approx(0.2 * last, abs=0.06)
+    assert held.end_s == pytest.approx(0.6 * last, abs=0.06)
+    one.drag([one.middle(".mark.pose")])
+    one.press("Remove this pose")
+    one.until("editor.one.turns.length === 0")
+    for _ in range(3):
+        one.press("Undo")
+        one.settled()
+    assert at.session.ledger.scene.part("Person").joint_keyframes[0].end_s is None
+    one.drag([one.middle(".mark.layer")])
+    one.press("Remove this layer")
+    one.until("editor.one.layers.length === 0")
+    one.press("Undo")
+    one.until("editor.one.layers.length === 1")
     assert one.complaints() == []
 
 

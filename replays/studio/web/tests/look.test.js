@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { decode, indexAt, nearest, pathNamed, poseAt, row, stateAt } from "studio/look.js";
+import { nearestKnown } from "studio/plots.js";
 import { clockWords, Timeline } from "studio/timeline.js";
 
 const packed = (kind, array, shape) => ({
@@ -30,6 +31,24 @@ test("arrays come back with their kind and shape, wherever they stand", () => {
   assert.equal(pathNamed(look, "nowhere").name, "motor");
   assert.equal(stateAt(look, 1.5).state, "lost");
   assert.equal(stateAt(look, 2.5), undefined);
+});
+
+test("columns in 16 bits are summed up twice, past the ends of their range", () => {
+  // 30000, then -30000, then 0 in the first column; 1, 2, 4 in the second
+  const twice = new Int16Array([30000, -90000, 90000, 1, 0, 1]);
+  const joints = {
+    ...packed("i16", twice, [3, 2]),
+    step: packed("f64", new Float64Array([1e-4, 2]), [2]),
+  };
+  const look = decode(JSON.stringify({ ...LOOK, joints }));
+  assert.deepEqual(Array.from(look.joints.data), [3, 2, -3, 4, 0, 8].map(Math.fround));
+  assert.deepEqual(look.joints.shape, [3, 2]);
+});
+
+test("a line without a value tells its nearest", () => {
+  assert.equal(nearestKnown([null, 2, null, undefined, null, 7], 3), 2);
+  assert.equal(nearestKnown([null, 2, null, null, null, 7], 4), 7);
+  assert.equal(nearestKnown([null, undefined], 1), null);
 });
 
 test("another document is refused", () => {
