@@ -6,7 +6,7 @@ middle of a frame and gets that one.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -34,13 +34,25 @@ def _rate(time_ns: IntArray) -> Fraction:
     return Fraction(min(max(rate, 1.0), 240.0)).limit_denominator(1000)
 
 
-def write_film(path: Path, pictures: Iterable[ImageArray], time_ns: IntArray) -> None:
+def film_size(width: int, height: int, longest_px: int) -> tuple[int, int]:
+    """Width and height of pictures made small enough that neither is above `longest_px`."""
+    scale = min(1.0, longest_px / max(width, height))
+    return max(1, round(width * scale)), max(1, round(height * scale))
+
+
+def write_film(
+    path: Path,
+    pictures: Iterable[ImageArray],
+    time_ns: IntArray,
+    size: tuple[int, int] | None = None,
+) -> None:
     """Write pictures as an H.264 MP4 for pages; the file appears complete or not at all.
 
     Args:
         path: a name that ends in `.mp4`.
         pictures: uint8 ``(h, w)`` or ``(h, w, 3)`` of one size, one a stamp.
         time_ns: ``(F,)`` the recording's stamps, which give the rate.
+        size: width and height that the film has them in, by default their own.
 
     Raises:
         ValueError: another ending, or another number of pictures than stamps.
@@ -50,10 +62,20 @@ def write_film(path: Path, pictures: Iterable[ImageArray], time_ns: IntArray) ->
         raise ValueError(f"write_film(path): expected a name that ends in .mp4, got '{path.name}'")
     with unfinished(path.parent) as place:
         part = place / "film.mp4"
-        count = _encode(part, pictures, _rate(time_ns))
+        count = _encode(part, _sized(pictures, size), _rate(time_ns))
         if count != len(time_ns):
             raise ValueError(f"write_film: expected {len(time_ns)} pictures, got {count}")
         part.replace(path)
+
+
+def _sized(pictures: Iterable[ImageArray], size: tuple[int, int] | None) -> Iterator[ImageArray]:
+    import cv2
+
+    for picture in pictures:
+        if size is None or size == picture.shape[1::-1]:
+            yield picture
+        else:
+            yield np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
 
 
 def _encode(path: Path, pictures: Iterable[ImageArray], rate: Fraction) -> int:
@@ -88,8 +110,8 @@ def _set_up(stream: Any, apart: int) -> None:
     context.flags |= Flags.bitexact.value
     context.time_base = Fraction(1, _TICKS)
     stream.pix_fmt = "yuv420p"
-    told = f"keyint={apart}:min-keyint={apart}:scenecut=0:bframes=0:mbtree=0"
-    stream.options = {"crf": str(QUALITY), "preset": "veryfast", "x264-params": told}
+    told = f"keyint={apart}:min-keyint={apart}:scenecut=0:bframes=0:mbtree=0:subme=2"
+    stream.options = {"crf": str(QUALITY), "preset": "superfast", "x264-params": told}
     context.color_range = ColorRange.MPEG.value
     context.colorspace = Colorspace.ITU709.value
     context.color_primaries = context.color_trc = 1

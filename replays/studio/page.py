@@ -51,14 +51,20 @@ def view_page(looks: list[dict[str, Any]], films: list[InnerFilm]) -> str:
 
 
 def _addresses() -> dict[str, str]:
-    """Every module as a data address, by the bare name that the others import it by."""
-    modules = sorted(WEB.glob("*.js"))
+    """Every module of the viewer as a data address, by the bare name that others import it by."""
+    names = sorted(path.name for path in WEB.glob("*.js"))
     return {
-        f"studio/{path.name}": "data:text/javascript;base64,"
-        + base64.b64encode(_module(path.name).encode()).decode("ascii")
-        for path in modules
-        if path.name != "eslint.config.js"
+        f"studio/{name}": "data:text/javascript;charset=utf-8," + _in_address(_module(name))
+        for name in names
+        if name != "eslint.config.js" and not name.startswith("editor")
     }
+
+
+def _in_address(text: str) -> str:
+    """Text as it is, but for what an address would lose or end at, which is written as %XX."""
+    for letter in "%#\n\r\t":
+        text = text.replace(letter, f"%{ord(letter):02X}")
+    return text
 
 
 def _module(name: str) -> str:

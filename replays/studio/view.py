@@ -10,17 +10,19 @@ from typing import Any
 from motorcade.ga.unfinished import unfinished
 from motorcade.render.scene import ImageArray
 from motorcade.render.video import read_frames
-from motorcade.replays.engine.progress import track
+from motorcade.replays.engine.progress import track_jobs
 from motorcade.replays.export import read_run
 from motorcade.replays.files.atomic import copy_file, write_bytes
 from motorcade.replays.report.findings import Findings
-from motorcade.replays.report.page import headline
-from motorcade.replays.studio.film import write_film
+from motorcade.replays.report.words import headline
+from motorcade.replays.studio.film import film_size, write_film
 from motorcade.replays.studio.look.document import LookedAt, look_of
 from motorcade.replays.studio.page import InnerFilm, inner_film, view_page
 
 INSIDE_BYTES = 24 * 2**20
 """Films of a page that are larger than this together lie beside it."""
+SMALL_PX = 256
+"""The longer side of the copy that is then still inside it."""
 
 
 def open_look(folder: Path) -> LookedAt:
@@ -62,28 +64,50 @@ def write_view(folders: list[Path], out: Path) -> list[Path]:
             f"{len(folders)} and '{out.name}'"
         )
     runs = [open_look(folder) for folder in folders]
+    names = [run.recording.name for run in runs]
+    if len(set(names)) < len(names):  # told apart by where they lie
+        names = [f"{name}, {one.resolve().name}" for name, one in zip(names, folders, strict=True)]
     out.parent.mkdir(parents=True, exist_ok=True)
     with unfinished(out.parent) as place:
         films = [_films(run, number, place) for number, run in enumerate(runs, 1)]
-        total = sum(path.stat().st_size for one in films for path in one.values())
-        beside = total > INSIDE_BYTES
+        beside = sum(path.stat().st_size for one in films for path in one.values()) > INSIDE_BYTES
         inner: list[InnerFilm] = []
         written: list[Path] = []
         looks: list[dict[str, Any]] = []
-        for run, clips in zip(runs, films, strict=True):
-            named = []
-            for name, path in clips.items():
-                address = f"#{path.stem}"
-                if beside:
-                    address = f"{out.stem}-{path.name}"
-                    copy_file(path, out.with_name(address))
-                    written.append(out.with_name(address))
-                else:
-                    inner.append(inner_film(path.stem, path))
-                named.append({"name": name, "src": address})
-            looks.append(look_of(run, named))
+        for run, shown_as, clips in zip(runs, names, films, strict=True):
+            named: list[dict[str, Any]] = []
+            for name, path in clips.items() if beside else ():
+                kept = out.with_name(f"{out.stem}-{path.name}")
+                copy_file(path, kept)
+                written.append(kept)
+                named.append({"name": name, "src": kept.name})
+            for name, path in (_small(run, clips) if beside else clips).items():
+                inner.append(inner_film(path.stem, path))
+                named.append({"name": name, "src": f"#{path.stem}"} | _size_of(run, name))
+            looks.append(look_of(run, named) | {"name": shown_as})
         write_bytes(out, view_page(looks, inner).encode())
     return [out, *written]
+
+
+def _small(run: LookedAt, clips: dict[str, Path]) -> dict[str, Path]:
+    """A small copy of the footage for inside the page: browsers let no film that lies beside it
+    into their graphics, where the camera's sign has its picture. None where that is too large too.
+    """
+    if not clips:
+        return {}
+    path = clips["footage"].with_name(clips["footage"].name.replace("footage", "small"))
+    stamps, (width, height) = run.recording.frames.time_ns, _size_of(run, "small")["size"]
+    pictures = (picture for _, picture in read_frames(clips["footage"]))
+    told = track_jobs(pictures, "small pictures copied", len(stamps))
+    write_film(path, told, stamps, (width, height))
+    return {"small": path} if path.stat().st_size <= INSIDE_BYTES else {}
+
+
+def _size_of(run: LookedAt, name: str) -> dict[str, Any]:
+    """Pixels of the small copy; others are as large as the footage."""
+    camera = run.recording.camera
+    assert camera is not None  # `look_of` refuses that before
+    return {"size": film_size(camera.width, camera.height, SMALL_PX)} if name == "small" else {}
 
 
 def _films(run: LookedAt, number: int, place: Path) -> dict[str, Path]:
@@ -97,7 +121,8 @@ def _films(run: LookedAt, number: int, place: Path) -> dict[str, Path]:
     paths = {}
     for name, pictures in made.items():
         paths[name] = place / f"{name}-{number}.mp4"
-        write_film(paths[name], track(pictures, f"copying {name}", len(stamps)), stamps)
+        copied = track_jobs(pictures, f"pictures of the {name} copied", len(stamps))
+        write_film(paths[name], copied, stamps)
     return paths
 
 

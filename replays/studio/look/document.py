@@ -8,15 +8,18 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga.arrays import IntArray
+from motorcade.render import Performer
 from motorcade.replays.characters.performers import performers
 from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.recording import Recording
 from motorcade.replays.report.findings import Findings, map_unit
 from motorcade.replays.stages.camera.as_found import as_found
+from motorcade.replays.stages.view.ground import prints_of
 from motorcade.replays.studio.film import film_rate_hz
 from motorcade.replays.studio.look.figures import shown_character
+from motorcade.replays.studio.look.hiding import shown_hiding
 from motorcade.replays.studio.look.packing import packed
-from motorcade.replays.studio.look.paths import drawn_name, shown_paths
+from motorcade.replays.studio.look.paths import drawn_name, drawn_rows, shown_paths
 from motorcade.replays.studio.look.plots import shown_plots, shown_states
 from motorcade.replays.studio.look.surroundings import (
     shown_boards,
@@ -67,7 +70,8 @@ def look_of(run: LookedAt, clips: list[dict[str, str]]) -> dict[str, Any]:
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
     stamps = recording.frames.time_ns
     start_ns = int(stamps[0])
-    figures = _figures(findings, stamps)
+    performing = performers(findings.placed, 1e-9 * float(np.ptp(stamps)))
+    figures = _figures(findings, performing, stamps)
     height_m = max(one["height_m"] for one in figures)
     placed = findings.placed
     return {
@@ -92,6 +96,12 @@ def look_of(run: LookedAt, clips: list[dict[str, str]]) -> dict[str, Any]:
         "planes": [shown_plane(placed, height_m)],
         "points_m": shown_points(findings.camera_poses),
         "characters": figures,
+        "hiding": shown_hiding(
+            recording,
+            performing,
+            prints_of(recording, findings.camera_poses, run.marker_map),
+            drawn_rows(findings, stamps),
+        ),
         "plots": shown_plots(findings, start_ns),
         "states": shown_states(findings, start_ns),
     }
@@ -104,11 +114,10 @@ def shown_camera(camera: Camera) -> dict[str, Any]:
     return about | {"coefficients": list(camera.distortion)}
 
 
-def _figures(findings: Findings, time_ns: IntArray) -> list[dict[str, Any]]:
-    placed = findings.placed
-    lasting_s = 1e-9 * float(np.ptp(time_ns))
-    names = [part.name for part in placed.parts] or ["character"]
+def _figures(
+    findings: Findings, performing: list[Performer], time_ns: IntArray
+) -> list[dict[str, Any]]:
+    names = [part.name for part in findings.placed.parts] or ["character"]
     return [
-        shown_character(name, one, time_ns)
-        for name, one in zip(names, performers(placed, lasting_s), strict=True)
+        shown_character(name, one, time_ns) for name, one in zip(names, performing, strict=True)
     ]

@@ -10,24 +10,12 @@ from motorcade.fusion.metrics import alignment_of, associate
 from motorcade.fusion.metrics.poses.alignment import Alignment
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.replays.report.findings import Findings
+from motorcade.replays.report.findings import LABELS, Findings, told_paths
 from motorcade.replays.stages.view.overlay import extrapolated
 from motorcade.replays.studio.look.packing import packed
 
-MOST_POINTS = 20_000
+MOST_POINTS = 5_000
 """Of a path's line; a longer one is thinned evenly."""
-LABELS = {
-    "measured": "Measured",
-    "fused": "Fused",
-    "truth": "Ground truth",
-    "motor": "Smoothed, motors",
-    "similarity": "Smoothed, similarities",
-    "rotor": "Smoothed, rotors",
-    "dual_quaternion": "Smoothed, dual quaternions",
-    "quaternion": "Smoothed, quaternions",
-    "euler": "Smoothed, Euler angles",
-    "euler_unwrapped": "Smoothed, Euler angles unwrapped",
-}
 
 
 def shown_paths(findings: Findings, time_ns: IntArray) -> list[dict[str, Any]]:
@@ -37,17 +25,20 @@ def shown_paths(findings: Findings, time_ns: IntArray) -> list[dict[str, Any]]:
     by. A pose is NaN where a path has none.
     """
     measured = findings.camera_poses.measurements.trajectory
-    paths = {"measured": measured}
-    if findings.fused.by != "nothing":
-        paths["fused"] = extrapolated(findings.fused.trajectory, measured)
-    paths |= {
-        name: extrapolated(one, measured) for name, one in findings.smoothed.trajectories.items()
+    found = findings.smoothed.trajectories | {"fused": findings.fused.trajectory}
+    told = told_paths(findings)
+    paths = {
+        name: measured if name == "measured" else extrapolated(found[name], measured)
+        for name in told
     }
     truth = _truth(findings)
     if truth is not None:
         paths["truth"] = truth
     start_ns = int(time_ns[0])
-    return [_shown(name, one, time_ns, start_ns) for name, one in paths.items()]
+    return [
+        _shown(name, told.get(name) or LABELS[name], one, time_ns, start_ns)
+        for name, one in paths.items()
+    ]
 
 
 def drawn_name(findings: Findings) -> str:
@@ -57,11 +48,19 @@ def drawn_name(findings: Findings) -> str:
     return next(iter(findings.smoothed.trajectories))
 
 
-def _shown(name: str, path: Trajectory, time_ns: IntArray, start_ns: int) -> dict[str, Any]:
+def drawn_rows(findings: Findings, time_ns: IntArray) -> FloatArray:
+    """Poses ``(F, 7)`` of the path that the film is drawn along, at the frames' stamps."""
+    measured = findings.camera_poses.measurements.trajectory
+    return rows_at(extrapolated(findings.integrity.drawn, measured), time_ns)
+
+
+def _shown(
+    name: str, label: str, path: Trajectory, time_ns: IntArray, start_ns: int
+) -> dict[str, Any]:
     step = -(-len(path) // MOST_POINTS)
     return {
         "name": name,
-        "label": LABELS.get(name, f"Smoothed, {name.replace('_', ' ')}"),
+        "label": label,
         "line_s": packed((path.time_ns[::step] - start_ns) * 1e-9, "f64"),
         "line_m": packed(path.poses.translation_m[::step]),
         "at_frames": packed(rows_at(path, time_ns), "f64"),

@@ -10,12 +10,12 @@ import numpy as np
 from motorcade.fusion.metrics.consistency import chi2_bounds
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.stamps import LONGEST_BRIDGE_S
-from motorcade.replays.report.findings import Findings
+from motorcade.render.plots.style import thinned
+from motorcade.replays.report.findings import Findings, told_paths
 from motorcade.replays.studio.look.packing import packed
-from motorcade.replays.studio.look.paths import LABELS
 
-MOST_VALUES = 20_000
-"""Of a line; a longer one is thinned evenly."""
+SPANS = 1500
+"""Of a line; of each, the least and the largest value are told."""
 FREEDOM = 6
 _STATES = {
     "initialising": "finding its bearings",
@@ -34,11 +34,12 @@ def shown_plots(findings: Findings, start_ns: int) -> list[dict[str, Any]]:
     rotation = {name: (one.time_s, one.rotation_deg) for name, one in against.items()}
     position = {name: (one.time_s, 1e3 * one.position_m) for name, one in against.items()}
     jitter = {name: (one.time_s, one.angular_rad_s2) for name, one in errors.acceleration.items()}
+    registered, told = _registered(findings), told_paths(findings)
     made = [
-        _plot("rotation", "Rotation error", "°", rotation, later_s),
-        _plot("position", "Position error", "mm", position, later_s),
-        _plot("jitter", "Angular acceleration", "rad/s²", jitter, later_s),
-        _registration(findings, later_s),
+        _plot("rotation", "Rotation error", "°", rotation, told, later_s),
+        _plot("position", "Position error", "mm", position, told, later_s),
+        _plot("jitter", "Angular acceleration", "rad/s²", jitter, told, later_s),
+        _plot("registration", "Distance from the footage", "px", registered, told, later_s),
         _squares(findings, start_ns),
     ]
     return [one for one in made if one["series"]]
@@ -49,36 +50,31 @@ def _plot(
     title: str,
     unit: str,
     lines: Mapping[str, tuple[FloatArray, FloatArray]],
+    told: Mapping[str, str],
     later_s: float,
 ) -> dict[str, Any]:
     series = [
-        _line(key, LABELS.get(key, key), time_s + later_s, values)
+        _line(key, told[key], time_s + later_s, values)
         for key, (time_s, values) in lines.items()
-        if len(time_s)
+        if len(time_s) and key in told
     ]
     return {"name": name, "title": title, "unit": unit, "log": True, "series": series}
 
 
 def _line(name: str, label: str, time_s: FloatArray, values: FloatArray) -> dict[str, Any]:
-    step = -(-len(time_s) // MOST_VALUES)
-    return {
-        "name": name,
-        "label": label,
-        "time_s": packed(time_s[::step], "f64"),
-        "values": packed(values[::step]),
-    }
+    time_s, values = thinned(time_s, values, SPANS)
+    return {"name": name, "label": label, "time_s": packed(time_s), "values": packed(values)}
 
 
-def _registration(findings: Findings, later_s: float) -> dict[str, Any]:
+def _registered(findings: Findings) -> dict[str, tuple[FloatArray, FloatArray]]:
     """How far what is drawn along each path lies from the footage, a measured frame each."""
     stamps = findings.camera_poses.measurements.trajectory.time_ns
     time_s = (stamps - stamps[0]) * 1e-9
-    lines = {
+    return {
         name: (time_s, values)
         for name, values in findings.integrity.registration_px.items()
         if values.shape == time_s.shape
     }
-    return _plot("registration", "Distance from the footage", "px", lines, later_s)
 
 
 def _squares(findings: Findings, start_ns: int) -> dict[str, Any]:
@@ -87,7 +83,7 @@ def _squares(findings: Findings, start_ns: int) -> dict[str, Any]:
     known = np.isfinite(fused.nis) & (fused.nis > 0.0)
     time_s = 1e-9 * (fused.trajectory.time_ns[known] - start_ns).astype(np.float64)
     lines = {"fused": (time_s, fused.nis[known])} if np.any(known) else {}
-    made = _plot("squares", "Innovations squared (NIS)", "", lines, 0.0)
+    made = _plot("squares", "Innovations squared (NIS)", "", lines, {"fused": "Fused"}, 0.0)
     return made | {"band": list(map(float, chi2_bounds(FREEDOM, 1))), "dots": True}
 
 

@@ -11,6 +11,7 @@ import {
   Quaternion,
   Vector3,
 } from "studio/vendor.js";
+import { behindThings } from "studio/hiding.js";
 import { behindLens } from "studio/lens.js";
 import { bytesOf, row } from "studio/look.js";
 
@@ -34,9 +35,9 @@ const KEPT = [
 
 /** A matt material in place of a glossy one: half as dear to draw, and the film shows the gloss. */
 function matt(material) {
-  if (!material.isMeshStandardMaterial) return behindLens(material);
+  if (!material.isMeshStandardMaterial) return behindThings(behindLens(material));
   const kept = Object.fromEntries(KEPT.map((name) => [name, material[name]]));
-  return behindLens(new MeshLambertMaterial(kept));
+  return behindThings(behindLens(new MeshLambertMaterial(kept)));
 }
 
 export class Figure {

@@ -3,16 +3,22 @@
 // The picture is copied off a hidden video whenever a frame was presented, so whoever draws over it
 // draws over the frame whose number is told, also while the film plays.
 
+import { nearest } from "studio/look.js";
+
 const PATIENCE_MS = 250;
 
 export class Film {
   /**
-   * @param {string} source address of an H.264 file with an even clock
-   * @param {{width: number, height: number, rate_hz: number, frames: number}} about
+   * @param {string} source address of an H.264 file
+   * @param {{width: number, height: number, rate_hz: number, frames: number}} about the pictures
+   * @param {{size?: number[], time_s?: import("./look.js").Packed}} own how large the film has them,
+   *   and its stamps where its clock is uneven
    */
-  constructor(source, about) {
+  constructor(source, about, own = {}) {
     this.frames = about.frames;
     this.rate = about.rate_hz;
+    this.size = own.size ?? [about.width, about.height];
+    this.times = own.time_s?.data;
     /** @type {number} the frame that `picture` holds; -1 before the first */
     this.shown = -1;
     this.playing = false;
@@ -64,13 +70,25 @@ export class Film {
     if (this.wanted === this.shown || this.video.readyState < 1) return;
     this.target = this.wanted;
     this.asked += 1;
-    this.video.currentTime = (this.target + 0.5) / this.rate;
+    this.video.currentTime = this.#middle(this.target);
+  }
+
+  /** The middle of a frame's time, in seconds of the film. */
+  #middle(frame) {
+    if (!this.times) return (frame + 0.5) / this.rate;
+    const begun = this.times[frame];
+    return (begun + (this.times[frame + 1] ?? begun + 1 / this.rate)) / 2;
+  }
+
+  /** The frame that begins at a time of the film. */
+  #frameAt(seconds) {
+    return this.times ? nearest(this.times, seconds) : Math.round(seconds * this.rate);
   }
 
   #listen() {
     if (!this.video.requestVideoFrameCallback) return;
     const told = (_now, about) => {
-      this.#presented(Math.round(about.mediaTime * this.rate));
+      this.#presented(this.#frameAt(about.mediaTime));
       this.video.requestVideoFrameCallback(told);
     };
     this.video.requestVideoFrameCallback(told);
@@ -88,7 +106,7 @@ export class Film {
   #presented(frame) {
     const { width, height } = this.picture;
     this.shown = Math.min(Math.max(frame, 0), this.frames - 1);
-    this.brush.drawImage(this.video, 0, 0, width, height, 0, 0, width, height);
+    this.brush.drawImage(this.video, 0, 0, ...this.size, 0, 0, width, height);
     if (this.shown === this.target) this.target = -1;
     this.onshown(this.shown);
     if (!this.playing && this.target < 0) this.#start();

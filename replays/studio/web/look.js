@@ -4,13 +4,15 @@
  * @typedef {{data: Float32Array|Float64Array|Uint32Array, shape: number[]}} Packed
  * @typedef {{name: string, label: string, line_s: Packed, line_m: Packed, at_frames: Packed}} Path
  * @typedef {{from_s: number, to_s: number, state: string, why: string}} State
+ * @typedef {{depth: {deflated: string, shape: number[], near_m: number, far_m: number}|null,
+ *   prints: Packed, ground: Packed|null}} Hiding what hides characters
  * @typedef {object} Look
  * @property {string} name
  * @property {string} headline
  * @property {string} unit of lengths: "m", or "units" where the scale is free
  * @property {number[]} up
  * @property {{width: number, height: number, rate_hz: number, time_s: Packed,
- *   clips: {name: string, src: string}[]}} film
+ *   clips: {name: string, src: string, size?: number[], time_s?: Packed}[]}} film
  * @property {import("./camera.js").Camera} camera
  * @property {string} drawn name of the path that the film is drawn along
  * @property {Path[]} paths
@@ -19,6 +21,7 @@
  * @property {object[]} planes
  * @property {Packed} points_m
  * @property {object[]} characters
+ * @property {Hiding} hiding
  * @property {object[]} plots
  * @property {State[]} states
  */
@@ -35,8 +38,26 @@ export function bytesOf(text) {
   return bytes;
 }
 
+/** Columns in 16 bits, told as second differences: see `packed_smooth`. */
+function summed({ i16, step, shape }) {
+  const told = new Int16Array(bytesOf(i16).buffer);
+  const [rows, columns] = [shape[0], step.data.length];
+  const data = new Float32Array(told.length);
+  const wrap = (number) => (number << 16) >> 16;
+  for (let column = 0; column < columns; column++) {
+    let [value, rise] = [0, 0];
+    for (let k = 0; k < rows; k++) {
+      rise = wrap(rise + told[column * rows + k]);
+      value = wrap(value + rise);
+      data[k * columns + column] = value * step.data[column];
+    }
+  }
+  return { data, shape };
+}
+
 function unpacked(key, value) {
   if (value === null || typeof value !== "object" || !("shape" in value)) return value;
+  if ("i16" in value) return summed(value);
   for (const [kind, Kind] of Object.entries(KINDS)) {
     if (kind in value) return { data: new Kind(bytesOf(value[kind]).buffer), shape: value.shape };
   }

@@ -162,6 +162,7 @@ export class Pane {
       part.visible = drawn && !hidden.has(name);
     }
     lookThrough(outside ? null : this.world.look.camera);
+    this.world.hiding.prepare(this.frame, outside ? null : this.camera);
   }
 
   /** Stand where the path has the camera at a frame. @returns {boolean} whether it has a pose */

@@ -1,10 +1,11 @@
-// Plots over time with one cursor: a click or a drag goes there.
+// Plots over time with one cursor: a click or a drag goes there. Of two runs, the second is dashed.
 
 import { uPlot } from "studio/vendor.js";
 import { css, variableOf } from "studio/scheme.js";
 
 const HEIGHT = 150;
-const DASH = { truth: [4, 3] };
+const DASH = [undefined, [5, 4]];
+const [WIDE, USUAL, THIN] = [2.4, 1.6, 1];
 
 /** Values of several lines over one rising axis; undefined where a line has none. */
 export function joined(series) {
@@ -22,6 +23,15 @@ export function plainly(value) {
   if (value === null || value === undefined) return "";
   if (value >= 1e5 || value < 1e-4) return value.toExponential(0).replace("e+", "e");
   return String(Number(value.toPrecision(3)));
+}
+
+/** A value at an index or, where a line has none there, the nearest to it. */
+export function nearestKnown(values, index) {
+  for (let away = 0; away < values.length; away++) {
+    const found = values[index - away] ?? values[index + away];
+    if (found !== null && found !== undefined) return found;
+  }
+  return null;
 }
 
 function isDecade(value) {
@@ -51,15 +61,32 @@ function inOrder(series, drawn) {
   return [...series].sort((a, b) => place(a) - place(b));
 }
 
+/**
+ * The plots of all runs: those of one name are one, and each line knows its run.
+ *
+ * @param {import("./look.js").Look[]} looks
+ */
+export function together(looks) {
+  const plots = new Map();
+  looks.forEach((look, run) => {
+    for (const plot of look.plots) {
+      const known = plots.get(plot.name) ?? { ...plot, series: [] };
+      known.series.push(...inOrder(plot.series, look.drawn).map((one) => ({ ...one, run })));
+      plots.set(plot.name, known);
+    }
+  });
+  return [...plots.values()];
+}
+
 function lineOf(one, plot) {
   const colour = () => css(variableOf(one.name));
   return {
     label: one.label,
     stroke: colour,
-    width: one.name === "measured" ? 1 : 1.6,
-    dash: DASH[one.name],
+    width: one.name === "measured" ? THIN : USUAL,
+    dash: DASH[one.run],
     spanGaps: true,
-    points: { show: Boolean(plot.dots), size: 3, fill: colour, stroke: colour },
+    points: { show: Boolean(plot.dots), size: 3, fill: one.run ? "transparent" : colour, stroke: colour },
     ...(plot.dots ? { paths: () => null } : {}),
   };
 }
@@ -85,14 +112,16 @@ function bandHook(plot) {
 export class Plots {
   /**
    * @param {HTMLElement} holder
-   * @param {import("./look.js").Look} look
+   * @param {import("./look.js").Look[]} looks one or two runs
    * @param {import("./timeline.js").Timeline} timeline
    */
-  constructor(holder, look, timeline) {
+  constructor(holder, looks, timeline) {
     this.timeline = timeline;
-    this.charts = look.plots.map((plot) => {
-      return this.#made(holder, { ...plot, series: inOrder(plot.series, look.drawn) });
-    });
+    /** @type {Set<string>} paths whose lines nobody wants to see */
+    this.hidden = new Set();
+    /** @type {{run: number, path: string}[]} what the panes show */
+    this.sides = [{ run: 0, path: looks[0].drawn }];
+    this.charts = together(looks).map((plot) => this.#made(holder, plot));
     timeline.listen(() => this.#point());
     new ResizeObserver(() => this.#fit()).observe(holder);
     this.#fit();
@@ -152,10 +181,32 @@ export class Plots {
 
   /** Show or hide a path's lines. */
   show(name, visible) {
+    this.hidden[visible ? "delete" : "add"](name);
+    this.#choose();
+  }
+
+  /**
+   * Set off the lines of what the panes show, and tell their values; runs on no side are left out.
+   *
+   * @param {{run: number, path: string}[]} sides one or two
+   */
+  compare(sides) {
+    this.sides = sides;
+    this.#choose();
+  }
+
+  #choose() {
+    const runs = new Set(this.sides.map((side) => side.run));
+    const several = this.sides.length > 1;
     for (const { chart, plot } of this.charts) {
       plot.series.forEach((one, number) => {
-        if (one.name === name) chart.setSeries(number + 1, { show: visible });
+        const compared = this.sides.some(({ run, path }) => run === one.run && path === one.name);
+        const line = chart.series[number + 1];
+        line.width = several ? (compared ? WIDE : THIN) : one.name === "measured" ? THIN : USUAL;
+        const show = runs.has(one.run) && !this.hidden.has(one.name);
+        if (line.show !== show) chart.setSeries(number + 1, { show });
       });
+      chart.redraw(false);
     }
     this.#point();
   }
@@ -178,10 +229,25 @@ export class Plots {
     for (const { chart, cursor, value, plot } of this.charts) {
       cursor.style.transform = `translateX(${chart.valToPos(seconds, "x").toFixed(1)}px)`;
       const index = chart.valToIdx(seconds);
-      // Of what is on top: the drawn path, unless it is hidden.
-      const shown = plot.series.findLastIndex((_one, k) => chart.series[k + 1].show);
-      value.textContent = plainly(shown < 0 ? null : chart.data[shown + 1][index]);
-      value.title = shown < 0 ? "" : plot.series[shown].label;
+      const numbers = this.sides.map((side) => lineNumber(plot, chart, side));
+      const told = [...new Set(numbers)].filter((number) => number >= 0);
+      value.replaceChildren(...told.map((number) => {
+        const mark = document.createElement("span");
+        mark.title = plot.series[number].label;
+        mark.textContent = plainly(nearestKnown(chart.data[number + 1], index));
+        if (told.length > 1) {
+          mark.style.setProperty("--line", `var(${variableOf(plot.series[number].name)})`);
+          mark.className = plot.series[number].run ? "second" : "first";
+        }
+        return mark;
+      }));
     }
   }
+}
+
+/** The line of a side; where its path has none, what is on top of its run's. -1 where none shows. */
+function lineNumber(plot, chart, { run, path }) {
+  const shown = (k) => plot.series[k].run === run && chart.series[k + 1].show;
+  const own = plot.series.findIndex((one, k) => one.name === path && shown(k));
+  return own >= 0 ? own : plot.series.findLastIndex((_one, k) => shown(k));
 }

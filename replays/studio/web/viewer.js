@@ -35,9 +35,14 @@ class Shown {
     const about = { width, height, rate_hz, frames: times.shape[0] };
     /** @type {Record<string, Film>} */
     this.films = {};
-    for (const { name, src } of clips) this.films[name] = new Film(addressOf(src), about);
-    const { footage, overlay } = this.films;
-    this.world = new World(look, (footage ?? overlay)?.picture ?? document.createElement("canvas"));
+    for (const clip of clips) {
+      const [wide, high] = clip.name === "small" ? clip.size : [width, height];
+      const own = { ...about, width: wide, height: high };
+      this.films[clip.name] = new Film(addressOf(clip.src), own, clip);
+    }
+    const { footage, overlay, small } = this.films;
+    const film = small ?? footage ?? overlay;
+    this.world = new World(look, film?.picture ?? document.createElement("canvas"));
   }
 
   /** What lies under a kind of view. */
@@ -59,7 +64,7 @@ class Viewer {
     this.view = innerWidth < 720 ? 1 : 3;
     this.beside = looks.length > 1;
     this.pathOf = [first.look.drawn, this.#other()];
-    this.plots = new Plots(find("#plots"), first.look, this.timeline);
+    this.plots = new Plots(find("#plots"), looks, this.timeline);
     this.timeline.listen((frame, asked) => this.#follow(frame, asked));
     for (const run of this.runs) this.#wireFilms(run);
     wireScrubber(this.timeline, first.look, {
@@ -97,7 +102,10 @@ class Viewer {
 
   /** Films that a pane shows now; the first leads while it plays. */
   get films() {
-    return [...new Set(this.stage.panes.map((pane) => pane.film).filter(Boolean))];
+    const shown = this.stage.panes.map((pane) => pane.film);
+    const outside = this.stage.panes.filter((pane) => pane.kind === "world");
+    const small = this.runs.filter(({ world }) => outside.some((pane) => pane.world === world));
+    return [...new Set([...shown, ...small.map((run) => run.films.small)].filter(Boolean))];
   }
 
   #wireFilms(run) {
@@ -181,8 +189,16 @@ class Viewer {
       button.ariaPressed = String(k === this.view);
     }
     find("#beside").ariaPressed = String(this.beside);
+    find("#paths").classList.toggle("two", this.beside && this.runs.length > 1);
+    this.#compare();
     this.stage.fit();
     this.#follow(this.timeline.frame, true);
+  }
+
+  /** Let the plots set off what is shown here. */
+  #compare() {
+    const sides = this.pathOf.map((path, side) => ({ run: this.runs[side] ? side : 0, path }));
+    this.plots.compare(this.beside ? sides : sides.slice(0, 1));
   }
 
   #pane(holder, kind, side) {
@@ -194,6 +210,7 @@ class Viewer {
     element.append(this.#title(pane, run, side));
     pane.path = this.pathOf[side];
     this.stage.panes.push(pane);
+    if (kind === "camera") element.append(made("small", {}, run.world.hiding.words));
     if (kind !== "world") return;
     pane.orbit(() => this.stage.draw());
     const home = made("button", { className: "quiet home", title: "Back to the first view" }, "Reset");
@@ -215,6 +232,7 @@ class Viewer {
         const select = one.element.querySelector("select");
         if (select?.dataset.side === String(side)) select.value = one.path = choice.value;
       }
+      this.#compare();
       this.stage.draw();
     });
     choice.dataset.side = String(side);
@@ -265,6 +283,12 @@ class Viewer {
       button.addEventListener("click", () => this.#toggle(button, name));
       return button;
     };
+    if (this.runs.length > 1) {
+      for (const [k, { look }] of this.runs.entries()) {
+        const dash = made("i", { className: k ? "second" : "first" });
+        find("#paths").append(made("span", { className: "run" }, dash, look.name));
+      }
+    }
     const paths = new Map(this.runs.flatMap((run) => run.look.paths).map((one) => [one.name, one]));
     for (const { name, label } of paths.values()) {
       const short = label.replace(/^Smoothed, (.)/, (_all, letter) => letter.toUpperCase());

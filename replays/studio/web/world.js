@@ -25,6 +25,7 @@ import {
   Scene,
   Vector3,
 } from "studio/vendor.js";
+import { Hiding, behindThings } from "studio/hiding.js";
 import { behindLens } from "studio/lens.js";
 import { css, variableOf } from "studio/scheme.js";
 import { Figure, setPose } from "studio/figure.js";
@@ -44,6 +45,8 @@ export const PARTS = {
 const SHADOW = 0.34;
 // Width of the picture that hangs in the camera's sign, pixels.
 const SMALL = 256;
+// Milliseconds between two of them at least: a copy waits for all that is being drawn.
+const COPY_EVERY_MS = 120;
 
 export class World {
   /** @param {import("./look.js").Look} look @param {HTMLCanvasElement} picture of its film */
@@ -67,6 +70,8 @@ export class World {
     this.parts.camera.add(this.sign.object);
     this.#surround();
     this.#light();
+    this.hiding = new Hiding(look.hiding);
+    if (this.hiding.sheets) this.scene.add(this.hiding.sheets);
     this.figures = [];
     this.shadows = [];
     /** @type {Set<string>} paths and parts that nobody wants to see */
@@ -74,8 +79,9 @@ export class World {
     this.recolour();
   }
 
-  /** Characters come after the rest is on show. */
+  /** Characters, and what hides them, come after the rest is on show. */
   async loadFigures() {
+    await this.hiding.load();
     this.figures = await Promise.all(this.look.characters.map((one) => Figure.load(one)));
     for (const figure of this.figures) {
       const shadow = softDisc(figure.character.height_m);
@@ -152,6 +158,20 @@ export class World {
     return pose && setPose(into, pose);
   }
 
+  /** Whether the sign's picture is to be copied later, as frames go by too quickly. */
+  #waits() {
+    const wait = (this.copied ?? -Infinity) + COPY_EVERY_MS - performance.now();
+    if (wait <= 0) {
+      this.copied = performance.now();
+      return false;
+    }
+    this.later ??= setTimeout(() => {
+      this.later = null;
+      dispatchEvent(new Event("studio-changed"));
+    }, wait);
+    return true;
+  }
+
   /** A small copy for the camera's sign; browsers keep films beside a local page from WebGL. */
   #copyPicture() {
     const { width, height } = this.small;
@@ -182,7 +202,7 @@ export class World {
       this.shadows[k].quaternion.setFromUnitVectors(new Vector3(0, 0, 1), this.up);
     }
     this.sign.place(outside ? this.cameraAt(frame, pathName, new Matrix4()) : null);
-    if (!outside || this.held === frame) return;
+    if (!outside || this.held === frame || this.#waits()) return;
     this.held = frame;
     this.texture.needsUpdate = this.sign.picture.visible = this.#copyPicture();
   }
@@ -246,15 +266,9 @@ export function softDisc(height) {
   fade.addColorStop(1, "rgba(0,0,0,0)");
   brush.fillStyle = fade;
   brush.fillRect(0, 0, 64, 64);
-  const material = behindLens(
-    new MeshBasicMaterial({
-      map: new CanvasTexture(canvas),
-      transparent: true,
-      depthWrite: false,
-      polygonOffset: true,
-      polygonOffsetFactor: 1,
-    }),
-  );
+  const look = { transparent: true, depthWrite: false, polygonOffset: true, polygonOffsetFactor: 1 };
+  const painted = new MeshBasicMaterial({ map: new CanvasTexture(canvas), ...look });
+  const material = behindThings(behindLens(painted));
   return new Mesh(new PlaneGeometry(0.46 * height, 0.46 * height, 6, 6), material);
 }
 

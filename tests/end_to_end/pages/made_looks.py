@@ -57,6 +57,7 @@ class MadeLook:
     camera: Camera
     world_T_camera: Motor
     figure: Performer
+    hiding: dict[str, Any] | None = None
 
     @property
     def time_ns(self) -> np.ndarray:
@@ -101,6 +102,8 @@ class MadeLook:
             ],
             "points_m": packed(np.zeros((0, 3))),
             "characters": [shown_character("figure", self.figure, time_ns)],
+            "hiding": self.hiding
+            or {"depth": None, "prints": packed(np.zeros((0, 4, 3))), "ground": None},
             "plots": [],
             "states": [],
         }

@@ -1,6 +1,5 @@
 """The viewer in a real browser: every frame the right one, and everything where Python has it."""
 
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -8,14 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.animation import Character, Placement, mannequin, read_character, skin
+from motorcade.animation import Placement, mannequin
 from motorcade.ga import Motor
 from motorcade.render import Performer
 from motorcade.replays.cli.main import main
-from motorcade.replays.studio.look.figures import gltf_bytes
 from motorcade.replays.studio.page import view_page
 from motorcade.replays.studio.view import write_view
 from motorcade.tracking import Camera
+from tests.end_to_end.pages.drawn_where import Standing, apart
 from tests.end_to_end.pages.made_looks import BITS, SIDE_PX, MadeLook, looking_at
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("pages")]
@@ -46,56 +45,15 @@ SEEKS = f"""(async () => {{
   return wrong;
 }})()"""
 
-# One triangle alone, white, so near that it fills the view: where its middle is, in pixels.
-MIDDLES = """(async () => {
-  const pane = viewer.stage.panes[0];
-  const { renderer, element } = viewer.stage;
-  const { scene, figures, shadows, look } = pane.world;
-  const { width, height } = look.camera;
-  const gl = renderer.getContext();
-  for (const shadow of shadows) shadow.material.opacity = 0;
-  const [mesh] = figures[0].meshes;
-  for (const one of figures[0].meshes) {
-    one.material.emissive.setScalar(1);
-    one.material.side = 2;
-    one.visible = one === mesh;
-  }
-  const middles = [];
-  for (const { frame, triangle, at, zoom } of ASKED) {
-    viewer.timeline.go(frame);
-    mesh.geometry.setDrawRange(3 * triangle, 3);
-    pane.draw(renderer, element);
-    const x = (2 * (at[0] + 0.5)) / width - 1, y = 1 - (2 * (at[1] + 0.5)) / height;
-    const nearer = pane.camera.projectionMatrix.clone().set(
-      zoom, 0, 0, -zoom * x, 0, zoom, 0, -zoom * y, 0, 0, 1, 0, 0, 0, 0, 1);
-    pane.camera.projectionMatrix.premultiply(nearer);
-    renderer.clear();
-    renderer.render(scene, pane.camera);
-    const [wide, high] = [pane.box.width, pane.box.height];
-    const pixels = new Uint8Array(4 * wide * high);
-    const corner = pane.element.getBoundingClientRect(), whole = element.getBoundingClientRect();
-    const left = corner.left - whole.left + pane.box.x;
-    const below = whole.height - (corner.top - whole.top + pane.box.y) - high;
-    gl.readPixels(left, below, wide, high, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
-    let [sum, u, v] = [0, 0, 0];
-    for (let k = 0; k < wide * high; k++) {
-      const cover = pixels[4 * k + 3];
-      sum += cover;
-      u += cover * ((k % wide) + 0.5);
-      v += cover * (Math.floor(k / wide) + 0.5);
-    }
-    const ndc = [(2 * u) / sum / wide - 1, (2 * v) / sum / high - 1];
-    middles.push([
-      ((ndc[0] / zoom + x + 1) * width) / 2 - 0.5,
-      ((1 - (ndc[1] / zoom + y)) * height) / 2 - 0.5,
-      sum,
-    ]);
-  }
-  return middles;
-})()"""
-
 SHOWN = """new Promise((done) => {
   const look = () => (viewer.films.every((film) => film.shown === FRAME) ? done(true)
+    : setTimeout(look, 20));
+  look();
+})"""
+
+# The camera's sign has its picture in the world, also of a film that lies beside the page.
+PICTURED = """new Promise((done) => {
+  const look = () => (viewer.runs.every(({ world }) => world.sign.picture.visible) ? done(true)
     : setTimeout(look, 20));
   look();
 })"""
@@ -122,21 +80,6 @@ def made(camera: Camera, frames: int, away_m: float = 0.0) -> MadeLook:
     middle = stand.apply([0.0, 0.0, 0.25 * who.height_m])
     poses = looking_at(middle + 0.05 * around, middle + 1.1 * around, 0.4 * np.sin(2 * phase))
     return MadeLook(camera, poses, figure)
-
-
-def as_written(figure: Performer) -> Character:
-    """The character with its vertices in the order of the page's file."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "figure.glb")
-        path.write_bytes(gltf_bytes(figure.character))
-        return read_character(path)
-
-
-def expected_m(look: MadeLook, who: Character, frame: int) -> np.ndarray:
-    """Vertices in the world, by Python."""
-    since_s = 1e-9 * float(look.time_ns[frame])
-    vertices, _ = skin(who, look.figure.clip.at(since_s))
-    return look.figure.placement.apply(vertices)
 
 
 @pytest.fixture(scope="module")
@@ -197,7 +140,7 @@ def test_keys_and_clicks_go_where_they_say(view: Path, opened: Callable[..., Any
 def test_two_runs_stand_side_by_side_with_films_beside_the_page(
     run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, opened: Callable[..., Any]
 ) -> None:
-    monkeypatch.setattr("motorcade.replays.studio.view.INSIDE_BYTES", 0)
+    monkeypatch.setattr("motorcade.replays.studio.view.INSIDE_BYTES", 50_000)
     written = write_view([run, run], tmp_path / "both.html")
     films = tuple(path.name for path in written[1:])
     assert len(films) == 2 * (1 + (run / "overlay.mp4").exists())
@@ -207,6 +150,22 @@ def test_two_runs_stand_side_by_side_with_films_beside_the_page(
     assert page.evaluate(SHOWN.replace("FRAME", "5"))
     assert page.evaluate("viewer.stage.panes.length") == 4
     assert page.evaluate("new Set(viewer.stage.panes.map((one) => one.world)).size") == 2
+    assert page.evaluate(PICTURED)
+    assert page.evaluate(
+        "viewer.plots.charts.map(({ plot }) => plot.series.map((s) => s.run))"
+    ) == [
+        *(
+            page.evaluate(
+                "viewer.plots.charts.map(({ plot }) => plot.series.map((_, k) => "
+                "Number(k >= plot.series.length / 2)))"
+            )
+        )
+    ]
+    shown = "viewer.plots.charts[0].chart.series.slice(1).filter((one) => one.show).length"
+    both = page.evaluate(shown)
+    page.evaluate("viewer.beside = false, viewer.arrange()")
+    assert page.evaluate(shown) == both / 2
+    page.evaluate("viewer.beside = true, viewer.arrange()")
     assert page.complaints(films) == []
 
 
@@ -238,30 +197,10 @@ def test_characters_stand_where_python_has_them(
     page = opened(look.write(tmp_path / "figure.html", film=False))
     assert page.evaluate(READY)
     page.evaluate("viewer.view = 1, viewer.arrange()")
-    who = as_written(look.figure)
-    rng = np.random.default_rng(5)
-    asked, wanted = [], []
-    for frame in (0, 5, 11):
-        world_m = expected_m(look, who, frame)
-        page.evaluate(f"viewer.timeline.go({frame})")
-        told = "viewer.runs[0].world.figures[0].vertices().map((one) => one.toArray())"
-        in_page = np.array(page.evaluate(told))
-        camera_T_world = look.world_T_camera[frame].inverse()
-        pixels = look.camera.project(camera_T_world.apply(world_m))
-        others = look.camera.project(camera_T_world.apply(in_page))
-        assert np.abs(pixels - others).max() < 0.1
-        corners = pixels[who.triangles]
-        edges = corners[:, 1:] - corners[:, :1]
-        area = 0.5 * np.abs(edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0])
-        size = np.array([look.camera.width, look.camera.height])
-        seen = np.all((corners > 0) & (corners < size), axis=(1, 2)) & (area > 2.0)
-        for triangle in rng.choice(np.flatnonzero(seen), 6, replace=False).tolist():
-            low, high = corners[triangle].min(axis=0), corners[triangle].max(axis=0)
-            at = 0.5 * (low + high)
-            zoom = float(0.7 * np.min(size / (high - low)))
-            asked.append({"frame": frame, "triangle": triangle, "at": at.tolist(), "zoom": zoom})
-            wanted.append(corners[triangle].mean(axis=0))
-    found = np.array(page.evaluate(MIDDLES.replace("ASKED", str(asked))))
-    assert np.all(found[:, 2] > 0.0)
-    assert np.abs(found[:, :2] - np.array(wanted)).max() < 0.1
+    at = Standing(look.camera, look.world_T_camera, look.time_ns, [look.figure])
+    found = apart(page, at, (0, 5, 11), np.random.default_rng(5))
+    assert found.vertices > 1000
+    assert found.vertices_px < 0.1
+    assert found.triangles == 18
+    assert found.triangles_px < 0.1
     assert page.complaints() == []

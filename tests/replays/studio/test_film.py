@@ -6,7 +6,7 @@ import av
 import numpy as np
 import pytest
 
-from motorcade.replays.studio.film import KEYFRAME_FRAMES, film_rate_hz, write_film
+from motorcade.replays.studio.film import KEYFRAME_FRAMES, film_rate_hz, film_size, write_film
 
 
 def pictures(count: int, shape: tuple[int, ...] = (48, 64, 3)) -> list[np.ndarray]:
@@ -43,6 +43,21 @@ def test_grey_pictures_of_odd_size_are_padded(tmp_path: Path) -> None:
     write_film(path, pictures(3, (47, 63)), stamps(3, 30.0))
     with av.open(str(path)) as file:
         assert (file.streams.video[0].width, file.streams.video[0].height) == (64, 48)
+
+
+def test_pictures_are_made_smaller_whole(tmp_path: Path) -> None:
+    size = film_size(192, 108, 96)
+    assert size == (96, 54)
+    assert film_size(30, 20, 96) == (30, 20)
+    path = tmp_path / "small.mp4"
+    halves = np.zeros((108, 192, 3), np.uint8)
+    halves[:, 96:] = 200
+    write_film(path, [halves, halves], stamps(2, 30.0), size)
+    with av.open(str(path)) as file:
+        frame = next(file.decode(video=0)).to_ndarray(format="rgb24")
+    assert frame.shape[:2] == (54, 96)
+    assert frame[:, :46].max() < 12
+    assert abs(int(frame[:, 50:].min()) - 200) < 12
 
 
 def test_another_number_of_pictures_leaves_no_file(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from motorcade.fusion.metrics.poses.alignment import Alignment
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.render import Performer
 from motorcade.replays.studio.look.figures import shown_character
-from motorcade.replays.studio.look.packing import packed
+from motorcade.replays.studio.look.packing import packed, packed_smooth
 from motorcade.replays.studio.look.paths import back_home, rows_at
 from motorcade.replays.studio.view import write_view
 
@@ -22,6 +22,32 @@ def test_arrays_are_packed_little_endian_with_their_shape(kind: str, written: st
     told = packed(values, kind)
     again = np.frombuffer(base64.b64decode(told[kind]), written).reshape(told["shape"])
     np.testing.assert_array_equal(again, values)
+
+
+@pytest.mark.parametrize("count", [1, 2, 300])
+def test_smooth_rows_come_back_to_half_a_step(count: int) -> None:
+    """Added up twice, modulo 2^16, as a page does: leaps from end to end of the range too."""
+    rng = np.random.default_rng(3)
+    rows = np.cumsum(rng.normal(scale=0.05, size=(count, 4, 8)), axis=0)
+    rows[..., 7] = 1.0
+    rows[..., 6] = 0.0
+    rows[..., 5] = rng.choice([-3.0, 3.0], rows.shape[:-1])
+    told = packed_smooth(rows, 1e-3)
+    twice = np.frombuffer(base64.b64decode(told["i16"]), "<i2").reshape(-1, count).astype(np.int16)
+    summed = np.cumsum(np.cumsum(twice, axis=1, dtype=np.int16), axis=1, dtype=np.int16)
+    step = np.frombuffer(base64.b64decode(told["step"]["f64"]), "<f8")
+    again = (summed.T * step).reshape(told["shape"])
+    assert np.abs(again - rows).max() <= 0.5 * step.max() + 1e-12
+    assert step.max() <= 1e-3
+
+
+@pytest.mark.parametrize("odd", [np.nan, 10.0])
+def test_rows_too_large_for_16_bits_stay_as_they_are(odd: float) -> None:
+    rows = np.zeros((4, 3))
+    rows[2, 1] = odd
+    told = packed_smooth(rows, 2e-4)
+    again = np.frombuffer(base64.b64decode(told["f32"]), "<f4").reshape(told["shape"])
+    np.testing.assert_array_equal(again, rows)
 
 
 def test_poses_at_frames_are_the_paths_own_and_nothing_beyond_its_ends() -> None:
