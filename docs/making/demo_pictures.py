@@ -3,8 +3,8 @@
     make demo
     python docs/making/demo_pictures.py out/demo
 
-writes `docs/pictures/demo.jpg`, three frames of its video, and `docs/pictures/gimbal_lock.svg`,
-rotation errors over time; it prints what they show as figures.
+writes `docs/pictures/demo.webp`, which plays the footage beside its video, and
+`docs/pictures/gimbal_lock.svg`, rotation errors over time; it prints what they show as figures.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import re
 import sys
 from pathlib import Path
 
-import cv2
 import numpy as np
+from PIL import Image
 
 from motorcade.fusion.metrics import associate, evaluate, rotation_rad
 from motorcade.ga.versors.euler_angles import euler_from_matrix
@@ -22,19 +22,19 @@ from motorcade.render import read_frames
 from motorcade.render.plots import plot_series, standing_alone
 from motorcade.render.plots.style import ON_PAGES
 from motorcade.render.video import contact_sheet
+from motorcade.replays import open_recording
 from motorcade.replays.files.trajectories import read_trajectory
 
 PICTURES = Path(__file__).resolve().parents[1] / "pictures"
 SHOWN = ("euler", "euler_unwrapped", "quaternion", "motor")
 LOCK_DEG = 89.0
 LEGEND_PX = 26
+WIDTH_PX, EVERY = 400, 3
 
 
 def draw(out: Path) -> None:
     """Write both pictures from what a run left in `out`."""
-    frames = [picture for _, picture in read_frames(out / "overlay.mp4", 30)]
-    sheet = contact_sheet([frames[k] for k in (0, len(frames) // 2, -1)], 3, 480)
-    cv2.imwrite(str(PICTURES / "demo.jpg"), sheet[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 88])
+    play(out)
     (truth,) = out.rglob("truth.tum")
     true = read_trajectory(truth)
     series = {}
@@ -54,6 +54,25 @@ def draw(out: Path) -> None:
     near = pitch > LOCK_DEG
     print(
         f"{np.count_nonzero(near[1:] & ~near[:-1])} times within {90 - LOCK_DEG:g} deg of the lock"
+    )
+
+
+def play(out: Path) -> None:
+    """Write the footage and the film beside each other, every third frame at its own pace."""
+    film = [picture for _, picture in read_frames(out / "overlay.mp4")]
+    footage = [frame.image() for frame in open_recording(out / "recording").frames]
+    sides = [
+        Image.fromarray(contact_sheet([before, after], 2, WIDTH_PX))
+        for before, after in list(zip(footage, film, strict=True))[::EVERY]
+    ]
+    sides[0].save(
+        PICTURES / "demo.webp",
+        save_all=True,
+        append_images=sides[1:],
+        duration=round(EVERY * 1000 / 30),
+        loop=0,
+        quality=55,
+        method=6,
     )
 
 

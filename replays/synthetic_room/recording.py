@@ -134,8 +134,17 @@ JPEG_QUALITY = 94
 Track = Callable[[Iterable[int], str, int], Iterable[int]]
 
 
+STANDING = "placed.position_m=0,0"
+"""A setting: the character stands in the middle of the table."""
+
+
 def write_recording(
-    folder: Path, *, frames: int = FRAMES, seed: int = 0, progress: Track | None = None
+    folder: Path,
+    *,
+    frames: int = FRAMES,
+    seed: int = 0,
+    placed: str = STANDING,
+    progress: Track | None = None,
 ) -> None:
     """Render the room along its path and write everything a reader needs into a folder.
 
@@ -143,6 +152,7 @@ def write_recording(
         folder: made where it is missing; it must be empty.
         frames: pictures to write, 2 or more.
         seed: of the hand's tremor, the sensor's noise and the IMU's.
+        placed: the setting that says where the character is.
         progress: wraps the loop over frames: (numbers, what is done, how many) -> numbers.
 
     Raises:
@@ -166,7 +176,7 @@ def write_recording(
         _write_pictures(folder / "images", renderer, path, numbers, sensor)
     write_trajectory(truth(path, frames), folder / "truth.tum")
     _write_inertial(folder, path, frames, inertial)
-    (folder / "motorcade.toml").write_text(manifest(), encoding="utf-8")
+    (folder / "motorcade.toml").write_text(manifest(placed), encoding="utf-8")
 
 
 def truth(path: HandheldPath, frames: int) -> Trajectory:
@@ -237,11 +247,11 @@ def _noise_yaml(noise: ImuNoise) -> str:
     )
 
 
-def manifest() -> str:
+def manifest(placed: str = STANDING) -> str:
     """The recording's manifest."""
     settings = [
         "placed.on=floor",
-        "placed.position_m=0,0",
+        placed,
         f"placed.height_m={CHARACTER_HEIGHT_M}",
         "errors.align=none",
         "fused.noise_factor=1",  # the sensor is exactly as its data sheet says
