@@ -18,9 +18,10 @@ LONG = {
     "compare_representations",
     "filters_in_c",
     "imu_and_camera",
+    "phone_video",
     "rendering",
 }
-DRAWS = {"ar_on_my_video", "rendering"}
+DRAWS = {"ar_on_my_video", "phone_video", "rendering"}
 COMPILES = {"generate_code"}
 
 if not DOCS.exists():

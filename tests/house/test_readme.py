@@ -9,7 +9,7 @@ import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.cli import main
-from motorcade.replays.cli.main import _parser
+from motorcade.replays.cli.main import command_parser
 from motorcade.replays.files.trajectories import write_trajectory
 from motorcade.replays.readers.opening import open_recording
 from tests.bench.tables import SUITES
@@ -94,7 +94,7 @@ def test_every_figure_stands_beside_the_command_that_makes_it() -> None:
             assert words[2].removeprefix("SUITE=") in SUITES
         else:
             assert words[0] == "motorcade"
-            _parser().parse_args([*words[1:]])
+            command_parser().parse_args([*words[1:]])
 
 
 def test_figures_of_frames_are_those_of_their_page() -> None:
