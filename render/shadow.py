@@ -13,10 +13,11 @@ The frame: ground is z = 0, z up, metres, the grid centred on the origin.
 import math
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import cv2
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from motorcade.animation.vectors import UP
 from motorcade.ga import Motor
@@ -350,7 +351,7 @@ def _dropped(
     return total.reshape(shape).astype(np.float32)
 
 
-def ground_depth(camera: Camera, camera_T_ground: Motor) -> FloatArray:
+def ground_depth(camera: Camera, camera_T_ground: Motor) -> NDArray[np.float32]:
     """Depth of the ground along the optical axis, for every pixel.
 
     Args:
@@ -358,17 +359,30 @@ def ground_depth(camera: Camera, camera_T_ground: Motor) -> FloatArray:
         camera_T_ground: pose of the ground in the camera.
 
     Returns:
-        (height, width) metres; infinite at and above the horizon.
+        (height, width) float32 metres; infinite at and above the horizon.
     """
     up = camera_T_ground.rotor.apply(UP)
     offset = float(np.dot(up, camera_T_ground.translation_m))
-    fall = _falls(camera, up, np.arange(camera.width), np.arange(camera.height))
-    meets = offset * fall > BARELY
-    return np.asarray(np.where(meets, offset / np.where(meets, fall, 1.0), np.inf))
+    across, down = _falls_along(
+        camera, up, np.arange(camera.width), np.arange(camera.height), np.float32
+    )
+    fall = across + down
+    with np.errstate(divide="ignore"):
+        depth_m = np.float32(offset) / fall
+    depth_m[np.float32(offset) * fall <= BARELY] = np.inf
+    return np.asarray(depth_m, dtype=np.float32)
 
 
 def _falls(camera: Camera, up: FloatArray, columns: ArrayLike, rows: ArrayLike) -> FloatArray:
     """How far the rays of pixels (rows, columns), one metre deep, go along the ground's normal."""
+    across, down = _falls_along(camera, up, columns, rows, np.float64)
+    return np.asarray(across + down)
+
+
+def _falls_along(
+    camera: Camera, up: FloatArray, columns: ArrayLike, rows: ArrayLike, kind: DTypeLike
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """What a pixel's column and its row add to that: (1, columns) and (rows, 1)."""
     x = (np.asarray(columns) - camera.cx) / camera.fx
     y = (np.asarray(rows) - camera.cy) / camera.fy
-    return np.asarray(up[0] * x[None, :] + up[1] * y[:, None] + up[2])
+    return (up[0] * x)[None, :].astype(kind), (up[1] * y + up[2])[:, None].astype(kind)

@@ -244,7 +244,7 @@ class FilmStage:
         known = None if measured else known_depth(pinhole, pose, hull_m, self._prints, stand)
         if known is None and not measured:
             return _Drawn(layer, shade, None, None)
-        ground_m = ground_depth(pinhole, camera_T_ground).astype(np.float32)
+        ground_m = ground_depth(pinhole, camera_T_ground)
         eye_m = float(camera_T_ground.inverse().translation_m[2])
         known_m = None if known is None else self.lens.depth(known, window)
         return _Drawn(layer, shade, self.lens.depth(ground_m, window), known_m, eye_m)
