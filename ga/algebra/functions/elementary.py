@@ -68,6 +68,13 @@ def sign(x: Any) -> Any:
     return where(x > 0, 1.0, where(x < 0, -1.0, 0.0))
 
 
+def signed(value: Any, like: Any, sign: int) -> Any:
+    """A number with the sign of another one, which is `sign` where that is not 0."""
+    if sign == 0:
+        return where(like < 0, -value, value)
+    return value if sign > 0 else -value
+
+
 def power_series(x: Any, coefficients: tuple[float, ...]) -> Any:
     """``c₀ + c₁ x + c₂ x² + …`` by Horner's rule."""
     total: Any = coefficients[-1]

@@ -27,7 +27,13 @@ from motorcade.ga.algebra.functions.commuting import (
     weights,
     without_scalar,
 )
-from motorcade.ga.algebra.functions.elementary import apply, larger, power_series, where
+from motorcade.ga.algebra.functions.elementary import (
+    apply,
+    larger,
+    power_series,
+    signed,
+    where,
+)
 from motorcade.ga.algebra.scalars import magnitude
 
 # Of a multivector without closed form, as the sum of its coefficients' sizes.
@@ -60,11 +66,11 @@ def exp(x: BladeSum) -> BladeSum:
 def _closed(y: BladeSum, square: Square) -> BladeSum:
     s, rest, f = square.scalar, square.rest, square.rest_squared
     if square.is_scalar:
-        cosine, sine = _circular(s, square.sign)
+        cosine, sine, _ = _circular(s, square.sign)
         return plus(cosine, y._scaled(sine))
     if f is None:
-        cosine, sine = _circular(s, square.sign)
-        parts = cosine, sine / 2, sine, _slope(s, cosine, sine)
+        cosine, sine, reciprocal = _circular(s, square.sign)
+        parts = cosine, sine / 2, sine, _slope(s, cosine, sine, reciprocal)
     else:
         parts = _of_parts(s, f, square.rest_sign)
         if square.rest_sign >= 0:
@@ -81,9 +87,10 @@ def _of_parts(s: Any, f: Any, sign: int) -> tuple[Any, Any, Any, Any]:
     """Coefficients of ``1, F, y, Fy`` from the squares P and Q of the commuting parts."""
     p, q = parts_of_sum(s, f, sign)
     opposite = sign < 0
-    cosine_p, sine_p = _circular(p, 1 if opposite else 0)
-    cosine_q, sine_q = _circular(q, -1 if opposite else 0)
-    slope_p, slope_q = _slope(p, cosine_p, sine_p), _slope(q, cosine_q, sine_q)
+    cosine_p, sine_p, reciprocal_p = _circular(p, 1 if opposite else 0)
+    cosine_q, sine_q, reciprocal_q = _circular(q, -1 if opposite else 0)
+    slope_p = _slope(p, cosine_p, sine_p, reciprocal_p)
+    slope_q = _slope(q, cosine_q, sine_q, reciprocal_q)
     one, other = weights(p, q)
     linear = one * sine_p * cosine_q + other * cosine_p * sine_q
     cubic = one * slope_p * sine_q + other * sine_p * slope_q
@@ -94,37 +101,43 @@ def _split(s: Any, f: Any) -> tuple[Any, Any, Any, Any]:
     """Coefficients of ``1, F, y, Fy`` from the values ``s ± √f`` of the square, for ``f > 0``."""
     root = apply("sqrt", larger(f, 0.0))
     divisor = 2 * nonzero(root)
-    more, less = _circular(s + root, 0), _circular(s - root, 0)
+    more, less = _circular(s + root, 0)[:2], _circular(s - root, 0)[:2]
     means = [(a + b) / 2 for a, b in zip(more, less, strict=True)]
     slopes = [(a - b) / divisor for a, b in zip(more, less, strict=True)]
     return means[0], slopes[0], means[1], slopes[1]
 
 
-def _circular(s: Any, sign: int) -> tuple[Any, Any]:
-    """``C(s)`` and ``S(s)``; `sign` is that of `s` where it is known."""
+def _circular(s: Any, sign: int) -> tuple[Any, Any, Any]:
+    """``C(s)``, ``S(s)``, and ``1 / s`` where that is not near zero.
+
+    `sign` is that of `s` where it is known.
+    """
     near = magnitude(s) < _NEAR_ZERO
     root = apply("sqrt", larger(magnitude(s), _NEAR_ZERO))
+    inverse = 1 / root
+    reciprocal = inverse * inverse
     cosine: Any = 0.0
     sine: Any = 0.0
     if sign <= 0:
-        cosine, sine = apply("cos", root), apply("sin", root) / root
+        cosine, sine = apply("cos", root), apply("sin", root) * inverse
     if sign >= 0:
         grown = apply("exp", root)
-        hyperbolic = (grown + 1 / grown) / 2, (grown - 1 / grown) / (2 * root)
+        hyperbolic = (grown + 1 / grown) / 2, (grown - 1 / grown) / 2 * inverse
         cosine = where(s < 0, cosine, hyperbolic[0]) if sign == 0 else hyperbolic[0]
         sine = where(s < 0, sine, hyperbolic[1]) if sign == 0 else hyperbolic[1]
     small = where(near, s, 0.0)
     return (
         where(near, power_series(small, _COSINE), cosine),
         where(near, power_series(small, _SINE), sine),
+        signed(reciprocal, s, sign),
     )
 
 
-def _slope(s: Any, cosine: Any, sine: Any) -> Any:
+def _slope(s: Any, cosine: Any, sine: Any, reciprocal: Any) -> Any:
     """``S′(s) = (C - S) / 2s``."""
     near = magnitude(s) < _NEAR
     small = where(near, s, 0.0)
-    return where(near, power_series(small, _SLOPE), (cosine - sine) / (2 * where(near, 1.0, s)))
+    return where(near, power_series(small, _SLOPE), (cosine - sine) / 2 * reciprocal)
 
 
 def _summed(y: BladeSum) -> BladeSum:

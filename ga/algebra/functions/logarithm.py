@@ -34,6 +34,7 @@ from motorcade.ga.algebra.functions.elementary import (
     arctangent,
     larger,
     power_series,
+    signed,
     where,
 )
 from motorcade.ga.algebra.scalars import magnitude
@@ -52,12 +53,14 @@ _LOST = 16.0
 class EvenParts(NamedTuple):
     """``x = scalar + plane + volume`` of grades 0, 2, 4; `norm_squared` is ``⟨x ~x⟩₀``.
 
-    `volume_squared` is None where it is zero by structure, `sign` its sign where known.
+    `volume_squared` is None where it is zero by structure, `sign` its sign where known, and
+    `plane_sign` that of `plane_squared`.
     """
 
     scalar: Any
     plane: BladeSum
     plane_squared: Any
+    plane_sign: int
     volume: BladeSum
     volume_squared: Any
     sign: int
@@ -130,7 +133,9 @@ def _even_parts(x: BladeSum) -> EvenParts | None:
     known = bool(volume.square().masks)
     h = square.scalar if known else None
     norm_squared = c * c - squared + (h if known else 0.0)
-    return EvenParts(c, plane, squared, volume, h, square.sign, norm_squared)
+    turning = square_of(plane)
+    plane_sign = 0 if turning is None else turning.sign
+    return EvenParts(c, plane, squared, plane_sign, volume, h, square.sign, norm_squared)
 
 
 def _log_of_norm(value: Any, sign: Any) -> Any:
@@ -173,7 +178,7 @@ def _log_of_versor(x: BladeSum, parts: EvenParts) -> BladeSum:
 def _angles(parts: EvenParts, n: Any, c: Any) -> _Angles:
     s = parts.plane_squared / n
     if parts.volume_squared is None:
-        ratio, bend = _ratios(s, c, 0)
+        ratio, bend = _ratios(s, c, parts.plane_sign)
         return _Angles(ratio, -bend, where(c < 0, s, -1.0))
     h = parts.volume_squared / n
     if parts.sign < 0:
@@ -231,14 +236,15 @@ def _ratios(squared: Any, cosine: Any, sign: int) -> tuple[Any, Any]:
     near = magnitude(squared) < where(cosine > 0, _NEAR, 0.0)
     small = where(near, squared, 0.0)
     root = apply("sqrt", nonzero(where(near, 1.0, magnitude(squared))))
+    inverse = 1 / root
     angle: Any = 0.0
     if sign <= 0:
         angle = arctangent(root, cosine)
     if sign >= 0:
         grown = apply("log", larger(root + cosine, 1.0))
         angle = where(squared < 0, angle, grown) if sign == 0 else grown
-    ratio = where(near, power_series(small, _RATIO), angle / root)
-    bend = (ratio * cosine - 1) / nonzero(where(near, 1.0, squared))
+    ratio = where(near, power_series(small, _RATIO), angle * inverse)
+    bend = (ratio * cosine - 1) * signed(inverse * inverse, squared, sign)
     return ratio, where(near, power_series(small, _BEND), bend)
 
 

@@ -1,7 +1,7 @@
 """The library's own kernels as files: one C and one Python file a group, and the table of all.
 
 What carries vertices is written in GLSL as well, for shaders; what other compiled code does to one
-versor at a time, as a C++ header.
+versor at a time, as a C++ header; elementary functions for loops that users generate, as a C one.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from pathlib import Path
 
 from motorcade.ga.codegen.library_kernels.kernel import NOTE, Kernel
 from motorcade.ga.codegen.targets import c_batch, glsl, numpy
+from motorcade.ga.codegen.targets.c_elementary import elementary_header
 from motorcade.ga.codegen.targets.cpp import cpp_header
 
 GENERATED = Path(__file__).resolve().parents[2] / "kernels" / "generated"
@@ -27,6 +28,7 @@ def library_files() -> dict[str, str]:
     Raises:
         ModuleNotFoundError: without CasADi or mpmath, which only this needs.
     """
+    from motorcade.ga.kernels.definitions import elementary
     from motorcade.ga.kernels.definitions.library import FUNCTIONS, KERNELS
 
     groups: dict[str, list[Kernel]] = {}
@@ -41,13 +43,14 @@ def library_files() -> dict[str, str]:
         files[f"python/{group}.py"] = numpy.library_source(group, kernels)
     for group in _IN_SHADERS:
         files[f"glsl/{group}.glsl"] = glsl.library_source(group, groups[group])
+    files["c/elementary.h"] = elementary_header(elementary.FUNCTIONS)
     files["cpp/versors.h"] = cpp_header("motorcade::versors", _VERSORS, FUNCTIONS)
     return files
 
 
 def written_files(folder: Path) -> list[Path]:
     """The generated files that lie in a folder."""
-    kinds = ("c/*.c", "cpp/*.h", "python/*.py", "glsl/*.glsl")
+    kinds = ("c/*.c", "c/*.h", "cpp/*.h", "python/*.py", "glsl/*.glsl")
     return [path for kind in kinds for path in folder.glob(kind)]
 
 

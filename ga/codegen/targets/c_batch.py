@@ -2,8 +2,10 @@
 
 ``void name(size_t rows, const double *in_x, …, double *out_A_e1_e2, …)`` takes one pointer to
 `rows` numbers for each variable and each component of each output. No output may overlap another
-array. The loop has no branch; where it calls no function of ``math.h`` but sqrt, floor, ceil or
-fabs, gcc -O3 -fno-math-errno -fno-trapping-math makes SIMD code of it.
+array. The loop has no branch and calls no function of ``math.h`` but sqrt, floor, ceil and fabs:
+sines, logarithms and the like stand above it as polynomials (`c_elementary`), so that gcc -O3
+-fno-math-errno -fno-trapping-math makes SIMD code of all of it. It runs over whole blocks of rows;
+the last rows are part of a block that begins earlier, or that is filled up where there are few.
 
 The library's own kernels are such loops too, one a precision, with the signature of ``support.h``:
 for every operand a pointer to its first component and the distance to the next one. They run over
@@ -16,12 +18,14 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
+from motorcade.ga.codegen.choices import without_repeated_choices
 from motorcade.ga.codegen.expressions import statements
 from motorcade.ga.codegen.library_kernels.kernel import NOTE, Kernel
 from motorcade.ga.codegen.precision import DOUBLE, PRECISIONS, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.targets.c import c_dialect, c_files
+from motorcade.ga.codegen.targets.c_elementary import functions_called, vector_dialect
 from motorcade.ga.codegen.targets.names import C_NAMES, check_names
 from motorcade.ga.codegen.targets.shared.c_family import (
     close_comment,
@@ -33,7 +37,8 @@ from motorcade.ga.codegen.targets.shared.c_family import (
 )
 from motorcade.ga.codegen.targets.shared.text import description, unread, variables
 
-_NAMES = replace(C_NAMES, words=C_NAMES.words | {"row", "rows"})
+BLOCK = 16
+_NAMES = replace(C_NAMES, words=C_NAMES.words | {"blocks", "last", "padded", "row", "rows"})
 _LIBRARY_FUNCTIONS = {
     "min": "smaller",
     "max": "larger",
@@ -45,7 +50,7 @@ _CALLING = (
     "",
     "Every pointer is to `rows` numbers: variable x is in_x, blade e1^e2 of output A is",
     "out_A_e1_e2. No output may overlap another array. gcc makes SIMD code of the loop with",
-    "-O3 -fno-math-errno -fno-trapping-math where it calls no sin, exp and the like.",
+    "-O3 -fno-math-errno -fno-trapping-math.",
 )
 
 
@@ -61,7 +66,8 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     slots = [*pointers.items(), *(slot for row in places for slot in row)]
     check_names(program, _NAMES, slots)
     reserved = _NAMES.words | {slot for _, slot in slots}
-    written = statements(program.tape, c_dialect(real), reserved)
+    tape = without_repeated_choices(program.tape)
+    written = statements(tape, vector_dialect(real), reserved)
     unused = unread(program)
     read = [name for name in pointers if name not in unused]
     loop = [
@@ -73,19 +79,59 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
             for (_, slot), value in zip(row, values, strict=True)
         ),
     ]
-    body = [
+    given, made = list(pointers.values()), [slot for row in places for _, slot in row]
+    blocks = f"{program.name}_blocks"
+    described = [*description(program, f"c-batch --precision {real.numpy}"), *_CALLING]
+    heads = [
+        function(name, [f"size_t {count}", *_parameters(real, restrict, given, made)], "void")
+        for name, count, restrict in (
+            (program.name, "rows", ""),
+            (program.name, "rows", "restrict "),
+            (blocks, "blocks", "restrict "),
+        )
+    ]
+    inner = [
+        f"static {heads[2]}",
+        "{",
         *(f"    (void){pointers[name]};" for name in unused),
-        "    for (size_t row = 0; row < rows; ++row) {",
+        f"    for (size_t row = 0; row < {BLOCK} * blocks; ++row) {{",
         *indented(loop, 2),
         "    }",
+        "}",
     ]
-    described = [*description(program, f"c-batch --precision {real.numpy}"), *_CALLING]
-    heads = []
-    for restrict in ("", "restrict "):
-        parameters = [f"const {real.c} *{restrict}{pointer}" for pointer in pointers.values()]
-        parameters += [f"{real.c} *{restrict}{slot}" for row in places for _, slot in row]
-        heads.append(function(program.name, ["size_t rows", *parameters], "void"))
-    return c_files(program.name, described, heads[0], heads[1], body)
+    defined = "\n\n".join([functions_called(loop), "\n".join(inner), heads[1]]).lstrip()
+    return c_files(program.name, described, heads[0], defined, _body(blocks, real, given, made))
+
+
+def _parameters(
+    precision: Precision, restrict: str, given: Sequence[str], made: Sequence[str]
+) -> list[str]:
+    return [
+        *(f"const {precision.c} *{restrict}{pointer}" for pointer in given),
+        *(f"{precision.c} *{restrict}{pointer}" for pointer in made),
+    ]
+
+
+def _body(
+    blocks: str, precision: Precision, given: Sequence[str], made: Sequence[str]
+) -> list[str]:
+    """Whole blocks, and the last rows in one that overlaps them, or in one that is padded."""
+    pointers = [*given, *made]
+    padded = [f"padded[{k}]" for k in range(len(pointers))]
+    loads = [f"padded[{k}][row] = {one}[row];" for k, one in enumerate(given)]
+    stores = [f"{one}[row] = padded[{k}][row];" for k, one in enumerate(made, len(given))]
+    lines = [f"if (rows < {BLOCK}) {{"]
+    lines.append(f"    {precision.c} padded[{len(pointers)}][{BLOCK}] = {{{{0}}}};")
+    if loads:
+        lines += ["    for (size_t row = 0; row < rows; ++row) {"]
+        lines += [*(f"        {line}" for line in loads), "    }"]
+    lines.append(f"    {blocks}(1, {', '.join(padded)});")
+    lines += ["    for (size_t row = 0; row < rows; ++row) {"]
+    lines += [*(f"        {line}" for line in stores), "    }", "    return;", "}"]
+    lines.append(f"{blocks}(rows / {BLOCK}, {', '.join(pointers)});")
+    lines += [f"if (rows % {BLOCK}) {{", f"    const size_t last = rows - {BLOCK};"]
+    lines.append(f"    {blocks}(1, {', '.join(f'&{pointer}[last]' for pointer in pointers)});")
+    return indented([*lines, "}"])
 
 
 def _places(operand: Operand) -> list[tuple[str, str]]:

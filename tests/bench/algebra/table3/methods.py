@@ -31,7 +31,10 @@ from tests.bench.algebra.glm import NotMeasured, Scalar
 __all__ = ["ARRAY_METHODS", "METHODS", "Blends", "Method", "compile_blends"]
 
 HERE = Path(__file__).parent
-FLAGS = ("-std=c11", "-D_POSIX_C_SOURCE=199309L", "-O3", "-march=native")
+FLAGS = (
+    *("-std=c11", "-D_POSIX_C_SOURCE=199309L", "-O3", "-march=native"),
+    *("-fno-math-errno", "-fno-trapping-math", "-ffp-contract=fast"),
+)
 PRECISIONS: dict[Scalar, Precision] = {"float32": SINGLE, "float64": DOUBLE}
 # Where a script's outputs go: columns of a 4x4 matrix by columns.
 _COLUMNS = {"x": 0, "y": 4, "z": 8, "t": 12}

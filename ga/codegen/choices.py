@@ -1,0 +1,100 @@
+"""Choices inside a choice by the same condition, which need not be made again.
+
+``c ? f(c ? x : y) : z`` is ``c ? f(x) : z``. Definitions write the inner choice to keep what is
+not chosen finite, which derivatives need; values do not. So code that is differentiated further
+keeps it, and code that only runs does without.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from motorcade.ga.codegen.tape import Tape, TapeBuilder
+
+
+def without_repeated_choices(tape: Tape) -> Tape:
+    """The tape with each choice made once on a side that it decides about.
+
+    Sides are written anew for that; where they share much with the rest, so that there would be
+    more operations than before, the tape stays as it is.
+    """
+    writer = _Writer(tape)
+    results = writer.results(tape.results)
+    made = writer.builder.finished(tape.inputs, tape.outputs, results)
+    return made if len(made.nodes) < len(tape.nodes) else tape
+
+
+# A node, and the conditions that are known to hold or not where it is needed.
+_Known = frozenset[tuple[int, bool]]
+_Place = tuple[int, _Known]
+
+
+class _Writer:
+    """Writes nodes as they are where some conditions are known to hold or not to hold."""
+
+    def __init__(self, tape: Tape) -> None:
+        self.builder = TapeBuilder()
+        self._nodes = tape.nodes
+        self._decided = _decided_below(tape)
+
+    def results(self, wanted: Sequence[Sequence[int]]) -> list[list[int]]:
+        """The results in the new tape, whose nodes keep their order."""
+        needed = self._needed([(index, frozenset()) for row in wanted for index in row])
+        written: dict[_Place, int] = {}
+        for place in sorted(needed, key=lambda place: (place[0], sorted(place[1]))):
+            written[place] = self._made(place, [written[k] for k in needed[place]])
+        return [[written[index, frozenset()] for index in row] for row in wanted]
+
+    def _needed(self, waiting: list[_Place]) -> dict[_Place, list[_Place]]:
+        """All nodes that these depend on, and what each of them needs."""
+        found: dict[_Place, list[_Place]] = {}
+        while waiting:
+            place = waiting.pop()
+            if place not in found:
+                found[place] = self._arguments(*place)
+                waiting += found[place]
+        return found
+
+    def _relevant(self, index: int, facts: Mapping[int, bool]) -> _Known:
+        """The facts that decide about choices which a node depends on."""
+        below = self._decided[index]
+        return frozenset((k, held) for k, held in facts.items() if k in below)
+
+    def _arguments(self, index: int, known: _Known) -> list[_Place]:
+        """The nodes that are needed for one, each with what is known there."""
+        node, facts = self._nodes[index], dict(known)
+        if node.op not in ("select", "keep"):
+            return [(k, self._relevant(k, facts)) for k in node.args]
+        condition = node.args[0]
+        if condition in facts:
+            if node.op == "keep" and not facts[condition]:
+                return []
+            chosen = node.args[1 if facts[condition] else 2]
+            return [(chosen, self._relevant(chosen, facts))]
+        sides = zip(node.args[1:], (True, False), strict=False)
+        return [
+            (condition, self._relevant(condition, facts)),
+            *((k, self._relevant(k, facts | {condition: held})) for k, held in sides),
+        ]
+
+    def _made(self, place: _Place, args: list[int]) -> int:
+        index, known = place
+        node = self._nodes[index]
+        if node.op == "const":
+            return self.builder.constant(node.value)
+        if node.op == "input":
+            return self.builder.input(*node.source)
+        if node.op in ("select", "keep") and node.args[0] in dict(known):
+            return args[0] if args else self.builder.constant(0.0)
+        return self.builder.operation(node.op, *args)
+
+
+def _decided_below(tape: Tape) -> list[frozenset[int]]:
+    """For each node the conditions of the choices that it depends on, or is."""
+    made: list[frozenset[int]] = []
+    for node in tape.nodes:
+        below = frozenset[int]().union(*(made[k] for k in node.args))
+        if node.op in ("select", "keep"):
+            below |= {node.args[0]}
+        made.append(below)
+    return made
