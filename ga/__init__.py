@@ -25,6 +25,7 @@ from __future__ import annotations
 
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra, Multivector
 from motorcade.ga.classical import DualQuaternion, EulerPose, QuaternionPose
+from motorcade.ga.compiling import compile
 from motorcade.ga.motion import ScrewPath, SplineSample, TwistSample
 from motorcade.ga.splines import CumulativeBSpline, SimilaritySpline
 from motorcade.ga.trajectory import Trajectory
@@ -54,5 +55,6 @@ __all__ = [
     "TwistSample",
     "Versor",
     "blend",
+    "compile",
     "mean",
 ]

@@ -24,6 +24,7 @@ import pytest
 REPOSITORY = Path(__file__).resolve().parents[1]
 BUILD = REPOSITORY / "build/sanitized"
 MODULES = {
+    "motorcade.ga.codegen.runtime._trampoline",
     "motorcade.ga.kernels._compiled",
     "motorcade.fusion.smoothing.native._columns",
     "motorcade.fusion.smoothing.native._inliers",
@@ -39,6 +40,7 @@ MODULES = {
     "motorcade.tracking.native._least_squares",
 }
 TESTS = (
+    "tests/ga/codegen/runtime/test_programs_that_run.py",
     "tests/ga/kernels/test_kernels.py",
     "tests/ga/kernels/test_odd_layouts.py",
     "tests/fusion/smoothing/test_native_verbs.py",

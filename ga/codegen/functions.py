@@ -3,27 +3,34 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
+from collections.abc import Callable, Mapping, Sequence
+from math import isfinite
+from typing import Any, overload
 
 from motorcade.ga.algebra import CGA3, Algebra, Multivector
+from motorcade.ga.codegen.derivatives import Jacobian
 from motorcade.ga.codegen.expressions import component_name
-from motorcade.ga.codegen.interpret import run_tape
 from motorcade.ga.codegen.programs import Program, checked_identifier, program_of
+from motorcade.ga.codegen.runtime.evaluator import Evaluator
 from motorcade.ga.codegen.tape import Operand
 
 _HINT = "both ways can be computed and one be chosen: motorcade.ga.algebra.functions.elementary"
 
 
-@dataclass(frozen=True)
 class CompiledFunction:
     """A function of multivectors and the program that was traced from it.
 
-    Calling it runs the program on numbers or batches, which broadcast.
+    Calling it runs the program on numbers or batches, which broadcast; `arrays` does so on arrays
+    of coefficients. It runs as NumPy source at once, and as compiled C where the machine has a C
+    compiler: `backend` says which, and `wait` has the C ready before a first call. Results differ
+    by rounding alone. Environment variables: MOTORCADE_PROGRAMS ("numpy": no C; "wait": the first
+    call waits for it), CC (the compiler), MOTORCADE_PROGRAM_CACHE (the folder of compiled code).
 
+    Attributes:
+        program: what was traced.
+        single: whether it has one result, without a name.
+
+    >>> import numpy as np
     >>> from motorcade.ga.algebra import CGA3
     >>> from motorcade.ga.codegen import compile_function
     >>> def square(a):
@@ -31,43 +38,112 @@ class CompiledFunction:
     >>> compiled = compile_function(square, a="e1 e2 e3")
     >>> compiled.program.tape.operations()
     {'add': 2, 'mul': 3}
-    >>> compiled(CGA3.multivector({"e1": 3.0, "e2": 4.0})).coefficient("1").item()
+    >>> compiled(CGA3.multivector({"e1": 3.0, "e2": 4.0})).coefficient("1")
     25.0
+    >>> compiled.arrays(np.array([[3.0, 4.0, 0.0], [1.0, 2.0, 2.0]]))
+    array([25.,  9.])
     """
 
-    program: Program
-    single: bool
+    def __init__(self, program: Program, single: bool) -> None:
+        tape, algebra = program.tape, program.algebra
+        self.program = program
+        self.single = single
+        self._reads = tuple(_Reader(operand, algebra) for operand in tape.inputs)
+        negative = [minus for read in self._reads for minus in read.negative]
+        self._runs = Evaluator(program.name, tape, single, negative)
+        self._masks = tuple(_masks_of(operand, algebra) for operand in tape.outputs)
+
+    def __repr__(self) -> str:
+        return f"<CompiledFunction {self.program.name}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return CompiledFunction, (self.program, self.single)
 
     def __call__(self, *args: Any, **named: Any) -> Multivector | dict[str, Multivector]:
         """The multivector that the function returns, or all of them by their names.
 
-        Parameters on blades take a multivector with no other blades, the rest real scalars.
+        Parameters on blades take a multivector with no other blades, the rest real scalars. The
+        coefficients of a result have the batch that all arguments broadcast to.
 
         Raises:
             ValueError: arguments that do not fit, or values that are not finite.
         """
-        tape, algebra = self.program.tape, self.program.algebra
-        given = _bound(self.program, args, named)
-        inputs = {
-            (operand.name, k): value
-            for operand in tape.inputs
-            for k, value in enumerate(_components(operand, given[operand.name], algebra))
+        if named or len(args) != len(self._reads):
+            args = _bound(self.program, args, named)
+        values: list[Any] = []
+        for read, given in zip(self._reads, args, strict=True):
+            values += read(given)
+        made = self._runs.components(*values)
+        algebra = self.program.algebra
+        if self.single:
+            return Multivector._trusted(algebra, self._masks[0], made)
+        left = iter(made)
+        return {
+            operand.name: Multivector._trusted(algebra, masks, [next(left) for _ in masks])
+            for operand, masks in zip(self.program.tape.outputs, self._masks, strict=True)
         }
-        made = {
-            operand.name: algebra.multivector(dict(zip(operand.components, row, strict=True)))
-            for operand, row in zip(tape.outputs, run_tape(tape, inputs), strict=True)
-        }
-        return next(iter(made.values())) if self.single else made
+
+    def arrays(self, *args: Any, **named: Any) -> Any:
+        """The same on arrays of coefficients, float32 or float64, whose batches broadcast.
+
+        Parameters on ``n`` blades take an array ``(*, n)`` in the order of their blades, scalars an
+        array ``(*)`` or a number. Results are arrays ``(*, n)`` in the order of the blades of
+        ``program.tape.outputs``, ``(*)`` where that is the scalar alone: one of them, or a dict
+        by names. Components lie one after the other where there are sixteen rows or more. Outside
+        a function's domain results are NaN or infinite.
+
+        Raises:
+            TypeError: what is no array of real numbers.
+            ValueError: arrays of another shape, batches that do not broadcast, another count.
+        """
+        if named or len(args) != len(self._reads):
+            args = _bound(self.program, args, named)
+        made = self._runs.arrays(*args)
+        if self.single:
+            return made
+        names = [operand.name for operand in self.program.tape.outputs]
+        return dict(zip(names, made, strict=True))
+
+    def jacobian(self, parameter: str) -> Jacobian:
+        """The derivatives of the results by the components of a parameter, a function of arrays.
+
+        It takes what `arrays` takes and gives arrays ``(*, n, m)``: of `n` components of a result
+        by `m` of the parameter. It is compiled as the function itself is. Derivatives are those of
+        the formulas: at a branch they are those of the side that is taken.
+
+        Raises:
+            ValueError: no parameter of that name.
+        """
+        return Jacobian(self.program, parameter, self.single)
+
+    def backend(self, precision: str = "float64") -> str:
+        """How calls in a precision run now: "c", or "numpy" and why, in one line."""
+        return self._runs.backend(precision)
+
+    def wait(self, precision: str = "float64") -> bool:
+        """Have the C of a precision compiled; False where there is none, `backend` says why."""
+        return self._runs.wait(precision)
 
 
+@overload
+def program(
+    function: Callable[..., Any], /, *, algebra: Algebra = CGA3, **blades: str
+) -> CompiledFunction: ...
+@overload
 def program(
     *, algebra: Algebra = CGA3, **blades: str
-) -> Callable[[Callable[..., Any]], CompiledFunction]:
+) -> Callable[[Callable[..., Any]], CompiledFunction]: ...
+def program(
+    function: Callable[..., Any] | None = None, /, *, algebra: Algebra = CGA3, **blades: str
+) -> CompiledFunction | Callable[[Callable[..., Any]], CompiledFunction]:
     """A decorator: `compile_function` with these arguments.
 
-    ``@program(algebra=CGA3, motor="1 e2^e3 e3^e1 e1^e2")`` above ``def turned(motor, angle):``
+    ``@program(algebra=CGA3, motor="1 e2^e3 e3^e1 e1^e2")`` above ``def turned(motor, angle):``, or
+    ``@program`` alone above a function of scalars.
     """
-    return lambda function: compile_function(function, algebra=algebra, **blades)
+    if function is not None:
+        return compile_function(function, algebra=algebra, **blades)
+    return lambda traced: compile_function(traced, algebra=algebra, **blades)
 
 
 def compile_function(
@@ -105,6 +181,49 @@ def compile_function(
     if not outputs:
         raise ValueError(f"{name}: expected a function with results, got an empty dict")
     return CompiledFunction(program_of(name, algebra, inputs, symbols, outputs), single)
+
+
+class _Reader:
+    """Takes the coefficients of an argument on the blades of its parameter, but for their signs.
+
+    Attributes:
+        negative: for each blade, whether it is the negative of the algebra's own.
+    """
+
+    def __init__(self, operand: Operand, algebra: Algebra) -> None:
+        self._operand = operand
+        self._algebra = algebra
+        self._scalar = operand.components == ("1",)
+        terms = [algebra.masks_of(blade)[0] for blade in operand.components]
+        known = algebra.multivector(dict.fromkeys(operand.components, 1.0))
+        self._masks, self._blades = known.masks, known.blades
+        self.negative = [sign < 0 for _, sign in terms]
+        self._places = [known.masks.index(mask) for mask, _ in terms]
+        self._in_order = self._places == list(range(len(terms)))
+
+    def __call__(self, given: Any) -> Sequence[Any]:
+        if type(given) is Multivector and given.masks == self._masks and self._in_order:
+            if given.algebra is self._algebra:
+                return given.values
+        elif self._scalar and type(given) is float and isfinite(given):
+            return (given,)
+        value = given if isinstance(given, Multivector) else self._algebra.scalar(given)
+        if value.algebra is not self._algebra and value.algebra != self._algebra:
+            raise ValueError(f"{self._operand.name}: expected a multivector of {self._algebra}")
+        if value.masks == self._masks:
+            return [value.values[k] for k in self._places]
+        extra = [blade for blade in value.blades if blade not in self._blades]
+        if extra:
+            raise ValueError(
+                f"{self._operand.name}: expected blades {' '.join(self._blades)}, "
+                f"got also {' '.join(extra)}"
+            )
+        own = dict(zip(value.masks, value.values, strict=True))
+        return [own.get(self._masks[k], 0.0) for k in self._places]
+
+
+def _masks_of(operand: Operand, algebra: Algebra) -> tuple[int, ...]:
+    return tuple(algebra.masks_of(blade)[0][0] for blade in operand.components)
 
 
 def _inputs(
@@ -153,7 +272,8 @@ def _multivector(name: str, value: Any, algebra: Algebra) -> Multivector:
     return value
 
 
-def _bound(traced: Program, args: tuple[Any, ...], named: Mapping[str, Any]) -> dict[str, Any]:
+def _bound(traced: Program, args: tuple[Any, ...], named: Mapping[str, Any]) -> tuple[Any, ...]:
+    """The arguments in the order of the parameters."""
     names = [operand.name for operand in traced.tape.inputs]
     given = dict(zip(names, args, strict=False)) | dict(named)
     if len(args) + len(named) != len(names) or set(given) != set(names):
@@ -161,18 +281,4 @@ def _bound(traced: Program, args: tuple[Any, ...], named: Mapping[str, Any]) -> 
         raise ValueError(
             f"{traced.name}: expected arguments {', '.join(names)}, got {', '.join(got) or 'none'}"
         )
-    return given
-
-
-def _components(operand: Operand, given: Any, algebra: Algebra) -> list[Any]:
-    """The coefficients of an argument on the blades of its parameter."""
-    value = given if isinstance(given, Multivector) else algebra.scalar(given)
-    if value.algebra != algebra:
-        raise ValueError(f"{operand.name}: expected a multivector of {algebra}")
-    known = algebra.multivector(dict.fromkeys(operand.components, 1.0)).blades
-    extra = [blade for blade in value.blades if blade not in known]
-    if extra:
-        raise ValueError(
-            f"{operand.name}: expected blades {' '.join(known)}, got also {' '.join(extra)}"
-        )
-    return [np.asarray(value.coefficient(blade)) for blade in operand.components]
+    return tuple(given[name] for name in names)

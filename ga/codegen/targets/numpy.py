@@ -94,6 +94,14 @@ _LIBRARY_TEMPLATES = (
 _LIBRARY_FUNCTIONS = _FUNCTIONS | {"min": "minimum", "max": "maximum"}
 
 
+def library_dialect(precision: Precision) -> ArrayTemplates:
+    """NumPy's operations on arrays of a precision."""
+    return ArrayTemplates(
+        _LIBRARY_TEMPLATES, _LIBRARY_FUNCTIONS, precision, prefix="np.",
+        number=f"np.{precision.numpy}", typed=("select",),
+    )  # fmt: skip
+
+
 def library_source(group: str, kernels: Sequence[Kernel]) -> str:
     """The Python module of a group of kernels, both precisions."""
     listed = ", ".join(kernel.name for kernel in kernels)
@@ -129,11 +137,7 @@ def _opening_of(summary: str) -> str:
 
 def _kernel(kernel: Kernel, precision: Precision) -> str:
     tape = kernel.tape(precision)
-    dialect = ArrayTemplates(
-        _LIBRARY_TEMPLATES, _LIBRARY_FUNCTIONS, precision, prefix="np.",
-        number=f"np.{precision.numpy}", typed=("select",),
-    )  # fmt: skip
-    written = statements(tape, dialect)
+    written = statements(tape, library_dialect(precision))
     results = [value for row in written.results for value in row]
     body = [
         f'"""{kernel.summary}"""',

@@ -1,0 +1,185 @@
+"""A program as a NumPy function: what runs until there is compiled C, and where there is none.
+
+Long batches are computed in tiles, whose intermediate values stay in the cache. Arguments are
+checked as the compiled way checks them, and results have the same shapes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from math import prod
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga.codegen.precision import Precision
+from motorcade.ga.codegen.runtime.sources import NumpyFunction, numpy_function
+from motorcade.ga.codegen.tape import Tape
+
+Array = NDArray[Any]
+# An operand's name and width, -1 for a scalar.
+Widths = Sequence[tuple[str, int]]
+
+_TILE = 8192
+# Rows from which on components of results lie one after the other.
+_BLOCK = 16
+_MOST_DIMENSIONS = 16
+# Operations that Python's own floats do as NumPy's do, whatever their values are.
+_PLAIN = frozenset({"input", "const", "add", "sub", "mul", "neg"})
+
+
+class NumpyProgram:
+    """A plain tape with the names and widths of its inputs and outputs, as NumPy functions."""
+
+    def __init__(
+        self, name: str, tape: Tape, inputs: Widths, outputs: Widths, negative: Sequence[bool]
+    ) -> None:
+        self._name = name
+        self._tape = tape
+        self._inputs = inputs
+        self._outputs = outputs
+        self._negative = negative
+        self._scalars = [(one, -1) for one, width in inputs for _ in range(abs(width))]
+        self._plain = all(node.op in _PLAIN for node in tape.nodes)
+        self._functions: dict[str, NumpyFunction] = {}
+
+    def arrays(self, precision: Precision, given: Sequence[Any]) -> tuple[Array, ...]:
+        """An array ``(*, n)`` an output, of one ``(*, n)`` an input."""
+        taken = self._taken(self._inputs, precision, given)
+        batches = [
+            one.shape if width < 0 else one.shape[:-1]
+            for one, (_, width) in zip(taken, self._inputs, strict=True)
+        ]
+        shape = self._broadcast(batches)
+        components = [
+            part
+            for one, (_, width) in zip(taken, self._inputs, strict=True)
+            for part in ([one] if width < 0 else [one[..., k] for k in range(width)])
+        ]
+        made = [_empty(shape, width, precision) for _, width in self._outputs]
+        places = [
+            part
+            for one, (_, width) in zip(made, self._outputs, strict=True)
+            for part in ([one] if width < 0 else [one[..., k] for k in range(width)])
+        ]
+        self._run(precision, components, shape, places)
+        return tuple(made)
+
+    def components(self, precision: Precision, given: Sequence[Any]) -> tuple[Any, ...]:
+        """One number or array a component, of one a component; they must be finite."""
+        given = [-x if minus else x for x, minus in zip(given, self._negative, strict=False)]
+        if all(type(one) is float for one in given) and len(given) == len(self._scalars):
+            return self._of_numbers(precision, given)
+        taken = self._taken(self._scalars, precision, given)
+        shape = self._broadcast([one.shape for one in taken])
+        count = sum(abs(width) for _, width in self._outputs)
+        made = [np.empty(shape, precision.numpy) for _ in range(count)]
+        self._run(precision, taken, shape, made)
+        self._check([bool(np.isfinite(one).all()) for one in made])
+        if shape == () and not any(isinstance(one, np.ndarray) for one in given):
+            return tuple(one.item() for one in made)
+        return tuple(one[()] for one in made)
+
+    def _of_numbers(self, precision: Precision, given: Sequence[float]) -> tuple[float, ...]:
+        function = self._function(precision)
+        if self._plain:
+            made = tuple(map(float, function(*given)))
+        else:
+            with np.errstate(all="ignore"):
+                made = tuple(map(float, function(*map(np.float64, given))))
+        self._check([math.isfinite(value) for value in made])
+        return made
+
+    def _check(self, finite: Sequence[bool]) -> None:
+        left = iter(finite)
+        for name, width in self._outputs:
+            own = [next(left) for _ in range(abs(width))]
+            if not all(own):
+                raise ValueError(
+                    f"{self._name}: expected finite numbers in {name}, got NaN or infinite ones"
+                )
+
+    def _taken(self, operands: Widths, precision: Precision, given: Sequence[Any]) -> list[Array]:
+        if len(given) != len(operands):
+            raise ValueError(f"{self._name}: expected {len(operands)} arguments, got {len(given)}")
+        return [
+            self._array(name, width, precision, one)
+            for (name, width), one in zip(operands, given, strict=True)
+        ]
+
+    def _array(self, name: str, width: int, precision: Precision, given: Any) -> Array:
+        number = width < 0 and type(given) in (int, float)
+        if not number and not isinstance(given, np.ndarray | np.generic):
+            wanted = "a number or an array" if width < 0 else "an array"
+            raise TypeError(
+                f"{self._name}: {name}: expected {wanted} of real numbers, "
+                f"got {type(given).__name__}"
+            )
+        array = np.asarray(given)
+        if array.dtype.kind not in "iuf":
+            raise TypeError(
+                f"{self._name}: {name}: expected real numbers, got the type {array.dtype}"
+            )
+        if width >= 0 and array.shape[-1:] != (width,):
+            raise ValueError(
+                f"{self._name}: {name}: expected an array (*, {width}), "
+                f"got one of shape {array.shape}"
+            )
+        return array.astype(precision.numpy, copy=False)
+
+    def _broadcast(self, batches: Sequence[tuple[int, ...]]) -> tuple[int, ...]:
+        try:
+            shape = np.broadcast_shapes(*batches)
+        except ValueError as refused:
+            raise ValueError(
+                f"{self._name}: expected batches that broadcast together, got "
+                f"{', '.join(map(str, dict.fromkeys(batches)))}"
+            ) from refused
+        if len(shape) > _MOST_DIMENSIONS:
+            raise ValueError(
+                f"{self._name}: expected at most {_MOST_DIMENSIONS} batch dimensions, "
+                f"got {len(shape)}"
+            )
+        return shape
+
+    def _run(
+        self,
+        precision: Precision,
+        components: Sequence[Array],
+        shape: tuple[int, ...],
+        places: Sequence[Array],
+    ) -> None:
+        function, count = self._function(precision), prod(shape)
+        with np.errstate(all="ignore"):
+            if count <= _TILE:
+                for place, value in zip(places, function(*components), strict=True):
+                    place[...] = value
+                return
+            whole = [one if one.ndim == 0 else np.broadcast_to(one, shape) for one in components]
+            rows = [one if one.ndim < 2 else one.reshape(count) for one in whole]
+            for start in range(0, count, _TILE):
+                part = slice(start, start + _TILE)
+                made = function(*[one if one.ndim == 0 else one[part] for one in rows])
+                for place, value in zip(places, made, strict=True):
+                    _rows(place, count)[part] = value
+
+    def _function(self, precision: Precision) -> NumpyFunction:
+        if precision.numpy not in self._functions:
+            self._functions[precision.numpy] = numpy_function(self._tape, precision)
+        return self._functions[precision.numpy]
+
+
+def _empty(shape: tuple[int, ...], width: int, precision: Precision) -> Array:
+    """An array ``(*shape, width)``; components lie one after the other where there are many."""
+    if width < 0:
+        return np.empty(shape, precision.numpy)
+    if prod(shape) < _BLOCK:
+        return np.empty((*shape, width), precision.numpy)
+    return np.moveaxis(np.empty((width, *shape), precision.numpy), 0, -1)
+
+
+def _rows(place: Array, count: int) -> Array:
+    """A component of a long result, which lies in one piece, as rows."""
+    return place.reshape(count)
