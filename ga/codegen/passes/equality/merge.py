@@ -89,7 +89,8 @@ class _Merger:
                 return None, constant
         known = self._classes.setdefault(key, [])
         for other in known:
-            quotient = field.divide(value[0], self._prints.values[other][0])
+            pivot = _pivot(value)
+            quotient = field.divide(value[pivot], self._prints.values[other][pivot])
             factor = field.rational(quotient, _LARGEST_FACTOR)
             if factor is None or factor.denominator & (factor.denominator - 1):
                 continue
@@ -176,9 +177,18 @@ class _Merger:
         return builder.finished(tape.inputs, tape.outputs, results)
 
 
+def _pivot(value: Fingerprint) -> int:
+    """The first point at which the value is not zero, the first of all where there is none.
+
+    A guessed sign makes ``sqrt(x²) - x`` zero at every other point.
+    """
+    return next((k for k, part in enumerate(value) if part != field.ZERO), 0)
+
+
 def _ratios(value: Fingerprint) -> tuple[object, ...]:
-    """What a fingerprint shares with its multiples."""
-    if value[0] == field.ZERO:
-        return ("zero at the first point", value)
-    below = field.inverse(value[0])
-    return tuple(field.multiply(part, below) for part in value[1:])
+    """What a fingerprint shares with its multiples: its ratios to its first value but zero."""
+    pivot = _pivot(value)
+    if value[pivot] == field.ZERO:
+        return (field.ZERO,) * len(value)
+    below = field.inverse(value[pivot])
+    return tuple(field.multiply(part, below) for part in value)
