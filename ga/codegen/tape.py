@@ -12,6 +12,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 _FUNCTIONS: dict[str, Callable[..., float]] = {
     "add": lambda x, y: x + y, "sub": lambda x, y: x - y, "mul": lambda x, y: x * y,
@@ -57,8 +58,7 @@ class Operand:
         return len(self.components)
 
 
-@dataclass(frozen=True, slots=True)
-class Node:
+class Node(NamedTuple):
     """One operation; ``input`` nodes carry operand and component, ``const`` nodes a value."""
 
     op: str
@@ -124,6 +124,10 @@ class TapeBuilder:
         ordered = tuple(sorted(args)) if op in _COMMUTATIVE else args
         return self._node(Node(op, ordered))
 
+    def negative(self, index: int) -> int:
+        """The node of ``-x`` that stays one, whatever is simpler where it stands alone."""
+        return self._node(Node("neg", (index,)))
+
     def finished(
         self,
         inputs: tuple[Operand, ...],
@@ -133,14 +137,18 @@ class TapeBuilder:
         """The tape of what the results need; everything else is left out."""
         results = self._quotients_once(results)
         kept = self._needed(results)
+        if len(kept) == len(self.nodes):
+            return Tape(inputs, outputs, tuple(self.nodes), tuple(tuple(row) for row in results))
         place = {old: new for new, old in enumerate(kept)}
         nodes = tuple(self._moved(self.nodes[old], place) for old in kept)
         return Tape(inputs, outputs, nodes, tuple(tuple(place[i] for i in row) for row in results))
 
     def _quotients_once(self, results: Sequence[Sequence[int]]) -> list[list[int]]:
         """Several quotients by one number become products with its reciprocal."""
-        needed = (self.nodes[index] for index in self._needed(results))
-        divisors = Counter(node.args[1] for node in needed if node.op == "div")
+        divisors = Counter(node.args[1] for node in self.nodes if node.op == "div")
+        if divisors and max(divisors.values()) > 1:
+            needed = (self.nodes[index] for index in self._needed(results))
+            divisors = Counter(node.args[1] for node in needed if node.op == "div")
         shared = {index for index, count in divisors.items() if count > 1}
         if not shared:
             return [list(row) for row in results]
@@ -160,18 +168,21 @@ class TapeBuilder:
 
     def _needed(self, results: Sequence[Sequence[int]]) -> list[int]:
         """The nodes that results depend on, ascending."""
-        needed: set[int] = set()
-        waiting = [index for row in results for index in row]
-        while waiting:
-            index = waiting.pop()
-            if index not in needed:
-                needed.add(index)
-                waiting.extend(self.nodes[index].args)
-        return sorted(needed)
+        needed = [False] * len(self.nodes)
+        for row in results:
+            for index in row:
+                needed[index] = True
+        for index in reversed(range(len(needed))):  # arguments come before what needs them
+            if needed[index]:
+                for k in self.nodes[index].args:
+                    needed[k] = True
+        return [index for index, wanted in enumerate(needed) if wanted]
 
     @staticmethod
     def _moved(node: Node, place: dict[int, int]) -> Node:
-        return Node(node.op, tuple(place[i] for i in node.args), node.value, node.source)
+        if not node.args:
+            return node
+        return Node(node.op, tuple([place[i] for i in node.args]), node.value, node.source)
 
     def _node(self, node: Node) -> int:
         found = self._known.get(node)
@@ -181,19 +192,19 @@ class TapeBuilder:
         return found
 
     def _simplified(self, op: str, args: tuple[int, ...]) -> int | None:
-        first = self.nodes[args[0]].op == "const"
-        if first and all(self.nodes[index].op == "const" for index in args):
+        nodes = self.nodes
+        if nodes[args[0]].op == "const" and all(nodes[index].op == "const" for index in args):
             value = folded(op, [self.nodes[index].value for index in args])
             if value is not None:
                 return self.constant(value)
-        if op == "neg":
-            return self._negated(args[0])
+        if op in ("mul", "div"):
+            return self._scaled(op, *args)
         if op == "add":
             return self._sum(*args)
         if op == "sub":
             return self._difference(*args)
-        if op in ("mul", "div"):
-            return self._scaled(op, *args)
+        if op == "neg":
+            return self._negated(args[0])
         if op in ("select", "keep"):
             return self._decided(*args)
         if op == "abs" and self.nodes[args[0]].op in ("neg", "abs"):
@@ -264,15 +275,19 @@ class TapeBuilder:
         return self.operation("select", one.args[0], one.args[1], other.args[1])
 
     def _scaled(self, op: str, first: int, second: int) -> int | None:
-        if self._is(first, 0.0) or (op == "mul" and self._is(second, 0.0)):
-            return self.constant(0.0)
-        for factor, rest in ((second, first), (first, second))[: 2 if op == "mul" else 1]:
-            if self._is(factor, 1.0):
-                return rest
-            if self._is(factor, -1.0):
-                return self.operation("neg", rest)
-        if self.nodes[first].op == "neg":
-            return self.operation("neg", self.operation(op, self._inside(first), second))
-        if self.nodes[second].op == "neg":
-            return self.operation("neg", self.operation(op, first, self._inside(second)))
+        left, right = self.nodes[first], self.nodes[second]
+        if left.op == "const":
+            if left.value == 0.0:
+                return self.constant(0.0)
+            if op == "mul" and left.value in (1.0, -1.0):
+                return second if left.value > 0.0 else self.operation("neg", second)
+        if right.op == "const":
+            if op == "mul" and right.value == 0.0:
+                return self.constant(0.0)
+            if right.value in (1.0, -1.0):
+                return first if right.value > 0.0 else self.operation("neg", first)
+        if left.op == "neg":
+            return self.operation("neg", self.operation(op, left.args[0], second))
+        if right.op == "neg":
+            return self.operation("neg", self.operation(op, first, right.args[0]))
         return None

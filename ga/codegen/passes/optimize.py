@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 
 from motorcade.ga.codegen.passes.equality.merge import merged
-from motorcade.ga.codegen.passes.rebuild import folded_tape
+from motorcade.ga.codegen.passes.rebuild import folded_tape, with_single_differences
 from motorcade.ga.codegen.passes.stats import PassStats, count_operations
 from motorcade.ga.codegen.passes.sums_of_products.divisions import as_reciprocals, with_quotients
 from motorcade.ga.codegen.passes.sums_of_products.expand import expanded
@@ -51,6 +51,7 @@ PASSES: tuple[tuple[str, Callable[[Tape], Tape]], ...] = (
     ("drop zeros", without_zeros),
     ("factor", factored),
     ("single quotients", with_quotients),
+    ("single differences", with_single_differences),
 )
 
 

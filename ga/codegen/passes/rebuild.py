@@ -40,3 +40,22 @@ def product_of(factors: Sequence[int], builder: TapeBuilder) -> int:
             if count:
                 power = builder.operation("mul", power, power)
     return made
+
+
+def with_single_differences(tape: Tape) -> Tape:
+    """The tape with ``b - a`` written ``-(a - b)`` where that difference is there as well."""
+    builder = TapeBuilder()
+    place: list[int] = []
+    known: dict[tuple[int, int], int] = {}
+    for index, node in enumerate(tape.nodes):
+        args = tuple(place[k] for k in node.args)
+        opposite = known.get((args[1], args[0])) if node.op == "sub" else None
+        if opposite is None:
+            made = copied(tape, index, args, builder)
+            if node.op == "sub":
+                known[args[0], args[1]] = made
+        else:
+            made = builder.negative(opposite)
+        place.append(made)
+    results = [[place[k] for k in row] for row in tape.results]
+    return builder.finished(tape.inputs, tape.outputs, results)

@@ -83,7 +83,7 @@ class _Merger:
                 return None, Fraction(0)
             return index, Fraction(1)
         key = _ratios(value)
-        if key == _ratios((field.ONE,) * len(value)):
+        if key == (field.ONE,) * len(value):
             constant = field.rational(value[0], _LARGEST_CONSTANT)
             if constant is not None and self._sure(index, constant, None):
                 return None, constant
@@ -191,4 +191,4 @@ def _ratios(value: Fingerprint) -> tuple[object, ...]:
     if value[pivot] == field.ZERO:
         return (field.ZERO,) * len(value)
     below = field.inverse(value[pivot])
-    return tuple(field.multiply(part, below) for part in value)
+    return tuple([field.multiply(part, below) for part in value])

@@ -7,7 +7,7 @@ gone. Equal or worse levels are not taken, so that numbers which are factored we
 
 from __future__ import annotations
 
-from motorcade.ga.codegen.passes.rebuild import copied, product_of
+from motorcade.ga.codegen.passes.rebuild import copied
 from motorcade.ga.codegen.passes.stats import cost_of
 from motorcade.ga.codegen.passes.sums_of_products.factor import factored
 from motorcade.ga.codegen.passes.sums_of_products.forms import (
@@ -15,7 +15,9 @@ from motorcade.ga.codegen.passes.sums_of_products.forms import (
     Form,
     Forms,
     Monomial,
+    add_term,
     form_cost,
+    write_form,
 )
 from motorcade.ga.codegen.tape import Tape, TapeBuilder
 
@@ -71,9 +73,11 @@ class _Expander(Forms):
 
     def _cost(self, form: Form) -> int:
         """The operations of a form and of the sums that only it needs."""
-        factors = {factor for monomial in form for factor in monomial}
-        alone = (k for k in factors if self.uses[k] == 1 and self.is_expandable(k))
-        return form_cost(form) + sum(self._cost(self.forms[k]) for k in alone)
+        cost = form_cost(form)
+        for k in set().union(*form):
+            if self.uses[k] == 1 and self.is_expandable(k):
+                cost += self._cost(self.forms[k])
+        return cost
 
     def is_expandable(self, index: int) -> bool:
         """Whether a factor is a sum that can be multiplied out."""
@@ -81,22 +85,21 @@ class _Expander(Forms):
 
     def _one_level(self, form: Form, most: int) -> Form | None:
         """The form with its highest sums multiplied out; None where none are or it grows long."""
-        sums = {k for monomial in form for k in monomial if self.is_expandable(k)}
+        sums = [k for k in set().union(*form) if self.is_expandable(k)]
         if not sums:
             return None
-        highest = max(self._heights[k] for k in sums)
-        chosen = frozenset(k for k in sums if self._heights[k] == highest)
+        highest = max([self._heights[k] for k in sums])
+        chosen = frozenset([k for k in sums if self._heights[k] == highest])
         total: Form = {}
         for monomial, coefficient in form.items():
+            if chosen.isdisjoint(monomial):
+                add_term(total, monomial, coefficient)
+                continue
             terms = self._multiplied_out(monomial, coefficient, chosen, most)
             if terms is None:
                 return None
             for other, value in terms.items():
-                value = total.get(other, 0) + value
-                if value:
-                    total[other] = value
-                else:
-                    total.pop(other, None)
+                add_term(total, other, value)
             if len(total) > most:
                 return None
         return total
@@ -104,7 +107,7 @@ class _Expander(Forms):
     def _multiplied_out(
         self, monomial: Monomial, coefficient: Coefficient, chosen: frozenset[int], most: int
     ) -> Form | None:
-        made: Form = {tuple(k for k in monomial if k not in chosen): coefficient}
+        made: Form = {tuple([k for k in monomial if k not in chosen]): coefficient}
         for factor in monomial:
             if factor in chosen:
                 if len(made) * len(self.forms[factor]) > most:
@@ -136,16 +139,3 @@ def _written(tape: Tape, forms: list[Form]) -> Tape:
             )
     results = [[place[k] for k in row] for row in tape.results]
     return builder.finished(tape.inputs, tape.outputs, results)
-
-
-def write_form(form: Form, place: dict[int, int], builder: TapeBuilder) -> int:
-    """A form as operations: positive terms first, so that sums need no sign in front."""
-    total: int | None = None
-    for monomial, coefficient in sorted(form.items(), key=lambda term: term[1] < 0):
-        number = builder.constant(abs(float(coefficient)))
-        term = product_of([number, *(place[factor] for factor in monomial)], builder)
-        if total is None:
-            total = builder.operation("neg", term) if coefficient < 0 else term
-        else:
-            total = builder.operation("sub" if coefficient < 0 else "add", total, term)
-    return builder.constant(0.0) if total is None else total

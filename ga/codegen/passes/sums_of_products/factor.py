@@ -15,17 +15,25 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from fractions import Fraction
+from functools import lru_cache
 from itertools import combinations
 
 from motorcade.ga.codegen.passes.rebuild import copied, product_of
 from motorcade.ga.codegen.passes.stats import cost_of
-from motorcade.ga.codegen.passes.sums_of_products.forms import HIGHEST_DEGREE, Forms, Monomial
+from motorcade.ga.codegen.passes.sums_of_products.forms import (
+    HIGHEST_DEGREE,
+    Coefficient,
+    Forms,
+    Monomial,
+)
+from motorcade.ga.codegen.passes.sums_of_products.numbers import with_numbers_outside
 from motorcade.ga.codegen.tape import Tape, TapeBuilder
 
 Term = tuple[int, Monomial]
 # Sums and products that are longer than this are searched for common pairs no further.
 _LONGEST = 48
+# What moving numbers may cost before factors are taken out and still save operations after that.
+_MUCH_COSTLIER = 1.1
 
 
 def without(factors: Monomial, gone: Iterable[int]) -> Monomial:
@@ -37,16 +45,16 @@ def without(factors: Monomial, gone: Iterable[int]) -> Monomial:
 
 
 class Network:
-    """The sums and products that the results of a tape need; see `Forms` for the argument."""
+    """The sums and products that the results of a tape need."""
 
-    def __init__(self, tape: Tape, *, shared_products: bool = False) -> None:
+    def __init__(self, forms: Forms) -> None:
         self.sums: dict[int, list[Term]] = {}
         self.products: dict[int, tuple[int, int]] = {}
-        self._tape = tape
-        self._shared_products = shared_products
-        self._next = len(tape.nodes)
-        self._constants: dict[Fraction, int] = {}
-        self._fill(Forms(tape, shared_products=shared_products))
+        self._tape = forms.tape
+        self._forms = forms
+        self._next = len(forms.tape.nodes)
+        self._constants: dict[Coefficient, int] = {}
+        self._fill(forms)
         self._known = {_signed(terms)[1]: index for index, terms in self.sums.items() if terms}
 
     def _fill(self, forms: Forms) -> None:
@@ -64,13 +72,13 @@ class Network:
             terms = []
             for monomial, coefficient in form.items():
                 waiting.extend(monomial)
-                size = abs(Fraction(coefficient))
+                size = max(coefficient, -coefficient)
                 factors = monomial if size == 1 else (self._constant(size), *monomial)
                 terms.append((1 if coefficient > 0 else -1, factors))
             self.sums[index] = terms
         self.sums = {index: self.sums[index] for index in sorted(self.sums)}
 
-    def _constant(self, size: Fraction) -> int:
+    def _constant(self, size: Coefficient) -> int:
         return self._constants.setdefault(size, -1 - len(self._constants))
 
     def new_number(self) -> int:
@@ -88,9 +96,13 @@ class Network:
             self._known[key] = known
         return sign * _signed(self.sums[known])[0], (known,)
 
+    def product(self, factors: Monomial) -> Monomial:
+        """A product in its order, without a number beside its reciprocal."""
+        return self._forms.shortened(tuple(sorted(factors)))
+
     def inline_products(self) -> None:
         """Write sums of one term out where they are factors, unless products are to stay."""
-        if self._shared_products:
+        if self._forms.shared_products:
             return
         single = {index: terms[0] for index, terms in self.sums.items() if len(terms) == 1}
         for index, terms in self.sums.items():
@@ -108,7 +120,7 @@ class Network:
             else:
                 sign *= inner[0]
                 waiting.extend(inner[1])
-        return sign, tuple(sorted(done))
+        return sign, self.product(tuple(done))
 
     def monomials(self) -> Counter[Monomial]:
         """How many terms each product of two factors or more stands in."""
@@ -166,14 +178,25 @@ def _signed(terms: list[Term]) -> tuple[int, tuple[Term, ...]]:
     return sign, tuple((sign * s, factors) for s, factors in ordered)
 
 
+@lru_cache(maxsize=2)
 def factored(tape: Tape) -> Tape:
     """The tape with common factors and common parts of sums and products taken out."""
     candidates = [tape]
-    for contents_first, shared_products in ((True, False), (False, False), (False, True)):
-        network = Network(tape, shared_products=shared_products)
-        _factor(network, contents_first)
-        candidates.append(network.tape())
+    for given in _with_numbers_placed(tape):
+        plain, shared = Forms(given), Forms(given, shared_products=True)
+        for forms, contents_first in ((plain, True), (plain, False), (shared, False)):
+            network = Network(forms)
+            _factor(network, contents_first)
+            candidates.append(network.tape())
     return min(candidates, key=cost_of)
+
+
+def _with_numbers_placed(tape: Tape) -> tuple[Tape, ...]:
+    """The tape, with its numbers outside of sums instead where that is better, both in doubt."""
+    outside = with_numbers_outside(tape)
+    if outside is tape or cost_of(outside) > _MUCH_COSTLIER * cost_of(tape):
+        return (tape,)
+    return (outside,) if cost_of(outside) < cost_of(tape) else (tape, outside)
 
 
 def _factor(network: Network, contents_first: bool) -> None:
@@ -209,7 +232,7 @@ def _take_out(network: Network, index: int, content: Monomial, chosen: range | l
     inner: list[Term] = [(terms[k][0], without(terms[k][1], content)) for k in chosen]
     rest = [term for k, term in enumerate(terms) if k not in chosen]
     sign, factor = network.new_sum(inner)
-    network.sums[index] = [*rest, (sign, tuple(sorted(content + factor)))]
+    network.sums[index] = [*rest, (sign, network.product(content + factor))]
 
 
 def _take_factors(network: Network, *, constants: bool) -> None:

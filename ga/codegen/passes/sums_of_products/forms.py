@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from motorcade.ga.codegen.tape import Node, Tape
+from motorcade.ga.codegen.passes.rebuild import product_of
+from motorcade.ga.codegen.tape import Node, Tape, TapeBuilder
 
 Coefficient = int | Fraction
 # Positions of the factors, ascending.
@@ -17,7 +18,7 @@ Form = dict[Monomial, Coefficient]
 
 HIGHEST_DEGREE = 12
 _SUMS = frozenset({"add", "sub", "neg"})
-_LARGEST = Fraction(2) ** 900
+_LARGEST_EXPONENT = 900
 _SMALL = 1 << 60
 _ONE = Node("const", value=1.0)
 
@@ -32,7 +33,7 @@ class Forms:
 
     def __init__(self, tape: Tape, *, shared_products: bool = False) -> None:
         self.tape = tape
-        self._shared_products = shared_products
+        self.shared_products = shared_products
         self.uses = tape.uses()
         self.forms: list[Form] = []
         self.inside = _inside(tape, self.uses)
@@ -71,7 +72,7 @@ class Forms:
     def factor(self, index: int) -> Form:
         """A node as a factor: its form if that is one product of few factors, else itself."""
         form = self.forms[index]
-        if self._shared_products and self.uses[index] > 1 and self.tape.nodes[index].op == "mul":
+        if self.shared_products and self.uses[index] > 1 and self.tape.nodes[index].op == "mul":
             return {(index,): 1}
         if len(form) <= 1 and all(len(monomial) <= HIGHEST_DEGREE for monomial in form):
             return form
@@ -80,14 +81,13 @@ class Forms:
     def product(self, left: Form, right: Form) -> Form:
         """The product of two forms, multiplied out."""
         made: Form = {}
+        ruled = self._ruled
         for one, a in left.items():
             for other, b in right.items():
-                monomial = self.shortened(tuple(sorted(one + other)))
-                total = made.get(monomial, 0) + a * b
-                if total:
-                    made[monomial] = total
-                else:
-                    made.pop(monomial, None)
+                monomial = tuple(sorted(one + other)) if one and other else one + other
+                if not ruled.isdisjoint(monomial):
+                    monomial = self.shortened(monomial)
+                add_term(made, monomial, times(a, b))
         return made
 
     def shortened(self, monomial: Monomial) -> Monomial:
@@ -115,19 +115,50 @@ class Forms:
 def add_to(total: Form, form: Form, factor: Coefficient) -> None:
     """Add a multiple of a form to another one."""
     for monomial, coefficient in form.items():
-        value = total.get(monomial, 0) + factor * coefficient
-        if value:
-            total[monomial] = value
-        else:
-            total.pop(monomial, None)
+        add_term(total, monomial, times(factor, coefficient))
+
+
+def add_term(total: Form, monomial: Monomial, coefficient: Coefficient) -> None:
+    """Add one term, whose coefficient is not zero, to a form."""
+    known = total.get(monomial)
+    if known is None:
+        total[monomial] = coefficient
+        return
+    value = known + coefficient
+    if value:
+        total[monomial] = value
+    else:
+        del total[monomial]
+
+
+def times(a: Coefficient, b: Coefficient) -> Coefficient:
+    """The product of two coefficients, an int where it is whole."""
+    if a == 1 or b == 1:
+        return b if a == 1 else a
+    made = a * b
+    return made.numerator if made.denominator == 1 else made
 
 
 def form_cost(form: Form) -> int:
     """Additions and multiplications that a form takes as it stands."""
-    products = sum(
-        max(len(monomial) - 1 + (abs(c) != 1), 0) if monomial else 0 for monomial, c in form.items()
-    )
+    products = 0
+    for monomial, coefficient in form.items():
+        if monomial:
+            products += len(monomial) - (coefficient in (1, -1))
     return products + max(len(form) - 1, 0)
+
+
+def write_form(form: Form, place: dict[int, int], builder: TapeBuilder) -> int:
+    """A form as operations: positive terms first, so that sums need no sign in front."""
+    total: int | None = None
+    for monomial, coefficient in sorted(form.items(), key=lambda term: term[1] < 0):
+        number = builder.constant(abs(float(coefficient)))
+        term = product_of([number, *(place[factor] for factor in monomial)], builder)
+        if total is None:
+            total = builder.operation("neg", term) if coefficient < 0 else term
+        else:
+            total = builder.operation("sub" if coefficient < 0 else "add", total, term)
+    return builder.constant(0.0) if total is None else total
 
 
 def _inside(tape: Tape, uses: list[int]) -> list[bool]:
@@ -163,8 +194,10 @@ def _exact(value: float) -> Coefficient:
 
 def _bounded(form: Form) -> bool:
     """Whether all coefficients are far from what a float overflows or underflows at."""
-    return all((type(c) is int and -_SMALL < c < _SMALL) or _moderate(c) for c in form.values())
+    return all((type(c) is int and -_SMALL < c < _SMALL) or moderate(c) for c in form.values())
 
 
-def _moderate(coefficient: Coefficient) -> bool:
-    return 1 / _LARGEST < Fraction(abs(Fraction(coefficient))) < _LARGEST
+def moderate(coefficient: Coefficient) -> bool:
+    """Whether a coefficient is far from what a float overflows or underflows at."""
+    above, below = coefficient.numerator, coefficient.denominator
+    return abs(above.bit_length() - below.bit_length()) < _LARGEST_EXPONENT
