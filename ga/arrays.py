@@ -29,12 +29,14 @@ __all__ = [
     "checked_positive",
     "common_precision",
     "frozen",
+    "given_floats",
     "sealed",
     "shape_text",
 ]
 
 # How far from 1 the norm of given coefficients may be before they are refused.
 UNIT_TOLERANCE = 1e-6
+_SINGLE, _DOUBLE = np.dtype(np.float32), np.dtype(np.float64)
 
 
 def shape_text(trailing: tuple[int, ...]) -> str:
@@ -56,22 +58,47 @@ def checked_floats(value: ArrayLike, name: str, trailing: tuple[int, ...]) -> Fl
     Raises:
         ValueError: not real numbers, wrong trailing dimensions, or NaN or infinity inside.
     """
-    try:
-        given = np.asarray(value)
-    except ValueError as ragged:
-        raise ValueError(f"{name}: expected a regular array of numbers, {ragged}") from ragged
-    if given.dtype.kind not in "fiub":
-        raise ValueError(f"{name}: expected real numbers, got dtype {given.dtype}")
-    array = np.asarray(given, dtype=np.float64)
-    kept = len(trailing)
-    if array.ndim < kept or array.shape[array.ndim - kept :] != trailing:
-        raise ValueError(f"{name}: expected shape {shape_text(trailing)}, got {array.shape}")
+    array = np.asarray(_numbers(value, name), dtype=np.float64)
+    _check_shape(array, name, trailing)
     if not np.isfinite(array).all():
         bad = int(array.size - np.count_nonzero(np.isfinite(array)))
         raise ValueError(
             f"{name}: expected finite numbers, got {bad} NaN or infinite of {array.size}"
         )
     return array
+
+
+def given_floats(value: ArrayLike, name: str, trailing: tuple[int, ...]) -> FloatArray:
+    """As `checked_floats`, but what is of float32 stays so, and NaN and infinity are let through.
+
+    For what a kernel checks on its way: where it finds something, `checked_floats` says what.
+    """
+    if type(value) is np.ndarray and (value.dtype is _DOUBLE or value.dtype is _SINGLE):
+        array = value
+    else:
+        array = _numbers(value, name)
+        single = array.dtype == _SINGLE and hasattr(value, "dtype")
+        array = array.astype(_SINGLE if single else _DOUBLE, copy=False)
+    _check_shape(array, name, trailing)
+    return array
+
+
+def _numbers(value: ArrayLike, name: str) -> NDArray[Any]:
+    try:
+        given = np.asarray(value)
+    except ValueError as ragged:
+        raise ValueError(f"{name}: expected a regular array of numbers, {ragged}") from ragged
+    if given.dtype.kind not in "fiub":
+        raise ValueError(f"{name}: expected real numbers, got dtype {given.dtype}")
+    return given
+
+
+def _check_shape(array: FloatArray, name: str, trailing: tuple[int, ...]) -> None:
+    if not trailing:
+        return
+    kept = array.ndim - len(trailing)
+    if kept < 0 or array.shape[kept:] != trailing:
+        raise ValueError(f"{name}: expected shape {shape_text(trailing)}, got {array.shape}")
 
 
 def common_precision(*given: Any) -> np.dtype[Any]:

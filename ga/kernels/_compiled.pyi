@@ -4,6 +4,7 @@ An operand is a Block or an array ``(*, width)`` of the output's precision with 
 as the output; operands of one number a row may be plain floats.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,9 @@ class Block:
     def width(self) -> int: ...
     @property
     def array(self) -> NDArray[np.floating[Any]]: ...
+
+# The same functions, which give whether all numbers of their inputs were finite.
+checked: dict[str, Callable[..., bool]]
 
 def set_threads(threads: int) -> None: ...
 def threads() -> int: ...

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-__all__ = ["Block", "backend", "function", "set_threads", "threads"]
+__all__ = ["Block", "backend", "checked_function", "function", "set_threads", "threads"]
 
 
 def _backend() -> str:
@@ -25,7 +25,13 @@ def _backend() -> str:
 backend = _backend()
 
 if TYPE_CHECKING or backend == "numpy":
-    from motorcade.ga.kernels.numpy_backend import Block, function, set_threads, threads
+    from motorcade.ga.kernels.numpy_backend import (
+        Block,
+        checked_function,
+        function,
+        set_threads,
+        threads,
+    )
 else:
     from motorcade.ga.kernels import _compiled
     from motorcade.ga.kernels._compiled import Block, set_threads, threads
@@ -34,6 +40,10 @@ else:
         """The kernel of that name, called with its inputs and the operand that it writes into."""
         kernel: Callable[..., None] = getattr(_compiled, name)
         return kernel
+
+    def checked_function(name: str) -> Callable[..., bool]:
+        """As `function`; it computes, and gives whether all inputs were finite."""
+        return _compiled.checked[name]
 
 
 def _threads_at_first() -> int:

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga.kernels.backend import function
+from motorcade.ga.kernels.backend import checked_function, function
 
 _BLOCK = 16
 
@@ -42,6 +42,8 @@ _similarity_of_motor = function("similarity_of_motor")
 
 def _empty(shape: tuple[int, ...], width: int, dtype: np.dtype[Any]) -> Array:
     """An array ``(*shape, width)`` for a kernel to write into, see the top of this module."""
+    if not shape:
+        return np.empty(width, dtype)
     count = prod(shape)
     if count < _BLOCK:
         return np.empty((*shape, width), dtype)
@@ -82,7 +84,14 @@ def _batch(*given: Array) -> tuple[int, ...]:
     return shape
 
 
-def _of_one(kernel: Callable[..., None], given: Array, width: int) -> Array:
+def checked_call(kernel: Callable[..., bool], width: int, *given: Array) -> tuple[Array, bool]:
+    """Apply a checked kernel to inputs ``(*, n)`` of one precision; and whether they are finite."""
+    shape = _batch(*given)
+    made = _empty(shape, width, given[0].dtype)
+    return made, kernel(*[_spread(one, shape, 1) for one in given], made)
+
+
+def of_one(kernel: Callable[..., None], given: Array, width: int) -> Array:
     """Apply a kernel of one input ``(*, n)``."""
     shape = _batch(given)
     made = _empty(shape, width, given.dtype)
@@ -90,7 +99,7 @@ def _of_one(kernel: Callable[..., None], given: Array, width: int) -> Array:
     return made
 
 
-def _of_two(kernel: Callable[..., None], a: Array, b: Array, width: int) -> Array:
+def of_two(kernel: Callable[..., None], a: Array, b: Array, width: int) -> Array:
     """Apply a kernel of two inputs ``(*, n)`` whose batches broadcast."""
     shape = _batch(a, b)
     made = _empty(shape, width, a.dtype)
@@ -141,12 +150,12 @@ def blend_many(motors: Array, weights: Array) -> Array:
     Signs follow the first motor, the pivot. Weights need not add up to 1; where everything
     cancels there is no blend and the result is not finite.
     """
-    return _of_one(_normalize, _accumulated(motors, weights), 8)
+    return of_one(_normalize, _accumulated(motors, weights), 8)
 
 
 def blend_many_matrix(motors: Array, weights: Array) -> Array:
     """`blend_many` as matrices ``(*, 3, 4)``."""
-    return _matrices(_of_one(_normalize_matrix, _accumulated(motors, weights), 12), 3)
+    return _matrices(of_one(_normalize_matrix, _accumulated(motors, weights), 12), 3)
 
 
 def _accumulated(motors: Array, weights: Array) -> Array:
@@ -165,7 +174,7 @@ def _accumulated(motors: Array, weights: Array) -> Array:
 
 def normalize(m: Array) -> Array:
     """The motors nearest to even elements ``(*, 8)``, which must not have a zero rotor part."""
-    return _of_one(_normalize, m, 8)
+    return of_one(_normalize, m, 8)
 
 
 def _matrices(rows: Array, height: int) -> Array:
@@ -174,7 +183,7 @@ def _matrices(rows: Array, height: int) -> Array:
 
 def dual_quaternion(m: Array) -> Array:
     """Hamilton dual quaternions ``(*, 8)``, real wxyz then dual wxyz."""
-    return _of_one(_dual_quaternion, m, 8)
+    return of_one(_dual_quaternion, m, 8)
 
 
 def similarity_blend(a: Array, b: Array, fraction: Array | float) -> Array:
@@ -191,20 +200,20 @@ def similarity_normalize(m: Array) -> tuple[Array, Array]:
     The second is 1 for a versor and 0 for an element that has no scale or is turned inside out;
     there the first means nothing.
     """
-    made = _of_one(_similarity_normalize, m, 13)
+    made = of_one(_similarity_normalize, m, 13)
     return made[..., :12], made[..., 12]
 
 
 def rotor_translation_scale(m: Array) -> tuple[Array, Array, Array]:
     """Rotors ``(*, 4)``, translations ``(*, 3)`` and scales ``(*)`` of similarities."""
-    made: Any = _of_one(_similarity_parts, m, 8)
+    made: Any = of_one(_similarity_parts, m, 8)
     return made[..., :4], made[..., 4:7], made[..., 7]
 
 
 def similarity_of_motor(m: Array, scale: Array) -> Array:
     """Similarities ``(*, 12)`` that grow by ``scale (*)`` and then move by motors ``(*, 8)``."""
     _expect_arrays(scale)
-    return _of_two(_similarity_of_motor, m, scale[..., None], 12)
+    return of_two(_similarity_of_motor, m, scale[..., None], 12)
 
 
 class VersorKernels:
@@ -233,14 +242,33 @@ class VersorKernels:
         self._left_jacobian = function(f"{prefix}left_jacobian")
         self._left_jacobian_inverse = function(f"{prefix}left_jacobian_inverse")
         self._retract, self._local = function(f"{prefix}retract"), function(f"{prefix}local")
+        self._apply, self._as_twist = function(f"{prefix}apply"), function(f"{prefix}as_twist")
+        self._checked_apply = checked_function(f"{prefix}apply")
+        self._checked_of_twist = checked_function(f"{prefix}of_twist")
 
     def compose(self, a: Array, b: Array) -> Array:
         """Geometric product ``a b``."""
-        return _of_two(self._compose, a, b, self._size)
+        return of_two(self._compose, a, b, self._size)
 
     def inverse(self, m: Array) -> Array:
         """The reverse: the inverse where versors are unit."""
-        return _of_one(self._inverse, m, self._size)
+        return of_one(self._inverse, m, self._size)
+
+    def apply(self, m: Array, points: Array) -> Array:
+        """Points ``(*, 3)`` moved."""
+        return of_two(self._apply, m, points, 3)
+
+    def checked_apply(self, m: Array, points: Array) -> tuple[Array, bool]:
+        """The same, and whether all numbers given are finite."""
+        return checked_call(self._checked_apply, 3, m, points)
+
+    def checked_of_twist(self, twist: Array) -> tuple[Array, bool]:
+        """Versors of twists ``(*, d)``, and whether these are finite; see `exp`."""
+        return checked_call(self._checked_of_twist, self._size, twist)
+
+    def as_twist(self, m: Array) -> Array:
+        """Twists ``(*, d)`` of versors, which turn by at most π."""
+        return of_one(self._as_twist, m, self._twist_size)
 
     def exp(self, log: Array) -> Array:
         """Versors of bivectors.
@@ -248,7 +276,7 @@ class VersorKernels:
         Of half angles up to 2e8 (float64) or 6e3 (float32) nothing is lost beyond their own
         rounding. Where ``e^|E|`` is too large, similarities are not finite.
         """
-        return _of_one(self._exp, log, self._size)
+        return of_one(self._exp, log, self._size)
 
     def log(self, m: Array, short_way: bool = True) -> Array:
         """Bivectors of unit versors.
@@ -256,7 +284,7 @@ class VersorKernels:
         With ``short_way`` the sign is flipped first where ``m0 < 0``, so half the rotation angle
         is at most π/2; without, it runs up to π, where the axis is lost.
         """
-        return _of_one(self._log if short_way else self._log_long, m, self._twist_size)
+        return of_one(self._log if short_way else self._log_long, m, self._twist_size)
 
     def interpolate(
         self, a: Array, b: Array, fraction: Array | float, short_way: bool = True
@@ -267,34 +295,34 @@ class VersorKernels:
 
     def adjoint(self, m: Array) -> Array:
         """Matrices ``(*, d, d)`` with ``m exp(x) ~m = exp(Ad x)``."""
-        return self._square(_of_one(self._adjoint, m, self._twist_size**2))
+        return self._square(of_one(self._adjoint, m, self._twist_size**2))
 
     def transform_twist(self, m: Array, twist: Array) -> Array:
         """Twists ``Ad x``, without the matrix."""
-        return _of_two(self._transform_twist, m, twist, self._twist_size)
+        return of_two(self._transform_twist, m, twist, self._twist_size)
 
     def left_jacobian(self, twist: Array) -> Array:
         """Matrices with ``exp(x + y) ≈ exp(J y) exp(x)``; the right one is that of ``-x``."""
-        return self._square(_of_one(self._left_jacobian, twist, self._twist_size**2))
+        return self._square(of_one(self._left_jacobian, twist, self._twist_size**2))
 
     def left_jacobian_inverse(self, twist: Array) -> Array:
         """The inverse of `left_jacobian`; not finite or huge at full turns."""
-        return self._square(_of_one(self._left_jacobian_inverse, twist, self._twist_size**2))
+        return self._square(of_one(self._left_jacobian_inverse, twist, self._twist_size**2))
 
     def retract(self, m: Array, twist: Array) -> Array:
         """Versors ``m exp(x)``."""
-        return _of_two(self._retract, m, twist, self._size)
+        return of_two(self._retract, m, twist, self._size)
 
     def local(self, a: Array, b: Array) -> Array:
         """Twists from ``a`` to ``b``, seen from ``a``, which turn by at most π."""
-        return _of_two(self._local, a, b, self._twist_size)
+        return of_two(self._local, a, b, self._twist_size)
 
     def _square(self, rows: Array) -> Array:
         return rows.reshape(*rows.shape[:-1], self._twist_size, self._twist_size)
 
 
 class PoseKernels(VersorKernels):
-    """What versors do that move points too: motors and similarities.
+    """What versors do that have a matrix with a translation: motors and similarities.
 
     Examples:
         >>> import numpy as np
@@ -307,23 +335,18 @@ class PoseKernels(VersorKernels):
 
     def __init__(self, prefix: str, size: int, twist_size: int) -> None:
         super().__init__(prefix, size, twist_size)
-        self._apply = function(f"{prefix}apply")
         self._matrix34, self._matrix44 = (
             function(f"{prefix}matrix34"),
             function(f"{prefix}matrix44"),
         )
 
-    def apply(self, m: Array, points: Array) -> Array:
-        """Points ``(*, 3)`` moved."""
-        return _of_two(self._apply, m, points, 3)
-
     def matrix34(self, m: Array) -> Array:
         """Matrices ``(*, 3, 4)``."""
-        return _matrices(_of_one(self._matrix34, m, 12), 3)
+        return _matrices(of_one(self._matrix34, m, 12), 3)
 
     def matrix44(self, m: Array) -> Array:
         """Homogeneous matrices ``(*, 4, 4)``."""
-        return _matrices(_of_one(self._matrix44, m, 16), 4)
+        return _matrices(of_one(self._matrix44, m, 16), 4)
 
 
 ROTORS = VersorKernels("rotor_", 4, 3)

@@ -57,6 +57,19 @@ def function(name: str) -> Callable[..., None]:
     return kernel
 
 
+@cache
+def checked_function(name: str) -> Callable[..., bool]:
+    """As `function`; it gives whether all inputs were finite, and does not warn where not."""
+    plain = function(name)
+
+    def kernel(*operands: Any) -> bool:
+        with np.errstate(all="ignore"):
+            plain(*operands)
+        return all(bool(np.isfinite(_array(x)).all()) for x in operands[:-1])
+
+    return kernel
+
+
 def _array(operand: Any) -> Any:
     return operand.array if isinstance(operand, Block) else operand
 

@@ -9,18 +9,22 @@ front.
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.arrays import FloatArray, checked_floats, sealed
 
 __all__ = [
     "LOCKED",
     "SEQUENCES",
+    "SequenceOperands",
     "axes_of",
     "euler_from_matrix",
     "lock_levers",
     "matrix_from_euler",
+    "sequence_operands",
 ]
 
 SEQUENCES = (
@@ -46,6 +50,51 @@ def axes_of(sequence: str) -> tuple[int, int, int, float]:
         raise ValueError(f"sequence: expected one of {', '.join(SEQUENCES)}, got {sequence!r}")
     i, j = "xyz".index(sequence[0]), "xyz".index(sequence[1])
     return i, j, 3 - i - j, 1.0 if (j - i) % 3 == 1 else -1.0
+
+
+class SequenceOperands(NamedTuple):
+    """A sequence as the kernels take it, by precision.
+
+    `axes` are its three axes as unit vectors ``(9,)``; `frame` has the first, the second and the
+    remaining axis, and their handedness ``(10,)``. With `proper` the third axis is the first one.
+    """
+
+    axes: dict[np.dtype[Any], FloatArray]
+    frame: dict[np.dtype[Any], FloatArray]
+    proper: bool
+
+
+def sequence_operands(sequence: str) -> SequenceOperands:
+    """What the kernels take for a sequence.
+
+    Raises:
+        ValueError: an unknown sequence.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga.versors.euler_angles import sequence_operands
+        >>> sequence_operands("zyx").frame[np.dtype(float)]
+        array([ 0.,  0.,  1.,  0.,  1.,  0.,  1.,  0.,  0., -1.])
+    """
+    if sequence not in SEQUENCES:
+        axes_of(sequence)
+    return _OPERANDS[sequence]
+
+
+def _operands(sequence: str) -> SequenceOperands:
+    i, j, k, cyclic = axes_of(sequence)
+    unit = np.eye(3)
+    axes = unit[["xyz".index(letter) for letter in sequence]].ravel()
+    frame = np.append(unit[[i, j, k]], cyclic)
+    kinds = np.dtype(np.float32), np.dtype(np.float64)
+    return SequenceOperands(
+        {kind: sealed(axes.astype(kind)) for kind in kinds},
+        {kind: sealed(frame.astype(kind)) for kind in kinds},
+        sequence[0] == sequence[2],
+    )
+
+
+_OPERANDS = {sequence: _operands(sequence) for sequence in SEQUENCES}
 
 
 def _turn(axis: int, angle: FloatArray) -> FloatArray:

@@ -19,12 +19,17 @@ from motorcade.ga.arrays import (
     broadcast_batch,
     checked_floats,
     common_precision,
+    given_floats,
 )
-from motorcade.ga.kernels import MOTORS
-from motorcade.ga.versors.rotor import Rotor
+from motorcade.ga.kernels import MOTORS, ROTORS, parts
+from motorcade.ga.versors.rotor import (
+    MATRIX_TOLERANCE,
+    Rotor,
+    check_quaternions,
+    check_rotation,
+)
 from motorcade.ga.versors.versor import Versor
 
-_TO_DUAL_QUATERNION = np.array([1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0])
 _BOTTOM_ROW = np.array([0.0, 0.0, 0.0, 1.0])
 
 
@@ -77,19 +82,16 @@ class Motor(Versor):
             ValueError: wrong last dimension, NaN or infinity, or a zero rotor part, which stands
                 for no motion.
         """
-        given = cls._checked(coefficients, "Motor.normalize(coefficients)", (8,))
-        size = np.max(np.abs(given[..., :4]), axis=-1, keepdims=True)
-        if not np.all(size > 0.0):
+        name = "Motor.normalize(coefficients)"
+        given = given_floats(coefficients, name, (8,))
+        made, least = parts.normalized_motor(given)
+        if not least > 0.0:
+            checked_floats(given, name, (8,))
             raise ValueError(
-                "Motor.normalize(coefficients): expected a non-zero rotor part m0..m3, got "
-                f"{int(np.count_nonzero(size == 0.0))} zero ones"
+                f"{name}: expected a non-zero rotor part m0..m3, got "
+                f"{int(np.count_nonzero(~np.any(given[..., :4], axis=-1)))} zero ones"
             )
-        scaled = given / size
-        scaled = scaled / np.sqrt(np.sum(scaled[..., :4] ** 2, axis=-1, keepdims=True))
-        excess = _study(scaled)[..., None]
-        scaled[..., 4:7] += excess * scaled[..., 1:4]
-        scaled[..., 7:] -= excess * scaled[..., :1]
-        return cls._trusted(scaled)
+        return cls._trusted(made)
 
     @classmethod
     def random(
@@ -112,9 +114,8 @@ class Motor(Versor):
     @property
     def translation_m(self) -> FloatArray:
         """The translation ``(*, 3)`` in metres, ``t`` of ``M = T R``: where the origin goes."""
-        w, v = self.coefficients[..., :1], self.coefficients[..., 1:4]
-        n, last = self.coefficients[..., 4:7], self.coefficients[..., 7:]
-        translation: FloatArray = -2.0 * (last * v + w * n + np.cross(n, v)) + 0.0  # no -0.0
+        translation = parts.translation(self.coefficients)
+        translation += 0.0  # no -0.0
         return translation
 
     def apply(self, points: ArrayLike) -> FloatArray:
@@ -125,9 +126,7 @@ class Motor(Versor):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, shapes that do not broadcast.
         """
-        x = checked_floats(points, "Motor.apply(points)", (3,)).astype(self.dtype, copy=False)
-        broadcast_batch("Motor.apply", self.shape, x.shape[:-1])
-        return MOTORS.apply(self.coefficients, x)
+        return self._applied(points)
 
     # Conversions -------------------------------------------------------------------------------
 
@@ -138,21 +137,27 @@ class Motor(Versor):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, shapes that do not broadcast.
         """
-        t = checked_floats(translation_m, "Motor translation_m", (3,))
-        shape = broadcast_batch("Motor rotor and translation_m", rotor.shape, t.shape[:-1])
-        w, v = rotor.coefficients[..., :1], rotor.coefficients[..., 1:]
-        made = np.empty((*shape, 8))
-        made[..., :4] = rotor.coefficients
-        made[..., 4:7] = -0.5 * (w * t + np.cross(v, t))
-        made[..., 7] = -0.5 * np.sum(v * t, axis=-1)
-        return cls._of(made, rotor, translation_m)
+        t = given_floats(translation_m, "Motor translation_m", (3,))
+        broadcast_batch("Motor rotor and translation_m", rotor.shape, t.shape[:-1])
+        r = rotor.coefficients
+        if t.dtype is not r.dtype:
+            kind = common_precision(rotor, translation_m)
+            r, t = r.astype(kind, copy=False), t.astype(kind, copy=False)
+        made, finite = parts.motor_of(r, t)
+        if not finite:
+            checked_floats(translation_m, "Motor translation_m", (3,))
+        return cls._trusted(made)
 
     @classmethod
     def from_translation(cls, translation_m: ArrayLike) -> Motor:
         """Translators: motions ``(*)`` by vectors ``(*, 3)`` in metres that turn nothing."""
-        shift = checked_floats(translation_m, "translation_m", (3,))
-        still = Rotor.identity(shift.shape[:-1], common_precision(translation_m))
-        return cls.from_rotor_translation(still, shift.astype(still.dtype, copy=False))
+        shift = given_floats(translation_m, "translation_m", (3,))
+        if not np.isfinite(shift).all():
+            checked_floats(shift, "translation_m", (3,))
+        made = np.zeros((*shift.shape[:-1], 8), shift.dtype)
+        made[..., 0] = 1.0
+        np.multiply(shift, -0.5, out=made[..., 4:7])
+        return cls._trusted(made)
 
     @classmethod
     def from_matrix(cls, matrix: ArrayLike) -> Motor:
@@ -162,15 +167,13 @@ class Motor(Versor):
             ValueError: wrong shape, NaN or infinity, a last row that is not 0 0 0 1, or an upper
                 left block that is no rotation (see `Rotor.from_matrix`).
         """
-        given = checked_floats(matrix, "Motor.from_matrix(matrix)", (4, 4))
-        worst = float(np.max(np.abs(given[..., 3, :] - _BOTTOM_ROW), initial=0.0))
-        if worst > UNIT_TOLERANCE:
-            raise ValueError(
-                "Motor.from_matrix(matrix): expected the last row 0 0 0 1, got a difference of "
-                f"{worst:.3g}"
-            )
-        made = cls.from_rotor_translation(Rotor.from_matrix(given[..., :3, :3]), given[..., :3, 3])
-        return cls._of(made.coefficients, matrix)
+        given = given_floats(matrix, "Motor.from_matrix(matrix)", (4, 4))
+        made, off = parts.motor_of_matrix(given)
+        if not off <= MATRIX_TOLERANCE:
+            whole = checked_floats(given, "Motor.from_matrix(matrix)", (4, 4))
+            check_bottom_row(whole, "Motor.from_matrix(matrix)")
+            check_rotation(whole[..., :3, :3])
+        return cls._trusted(made)
 
     def as_matrix(self) -> FloatArray:
         """Homogeneous matrices ``(*, 4, 4)`` that act on columns."""
@@ -184,11 +187,21 @@ class Motor(Versor):
             ValueError: wrong last dimension, NaN or infinity, a quaternion whose norm is more
                 than 1e-6 from 1, shapes that do not broadcast.
         """
-        return cls.from_rotor_translation(Rotor.from_quaternion(wxyz), translation_m)
+        q = given_floats(wxyz, "Rotor.from_quaternion(wxyz)", (4,))
+        t = given_floats(translation_m, "Motor translation_m", (3,))
+        broadcast_batch("Motor rotor and translation_m", q.shape[:-1], t.shape[:-1])
+        if t.dtype is not q.dtype:
+            kind = common_precision(q, translation_m)
+            q, t = q.astype(kind, copy=False), t.astype(kind, copy=False)
+        made, off = parts.motor_of_quaternion(q, t)
+        if not off <= cls._tolerance(q):
+            check_quaternions(q, "Rotor.from_quaternion(wxyz)", cls._tolerance(q))
+            checked_floats(translation_m, "Motor translation_m", (3,))
+        return cls._trusted(made)
 
     def as_quaternion_translation(self) -> tuple[FloatArray, FloatArray]:
         """Unit quaternions ``(*, 4)`` wxyz and translations ``(*, 3)`` in metres."""
-        return self.rotor.as_quaternion(), self.translation_m
+        return ROTORS.inverse(self.coefficients[..., :4]), self.translation_m
 
     @classmethod
     def from_dual_quaternion(cls, dual_quaternion: ArrayLike) -> Motor:
@@ -197,8 +210,12 @@ class Motor(Versor):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, or not unit within 1e-6.
         """
-        given = cls._checked(dual_quaternion, "Motor.from_dual_quaternion", (8,))
-        return cls(given[..., [0, 1, 2, 3, 5, 6, 7, 4]] * _TO_DUAL_QUATERNION.astype(given.dtype))
+        given = given_floats(dual_quaternion, "Motor.from_dual_quaternion", (8,))
+        made, off = parts.motor_of_dual_quaternion(given)
+        if not off <= cls._tolerance(given):
+            checked_floats(given, "Motor.from_dual_quaternion", (8,))
+            cls._check_unit(made)
+        return cls._trusted(made)
 
     def as_dual_quaternion(self) -> FloatArray:
         """Unit Hamilton dual quaternions ``(*, 8)``: real wxyz, then dual wxyz."""
@@ -229,11 +246,11 @@ class Motor(Versor):
         Raises:
             ValueError: wrong last dimension, NaN or infinity.
         """
-        return cls.exp(-0.5 * cls._checked(twist, "Motor.from_twist(twist)", (6,)))
+        return cls._trusted(cls._of_twist(twist, "Motor.from_twist(twist)"))
 
     def as_twist(self) -> FloatArray:
         """se(3) coordinates ``(*, 6)``: rotation vector (rad), translational part (m)."""
-        return -2.0 * self.log()
+        return MOTORS.as_twist(self.coefficients)
 
 
 def _study(coefficients: FloatArray) -> FloatArray:
@@ -242,3 +259,14 @@ def _study(coefficients: FloatArray) -> FloatArray:
         coefficients[..., 1:4] * coefficients[..., 4:7], axis=-1
     )
     return products
+
+
+def check_bottom_row(matrix: FloatArray, name: str) -> None:
+    """Refuse homogeneous matrices ``(*, 4, 4)`` that are none.
+
+    Raises:
+        ValueError: a last row more than 1e-6 from 0 0 0 1.
+    """
+    worst = float(np.max(np.abs(matrix[..., 3, :] - _BOTTOM_ROW), initial=0.0))
+    if worst > UNIT_TOLERANCE:
+        raise ValueError(f"{name}: expected the last row 0 0 0 1, got a difference of {worst:.3g}")

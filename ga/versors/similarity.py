@@ -19,18 +19,17 @@ from numpy.typing import ArrayLike
 
 from motorcade.ga import kernels
 from motorcade.ga.arrays import (
-    UNIT_TOLERANCE,
     FloatArray,
     broadcast_batch,
     checked_floats,
     common_precision,
+    given_floats,
 )
-from motorcade.ga.kernels import SIMILARITIES
-from motorcade.ga.versors.motor import Motor
-from motorcade.ga.versors.rotor import Rotor
+from motorcade.ga.kernels import SIMILARITIES, parts
+from motorcade.ga.versors.motor import Motor, check_bottom_row
+from motorcade.ga.versors.rotor import MATRIX_TOLERANCE, Rotor, check_rotation
 from motorcade.ga.versors.versor import Versor
 
-_BOTTOM_ROW = np.array([0.0, 0.0, 0.0, 1.0])
 # However large the scale, S ~S must be told from zero.
 _LOOSEST = 0.1
 
@@ -168,9 +167,7 @@ class Similarity(Versor):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, shapes that do not broadcast.
         """
-        x = checked_floats(points, "Similarity.apply(points)", (3,)).astype(self.dtype, copy=False)
-        broadcast_batch("Similarity.apply", self.shape, x.shape[:-1])
-        return SIMILARITIES.apply(self.coefficients, x)
+        return self._applied(points)
 
     # Conversions -------------------------------------------------------------------------------
 
@@ -184,7 +181,18 @@ class Similarity(Versor):
             ValueError: wrong last dimension, NaN or infinity, a scale that is not positive, shapes
                 that do not broadcast.
         """
-        return cls.from_motor_scale(Motor.from_rotor_translation(rotor, translation_m), scale)
+        t = given_floats(translation_m, "Motor translation_m", (3,))
+        rho = _scales(scale)
+        shape = broadcast_batch("Motor rotor and translation_m", rotor.shape, t.shape[:-1])
+        broadcast_batch("Similarity motor and scale", shape, rho.shape)
+        r = rotor.coefficients
+        if not t.dtype is rho.dtype is r.dtype:
+            kind = common_precision(rotor, translation_m, scale)
+            r, t, rho = (x.astype(kind, copy=False) for x in (r, t, rho))
+        made, finite = parts.similarity_of(r, t, rho)
+        if not finite:
+            checked_floats(translation_m, "Motor translation_m", (3,))
+        return cls._trusted(made)
 
     def as_rotor_translation_scale(self) -> tuple[Rotor, FloatArray, FloatArray]:
         """Rotor, translation ``(*, 3)`` in metres and scale ``(*)``."""
@@ -198,15 +206,13 @@ class Similarity(Versor):
             ValueError: NaN or infinity, a scale that is not positive, shapes that do not
                 broadcast.
         """
-        rho = checked_floats(scale, "Similarity scale", ())
-        if not np.all(rho > 0.0):
-            raise ValueError(
-                f"Similarity scale: expected positive numbers, got {float(np.min(rho)):g}"
-            )
+        rho = _scales(scale)
         broadcast_batch("Similarity motor and scale", motor.shape, rho.shape)
-        kind = common_precision(motor, scale)
-        given = motor.coefficients.astype(kind, copy=False), rho.astype(kind, copy=False)
-        return cls._trusted(kernels.similarity_of_motor(*given))
+        m = motor.coefficients
+        if m.dtype is not rho.dtype:
+            kind = common_precision(motor, scale)
+            m, rho = m.astype(kind, copy=False), rho.astype(kind, copy=False)
+        return cls._trusted(parts.similarity_of_motor(m, rho)[0])
 
     @property
     def rigid(self) -> Motor:
@@ -215,8 +221,8 @@ class Similarity(Versor):
 
     def as_motor_scale(self) -> tuple[Motor, FloatArray]:
         """The rigid motion ``T R`` and the scale ``(*)`` of ``S = T R D``."""
-        rotor, translation_m, scale = self._parts()
-        return Motor.from_rotor_translation(rotor, translation_m), scale
+        motor, scale = parts.motor_scale(self.coefficients)
+        return Motor._trusted(motor), scale
 
     @classmethod
     def from_matrix(cls, matrix: ArrayLike) -> Similarity:
@@ -226,23 +232,12 @@ class Similarity(Versor):
             ValueError: wrong shape, NaN or infinity, a last row that is not 0 0 0 1, or an upper
                 left block that is no positive multiple of a rotation (see `Rotor.from_matrix`).
         """
-        given = checked_floats(matrix, "Similarity.from_matrix(matrix)", (4, 4))
-        worst = float(np.max(np.abs(given[..., 3, :] - _BOTTOM_ROW), initial=0.0))
-        if worst > UNIT_TOLERANCE:
-            raise ValueError(
-                "Similarity.from_matrix(matrix): expected the last row 0 0 0 1, got a difference "
-                f"of {worst:.3g}"
-            )
-        block = given[..., :3, :3]
-        scale = np.cbrt(np.linalg.det(block))
-        if not np.all(scale > 0.0):
-            raise ValueError(
-                "Similarity.from_matrix(matrix): expected a positive determinant, got a scale of "
-                f"{float(np.min(scale)):.3g}"
-            )
-        rotor = Rotor.from_matrix(block / scale[..., None, None])
-        made = cls.from_rotor_translation_scale(rotor, given[..., :3, 3], scale)
-        return cls._of(made.coefficients, matrix)
+        name = "Similarity.from_matrix(matrix)"
+        given = given_floats(matrix, name, (4, 4))
+        made, off = parts.similarity_of_matrix(given)
+        if not off <= MATRIX_TOLERANCE:
+            _check_matrices(checked_floats(given, name, (4, 4)), name)
+        return cls._trusted(made)
 
     def as_matrix(self) -> FloatArray:
         """Homogeneous matrices ``(*, 4, 4)`` that act on columns."""
@@ -256,10 +251,15 @@ class Similarity(Versor):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, a scale beyond float64.
         """
-        given = cls._checked(twist, "Similarity.from_twist(twist)", (7,))
-        return cls.exp(np.concatenate(
-            [-0.5 * given[..., :3], 0.5 * given[..., 6:], -0.5 * given[..., 3:6]], axis=-1
-        ))  # fmt: skip
+        name = "Similarity.from_twist(twist)"
+        with np.errstate(over="ignore", invalid="ignore"):  # as the NumPy kernels would warn
+            made = cls._of_twist(twist, name)
+        if not np.isfinite(made).all():
+            raise ValueError(
+                f"{name}: expected scales that {made.dtype} can hold, got a logarithm of up to "
+                f"{float(np.max(np.abs(np.asarray(twist)[..., 6]))):.3g}"
+            )
+        return cls._trusted(made)
 
     def as_twist(self) -> FloatArray:
         """sim(3) coordinates ``(*, 7)``: rotation vector (rad), translational part (m), log scale.
@@ -267,5 +267,26 @@ class Similarity(Versor):
         With ``Ω`` the cross product matrix of the first three, it is the logarithm of `as_matrix`:
         ``Ω + λ`` in the upper left block, the translational part beside it.
         """
-        log = self.log()
-        return np.concatenate([-2.0 * log[..., :3], -2.0 * log[..., 4:], 2.0 * log[..., 3:4]], -1)
+        return SIMILARITIES.as_twist(self.coefficients)
+
+
+def _scales(scale: ArrayLike) -> FloatArray:
+    """Scales ``(*)``, positive and finite."""
+    rho = given_floats(scale, "Similarity scale", ())
+    fine = 0.0 < rho.item() < np.inf if rho.size == 1 else np.all((rho > 0.0) & (rho < np.inf))
+    if not fine:
+        checked_floats(rho, "Similarity scale", ())
+        raise ValueError(f"Similarity scale: expected positive numbers, got {float(np.min(rho)):g}")
+    return rho
+
+
+def _check_matrices(matrix: FloatArray, name: str) -> None:
+    """Refuse matrices ``(*, 4, 4)`` that are no similarities."""
+    check_bottom_row(matrix, name)
+    block = matrix[..., :3, :3]
+    scale = np.cbrt(np.linalg.det(block))
+    if not np.all(scale > 0.0):
+        raise ValueError(
+            f"{name}: expected a positive determinant, got a scale of {float(np.min(scale)):.3g}"
+        )
+    check_rotation(block / scale[..., None, None])

@@ -35,6 +35,7 @@ from motorcade.ga.arrays import (
     broadcast_batch,
     checked_floats,
     common_precision,
+    given_floats,
     sealed,
 )
 from motorcade.ga.kernels.batches import VersorKernels
@@ -231,6 +232,26 @@ class Versor(CoefficientBatch):
     @abstractmethod
     def apply(self, points: ArrayLike) -> FloatArray:
         """Move points ``(*, 3)``; batch shapes broadcast."""
+
+    def _applied(self, points: ArrayLike) -> FloatArray:
+        """Points moved by the kernel, which looks for numbers that are not finite on its way."""
+        name = f"{type(self).__name__}.apply"
+        given = given_floats(points, f"{name}(points)", (3,))
+        x = given.astype(self.dtype, copy=False)
+        broadcast_batch(name, self.shape, x.shape[:-1])
+        moved, finite = self._kernels.checked_apply(self.coefficients, x)
+        if not finite:
+            checked_floats(given, f"{name}(points)", (3,))
+        return moved
+
+    @classmethod
+    def _of_twist(cls, twist: ArrayLike, name: str) -> FloatArray:
+        """Coefficients of twists; where these are not finite they are refused."""
+        given = given_floats(twist, name, (cls._log_size,))
+        made, finite = cls._kernels.checked_of_twist(given)
+        if not finite:
+            checked_floats(given, name, (cls._log_size,))
+        return made
 
     def interpolate(self, other: Self, fraction: ArrayLike, short_way: bool = True) -> Self:
         """Constant-speed path ``self exp(fraction log(~self other))``, the screw between the two.

@@ -137,8 +137,8 @@ class QuaternionTranslationErrors(ErrorCoordinates):
         >>> zero = np.zeros((1, 3))
         >>> ahead = RunStates(Rotor.identity((1,)), zero + 1.0, zero, np.zeros((1, 6)))
         >>> turned = RunStates(Rotor.from_euler([[0.0, 0.0, 0.5]]), zero, zero, np.zeros((1, 6)))
-        >>> QuaternionTranslationErrors().local(turned, ahead)[:, :6].round(3)  # rad, m
-        array([[-0. , -0. , -0.5,  1. ,  1. ,  1. ]])
+        >>> QuaternionTranslationErrors().local(turned, ahead)[:, :6].round(3) + 0.0  # rad, m
+        array([[ 0. ,  0. , -0.5,  1. ,  1. ,  1. ]])
     """
 
     def rotation_local(self, rotor: Rotor, other: Rotor) -> FloatArray:
@@ -166,8 +166,8 @@ class ExtendedPoseErrors(QuaternionTranslationErrors):
         >>> zero = np.zeros((1, 3))
         >>> ahead = RunStates(Rotor.identity((1,)), zero + 1.0, zero, np.zeros((1, 6)))
         >>> turned = RunStates(Rotor.from_euler([[0.0, 0.0, 0.5]]), zero, zero, np.zeros((1, 6)))
-        >>> ExtendedPoseErrors().local(turned, ahead)[:, :6].round(3)  # rad, m
-        array([[-0.   , -0.   , -0.5  ,  1.229,  0.729,  1.   ]])
+        >>> ExtendedPoseErrors().local(turned, ahead)[:, :6].round(3) + 0.0  # rad, m
+        array([[ 0.   ,  0.   , -0.5  ,  1.229,  0.729,  1.   ]])
     """
 
     def local(self, state: RunStates, other: RunStates) -> FloatArray:
@@ -205,7 +205,7 @@ class ExactEulerErrors(ErrorCoordinates):
         >>> zero = np.zeros((1, 3))
         >>> ahead = RunStates(Rotor.identity((1,)), zero + 1.0, zero, np.zeros((1, 6)))
         >>> turned = RunStates(Rotor.from_euler([[0.0, 0.0, 0.5]]), zero, zero, np.zeros((1, 6)))
-        >>> ExactEulerErrors().local(turned, ahead)[:, :6].round(3)  # rad, m
+        >>> ExactEulerErrors().local(turned, ahead)[:, :6].round(3) + 0.0  # rad, m
         array([[ 0. ,  0. , -0.5,  1. ,  1. ,  1. ]])
     """
 
@@ -235,7 +235,7 @@ class EulerErrors(ExactEulerErrors):
         >>> zero = np.zeros((1, 3))
         >>> ahead = RunStates(Rotor.identity((1,)), zero + 1.0, zero, np.zeros((1, 6)))
         >>> turned = RunStates(Rotor.from_euler([[0.0, 0.0, 0.5]]), zero, zero, np.zeros((1, 6)))
-        >>> EulerErrors().local(turned, ahead)[:, :6].round(3)  # rad, m
+        >>> EulerErrors().local(turned, ahead)[:, :6].round(3) + 0.0  # rad, m
         array([[ 0. ,  0. , -0.5,  1. ,  1. ,  1. ]])
     """
 

@@ -20,6 +20,10 @@ from motorcade.ga.kernels.definitions import (
 )
 from motorcade.ga.kernels.definitions import elements as on
 from motorcade.ga.kernels.definitions.motors import MOTORS, ROTORS
+from motorcade.ga.kernels.definitions.parts import euler
+from motorcade.ga.kernels.definitions.parts import motors as motor_parts
+from motorcade.ga.kernels.definitions.parts import rotors as rotor_parts
+from motorcade.ga.kernels.definitions.parts import similarities as similarity_parts
 from motorcade.ga.kernels.definitions.similarity_tangents import SIMILARITIES
 from motorcade.ga.kernels.definitions.versors import twist_kernels, versor_kernels
 
@@ -43,6 +47,10 @@ KERNELS = (
     *similarity_conversions.KERNELS,
     *skinning.KERNELS,
     *chains.KERNELS,
+    *rotor_parts.KERNELS,
+    *euler.KERNELS,
+    *motor_parts.KERNELS,
+    *similarity_parts.KERNELS,
     *(kernel for kind in (MOTORS, ROTORS, SIMILARITIES) for kernel in twist_kernels(kind)),
 )
 
@@ -65,6 +73,8 @@ _SINGLE = {
     "rotor_translation_scale": ("rotor_translation_scale",),
     "similarity_of": ("similarity_of_motor",),
     "reach": ("reach",),
+    "translation": ("translation",),
+    "motor_of": ("motor_of",),
 }
 
 
@@ -74,22 +84,10 @@ def _renormalize(precision: Precision, r: Numbers) -> list[Numbers]:
     return [[factor * x for x in r]]
 
 
-def _translation(precision: Precision, m: Numbers) -> list[Numbers]:
-    """Where a motor takes the origin."""
-    return [conversions.matrix_rows(m, unit=True)[3::4]]
-
-
-def _motor_of(precision: Precision, r: Numbers, t: Numbers) -> list[Numbers]:
-    """The motor that turns by a rotor, then moves by a translation."""
-    translator = on.MOTOR.of([1, 0, 0, 0, *(-0.5 * x for x in t), 0])
-    return [on.MOTOR.numbers(translator * on.ROTOR.of(r))]
-
-
-_R, _M, _T = on.ROTOR.operand("r"), on.MOTOR.operand("m"), on.VECTOR.operand("t")
 _OWN = (
-    Kernel("renormalize", "single", (_R,), (on.ROTOR.operand("out"),), _renormalize),
-    Kernel("translation", "single", (_M,), (_T,), _translation),
-    Kernel("motor_of", "single", (_R, _T), (on.MOTOR.operand("out"),), _motor_of),
+    Kernel(
+        "renormalize", "single", (on.ROTOR.operand("r"),), (on.ROTOR.operand("out"),), _renormalize
+    ),
 )
 _NAMED = {kernel.name: kernel for kernel in KERNELS}
 

@@ -58,21 +58,31 @@ def _matrix44(precision: Precision, m: Numbers) -> list[Numbers]:
     return [[*_matrix_rows(m), 0.0, 0.0, 0.0, 1.0]]
 
 
-def _rotor_translation_scale(precision: Precision, m: Numbers) -> list[Numbers]:
+def parts_of(m: Numbers) -> tuple[Numbers, Numbers, Any]:
     """Rotor, translation and scale of a similarity."""
     s = split(m)
     grown = grown_rotor(s)
     rotor = s.turned * (1 / ca.sqrt(scalar(s.turned * ~s.turned)))
-    scale = scalar(grown * ~grown)
-    return [[*on.ROTOR.numbers(rotor), *_translation(s, grown), scale]]
+    return on.ROTOR.numbers(rotor), _translation(s, grown), scalar(grown * ~grown)
+
+
+def _rotor_translation_scale(precision: Precision, m: Numbers) -> list[Numbers]:
+    """Rotor, translation and scale of a similarity."""
+    rotor, translation, scale = parts_of(m)
+    return [[*rotor, *translation, scale]]
+
+
+def grown(m: Numbers, scale: Any) -> Numbers:
+    """A motor after growth about the origin by a scale."""
+    root = 1 / ca.sqrt(scale)
+    cosh, sinh = 0.5 * (scale + 1) * root, 0.5 * (scale - 1) * root
+    rotor = on.ROTOR.of(m[:4])
+    return joined(Parts(cosh * rotor, sinh * rotor, root * on.MOVED.of(m[4:])))
 
 
 def _of_motor(precision: Precision, m: Numbers, scale: Numbers) -> list[Numbers]:
     """Motor after growth about the origin by a scale."""
-    root = 1 / ca.sqrt(scale[0])
-    cosh, sinh = 0.5 * (scale[0] + 1) * root, 0.5 * (scale[0] - 1) * root
-    rotor = on.ROTOR.of(m[:4])
-    return [joined(Parts(cosh * rotor, sinh * rotor, root * on.MOVED.of(m[4:])))]
+    return [grown(m, scale[0])]
 
 
 _M, _OUT = Operand("m", on.SIMILARITY), Operand("out", on.SIMILARITY)

@@ -103,6 +103,14 @@ def _local(of: Versors, precision: Precision, a: Numbers, b: Numbers) -> list[Nu
     return [of.as_twist(of.log(precision, ~of.read(a) * of.read(b), True))]
 
 
+def _of_twist(of: Versors, precision: Precision, twist: Numbers) -> list[Numbers]:
+    return [of.write(of.exp(precision, of.of_twist(twist)))]
+
+
+def _as_twist(of: Versors, precision: Precision, m: Numbers) -> list[Numbers]:
+    return [of.as_twist(of.log(precision, of.read(m), True))]
+
+
 def versor_kernels(of: Versors, groups: tuple[str, str, str, str]) -> tuple[Kernel, ...]:
     """Products, exp and log, interpolation; `groups` are the files of products, logs and paths."""
     products, logs, paths, long_paths = groups
@@ -127,12 +135,13 @@ def versor_kernels(of: Versors, groups: tuple[str, str, str, str]) -> tuple[Kern
 
 
 def twist_kernels(of: Versors) -> tuple[Kernel, ...]:
-    """Adjoint, Jacobians of exp, retract and local."""
+    """Adjoint, Jacobians of exp, retract and local, and versors as twists."""
     size, one = of.twist_size, of.name
     a, b, m, out = (Operand(name, of.versor) for name in ("a", "b", "m", "out"))
     twist, twist_out = on.twist("twist", size), on.twist("out", size)
     square = on.components("out", size, size)
     tangents, jacobians = f"{of.prefix}tangents", f"{of.prefix}jacobians"
+    twists = f"{of.prefix}twists"
     return _named(
         of,
         ("adjoint", tangents, (m,), square, _adjoint, f"Adjoint matrix of a {one} on twists"),
@@ -146,6 +155,9 @@ def twist_kernels(of: Versors) -> tuple[Kernel, ...]:
          f"A {one} moved by a twist in its own frame"),
         ("local", tangents, (a, b), twist_out, _local,
          f"The twist, turning by at most π, that takes {one} a to b"),
+        ("of_twist", twists, (twist,), out, _of_twist, f"{one.title()} of a twist of any angle"),
+        ("as_twist", twists, (m,), twist_out, _as_twist,
+         f"Twist of a {one}, by the sign that turns by at most π"),
     )  # fmt: skip
 
 

@@ -17,7 +17,8 @@ struct Rows {
 
 // Applies a kernel to inputs of as many rows as the output, or of one. `operands` lists inputs,
 // then outputs; with `single` they are float, otherwise double. Large batches are shared among
-// `threads` threads.
-void run(const motorcade_kernel &kernel, const Rows *operands, bool single, unsigned threads);
+// `threads` threads. Gives whether all inputs were finite, if that is to be `checked`, else true.
+bool run(const motorcade_kernel &kernel, const Rows *operands, bool single, bool checked,
+         unsigned threads);
 
 }  // namespace motorcade

@@ -247,18 +247,20 @@ struct Call {
     }
 };
 
-PyObject *call(PyObject *self, PyObject *const *given, Py_ssize_t count) {
+// None, or with `checked` whether all inputs were finite.
+template <bool checked> PyObject *call(PyObject *self, PyObject *const *given, Py_ssize_t count) {
     const auto &kernel =
         *static_cast<const motorcade_kernel *>(PyCapsule_GetPointer(self, nullptr));
     Call one;
     if (!one.take(kernel, given, count)) return nullptr;
+    bool finite = true;
     if (one.rows[kernel.inputs].count < HOLD_LOCK_BELOW) {
-        motorcade::run(kernel, one.rows, one.single, 1);
+        finite = motorcade::run(kernel, one.rows, one.single, checked, 1);
     } else {
         nb::gil_scoped_release unlocked;
-        motorcade::run(kernel, one.rows, one.single, thread_count.load());
+        finite = motorcade::run(kernel, one.rows, one.single, checked, thread_count.load());
     }
-    Py_RETURN_NONE;
+    return checked ? PyBool_FromLong(finite) : Py_NewRef(Py_None);
 }
 
 // Seconds that `times` calls take without Python's share, for measurements.
@@ -276,7 +278,7 @@ double repeat(const std::string &name, std::size_t times, nb::args given) {
     nb::gil_scoped_release unlocked;
     const auto start = std::chrono::steady_clock::now();
     for (std::size_t k = 0; k < times; ++k)
-        motorcade::run(*kernel, all.rows, all.single, thread_count.load());
+        motorcade::run(*kernel, all.rows, all.single, false, thread_count.load());
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
@@ -312,14 +314,20 @@ NB_MODULE(_compiled, module) {
         "set_threads", [](unsigned threads) { thread_count = std::max(1U, threads); }, "threads"_a);
     module.def("repeat", &repeat);
     module.def("threads", [] { return thread_count.load(); });
-    static std::vector<PyMethodDef> methods(motorcade_kernel_count);
+    static std::vector<PyMethodDef> methods(2 * motorcade_kernel_count);
+    nb::dict checked;
     for (std::size_t k = 0; k < motorcade_kernel_count; ++k) {
         const motorcade_kernel &kernel = motorcade_kernels[k];
-        methods[k] = {kernel.name,
-                      reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(call)),
-                      METH_FASTCALL, nullptr};
         nb::object self =
             nb::steal(PyCapsule_New(const_cast<motorcade_kernel *>(&kernel), nullptr, nullptr));
-        module.attr(kernel.name) = nb::steal(PyCFunction_NewEx(&methods[k], self.ptr(), nullptr));
+        const auto function = [&](PyMethodDef &method, auto *called) {
+            method = {kernel.name,
+                      reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(called)),
+                      METH_FASTCALL, nullptr};
+            return nb::steal(PyCFunction_NewEx(&method, self.ptr(), nullptr));
+        };
+        module.attr(kernel.name) = function(methods[2 * k], &call<false>);
+        checked[kernel.name] = function(methods[2 * k + 1], &call<true>);
     }
+    module.attr("checked") = checked;
 }

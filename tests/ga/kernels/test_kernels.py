@@ -12,6 +12,7 @@ import pytest
 from motorcade.ga import Motor, kernels
 from motorcade.ga.kernels import numpy_backend
 from motorcade.ga.kernels.generated.python import KERNELS
+from motorcade.ga.versors.euler_angles import SEQUENCES, sequence_operands
 
 # Where the blades of a similarity's logarithm stand in it; twists have the scale last.
 LOG_PLACES = (1, 2, 3, 4, 8, 9, 10)
@@ -44,6 +45,10 @@ def inputs_of(name: str, motors: np.ndarray, rng: np.random.Generator) -> list[n
     As similarities they grow and shrink by up to four.
     """
     rows = motors.reshape(-1, 8)
+    if "matrix33" in name and KERNELS[name][1] == (9,):
+        return [np.ascontiguousarray(kernels.MOTORS.matrix34(rows)[:, :, :3]).reshape(-1, 9)]
+    if KERNELS[name][1] == (16,):
+        return [np.ascontiguousarray(kernels.MOTORS.matrix44(rows)).reshape(-1, 16)]
     places = LOG_PLACES if name == "similarity_exp" else TWIST_PLACES
     others = np.asarray(Motor.random(rng, (len(rows),)).coefficients, dtype=rows.dtype)
     made: list[np.ndarray] = []
@@ -51,6 +56,12 @@ def inputs_of(name: str, motors: np.ndarray, rng: np.random.Generator) -> list[n
         source = others if made else rows
         if width == 1:
             made.append(1 - rng.uniform(size=len(rows)).astype(rows.dtype))
+        elif width in (9, 10):
+            known = [sequence_operands(sequence) for sequence in SEQUENCES]
+            if width == 10:
+                known = [one for one in known if one.proper == ("proper" in name)]
+            listed = [one.axes if width == 9 else one.frame for one in known]
+            made.append(np.array([one[rows.dtype] for one in listed])[np.arange(len(rows)) % 6])
         elif width in (7, 12):
             scale = np.resize(SCALES[:: -1 if made else 1], len(rows)).astype(rows.dtype)
             grown = kernels.similarity_of_motor(source, scale)

@@ -90,6 +90,40 @@ void motorcade_carry_matrix_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_carry_matrix_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_reach_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_reach_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_apply_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_apply_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_matrix33_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_matrix33_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_of_matrix33_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_of_matrix33_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_of_quaternion_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_of_quaternion_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_normalize_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_normalize_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_of_euler_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_of_euler_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_tait_bryan_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_tait_bryan_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_proper_euler_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_proper_euler_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_translation_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_translation_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_motor_of_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_motor_of_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_motor_of_quaternion_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_motor_of_quaternion_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_motor_of_matrix44_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_motor_of_matrix44_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_motor_of_dual_quaternion_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_motor_of_dual_quaternion_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_project_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_project_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_of_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_of_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_of_matrix44_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_of_matrix44_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_motor_scale_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_motor_scale_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_adjoint_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_adjoint_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_transform_twist_f32(MOTORCADE_ARGUMENTS(float));
@@ -102,6 +136,10 @@ void motorcade_retract_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_retract_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_local_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_local_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_of_twist_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_of_twist_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_as_twist_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_as_twist_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_rotor_adjoint_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_rotor_adjoint_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_rotor_transform_twist_f32(MOTORCADE_ARGUMENTS(float));
@@ -114,6 +152,10 @@ void motorcade_rotor_retract_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_rotor_retract_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_rotor_local_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_rotor_local_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_of_twist_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_of_twist_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_as_twist_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_as_twist_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_similarity_adjoint_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_similarity_adjoint_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_similarity_transform_twist_f32(MOTORCADE_ARGUMENTS(float));
@@ -126,6 +168,10 @@ void motorcade_similarity_retract_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_similarity_retract_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_similarity_local_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_similarity_local_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_of_twist_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_of_twist_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_as_twist_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_as_twist_f64(MOTORCADE_ARGUMENTS(double));
 
 const struct motorcade_kernel motorcade_kernels[] = {
     {"compose", 2, 1, {8, 8, 8},
@@ -216,6 +262,40 @@ const struct motorcade_kernel motorcade_kernels[] = {
      motorcade_carry_matrix_f32, motorcade_carry_matrix_f64},
     {"reach", 3, 1, {3, 3, 1, 3},
      motorcade_reach_f32, motorcade_reach_f64},
+    {"rotor_apply", 2, 1, {4, 3, 3},
+     motorcade_rotor_apply_f32, motorcade_rotor_apply_f64},
+    {"rotor_matrix33", 1, 1, {4, 9},
+     motorcade_rotor_matrix33_f32, motorcade_rotor_matrix33_f64},
+    {"rotor_of_matrix33", 1, 1, {9, 5},
+     motorcade_rotor_of_matrix33_f32, motorcade_rotor_of_matrix33_f64},
+    {"rotor_of_quaternion", 1, 1, {4, 5},
+     motorcade_rotor_of_quaternion_f32, motorcade_rotor_of_quaternion_f64},
+    {"rotor_normalize", 1, 1, {4, 5},
+     motorcade_rotor_normalize_f32, motorcade_rotor_normalize_f64},
+    {"rotor_of_euler", 2, 1, {3, 9, 4},
+     motorcade_rotor_of_euler_f32, motorcade_rotor_of_euler_f64},
+    {"rotor_tait_bryan", 2, 1, {4, 10, 3},
+     motorcade_rotor_tait_bryan_f32, motorcade_rotor_tait_bryan_f64},
+    {"rotor_proper_euler", 2, 1, {4, 10, 3},
+     motorcade_rotor_proper_euler_f32, motorcade_rotor_proper_euler_f64},
+    {"translation", 1, 1, {8, 3},
+     motorcade_translation_f32, motorcade_translation_f64},
+    {"motor_of", 2, 1, {4, 3, 8},
+     motorcade_motor_of_f32, motorcade_motor_of_f64},
+    {"motor_of_quaternion", 2, 1, {4, 3, 9},
+     motorcade_motor_of_quaternion_f32, motorcade_motor_of_quaternion_f64},
+    {"motor_of_matrix44", 1, 1, {16, 9},
+     motorcade_motor_of_matrix44_f32, motorcade_motor_of_matrix44_f64},
+    {"motor_of_dual_quaternion", 1, 1, {8, 9},
+     motorcade_motor_of_dual_quaternion_f32, motorcade_motor_of_dual_quaternion_f64},
+    {"project", 1, 1, {8, 9},
+     motorcade_project_f32, motorcade_project_f64},
+    {"similarity_of", 3, 1, {4, 3, 1, 12},
+     motorcade_similarity_of_f32, motorcade_similarity_of_f64},
+    {"similarity_of_matrix44", 1, 1, {16, 13},
+     motorcade_similarity_of_matrix44_f32, motorcade_similarity_of_matrix44_f64},
+    {"motor_scale", 1, 1, {12, 9},
+     motorcade_motor_scale_f32, motorcade_motor_scale_f64},
     {"adjoint", 1, 1, {8, 36},
      motorcade_adjoint_f32, motorcade_adjoint_f64},
     {"transform_twist", 2, 1, {8, 6, 6},
@@ -228,6 +308,10 @@ const struct motorcade_kernel motorcade_kernels[] = {
      motorcade_retract_f32, motorcade_retract_f64},
     {"local", 2, 1, {8, 8, 6},
      motorcade_local_f32, motorcade_local_f64},
+    {"of_twist", 1, 1, {6, 8},
+     motorcade_of_twist_f32, motorcade_of_twist_f64},
+    {"as_twist", 1, 1, {8, 6},
+     motorcade_as_twist_f32, motorcade_as_twist_f64},
     {"rotor_adjoint", 1, 1, {4, 9},
      motorcade_rotor_adjoint_f32, motorcade_rotor_adjoint_f64},
     {"rotor_transform_twist", 2, 1, {4, 3, 3},
@@ -240,6 +324,10 @@ const struct motorcade_kernel motorcade_kernels[] = {
      motorcade_rotor_retract_f32, motorcade_rotor_retract_f64},
     {"rotor_local", 2, 1, {4, 4, 3},
      motorcade_rotor_local_f32, motorcade_rotor_local_f64},
+    {"rotor_of_twist", 1, 1, {3, 4},
+     motorcade_rotor_of_twist_f32, motorcade_rotor_of_twist_f64},
+    {"rotor_as_twist", 1, 1, {4, 3},
+     motorcade_rotor_as_twist_f32, motorcade_rotor_as_twist_f64},
     {"similarity_adjoint", 1, 1, {12, 49},
      motorcade_similarity_adjoint_f32, motorcade_similarity_adjoint_f64},
     {"similarity_transform_twist", 2, 1, {12, 7, 7},
@@ -252,6 +340,10 @@ const struct motorcade_kernel motorcade_kernels[] = {
      motorcade_similarity_retract_f32, motorcade_similarity_retract_f64},
     {"similarity_local", 2, 1, {12, 12, 7},
      motorcade_similarity_local_f32, motorcade_similarity_local_f64},
+    {"similarity_of_twist", 1, 1, {7, 12},
+     motorcade_similarity_of_twist_f32, motorcade_similarity_of_twist_f64},
+    {"similarity_as_twist", 1, 1, {12, 7},
+     motorcade_similarity_as_twist_f32, motorcade_similarity_as_twist_f64},
 };
 const size_t motorcade_kernel_count =
     sizeof motorcade_kernels / sizeof motorcade_kernels[0];

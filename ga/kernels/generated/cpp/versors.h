@@ -2098,24 +2098,6 @@ inline std::array<Real, 3> reach(const std::array<Real, 3> &p, const std::array<
 }
 
 /*
- * One Newton step of a rotor towards unit length, which rounding leaves by little
- * r: 1 e23 e31 e12
- * returns: 1 e23 e31 e12
- */
-template <class Real>
-inline std::array<Real, 4> renormalize(const std::array<Real, 4> &r)
-{
-    const Real r0 = r[0], r1 = r[1], r2 = r[2], r3 = r[3];
-    const Real t0 = Real(1.5) - Real(0.5) * (r0 * r0 + r1 * r1 + r2 * r2 + r3 * r3);
-    return {
-        r0 * t0,
-        r1 * t0,
-        r2 * t0,
-        r3 * t0,
-    };
-}
-
-/*
  * Where a motor takes the origin
  * m: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
  * returns: x y z
@@ -2155,6 +2137,24 @@ inline std::array<Real, 8> motor_of(const std::array<Real, 4> &r, const std::arr
         r3 * t3 + r0 * t4 - r1 * t5,
         r1 * t4 - r2 * t3 + r0 * t5,
         r1 * t3 + r3 * t5 + r2 * t4,
+    };
+}
+
+/*
+ * One Newton step of a rotor towards unit length, which rounding leaves by little
+ * r: 1 e23 e31 e12
+ * returns: 1 e23 e31 e12
+ */
+template <class Real>
+inline std::array<Real, 4> renormalize(const std::array<Real, 4> &r)
+{
+    const Real r0 = r[0], r1 = r[1], r2 = r[2], r3 = r[3];
+    const Real t0 = Real(1.5) - Real(0.5) * (r0 * r0 + r1 * r1 + r2 * r2 + r3 * r3);
+    return {
+        r0 * t0,
+        r1 * t0,
+        r2 * t0,
+        r3 * t0,
     };
 }
 

@@ -1,0 +1,72 @@
+"""Similarities from rotors, translations and scales, and from matrices; and as motor and scale."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+
+from motorcade.ga.codegen.library_kernels.kernel import Kernel
+from motorcade.ga.codegen.precision import Precision
+from motorcade.ga.codegen.tape import Operand
+from motorcade.ga.kernels.definitions import elements as on
+from motorcade.ga.kernels.definitions.parts.motors import block, joined, off_bottom_row
+from motorcade.ga.kernels.definitions.parts.rotors import (
+    checked,
+    of_rotation,
+    off_rotation,
+)
+from motorcade.ga.kernels.definitions.similarity_conversions import grown, parts_of
+
+Numbers = list[Any]
+
+
+def _of_rotor_translation_scale(
+    precision: Precision, r: Numbers, t: Numbers, scale: Numbers
+) -> list[Numbers]:
+    """Grow by a scale, turn by a rotor, move by a translation."""
+    return [grown(joined(r, t), scale[0])]
+
+
+def _of_matrix44(precision: Precision, m: Numbers) -> list[Numbers]:
+    """Similarity of a homogeneous matrix by rows; what its last row is off by counts ten times."""
+    scaled = block(m)
+    scale = ca.sqrt(sum(x * x for x in scaled) * (1 / 3))
+    rotation = [x / scale for x in scaled]
+    off = off_rotation(rotation) + off_bottom_row(m)
+    made = grown(joined(of_rotation(rotation), m[3:12:4]), scale)
+    return [[*made, off]]
+
+
+def _motor_scale(precision: Precision, m: Numbers) -> list[Numbers]:
+    """Rigid motion and scale of a similarity."""
+    rotor, translation, scale = parts_of(m)
+    return [[*joined(rotor, translation), scale]]
+
+
+_M, _OUT = Operand("m", on.SIMILARITY), Operand("out", on.SIMILARITY)
+_GROUP = "similarity_parts"
+
+KERNELS = (
+    Kernel(
+        "similarity_of",
+        _GROUP,
+        (on.ROTOR.operand("r"), on.VECTOR.operand("t"), on.numbers("scale")),
+        (_OUT,),
+        _of_rotor_translation_scale,
+    ),
+    Kernel(
+        "similarity_of_matrix44",
+        _GROUP,
+        (on.components("m", 4, 4),),
+        (checked(_OUT),),
+        _of_matrix44,
+    ),
+    Kernel(
+        "motor_scale",
+        _GROUP,
+        (_M,),
+        (Operand("out", (*on.MOTOR.names, "scale")),),
+        _motor_scale,
+    ),
+)

@@ -1,0 +1,20 @@
+// Rows of numbers, one after the other, taken apart into their components.
+
+#pragma once
+
+#include <cstddef>
+
+namespace motorcade {
+
+// Component j of row i goes to `to[j * step + i]`. Widths of 3, and multiples of 4 up to 16, are
+// fast.
+void split_rows(const float *rows, std::size_t count, std::size_t width, float *to,
+                std::size_t step);
+void split_rows(const double *rows, std::size_t count, std::size_t width, double *to,
+                std::size_t step);
+
+// Whether all of `count` numbers are finite.
+bool all_finite(const float *numbers, std::size_t count);
+bool all_finite(const double *numbers, std::size_t count);
+
+}  // namespace motorcade
