@@ -42,8 +42,6 @@ _similarity_of_motor = function("similarity_of_motor")
 
 def _empty(shape: tuple[int, ...], width: int, dtype: np.dtype[Any]) -> Array:
     """An array ``(*shape, width)`` for a kernel to write into, see the top of this module."""
-    if not shape:
-        return np.empty(width, dtype)
     count = prod(shape)
     if count < _BLOCK:
         return np.empty((*shape, width), dtype)
@@ -87,6 +85,9 @@ def _batch(*given: Array) -> tuple[int, ...]:
 def checked_call(kernel: Callable[..., bool], width: int, *given: Array) -> tuple[Array, bool]:
     """Apply a checked kernel to inputs ``(*, n)`` of one precision; and whether they are finite."""
     shape = _batch(*given)
+    if not shape:
+        made = np.empty(width, given[0].dtype)
+        return made, kernel(*given, made)
     made = _empty(shape, width, given[0].dtype)
     return made, kernel(*[_spread(one, shape, 1) for one in given], made)
 
@@ -94,6 +95,10 @@ def checked_call(kernel: Callable[..., bool], width: int, *given: Array) -> tupl
 def of_one(kernel: Callable[..., None], given: Array, width: int) -> Array:
     """Apply a kernel of one input ``(*, n)``."""
     shape = _batch(given)
+    if not shape:
+        made = np.empty(width, given.dtype)
+        kernel(given, made)
+        return made
     made = _empty(shape, width, given.dtype)
     kernel(_spread(given, shape, 1), made)
     return made
@@ -102,6 +107,10 @@ def of_one(kernel: Callable[..., None], given: Array, width: int) -> Array:
 def of_two(kernel: Callable[..., None], a: Array, b: Array, width: int) -> Array:
     """Apply a kernel of two inputs ``(*, n)`` whose batches broadcast."""
     shape = _batch(a, b)
+    if not shape:
+        made = np.empty(width, a.dtype)
+        kernel(a, b, made)
+        return made
     made = _empty(shape, width, a.dtype)
     kernel(_spread(a, shape, 1), _spread(b, shape, 1), made)
     return made

@@ -27,6 +27,8 @@ from motorcade.ga.versors.rotor import (
     Rotor,
     check_quaternions,
     check_rotation,
+    coefficients_of_euler,
+    euler_of_coefficients,
 )
 from motorcade.ga.versors.versor import Versor
 
@@ -137,12 +139,12 @@ class Motor(Versor):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, shapes that do not broadcast.
         """
-        t = given_floats(translation_m, "Motor translation_m", (3,))
-        broadcast_batch("Motor rotor and translation_m", rotor.shape, t.shape[:-1])
-        r = rotor.coefficients
-        if t.dtype is not r.dtype:
-            kind = common_precision(rotor, translation_m)
-            r, t = r.astype(kind, copy=False), t.astype(kind, copy=False)
+        return cls._of_parts(rotor.coefficients, translation_m)
+
+    @classmethod
+    def _of_parts(cls, rotor: FloatArray, translation_m: ArrayLike) -> Motor:
+        """The same of a rotor's coefficients."""
+        r, t = _of_one_precision(rotor, translation_m)
         made, finite = parts.motor_of(r, t)
         if not finite:
             checked_floats(translation_m, "Motor translation_m", (3,))
@@ -188,11 +190,7 @@ class Motor(Versor):
                 than 1e-6 from 1, shapes that do not broadcast.
         """
         q = given_floats(wxyz, "Rotor.from_quaternion(wxyz)", (4,))
-        t = given_floats(translation_m, "Motor translation_m", (3,))
-        broadcast_batch("Motor rotor and translation_m", q.shape[:-1], t.shape[:-1])
-        if t.dtype is not q.dtype:
-            kind = common_precision(q, translation_m)
-            q, t = q.astype(kind, copy=False), t.astype(kind, copy=False)
+        q, t = _of_one_precision(q, translation_m)
         made, off = parts.motor_of_quaternion(q, t)
         if not off <= cls._tolerance(q):
             check_quaternions(q, "Rotor.from_quaternion(wxyz)", cls._tolerance(q))
@@ -230,11 +228,11 @@ class Motor(Versor):
         Raises:
             ValueError: an unknown sequence, wrong last dimension, NaN or infinity.
         """
-        return cls.from_rotor_translation(Rotor.from_euler(angles_rad, sequence), translation_m)
+        return cls._of_parts(coefficients_of_euler(angles_rad, sequence), translation_m)
 
     def as_euler_translation(self, sequence: str = "xyz") -> tuple[FloatArray, FloatArray]:
         """Intrinsic Euler angles ``(*, 3)`` (see `Rotor.as_euler`) and translations ``(*, 3)``."""
-        return self.rotor.as_euler(sequence), self.translation_m
+        return euler_of_coefficients(self.coefficients[..., :4], sequence), self.translation_m
 
     @classmethod
     def from_twist(cls, twist: ArrayLike) -> Motor:
@@ -259,6 +257,17 @@ def _study(coefficients: FloatArray) -> FloatArray:
         coefficients[..., 1:4] * coefficients[..., 4:7], axis=-1
     )
     return products
+
+
+def _of_one_precision(rotor: FloatArray, translation_m: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Rotors or quaternions ``(*, 4)``, and translations ``(*, 3)`` whose batch goes with them."""
+    t = given_floats(translation_m, "Motor translation_m", (3,))
+    if t.shape[:-1] != rotor.shape[:-1]:
+        broadcast_batch("Motor rotor and translation_m", rotor.shape[:-1], t.shape[:-1])
+    if t.dtype is rotor.dtype:
+        return rotor, t
+    kind = common_precision(rotor, translation_m)
+    return rotor.astype(kind, copy=False), t.astype(kind, copy=False)
 
 
 def check_bottom_row(matrix: FloatArray, name: str) -> None:

@@ -135,12 +135,7 @@ class Rotor(Versor):
         Raises:
             ValueError: an unknown sequence, wrong last dimension, NaN or infinity.
         """
-        operands = sequence_operands(sequence)
-        given = given_floats(angles_rad, "angles_rad", (3,))
-        made, finite = parts.rotor_of_euler(given, operands.axes[given.dtype])
-        if not finite:
-            checked_floats(given, "angles_rad", (3,))
-        return cls._trusted(made)
+        return cls._trusted(coefficients_of_euler(angles_rad, sequence))
 
     def as_euler(self, sequence: str = "xyz") -> FloatArray:
         """Intrinsic Euler angles ``(*, 3)`` in radians, first and third in [-π, π].
@@ -148,10 +143,24 @@ class Rotor(Versor):
         The middle angle is in [-π/2, π/2], or in [0, π] where the sequence ends as it began. At
         gimbal lock only a combination of first and third is defined: the first is then 0.
         """
-        operands = sequence_operands(sequence)
-        return parts.euler_of_rotor(
-            self.coefficients, operands.frame[self.dtype], proper=operands.proper
-        )
+        return euler_of_coefficients(self.coefficients, sequence)
+
+
+def coefficients_of_euler(angles_rad: ArrayLike, sequence: str) -> FloatArray:
+    """Coefficients ``(*, 4)`` of `Rotor.from_euler`; see there."""
+    operands = sequence_operands(sequence)
+    given = given_floats(angles_rad, "angles_rad", (3,))
+    made, finite = parts.rotor_of_euler(given, operands.axes[given.dtype])
+    if not finite:
+        checked_floats(given, "angles_rad", (3,))
+    return made
+
+
+def euler_of_coefficients(coefficients: FloatArray, sequence: str) -> FloatArray:
+    """Angles ``(*, 3)`` of rotors' coefficients ``(*, 4)``; see `Rotor.as_euler`."""
+    operands = sequence_operands(sequence)
+    frame = operands.frame[coefficients.dtype]
+    return parts.euler_of_rotor(coefficients, frame, proper=operands.proper)
 
 
 def check_rotation(matrix: FloatArray) -> None:

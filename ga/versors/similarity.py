@@ -183,9 +183,10 @@ class Similarity(Versor):
         """
         t = given_floats(translation_m, "Motor translation_m", (3,))
         rho = _scales(scale)
-        shape = broadcast_batch("Motor rotor and translation_m", rotor.shape, t.shape[:-1])
-        broadcast_batch("Similarity motor and scale", shape, rho.shape)
         r = rotor.coefficients
+        if not r.ndim == t.ndim == rho.ndim + 1 == 1:
+            shape = broadcast_batch("Motor rotor and translation_m", rotor.shape, t.shape[:-1])
+            broadcast_batch("Similarity motor and scale", shape, rho.shape)
         if not t.dtype is rho.dtype is r.dtype:
             kind = common_precision(rotor, translation_m, scale)
             r, t, rho = (x.astype(kind, copy=False) for x in (r, t, rho))
