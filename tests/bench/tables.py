@@ -11,6 +11,8 @@ __all__ = ["SUITES", "run_suite"]
 SUITES: Mapping[str, tuple[str, str, str]] = {
     "blend": ("algebra.blend", "bench_blend", "blend_table"),
     "accuracy": ("algebra.accuracy", "bench_accuracy", "accuracy_table"),
+    "conversions": ("algebra.conversions", "bench_conversions", "conversions_table"),
+    "compiler": ("algebra.compiler", "bench_compiler", "compiler_table"),
     "table3": ("algebra.table3.measure", "bench_table3", "table3_table"),
     "smooth": ("smoothing.smooth", "bench_smooth", "smooth_table"),
     "smoothers": ("smoothing.smoothers", "bench_smoothers", "smoothers_table"),
