@@ -1,7 +1,8 @@
 """Algebra: a signature with named basis vectors, from which blades and multivectors are made.
 
 The order of the basis is: p vectors that square to 1, q to -1, r to 0; a null pair comes last. In
-CGA3 that is e1 < e2 < e3 < e0 < einf. A blade's name joins its vectors with ``^``; the scalar
+CGA3 that is e1 < e2 < e3 < e0 < einf. `Algebra.of` takes any order, and any number of null pairs.
+A blade's name joins its vectors with ``^``; the scalar
 is ``"1"``. Grades, reverse and outer product do not depend on which basis is written.
 """
 
@@ -10,15 +11,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from motorcade.ga.algebra.basis import Basis, Terms
 from motorcade.ga.algebra.multivector import Multivector
-from motorcade.ga.algebra.signature import Signature
+from motorcade.ga.algebra.signature import Signature, checked_vectors
 
 
 class Algebra(Signature):
     """The geometric algebra of `p` vectors that square to 1, `q` to -1 and `r` to 0.
 
     Args:
-        p: how many basis vectors square to 1; likewise `q` and `r`. At most 10 in all.
+        p: how many basis vectors square to 1; likewise `q` and `r`. At most 16 in all.
         names: of the basis vectors in this order; e1, e2, … if none are given.
         null_pair: let the last positive vector ep and the one negative vector em be written as
             ``e0 = ½ (em - ep)`` and ``einf = ep + em``, as in conformal algebras. They come last
@@ -37,6 +39,35 @@ class Algebra(Signature):
     """
 
     __slots__ = ()
+
+    @classmethod
+    def of(
+        cls,
+        squares: Mapping[str, int],
+        null_pairs: Sequence[tuple[str, str]] = (),
+        named: Mapping[str, Mapping[str, float]] | None = None,
+    ) -> Algebra:
+        """The algebra of these basis vectors, in this order.
+
+        Args:
+            squares: 1, -1 or 0 by the name of each basis vector.
+            null_pairs: pairs ``(origin, infinity)`` of vectors, of square 0 above, whose inner
+                product is -1. They are orthogonal to all others.
+            named: names for sums of basis vectors, by their coefficients; a single null pair has
+                ``ep`` and ``em`` where nothing is given.
+
+        Raises:
+            ValueError: no or too many vectors, names that are no distinct identifiers, squares
+                that are not 1, -1 or 0, pairs that share a vector or name no vector of square 0.
+
+        >>> from motorcade.ga import Algebra
+        >>> double = Algebra.of({"o1": 0, "i1": 0, "o2": 0, "i2": 0}, [("o1", "i1"), ("o2", "i2")])
+        >>> double.signature, (double.blade("o2") | double.blade("i2"))["1"]
+        ((2, 2, 0), -1.0)
+        """
+        made: Algebra = object.__new__(cls)
+        made._set(*checked_vectors(squares, null_pairs, named))
+        return made
 
     def blade(self, name: str) -> Multivector:
         """The blade of this name: ``"1"``, ``"e1^e2"``, ``"e3^e1"`` (which is ``-e1^e3``).
@@ -76,10 +107,9 @@ class Algebra(Signature):
 
     @property
     def orthogonal(self) -> Algebra:
-        """The same algebra on its orthogonal basis: itself, or the one that ends in ep, em."""
-        if not self.null_pair:
-            return self
-        return Algebra(*self.signature, (*self.names[:-2], "ep", "em"))
+        """The same algebra on its orthogonal basis, with ep and em in the places of a null pair."""
+        made: Any = super().orthogonal
+        return made  # type: ignore[no-any-return]
 
     @property
     def pseudoscalar(self) -> Multivector:
@@ -87,11 +117,18 @@ class Algebra(Signature):
         return Multivector._trusted(self, ((1 << self.dimension) - 1,), (self.pseudoscalar_sign,))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuilt, (self.signature, self.names, self.null_pair)
+        return _rebuilt, (self.basis.squares, self.basis.pairs, self.names, self._named)
 
 
-def _rebuilt(signature: tuple[int, int, int], names: tuple[str, ...], null_pair: bool) -> Algebra:
-    return Algebra(*signature, names, null_pair=null_pair)
+def _rebuilt(
+    squares: tuple[int, ...],
+    pairs: tuple[tuple[int, int], ...],
+    names: tuple[str, ...],
+    named: dict[str, Terms],
+) -> Algebra:
+    made: Algebra = object.__new__(Algebra)
+    made._set(Basis(squares, pairs), names, named)
+    return made
 
 
 EGA3 = Algebra(3)

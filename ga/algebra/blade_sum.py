@@ -207,6 +207,14 @@ class BladeSum(Value):
     def __ror__(self, other: Any) -> Self:
         return self._lifted(other) | self
 
+    def left_contraction(self, other: Any) -> Self:
+        """``a ⌋ b``: of blades the grade ``s - r``, zero where the left grade r is the higher."""
+        return self._product("left", self._lifted(other))
+
+    def right_contraction(self, other: Any) -> Self:
+        """``a ⌊ b``: of blades the grade ``r - s``, zero where the right grade s is the higher."""
+        return self._product("right", self._lifted(other))
+
     def __and__(self, other: BladeSum) -> Self:
         """Regressive product: the complements' outer product, back from the complement."""
         return (self.complement() ^ self._lifted(other).complement()).uncomplement()

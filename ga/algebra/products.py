@@ -27,8 +27,7 @@ def _geometric(basis: Basis, a: int, b: int) -> Terms:
 
 
 def _outer(basis: Basis, a: int, b: int) -> Terms:
-    whole = grade_of(a) + grade_of(b)
-    return tuple(term for term in basis.product(a, b) if grade_of(term[0]) == whole)
+    return basis.outer(a, b)
 
 
 def _inner(basis: Basis, a: int, b: int) -> Terms:
@@ -37,6 +36,18 @@ def _inner(basis: Basis, a: int, b: int) -> Terms:
     if r == 0 or s == 0:
         return ()
     return tuple(term for term in basis.product(a, b) if grade_of(term[0]) == abs(r - s))
+
+
+def _left_contraction(basis: Basis, a: int, b: int) -> Terms:
+    """The grade ``s - r``, zero where the left operand's grade r is above the right one's s."""
+    wanted = grade_of(b) - grade_of(a)
+    return tuple(term for term in basis.product(a, b) if grade_of(term[0]) == wanted)
+
+
+def _right_contraction(basis: Basis, a: int, b: int) -> Terms:
+    """The grade ``r - s``, zero where the right operand's grade s is above the left one's r."""
+    wanted = grade_of(a) - grade_of(b)
+    return tuple(term for term in basis.product(a, b) if grade_of(term[0]) == wanted)
 
 
 def _commutator(basis: Basis, a: int, b: int) -> Terms:
@@ -50,6 +61,8 @@ PRODUCTS: dict[str, Callable[[Basis, int, int], Terms]] = {
     "geometric": _geometric,
     "outer": _outer,
     "inner": _inner,
+    "left": _left_contraction,
+    "right": _right_contraction,
     "commutator": _commutator,
 }
 

@@ -6,22 +6,29 @@ blade's name joins its vectors with ``^``; the scalar is ``"1"``. `Algebra` make
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 from typing import Any
 
-from motorcade.ga.algebra.basis import Basis, Terms, indices_of, order_of, reorder_sign
+from motorcade.ga.algebra.basis import Basis, Terms, indices_of, order_of, wedged
 from motorcade.ga.algebra.products import Masks, Plan, plan_product, symmetric
 
-MAX_DIMENSION = 10
+MAX_DIMENSION = 16
+MAX_NAMED = 64
 _NAME = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 
 
 class Signature:
     """What multivectors need to know of their algebra, which is the subclass `Algebra`."""
 
-    __slots__ = ("_bits", "_plans", "basis", "names", "null_pair", "signature")
+    __slots__ = ("_bits", "_named", "_plans", "basis", "names", "null_pair", "signature")
+
+    basis: Basis
+    names: tuple[str, ...]
+    null_pair: bool
+    signature: tuple[int, int, int]
 
     def __init__(
         self,
@@ -33,15 +40,34 @@ class Signature:
         null_pair: bool = False,
     ) -> None:
         _check_counts(p, q, r, null_pair)
-        given = tuple(names) if names is not None else _default_names(p + q + r, null_pair)
-        _check_names(given, p + q + r, null_pair)
-        squares = (1,) * p + (-1,) * q + (0,) * r
-        self.signature = (p, q, r)
-        self.names = given
-        self.null_pair = null_pair
-        self.basis = Basis(squares, null_pair)
-        self._bits = {name: 1 << k for k, name in enumerate(given)}
+        size = p + q + r
+        given = tuple(names) if names is not None else _default_names(size, null_pair)
+        _check_names(given, size)
+        if null_pair and {"ep", "em"} & set(given):
+            raise ValueError(f"Algebra.names: expected no ep or em beside a null pair, got {given}")
+        basis = Basis((1,) * p + (-1,) * q + (0,) * r, ((size - 2, size - 1),) if null_pair else ())
+        self._set(basis, given, _of_pairs(basis, [("ep", "em")]) if null_pair else {})
+
+    def _set(self, basis: Basis, names: tuple[str, ...], named: dict[str, Terms]) -> None:
+        squares = basis.squares
+        self.signature = (squares.count(1), squares.count(-1), squares.count(0))
+        self.names = names
+        self.basis = basis
+        # Whether it is what `null_pair` makes: a pair at the end, ep and em.
+        last = ((len(names) - 2, len(names) - 1),)
+        self.null_pair = basis.pairs == last and set(named) == {"ep", "em"}
+        self._bits = {name: 1 << k for k, name in enumerate(names)}
+        self._named = named
         self._plans: dict[Any, Plan] = {}
+
+    def _set_like(self, other: Signature) -> None:
+        """Become the algebra that `other` is, with plans of its own."""
+        self._set(other.basis, other.names, other._named)
+
+    @property
+    def named(self) -> tuple[str, ...]:
+        """Names of the vectors that stand for sums of basis vectors, as ep and em do."""
+        return tuple(self._named)
 
     @property
     def dimension(self) -> int:
@@ -64,15 +90,30 @@ class Signature:
 
     @property
     def orthogonal(self) -> Signature:
-        """The same on its orthogonal basis: itself, or the one that ends in ep, em."""
-        if not self.null_pair:
+        """The same on its orthogonal basis, which has ep and em in the places of a null pair.
+
+        With several pairs these are ep1, em1, ep2, …; an underscore follows names that are taken.
+        """
+        if not self.basis.pairs:
             return self
-        return type(self)(*self.signature, (*self.names[:-2], "ep", "em"))
+        names = list(self.names)
+        for number, pair in enumerate(self.basis.pairs, 1):
+            for place, name in zip(pair, ("ep", "em"), strict=True):
+                wanted = name if len(self.basis.pairs) == 1 else f"{name}{number}"
+                while wanted in names:
+                    wanted += "_"
+                names[place] = wanted
+        made: Signature = object.__new__(type(self))
+        made._set(Basis(self.basis.squares, ()), tuple(names), {})
+        return made
 
     @property
     def pseudoscalar_sign(self) -> int:
-        """Of the unit pseudoscalar on the blade of all vectors in their order."""
-        return -1 if self.null_pair else 1
+        """Of the unit pseudoscalar on the blade of all vectors in their order.
+
+        It has ``einf∧e0`` of a null pair: a pair written the other way round turns the sign.
+        """
+        return -1 if sum(o < i for o, i in self.basis.pairs) & 1 else 1
 
     def masks_of(self, name: str) -> Terms:
         """A named blade as basis blades with signs; more than one where ep or em occurs.
@@ -84,7 +125,7 @@ class Signature:
             raise ValueError(f"{self}: expected the name of a blade, got {name!r}")
         total: dict[int, float] = {0: 1.0}
         for factor in [] if name == "1" else name.split("^"):
-            total = _wedged(total, self._factor(factor.strip(), name))
+            total = wedged(total, self._factor(factor.strip(), name))
             if not total:
                 raise ValueError(f"{self}: expected a blade that is not zero, got {name!r}")
         return tuple((mask, total[mask]) for mask in sorted(total, key=order_of))
@@ -93,10 +134,9 @@ class Signature:
         bit = self._bits.get(factor)
         if bit is not None:
             return ((bit, 1.0),)
-        if self.null_pair and factor in ("ep", "em"):
-            shift = self.dimension - (2 if factor == "ep" else 1)
-            return self.basis.from_orthogonal(1 << shift)
-        known = " ".join(self.names) + (" ep em" if self.null_pair else "")
+        if factor in self._named:
+            return self._named[factor]
+        known = " ".join((*self.names, *self._named))
         raise ValueError(f"{self}: expected a blade of {known} joined by '^', got {name!r}")
 
     def plan(
@@ -121,23 +161,15 @@ class Signature:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Signature):
             return NotImplemented
-        return self.basis == other.basis and self.names == other.names
+        return (
+            self.basis == other.basis and self.names == other.names and self._named == other._named
+        )
 
     def __hash__(self) -> int:
-        return hash((self.basis.squares, self.null_pair, self.names))
+        return hash((self.basis.squares, self.basis.pairs, self.names))
 
     def __repr__(self) -> str:
         return f"Algebra{self.signature}[{' '.join(self.names)}]"
-
-
-def _wedged(total: dict[int, float], factor: Terms) -> dict[int, float]:
-    made: dict[int, float] = {}
-    for mask, coefficient in total.items():
-        for bit, weight in factor:
-            if not mask & bit:
-                signed = reorder_sign(mask, bit) * coefficient * weight
-                made[mask | bit] = made.get(mask | bit, 0.0) + signed
-    return {mask: value for mask, value in made.items() if value != 0.0}
 
 
 def _default_names(dimension: int, null_pair: bool) -> tuple[str, ...]:
@@ -160,11 +192,76 @@ def _check_counts(p: int, q: int, r: int, null_pair: bool) -> None:
         )
 
 
-def _check_names(names: tuple[str, ...], dimension: int, null_pair: bool) -> None:
+def _of_pairs(basis: Basis, names: Sequence[tuple[str, str]]) -> dict[str, Terms]:
+    """The vectors ep and em of each null pair under these names."""
+    return {
+        name: basis.from_orthogonal(1 << place)
+        for pair, said in zip(basis.pairs, names, strict=True)
+        for place, name in zip(pair, said, strict=True)
+    }
+
+
+def _check_names(names: tuple[str, ...], dimension: int) -> None:
     if len(names) != dimension or len(set(names)) != dimension:
         raise ValueError(f"Algebra.names: expected {dimension} distinct names, got {names}")
     for name in names:
         if not isinstance(name, str) or not _NAME.fullmatch(name):
             raise ValueError(f"Algebra.names: expected identifiers, got {name!r}")
-    if null_pair and {"ep", "em"} & set(names):
-        raise ValueError(f"Algebra.names: expected no ep or em beside a null pair, got {names}")
+
+
+def checked_vectors(
+    squares: Mapping[str, int],
+    null_pairs: Sequence[tuple[str, str]],
+    named: Mapping[str, Mapping[str, float]] | None,
+) -> tuple[Basis, tuple[str, ...], dict[str, Terms]]:
+    """The basis, the names of its vectors, and what other names stand for; see `Algebra.of`.
+
+    Raises:
+        ValueError: whatever `Algebra.of` refuses.
+    """
+    names = tuple(squares)
+    if not 1 <= len(names) <= MAX_DIMENSION:
+        raise ValueError(
+            f"Algebra.of(squares): expected 1 to {MAX_DIMENSION} basis vectors, got {len(names)}"
+        )
+    _check_names(names, len(names))
+    signs = list(squares.values())
+    for name, square in squares.items():
+        if isinstance(square, bool) or square not in (-1, 0, 1):
+            raise ValueError(f"Algebra.of(squares): expected 1, -1 or 0 for {name}, got {square!r}")
+    paired = [name for pair in null_pairs for name in pair]
+    if len(set(paired)) != len(paired) or any(squares.get(name) != 0 for name in paired):
+        raise ValueError(
+            f"Algebra.of(null_pairs): expected pairs of different vectors of square 0, "
+            f"got {list(null_pairs)}"
+        )
+    places = tuple((names.index(o), names.index(i)) for o, i in null_pairs)
+    for o, i in places:
+        signs[o], signs[i] = 1, -1
+    basis = Basis(tuple(map(int, signs)), places)
+    if named is None:
+        alone = len(places) == 1 and not {"ep", "em"} & set(names)
+        return basis, names, _of_pairs(basis, [("ep", "em")]) if alone else {}
+    return basis, names, _checked_sums(names, named)
+
+
+def _checked_sums(
+    names: tuple[str, ...], named: Mapping[str, Mapping[str, float]]
+) -> dict[str, Terms]:
+    if len(named) > MAX_NAMED:
+        raise ValueError(f"Algebra.of(named): expected at most {MAX_NAMED}, got {len(named)}")
+    _check_names((*names, *named), len(names) + len(named))
+    made: dict[str, Terms] = {}
+    for name, parts in named.items():
+        for part, value in parts.items():
+            number = isinstance(value, int | float) and not isinstance(value, bool)
+            if part not in names or not number or not math.isfinite(value) or value == 0:
+                raise ValueError(
+                    f"Algebra.of(named): expected {name} as numbers by basis vectors, "
+                    f"got {value!r} of {part!r}"
+                )
+        if not parts:
+            raise ValueError(f"Algebra.of(named): expected a sum for {name}, got none")
+        places = sorted((names.index(part), float(value)) for part, value in parts.items())
+        made[name] = tuple((1 << place, value) for place, value in places)
+    return made

@@ -94,7 +94,7 @@ def _of_function(name: str, x: Multivector) -> int:
 
 def constants_of(algebra: Algebra) -> frozenset[str]:
     """The names of the basis vectors, ep and em beside a null pair included."""
-    return frozenset(algebra.names) | (frozenset({"ep", "em"}) if algebra.null_pair else set())
+    return frozenset((*algebra.names, *algebra.named))
 
 
 @cache

@@ -100,7 +100,7 @@ class _Recording(Algebra):
     __slots__ = ("flat", "steps")
 
     def __init__(self, plain: Algebra) -> None:
-        super().__init__(*plain.signature, plain.names, null_pair=plain.null_pair)
+        self._set_like(plain)
         self.steps: list[Step] = []
         self.flat: dict[str, Any] = {}
 

@@ -21,8 +21,8 @@ def refused(call: Callable[[], Any], message: str) -> None:
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: Algebra(11), "1 to 10 basis vectors, got 11"),
-        (lambda: Algebra(0), "1 to 10 basis vectors, got 0"),
+        (lambda: Algebra(17), "1 to 16 basis vectors, got 17"),
+        (lambda: Algebra(0), "1 to 16 basis vectors, got 0"),
         (lambda: Algebra(3, -1), r"Algebra\.q: expected a whole number"),
         (lambda: Algebra(2.0), r"Algebra\.p"),  # type: ignore[arg-type]
         (lambda: Algebra(True), r"Algebra\.p"),

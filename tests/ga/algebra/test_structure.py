@@ -6,6 +6,8 @@ import sys
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra
 
@@ -118,3 +120,50 @@ def test_import_brings_numpy_only_and_tabulates_nothing() -> None:
         "assert not ga.CGA3._plans and not ga.CGA3.basis._products\n"
     )
     subprocess.run([sys.executable, "-c", script], check=True)
+
+
+SEVERAL_PAIRS = Algebra.of(
+    dict.fromkeys(["i1", "x", "o2", "y", "o1", "z", "i2"], 0) | {"x": 1, "y": -1},
+    [("o1", "i1"), ("o2", "i2")],
+)
+
+
+@given(data=st.data())
+def test_several_null_pairs_are_their_orthogonal_basis(data: st.DataObject) -> None:
+    """In any order of the basis, products are those of the vectors ep and em of each pair."""
+    masks = st.dictionaries(st.integers(0, 127), st.integers(-5, 5), max_size=6)
+    a, b = (
+        SEVERAL_PAIRS.multivector({SEVERAL_PAIRS.blade_name(m): v for m, v in drawn.items()})
+        for drawn in (data.draw(masks), data.draw(masks))
+    )
+    there, back = a.as_orthogonal(), b.as_orthogonal()
+    for found, expected in [
+        (a * b, there * back),
+        (a ^ b, there ^ back),
+        (a | b, there | back),
+        (a.left_contraction(b), there.left_contraction(back)),
+        (a.right_contraction(b), there.right_contraction(back)),
+    ]:
+        assert found.as_orthogonal().isclose(expected, atol=0)
+        assert found.isclose(expected.from_orthogonal(SEVERAL_PAIRS), atol=0)
+
+
+def test_contractions_are_adjoint_to_the_outer_product() -> None:
+    """``⟨(a ∧ b) c⟩₀ = ⟨a (b ⌋ c)⟩₀``: Dorst, Fontijne and Mann, "Geometric Algebra", 3.2."""
+    rng = np.random.default_rng(5)
+    for algebra in (CGA3, PGA3, SEVERAL_PAIRS):
+        names = algebra.blades
+        chosen = rng.integers(0, len(names), (3, 9)).tolist()
+        a, b, c = (
+            algebra.multivector({names[k]: int(rng.integers(-4, 5)) for k in row}) for row in chosen
+        )
+        assert ((a ^ b) * c).scalar_part() == (a * b.left_contraction(c)).scalar_part()
+        assert (~a.left_contraction(b)).isclose((~b).right_contraction(~a), atol=0)
+
+
+def test_vectors_of_other_names_are_sums_of_basis_vectors() -> None:
+    algebra = Algebra.of({"o": 0, "i": 0}, [("o", "i")], {"p": {"i": 0.5, "o": -1.0}})
+    assert algebra.named == ("p",)
+    assert (algebra.blade("p") ** 2)["1"] == 1.0
+    assert algebra.blade("p^o").isclose(algebra.multivector({"o^i": -0.5}))
+    assert pickle.loads(pickle.dumps(algebra)) == algebra
