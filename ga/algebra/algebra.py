@@ -63,7 +63,7 @@ class Algebra(Signature):
         >>> from motorcade.ga import Algebra
         >>> double = Algebra.of({"o1": 0, "i1": 0, "o2": 0, "i2": 0}, [("o1", "i1"), ("o2", "i2")])
         >>> double.signature, (double.blade("o2") | double.blade("i2"))["1"]
-        ((2, 2, 0), -1.0)
+        ((2, 2, 0), -1)
         """
         made: Algebra = object.__new__(cls)
         made._set(*checked_vectors(squares, null_pairs, named))

@@ -87,7 +87,7 @@ def read_script(path: Path) -> Script:
             f"{path}: expected UTF-8 text, got the byte {data[refused.start]:#04x} "
             f"at offset {refused.start}"
         ) from refused
-    return parse(text, str(path))
+    return parse(text, str(path), path.parent)
 
 
 def _function_name(path: Path) -> str:

@@ -1,4 +1,4 @@
-"""ScriptError: what is wrong with a script, and where.
+"""ScriptError: what is wrong with a script, and where; ScriptWarning: what it says in vain.
 
 Lines and columns count from 1, columns in characters. The message shows the line with a caret
 under the column, and a hint where there is something to do.
@@ -6,6 +6,7 @@ under the column, and a hint where there is something to do.
 
 from __future__ import annotations
 
+import warnings
 from typing import NamedTuple
 
 _WINDOW = 100
@@ -53,6 +54,10 @@ class ScriptError(ValueError):
         return "\n".join([*lines, f"hint: {self.hint}"] if self.hint else lines)
 
 
+class ScriptWarning(UserWarning):
+    """What a script says that is left out, or means less here than where it comes from."""
+
+
 class Source:
     """A script's text under its file name: makes errors that show the line."""
 
@@ -67,6 +72,11 @@ class Source:
         """The error to raise for what stands at a place."""
         line = self._lines[place.line - 1].rstrip("\r")
         return ScriptError(message, self.file, place.line, place.column, line, hint)
+
+    def warn(self, place: Place, message: str) -> None:
+        """Warn of what stands at a place, as ``file:line:column: message``."""
+        where = f"{self.file}:{place.line}:{place.column}"
+        warnings.warn(ScriptWarning(f"{where}: {message}"), stacklevel=2)
 
 
 def _window(line: str, column: int) -> tuple[str, int]:

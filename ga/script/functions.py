@@ -1,9 +1,10 @@
-"""The functions that every script may call, over any scalars, and the macros written in CLUScript.
+"""The functions that every script may call, over any scalars.
 
 ``abs`` is ``√|⟨x ~x⟩₀|`` of any multivector, ``invert`` the inverse of any invertible one, and
 ``exp log sqrt normalize versor`` are those of `algebra.functions`; ``scalar`` is ``⟨x⟩₀``, and
-``complement uncomplement`` are the duals that need no metric. The others take scalars: blades that
-are zero, or that rounding left beside a scalar, do not stop it from being one.
+``complement uncomplement`` are the duals that need no metric; ``reverse involute conjugate`` change
+signs by grade, ``grade`` and ``coefficient`` take parts. The others take scalars: blades that are
+zero, or that rounding left beside a scalar, do not stop it from being one.
 """
 
 from __future__ import annotations
@@ -30,25 +31,9 @@ class Function(NamedTuple):
 _ROUNDING = 1e-12
 _LARGEST_FACTORIAL = 170
 
-COMMON_MACROS = """
-Dual = { *_P(1) }
-Normalize = { _P(1) / abs(_P(1)) }
-"""
-CONFORMAL_MACROS = """
-VecN3 = {
-    x = _P(1)*e1 + _P(2)*e2 + _P(3)*e3;
-    x + 0.5*(_P(1)*_P(1) + _P(2)*_P(2) + _P(3)*_P(3))*einf + e0
-}
-createPoint = { VecN3(_P(1), _P(2), _P(3)) }
-SphereN3 = { *(_P(1) - 0.5*_P(2)*_P(2)*einf) }
-SphereN3 = { SphereN3(VecN3(_P(1), _P(2), _P(3)), _P(4)) }
-RotorN3 = {
-    length = sqrt(_P(1)*_P(1) + _P(2)*_P(2) + _P(3)*_P(3));
-    plane = (_P(1)*e2^e3 + _P(2)*e3^e1 + _P(3)*e1^e2) / length;
-    cos(_P(4)/2) - sin(_P(4)/2)*plane
-}
-TranslatorN3 = { 1 - 0.5*(_P(1)*e1^einf + _P(2)*e2^einf + _P(3)*e3^einf) }
-"""
+# Functions of Gaalop's, which are called in any case of letters.
+_GAALOP = "abs acos asin atan ceil coefficient cos exp fact floor invert log sin sqrt tan"
+ANY_CASE = frozenset(_GAALOP.split(" "))
 
 
 def is_finite(value: Any) -> bool:
@@ -124,6 +109,40 @@ def _factorial(x: Multivector) -> Multivector:
     return _scalar_like(x, made.reshape(given.shape) if given.ndim else float(made[0]))
 
 
+def _coefficient(x: Multivector, blade: Multivector) -> Multivector:
+    """The coefficient of a basis blade, which may be written with its vectors in any order."""
+    named = _without_zeros(blade)
+    parts = [(m, v) for m, v in zip(named.masks, named.values, strict=True) if _not_zero(v)]
+    if len(parts) != 1 or type(parts[0][1]) not in (int, float) or abs(parts[0][1]) != 1.0:
+        raise ValueError(
+            f"expected one basis blade as the second argument, got blades {' '.join(named.blades)}"
+        )
+    mask, sign = parts[0]
+    value = dict(zip(x.masks, x.values, strict=True)).get(mask, 0.0)
+    return _scalar_like(x, value if sign > 0 else -value)
+
+
+def _not_zero(value: Any) -> bool:
+    return not (is_numeric(value) and bool(np.all(value == 0)))
+
+
+def _grade(x: Multivector, number: Multivector) -> Multivector:
+    value = _scalar(number)
+    highest = x.algebra.dimension
+    if type(value) not in (int, float) or value != int(value) or not 0 <= value <= highest:
+        raise ValueError(f"expected a grade from 0 to {highest} as the second argument")
+    return x.grade(int(value))
+
+
+def scalar_of(x: Multivector) -> Any:
+    """The value of a multivector that is a scalar.
+
+    Raises:
+        ValueError: other blades that are not zero.
+    """
+    return _scalar(x)
+
+
 def _of_multivector(name: str) -> Function:
     """A method of multivectors; blades that are zero wherever they could be seen are left out."""
 
@@ -141,22 +160,28 @@ def _without_zeros(x: Multivector) -> Multivector:
 
 
 FUNCTIONS: dict[str, Function] = {
+    "Dual": Function(1, lambda x: x.dual()),
     "abs": Function(1, _absolute),
     "acos": _elementary("arccos"),
     "asin": _elementary("arcsin"),
     "atan": _elementary("arctan"),
     "atan2": _elementary("arctan2", 2),
     "ceil": _elementary("ceil"),
+    "coefficient": Function(2, _coefficient),
     "complement": Function(1, lambda x: x.complement()),
+    "conjugate": Function(1, lambda x: x.conjugate()),
     "cos": _elementary("cos"),
     "exp": _of_multivector("exp"),
     "fact": Function(1, _factorial),
     "floor": _elementary("floor"),
+    "grade": Function(2, _grade),
+    "involute": Function(1, lambda x: x.involute()),
     "invert": Function(1, lambda x: x.inverse()),
     "log": _of_multivector("log"),
     "max": _elementary("fmax", 2),
     "min": _elementary("fmin", 2),
     "normalize": _of_multivector("normalize"),
+    "reverse": Function(1, lambda x: ~x),
     "scalar": Function(1, lambda x: x.grade(0)),
     "sign": _of_scalars(elementary.sign),
     "sin": _elementary("sin"),

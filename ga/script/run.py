@@ -2,141 +2,87 @@
 
 from __future__ import annotations
 
-import difflib
-from functools import cache
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from motorcade.ga.algebra import CGA3, Algebra, Multivector
-from motorcade.ga.algebra.functions.commuting import square_of, without_scalar
+from motorcade.ga.algebra import Algebra, Multivector
 from motorcade.ga.algebra.scalars import is_numeric
-from motorcade.ga.script.errors import Place, ScriptError
-from motorcade.ga.script.functions import COMMON_MACROS, CONFORMAL_MACROS, FUNCTIONS, is_finite
-from motorcade.ga.script.reading.parser import parse
+from motorcade.ga.script.algebras import AlgebraDefinition
+from motorcade.ga.script.branches import COMPARISONS, chosen, compared, decided, truth
+from motorcade.ga.script.budget import Budget
+from motorcade.ga.script.errors import Place, ScriptError, Source
+from motorcade.ga.script.functions import ANY_CASE, FUNCTIONS, Function, is_finite, scalar_of
+from motorcade.ga.script.macros import Macros
 from motorcade.ga.script.reading.syntax import (
     Argument,
     Assignment,
     Binary,
+    Break,
     Call,
     Expression,
+    If,
+    Loop,
     Macro,
+    Mark,
     Name,
+    NormalizePragma,
     Number,
     OutputPragma,
     RangePragma,
     Script,
+    Slice,
+    Step,
     Unary,
     postorder,
 )
 
-MAX_STEPS = 100_000
-MAX_TERMS = 200_000
-_PRODUCTS = frozenset("*^.")
-# How many products the closed forms of functions take at most, and the series of `exp`.
-_CLOSED = 12
-_SERIES = 40
 MAX_MACRO_DEPTH = 32
 
 
-class Budget:
-    """How much an evaluation has cost so far."""
-
-    def __init__(self) -> None:
-        self._steps = 0
-        self._terms = 0
-
-    def spend(self, node: Expression, operands: list[Multivector]) -> str:
-        """Count a step that is about to be done: what is wrong if it is one too many, or ""."""
-        self._steps += 1
-        if self._steps > MAX_STEPS:
-            return f"expected at most {MAX_STEPS} steps"
-        self._terms += _terms(node, operands)
-        if self._terms > MAX_TERMS:
-            return f"expected products of at most {MAX_TERMS} terms in all"
-        return ""
-
-
-def _terms(node: Expression, operands: list[Multivector]) -> int:
-    sizes = [len(x.masks) for x in operands]
-    if isinstance(node, Binary) and node.operator in _PRODUCTS:
-        return sizes[0] * sizes[1]
-    if isinstance(node, Binary) and node.operator == "/":
-        right = operands[1]
-        whole = len(right.masks) if _has_scalar_size(right) else 1 << right.algebra.dimension
-        return _of_inverse(right) + sizes[0] * whole
-    if isinstance(node, Call) and len(operands) == 1:
-        return _of_function(node.name, operands[0])
-    return sum(sizes) if isinstance(node, Binary | Unary) else 0
-
-
-def _of_inverse(x: Multivector) -> int:
-    size, dimension = len(x.masks), x.algebra.dimension
-    if _has_scalar_size(x):
-        return size * size
-    return size * size + (size << dimension + (dimension + 1) // 2)
-
-
-def _has_scalar_size(x: Multivector) -> bool:
-    """Whether ``x ~x`` is a scalar by structure; looked at only where that is cheap."""
-    return len(x.masks) ** 2 <= MAX_TERMS and not any(x._reverse_plan().masks)
-
-
-def _of_function(name: str, x: Multivector) -> int:
-    size, whole = len(x.masks), 1 << x.algebra.dimension
-    if size * size > MAX_TERMS or name == "invert":
-        return _of_inverse(x)
-    if name not in ("exp", "log", "sqrt", "versor"):
-        return size * size
-    if name != "exp" or square_of(without_scalar(x)) is not None:
-        return _CLOSED * size * size
-    return _SERIES * size * whole
-
-
 def constants_of(algebra: Algebra) -> frozenset[str]:
-    """The names of the basis vectors, ep and em beside a null pair included."""
+    """The names of the basis vectors, and of the vectors that are sums of them."""
     return frozenset((*algebra.names, *algebra.named))
 
 
-@cache
-def _built_in(algebra: Algebra) -> dict[tuple[str, int], tuple[Script, Macro]]:
-    text = COMMON_MACROS + (CONFORMAL_MACROS if algebra == CGA3 else "")
-    script = parse(text, "<macros>")
-    found = [statement for statement in script.statements if isinstance(statement, Macro)]
-    return {(macro.name, macro.arity): (script, macro) for macro in found}
-
-
 class _Scope:
-    """What one body sees: its own names, its arguments, and the macros above itself."""
+    """What one body sees: its own names and arguments, and what it is the body of."""
 
     def __init__(
         self,
-        script: Script,
+        source: Source,
         names: dict[str, Multivector],
         arguments: tuple[Multivector, ...] = (),
         macro: Macro | None = None,
     ) -> None:
-        self.script = script
         self.names = names
         self.macro = macro
         self.arguments = arguments
-
-    def error(self, place: Place, message: str, hint: str = "") -> ScriptError:
-        return self.script.source.error(place, message, hint)
+        self.error = source.error
+        self.source = source
 
 
 class Run:
     """One evaluation of a script over the values that are given for its free variables."""
 
-    def __init__(self, script: Script, algebra: Algebra, given: dict[str, Multivector]) -> None:
+    def __init__(
+        self,
+        script: Script,
+        algebra: Algebra,
+        definition: AlgebraDefinition,
+        given: dict[str, Multivector],
+    ) -> None:
         self._script = script
         self._algebra = algebra
         self._constants = {name: algebra.blade(name) for name in constants_of(algebra)}
         self._values = dict(given)
-        self._scope = _Scope(script, self._values)
-        self._macros = dict(_built_in(algebra))
-        self._own: set[tuple[str, int]] = set()
+        self._scope = _Scope(script.source, self._values)
+        self._macros = Macros(script, definition)
         self._budget = Budget()
         self._depth = 0
+        self._undecided = 0
+        self._made: dict[str, Multivector] = {}
+        self._normalized = [p.place for p in script.pragmas if isinstance(p, NormalizePragma)]
 
     def outputs(self) -> dict[str, Multivector]:
         """The outputs by name.
@@ -145,40 +91,40 @@ class Run:
             ScriptError: see `meaning.evaluate`.
         """
         self._check_ranges()
-        made: dict[str, Multivector] = {}
-        for statement in self._script.statements:
-            if isinstance(statement, Macro):
-                self._define(statement)
-                continue
-            if isinstance(statement, Assignment):
-                self._assign(statement, self._scope)
-            if statement.mark == "?":
-                made[statement.name] = self._lookup(Name(statement.place, statement.name))
-        return self._selected(made)
+        steps = [step for step in self._script.statements if not isinstance(step, Macro)]
+        self._run(steps, self._scope)
+        return self._selected(self._made)
 
     def _selected(self, made: dict[str, Multivector]) -> dict[str, Multivector]:
         """Add the outputs of pragmas, and keep the blades they name."""
         blades: dict[str, dict[str, Place]] = {}
+        leading: dict[str, Multivector] = {}
         for pragma in self._script.pragmas:
             if isinstance(pragma, OutputPragma):
-                made.setdefault(pragma.name, self._lookup(Name(pragma.place, pragma.name)))
+                if pragma.name not in made:
+                    made[pragma.name] = self._read_name(
+                        Name(pragma.place, pragma.name), self._scope
+                    )
+                if pragma.leads:
+                    leading[pragma.name] = made[pragma.name]
                 wanted = blades.setdefault(pragma.name, {})
                 wanted.update(dict.fromkeys(pragma.blades, pragma.place))
-        return {name: self._kept(x, blades.get(name, {})) for name, x in made.items()}
+        ordered = {**leading, **made}
+        return {name: self._kept(x, blades.get(name, {})) for name, x in ordered.items()}
 
     def _kept(self, x: Multivector, blades: dict[str, Place]) -> Multivector:
         if not blades:
             return x
         kept: set[int] = set()
         for blade, place in blades.items():
-            try:
-                kept.update(mask for mask, _ in self._algebra.masks_of(blade))
-            except ValueError as refused:
-                raise self._scope.error(place, str(refused)) from refused
+            kept.update(self._masks(blade, place, self._scope))
         return x._selected(kept.__contains__)
 
-    def _lookup(self, name: Name) -> Multivector:
-        return self._read_name(name, self._scope)
+    def _masks(self, blade: str, place: Place, scope: _Scope) -> list[int]:
+        try:
+            return [mask for mask, _ in self._algebra.masks_of(blade)]
+        except ValueError as refused:
+            raise scope.error(place, str(refused)) from refused
 
     def _check_ranges(self) -> None:
         for pragma in self._script.pragmas:
@@ -191,23 +137,104 @@ class Run:
                         f"got values from {np.min(value):g} to {np.max(value):g}",
                     )
 
-    def _define(self, macro: Macro) -> None:
-        key = (macro.name, macro.arity)
-        if key in self._own or macro.name in FUNCTIONS:
-            raise self._scope.error(
-                macro.place, f"{macro.name} is already defined", "choose another name"
-            )
-        self._own.add(key)
-        self._macros[key] = (self._script, macro)
+    # Statements ----------------------------------------------------------------------------------
 
-    def _assign(self, statement: Assignment, scope: _Scope) -> None:
-        if statement.name in self._constants:
+    def _run(self, steps: Sequence[Step], scope: _Scope) -> bool:
+        """Run statements in their order; whether a ``break`` ended them."""
+        for step in steps:
+            if isinstance(step, Break):
+                if self._undecided:
+                    raise scope.error(
+                        step.place, "expected a break on a condition that is known", _ROUNDS
+                    )
+                return True
+            if isinstance(step, If):
+                if self._branch(step, scope):
+                    return True
+            elif isinstance(step, Loop):
+                self._loop(step, scope)
+            else:
+                if isinstance(step, Assignment):
+                    self._assign(step, scope)
+                if step.mark == "?":
+                    self._output(step, scope)
+        return False
+
+    def _branch(self, step: If, scope: _Scope) -> bool:
+        condition = self._scalar(step.condition, scope)
+        known = decided(condition)
+        if known is not None:
+            return self._run(step.then if known else step.otherwise, scope)
+        self._undecided += 1
+        before = dict(scope.names)
+        self._run(step.then, scope)
+        then = dict(scope.names)
+        scope.names.clear()
+        scope.names.update(before)
+        self._run(step.otherwise, scope)
+        self._undecided -= 1
+        for name in {**then, **scope.names}:
+            if name not in then or name not in scope.names:
+                # What one branch alone has made has no value behind them.
+                scope.names.pop(name, None)
+            elif then[name] is not scope.names[name]:
+                made = chosen(self._algebra, condition, then[name], scope.names[name])
+                scope.names[name] = made
+        return False
+
+    def _loop(self, step: Loop, scope: _Scope) -> None:
+        rounds = 0
+        while not step.rounds or rounds < step.rounds:
+            over = self._budget.spend(None, [])
+            if over:
+                raise scope.error(step.place, over, "does the loop end in a break?")
+            if self._run(step.body, scope):
+                return
+            rounds += 1
+
+    def _scalar(self, condition: Expression, scope: _Scope) -> object:
+        value = self._value(condition, scope)
+        try:
+            return scalar_of(value)
+        except ValueError as refused:
+            raise scope.error(condition.place, f"condition: {refused}") from refused
+
+    def _assign(self, step: Assignment, scope: _Scope) -> None:
+        if step.name in self._constants:
             raise scope.error(
-                statement.place,
-                f"{statement.name} is a basis vector of {self._algebra}",
+                step.place,
+                f"{step.name} is a basis vector of {self._algebra}",
                 "assign to another name",
             )
-        scope.names[statement.name] = self._value(statement.value, scope)
+        value = self._value(step.value, scope)
+        if step.mark == "?" and any(place < step.place for place in self._normalized):
+            scope.names[f"{step.name}_unnormalized"] = value
+            size = FUNCTIONS["abs"].apply(value)
+            try:
+                value = value / size
+            except ValueError as refused:
+                raise scope.error(step.place, f"normalize: {refused}") from refused
+        scope.names[step.name] = value
+
+    def _output(self, step: Assignment | Mark, scope: _Scope) -> None:
+        """Take an output; those of macros have the names that Gaalop gives them."""
+        if self._undecided:
+            raise scope.error(
+                step.place,
+                "expected outputs outside of branches whose condition is not known",
+                f"write ?{step.name}; behind the branch",
+            )
+        made = self._read_name(Name(step.place, step.name), scope)
+        name = step.name
+        if scope.macro is not None:
+            name = first = f"macro_{scope.macro.name}_{step.name}"
+            number = 0
+            while name in self._made:
+                number += 1
+                name = f"{first}{number}"
+        self._made[name] = made
+
+    # Expressions ---------------------------------------------------------------------------------
 
     def _value(self, root: Expression, scope: _Scope) -> Multivector:
         stack: list[Multivector] = []
@@ -231,100 +258,108 @@ class Run:
             return self._read_name(node, scope)
         if isinstance(node, Argument):
             return scope.arguments[node.index - 1]
-        if isinstance(node, Call) and node.name not in FUNCTIONS:
-            return self._called(node, tuple(operands), scope)
+        if isinstance(node, Slice):
+            masks = [m for blade in node.blades for m in self._masks(blade, node.place, scope)]
+            return operands[0]._selected(set(masks).__contains__)
+        if isinstance(node, Unary) and node.operator == "*":
+            node = Call(node.place, "Dual", (node.operand,))
+        if isinstance(node, Call):
+            return self._called(node, operands, scope)
         try:
-            return _operated(node, operands)
+            return self._operated(node, operands)
         except (ValueError, ArithmeticError) as refused:
-            shown = str(refused)
-            if isinstance(node, Call) and not shown.startswith(f"{node.name}: "):
-                shown = f"{node.name}: {shown}"
-            raise scope.error(node.place, shown) from refused
+            raise scope.error(node.place, str(refused)) from refused
 
     def _read_name(self, node: Name, scope: _Scope) -> Multivector:
-        for names in (self._constants, scope.names, self._values):
-            if node.name in names:
-                return names[node.name]
-        raise scope.error(node.place, f"{node.name} has no value here")
+        name = node.name.removeprefix("::")
+        places = [self._constants, scope.names]
+        if scope.macro is None or self._macros.is_own(scope.macro):
+            places.append(self._values)
+        if name != node.name:
+            places = [self._constants, self._values]
+        for names in places:
+            if name in names:
+                return names[name]
+        raise scope.error(node.place, f"{name} has no value here")
 
-    def _called(self, node: Call, arguments: tuple[Multivector, ...], scope: _Scope) -> Multivector:
-        found = self._visible(node, scope)
+    def _called(self, node: Call, operands: list[Multivector], scope: _Scope) -> Multivector:
+        name = node.name.removeprefix("::")
+        found = self._macros.found(name, len(operands), scope.macro)
         if found is None:
-            raise self._unknown(node, scope)
+            raise scope.error(node.place, *self._macros.unknown(node, scope.macro))
+        if isinstance(found, Macro):
+            return self._expanded(node, found, tuple(operands), scope)
+        if name.lower() in ANY_CASE:
+            name = name.lower()
+            if len(operands) > found.arity:
+                scope.source.warn(
+                    node.place, f"{node.name} takes {found.arity}: what follows is left out"
+                )
+                operands = operands[: found.arity]
+        try:
+            return _computed(found, operands)
+        except (ValueError, ArithmeticError) as refused:
+            shown = str(refused)
+            shown = shown if shown.startswith(f"{name}: ") else f"{name}: {shown}"
+            raise scope.error(node.place, shown) from refused
+
+    def _expanded(
+        self, node: Call, macro: Macro, arguments: tuple[Multivector, ...], scope: _Scope
+    ) -> Multivector:
         if self._depth >= MAX_MACRO_DEPTH:
             raise scope.error(
                 node.place, f"expected at most {MAX_MACRO_DEPTH} macros that call each other"
             )
-        script, macro = found
-        inner = _Scope(script, {}, arguments, macro)
+        inner = _Scope(macro.source, {}, arguments, macro)
         self._depth += 1
         try:
-            for statement in macro.body:
-                self._assign(statement, inner)
+            self._run(macro.body, inner)
             return self._value(macro.value, inner)
         except ScriptError as refused:
-            if script is self._script:
+            if self._macros.is_own(macro):
                 raise
-            # A macro of ours has no place in the user's file: the call has.
+            # A macro of the algebra has no place in the user's file: the call has.
             raise scope.error(node.place, f"{node.name}: {refused.message}", refused.hint) from None
         finally:
             self._depth -= 1
 
-    def _visible(self, node: Call, scope: _Scope) -> tuple[Script, Macro] | None:
-        """The macro of a call; those of ours call each other, whatever the script defines."""
-        key = (node.name, len(node.arguments))
-        macros = self._macros if scope.script is self._script else _built_in(self._algebra)
-        found = macros.get(key)
-        own = found is not None and found[0] is self._script
-        if own and found and scope.macro is not None and found[1].place >= scope.macro.place:
-            return _built_in(self._algebra).get(key)
-        return found
+    def _operated(self, node: Expression, operands: list[Multivector]) -> Multivector:
+        if isinstance(node, Unary):
+            return self._prefixed(node.operator, operands[0])
+        left, right = operands
+        operator = node.operator if isinstance(node, Binary) else ""
+        if operator in COMPARISONS:
+            return self._algebra.scalar(compared(operator, left, right))
+        return _OPERATIONS[operator](left, right)
 
-    def _unknown(self, node: Call, scope: _Scope) -> ScriptError:
-        counts = sorted(arity for name, arity in self._macros if name == node.name)
-        if any(count != len(node.arguments) for count in counts):
-            wanted = " or ".join(map(str, counts))
-            return scope.error(
-                node.place, f"{node.name}: expected {wanted} arguments, got {len(node.arguments)}"
-            )
-        known = [*FUNCTIONS, *dict.fromkeys(name for name, _ in self._macros)]
-        known = [name for name in known if name != node.name]
-        near = difflib.get_close_matches(node.name[:40], known, n=1, cutoff=0.75)
-        hint = f"did you mean {near[0]}?" if near else "a macro is defined above its first use"
-        if any(name == node.name for name, _ in _built_in(CGA3)):
-            hint = f"{node.name} is a macro of cga3, and this is {self._algebra}"
-        return scope.error(node.place, f"there is no function or macro {node.name[:40]}", hint)
+    def _prefixed(self, operator: str, x: Multivector) -> Multivector:
+        if operator == "!!":
+            return self._algebra.scalar(1.0 - truth(scalar_of(x)))
+        return ~x if operator == "~" else -x
+
+
+_ROUNDS = "how often a loop runs must not depend on symbols, or differ over a batch"
+_OPERATIONS: dict[str, Callable[[Multivector, Multivector], Multivector]] = {
+    "^": lambda left, right: left ^ right,
+    ".": lambda left, right: left | right,
+    "&": lambda left, right: left & right,
+    "<<": lambda left, right: left.left_contraction(right),
+    ">>": lambda left, right: left.right_contraction(right),
+    "/": lambda left, right: left / right,
+    "*": lambda left, right: left * right,
+    "+": lambda left, right: left + right,
+    "-": lambda left, right: left - right,
+}
 
 
 def _operand_count(node: Expression) -> int:
     if isinstance(node, Call):
         return len(node.arguments)
-    return 2 if isinstance(node, Binary) else int(isinstance(node, Unary))
+    return 2 if isinstance(node, Binary) else int(isinstance(node, Unary | Slice))
 
 
-def _operated(node: Expression, operands: list[Multivector]) -> Multivector:
-    if isinstance(node, Call):
-        function = FUNCTIONS[node.name]
-        if len(operands) != function.arity:
-            wanted = "one argument" if function.arity == 1 else f"{function.arity} arguments"
-            raise ValueError(f"expected {wanted}, got {len(operands)}")
-        return function.apply(*operands)
-    if isinstance(node, Unary):
-        return _prefixed(node.operator, operands[0])
-    left, right = operands
-    operator = node.operator if isinstance(node, Binary) else ""
-    if operator == "^":
-        return left ^ right
-    if operator == ".":
-        return left | right
-    if operator == "/":
-        return left / right
-    if operator == "*":
-        return left * right
-    return left + right if operator == "+" else left - right
-
-
-def _prefixed(operator: str, x: Multivector) -> Multivector:
-    if operator == "*":
-        return x.dual()
-    return ~x if operator == "~" else -x
+def _computed(function: Function, operands: list[Multivector]) -> Multivector:
+    if len(operands) != function.arity:
+        wanted = "one argument" if function.arity == 1 else f"{function.arity} arguments"
+        raise ValueError(f"expected {wanted}, got {len(operands)}")
+    return function.apply(*operands)

@@ -1,8 +1,10 @@
 """Expressions of CLUScript by operator precedence, on a stack of its own.
 
-Tightest first: brackets and calls, the prefixes ``*`` dual, ``~`` reverse and ``-``, then ``^``,
-``.``, ``/``, ``*``, and last ``-`` and ``+`` together. All binary operators group to the left, so
-``a - b + c`` is ``(a - b) + c``. Nesting is limited, and never costs the caller's own stack.
+Tightest first: brackets, calls and slices ``x[e1, e2]``, the prefixes ``*`` dual, ``~`` reverse,
+``-`` and ``!!`` not, then ``^`` with ``&``, ``.`` with ``<<`` and ``>>``, ``/``, ``*``, then ``-``
+and ``+`` together, comparisons, ``==`` and ``!=``, ``&&``, ``||``. All binary operators group to
+the left, so ``a - b + c`` is ``(a - b) + c``. Nesting is limited, and never costs the caller's own
+stack.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from motorcade.ga.script.reading.syntax import (
     Expression,
     Name,
     Number,
+    Slice,
     Unary,
 )
 
@@ -25,9 +28,17 @@ MAX_NESTING = 200
 MAX_ARGUMENTS = 100
 MAX_OPERATIONS = 20_000
 
-_BINDING = {"^": 5, ".": 4, "/": 3, "*": 2, "-": 1, "+": 1}
-_PREFIXES = frozenset("*~-")
-_PREFIX_BINDING = 6
+_TIGHTEST_LAST = ("||", "&&", "== !=", "< <= > >=", "- +", "*", "/", ". << >>", "^ &")
+_BINDING = {
+    operator: binding
+    for binding, together in enumerate(_TIGHTEST_LAST, 1)
+    for operator in together.split()
+}
+_PREFIXES = frozenset(["*", "~", "-", "!!"])
+_PREFIX_BINDING = 10
+
+
+_SLICED = "x[e1, e2^e3] is the part of x on these blades, coefficient(x, e1) one coefficient"
 
 
 class Cursor:
@@ -49,10 +60,23 @@ class Cursor:
         """The token after the next one."""
         return self._tokens[min(self._next + 1, len(self._tokens) - 1)]
 
+    @property
+    def second(self) -> Token:
+        """The token after `following`."""
+        return self._tokens[min(self._next + 2, len(self._tokens) - 1)]
+
+    def named(self, word: str) -> bool:
+        """Whether the next token is this name."""
+        return self.token.kind == "name" and self.token.text == word
+
+    @property
+    def before(self) -> Token | None:
+        """The token that was read last."""
+        return self._tokens[self._next - 1] if self._next else None
+
     def named_next(self, *symbols: str) -> bool:
         """Whether a name and then one of these symbols follow the next token."""
-        after = self._tokens[min(self._next + 2, len(self._tokens) - 1)]
-        return self.following.kind == "name" and after.text in symbols
+        return self.following.kind == "name" and self.second.text in symbols
 
     def take(self) -> Token:
         """Read one token; the end is never passed."""
@@ -73,6 +97,25 @@ class Cursor:
         if not self.at(symbol):
             raise self.unexpected(f"'{symbol}'", hint)
         return self.take()
+
+    @property
+    def at_end(self) -> bool:
+        """Whether a statement ends here: at ``;``, or where the next one begins on a later line."""
+        token, before = self.token, self.before
+        below = before is not None and token.place.line > before.place.line
+        begins = token.kind in ("name", "end") or token.text in ("}", "?", "!", ":")
+        return self.at(";") or (below and begins)
+
+    def end_statement(self) -> None:
+        """Read the ``;`` of a statement, which the end of its line may stand for.
+
+        Raises:
+            ScriptError: something else follows.
+        """
+        if not self.at_end:
+            raise self.unexpected("';'", "every statement ends in ';'")
+        if self.at(";"):
+            self.take()
 
     def unexpected(self, expected: str, hint: str = "") -> ScriptError:
         """The error of a token that cannot come next."""
@@ -113,8 +156,9 @@ class _Pending:
 class _Reader:
     """Reads one expression: operands and what waits for them, on two stacks."""
 
-    def __init__(self, cursor: Cursor) -> None:
+    def __init__(self, cursor: Cursor, closed: bool) -> None:
         self._cursor = cursor
+        self._closed = closed
         self._operands: list[Expression] = []
         self._pending: list[_Pending] = []
         self._nesting = 0
@@ -158,8 +202,6 @@ class _Reader:
             return Number(cursor.take().place, float(token.text))
         if token.kind != "name":
             hint = "" if token.kind != "symbol" else "an operand is a name, a number or a bracket"
-            if cursor.at(":"):
-                hint = "macros see the names of the script: leave the :: out"
             raise cursor.unexpected("an expression", hint)
         cursor.take()
         return _argument(cursor, token) if token.text == "_P" else Name(token.place, token.text)
@@ -170,6 +212,9 @@ class _Reader:
         while True:
             token = cursor.token
             binding = _BINDING.get(token.text) if token.kind == "symbol" else None
+            if cursor.at("["):
+                self._operands.append(_slice(cursor, self._operands.pop()))
+                continue
             if binding is not None:
                 self._reduce(binding)
                 self._pending.append(_Pending(cursor.take().place, token.text, binding, 0))
@@ -177,6 +222,8 @@ class _Reader:
             if not (cursor.at(",") or cursor.at(")")):
                 return False
             self._reduce(1)
+            if not self._pending and self._closed and cursor.at(")"):
+                return False
             if not self._pending:
                 raise cursor.unexpected("an operator or ';'", "no bracket is open here")
             if cursor.at(","):
@@ -226,13 +273,42 @@ class _Reader:
                 self._operands.append(Binary(waiting.place, waiting.text, left, right))
 
 
-def parse_expression(cursor: Cursor) -> Expression:
-    """Read one expression and stop before the token that ends it.
+def parse_expression(cursor: Cursor, *, closed: bool = False) -> Expression:
+    """Read one expression and stop before the token that ends it; `closed`: a bracket may.
 
     Raises:
         ScriptError: no expression, a bracket left open, too deep or too long a one.
     """
-    return _Reader(cursor).read()
+    return _Reader(cursor, closed).read()
+
+
+def _slice(cursor: Cursor, operand: Expression) -> Slice:
+    """The rest of ``x[e1, e2^e3]``."""
+    opened = cursor.take()
+    cursor.count_operation(opened.place)
+    blades: list[str] = []
+    while not blades or cursor.at(","):
+        if blades:
+            cursor.take()
+        if len(blades) >= MAX_ARGUMENTS:
+            raise cursor.unexpected(f"at most {MAX_ARGUMENTS} blades")
+        blades.append(_blade(cursor))
+    cursor.expect("]", _SLICED)
+    return Slice(opened.place, operand, tuple(blades))
+
+
+def _blade(cursor: Cursor) -> str:
+    if cursor.token.kind == "number" and float(cursor.token.text) == 1.0:
+        cursor.take()
+        return "1"
+    factors: list[str] = []
+    while not factors or cursor.at("^"):
+        if factors:
+            cursor.take()
+        if cursor.token.kind != "name":
+            raise cursor.unexpected("the name of a blade", _SLICED)
+        factors.append(cursor.take().text)
+    return "^".join(factors)
 
 
 def _argument(cursor: Cursor, name: Token) -> Argument:

@@ -3,7 +3,8 @@
 Names are ASCII identifiers. Numbers are decimal, with an optional exponent and C's suffixes f and
 d, which change nothing; a point that follows digits belongs to the number, so the inner product of
 a number is written with a space. ``/*`` always opens a comment: division by a dual is ``a / *b``.
-``//#pragma …`` is one token.
+``//#pragma …``, ``#pragma …`` and ``#include …`` are one token each, and so is a name with ``::``
+before it, which says that it is the script's.
 """
 
 from __future__ import annotations
@@ -19,21 +20,18 @@ MAX_TOKENS = 200_000
 _PATTERN = re.compile(
     r"(?P<space>[ \t\r\f]+)"
     r"|(?P<newline>\n)"
-    r"|(?P<pragma>//#pragma[^\n]*)"
+    r"|(?P<pragma>(?:(?://)?#pragma|#include)\b[^\n]*)"
     r"|(?P<comment>//[^\n]*)"
     r"|(?P<block>/\*)"
     r"|(?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)(?:[fFdD](?![A-Za-z_0-9]))?"
-    r"|(?P<name>[A-Za-z_][A-Za-z_0-9]*)"
-    r"|(?P<symbol>[-+*/^.~()=?!:;,{}])"
+    r"|(?P<name>(?:::)?[A-Za-z_][A-Za-z_0-9]*)"
+    r"|(?P<symbol>[=!<>]=|&&|\|\||!!|<<|>>|[-+*/^.~()=?!:;,{}<>&\[\]])"
 )
 _HINTS = {
-    "[": "a macro's argument is written _P(1), a coefficient is not indexed",
-    "$": "an output's blades are chosen with //#pragma output NAME BLADE …",
+    "$": "an output's blades are chosen with #pragma output NAME BLADE …",
     "%": "there is no remainder; write x - y*floor(x/y)",
-    "&": "the meet of outer forms is the dual of the outer product of duals",
     "|": "the inner product is written with a point",
-    "#": "a pragma is written //#pragma",
-    **dict.fromkeys("<>", "there are no branches; step, sign, abs, min and max choose values"),
+    "#": "a pragma is written #pragma, a file of macros #include FILE",
     '"': "there are no strings",
 }
 

@@ -1,248 +1,293 @@
-"""Parser of CLUScript: statements, macros and pragmas around `expressions`.
+"""Parser of CLUScript: statements and macros around `expressions`, with the `pragmas`.
 
 A statement is ``name = expression;`` or, with a mark, ``?name = expression;`` or ``?name;``:
-``?`` output, ``!`` evaluate, ``:`` draw. A macro is ``name = { statements; expression }``; its
-arguments are ``_P(1)``, ``_P(2)``, … Macros do not nest. What CLUCalc and Gaalop write for the
-screen is read and left out: ``:IPNS;``, ``:Red;``, ``:a^b;``, ``_BGColor = White;``.
+``?`` output, ``!`` evaluate, ``:`` draw. The end of a line ends it too. A macro is ``name = {
+statements; expression }``; its arguments are ``_P(1)``, ``_P(2)``, … Macros do not nest. There are
+``if (condition) { … } else { … }`` and ``loop { … break; … }``. What CLUCalc and Gaalop write for
+the screen is read and left out: ``:IPNS;``, ``:Red;``, ``:a^b;``, ``_BGColor = White;``.
 ``DefVarsN3();`` is the pragma of its algebra.
 """
 
 from __future__ import annotations
 
-import math
-import re
+from pathlib import Path
 
 from motorcade.ga.script.errors import Source
 from motorcade.ga.script.reading.expressions import Cursor, parse_expression
+from motorcade.ga.script.reading.imports import Imports
 from motorcade.ga.script.reading.lexer import Token, tokenize
+from motorcade.ga.script.reading.pragmas import parse_pragma
 from motorcade.ga.script.reading.syntax import (
     AlgebraPragma,
     Argument,
     Assignment,
+    Break,
     Expression,
+    If,
+    ImportPragma,
+    Loop,
     Macro,
     Mark,
-    OutputPragma,
     Pragma,
-    RangePragma,
     Script,
     Statement,
+    Step,
+    UnrollPragma,
+    expressions_of,
     postorder,
 )
 
-_NAME = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
-_BLADE = re.compile(r"1(?:\.0*)?|[A-Za-z_][A-Za-z_0-9]*(?:\^[A-Za-z_][A-Za-z_0-9]*)*")
-_NUMBER = r"-?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
-_RANGE = re.compile(rf"({_NUMBER})\s*<=\s*([A-Za-z_][A-Za-z_0-9]*)\s*<=\s*({_NUMBER})")
-_USES = {
-    "output": "//#pragma output NAME BLADE …, blades such as 1, e1 or e1^e2",
-    "return": "//#pragma return NAME …",
-    "range": "//#pragma range LOW <= NAME <= HIGH",
-    "algebra": "//#pragma algebra cga3, or //#pragma algebra P Q R",
-}
+MAX_BLOCKS = 20
 _MARKS = ("?", "!", ":")
-_SCREEN = frozenset(
-    [
-        "IPNS",
-        "OPNS",
-        "Black",
-        "Blue",
-        "Cyan",
-        "Green",
-        "Magenta",
-        "Orange",
-        "Red",
-        "White",
-        "Yellow",
-    ]
-)
+_COLOURS = ("Black", "Blue", "Cyan", "Green", "Magenta", "Orange", "Red", "White", "Yellow")
+_SCREEN = frozenset(["IPNS", "OPNS", *_COLOURS])
 _ALGEBRAS = {"DefVarsE3": "ega3", "DefVarsN3": "cga3"}
-_BRANCHES = "there are no branches and loops; step, sign, abs, min and max choose values"
 _HINTS = {
-    **dict.fromkeys(("if", "else", "loop", "break", "for", "while"), _BRANCHES),
-    **dict.fromkeys(("DefVarsP3", "DefVarsC2"), "write //#pragma algebra P Q R"),
+    **dict.fromkeys(("for", "while"), "a loop is written loop { … if (…) { break; } … }"),
+    **dict.fromkeys(("DefVarsP3", "DefVarsC2"), "write #pragma algebra P Q R"),
 }
+_USUAL = "a statement is name = expression; or ?name;"
 
 
-def parse_pragma(source: Source, token: Token) -> list[Pragma]:
-    """What one pragma says: several names after ``return`` are several pragmas.
+def parse(text: str, file: str = "<script>", folder: Path | None = None) -> Script:
+    """Read a script.
 
-    Raises:
-        ScriptError: an unknown pragma, or one that is not written as above.
-    """
-    rest = token.text.removeprefix("//#pragma").strip()
-    kind, _, said = rest.partition(" ")
-    if kind not in _USES:
-        raise source.error(token.place, f"expected a pragma {', '.join(_USES)}, got {kind[:40]!a}")
-    made = _parsed(kind, said.strip(), token)
-    if not made:
-        raise source.error(
-            token.place, f"this {kind} pragma cannot be read", f"write {_USES[kind]}"
-        )
-    return made
-
-
-def _parsed(kind: str, said: str, token: Token) -> list[Pragma]:
-    """The pragmas, none where they cannot be read."""
-    words = said.split()
-    if kind == "range":
-        return _range(said, token)
-    if kind == "algebra":
-        return _algebra_pragma(words, token)
-    if not words or not _NAME.fullmatch(words[0]):
-        return []
-    if kind == "return":
-        known = all(_NAME.fullmatch(word) for word in words)
-        return [OutputPragma(token.place, word, ()) for word in words] if known else []
-    if not all(_BLADE.fullmatch(word) for word in words[1:]):
-        return []
-    blades = tuple("1" if word.startswith("1") else word for word in words[1:])
-    return [OutputPragma(token.place, words[0], blades)]
-
-
-def _range(said: str, token: Token) -> list[Pragma]:
-    found = _RANGE.fullmatch(said)
-    if found is None:
-        return []
-    low, high = float(found[1]), float(found[3])
-    if not (math.isfinite(low) and math.isfinite(high) and low <= high):
-        return []
-    return [RangePragma(token.place, low, found[2], high)]
-
-
-def _algebra_pragma(words: list[str], token: Token) -> list[Pragma]:
-    if len(words) == 1 and _NAME.fullmatch(words[0]):
-        return [AlgebraPragma(token.place, words[0].lower(), (0, 0, 0))]
-    if len(words) == 3 and all(re.fullmatch("[0-9]{1,2}", word) for word in words):
-        p, q, r = (int(word) for word in words)
-        return [AlgebraPragma(token.place, "", (p, q, r))]
-    return []
-
-
-def parse(text: str, file: str = "<script>") -> Script:
-    """Read a script; `file` is how errors name it.
+    Args:
+        text: of the script.
+        file: how errors name it.
+        folder: where the files lie that it may name: macros to import, an algebra. Without one it
+            may name none.
 
     Raises:
-        ScriptError: what is wrong and where.
+        ScriptError: what is wrong and where, in the script or in a file that it imports.
 
     >>> from motorcade.ga.script import parse
     >>> len(parse("a = x*e1; ?square = a*a;").statements)
     2
     """
-    source = Source(text, file)
+    return _parsed(Source(text, file), folder, Imports(folder))
+
+
+def _parsed(source: Source, folder: Path | None, imports: Imports) -> Script:
     tokens = tokenize(source)
     pragmas: list[Pragma] = []
+    macros: list[Macro] = []
     for token in tokens:
         if token.kind == "pragma":
             pragmas.extend(parse_pragma(source, token))
+    for pragma in pragmas:
+        if isinstance(pragma, ImportPragma):
+            macros.extend(_imported(source, pragma, imports))
     cursor = Cursor(source, [token for token in tokens if token.kind != "pragma"])
-    statements: list[Statement] = []
-    while cursor.token.kind != "end":
+    reader = _Statements(cursor, pragmas)
+    return Script(source, (*macros, *reader.read()), tuple(pragmas), folder)
+
+
+def _imported(source: Source, pragma: ImportPragma, imports: Imports) -> list[Macro]:
+    """The macros of a file, and of those that it imports."""
+    made: list[Macro] = []
+    with imports.opened(source, pragma) as found:
+        if found is None:
+            return []
+        script = _parsed(found, imports.folder, imports)
+        for statement in script.statements:
+            if not isinstance(statement, Macro):
+                raise found.error(
+                    statement.place, "expected macros alone in a file that is imported"
+                )
+            made.append(statement)
+    return made
+
+
+class _Statements:
+    """Reads the statements of one text."""
+
+    def __init__(self, cursor: Cursor, pragmas: list[Pragma]) -> None:
+        self._cursor = cursor
+        self._pragmas = pragmas
+        self._unrolled = [p for p in pragmas if isinstance(p, UnrollPragma)]
+        self._in_macro = False
+        self._blocks = 0
+        self._loops = 0
+
+    def read(self) -> list[Statement]:
+        cursor = self._cursor
+        made: list[Statement] = []
+        while cursor.token.kind != "end":
+            if cursor.token.text in _ALGEBRAS and cursor.following.text == "(":
+                self._pragmas.append(_algebra(cursor))
+            elif cursor.token.kind == "name" and self._opens_macro():
+                made.append(self._macro())
+            else:
+                made.extend(self._step())
+        return made
+
+    def _opens_macro(self) -> bool:
+        return self._cursor.following.text == "=" and self._cursor.second.text == "{"
+
+    def _step(self) -> list[Step]:
+        """The next statement, if it is one that computes."""
+        cursor = self._cursor
         if cursor.at(";"):
             cursor.take()
-        elif cursor.token.text in _ALGEBRAS and cursor.following.text == "(":
-            pragmas.append(_algebra(cursor))
-        elif not _for_the_screen(cursor):
-            statements.append(_statement(cursor))
-    return Script(source, tuple(statements), tuple(pragmas))
+            return []
+        if self._for_the_screen():
+            return []
+        if cursor.token.kind == "name" and cursor.following.text == "(" and cursor.named("if"):
+            return [self._if()]
+        if cursor.named("loop") and cursor.following.text == "{":
+            return [self._loop()]
+        if cursor.named("break") and cursor.following.text != "=":
+            place = cursor.take().place
+            if not self._loops:
+                raise cursor.source.error(place, "expected a break inside a loop")
+            cursor.end_statement()
+            return [Break(place)]
+        return [self._assigned()]
+
+    def _block(self) -> tuple[Step, ...]:
+        """``{ statements }``, or one statement."""
+        cursor = self._cursor
+        self._blocks += 1
+        if self._blocks > MAX_BLOCKS:
+            raise cursor.source.error(
+                cursor.token.place, f"expected at most {MAX_BLOCKS} blocks in each other"
+            )
+        made: list[Step] = []
+        if cursor.at("{"):
+            cursor.take()
+            while not cursor.at("}"):
+                if cursor.token.kind == "end":
+                    raise cursor.unexpected("'}'", "a block is { statements }")
+                made.extend(self._step())
+            cursor.take()
+        else:
+            made = self._step()
+        self._blocks -= 1
+        return tuple(made)
+
+    def _if(self) -> If:
+        cursor = self._cursor
+        place = cursor.take().place
+        cursor.expect("(", "a branch is if (condition) { … } else { … }")
+        condition = self._expression(closed=True)
+        cursor.expect(")", "a branch is if (condition) { … } else { … }")
+        then = self._block()
+        while cursor.at(";"):
+            cursor.take()
+        otherwise: tuple[Step, ...] = ()
+        if cursor.named("else"):
+            cursor.take()
+            otherwise = self._block()
+        return If(place, condition, then, otherwise)
+
+    def _loop(self) -> Loop:
+        """A loop, with the rounds of the pragma between it and what comes before it."""
+        cursor = self._cursor
+        before = cursor.before
+        place = cursor.take().place
+        said = [
+            pragma.rounds
+            for pragma in self._unrolled
+            if pragma.place < place and (before is None or before.place < pragma.place)
+        ]
+        self._loops += 1
+        body = self._block()
+        self._loops -= 1
+        return Loop(place, body, said[-1] if said else 0)
+
+    def _for_the_screen(self) -> bool:
+        """Read what only draws, if that is what comes next."""
+        cursor = self._cursor
+        if cursor.token.text == "_BGColor" and cursor.following.text == "=":
+            cursor.take()
+            cursor.take()
+        elif cursor.at(":") and cursor.following.text in _SCREEN:
+            cursor.take()
+            cursor.take()
+            if cursor.at(";"):
+                cursor.take()
+            return True
+        elif cursor.at(":") and not cursor.named_next(";", "=") and cursor.following.text != ":":
+            cursor.take()
+        else:
+            return False
+        self._expression()
+        cursor.end_statement()
+        return True
+
+    def _assigned(self) -> Assignment | Mark:
+        cursor = self._cursor
+        mark = cursor.take().text if any(map(cursor.at, _MARKS)) else ""
+        if cursor.token.kind != "name" or cursor.token.text == "_P":
+            raise cursor.unexpected("a name", _USUAL)
+        name = cursor.take()
+        said = name.text.removeprefix("::")
+        if mark and cursor.at_end:
+            cursor.end_statement()
+            return Mark(name.place, mark, said)
+        cursor.expect("=", _HINTS.get(said, _USUAL))
+        if cursor.at("{"):
+            raise cursor.unexpected("an expression", "a macro stands by itself and has no mark")
+        if self._in_macro and name.text != said:
+            raise cursor.source.error(
+                name.place, f"a macro reads {name.text}, and assigns names of its own alone"
+            )
+        value = self._expression()
+        cursor.end_statement()
+        return Assignment(name.place, mark, said, value)
+
+    def _expression(self, *, closed: bool = False) -> Expression:
+        value = parse_expression(self._cursor, closed=closed)
+        for node in () if self._in_macro else postorder(value):
+            if isinstance(node, Argument):
+                raise self._cursor.source.error(
+                    node.place, f"_P({node.index}) stands outside a macro", "give it a name"
+                )
+        return value
+
+    def _macro(self) -> Macro:
+        cursor = self._cursor
+        name = cursor.take()
+        cursor.take()
+        cursor.take()
+        self._in_macro = True
+        body: list[Step] = []
+        while self._at_step():
+            if cursor.following.text == "=" and cursor.second.text == "{":
+                raise cursor.unexpected("an expression", "a macro holds no other macro")
+            body.extend(self._step())
+        if cursor.at("}"):
+            raise cursor.unexpected(
+                "an expression", "a macro ends in the expression that it stands for"
+            )
+        value = self._expression()
+        if cursor.at(";"):
+            cursor.take()
+        cursor.expect("}", "a macro is name = { statements; expression }")
+        self._in_macro = False
+        parts = [*expressions_of(body), value]
+        indices = [n.index for part in parts for n in postorder(part) if isinstance(n, Argument)]
+        said = name.text.removeprefix("::")
+        return Macro(name.place, said, tuple(body), value, max(indices, default=0), cursor.source)
+
+    def _at_step(self) -> bool:
+        """Whether a statement of a macro comes next, and not yet its value."""
+        cursor = self._cursor
+        if cursor.at(";") or any(map(cursor.at, _MARKS)):
+            return True
+        if cursor.token.kind != "name" or cursor.token.text == "_P":
+            return False
+        if cursor.following.text == "=" or cursor.named("break"):
+            return True
+        return (cursor.named("if") and cursor.following.text == "(") or (
+            cursor.named("loop") and cursor.following.text == "{"
+        )
 
 
 def _algebra(cursor: Cursor) -> AlgebraPragma:
     """``DefVarsN3();``"""
-    name = cursor.take()
+    name: Token = cursor.take()
     for symbol in "();":
         cursor.expect(symbol, f"write {name.text}();")
     return AlgebraPragma(name.place, _ALGEBRAS[name.text], (0, 0, 0))
-
-
-def _for_the_screen(cursor: Cursor) -> bool:
-    """Read what only draws, if that is what comes next."""
-    if cursor.token.text == "_BGColor" and cursor.following.text == "=":
-        cursor.take()
-        cursor.take()
-    elif cursor.at(":") and cursor.following.text in _SCREEN:
-        cursor.take()
-        cursor.take()
-        if cursor.at(";"):
-            cursor.take()
-        return True
-    elif cursor.at(":") and not cursor.named_next(";", "=") and cursor.following.text != ":":
-        cursor.take()
-    else:
-        return False
-    _outside_macro(cursor, parse_expression(cursor))
-    cursor.expect(";", "every statement ends in ';'")
-    return True
-
-
-def _statement(cursor: Cursor) -> Statement:
-    mark = _mark(cursor)
-    name = _name(cursor)
-    if mark and cursor.at(";"):
-        cursor.take()
-        return Mark(name.place, mark, name.text)
-    cursor.expect("=", _HINTS.get(name.text, "a statement is name = expression; or ?name;"))
-    if not mark and cursor.at("{"):
-        return _macro(cursor, name)
-    return _assigned(cursor, mark, name)
-
-
-def _mark(cursor: Cursor) -> str:
-    return cursor.take().text if any(map(cursor.at, _MARKS)) else ""
-
-
-def _name(cursor: Cursor) -> Token:
-    if cursor.token.kind != "name" or cursor.token.text == "_P":
-        scoped = "macros see the names of the script: leave the :: out"
-        usual = "a statement is name = expression; or ?name;"
-        raise cursor.unexpected("a name", scoped if cursor.at(":") else usual)
-    return cursor.take()
-
-
-def _assigned(cursor: Cursor, mark: str, name: Token) -> Assignment:
-    if cursor.at("{"):
-        raise cursor.unexpected("an expression", "a macro stands by itself and has no mark")
-    value = _outside_macro(cursor, parse_expression(cursor))
-    cursor.expect(";", "every statement ends in ';'")
-    return Assignment(name.place, mark, name.text, value)
-
-
-def _outside_macro(cursor: Cursor, value: Expression) -> Expression:
-    for node in postorder(value):
-        if isinstance(node, Argument):
-            raise cursor.source.error(
-                node.place, f"_P({node.index}) stands outside a macro", "give it a name"
-            )
-    return value
-
-
-def _macro(cursor: Cursor, name: Token) -> Macro:
-    cursor.expect("{")
-    body: list[Assignment] = []
-    while _at_local(cursor):
-        local = cursor.take()
-        cursor.take()
-        if cursor.at("{"):
-            raise cursor.unexpected("an expression", "a macro holds no other macro")
-        body.append(Assignment(local.place, "", local.text, parse_expression(cursor)))
-        cursor.expect(";", "every statement of a macro ends in ';'")
-    if cursor.at("?"):
-        raise cursor.unexpected("an expression", "an output is marked outside of macros")
-    if cursor.at("}"):
-        raise cursor.unexpected(
-            "an expression", "a macro ends in the expression that it stands for"
-        )
-    value = parse_expression(cursor)
-    if cursor.at(";"):
-        cursor.take()
-    cursor.expect("}", "a macro is name = { statements; expression }")
-    parts = [statement.value for statement in body] + [value]
-    indices = [n.index for part in parts for n in postorder(part) if isinstance(n, Argument)]
-    return Macro(name.place, name.text, tuple(body), value, max(indices, default=0))
-
-
-def _at_local(cursor: Cursor) -> bool:
-    """Whether a local name is assigned next; the marks ! and : before it say nothing here."""
-    if (cursor.at("!") or cursor.at(":")) and cursor.following.kind == "name":
-        cursor.take()
-    return cursor.token.kind == "name" and cursor.following.text == "="

@@ -6,8 +6,9 @@ and nodes compare by identity.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from motorcade.ga.script.errors import Place, Source
 
@@ -38,7 +39,7 @@ class Argument:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Unary:
-    """``-x``, ``~x`` reverse or ``*x`` dual."""
+    """``-x``, ``~x`` reverse, ``*x`` dual or ``!!x`` logical not."""
 
     place: Place
     operator: str
@@ -47,7 +48,7 @@ class Unary:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Binary:
-    """``^ . / * - +`` between two operands; the place is the operator's."""
+    """An operator between two operands; the place is the operator's."""
 
     place: Place
     operator: str
@@ -64,7 +65,16 @@ class Call:
     arguments: tuple[Expression, ...]
 
 
-Expression = Number | Name | Argument | Unary | Binary | Call
+@dataclass(frozen=True, eq=False, repr=False)
+class Slice:
+    """``x[e1, e2^e3]``: the part of `operand` on these blades; the place is the bracket's."""
+
+    place: Place
+    operand: Expression
+    blades: tuple[str, ...]
+
+
+Expression = Number | Name | Argument | Unary | Binary | Call | Slice
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -87,28 +97,73 @@ class Mark:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class If:
+    """``if (condition) then`` with or without ``else otherwise``."""
+
+    place: Place
+    condition: Expression
+    then: tuple[Step, ...]
+    otherwise: tuple[Step, ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Loop:
+    """``loop { body }`` up to a ``break``; `rounds` are those of ``#pragma unroll``, 0 without."""
+
+    place: Place
+    body: tuple[Step, ...]
+    rounds: int
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Break:
+    """``break;``"""
+
+    place: Place
+
+
+Step = Assignment | Mark | If | Loop | Break
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Macro:
-    """``name = { statements; expression }``; `arity` is the highest index of ``_P``."""
+    """``name = { statements; expression }`` of the text `source`.
+
+    `arity` is the highest index of ``_P``.
+    """
 
     place: Place
     name: str
-    body: tuple[Assignment, ...]
+    body: tuple[Step, ...]
     value: Expression
     arity: int
+    source: Source
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class OutputPragma:
-    """``//#pragma output name blade …`` or ``//#pragma return name``; no blades: all of them."""
+    """``#pragma output name blade …`` or ``#pragma return name``; no blades: all of them.
+
+    `leads` are those of ``#pragma in2out``, which come before all other outputs.
+    """
 
     place: Place
     name: str
     blades: tuple[str, ...]
+    leads: bool = False
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class InputPragma:
+    """A variable that ``#pragma in2out`` names before its arrow."""
+
+    place: Place
+    name: str
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RangePragma:
-    """``//#pragma range low <= name <= high``."""
+    """``#pragma range low <= name <= high``."""
 
     place: Place
     low: float
@@ -118,20 +173,62 @@ class RangePragma:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AlgebraPragma:
-    """``//#pragma algebra`` with a name, or with p, q and r."""
+    """``#pragma algebra`` with a name or the name of a file, or with p, q and r."""
 
     place: Place
     name: str
     signature: tuple[int, int, int]
 
 
-Statement = Assignment | Mark | Macro
-Pragma = OutputPragma | RangePragma | AlgebraPragma
+@dataclass(frozen=True, eq=False, repr=False)
+class NormalizePragma:
+    """``#pragma normalize``: outputs that are assigned below it are divided by their size."""
+
+    place: Place
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class UnrollPragma:
+    """``#pragma unroll N``: how often the loop below it runs."""
+
+    place: Place
+    rounds: int
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ImportPragma:
+    """``#pragma import FILE`` or ``#include FILE``: a file of macros beside the script."""
+
+    place: Place
+    file: str
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LeftOutPragma:
+    """What is read and changes nothing; `why` is what a warning says, none if empty."""
+
+    place: Place
+    why: str
+
+
+Statement = Step | Macro
+Pragma = (
+    OutputPragma
+    | InputPragma
+    | RangePragma
+    | AlgebraPragma
+    | NormalizePragma
+    | UnrollPragma
+    | ImportPragma
+    | LeftOutPragma
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Script:
     """A parsed script: its statements and pragmas, each in the order of the text.
+
+    `folder` is where the files lie that it names, None if it may name none.
 
     >>> from motorcade.ga.script import parse
     >>> [statement.name for statement in parse("a = x*e1; ?square = a*a;").statements]
@@ -141,6 +238,7 @@ class Script:
     source: Source
     statements: tuple[Statement, ...]
     pragmas: tuple[Pragma, ...]
+    folder: Path | None = None
 
 
 def postorder(root: Expression) -> Iterator[Expression]:
@@ -159,6 +257,18 @@ def postorder(root: Expression) -> Iterator[Expression]:
 def _operands(node: Expression) -> tuple[Expression, ...]:
     if isinstance(node, Binary):
         return node.left, node.right
-    if isinstance(node, Unary):
+    if isinstance(node, Unary | Slice):
         return (node.operand,)
     return node.arguments if isinstance(node, Call) else ()
+
+
+def expressions_of(steps: Sequence[Step]) -> Iterator[Expression]:
+    """The expressions of statements in their order, those of blocks included."""
+    for step in steps:
+        if isinstance(step, Assignment):
+            yield step.value
+        elif isinstance(step, If):
+            yield step.condition
+            yield from expressions_of((*step.then, *step.otherwise))
+        elif isinstance(step, Loop):
+            yield from expressions_of(step.body)

@@ -14,8 +14,9 @@ import numpy as np
 
 from motorcade.ga.algebra.scalars import is_numeric
 from motorcade.ga.script import Script, ScriptError, evaluate, parse
+from motorcade.ga.script.algebras import definitions
 from motorcade.ga.script.functions import FUNCTIONS
-from motorcade.ga.script.meaning import ALGEBRAS, algebra_of, free_variables
+from motorcade.ga.script.meaning import algebra_of, free_variables
 from tests.fuzz.runner import Feed
 
 __all__ = ["MAKERS", "prepare"]
@@ -85,7 +86,7 @@ def grown_expression(rng: Generator, names: list[str], depth: int) -> str:
 
 
 def grown_script(rng: Generator) -> str:
-    algebra = chosen(rng, [*ALGEBRAS, "2 3 0", "1 0 4", "3 3 0", "cga3", "cga3"], 1)[0]
+    algebra = chosen(rng, [*definitions(), "2 3 0", "1 0 4", "3 3 0", "cga3", "cga3"], 1)[0]
     names = ["e1", "e2", "1", "0.5", "2", "1e-9", "s", "t"]
     names += ["e3", "e0", "einf"] if algebra == "cga3" else []
     body = grown_expression(rng, [*names, "_P(1)", "_P(2)"], 2)

@@ -83,7 +83,10 @@ GOLDEN: list[tuple[str, dict[str, float]]] = [
     ("RotorN3(0, 0, 2, 1.2)", {"1": np.cos(0.6), "e1^e2": -np.sin(0.6)}),
     ("RotorN3(0, 3, 0, 1.2)", {"1": np.cos(0.6), "e1^e3": np.sin(0.6)}),
     ("Dual(e1) - *e1", {}),
-    ("Normalize(3*e1 + 4*e2)", {"e1": 0.6, "e2": 0.8}),
+    ("Normalize(-3*createPoint(1, 2, 3))", {"e1": 1, "e2": 2, "e3": 3, "e0": 1, "einf": 7}),
+    ("normalize(3*e1 + 4*e2)", {"e1": 0.6, "e2": 0.8}),
+    ("SQRT(16)*Cos(0)", {"1": 4}),
+    ("coefficient(3*e1 + 5*e1^e2, e2^e1)", {"1": -5}),
     ("abs(3*e1 + 4*e2)", {"1": 5}),
     ("abs(e1^e2 - 2)", {"1": np.sqrt(5)}),
 ]  # fmt: skip

@@ -90,7 +90,7 @@ def test_the_macros_have_their_published_meaning() -> None:
     script = parse("""
         ?point = createPoint(1, 2, 3); ?vector = VecN3(1, 2, 3);
         ?sphere = SphereN3(point, 2); ?same = SphereN3(1, 2, 3, 2);
-        ?dual = Dual(vector); ?unit = Normalize(3*e1 + 4*e2);
+        ?dual = Dual(vector); ?unit = normalize(3*e1 + 4*e2);
     """)
     made = evaluate(script)
     assert numbers(made["point"], "e1 e2 e3 e0 einf") == [1, 2, 3, 1, 7]

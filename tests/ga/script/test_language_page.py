@@ -6,11 +6,12 @@ from pathlib import Path
 import pytest
 
 from motorcade.ga.script import ScriptError, evaluate, parse
-from motorcade.ga.script.functions import COMMON_MACROS, CONFORMAL_MACROS, FUNCTIONS
-from motorcade.ga.script.meaning import ALGEBRAS
+from motorcade.ga.script.algebras import definitions
+from motorcade.ga.script.budget import MAX_STEPS, MAX_TERMS
+from motorcade.ga.script.functions import FUNCTIONS
 from motorcade.ga.script.reading.expressions import MAX_ARGUMENTS, MAX_NESTING, MAX_OPERATIONS
 from motorcade.ga.script.reading.lexer import MAX_SCRIPT_CHARACTERS, MAX_TOKENS
-from motorcade.ga.script.run import MAX_MACRO_DEPTH, MAX_STEPS, MAX_TERMS
+from motorcade.ga.script.run import MAX_MACRO_DEPTH
 
 DOCS = Path(__file__).parents[3] / "docs"
 PAGE = (DOCS / "cluscript.md").read_text()
@@ -23,9 +24,10 @@ def section(title: str) -> str:
 def test_every_function_macro_and_algebra_is_on_the_page() -> None:
     text = section("Functions")
     assert [name for name in FUNCTIONS if not re.search(rf"`[^`]*\b{name}\b", text)] == []
-    macros = re.findall(r"^(\w+) = \{", COMMON_MACROS + CONFORMAL_MACROS, re.MULTILINE)
-    assert [name for name in macros if f"`{name}(" not in section("Macros")] == []
-    assert [name for name in ALGEBRAS if f"`{name}`" not in section("Algebras")] == []
+    for name, definition in definitions().items():
+        assert f"`{name}`" in section("Algebras")
+        macros = {macro for macro, _ in definition.macros if macro[0] != "_"}
+        assert [macro for macro in macros if not re.search(rf"\b{macro}\b", PAGE)] == []
 
 
 def test_the_limits_are_those_of_the_page() -> None:

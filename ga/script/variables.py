@@ -1,0 +1,125 @@
+"""The free variables of a script: names that it reads before it assigns them.
+
+Macros read names of the script too, and are looked into where they are first called.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from motorcade.ga.algebra import Algebra
+from motorcade.ga.script.algebras import AlgebraDefinition
+from motorcade.ga.script.errors import Place
+from motorcade.ga.script.macros import Macros
+from motorcade.ga.script.reading.syntax import (
+    Assignment,
+    Call,
+    Expression,
+    If,
+    InputPragma,
+    Loop,
+    Macro,
+    Mark,
+    Name,
+    OutputPragma,
+    Script,
+    Step,
+    Unary,
+    postorder,
+)
+from motorcade.ga.script.run import constants_of
+
+
+class _Names:
+    """Names that a script reads and assigns so far."""
+
+    def __init__(self, constants: frozenset[str], macros: Macros) -> None:
+        self.free: dict[str, Place] = {}
+        self._constants = constants
+        self._known = set(constants)
+        self._macros = macros
+        self._seen: set[Macro] = set()
+
+    def read(self, name: str, place: Place) -> None:
+        if name not in self._known:
+            self.free.setdefault(name, place)
+
+    def run(self, steps: Sequence[Step]) -> None:
+        """Go through statements in their order; what a branch assigns is known behind it."""
+        for step in steps:
+            if isinstance(step, Mark):
+                self.read(step.name, step.place)
+            elif isinstance(step, Assignment):
+                self._read_all(self._inside([step.value], None))
+                self._known.add(step.name)
+            elif isinstance(step, If):
+                self._read_all(self._inside([step.condition], None))
+                self.run(step.then)
+                self.run(step.otherwise)
+            elif isinstance(step, Loop):
+                self.run(step.body)
+
+    def _read_all(self, found: Iterator[Name | Macro]) -> None:
+        """The names that are read, those of macros where they are called, without recursion."""
+        waiting = [found]
+        while waiting:
+            node = next(waiting[-1], None)
+            if node is None:
+                waiting.pop()
+            elif isinstance(node, Name):
+                self.read(node.name.removeprefix("::"), node.place)
+            elif node not in self._seen:
+                self._seen.add(node)
+                waiting.append(self._of_macro(node))
+
+    def _inside(self, values: Iterable[Expression], macro: Macro | None) -> Iterator[Name | Macro]:
+        """Names and macros of the script in expressions; `macro` is what they stand in."""
+        for node in (node for value in values for node in postorder(value)):
+            call = ("Dual", 1) if isinstance(node, Unary) and node.operator == "*" else None
+            if isinstance(node, Call):
+                call = (node.name.removeprefix("::"), len(node.arguments))
+            if isinstance(node, Name):
+                yield node
+            elif call is not None:
+                found = self._macros.found(*call, macro)
+                if isinstance(found, Macro) and self._macros.is_own(found):
+                    yield found
+
+    def _of_macro(self, macro: Macro) -> Iterator[Name | Macro]:
+        """What a macro reads beside its own names."""
+        local = set(self._constants)
+
+        def steps_of(steps: Sequence[Step]) -> Iterator[tuple[Expression, str]]:
+            for step in steps:
+                if isinstance(step, Assignment):
+                    yield step.value, step.name
+                elif isinstance(step, Mark):
+                    yield Name(step.place, step.name), ""
+                elif isinstance(step, If):
+                    yield step.condition, ""
+                    yield from steps_of((*step.then, *step.otherwise))
+                elif isinstance(step, Loop):
+                    yield from steps_of(step.body)
+
+        for value, assigned in (*steps_of(macro.body), (macro.value, "")):
+            for node in self._inside([value], macro):
+                if isinstance(node, Macro) or node.name not in local:
+                    yield node
+            local.add(assigned)
+
+
+def free_names(script: Script, algebra: Algebra, definition: AlgebraDefinition) -> dict[str, Place]:
+    """Names that need values from outside, in the order of first use, and where that is."""
+    names = _Names(constants_of(algebra), Macros(script, definition))
+    names.run([step for step in script.statements if not isinstance(step, Macro)])
+    for pragma in script.pragmas:
+        if isinstance(pragma, OutputPragma):
+            names.read(pragma.name, pragma.place)
+    return names.free
+
+
+def declared_inputs(script: Script) -> dict[str, Place]:
+    """The inputs that ``#pragma in2out`` names, in its order."""
+    return {
+        pragma.name: pragma.place for pragma in script.pragmas if isinstance(pragma, InputPragma)
+    }

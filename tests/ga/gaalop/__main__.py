@@ -1,0 +1,64 @@
+"""Prints how Gaalop's scripts and macros agree: `python -m tests.ga.gaalop [--data FOLDER]`.
+
+A row a target: how many scripts agree by blade with what Gaalop computes, and which do not. Those
+that Gaalop itself refuses are listed. Then a row an algebra: its macros against Gaalop's own
+definitions of them, on random arguments.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+from tests.ga.gaalop.macros import algebras, disagreements
+from tests.ga.gaalop.scripts import Case, difference, read_cases
+from tests.ga.gaalop.targets import RUNNERS, Prepared, prepared
+
+REPOSITORY = Path(__file__).resolve().parents[3]
+
+
+def differences(cases: list[Case], target: str) -> dict[str, str]:
+    """How each case differs in a target, empty where it agrees."""
+    run, tolerance = RUNNERS[target]
+    programs = {case.name: prepared(case) for case in cases}
+    ready = [one for one in programs.values() if isinstance(one, Prepared)]
+    with tempfile.TemporaryDirectory() as folder:
+        made = run(ready, Path(folder))
+    told = {name: one for name, one in programs.items() if isinstance(one, str)}
+    return {case.name: difference(case, (made | told)[case.name], tolerance) for case in cases}
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Print the tables; 1 if anything disagrees."""
+    parser = argparse.ArgumentParser(prog="python -m tests.ga.gaalop", description=__doc__)
+    usual = os.environ.get("MOTORCADE_DATA", REPOSITORY.parent / "shared" / "data")
+    parser.add_argument("--data", type=Path, default=Path(usual))
+    data: Path = parser.parse_args(arguments).data
+    cases = read_cases(data)
+    judged = [case for case in cases if case.expected is not None]
+    failed = False
+    print(f"{'scripts in':<24}{'agree':>12}  differ")
+    for target in RUNNERS:
+        told = {name: why for name, why in differences(judged, target).items() if why}
+        failed = failed or bool(told)
+        print(f"{target:<24}{len(judged) - len(told):>5} of {len(judged)}  {len(told)}")
+        for name, why in told.items():
+            print(f"    {name}: {why}")
+    for case in cases:
+        if case.expected is None:
+            print(f"Gaalop refuses {case.name}: {case.refusal.partition(' / ')[0]}")
+    print(f"\n{'macros of':<24}{'agree':>12}  differ")
+    for name in algebras(data):
+        count, wrong = disagreements(data, name)
+        failed = failed or bool(wrong)
+        print(f"{name:<24}{count - len(wrong):>5} of {count}  {len(wrong)}")
+        for macro, why in wrong.items():
+            print(f"    {macro}: {why}")
+    return int(failed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
