@@ -15,6 +15,7 @@ from motorcade.ga.script.errors import Place, ScriptError, Source
 from motorcade.ga.script.functions import ANY_CASE, FUNCTIONS, Function, is_finite, scalar_of
 from motorcade.ga.script.macros import Macros
 from motorcade.ga.script.reading.syntax import (
+    AlgebraPragma,
     Argument,
     Assignment,
     Binary,
@@ -82,6 +83,7 @@ class Run:
         self._depth = 0
         self._undecided = 0
         self._made: dict[str, Multivector] = {}
+        self._gaalop = _names_gaalop(script, definition)
         self._normalized = [p.place for p in script.pragmas if isinstance(p, NormalizePragma)]
 
     def outputs(self) -> dict[str, Multivector]:
@@ -265,6 +267,9 @@ class Run:
             node = Call(node.place, "Dual", (node.operand,))
         if isinstance(node, Call):
             return self._called(node, operands, scope)
+        if self._gaalop and isinstance(node, Binary) and node.operator == "/":
+            size = operands[1].reverse_product()
+            self._warn_of_parts(node, size, "Gaalop divides right by versors alone", scope)
         try:
             return self._operated(node, operands)
         except (ValueError, ArithmeticError) as refused:
@@ -296,12 +301,23 @@ class Run:
                     node.place, f"{node.name} takes {found.arity}: what follows is left out"
                 )
                 operands = operands[: found.arity]
+        if self._gaalop and name in ("exp", "log", "sqrt"):
+            self._warn_of_parts(node, operands[0], "Gaalop takes the scalar part alone", scope)
         try:
             return _computed(found, operands)
         except (ValueError, ArithmeticError) as refused:
             shown = str(refused)
             shown = shown if shown.startswith(f"{name}: ") else f"{name}: {shown}"
             raise scope.error(node.place, shown) from refused
+
+    def _warn_of_parts(self, node: Expression, x: Multivector, what: str, scope: _Scope) -> None:
+        """Warn where Gaalop computes something else, as what it takes for a scalar is none."""
+        try:
+            scalar_of(x)
+        except ValueError:
+            where = scope if scope.macro is None or self._macros.is_own(scope.macro) else None
+            if where is not None:
+                where.source.warn(node.place, f"{what}; here all of it counts")
 
     def _expanded(
         self, node: Call, macro: Macro, arguments: tuple[Multivector, ...], scope: _Scope
@@ -336,6 +352,12 @@ class Run:
         if operator == "!!":
             return self._algebra.scalar(1.0 - truth(scalar_of(x)))
         return ~x if operator == "~" else -x
+
+
+def _names_gaalop(script: Script, definition: AlgebraDefinition) -> bool:
+    """Whether a script names its algebra as Gaalop does, and so may come from there."""
+    said = [pragma.name for pragma in script.pragmas if isinstance(pragma, AlgebraPragma)]
+    return bool(definition.names) and definition.names[0] in said
 
 
 _ROUNDS = "how often a loop runs must not depend on symbols, or differ over a batch"

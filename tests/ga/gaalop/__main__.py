@@ -11,38 +11,48 @@ import argparse
 import os
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 from tests.ga.gaalop.macros import algebras, disagreements
-from tests.ga.gaalop.scripts import Case, difference, read_cases
-from tests.ga.gaalop.targets import RUNNERS, Prepared, prepared
+from tests.ga.gaalop.scripts import TOLERANCE, Case, difference, directly, read_cases
+from tests.ga.gaalop.targets import RUNNERS, Prepared, Results, prepared
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 
 
-def differences(cases: list[Case], target: str) -> dict[str, str]:
-    """How each case differs in a target, empty where it agrees."""
-    run, tolerance = RUNNERS[target]
+def usual_data() -> Path:
+    """Where real recordings lie, and Gaalop's scripts beside them."""
+    return Path(os.environ.get("MOTORCADE_DATA", REPOSITORY.parent / "shared" / "data"))
+
+
+def differences(cases: list[Case]) -> Iterator[tuple[str, dict[str, str]]]:
+    """For each way to run them, how cases differ from Gaalop's results."""
+    yield "evaluate", _told(cases, {case.name: directly(case) for case in cases}, TOLERANCE)
     programs = {case.name: prepared(case) for case in cases}
     ready = [one for one in programs.values() if isinstance(one, Prepared)]
-    with tempfile.TemporaryDirectory() as folder:
-        made = run(ready, Path(folder))
-    told = {name: one for name, one in programs.items() if isinstance(one, str)}
-    return {case.name: difference(case, (made | told)[case.name], tolerance) for case in cases}
+    refused = {name: one for name, one in programs.items() if isinstance(one, str)}
+    for target, (run, tolerance) in RUNNERS.items():
+        with tempfile.TemporaryDirectory() as folder:
+            made = run(ready, Path(folder))
+        yield target, _told(cases, {**made, **refused}, tolerance)
+
+
+def _told(cases: list[Case], made: Results, tolerance: float) -> dict[str, str]:
+    told = {case.name: difference(case, made[case.name], tolerance) for case in cases}
+    return {name: why for name, why in told.items() if why}
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Print the tables; 1 if anything disagrees."""
     parser = argparse.ArgumentParser(prog="python -m tests.ga.gaalop", description=__doc__)
-    usual = os.environ.get("MOTORCADE_DATA", REPOSITORY.parent / "shared" / "data")
-    parser.add_argument("--data", type=Path, default=Path(usual))
+    parser.add_argument("--data", type=Path, default=usual_data())
     data: Path = parser.parse_args(arguments).data
     cases = read_cases(data)
     judged = [case for case in cases if case.expected is not None]
     failed = False
     print(f"{'scripts in':<24}{'agree':>12}  differ")
-    for target in RUNNERS:
-        told = {name: why for name, why in differences(judged, target).items() if why}
+    for target, told in differences(judged):
         failed = failed or bool(told)
         print(f"{target:<24}{len(judged) - len(told):>5} of {len(judged)}  {len(told)}")
         for name, why in told.items():

@@ -10,13 +10,14 @@ import dataclasses
 import warnings
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from motorcade.ga.algebra import Multivector
 from motorcade.ga.script import ScriptError, parse
 from motorcade.ga.script.algebras import AlgebraDefinition, definitions
-from motorcade.ga.script.reading.syntax import Macro
+from motorcade.ga.script.reading.syntax import Call, Macro
 from motorcade.ga.script.run import Run
 from tests.ga.gaalop.scripts import compared
 
@@ -35,10 +36,26 @@ def theirs(data: Path, name: str) -> dict[Key, Macro]:
     """Gaalop's macros of an algebra by name and number of arguments."""
     text = (data / "gaalop" / "algebras" / name / "macros.clu").read_text()
     statements = parse(text, name).statements
-    return {(m.name, m.arity): m for m in statements if isinstance(m, Macro)}
+    macros = [_of_scalars(m) for m in statements if isinstance(m, Macro)]
+    return {(macro.name, macro.arity): macro for macro in macros}
 
 
-def disagreements(data: Path, name: str) -> tuple[int, dict[str, str]]:
+def _of_scalars(node: Any) -> Any:
+    """A part of a script with ``sqrt(scalar(x))`` for ``sqrt(x)``, as Gaalop computes it."""
+    if isinstance(node, tuple):
+        return tuple(map(_of_scalars, node))
+    if not dataclasses.is_dataclass(node) or isinstance(node, type):
+        return node
+    parts = {f.name: getattr(node, f.name) for f in dataclasses.fields(node)}
+    place = parts.pop("place")
+    made = dataclasses.replace(node, **{name: _of_scalars(part) for name, part in parts.items()})
+    if isinstance(made, Call) and made.name == "sqrt":
+        inner = Call(place, "scalar", made.arguments)
+        return dataclasses.replace(made, arguments=(inner,))
+    return made
+
+
+def disagreements(data: Path, name: str, rounds: int = ROUNDS) -> tuple[int, dict[str, str]]:
     """How many macros an algebra of Gaalop's has, and how ours differ from them."""
     ours = definitions()[name]
     witness = dataclasses.replace(ours)
@@ -47,7 +64,7 @@ def disagreements(data: Path, name: str) -> tuple[int, dict[str, str]]:
     rng = np.random.default_rng(11)
     wrong = {}
     for key in theirs(data, name):
-        for _ in range(ROUNDS):
+        for _ in range(rounds):
             told = _difference(ours, witness, key, rng)
             if told:
                 wrong["/".join(map(str, key))] = told
@@ -69,7 +86,10 @@ def _difference(
         try:
             made = _called(ours, key, drawn)
         except ScriptError as refused:
-            return refused.message
+            if "expected products of at most" not in refused.message:
+                return refused.message
+            told = refused.message
+            continue
         return compared(ours.algebra, dict(made.items()), dict(expected.items()), 1e-9)
     return told
 
@@ -101,8 +121,8 @@ def _arguments(
 
     def mixed() -> Multivector:
         made = algebra.scalar(float(rng.normal()))
-        for grade in range(1, vectors + 1):
-            made = made + blades(grade, 3)
+        for grade in range(1, min(vectors, 5) + 1):
+            made = made + blades(grade, 2)
         return made
 
     def point() -> Multivector:

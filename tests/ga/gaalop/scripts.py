@@ -68,9 +68,12 @@ def read_cases(folder: Path) -> list[Case]:
     ]
 
 
-def directly(case: Case) -> Values:
-    """The outputs of a script, evaluated on numbers."""
-    made = evaluate(case.script, case.algebra, **case.given)
+def directly(case: Case) -> Values | str:
+    """The outputs of a script, evaluated on numbers, or why there are none."""
+    try:
+        made = evaluate(case.script, case.algebra, **case.given)
+    except ValueError as refused:
+        return f"{type(refused).__name__}: {str(refused).splitlines()[0]}"
     return {name: {blade: float(v) for blade, v in x.items()} for name, x in made.items()}
 
 

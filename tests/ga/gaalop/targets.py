@@ -22,7 +22,7 @@ from motorcade.ga.codegen.precision import DOUBLE
 from motorcade.ga.codegen.programs import Program, compile_script
 from motorcade.ga.codegen.strategies import product, table
 from motorcade.ga.codegen.targets import TARGETS
-from tests.ga.gaalop.scripts import Case, Values, directly
+from tests.ga.gaalop.scripts import Case, Values
 
 Results = dict[str, "Values | str"]
 COMPILER = shutil.which("gcc") or shutil.which("cc")
@@ -163,18 +163,12 @@ def _literal(value: np.float32) -> str:
     return f"uintBitsToFloat({int(value.view(np.uint32))}u)"
 
 
-def evaluated(programs: list[Prepared], folder: Path) -> Results:
-    """A runner that evaluates the scripts without any code."""
-    return {one.case.name: directly(one.case) for one in programs}
-
-
 def _strategy(write: Any) -> Callable[[Prepared], dict[str, str]]:
     return lambda one: write(one.case.script, one.program, DOUBLE)
 
 
 # Runners, and the largest difference beside the largest coefficient that is rounding.
 RUNNERS: dict[str, tuple[Callable[[list[Prepared], Path], Results], float]] = {
-    "evaluate": (evaluated, 1e-9),
     "c": (in_c(lambda one: TARGETS["c"](one.program, DOUBLE)), 1e-9),
     "c --strategy product": (in_c(_strategy(product.write)), 1e-9),
     "c --strategy table": (in_c(_strategy(table.write)), 1e-9),

@@ -1,0 +1,198 @@
+"""Algebras and macros from files: what they mean, how they are found, and what is refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra
+from motorcade.ga.codegen.generate import read_script
+from motorcade.ga.files import FileError
+from motorcade.ga.script import ScriptError, algebras, evaluate, parse
+from motorcade.ga.script.algebras import definition_of, definitions, read_definition
+from motorcade.ga.script.meaning import algebra_named
+from motorcade.ga.script.reading.imports import MAX_IMPORT_DEPTH, MAX_IMPORTS
+
+OWN = """
+squares = { o1 = 0, i1 = 0, x = 1, o2 = 0, i2 = 0 }
+null_pairs = [["o1", "i1"], ["o2", "i2"]]
+macros = "shapes.clu"
+[named]
+p1 = { i1 = 0.5, o1 = -1.0 }
+"""
+SHAPES = "#include more/base.clu\nring = { _P(1)*p1 + base(_P(2)) }\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "own.toml").write_text(OWN)
+    (tmp_path / "shapes.clu").write_text(SHAPES)
+    (tmp_path / "more").mkdir()
+    (tmp_path / "more" / "base.clu").write_text("base = { _P(1)*x }")
+    return tmp_path
+
+
+def script(folder: Path, text: str, name: str = "main.clu") -> Path:
+    (folder / name).write_text(text)
+    return folder / name
+
+
+def test_names_of_gaalop_and_of_ours_are_one_algebra() -> None:
+    for theirs, ours in [("cga", CGA3), ("3d", EGA3), ("3dpga", PGA3)]:
+        assert algebra_named(theirs) is ours
+    assert algebra_named("cra") == Algebra(3, 1, null_pair=True)
+    assert [definitions()[n].algebra.signature for n in ("sta", "dcga", "gac", "qga", "ccga")] == [
+        (1, 3, 0),
+        (8, 2, 0),
+        (5, 3, 0),
+        (6, 3, 0),
+        (9, 7, 0),
+    ]
+
+
+@pytest.mark.parametrize("name", ["cga", "cra", "dcga", "gac", "qga", "ccga"])
+def test_points_are_null_and_their_product_tells_distance(name: str) -> None:
+    """The squared distance is -2 p.q, in dcga its square: what each algebra is made for."""
+    definition = definitions()[name]
+    arity = max(count for macro, count in definition.macros if macro == "createPoint")
+    call = f"createPoint({', '.join('abc'[:arity])})"
+    text = f"?p = {call}; ?q = createPoint({', '.join('def'[:arity])}); ?on = p.p; ?far = p.q;"
+    given = dict(zip("abcdef", (0.5, -1.0, 2.0, 1.5, 0.25, 3.0), strict=True))
+    free = {k: v for k, v in given.items() if "abc".find(k) < arity and "def".find(k) < arity}
+    made = evaluate(parse(text), definition.algebra, **free)
+    ends = np.array([[given[k] for k in names[:3]] for names in ("abc", "def")])
+    flat = name in ("cra", "gac", "ccga")
+    squared = float(np.sum(np.square(ends[1] - ends[0])[: 2 if flat else 3]))
+    expected = -0.25 * squared**2 if name == "dcga" else -0.5 * squared
+    assert np.max(np.abs(made["on"].values or (0.0,))) < 1e-12
+    assert made["far"].scalar_part() == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("quadric", "point"),
+    [
+        ("Ellipsoid(1, 2, 3, 2, 3, 4)", (3, 2, 3)),
+        ("Sphere(1, 2, 3, 2)", (1, 4, 3)),
+        ("Toroid(3, 1)", (0, 4, 0)),
+        ("CylinderZ(1, 2, 9, 2, 3, 9)", (1, 5, -7)),
+        ("ConeX(0, 0, 0, 1, 1, 1)", (5, 3, 4)),
+        ("ParaboloidZ(1, 2, 3, 1, 1, 1)", (2, 3, 5)),
+        ("HParaboloidZ(0, 0, 0, 1, 1, 1)", (2, 1, 3)),
+        ("Hyperboloid1(0, 0, 0, 1, 1, 1)", (1, 2, 2)),
+        ("Hyperboloid2(0, 0, 0, 1, 1, 1)", (2, 2, 3)),
+        ("Plane(0, 0, 2, 5)", (1, 2, 5)),
+        ("PPlanesY(2, 7)", (1, 7, 0)),
+        ("XPlanesZ(1, 1, 1, 2)", (2, 3, 9)),
+        ("Line(1, 2, 3, 0, 0, 4)", (1, 2, -8)),
+        ("DupinCyclide(3, 1, 1)", (0, 4, 0)),
+        ("Translator(1, 2, 3)*Toroid(3, 1)*~Translator(1, 2, 3)", (1, 6, 3)),
+        ("Rotor(1, 0, 0, 90)*Toroid(3, 1)*~Rotor(1, 0, 0, 90)", (0, 0, 4)),
+    ],
+)
+def test_points_of_a_quadric_lie_on_it(quadric: str, point: tuple[int, int, int]) -> None:
+    """By the equation of each: x^2/4 + … = 1 and so on; a point beside it does not."""
+    x, y, z = point
+    text = f"#pragma algebra dcga\nq = {quadric}; ?on = createPoint(x, y, z) . q;"
+    assert _largest(evaluate(parse(text), x=x, y=y, z=z)["on"]) < 1e-9
+    assert _largest(evaluate(parse(text), x=x + 0.1, y=y + 0.3, z=z + 0.3)["on"]) > 1e-3
+
+
+def _largest(x: object) -> float:
+    return max((abs(v) for v in x.values), default=0.0)  # type: ignore[attr-defined]
+
+
+def test_conics_and_quadrics_hold_their_points() -> None:
+    ellipse = "#pragma algebra gac\n?on = createPoint(x, y, 0) . Ellipse(3, 2);"
+    assert abs(evaluate(parse(ellipse), x=3 * 0.6, y=2 * 0.8)["on"].scalar_part()) < 1e-12
+    quadric = "#pragma algebra qga\n?on = createPoint(x, y, z) . createEllipsoid(3, 2, 1, 5, 6, 7);"
+    on = evaluate(parse(quadric), x=5 + 3 * 0.6, y=6.0, z=7 + 0.8)["on"]
+    assert abs(on.scalar_part()) < 1e-12
+
+
+def test_nine_points_make_a_cubic() -> None:
+    """Nine points of y = x^3 - x in whole numbers, and a tenth: the outer product vanishes."""
+    curve = [(k / 2, (k / 2) ** 3 - k / 2) for k in range(-3, 6)]
+    points = ", ".join(f"createPoint({x}, {y}, 0)" for x, y in curve)
+    text = f"#pragma algebra ccga\n?on = createPoint(x, y, 0) ^ CubicFromPoints({points});"
+    size = _largest(evaluate(parse(text), x=3.0, y=20.0)["on"])
+    assert _largest(evaluate(parse(text), x=3.0, y=24.0)["on"]) < 1e-12 * size
+
+
+def test_an_algebra_and_macros_of_ones_own(folder: Path) -> None:
+    text = "#pragma algebra own.toml\n?a = ring(2, 3); ?b = a*a; ?c = o2 . i2;"
+    made = evaluate(read_script(script(folder, text)))
+    assert dict(made["a"].items()) == {"i1": 1.0, "o1": -2.0, "x": 3.0}
+    assert dict(made["b"].items())["1"] == 4 + 9
+    assert made["c"].scalar_part() == -1
+    assert made["a"].algebra.named == ("p1",)
+
+
+def test_a_file_is_imported_once_and_knows_the_script(folder: Path) -> None:
+    text = "#include shapes2.clu\n#pragma import more/base.clu\nx = e1; ?a = twice(3) + k();"
+    (folder / "shapes2.clu").write_text(
+        "#include more/base.clu\ntwice = { 2*base(_P(1)) } k = { free }"
+    )
+    made = evaluate(read_script(script(folder, text)), free=0.5)
+    assert dict(made["a"].items()) == {"1": 0.5, "e1": 6.0}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("#include none.clu", "none.clu"),
+        ("#include statements.clu", "macros alone"),
+        ("#include bytes.clu", "UTF-8"),
+        ("#include wrong.clu", r"wrong\.clu:1:9: expected an expression"),
+        ("#include link.clu", "below the script's folder"),
+        ("#include deep0.clu", f"{MAX_IMPORT_DEPTH} in each other"),
+        ("\n".join(f"#include m{k}.clu" for k in range(40)), f"at most {MAX_IMPORTS} imports"),
+        ("#include again.clu\nf = { 2 }", "f is already defined"),
+        ("#pragma algebra none.toml", "none.toml"),
+        ("#pragma algebra unclosed.toml", "expected TOML"),
+        ("#pragma algebra unknown.toml", "got also 'colour'"),
+        ("#pragma algebra squares.toml", "expected 1, -1 or 0 for x"),
+        ("#pragma algebra pairs.toml", "pairs of different vectors"),
+        ("#pragma algebra large.toml", "1 to 16 basis vectors, got 17"),
+        ("#pragma algebra nameless.toml", "distinct names|identifiers"),
+        ("#pragma algebra sums.toml", "expected p as numbers"),
+        ("#pragma algebra bad_macros.toml", "macros alone"),
+        ("#pragma algebra own.toml\n#pragma algebra cga", "expected one algebra"),
+    ],
+)
+def test_files_that_cannot_be_used_are_refused(folder: Path, text: str, message: str) -> None:
+    for name, content in {
+        "statements.clu": "x = 1;",
+        "wrong.clu": "f = { * }",
+        "again.clu": "f = { 1 }",
+        "unclosed.toml": "squares = {",
+        "unknown.toml": "squares = { x = 1 }\ncolour = 3",
+        "squares.toml": "squares = { x = [2] }",
+        "pairs.toml": 'squares = { x = 1, o = 0 }\nnull_pairs = [["o", "x"]]',
+        "large.toml": "[squares]\n" + "".join(f"e{k} = 1\n" for k in range(17)),
+        "nameless.toml": 'squares = { "a^b" = 1 }',
+        "sums.toml": "squares = { x = 1 }\nnamed = { p = { y = 1.0 } }",
+        "bad_macros.toml": 'squares = { x = 1 }\nmacros = "statements.clu"',
+        **{f"m{k}.clu": "// none" for k in range(40)},
+        **{f"deep{k}.clu": f"#include deep{k + 1}.clu" for k in range(20)},
+    }.items():
+        (folder / name).write_text(content)
+    (folder / "bytes.clu").write_bytes(b"f = { \xff }")
+    outside = folder.parent / "outside.clu"
+    outside.write_text("f = { 1 }")
+    (folder / "link.clu").symlink_to(outside)
+    with pytest.raises(ScriptError, match=message):
+        evaluate(read_script(script(folder, f"{text}\n?x = 1;")))
+
+
+def test_a_definition_that_is_too_large_is_refused(folder: Path) -> None:
+    (folder / "large.toml").write_text(OWN + "#" * 100_000)
+    with pytest.raises(FileError, match="100000 bytes"):
+        read_definition(folder, "large.toml")
+    assert definition_of(Algebra(2, 2)).names == ()
+
+
+def test_the_package_holds_a_file_for_each_algebra() -> None:
+    folder = Path(algebras.__file__).parent
+    found = {path.parent.name for path in folder.glob("*/definition.toml")}
+    assert found == {definition.names[0] for definition in definitions().values()}
+    assert len(found) == 11
