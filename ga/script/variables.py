@@ -21,6 +21,7 @@ from motorcade.ga.script.reading.syntax import (
     Macro,
     Mark,
     Name,
+    NormalizePragma,
     OutputPragma,
     Script,
     Step,
@@ -33,7 +34,8 @@ from motorcade.ga.script.run import constants_of
 class _Names:
     """Names that a script reads and assigns so far."""
 
-    def __init__(self, constants: frozenset[str], macros: Macros) -> None:
+    def __init__(self, constants: frozenset[str], macros: Macros, normalized: list[Place]) -> None:
+        self._normalized = normalized
         self.free: dict[str, Place] = {}
         self._constants = constants
         self._known = set(constants)
@@ -52,6 +54,8 @@ class _Names:
             elif isinstance(step, Assignment):
                 self._read_all(self._inside([step.value], None))
                 self._known.add(step.name)
+                if step.mark == "?" and any(place < step.place for place in self._normalized):
+                    self._known.add(f"{step.name}_unnormalized")
             elif isinstance(step, If):
                 self._read_all(self._inside([step.condition], None))
                 self.run(step.then)
@@ -110,7 +114,8 @@ class _Names:
 
 def free_names(script: Script, algebra: Algebra, definition: AlgebraDefinition) -> dict[str, Place]:
     """Names that need values from outside, in the order of first use, and where that is."""
-    names = _Names(constants_of(algebra), Macros(script, definition))
+    normalized = [p.place for p in script.pragmas if isinstance(p, NormalizePragma)]
+    names = _Names(constants_of(algebra), Macros(script, definition), normalized)
     names.run([step for step in script.statements if not isinstance(step, Macro)])
     for pragma in script.pragmas:
         if isinstance(pragma, OutputPragma):

@@ -25,6 +25,7 @@ from motorcade.ga.script.reading.syntax import (
     Expression,
     If,
     ImportPragma,
+    LeftOutPragma,
     Loop,
     Macro,
     Mark,
@@ -78,6 +79,8 @@ def _parsed(source: Source, folder: Path | None, imports: Imports) -> Script:
     for pragma in pragmas:
         if isinstance(pragma, ImportPragma):
             macros.extend(_imported(source, pragma, imports))
+        elif isinstance(pragma, LeftOutPragma) and pragma.why:
+            source.warn(pragma.place, pragma.why)
     cursor = Cursor(source, [token for token in tokens if token.kind != "pragma"])
     reader = _Statements(cursor, pragmas)
     return Script(source, (*macros, *reader.read()), tuple(pragmas), folder)
