@@ -136,15 +136,14 @@ def free_variables(script: Script, algebra: Algebra) -> dict[str, Place]:
     Raises:
         ScriptError: one is named ``algebra``, which `evaluate` could not be given.
     """
-    return _free_variables(script, algebra, definition_for(script, algebra))
+    read = free_names(script, algebra, definition_for(script, algebra))
+    return _with_declared(script, algebra, read)
 
 
-def _free_variables(
-    script: Script, algebra: Algebra, definition: AlgebraDefinition
-) -> dict[str, Place]:
-    found = free_names(script, algebra, definition)
-    free = {**declared_inputs(script), **found}
-    for name in set(free) & constants_of(algebra):
+def _with_declared(script: Script, algebra: Algebra, read: dict[str, Place]) -> dict[str, Place]:
+    """The variables that a script reads, after those that it declares as inputs."""
+    free = {**declared_inputs(script), **read}
+    for name in sorted(set(free) & constants_of(algebra)):
         raise script.source.error(free[name], f"{name} is a basis vector of {algebra}")
     if "algebra" in free:
         raise script.source.error(
@@ -156,8 +155,8 @@ def _free_variables(
 def _given_variables(
     script: Script, algebra: Algebra, definition: AlgebraDefinition, variables: dict[str, Any]
 ) -> dict[str, Multivector]:
-    free = _free_variables(script, algebra, definition)
     read = free_names(script, algebra, definition)
+    free = _with_declared(script, algebra, read)
     missing = [name for name in read if name not in variables]
     if missing:
         raise script.source.error(

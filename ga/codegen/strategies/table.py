@@ -19,13 +19,21 @@ from motorcade.ga.codegen.strategies.record import Step
 from motorcade.ga.codegen.targets.shared.c_family import indented
 from motorcade.ga.script import Script
 
+MAX_DIMENSION = 10
+
 
 def write(script: Script, program: Program, precision: Precision | None) -> dict[str, str]:
     """Names and texts of the source and the header of a script; `program` is what it compiles to.
 
     Raises:
-        ValueError: names that C or C++ keeps for itself, numbers too large for the precision.
+        ValueError: names that C or C++ keeps for itself, numbers too large for the precision, an
+            algebra of more than ten dimensions, whose multivectors are too large for a stack.
     """
+    if program.algebra.dimension > MAX_DIMENSION:
+        raise ValueError(
+            f"strategy table: expected at most {MAX_DIMENSION} dimensions, "
+            f"got {program.algebra.dimension}"
+        )
     return files(_TableWriter, "table", script, program, precision)
 
 

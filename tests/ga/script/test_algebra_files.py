@@ -191,6 +191,42 @@ def test_a_definition_that_is_too_large_is_refused(folder: Path) -> None:
     assert definition_of(Algebra(2, 2)).names == ()
 
 
+LARGE = {
+    "dcga": "t = Toroid(a, b); v = Translator(x, y, z); ?on = createPoint(x, y, z).t; ?t = v*t*~v;",
+    "qga": "q = createEllipsoid(a, b, 2, x, y, z); ?on = createPoint(1, 2, 3).q; ?dual = sd(q);",
+    "gac": "v = TranslatorX(x)*Rotor(y); ?e = v*Ellipse(a, b)*~v; ?d = *createPoint(x, y, z);",
+    "ccga": "?c = *(createPoint(x, y, z) ^ createPoint(a, b, 0)); ?i = I();",
+}
+
+
+@pytest.mark.parametrize("name", LARGE)
+def test_code_of_large_algebras_computes_what_evaluation_does(name: str) -> None:
+    pytest.importorskip("casadi")
+    from motorcade.ga.codegen import compile_script
+    from motorcade.ga.codegen.interpret import run_tape
+
+    read = parse(f"#pragma algebra {name}\n{LARGE[name]}")
+    program = compile_script(read, "large")
+    given = {"a": 1.5, "b": 0.5, "x": 0.3, "y": -0.7, "z": 1.1}
+    names = [operand.name for operand in program.tape.inputs]
+    expected = evaluate(read, **{k: given[k] for k in names})
+    rows = run_tape(program.tape, {(k, 0): np.array(given[k]) for k in names})
+    for operand, row in zip(program.tape.outputs, rows, strict=True):
+        found = dict(zip(operand.components, map(float, row), strict=True))
+        for blade, value in expected[operand.name].items():
+            assert found.get(blade, 0.0) == pytest.approx(float(value), rel=1e-12, abs=1e-12)
+
+
+def test_a_table_of_sixteen_dimensions_is_refused() -> None:
+    pytest.importorskip("casadi")
+    from motorcade.ga.codegen import compile_script
+    from motorcade.ga.codegen.strategies import table
+
+    read = parse("#pragma algebra ccga\n?x = createPoint(a, b, 0);")
+    with pytest.raises(ValueError, match="at most 10 dimensions, got 16"):
+        table.write(read, compile_script(read, "large"), None)
+
+
 def test_the_package_holds_a_file_for_each_algebra() -> None:
     folder = Path(algebras.__file__).parent
     found = {path.parent.name for path in folder.glob("*/definition.toml")}

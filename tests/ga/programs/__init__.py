@@ -1,0 +1,1 @@
+"""Random scripts in six algebras against the library clifford: `python -m tests.ga.programs`."""

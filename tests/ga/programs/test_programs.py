@@ -1,0 +1,26 @@
+"""Random scripts compute what the library clifford computes, evaluated and in every target."""
+
+import pytest
+
+pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is not installed")
+pytest.importorskip("clifford", reason="the witness clifford is not installed")
+
+from tests.ga.gaalop.__main__ import differences
+from tests.ga.gaalop.scripts import difference, directly
+from tests.ga.programs.random_scripts import ALGEBRAS, random_cases
+
+
+@pytest.mark.parametrize("name", ["3dpga", "cga"])
+def test_random_scripts_evaluate_to_what_clifford_computes(name: str) -> None:
+    cases = random_cases(name, 6, 2)
+    assert {case.text: difference(case, directly(case)) for case in cases} == dict.fromkeys(
+        (case.text for case in cases), ""
+    )
+
+
+@pytest.mark.slow
+def test_random_scripts_compute_the_same_in_every_target() -> None:
+    cases = [case for name in ALGEBRAS for case in random_cases(name, 20, 3)]
+    for target, told in differences(cases):
+        if not any(why.startswith(("no OpenGL", "no C compiler")) for why in told.values()):
+            assert told == {}, target
