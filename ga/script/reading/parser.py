@@ -4,8 +4,9 @@ A statement is ``name = expression;`` or, with a mark, ``?name = expression;`` o
 ``?`` output, ``!`` evaluate, ``:`` draw. The end of a line ends it too. A macro is ``name = {
 statements; expression }``; its arguments are ``_P(1)``, ``_P(2)``, … Macros do not nest. There are
 ``if (condition) { … } else { … }`` and ``loop { … break; … }``. What CLUCalc and Gaalop write for
-the screen is read and left out: ``:IPNS;``, ``:Red;``, ``:a^b;``, ``_BGColor = White;``.
-``DefVarsN3();`` is the pragma of its algebra.
+the screen is kept beside the statements: ``:IPNS;``, ``:Red;``, ``:a^b;``; in blocks, and
+``_BGColor = White;`` anywhere, it is read and left out. ``DefVarsN3();`` is the pragma of its
+algebra.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from motorcade.ga.script.reading.syntax import (
     Macro,
     Mark,
     Pragma,
+    Screen,
     Script,
     Statement,
     Step,
@@ -83,7 +85,8 @@ def _parsed(source: Source, folder: Path | None, imports: Imports) -> Script:
             source.warn(pragma.place, pragma.why)
     cursor = Cursor(source, [token for token in tokens if token.kind != "pragma"])
     reader = _Statements(cursor, pragmas)
-    return Script(source, (*macros, *reader.read()), tuple(pragmas), folder)
+    statements = (*macros, *reader.read(len(macros)))
+    return Script(source, statements, tuple(pragmas), tuple(reader.screen), folder)
 
 
 def _imported(source: Source, pragma: ImportPragma, imports: Imports) -> list[Macro]:
@@ -109,14 +112,18 @@ class _Statements:
         self._cursor = cursor
         self._pragmas = pragmas
         self._unrolled = [p for p in pragmas if isinstance(p, UnrollPragma)]
+        self.screen: list[Screen] = []
+        self._above = 0
         self._in_macro = False
         self._blocks = 0
         self._loops = 0
 
-    def read(self) -> list[Statement]:
+    def read(self, above: int) -> list[Statement]:
+        """All statements of the text; `above` others stand before them."""
         cursor = self._cursor
         made: list[Statement] = []
         while cursor.token.kind != "end":
+            self._above = above + len(made)
             if cursor.token.text in _ALGEBRAS and cursor.following.text == "(":
                 self._pragmas.append(_algebra(cursor))
             elif cursor.token.kind == "name" and self._opens_macro():
@@ -202,22 +209,31 @@ class _Statements:
     def _for_the_screen(self) -> bool:
         """Read what only draws, if that is what comes next."""
         cursor = self._cursor
-        if cursor.token.text == "_BGColor" and cursor.following.text == "=":
+        drawn = cursor.at(":")
+        place, word = cursor.token.place, cursor.following.text
+        if cursor.token.text == "_BGColor" and word == "=":
             cursor.take()
             cursor.take()
-        elif cursor.at(":") and cursor.following.text in _SCREEN:
+        elif drawn and word in _SCREEN:
             cursor.take()
             cursor.take()
+            self._keep(Screen(place, word, None, self._above))
             if cursor.at(";"):
                 cursor.take()
             return True
-        elif cursor.at(":") and not cursor.named_next(";", "=") and cursor.following.text != ":":
+        elif drawn and not cursor.named_next(";", "=") and word != ":":
             cursor.take()
         else:
             return False
-        self._expression()
+        value = self._expression()
+        if drawn:
+            self._keep(Screen(place, "", value, self._above))
         cursor.end_statement()
         return True
+
+    def _keep(self, screen: Screen) -> None:
+        if not self._blocks and not self._in_macro:
+            self.screen.append(screen)
 
     def _assigned(self) -> Assignment | Mark:
         cursor = self._cursor

@@ -211,6 +211,19 @@ class LeftOutPragma:
     why: str
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class Screen:
+    """``:IPNS;``, ``:Red;`` or ``:a^b;``: a word for the picture, or an expression that is drawn.
+
+    `after` counts the statements that stand above it.
+    """
+
+    place: Place
+    word: str
+    value: Expression | None
+    after: int
+
+
 Statement = Step | Macro
 Pragma = (
     OutputPragma
@@ -228,6 +241,7 @@ Pragma = (
 class Script:
     """A parsed script: its statements and pragmas, each in the order of the text.
 
+    `screen` is what it says of a picture beside its marks ``:``; its meaning does not depend on it.
     `folder` is where the files lie that it names, None if it may name none.
 
     >>> from motorcade.ga.script import parse
@@ -238,6 +252,7 @@ class Script:
     source: Source
     statements: tuple[Statement, ...]
     pragmas: tuple[Pragma, ...]
+    screen: tuple[Screen, ...] = ()
     folder: Path | None = None
 
 
