@@ -14,10 +14,14 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+from motorcade.ga.codegen.targets import TARGETS
+from tests.ga.gaalop.languages import LANGUAGES
 from tests.ga.gaalop.macros import algebras, disagreements
 from tests.ga.gaalop.scripts import TOLERANCE, Case, difference, directly, read_cases
 from tests.ga.gaalop.targets import RUNNERS, Prepared, Results, prepared
 
+# How a runner says that its tool is not installed.
+MISSING = ("no OpenGL", "no C compiler", "no Node", "no rustc", "no g++")
 REPOSITORY = Path(__file__).resolve().parents[3]
 
 
@@ -32,7 +36,8 @@ def differences(cases: list[Case]) -> Iterator[tuple[str, dict[str, str]]]:
     programs = {case.name: prepared(case) for case in cases}
     ready = [one for one in programs.values() if isinstance(one, Prepared)]
     refused = {name: one for name, one in programs.items() if isinstance(one, str)}
-    for target, (run, tolerance) in RUNNERS.items():
+    others = {name: (run, 1e-9) for name, run in LANGUAGES.items() if name in TARGETS}
+    for target, (run, tolerance) in {**RUNNERS, **others}.items():
         with tempfile.TemporaryDirectory() as folder:
             made = run(ready, Path(folder))
         yield target, _told(cases, {**made, **refused}, tolerance)
