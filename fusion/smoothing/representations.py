@@ -45,6 +45,7 @@ from motorcade.ga.kernels import (
     SIMILARITIES,
     VersorKernels,
 )
+from motorcade.ga.names import nearest_name
 
 __all__ = [
     "BEST_EULER",
@@ -257,7 +258,8 @@ def representation_named(name: str, poses: Poses | None = None) -> Representatio
     found = EULER_ORDERS.get(name) or REPRESENTATIONS.get(name)
     if found is None:
         known = ", ".join(REPRESENTATION_NAMES)
-        raise ValueError(f"representation: expected one of {known}, got {name!r}")
+        near = nearest_name(name, REPRESENTATION_NAMES)
+        raise ValueError(f"representation: expected one of {known}, got {name!r}{near}")
     return found
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, get_args
 
+from motorcade.ga.names import nearest_name
 from motorcade.render.backends.fast.renderer import FastRenderer
 from motorcade.render.backends.pyrender_backend import OffscreenRenderer
 from motorcade.render.backends.renderer import Renderer
@@ -33,4 +34,6 @@ def new_renderer(name: str, width: int, height: int) -> Renderer:
         return FastRenderer(width, height)
     if name == "pyrender":
         return OffscreenRenderer(width, height)
-    raise ValueError(f"renderer: expected one of {', '.join(RENDERERS)}, got {name!r}")
+    known = ", ".join(RENDERERS)
+    near = nearest_name(name, RENDERERS)
+    raise ValueError(f"renderer: expected one of {known}, got {name!r}{near}")

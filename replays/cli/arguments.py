@@ -91,6 +91,24 @@ def print_json(values: Mapping[str, Any]) -> None:
     print(json.dumps(values, indent=2))
 
 
+def shown(value: object) -> str:
+    """A value as a person reads it: five digits of a number, those of a list beside each other.
+
+    What is below a millionth of a millionth is rounding: 0. Files and `--json` keep every digit.
+
+    >>> shown(507.8105312240405), shown(1.9666666669999997), shown(30.0000003), shown(470581.6)
+    ('507.81', '1.9667', '30', '470582')
+    >>> shown([5.6e-17, -0.00034903212, None, 12])
+    '0 -0.00034903 – 12'
+    """
+    if isinstance(value, list | tuple):
+        return " ".join(map(shown, value))
+    if isinstance(value, float):
+        small, large = abs(value) < 1e-12, 1e5 <= abs(value) < 1e15
+        return "0" if small else f"{value:.0f}" if large else f"{value:.5g}"
+    return "–" if value is None else str(value)
+
+
 def one_line(error: BaseException) -> str:
     """What went wrong as one line: what, where, and what to do."""
     if isinstance(error, ModuleNotFoundError) and error.name is not None:

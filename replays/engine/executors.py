@@ -24,6 +24,7 @@ from multiprocessing import active_children, get_context
 from queue import SimpleQueue
 from typing import Any, TypeVar
 
+from motorcade.ga.names import nearest_name
 from motorcade.replays.errors import one_line
 
 Job = TypeVar("Job")
@@ -42,7 +43,8 @@ def check_executor(name: str) -> str:
     """`name` as given; ValueError where it is none of those known."""
     if name == "local" or _PROCESSES.fullmatch(name) or name.startswith(CLUSTER):
         return name
-    raise ValueError(f"--executor: expected {_KINDS}; got {one_line(name)}")
+    meant = nearest_name(name, ("local", "processes"))
+    raise ValueError(f"--executor: expected {_KINDS}; got {one_line(name)}{meant}")
 
 
 def outcomes(

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from motorcade.ga.names import did_you_mean
+from motorcade.ga.names import did_you_mean, nearest_name
 from motorcade.replays.engine.stage import Choice, GraphError, Stage, Unavailable
 from motorcade.replays.engine.store import Computed, StageStore
 
@@ -148,7 +148,8 @@ class Graph:
     def needed(self, target: str) -> tuple[str, ...]:
         """The stages that `target` needs, itself last, in an order that can be run."""
         if target not in self.stages:
-            raise GraphError(f"no stage {target!r}; there are: {', '.join(self.order)}")
+            listed = f"there are: {', '.join(self.order)}{nearest_name(target, self.order)}"
+            raise GraphError(f"no stage {target!r}; {listed}")
         wanted = {target}
         for name in reversed(self.order):
             if name in wanted:

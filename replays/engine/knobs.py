@@ -12,6 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from motorcade.ga.names import nearest_name
 from motorcade.replays.engine.graph import Graph
 from motorcade.replays.engine.stage import Choice, GraphError, Stage
 
@@ -107,7 +108,8 @@ def _parse(text: str, kind: Any, name: str) -> Any:
         return _parse(text, present, name)
     if origin is typing.Literal:
         if text not in arguments:
-            raise GraphError(f"{name}: expected one of {', '.join(arguments)}, got {text!r}")
+            told = f"{name}: expected one of {', '.join(arguments)}, got {text!r}"
+            raise GraphError(told + nearest_name(text, arguments))
         return text
     if origin is tuple:
         return tuple(_parse(part.strip(), arguments[0], name) for part in text.split(",") if part)

@@ -241,8 +241,8 @@ def _read_kitti(
 ) -> Trajectory:
     if (rate_hz is None) == (times is None):
         raise ValueError(
-            f"{path}: KITTI files hold no stamps; give either rate_hz or a times file (of a "
-            f"command: --rate-hz, or --times where it has that), got "
+            f"{path}: KITTI files hold no stamps; give --times FILE with a stamp for every pose, "
+            f"or --rate-hz HZ where poses come evenly (of a function: times, rate_hz); got "
             f"{'neither' if times is None else 'both'}"
         )
     table = read_table(path, _MATRIX)

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.names import nearest_name
 from motorcade.tracking.markers.apriltag_codes import NEWER_FAMILIES, newer_codes
 
 # The topmost row of bits of tag 0 as printed officially (AprilRobotics/apriltag-imgs).
@@ -186,7 +187,8 @@ def check_family(family: str) -> None:
         ValueError: naming those that there are.
     """
     if family not in FAMILIES:
-        raise ValueError(f"family: expected one of {', '.join(FAMILIES)}, got {family!r}")
+        known = f"expected one of {', '.join(FAMILIES)}"
+        raise ValueError(f"family: {known}, got {family!r}{nearest_name(family, FAMILIES)}")
 
 
 def family_size(family: str) -> int:

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from motorcade.replays.cli.arguments import Subparsers, add_axes, new_command, print_json
+from motorcade.replays.cli.arguments import Subparsers, add_axes, new_command, print_json, shown
 
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -70,13 +70,18 @@ def _describe(path: Path, manifest: Path | None) -> dict[str, Any]:
 
 
 def _print(key: str, value: Any) -> None:
-    """A line a value; a line an entry of lists, and what is inside an entry beside it."""
+    """A line a value; a line an entry of lists, and what is inside an entry beside it.
+
+    Of an empty list there is nothing to say.
+    """
     if isinstance(value, dict):
         for inner, entry in value.items():
             _print(f"{key} {inner}" if inner != "joints" else key, entry)
         return
-    if not (isinstance(value, list) and value and isinstance(value[0], dict | str)):
-        print(f"{key:>28}  {value}")
+    if value == []:
+        return
+    if not (isinstance(value, list) and isinstance(value[0], dict | str)):
+        print(f"{key:>28}  {shown(value)}")
         return
     for entry in value:
         print(f"{key:>28}  {_entry(entry)}")
@@ -89,7 +94,5 @@ def _entry(entry: Any) -> str:
     for key, value in entry.items():
         if isinstance(value, list):
             value = "(" + ", ".join(f"{number:.4f}" for number in value) + ")"
-        elif isinstance(value, float):
-            value = f"{value:.4g}"
-        parts.append(str(value) if key == "name" else f"{key} {value}")
+        parts.append(str(value) if key == "name" else f"{key} {shown(value)}")
     return "  ".join(parts)

@@ -7,11 +7,12 @@ import json
 import os
 import sys
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from motorcade.replays.cli.arguments import Subparsers, add_executor, new_command, one_line
-from motorcade.replays.engine.progress import log_stages
+from motorcade.replays.engine.progress import log_stages, show_progress
 
 if TYPE_CHECKING:
     from motorcade.replays.pipeline import Job
@@ -98,7 +99,8 @@ def run_recordings(arguments: argparse.Namespace) -> None:
         run_one(jobs[0], as_json=arguments.json, strict=arguments.strict)
         return
     done: dict[str, dict[str, Any]] = {}
-    for job, outcome in outcomes(_run_one_of_several, jobs, arguments.executor):
+    run_job_here = partial(_run_one_of_several, quiet=arguments.quiet)
+    for job, outcome in outcomes(run_job_here, jobs, arguments.executor):
         if isinstance(outcome, BaseException):
             print(f"motorcade: {job.recording}: {one_line(outcome)}", file=sys.stderr)
             continue
@@ -134,10 +136,11 @@ def run_one(job: Job, *, as_json: bool, strict: bool) -> None:
         raise RuntimeError(f"{job.recording}: the result is doubtful, see above")
 
 
-def _run_one_of_several(job: Job) -> dict[str, Any]:
+def _run_one_of_several(job: Job, *, quiet: bool) -> dict[str, Any]:
     """Run a recording, here or in another process; its log lines begin with its name."""
     from motorcade.replays.pipeline import run_job
 
+    show_progress(not quiet)
     with log_stages(_name(job.recording)) as lines:
         summary = run_job(job)
         lines.info(result(summary, job.out))

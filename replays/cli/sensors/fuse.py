@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from motorcade.replays.cli.arguments import Subparsers, add_stamps, new_command
+from motorcade.replays.cli.arguments import Subparsers, add_stamps, new_command, shown
 
 if TYPE_CHECKING:
     from motorcade.fusion.imu import ImuNoise, ImuStream
@@ -151,7 +151,7 @@ def fuse(arguments: argparse.Namespace) -> None:
         print(found.noise.summary)
     for key, value in figures.items():
         if key not in ("noise", "doubts"):
-            print(f"{key:>28}  {_shown(value)}")
+            print(f"{key:>28}  {shown(value)}")
     for line in found.fused.doubts:
         print(line)
     if arguments.json is not None:
@@ -220,9 +220,3 @@ def _stamps(
         inside: IntArray = stamps[(stamps >= poses.time_ns[0]) & (stamps <= poses.time_ns[-1])]
         return inside
     return read_trajectory(which).time_ns
-
-
-def _shown(value: Any) -> str:
-    if value is None:
-        return "–"
-    return " ".join(f"{one:z.6g}" for one in (value if isinstance(value, list) else [value]))

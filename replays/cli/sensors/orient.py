@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from motorcade.replays.cli.arguments import Subparsers, new_command
+from motorcade.replays.cli.arguments import Subparsers, new_command, shown
 
 if TYPE_CHECKING:
     from motorcade.fusion.orientation import Orientation, OrientationModel
@@ -82,7 +82,7 @@ def orient(arguments: argparse.Namespace) -> None:
         write_bytes(arguments.json, (json.dumps(summary, indent=2) + "\n").encode())
     for key, value in summary.items():
         if key != "doubts":
-            print(f"{key:>28}  {value:.6g}")
+            print(f"{key:>28}  {shown(value)}")
     for doubt in doubts:
         print(f"doubtful: {doubt}", file=sys.stderr)
     if arguments.strict and doubts:

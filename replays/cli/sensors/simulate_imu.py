@@ -36,6 +36,9 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         help="EuRoC's CSV, or the same arrays as .npz: smaller, and quicker to write and read",
     )
     parser.add_argument("--rate-hz", type=float, default=200.0, help="of the samples (200)")
+    parser.add_argument(
+        "--times", type=Path, metavar="FILE", help="stamps of a KITTI file's poses, one a row, s"
+    )
     add_seed(parser, 0, "the noise")
     parser.add_argument(
         "--noise",
@@ -139,7 +142,7 @@ def simulate(arguments: argparse.Namespace) -> None:
     from motorcade.replays.files.trajectories import read_trajectory
 
     simulated = simulate_imu_in_chunks(
-        read_trajectory(arguments.trajectory),
+        read_trajectory(arguments.trajectory, times=arguments.times),
         arguments.rate_hz,
         _noise(arguments.noise),
         np.random.default_rng(arguments.seed),

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from motorcade.replays.cli.arguments import Subparsers, new_command
+from motorcade.replays.cli.arguments import Subparsers, add_stamps, new_command, shown
 
 if TYPE_CHECKING:
     from motorcade.fusion.sync import Synchronised
@@ -36,6 +36,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--search-s", type=float, default=2.0, help="largest offset that is looked for (2 s)"
     )
+    add_stamps(parser)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the results there")
 
 
@@ -48,14 +49,14 @@ def sync(arguments: argparse.Namespace) -> None:
     from motorcade.replays.readers.opening import read_imu_of
 
     noise = ADIS16448 if arguments.noise is None else ImuNoise.load(arguments.noise)
-    camera, imu = read_trajectory(arguments.camera), read_imu_of(arguments.imu)
+    camera = read_trajectory(arguments.camera, rate_hz=arguments.rate_hz, times=arguments.times)
+    imu = read_imu_of(arguments.imu)
     found = synchronise(camera, imu, noise, search_s=arguments.search_s)
     results = _as_dict(found)
     for line in (*(one.summary for one in found.health.findings), *found.health.unknown):
         print(f"{'health':>34}  {line}")
     for key, value in results.items():
-        shown = value if isinstance(value, list) else [value]
-        print(f"{key:>34}  {' '.join(f'{one:.6g}' for one in shown)}")
+        print(f"{key:>34}  {shown(value)}")
     if arguments.json is not None:
         about = results | {"health": found.health.as_dict()}
         write_bytes(arguments.json, (json.dumps(about, indent=2) + "\n").encode())

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.cli.arguments import Subparsers, add_executor, new_command
+from motorcade.replays.cli.arguments import Subparsers, add_executor, add_stamps, new_command
 
 if TYPE_CHECKING:
     from motorcade.replays.compare.measure.truth import RecordedMotion
@@ -33,7 +33,13 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         help="names of motions, files of true paths, or all for every name; all without",
     )
     parser.add_argument(
-        "--degradations", "--noise", nargs="+", default=[], metavar="NAME", help=names
+        "--noise",
+        "--degradations",
+        dest="degradations",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help=names,
     )
     parser.add_argument("--methods", nargs="+", default=[], metavar="NAME", help=names)
     parser.add_argument("--representations", nargs="+", default=[], metavar="NAME", help=names)
@@ -48,7 +54,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         default="se3",
         help="of --input with --truth (se3)",
     )
-    parser.add_argument("--rate-hz", type=float, help="rate of KITTI files, which have no stamps")
+    add_stamps(parser)
     add_executor(parser, "processes")
     parser.add_argument("--quick", action="store_true", help="a small comparison, in seconds")
     parser.add_argument(
@@ -72,13 +78,13 @@ def compare_smoothers(arguments: argparse.Namespace) -> None:
 
     if (arguments.input is None) != (arguments.truth is None):
         raise ValueError("compare: expected --input and --truth together, got one of them")
-    check_known("--degradations", arguments.degradations, DEGRADATIONS)
+    check_known("--noise", arguments.degradations, DEGRADATIONS)
     check_known("--methods", arguments.methods, METHODS)
     check_known("--representations", arguments.representations, REPRESENTATION_NAMES)
     check_executor(arguments.executor)
     if arguments.seeds is not None and arguments.seeds < 1:
         raise ValueError(f"--seeds: expected 1 or more, got {arguments.seeds}")
-    recorded, motions = _motions(arguments.trajectories, arguments.rate_hz)
+    recorded, motions = _motions(arguments)
     require_writable(arguments.out)
     if arguments.input is not None:
         print(as_text(_recorded(arguments)))
@@ -104,18 +110,19 @@ def compare_smoothers(arguments: argparse.Namespace) -> None:
 
 
 def _motions(
-    given: Sequence[str], rate_hz: float | None
+    arguments: argparse.Namespace,
 ) -> tuple[tuple[RecordedMotion, ...], tuple[str, ...]]:
     """Those of the words that are files, and the names of all motions."""
     from motorcade.fusion.motions import MOTIONS
     from motorcade.replays.cli.arguments import check_known
     from motorcade.replays.compare.measure.truth import RecordedMotion
 
+    given: Sequence[str] = arguments.trajectories
     files = [Path(one) for one in given if not one.isidentifier()]
     names = [one for one in given if one.isidentifier()]
     check_known("--trajectories", names, {*MOTIONS, "all"})
     known = tuple(MOTIONS) if "all" in names else tuple(names)
-    recorded = tuple(RecordedMotion.of(one, rate_hz) for one in files)
+    recorded = tuple(RecordedMotion.of(one, arguments.rate_hz, arguments.times) for one in files)
     return recorded, (*known, *(one.name for one in recorded))
 
 
@@ -133,7 +140,7 @@ def _recorded(arguments: argparse.Namespace) -> dict[str, object]:
         if getattr(arguments, name):
             raise ValueError(f"--{name}: expected without --input, whose data it does not change")
     estimate, truth = (
-        read_trajectory(path, rate_hz=arguments.rate_hz)
+        read_trajectory(path, rate_hz=arguments.rate_hz, times=arguments.times)
         for path in (arguments.input, arguments.truth)
     )
     return compare_recorded(

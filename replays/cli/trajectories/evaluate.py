@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, cast, get_args
 
-from motorcade.replays.cli.arguments import Subparsers, add_stamps, check_known, new_command
+from motorcade.replays.cli.arguments import Subparsers, add_stamps, check_known, new_command, shown
 
 if TYPE_CHECKING:
     from motorcade.fusion.metrics import Delta, Evaluation, Matched, Relation
@@ -301,14 +301,10 @@ def _table(figures: Mapping[str, Figures], printed: frozenset[str] | None) -> It
     key_width = max(30, *map(len, rows))
     if len(figures) == 1:
         for key, (value,) in rows.items():
-            yield f"{key:>{key_width}}  {_as_text(value)}"
+            yield f"{key:>{key_width}}  {shown(value)}"
         return
     widths = [max(15, len(name)) for name in figures]
     lines: list[tuple[str, Sequence[float | str | None]]] = [("", list(figures)), *rows.items()]
     for key, cells in lines:
-        aligned = (f"{_as_text(cell):>{w}}" for cell, w in zip(cells, widths, strict=True))
+        aligned = (f"{shown(cell):>{w}}" for cell, w in zip(cells, widths, strict=True))
         yield "  ".join([f"{key:>{key_width}}", *aligned])
-
-
-def _as_text(value: float | str | None) -> str:
-    return f"{value:.9g}" if isinstance(value, float) else str(value)

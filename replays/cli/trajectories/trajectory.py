@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.cli.arguments import Subparsers, add_stamps, new_command
+from motorcade.replays.cli.arguments import Subparsers, add_stamps, new_command, shown
 
 if TYPE_CHECKING:
     from motorcade.ga import Motor, Similarity, Trajectory
@@ -263,8 +263,5 @@ def _print_figures(figures: Mapping[str, Mapping[str, Any]]) -> None:
     for name, values in figures.items():
         print(name)
         for key, value in values.items():
-            if isinstance(value, tuple):
-                value = " ".join(f"{one:.6g}" for one in value)
-            shown = f"{value:.9g}" if isinstance(value, float) else value
             if value is not None:
-                print(f"{key:>20}  {shown}")
+                print(f"{key:>20}  {shown(value)}")

@@ -143,22 +143,27 @@ class RecordedMotion:
         file: its absolute path; every process that computes reads it.
         digest: SHA-256 of its stamps and poses.
         rate_hz: of KITTI files, which have no stamps.
+        times: or the absolute path of the file that holds their stamps.
     """
 
     name: str
     file: str
     digest: str
     rate_hz: float | None = None
+    times: str | None = None
 
     @classmethod
-    def of(cls, path: Path, rate_hz: float | None = None) -> RecordedMotion:
+    def of(
+        cls, path: Path, rate_hz: float | None = None, times: Path | None = None
+    ) -> RecordedMotion:
         """A trajectory file; named after it.
 
         Raises:
             RecordingError: a file that cannot be read.
         """
-        found = read_trajectory(path, rate_hz=rate_hz)
-        return cls(path.stem, str(path.resolve()), digest_of(found), rate_hz)
+        found = read_trajectory(path, rate_hz=rate_hz, times=times)
+        stamps = None if times is None else str(times.resolve())
+        return cls(path.stem, str(path.resolve()), digest_of(found), rate_hz, stamps)
 
     def read(self) -> Trajectory:
         """The whole path.
@@ -166,7 +171,7 @@ class RecordedMotion:
         Raises:
             ValueError: the file holds another path by now.
         """
-        found = read_trajectory(self.file, rate_hz=self.rate_hz)
+        found = read_trajectory(self.file, rate_hz=self.rate_hz, times=self.times)
         if digest_of(found) != self.digest:
             raise ValueError(f"{self.file}: changed since the comparison began")
         return found

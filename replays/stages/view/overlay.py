@@ -13,6 +13,7 @@ from motorcade.animation import Character
 from motorcade.fusion.smoothing.view import steady_view, turned_homography
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.lookahead import ahead
+from motorcade.ga.names import nearest_name
 from motorcade.render import (
     RendererName,
     RenderUnavailable,
@@ -259,5 +260,8 @@ def _chosen(
         return integrity.drawn
     if representation not in smoothed.trajectories:
         known = ", ".join(smoothed.trajectories)
-        raise ValueError(f"overlay.representation: expected one of {known}, got {representation!r}")
+        near = nearest_name(representation, smoothed.trajectories)
+        raise ValueError(
+            f"overlay.representation: expected one of {known}, got {representation!r}{near}"
+        )
     return smoothed.trajectories[representation]

@@ -34,7 +34,7 @@ def test_the_figures_that_matter_are_printed_and_all_are_kept(
     assert 10 <= len(short) <= 13
     assert {"align", "pairs", "ape_rmse_m", "rotation_rmse_deg", "rpe_trans_rmse_m"} <= set(short)
     assert {"linear_jitter_m_s2", "angular_jitter_rad_s2", "lag_ms"} <= set(short)
-    assert float(short["ape_rmse_m"]) == pytest.approx(found.as_dict()["ape_rmse_m"], rel=1e-8)
+    assert float(short["ape_rmse_m"]) == pytest.approx(found.as_dict()["ape_rmse_m"], rel=1e-4)
 
 
 @pytest.fixture
@@ -63,7 +63,7 @@ def test_several_estimates_stand_side_by_side(
     both = json.loads(kept.read_text())
     assert list(both) == ["near", "far"]
     table = {key: (near, far) for key, near, far in rows}
-    assert float(table["ape_rmse_m"][1]) == pytest.approx(both["far"]["ape_rmse_m"], rel=1e-8)
+    assert float(table["ape_rmse_m"][1]) == pytest.approx(both["far"]["ape_rmse_m"], rel=1e-4)
     assert both["far"]["ape_rmse_m"] > 5.0 * both["near"]["ape_rmse_m"]
     alone = walk / "alone.json"
     assert evaluated(walk, "near.tum", "truth.tum", "--json", str(alone)) == 0

@@ -7,6 +7,12 @@ import subprocess
 import pytest
 
 from motorcade.replays.cli.main import NAMES, command_parser, main
+from tests.replays.tiny_recordings import write_tiny
+
+
+@pytest.fixture(scope="module")
+def tiny(tmp_path_factory):
+    return write_tiny(tmp_path_factory.mktemp("recordings") / "tiny", 0.3)
 
 
 def told(capsys, *words):
@@ -26,10 +32,39 @@ def told(capsys, *words):
         (("trajectory", "a", "--format", "tumm"), "tum"),
         (("evalute", "a", "b"), "evaluate"),
         (("completion", "zssh"), "zsh"),
+        (("--verson",), "--version"),
+        (("smooth", "a.tum", "--outputt", "b.tum"), "--output"),
+        (("fuse", "--noisee", "n.yaml"), "--noise"),
     ],
 )
 def test_the_nearest_is_proposed(capsys, words, meant):
     assert told(capsys, *words).endswith(f"did you mean {meant}?")
+
+
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        ("run {} --until smothed", "smoothed"),
+        ("run {} --set smothed.method=auto", "smoothed"),
+        ("run {} --set smoothed.metod=auto", "method"),
+        ("run {} --set placed.on=markr", "marker"),
+        ("run {} --set smoothed.representations=moter", "motor"),
+        ("run {} --set smoothed.method=gausian", "gaussian"),
+        ("run {} --executor procesess", "processes"),
+        ("smooth {}/truth.tum -o s.tum --representation moter", "motor"),
+        ("smooth {}/truth.tum -o s.tum --method gausian", "gaussian"),
+        ("smooth {}/truth.tum -o s.tum --method gaussian --set sigm_s=1", "sigma_s"),
+        ("evaluate {0}/truth.tum {0}/truth.tum --relations trans_pat", "trans_part"),
+        ("compare --noise gausian", "gaussian"),
+        ("compare --trajectories handhold", "handheld"),
+        ("detect {}/images/0.png --family tag36h12", "tag36h11"),
+    ],
+)
+def test_the_nearest_stage_knob_and_value_is_proposed(words, meant, tiny, capsys, monkeypatch):
+    monkeypatch.chdir(tiny.parent)
+    words = words.format(tiny).split()
+    assert main([*words, *(["--set", "tracked.by=simulated"] if words[0] == "run" else ())]) == 1
+    assert f"did you mean {meant}?" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", sorted(NAMES))
@@ -52,6 +87,9 @@ def test_the_script_of_a_shell_names_every_command(capsys, shell):
     assert main(["completion", shell]) == 0
     script = capsys.readouterr().out
     assert not [name for name in NAMES if name not in script]
+    if shell in ("bash", "zsh", "fish") and shutil.which(shell):
+        checked = subprocess.run([shell, "-n"], input=script, text=True, capture_output=True)
+        assert (checked.returncode, checked.stderr) == (0, "")
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="no bash here")
