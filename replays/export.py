@@ -7,6 +7,7 @@ again where that is gone.
 from __future__ import annotations
 
 import json
+import shlex
 from dataclasses import dataclass
 from os.path import normpath
 from pathlib import Path
@@ -109,7 +110,8 @@ def read_run(folder: Path, stage: str) -> tuple[Recording, GraphRun]:
     origin = read_origin(folder)
     recording = open_recording(origin.recording, origin.manifest).intact()
     if recording.digest() != origin.content:
-        raise ValueError(f"{folder}: its recording has changed since; run it again")
+        again = shlex.join([*origin.words(recording), "--out", str(folder)])
+        raise ValueError(f"{folder}: its recording has changed since; run it again: {again}")
     if recording.camera is None:
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
     cache = folder / ".cache"
@@ -155,7 +157,8 @@ def read_origin(folder: Path) -> RunOrigin:
     file = folder / "run.json"
     if not file.exists():
         raise ValueError(
-            f"{folder}: expected a folder that `motorcade run` wrote; run.json is not there"
+            f"{folder}: expected a folder that `motorcade run RECORDING --out {folder}` wrote; "
+            "run.json is not there"
         )
     try:
         told = json.loads(read_bounded(file, MAX_LOG_BYTES))

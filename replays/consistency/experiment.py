@@ -34,6 +34,7 @@ from motorcade.fusion.motions import MOTIONS, Motion
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.names import nearest_name
 from motorcade.tracking.measurements import PoseMeasurements
 
 PARTS: Mapping[str, slice] = MappingProxyType(
@@ -99,8 +100,10 @@ class Experiment:
         """
         motion = MOTIONS.get(self.motion)
         if motion is None or motion.versor is not Motor:
-            names = ", ".join(name for name, one in MOTIONS.items() if one.versor is Motor)
-            raise ValueError(f"motion: expected one of {names}, got {self.motion!r}")
+            names = [name for name, one in MOTIONS.items() if one.versor is Motor]
+            near = nearest_name(self.motion, names)
+            listed = ", ".join(names)
+            raise ValueError(f"motion: expected one of {listed}, got {self.motion!r}{near}")
         rigid: Motion[Motor] = motion
         path = ContinuousPath.along(rigid, self.duration_s)
         return path.seen_from(_AHEAD) if self.motion in _LOOKING_AHEAD else path

@@ -98,11 +98,13 @@ def associate(
     short_s, long_s = stamps_s(short), stamps_s(long)
     short_index, long_index = _nearest(short_s, long_s + to_short_s, max_difference_s)
     if short_index.size == 0:
+        apart_s = 1e-9 * float(reference.time_ns[0] - estimate.time_ns[0])
         raise ValueError(
             f"estimate and reference: expected stamps within max_difference_s = "
             f"{max_difference_s} s of each other, got none; the estimate spans "
             f"{estimate.time_ns[0] + offset_ns} to {estimate.time_ns[-1] + offset_ns} ns, the "
-            f"reference {reference.time_ns[0]} to {reference.time_ns[-1]} ns"
+            f"reference {reference.time_ns[0]} to {reference.time_ns[-1]} ns; if both begin at the "
+            f"same moment, offset_s={apart_s:.9g} (--offset-s {apart_s:.9g}) says so"
         )
     e, r = (long_index, short_index) if reference_leads else (short_index, long_index)
     ours, true, stamps = estimate.motors[e], reference.motors[r], estimate.time_ns[e] + offset_ns

@@ -70,6 +70,8 @@ def detect(arguments: argparse.Namespace) -> None:
     )
     from motorcade.replays.readers.manifest.section import read_camera, stated_rotation
 
+    if arguments.size_m is not None and arguments.camera is None:
+        raise ValueError("--size-m: expected --camera FILE with it, since poses need both")
     camera = None if arguments.camera is None else read_camera(arguments.camera)
     rotation_deg = None if arguments.camera is None else stated_rotation(arguments.camera)
     described: list[dict[str, Any]] = []

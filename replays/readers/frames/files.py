@@ -300,7 +300,8 @@ def picture_glob(root: Path, pattern: str) -> tuple[Path, ...]:
     except (ValueError, OSError, re.error) as fault:
         raise refusal(root, f"the pattern {one_line(pattern)} cannot be used: {fault}") from fault
     if not found:
-        raise refusal(root, f"expected pictures {one_line(pattern)}, got none")
+        advice = "say in [frames] images where they lie in this folder"
+        raise refusal(root, f"expected pictures {one_line(pattern)}, got none", advice=advice)
     if len(found) > FRAME_LIMIT:
         raise refusal(root, f"expected at most {FRAME_LIMIT} pictures, got {len(found)}")
     for path in found:

@@ -60,5 +60,7 @@ def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
     raise refusal(
         root,
         f"expected a recording, got neither {looked_for} nor motorcade.toml",
-        advice="describe any other folder of pictures in a manifest (docs/manifests)",
+        advice="describe any other folder of pictures in a manifest (docs/manifests)"
+        if root.is_dir()
+        else f"`motorcade inspect {root}` says whether it holds poses or readings",
     )
