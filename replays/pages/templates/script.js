@@ -1,6 +1,13 @@
 document.documentElement.classList.add("js");
-// What scrolls by itself can be scrolled by keys.
-for (const one of document.querySelectorAll(".scroll")) one.tabIndex = 0;
+// What scrolls by itself can be scrolled by keys, and is named after the heading above it.
+const headings = [...document.querySelectorAll("h1, h2, h3, summary")];
+for (const one of document.querySelectorAll(".scroll")) {
+  const follows = heading => heading.compareDocumentPosition(one) & Node.DOCUMENT_POSITION_FOLLOWING;
+  const above = headings.findLast(follows)?.textContent ?? document.title;
+  one.setAttribute("role", "region");
+  one.setAttribute("aria-label", above.trim().replace(/\s+/g, " "));
+  one.tabIndex = 0;
+}
 // One of several tables at a time.
 for (const picker of document.querySelectorAll(".picker")) {
   const choices = [...picker.querySelectorAll(".choice")];
