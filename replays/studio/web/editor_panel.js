@@ -13,6 +13,8 @@ const NUMBERS = [
   ["turn z", "euler_deg", 2, "°"],
   ["size", "scale", null, "×"],
 ];
+// Of an object, what no form tells: where it is at every frame.
+const UNSEEN = new Set(["track", "ground", "way", "held"]);
 const AXES = { parent: "Ground's axes", local: "Own axes", global: "World's axes" };
 
 /** The row of tools below the timeline; what it offers follows what is chosen. */
@@ -28,23 +30,35 @@ export class Panel {
     this.sheet.hidden = true;
     this.element = made("div", "panel", this.sheet, this.names, this.tools);
     this.open = null;
+    /** What stands in the rows of buttons. */
+    this.stands = new Map();
   }
 
   /** Follow the scene. */
   show(objects, chosen) {
     this.chosen = objects.find((one) => one.name === chosen) ?? null;
     this.objects = objects;
-    this.names.replaceChildren(
-      ...objects.map((one) => {
-        const chip = button(one.name, () => this.act.choose(one.name), { className: "chip" });
-        chip.ariaPressed = String(one.name === chosen);
-        if (one.held) chip.classList.add("held");
-        return chip;
-      }),
-    );
+    this.#renew(this.names, [objects.map((one) => [one.name, one.held]), chosen], () => objects.map((one) => this.#chip(one)));
     this.names.hidden = objects.length < 2;
-    this.tools.replaceChildren(...this.#tools());
+    const { kind, walk, held_by } = this.chosen ?? {};
+    const offered = [kind, walk, Object.keys(held_by ?? {}), this.act.draws(), this.act.poses()];
+    this.#renew(this.tools, offered, () => this.#tools());
     if (this.open) this.#fill(this.open);
+  }
+
+  /** Buttons anew where they changed only: one that goes while a finger is on it hears no click. */
+  #renew(element, what, make) {
+    const now = JSON.stringify(what);
+    if (this.stands.get(element) === now) return;
+    this.stands.set(element, now);
+    element.replaceChildren(...make());
+  }
+
+  #chip(one) {
+    const chip = button(one.name, () => this.act.choose(one.name), { className: "chip" });
+    chip.ariaPressed = String(one === this.chosen);
+    if (one.held) chip.classList.add("held");
+    return chip;
   }
 
   #tools() {
@@ -98,6 +112,7 @@ export class Panel {
 
   close() {
     this.open = null;
+    this.stands.delete(this.sheet);
     this.sheet.hidden = true;
   }
 
@@ -110,6 +125,9 @@ export class Panel {
     this.sheet.hidden = false;
     const at = this.sheet.contains(document.activeElement) ? document.activeElement : null;
     if (what !== "add" && at?.matches("input[type=text]") && at.value !== at.defaultValue) return;
+    const told = JSON.stringify([what, this.marked, this.chosen, this.objects?.map((one) => one.name)], (key, one) => (UNSEEN.has(key) ? null : one));
+    if (what !== "numbers" && this.stands.get(this.sheet) === told) return;
+    this.stands.set(this.sheet, told);
     const parts = { add: () => this.#add(), film: () => this.#film(), clips: () => this.#clips(), numbers: () => this.#numbers(), more: () => this.#more(), mark: () => this.#mark() };
     const inside = parts[what]();
     if (!inside) {

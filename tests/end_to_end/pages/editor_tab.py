@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from typing import Any
 
@@ -12,6 +13,22 @@ from tests.end_to_end.pages.conftest import Browser
 PATIENCE_S = 60.0
 # Where the middle of an object is on the page, its pose, and whether all that was said is answered.
 IDLE = "!editor.link.under_way && !editor.link.queue.length"
+_BUTTON = """((word) => {
+  const all = [...document.querySelectorAll("button")];
+  const shown = all.filter((one) => one.offsetParent && !one.disabled);
+  const said = (one) => one.textContent.trim();
+  return shown.find((one) => said(one) === word) ?? shown.find((one) => said(one).includes(word));
+})"""
+# Where a button's middle is once it is scrolled to, and whether it is the one to be touched there.
+_AIMED = f"""(() => {{
+  const one = {_BUTTON}(WORD);
+  one.scrollIntoView({{ block: "nearest", inline: "nearest" }});
+  window.clicked = false;
+  one.addEventListener("click", () => (window.clicked = true), {{ once: true }});
+  const {{ x, y, width, height }} = one.getBoundingClientRect();
+  const middle = [x + width / 2, y + height / 2];
+  return [...middle, one.contains(document.elementFromPoint(...middle))];
+}})()"""
 POSE = "editor.actors.get('Person').matrix.clone()"
 
 
@@ -76,14 +93,15 @@ class Tab:
         self.ask("Input.dispatchTouchEvent", type=kind, touchPoints=points)
 
     def press(self, word: str) -> None:
-        """A button, by what stands on it."""
-        found = self.evaluate(
-            "(() => { const one = [...document.querySelectorAll('button')].find("
-            f"(b) => b.offsetParent && b.textContent.includes('{word}'));"
-            "const r = one.getBoundingClientRect();"
-            "return [r.x + r.width / 2, r.y + r.height / 2] })()"
-        )
-        self.drag([(round(found[0]), round(found[1]))])
+        """A button, by what stands on it; over once it heard the click.
+
+        Fingers are told apart from strokes after they are lifted, so a click comes late.
+        """
+        self.until(f"!!({_BUTTON}({json.dumps(word)}))")
+        x, y, met = self.evaluate(_AIMED.replace("WORD", json.dumps(word)))
+        assert met, f"{word}: something lies over it"
+        self.drag([(round(x), round(y))])
+        self.until("clicked")
 
     def middle(self, selector: str) -> tuple[int, int]:
         """Where an element's middle is on the page."""

@@ -181,9 +181,13 @@ def test_layers_and_poses_come_end_and_go(
     one.drag([(x, y), (x + 6, y), (x + 14, y + 4)])
     one.until("editor.one.turns.length === 1")
     one.settled()
-    for part, share in ((".mark.pose .grip.end", -0.6), (".mark.pose", 0.2)):
+    for part, share, done in (
+        (".mark.pose .grip.end", -0.6, "turns[0][1] !== null"),
+        (".mark.pose", 0.2, "turns[0][0] > 0"),
+    ):
         x, y = one.middle(part)
         one.drag([(x + round(far * wide), y) for far in np.linspace(0.0, share, 8)])
+        one.until(f"editor.one.{done}")
         one.settled()
     last = float(at.filmed.time_s[-1])
     held = at.session.ledger.scene.part("Person").joint_keyframes[0]
@@ -192,8 +196,9 @@ def test_layers_and_poses_come_end_and_go(
     one.drag([one.middle(".mark.pose")])
     one.press("Remove this pose")
     one.until("editor.one.turns.length === 0")
-    for _ in range(3):
+    for back in ("turns.length === 1", "turns[0][0] === 0", "turns[0][1] === null"):
         one.press("Undo")
+        one.until(f"editor.one.{back}")
         one.settled()
     assert at.session.ledger.scene.part("Person").joint_keyframes[0].end_s is None
     one.drag([one.middle(".mark.layer")])
