@@ -41,7 +41,9 @@ def offered(path: Path, run: Path | None = None) -> list[Offer]:
     folder = path.absolute().parent if run is None else run
     if not (folder / RUN_LOG).is_file():
         raise ValueError(
-            f"{path}: expected a run's folder, or a scene in one; name its run with --run"
+            f"{path}: expected a run's folder, or a scene in one; {folder} holds no run. A scene "
+            "is edited on footage: `motorcade run RECORDING --out RUN` makes a run, and "
+            f"`motorcade author {path} --run RUN` opens the scene on it"
         )
     return [_offer(folder, path)]
 

@@ -270,7 +270,8 @@ class EditingSession:
             stand = anchor_json(self.filmed.first)
             lines.append({"do": "anchor", "name": free_name(GROUND, scene), **stand})
             scene = Edit(lines[0]).applied(scene)
-        entry = self.props.entry(name_of(message, "file"), scene, self.filmed)
+        frame = frame_number(message, self.filmed.frames)
+        entry = self.props.entry(name_of(message, "file"), scene, self.filmed, frame)
         answer = self._edited(visitor, message, *lines, {"do": "add", "object": entry})
         return Answer({**answer.reply, "object": entry["name"]}, answer.news)
 

@@ -9,6 +9,7 @@ import pytest
 
 from motorcade.ga import Rotor
 from motorcade.replays.cli.recordings import run
+from motorcade.replays.studio.server.opening import offered
 from motorcade.tracking import Camera
 from tests.replays.studio.server.stage import FRAMES, STRAIGHT, Visitor, desk, seen, stands
 
@@ -282,3 +283,27 @@ def test_what_is_refused_is_said_in_a_line_and_changes_nothing(
     assert one.at.session.ledger.scene is before
     assert one.at.session.ledger.journal.gestures.read_bytes() == lines
     one.done("begin", object="Person", gesture="move", frame=0, pixels=[[320, 300]])
+
+
+def test_a_newcomer_stands_where_nobody_is_and_in_the_picture(tmp_path: Path) -> None:
+    """Also where somebody was carried to the place that would be next, and for two people at once."""
+    at = desk(tmp_path)
+    one, other = Visitor(at), Visitor(at, 2)
+    names = [one.put(frame=0), other.put(frame=0)]
+    places = [stands(at, name, 0).translation_m for name in names]
+    one.done("edit", frame=0, edit={"do": "remove", "object": names[0]})
+    there = {"do": "set", "object": names[1], "position_m": places[0].tolist(), "time_s": 0.0}
+    other.done("edit", frame=0, edit=there)
+    names = [names[1], *(who.put(frame=5) for who in (one, other, one, other))]
+    feet = np.array([stands(at, name, 5).translation_m for name in names])
+    apart = np.linalg.norm(feet[:, None] - feet[None], axis=-1)[np.triu_indices(len(feet), 1)]
+    assert apart.min() > 0.4 * at.filmed.height_m - 1e-9
+    for point in np.concatenate([feet, feet + [0.0, 0.0, at.filmed.height_m]]):
+        x, y = seen(at, 5, point)
+        assert 0.0 < x < 639.0
+        assert 0.0 < y < 479.0
+
+
+def test_a_scene_without_a_run_says_how_to_get_one(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"holds no run\. .*`motorcade author .*scene.json --run"):
+        offered(tmp_path / "scene.json")
