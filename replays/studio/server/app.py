@@ -157,7 +157,7 @@ class _Site:
 
     def _page(self, request: Request, run: int) -> Response:
         nonce, base = request.scope["nonce"], request.scope["root_path"]
-        return _html(self._shell.editor(self._opened.offers[run].name, run, base, nonce))
+        return _html(self._shell.editor(self._opened.offers, run, base, nonce))
 
 
 def _html(text: str) -> Response:

@@ -50,14 +50,19 @@ class Shell:
         """The list of runs."""
         return self._start.render(offers=offers, base=base, nonce=nonce)
 
-    def editor(self, name: str, run: int, base: str, nonce: str) -> str:
-        """The editor of one run; its modules go by bare names (`studio/camera.js`)."""
+    def editor(self, offers: Sequence[Offer], run: int, base: str, nonce: str) -> str:
+        """The editor of one run; its modules go by bare names (`studio/camera.js`). A way back to
+        the list is there where the list has others."""
         modules = {
             f"studio/{file}": f"{base}/studio/{file}" for file in self.files if file.endswith(".js")
         }
         # "<" cannot stand in a name of a file of ours, but a script must not be ended by one.
         imports = json.dumps({"imports": modules}).replace("<", "\\u003c")
-        return self._editor.render(name=name, run=run, base=base, nonce=nonce, imports=imports)
+        home = f"{base}/" if len(offers) > 1 else ""
+        name = offers[run].name
+        return self._editor.render(
+            name=name, run=run, base=base, home=home, nonce=nonce, imports=imports
+        )
 
     @staticmethod
     def installation(base: str) -> dict[str, Any]:

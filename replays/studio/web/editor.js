@@ -17,16 +17,18 @@ import { actions } from "studio/editor_actions.js";
 import { keyboard } from "studio/editor_keys.js";
 
 const MOUSE = matchMedia("(hover: hover) and (pointer: fine)").matches;
+/** A way that is shorter is a touch, CSS pixels. */
+const TOUCHED_PX = 12;
 const HANDS = MOUSE
   ? "Drag to move, the ring turns, the wheel resizes."
   : "Drag to move. Two fingers turn and resize.";
 const HINTS = {
   empty: `${MOUSE ? "Click" : "Tap"} Add to put somebody into the picture.`,
-  chosen: `${HANDS} Walk lets you draw a way.`,
+  chosen: `${HANDS} Walk lets them go.`,
   prop: HANDS,
   none: `${MOUSE ? "Click" : "Tap"} somebody to choose them.`,
-  pose: "Drag a hand, a foot or the head.",
-  draw: "Draw on the ground where to walk.",
+  pose: "Drag a hand, a foot or the head. Pose ends it.",
+  draw: `Draw the way on the ground, or ${MOUSE ? "click" : "tap"} where to go.`,
 };
 
 export class Editor {
@@ -60,7 +62,7 @@ export class Editor {
 
   #layOut(body) {
     const home = made("a", "round", icon("back"));
-    Object.assign(home, { href: body.dataset.home, title: "All footage", ariaLabel: "All footage" });
+    Object.assign(home, { href: body.dataset.home, title: "All footage", ariaLabel: "All footage", hidden: !body.dataset.home });
     this.undo = button("Undo", () => this.ask({ do: "undo" }), { sign: "undo", className: "round" });
     this.redo = button("Redo", () => this.ask({ do: "redo" }), { sign: "redo", className: "round" });
     const film = button("Film", () => this.panel.film(), { title: "How the film is drawn", className: "film" });
@@ -322,7 +324,10 @@ export class Editor {
     document.body.classList.remove("draws");
     this.stage.sketch(null);
     this.panel.show(this.state.objects, this.chosen);
-    const pixels = way.map(([x, y]) => this.pixelAt(x, y));
+    const [first] = way;
+    const far = Math.max(...way.map(([x, y]) => Math.hypot(x - first[0], y - first[1])));
+    const from = far < TOUCHED_PX ? this.stage.placeOf(this.actors.get(this.chosen).place) : null;
+    const pixels = (from ? [from, first] : way).map(([x, y]) => this.pixelAt(x, y));
     const step = Math.max(1, Math.ceil(pixels.length / 400));
     const answer = await this.ask({
       do: "walk",

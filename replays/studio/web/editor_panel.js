@@ -41,7 +41,7 @@ export class Panel {
     this.#renew(this.names, [objects.map((one) => [one.name, one.held]), chosen], () => objects.map((one) => this.#chip(one)));
     this.names.hidden = objects.length < 2;
     const { kind, walk, held_by } = this.chosen ?? {};
-    const offered = [kind, walk, Object.keys(held_by ?? {}), this.act.draws(), this.act.poses()];
+    const offered = [objects.length > 0, kind, walk, Object.keys(held_by ?? {}), this.act.draws(), this.act.poses()];
     this.#renew(this.tools, offered, () => this.#tools());
     if (this.open) this.#fill(this.open);
   }
@@ -62,7 +62,7 @@ export class Panel {
   }
 
   #tools() {
-    const add = button("Add", () => this.#toggle("add"), { sign: "add", className: "main" });
+    const add = button("Add", () => this.#toggle("add"), { sign: "add", className: this.objects.length ? "" : "main" });
     if (!this.chosen) return [add];
     const { act, chosen } = this;
     const walks = chosen.kind === "character";
@@ -160,15 +160,15 @@ export class Panel {
   #clips() {
     const { chosen, act } = this;
     const clips = chosen.clips.map((name) => {
-      const one = button(spoken(name), () => act.clip(name), { className: "choice" });
-      one.ariaPressed = String((chosen.clip ?? "idle") === name);
+      const one = button(onTheSpot(name), () => act.clip(name), { className: "choice" });
+      one.ariaPressed = String(!chosen.walk && (chosen.clip ?? "idle") === name);
       return one;
     });
-    const halt = chosen.walk
-      ? [button("Stop walking", () => act.stay(), { className: "choice" })]
-      : [];
-    const layers = chosen.kind === "character" ? layerForms(chosen, act) : [];
-    return [made("h2", "", `What ${chosen.name} does`), made("div", "choices", ...clips, ...halt), ...layers];
+    if (chosen.kind !== "character") return [made("h2", "", `What ${chosen.name} does`), made("div", "choices", ...clips)];
+    const way = button("Walk along a way", () => this.#bare(act.draw), { sign: "walk", className: "choice" });
+    way.ariaPressed = String(chosen.walk);
+    const halt = chosen.walk ? [button("Stop walking", () => act.stay(), { className: "choice" })] : [];
+    return [made("h2", "", `What ${chosen.name} does`), made("div", "choices", way, ...halt, ...clips), ...layerForms(chosen, act)];
   }
 
   #numbers() {
@@ -219,4 +219,9 @@ export class Panel {
       ...(chosen.keys.length ? [wide("Forget its keyframes", () => act.unkey())] : []),
     ];
   }
+}
+
+/** A clip as a choice: those of walking are told apart from a walk that leads somewhere. */
+function onTheSpot(name) {
+  return spoken(name) + (/^(walk|jog|run)$/i.test(name) ? " on the spot" : "");
 }

@@ -286,7 +286,7 @@ def test_what_is_refused_is_said_in_a_line_and_changes_nothing(
 
 
 def test_a_newcomer_stands_where_nobody_is_and_in_the_picture(tmp_path: Path) -> None:
-    """Also where somebody was carried to the place that would be next, and for two people at once."""
+    """Where somebody was carried to the place that would be next, and for two people at once."""
     at = desk(tmp_path)
     one, other = Visitor(at), Visitor(at, 2)
     names = [one.put(frame=0), other.put(frame=0)]
@@ -298,7 +298,8 @@ def test_a_newcomer_stands_where_nobody_is_and_in_the_picture(tmp_path: Path) ->
     feet = np.array([stands(at, name, 5).translation_m for name in names])
     apart = np.linalg.norm(feet[:, None] - feet[None], axis=-1)[np.triu_indices(len(feet), 1)]
     assert apart.min() > 0.4 * at.filmed.height_m - 1e-9
-    for point in np.concatenate([feet, feet + [0.0, 0.0, at.filmed.height_m]]):
+    heads = feet + np.array([0.0, 0.0, at.filmed.height_m])
+    for point in np.concatenate([feet, heads]):
         x, y = seen(at, 5, point)
         assert 0.0 < x < 639.0
         assert 0.0 < y < 479.0
