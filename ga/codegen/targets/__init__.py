@@ -1,7 +1,8 @@
 """Programs as source code: one module a target, each with ``write(program, precision)``.
 
 ``write`` returns the text of each file by its name. Names from scripts are checked by `names`; no
-other text of a script gets into the code. `shared` holds what several targets need.
+other text of a script gets into the code. `shared` holds what several targets need, `languages`
+those targets that write a plain function in one language more.
 """
 
 from __future__ import annotations
@@ -11,6 +12,14 @@ from collections.abc import Callable
 from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets import c, c_batch, casadi, glsl, numpy, torch
+from motorcade.ga.codegen.targets.languages import (
+    cpp_function,
+    javascript,
+    julia,
+    latex,
+    rust,
+    wgsl,
+)
 
 __all__ = ["TARGETS", "Write"]
 
@@ -23,4 +32,10 @@ TARGETS: dict[str, Write] = {
     "glsl": glsl.write,
     "casadi": casadi.write,
     "torch": torch.write,
+    "cpp": cpp_function.write,
+    "rust": rust.write,
+    "javascript": javascript.write,
+    "wgsl": wgsl.write,
+    "julia": julia.write,
+    "latex": latex.write,
 }

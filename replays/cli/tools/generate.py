@@ -8,7 +8,10 @@ from pathlib import Path
 
 from motorcade.replays.cli.arguments import Subparsers, new_command
 
-TARGET_NAMES = ("c", "c-batch", "numpy", "glsl", "casadi", "torch")
+TARGET_NAMES = (
+    *("c", "c-batch", "numpy", "glsl", "casadi", "torch"),
+    *("cpp", "rust", "javascript", "wgsl", "julia", "latex"),
+)
 
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -18,7 +21,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         shared,
         generate_code,
         name="generate",
-        summary="write a CLUScript as C, NumPy, GLSL, CasADi or torch code",
+        summary="write a CLUScript as C, NumPy, GLSL, Rust, JavaScript, … or LaTeX",
         example="motorcade generate blend.clu --target numpy -o blend.py",
     )
     parser.add_argument("script", type=Path, metavar="SCRIPT", help="its name names the function")

@@ -14,6 +14,10 @@ from motorcade.replays.cli.tools.generate import TARGET_NAMES
 
 pytest.importorskip("casadi", reason="CasADi, which only code generation needs, is missing")
 
+SUFFIXES = {
+    "c": ".c", "c-batch": ".c", "glsl": ".glsl", "cpp": ".hpp", "rust": ".rs", "javascript": ".mjs",
+    "wgsl": ".wgsl", "julia": ".jl", "latex": ".tex",
+}  # fmt: skip
 SCRIPT = "R = RotorN3(0, 0, 1, angle);\n?p = R * createPoint(x, y, z) * ~R;\n?q = 2*p;\n"
 
 
@@ -39,7 +43,7 @@ def test_what_is_printed_is_what_is_written(
     assert generate(script, "--target", target) == 0
     told = capsys.readouterr()
     assert told.err == ""
-    suffix = {"c": ".c", "c-batch": ".c", "glsl": ".glsl"}.get(target, ".py")
+    suffix = SUFFIXES.get(target, ".py")
     out = tmp_path / "new" / f"code{suffix}"
     assert generate(script, "--target", target, "-o", out) == 0
     assert out.read_text() == told.out

@@ -44,6 +44,20 @@ REFUSED_VARIABLES = [
     ("glsl", "gl_Position", "reserved", "Position"),
     ("glsl", "a__b", "reserved", "a_b"),
     ("glsl", "out_a", "used by the generated code", "out_a_"),
+    ("cpp", "std", "reserved in C or C\\+\\+", "std_"),
+    ("cpp", "M_PI", "reserved", "M_PI_"),
+    ("rust", "fn", "reserved in Rust", "fn_"),
+    ("rust", "None", "reserved", "None_"),
+    ("rust", "_", "reserved", "_0"),
+    ("javascript", "await", "reserved in JavaScript", "await_"),
+    ("javascript", "Math", "reserved", "Math_"),
+    ("wgsl", "f32", "reserved in WGSL", "f32_"),
+    ("wgsl", "target", "reserved", "target_"),
+    ("wgsl", "a__b", "reserved", "a_b"),
+    ("wgsl", "out_a", "used by the generated code", "out_a_"),
+    ("julia", "end", "reserved in Julia", "end_"),
+    ("julia", "real_sqrt", "reserved", "real_sqrt_"),
+    ("julia", "in", "reserved", "in_"),
 ]
 
 
@@ -73,6 +87,10 @@ def test_a_variable_is_refused_with_the_name_to_use(
         ("casadi", "jac", "jac_"),
         ("glsl", "main", "main_"),
         ("glsl", "normalize", "normalize_"),
+        ("rust", "main", "main_"),
+        ("javascript", "class", "class_"),
+        ("wgsl", "select", "select_"),
+        ("julia", "sqrt", "sqrt_"),
     ],
 )
 def test_a_file_name_is_refused_with_the_name_to_use(target: str, name: str, other: str) -> None:
@@ -99,7 +117,7 @@ def test_outputs_may_have_any_name_and_that_of_a_variable(
 ) -> None:
     text = "x = x + 1;\n?x;\n?double = 2*x;\n?lambda = 3*x*e1;\n?float = x;\n?np = x;"
     made = written(target, text)
-    if target.startswith("c") and target != "casadi":
+    if target in ("c", "c-batch"):
         compiled(made["scene.c"], tmp_path)
     elif target == "numpy":
         assert loaded(made["scene.py"], "scene").scene(x=1.0)["np"] == {"1": 2.0}
