@@ -25,7 +25,7 @@ from motorcade.replays.cli.sensors import (
     simulate_imu,
     sync,
 )
-from motorcade.replays.cli.tools import completion, doctor, generate
+from motorcade.replays.cli.tools import completion, doctor, draw, generate
 from motorcade.replays.cli.tools import print as print_
 from motorcade.replays.cli.trajectories import compare, consistency, evaluate, smooth, trajectory
 from motorcade.replays.engine.progress import show_progress
@@ -48,6 +48,7 @@ COMMANDS = (
     fuse,
     graph,
     generate,
+    draw,
     blend,
     author,
     view,

@@ -36,10 +36,13 @@ _RELATIONS = {
     "lt": "<", "le": r"\le", "eq": "=", "ne": r"\ne", "and": r"\land", "or": r"\lor",
 }  # fmt: skip
 _GREEK = frozenset(
-    """
+    re.findall(
+        r"\w+",
+        """
     alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau
     upsilon phi chi psi omega
-    """.split()
+    """,
+    )
 )
 _Written = tuple[str, int, int]
 """The text of a value, how tightly it binds, and of how many symbols it is made."""

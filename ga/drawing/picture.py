@@ -1,0 +1,172 @@
+"""`show`: a picture of objects, with their names and colours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from motorcade.ga.drawing.marks.ground import ground
+from motorcade.ga.drawing.marks.mark import Extent, Mark, extent_of, marks_of, name_of
+from motorcade.ga.drawing.shapes.reading import Form, shapes_of
+from motorcade.ga.drawing.shapes.shape import Shape, is_flat
+from motorcade.ga.drawing.writing import page, svg
+from motorcade.ga.drawing.writing.colors import CYCLE, checked_color
+from motorcade.ga.drawing.writing.view import Projection, View, projection_of
+
+
+@dataclass(frozen=True)
+class Styled:
+    """An object of a picture, with what stands beside it and how it is read.
+
+    Args:
+        value: a multivector, a batch of them, a versor ``(*)``, a `Trajectory`, or points
+            ``(*, 3)`` in space or ``(*, 2)`` in the plane.
+        name: what is written beside it; nothing if empty.
+        color: blue, orange, green, magenta, cyan, red, yellow, white, black; the next one of a
+            cycle if None.
+        form: whether a conformal object is in inner or in outer form; see `algebra.conformal`.
+    """
+
+    value: Any
+    name: str = ""
+    color: str | None = None
+    form: Form = "inner"
+
+
+@dataclass(frozen=True)
+class Object:
+    """What of a drawn object is seen: its shapes, in a colour."""
+
+    name: str
+    color: str
+    shapes: tuple[Shape, ...]
+
+
+@dataclass(frozen=True, repr=False)
+class Drawing:
+    """A picture: objects, seen from a side. Notebooks show it, turned by the mouse.
+
+    `left_out` tells what could not be drawn, and why.
+    """
+
+    objects: tuple[Object, ...]
+    title: str
+    view: View
+    left_out: tuple[str, ...] = ()
+
+    def svg(self) -> str:
+        """The picture as SVG: text that any browser and report takes as it is."""
+        marks, projection = self._placed()
+        return svg.document(self.title or repr(self), marks, projection)
+
+    def html(self) -> str:
+        """The picture as a page of its own that turns by mouse, finger or arrow keys."""
+        return page.whole(self.title or repr(self), self._repr_html_())
+
+    def save(self, path: Path | str) -> None:
+        """Write the picture, as SVG or HTML by the file's suffix.
+
+        Raises:
+            ValueError: another suffix.
+        """
+        file = Path(path)
+        kinds = {".svg": self.svg, ".html": self.html}
+        if file.suffix not in kinds:
+            raise ValueError(f"{file}: expected a name that ends in .svg or .html")
+        file.write_text(kinds[file.suffix](), encoding="utf-8")
+
+    def __repr__(self) -> str:
+        shown = [f"{o.name}: {_kinds(o)}" if o.name else _kinds(o) for o in self.objects]
+        return f"Drawing({', '.join(shown)})"
+
+    def _repr_html_(self) -> str:
+        marks, projection = self._placed()
+        return page.part(self.svg(), marks, projection, self.left_out)
+
+    def _repr_svg_(self) -> str:
+        return self.svg()
+
+    def _placed(self) -> tuple[list[Mark], Projection]:
+        extent = extent_of([shape for one in self.objects for shape in one.shapes])
+        marks = [*self._marks(extent), *ground(extent, flat=self.view.flat)]
+        return marks, projection_of(self.view, marks)
+
+    def _marks(self, extent: Extent) -> Iterator[Mark]:
+        for owner, one in enumerate(self.objects):
+            for shape in one.shapes:
+                yield from marks_of(shape, extent, one.color, owner)
+        for one in self.objects:
+            if one.name:
+                yield name_of(one.name, one.shapes[-1], extent, "black")
+
+
+def _kinds(one: Object) -> str:
+    kinds = [shape.kind for shape in one.shapes]
+    return kinds[0] if len(kinds) == 1 else f"{len(kinds)} of {', '.join(dict.fromkeys(kinds))}"
+
+
+def show(
+    *objects: Any, title: str = "", view: View | None = None, form: Form = "inner", **named: Any
+) -> Drawing:
+    """A picture of objects; those given by a keyword have that name written beside them.
+
+    Args:
+        objects: what `Styled` takes, or `Styled` itself for a colour or form of its own.
+        title: what readers who cannot see the picture are told; the objects' kinds if empty.
+        view: from where, and of how many pixels; a picture of the plane looks down on it.
+        form: of conformal objects that are no `Styled`: ``inner``, or ``outer``.
+        named: objects by their names.
+
+    Raises:
+        ValueError: no object, or one that cannot be drawn, with its place or name and why.
+
+    >>> from motorcade.ga import Motor
+    >>> from motorcade.ga.algebra import conformal
+    >>> from motorcade.ga.drawing import show
+    >>> line = conformal.line_through([0, 0, 0], [1, 1, 1])
+    >>> ahead = Motor.from_translation([1.0, 0.0, 0.0])
+    >>> path = Motor.identity().interpolate(ahead, [0.0, 0.5, 1.0])
+    >>> show(line=line, path=path)
+    Drawing(line: line, path: path)
+    """
+    plain = [one if isinstance(one, Styled) else Styled(one, form=form) for one in objects]
+    plain += [
+        replace(one, name=name) if isinstance(one, Styled) else Styled(one, name, form=form)
+        for name, one in named.items()
+    ]
+    made = []
+    for place, one in enumerate(plain):
+        try:
+            shapes = shapes_of(one.value, one.form)
+        except ValueError as refused:
+            raise ValueError(f"show: {one.name or f'object {place}'}: {refused}") from refused
+        made.append((one, shapes))
+    return drawing(made, title, view)
+
+
+def drawing(
+    made: list[tuple[Styled, list[Shape]]],
+    title: str,
+    view: View | None,
+    left_out: tuple[str, ...] = (),
+) -> Drawing:
+    """The picture of objects that have been read.
+
+    Raises:
+        ValueError: none of them, or a colour that is not known.
+    """
+    if not made:
+        raise ValueError("show: expected at least one object, got none")
+    colors = iter(CYCLE * (1 + len(made) // len(CYCLE)))
+    objects = tuple(
+        Object(
+            one.name,
+            next(colors) if one.color is None else checked_color(one.color),
+            tuple(shapes),
+        )
+        for one, shapes in made
+    )
+    flat = all(is_flat(shape) for one in objects for shape in one.shapes)
+    return Drawing(objects, title, replace(view or View(), flat=flat), left_out)

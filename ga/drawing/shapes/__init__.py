@@ -1,0 +1,1 @@
+"""What objects look like: `reading` finds the `shape` of a multivector, a versor or points."""

@@ -1,0 +1,128 @@
+"""What an object looks like: multivectors, versors and arrays of points as `shapes`.
+
+The algebras that have pictures are those of the plane and of space: Euclidean, plane-based and
+conformal ones. An object of CGA is read in its inner form, or in its outer form where that is said;
+a point is both. Objects of plane conformal and plane-based algebras are those of space that meet
+the plane of x and y in them: what ``x ∧ e3`` says in inner form.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+
+from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra, Multivector
+from motorcade.ga.algebra.scalars import is_numeric
+from motorcade.ga.arrays import FloatArray
+from motorcade.ga.drawing.shapes import conformal, flat
+from motorcade.ga.drawing.shapes.shape import Frames, Points, Shape
+from motorcade.ga.trajectory import Trajectory
+from motorcade.ga.versors.versor import Versor
+
+Form = Literal["inner", "outer"]
+
+MAX_OBJECTS = 1000
+_CGA2 = Algebra(3, 1, null_pair=True)
+_PGA2 = Algebra(2, 0, 1, ("e1", "e2", "e0"))
+_EGA2 = Algebra(2)
+# Beside the largest coefficient, what rounding leaves of other grades.
+_ROUNDING = 1e-12
+
+
+def shapes_of(x: Any, form: Form = "inner") -> list[Shape]:
+    """The shapes of a multivector, a batch of them, a versor, a trajectory, or points ``(*, 3)``.
+
+    Raises:
+        ValueError: nothing that can be drawn, and why: symbols, another algebra, a number, what
+            lies at infinity, more than `MAX_OBJECTS`.
+    """
+    if isinstance(x, Trajectory):
+        return shapes_of(x.poses)
+    if isinstance(x, Versor):
+        return [_frames(x)]
+    if isinstance(x, Multivector):
+        return _of_multivectors(_rows(x), form)
+    return [_points(x)]
+
+
+def _frames(poses: Versor) -> Frames:
+    """Where the origin and the axes go."""
+    flat = poses.reshape(-1)
+    if len(flat.coefficients) > MAX_OBJECTS:
+        step = -(-len(flat.coefficients) // MAX_OBJECTS)
+        flat = flat[::step]
+    zero = np.zeros((len(flat.coefficients), 1, 3))
+    ends = np.concatenate([zero, np.broadcast_to(np.eye(3), (len(zero), 3, 3))], axis=1)
+    moved = np.stack([_applied(flat, ends[:, k]) for k in range(4)], axis=1)
+    return Frames(moved[:, 0], moved[:, 1:] - moved[:, :1])
+
+
+def _applied(poses: Any, points: FloatArray) -> FloatArray:
+    return np.asarray(poses.apply(points.astype(poses.coefficients.dtype)), dtype=np.float64)
+
+
+def _points(x: Any) -> Points:
+    """An array of points of space, or of the plane."""
+    try:
+        array = np.asarray(x, dtype=np.float64)
+    except (TypeError, ValueError) as refused:
+        raise ValueError(
+            f"expected multivectors, versors or points, got {type(x).__name__}"
+        ) from refused
+    if array.ndim == 0 or array.shape[-1] not in (2, 3) or not np.isfinite(array).all():
+        raise ValueError(f"expected finite points of shape (*, 2) or (*, 3), got {array.shape}")
+    rows = array.reshape(-1, array.shape[-1])
+    return Points(np.pad(rows, ((0, 0), (0, 3 - rows.shape[1]))))
+
+
+def _rows(x: Multivector) -> list[Multivector]:
+    """The multivectors of a batch, without what rounding left of other grades."""
+    if not all(map(is_numeric, x.values)):
+        raise ValueError("expected numbers, got symbols")
+    values = np.broadcast_arrays(*[np.asarray(v, np.float64) for v in x.values or (0.0,)])
+    rows = np.stack([v.ravel() for v in values], axis=1)
+    if len(rows) > MAX_OBJECTS:
+        raise ValueError(f"expected at most {MAX_OBJECTS} objects, got {len(rows)}")
+    algebra: Any = x.algebra
+    grades = np.array([blade.count("^") + (blade != "1") for blade in x.blades], dtype=np.int64)
+    made = []
+    for row in rows[:, : len(grades)]:
+        least = _ROUNDING * np.abs(row).max(initial=0.0)
+        large = set(grades[np.abs(row) > least])
+        kept = [grade in large and value != 0.0 for grade, value in zip(grades, row, strict=True)]
+        parts = {b: float(v) for b, v, keep in zip(x.blades, row, kept, strict=True) if keep}
+        made.append(algebra.multivector(parts))
+    return made
+
+
+def _of_multivectors(rows: list[Multivector], form: Form) -> list[Shape]:
+    shapes = [_shape(x, form) for x in rows]
+    if all(isinstance(shape, Points) for shape in shapes):
+        return [Points(np.concatenate([shape.extent() for shape in shapes]))]  # type: ignore[union-attr]
+    if all(isinstance(shape, Frames) for shape in shapes):
+        return [_joined([shape for shape in shapes if isinstance(shape, Frames)])]
+    return shapes
+
+
+def _joined(frames: list[Frames]) -> Frames:
+    origins = np.concatenate([frame.origins for frame in frames])
+    axes = np.concatenate([frame.axes for frame in frames])
+    return Frames(origins, axes, all(frame.flat for frame in frames))
+
+
+def _shape(x: Multivector, form: Form) -> Shape:
+    if not x.masks:
+        raise ValueError("it is zero")
+    if x.grades == (0,):
+        raise ValueError(f"it is the number {x.scalar_part():g}")
+    algebra = x.algebra
+    if algebra == CGA3:
+        return conformal.shape(x, form)
+    if algebra == _CGA2:
+        return conformal.shape_of_plane(x, form)
+    if algebra in (PGA3, _PGA2):
+        return flat.of_plane_based(x, algebra == _PGA2)
+    if algebra in (EGA3, _EGA2):
+        return flat.of_euclidean(x, algebra == _EGA2)
+    raise ValueError(f"there is no picture of objects of {algebra}")

@@ -1,0 +1,1 @@
+"""From marks to text: `view` projects and orders them, `svg` and `page` write them."""

@@ -1,0 +1,98 @@
+"""The script that turns a picture in the browser draws what Python draws."""
+
+import json
+import re
+import shutil
+import subprocess
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motorcade.ga import Motor
+from motorcade.ga.algebra import conformal
+from motorcade.ga.drawing import Drawing, Styled, show
+from motorcade.ga.drawing.writing import page, svg
+from motorcade.ga.drawing.writing.view import View
+
+NODE = shutil.which("node")
+SCRIPT = Path(page.__file__).parent / "turning.js"
+VIEWS = [View(), View(213.0, -41.0, 500, 300), View(10.0, 90.0), View(-77.0, 3.0, 400, 700)]
+
+pytestmark = pytest.mark.skipif(NODE is None, reason="no node here")
+
+
+def picture() -> Drawing:
+    ball, ground = conformal.sphere([0, 0, 1], 1.0), conformal.plane([0, 0, 1], 0.6)
+    line = conformal.line_through([-1, -1, 0], [1, 1, 1.6])
+    far = conformal.meet(conformal.sphere([4, 0, 0], 1.0), conformal.sphere([7, 0, 0], 1.0))
+    path = Motor.identity().interpolate(
+        Motor.from_translation([2.0, 1.0, 0.0]), np.linspace(0, 1, 9)
+    )
+    return show(
+        Styled(ball, "<ball> & 'co' \x01", "red"), conformal.sphere([2, 2, 0], 0.7), ground=ground,
+        circle=conformal.meet(ball, ground), line=line, pair=conformal.meet(ball, line),
+        far=far, path=path,
+        long_name_of_a_point_that_is_cut_off_somewhere=conformal.point([1, 2, 0.5]),
+    )  # fmt: skip
+
+
+def in_node(drawing: Drawing) -> str:
+    marks, projection = drawing._placed()
+    told = json.dumps(page.scene(marks, projection))
+    use = "process.stdout.write(drawnElements(JSON.parse(require('fs').readFileSync(0)), 'own'));"
+    done = subprocess.run(
+        ["node", "-e", SCRIPT.read_text(encoding="utf-8") + use],
+        input=told, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    return done.stdout
+
+
+def pieces(text: str) -> Counter[tuple[str, ...]]:
+    """Every piece of a path, circle or text with how it looks, its places in steps of pixels."""
+    found: Counter[tuple[str, ...]] = Counter()
+    for tag, attributes in re.findall(r"<(path|circle|text)([^>]*)>", text):
+        given = dict(re.findall(r' ([\w-]+)="([^"]*)"', attributes))
+        looks = [f"{k}={v}" for k, v in given.items() if k not in ("d", "cx", "cy", "r", "x", "y")]
+        for part in given.get("d", "one").split("M")[-1 if tag != "path" else 1 :]:
+            count = str(part.count(" "))
+            found[tag, count, *looks] += 1
+    return found
+
+
+def places(text: str) -> np.ndarray:
+    numbers = [
+        [float(x) for x in re.findall(r"-?\d+\.?\d*", part)]
+        for d in re.findall(r' d="M([^"]*)"', text)
+        for part in d.split("M")
+    ]
+    return np.array(sorted([np.mean(n[::2]), np.mean(n[1::2])] for n in numbers))
+
+
+@pytest.mark.parametrize("view", VIEWS, ids=str)
+def test_the_browser_draws_what_python_draws(view: View) -> None:
+    drawing = replace(picture(), view=view)
+    marks, projection = drawing._placed()
+    mine = svg.elements(marks, projection).replace("url(#", "url(#own-")
+    theirs = in_node(drawing)
+    assert pieces(theirs) == pieces(mine)
+    texts = [re.findall(r">([^<>]+)</text>", text) for text in (mine, theirs)]
+    assert texts[0] == texts[1]
+    ends = [
+        np.array(re.findall(r'<text x="(\S+)" y="(\S+)"', text), float) for text in (mine, theirs)
+    ]
+    np.testing.assert_allclose(ends[0], ends[1], atol=0.21)
+    rings = [
+        np.array(sorted(re.findall(r'cx="(\S+)" cy="(\S+)" r="(\S+)"', text)), float)
+        for text in (mine, theirs)
+    ]
+    np.testing.assert_allclose(rings[0], rings[1], atol=0.21)
+    assert np.abs(places(mine).sum(axis=0) - places(theirs).sum(axis=0)).max() < 5.0
+
+
+def test_a_turned_picture_is_the_one_of_that_view() -> None:
+    front = in_node(replace(picture(), view=View(0.0, 0.0)))
+    assert pieces(front) != pieces("")
+    assert front != in_node(replace(picture(), view=View(1.0, 0.0)))
