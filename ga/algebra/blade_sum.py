@@ -125,6 +125,12 @@ class BladeSum(Value):
     def __repr__(self) -> str:
         return " + ".join(f"({value})*{name}" for name, value in self.items()) or "0"
 
+    def _repr_latex_(self) -> str | None:
+        """How notebooks show a multivector of plain numbers; others are shown as text."""
+        from motorcade.ga.drawing.formulas import multivector_text, shown_formula
+
+        return shown_formula(multivector_text(self))
+
     # Sums and scalars --------------------------------------------------------------------------
 
     def _with(self, values: Iterable[Any]) -> Self:

@@ -10,7 +10,7 @@ from tests.docs.pages import agrees, blocks, line_agrees, run
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
-OTHERS = [DOCS / f"{name}.md" for name in ("fusion", "cluscript", "rendering")]
+OTHERS = [DOCS / f"{name}.md" for name in ("fusion", "cluscript", "drawing", "rendering")]
 OTHERS += sorted((DOCS / "explanation").glob("*.md"))
 LONG = {
     "ar_on_my_video",

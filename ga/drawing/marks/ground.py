@@ -28,9 +28,11 @@ def round_step(length: float) -> float:
 def ground(extent: Extent, *, flat: bool) -> Iterator[Mark]:
     """The marks of the grid, of axes through the origin where that is near, and their numbers."""
     step = round_step(extent.radius / 2.0)
-    room = 0.25 * extent.radius
-    low = np.floor((extent.low - room) / step) * step
-    high = np.ceil((extent.high + room) / step) * step
+    room = (0.6 if flat else 0.25) * extent.radius
+    low, high = extent.low - room, extent.high + room
+    near = np.maximum(low, -high) < 2.0 * extent.radius  # there the box is to hold the origin
+    low = np.floor(np.where(near, np.minimum(low, 0.0), low) / step) * step
+    high = np.ceil(np.where(near, np.maximum(high, 0.0), high) / step) * step
     level = 0.0 if flat else ground_level(extent)
     origin = np.clip(np.zeros(3), low, high)
     origin[2] = level
@@ -41,7 +43,7 @@ def ground(extent: Extent, *, flat: bool) -> Iterator[Mark]:
                 continue
             ends = np.full((2, 3), level)
             ends[:, axis], ends[:, other] = at, (low[other], high[other])
-            yield from pieces(ends, "grid", 8, width=0.8)
+            yield from pieces(ends, "grid", 5, width=0.8)
     for axis in range(2 if flat else 3):
         first = float(low[axis]) if axis < 2 else level
         last = max(float(high[axis]), first + step)
@@ -55,7 +57,7 @@ def _axis(
     unit = np.eye(3)[axis]
     ends = np.stack([origin, origin])
     ends[:, axis] = first, last
-    yield from pieces(ends, "axis", 20, width=1.2)
+    yield from pieces(ends, "axis", 12, width=1.2)
     yield Label(_AXES[axis], (ends[1] + 0.1 * step * unit)[None], "axis")
     stops = np.arange(math.ceil(first / step) * step, last - step / 2, step)
     for at in stops if all_numbers else stops[-1:]:

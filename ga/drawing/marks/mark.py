@@ -125,7 +125,7 @@ def marks_of(shape: Shape, extent: Extent, color: str, owner: int) -> Iterator[M
     elif isinstance(shape, PlaneShape):
         yield from _plane(shape, extent, color, owner)
     elif isinstance(shape, Line):
-        yield from pieces(_line_ends(shape, extent), color, 40)
+        yield from pieces(_line_ends(shape, extent), color, 30)
     elif isinstance(shape, PointPair):
         yield from pieces(shape.extent(), color, 16, width=1.2, dashed=True)
         yield from (Dot(point, color, hollow=shape.imaginary) for point in shape.extent())
@@ -203,7 +203,7 @@ def _sphere(shape: Sphere, color: str) -> Iterator[Mark]:
     # Just outside, so that what lies on the far side is behind the ball.
     for axis in np.eye(3):
         around = Circle(shape.center, axis, 1.002 * shape.radius).around(48)
-        yield from pieces(around, color, 24, width=0.9, opacity=0.55)
+        yield from pieces(around, color, 16, width=0.9, opacity=0.55)
 
 
 def _circle(shape: Circle, color: str, owner: int) -> Iterator[Mark]:

@@ -8,7 +8,6 @@ name of a variable is primed.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from itertools import count
 
@@ -18,6 +17,7 @@ from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.tape import Node, Tape
 from motorcade.ga.codegen.targets.languages.typed import typed
 from motorcade.ga.codegen.targets.shared.text import description
+from motorcade.ga.drawing.formulas import blade_text, name_text, number_text
 
 _MOST_SYMBOLS = 18
 _SUM, _PRODUCT, _CALL, _ATOM = 1, 2, 3, 4
@@ -35,15 +35,6 @@ _AROUND = {
 _RELATIONS = {
     "lt": "<", "le": r"\le", "eq": "=", "ne": r"\ne", "and": r"\land", "or": r"\lor",
 }  # fmt: skip
-_GREEK = frozenset(
-    re.findall(
-        r"\w+",
-        """
-    alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau
-    upsilon phi chi psi omega
-    """,
-    )
-)
 _Written = tuple[str, int, int]
 """The text of a value, how tightly it binds, and of how many symbols it is made."""
 
@@ -69,45 +60,6 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
         r"\end{align*}",
     ]
     return {f"{program.name}.tex": "\n".join(text) + "\n"}
-
-
-def name_text(name: str) -> str:
-    r"""An identifier as it is set: ``x``, ``x_{1}``, ``\theta``, ``\mathit{left\_arm}``.
-
-    >>> from motorcade.ga.codegen.targets.languages.latex import name_text
-    >>> [name_text(name) for name in ("x", "c12", "theta", "x_1")]
-    ['x', 'c_{12}', '\\theta', '\\mathit{x\\_1}']
-    """
-    if name in _GREEK:
-        return f"\\{name}"
-    found = re.fullmatch(r"([A-Za-z])([0-9]*)", name)
-    if found:
-        return f"{found[1]}_{{{found[2]}}}" if found[2] else name
-    return rf"\mathit{{{name.replace('_', chr(92) + '_')}}}"
-
-
-def blade_text(blade: str) -> str:
-    r"""A blade as it is set; of ``1`` nothing is left.
-
-    >>> from motorcade.ga.codegen.targets.languages.latex import blade_text
-    >>> print(blade_text("e1^einf"))
-    \mathbf{e}_{1} \wedge \mathbf{e}_{\infty}
-    """
-    return " \\wedge ".join(_vector(name) for name in blade.split("^") if name != "1")
-
-
-def number_text(value: float) -> str:
-    r"""A number to its last digit: ``0.5``, ``1.5 \cdot 10^{-7}``."""
-    digits, _, exponent = repr(float(value)).partition("e")
-    digits = digits.removesuffix(".0")
-    return rf"{digits} \cdot 10^{{{int(exponent)}}}" if exponent else digits
-
-
-def _vector(name: str) -> str:
-    index = name[1:] if name.startswith("e") and len(name) > 1 else ""
-    if index == "inf":
-        index = r"\infty"
-    return rf"\mathbf{{e}}_{{{index}}}" if index else name_text(name)
 
 
 def _lines(tape: Tape) -> tuple[list[str], list[list[_Written]]]:
