@@ -8,7 +8,7 @@ form; before either, in outer form. A script without such marks shows its output
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from motorcade.ga.algebra import Algebra
@@ -99,7 +99,7 @@ def _marked(script: Script) -> tuple[list[_Item], Script]:
             output = f":{len(items)}"
             items.append(_Item(output, name, color, "inner" if form == "inner" else "outer"))
             statements.append(Assignment(one.place, "?", output, value))
-    return items, Script(script.source, tuple(statements), script.pragmas)
+    return items, replace(script, statements=tuple(statements), screen=())
 
 
 def _in_order(script: Script) -> Iterator[Statement | Screen]:
