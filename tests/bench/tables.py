@@ -14,6 +14,7 @@ SUITES: Mapping[str, tuple[str, str, str]] = {
     "conversions": ("algebra.conversions", "bench_conversions", "conversions_table"),
     "compiler": ("algebra.compiler", "bench_compiler", "compiler_table"),
     "table3": ("algebra.table3.measure", "bench_table3", "table3_table"),
+    "programs": ("algebra.programs", "bench_programs", "programs_table"),
     "smooth": ("smoothing.smooth", "bench_smooth", "smooth_table"),
     "smoothers": ("smoothing.smoothers", "bench_smoothers", "smoothers_table"),
     "smoother_speed": ("smoothing.long", "bench_long", "long_table"),

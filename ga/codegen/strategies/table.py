@@ -34,7 +34,7 @@ def write(script: Script, program: Program, precision: Precision | None) -> dict
             f"strategy table: expected at most {MAX_DIMENSION} dimensions, "
             f"got {program.algebra.dimension}"
         )
-    return files(_TableWriter, "table", script, program, precision)
+    return files(TableWriter, "table", script, program, precision)
 
 
 _STRUCTS = """\
@@ -98,15 +98,15 @@ static {name}_mv {name}_part(unsigned grades, unsigned count, const unsigned sho
 }}"""
 
 
-class _TableWriter(CallWriter):
+class TableWriter(CallWriter):
     """Writes calls that take their operands by address and interpret a table."""
 
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
         masks = (self.algebra.masks_of(blade)[0][0] for blade in self.algebra.blades)
-        self._place = {mask: k for k, mask in enumerate(masks)}
+        self.place = {mask: k for k, mask in enumerate(masks)}
         # Pairs of grades that a product meets, by its kind; kinds of sign; functions beside them.
-        self._tables: dict[str, set[tuple[int, int]]] = {}
+        self.tables: dict[str, set[tuple[int, int]]] = {}
         self._signs: set[str] = set()
         self._functions: set[str] = set()
 
@@ -116,12 +116,12 @@ class _TableWriter(CallWriter):
 
     def coefficient(self, number: int, mask: int) -> str:
         """By its place among all coefficients."""
-        return f"v{number}.c[{self._place[mask]}]"
+        return f"v{number}.c[{self.place[mask]}]"
 
     def given(self, masks: Masks, values: list[str]) -> str:
         """All coefficients, those not given being zero."""
         at = ", ".join(
-            f"[{self._place[mask]}] = {value}" for mask, value in zip(masks, values, strict=True)
+            f"[{self.place[mask]}] = {value}" for mask, value in zip(masks, values, strict=True)
         )
         return f"{{{_bits(masks)}, {{{at}}}}}"
 
@@ -135,7 +135,7 @@ class _TableWriter(CallWriter):
             return self._part(step, f"v{step.args[0]}")
         elif step.op in PRODUCTS:
             self._meet(step)
-            made = f"{self.name}_product(&{self.name}_{step.op}, {', '.join(operands)})"
+            made = self.product(step.op, operands)
         else:
             self._functions.add("sum")
             factor = self.dialect.constant(1.0 if step.op == "add" else -1.0)
@@ -148,14 +148,8 @@ class _TableWriter(CallWriter):
 
     def definitions(self) -> list[str]:
         """The type, the tables of the grades that meet, and the functions."""
-        named = {
-            "name": self.name, "real": self.real, "size": len(self._place),
-            "grades": self.algebra.dimension + 1,
-        }  # fmt: skip
-        made = [_STRUCTS.format(**named)]
-        if self._tables:
-            made += [_TABLE.format(**named), *map(self._table, sorted(self._tables))]
-            made.append(_PRODUCT.format(**named))
+        named = {"name": self.name, "real": self.real, "size": len(self.place)}
+        made = [_STRUCTS.format(**named), *self.products()]
         if "sum" in self._functions:
             made.append(_SUM.format(**named))
         if self._signs:
@@ -164,6 +158,28 @@ class _TableWriter(CallWriter):
             made.append(_PART.format(**named))
         return made
 
+    def product(self, kind: str, operands: list[str]) -> str:
+        """A call of the product, with the table of its kind."""
+        return f"{self.name}_product(&{self.name}_{kind}, {', '.join(operands)})"
+
+    def products(self) -> list[str]:
+        """The tables of all kinds, and the function that interprets them."""
+        if not self.tables:
+            return []
+        named = {"name": self.name, "real": self.real, "grades": self.algebra.dimension + 1}
+        tables = [self._table(kind) for kind in sorted(self.tables)]
+        return [_TABLE.format(**named), *tables, _PRODUCT.format(**named)]
+
+    def terms_of(self, kind: str, left: int, right: int) -> list[tuple[int, int, int, float]]:
+        """Left, right, result and factor of each term of a product of two grades."""
+        multiply = PRODUCTS[kind]
+        of_grade = [[m for m in self.place if grade_of(m) == grade] for grade in (left, right)]
+        return [
+            (a, b, mask, factor)
+            for a in of_grade[0] for b in of_grade[1]
+            for mask, factor in multiply(self.algebra.basis, a, b)
+        ]  # fmt: skip
+
     def _operand(self, number: int) -> str:
         if self.record.steps[number].is_scalar:
             return f"&(const {self.name}_mv){{1u, {{s{number}}}}}"
@@ -171,7 +187,7 @@ class _TableWriter(CallWriter):
 
     def _part(self, step: Step, operand: str) -> str:
         self._functions.add("part")
-        places = ", ".join(str(self._place[mask]) for mask in step.masks)
+        places = ", ".join(str(self.place[mask]) for mask in step.masks)
         kept = f"(const unsigned short[]){{{places}}}"
         made = f"{self.name}_part({_bits(step.masks)}, {len(step.masks)}, {kept}, {operand})"
         return f"{made}.c[0]" if step.is_scalar else made
@@ -185,17 +201,16 @@ class _TableWriter(CallWriter):
 
     def _meet(self, step: Step) -> None:
         left, right = ({*map(grade_of, self.record.steps[k].masks)} for k in step.args)
-        self._tables.setdefault(step.op, set()).update((r, s) for r in left for s in right)
+        self.tables.setdefault(step.op, set()).update((r, s) for r in left for s in right)
 
     def _table(self, kind: str) -> str:
         """The terms of a product, the first one of each pair of grades, and where they lead."""
         count = self.algebra.dimension + 1
-        of_grade = [[m for m in self._place if grade_of(m) == grade] for grade in range(count)]
         rows, first, into = [], [0], []
         for pair in range(count * count):
             grades = divmod(pair, count)
-            met = grades in self._tables[kind]
-            terms = self._terms(kind, of_grade[grades[0]], of_grade[grades[1]]) if met else []
+            met = grades in self.tables[kind]
+            terms = self.terms_of(kind, *grades) if met else []
             rows += [self._row(*term) for term in terms]
             into.append(sum(1 << g for g in {grade_of(term[2]) for term in terms}))
             first.append(len(rows))
@@ -208,21 +223,12 @@ class _TableWriter(CallWriter):
             f"    {name}_terms, {name}_first, {name}_into", "};",
         ])  # fmt: skip
 
-    def _terms(
-        self, kind: str, left: list[int], right: list[int]
-    ) -> list[tuple[int, int, int, float]]:
-        multiply = PRODUCTS[kind]
-        return [
-            (a, b, mask, factor)
-            for a in left for b in right for mask, factor in multiply(self.algebra.basis, a, b)
-        ]  # fmt: skip
-
     def _row(self, left: int, right: int, result: int, factor: float) -> str:
-        places = ", ".join(str(self._place[mask]) for mask in (left, right, result))
+        places = ", ".join(str(self.place[mask]) for mask in (left, right, result))
         return f"{{{places}, {self.dialect.constant(factor)}}}"
 
     def _sign_list(self, kind: str) -> str:
-        signs = [str(SIGNS[kind](grade_of(mask))) for mask in self._place]
+        signs = [str(SIGNS[kind](grade_of(mask))) for mask in self.place]
         return "\n".join(
             [f"static const signed char {self.name}_{kind}[] = {{", *_lines(signs), "};"]
         )

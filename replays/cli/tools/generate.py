@@ -28,9 +28,10 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.add_argument("--target", choices=TARGET_NAMES, default="c", help="(c)")
     parser.add_argument(
         "--strategy",
-        choices=("table", "product", "program"),
+        choices=("table", "table-code", "product", "program"),
         default="program",
-        help="for C: interpret a table, one function a product, or the whole program (program)",
+        help="for C: interpret a table, or have it as code; one function a product; or the whole "
+        "program (program)",
     )
     parser.add_argument(
         "--precision", choices=("float32", "float64"), help="(the target's own, or its inputs')"

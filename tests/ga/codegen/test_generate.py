@@ -39,7 +39,10 @@ def test_the_algebra_counts_where_the_script_names_none(script: Path) -> None:
     ("wishes", "message"),
     [
         ({"target": "pascal"}, r"target: expected c, .*, got 'pascal'"),
-        ({"strategy": "none"}, r"strategy: expected program, table, product, got 'none'"),
+        (
+            {"strategy": "none"},
+            r"strategy: expected program, table, table-code, product, got 'none'",
+        ),
         ({"target": "numpy", "strategy": "table"}, "target numpy: expected the strategy program"),
         ({"precision": "float16"}, r"precision: expected float32, float64, got 'float16'"),
     ],

@@ -14,7 +14,7 @@ pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is
 
 from motorcade.ga.codegen.precision import DOUBLE, SINGLE, Precision
 from motorcade.ga.codegen.programs import Program, compile_script
-from motorcade.ga.codegen.strategies import product, table
+from motorcade.ga.codegen.strategies import product, table, table_code
 from motorcade.ga.codegen.targets import c
 from motorcade.ga.script import Script, evaluate, parse
 from motorcade.ga.script.reading.syntax import RangePragma
@@ -36,7 +36,7 @@ SNIPPETS = {
     "names": "t0 = x*e1; ?v1 = t0*e2 + s0*in; ?names_mv = names_steps*t0; ?x = in + t1;",
     "nested": "?d = Dual(VecN3(x, y, z)); ?s = SphereN3(x, y, z, 2)/Normalize(e1 + y*e2);",
 }
-STRATEGIES = {"table": table, "product": product}
+STRATEGIES = {"table": table, "table-code": table_code, "product": product}
 
 
 def texts() -> dict[str, str]:
@@ -124,6 +124,15 @@ def test_a_table_is_interpreted_once_for_each_product() -> None:
     assert text.count("static script_mv script_product(") == 1
 
 
+def test_a_table_as_code_has_one_function_for_each_kind_of_product() -> None:
+    script = parse("a = x*e1 + y*e2; b = a*a*a; ?c = b*b + (a^b);")
+    text = table_code.write(script, compile_script(script, "script"), None)["script.c"]
+    assert text.count("script_geometric(&") == 5
+    assert text.count("static script_mv script_geometric(") == 1
+    assert text.count("static script_mv script_outer(") == 1
+    assert "_terms" not in text
+
+
 def test_equal_types_share_a_function_and_equal_products_are_done_again() -> None:
     script = parse("a = x*e1 + y*e2; b = z*e1 + x*e2; ?c = a*b; ?d = b*a; ?e = a*b;")
     text = product.write(script, compile_script(script, "script"), None)["script.c"]
@@ -139,7 +148,7 @@ def test_the_page_on_strategies_shows_what_they_write() -> None:
     shown = re.findall(r"```c\n(.*?)```", page, re.DOTALL)
     script = parse(clu)
     program = compile_script(script, "square")
-    written = [strategy.write(script, program, None) for strategy in (table, product)]
+    written = [strategy.write(script, program, None) for strategy in (table, table_code, product)]
     written.append(c.write(program, None))
     assert len(shown) == len(written)
     for snippet, files in zip(shown, written, strict=True):

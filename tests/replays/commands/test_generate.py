@@ -63,7 +63,7 @@ def test_the_numpy_module_turns_a_point(script: Path, tmp_path: Path) -> None:
     assert json.loads(told) == {"outputs": ["p", "q"], "y": pytest.approx(1.0)}
 
 
-@pytest.mark.parametrize("strategy", ["table", "product"])
+@pytest.mark.parametrize("strategy", ["table", "table-code", "product"])
 def test_other_strategies_write_the_same_function(
     strategy: str, script: Path, tmp_path: Path
 ) -> None:

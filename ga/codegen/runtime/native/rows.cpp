@@ -94,6 +94,18 @@ void gather(const Source &source, const Shape &shape, std::size_t start, std::si
     for (std::size_t i = count; i % BLOCK; ++i) to[i] = to[0];
 }
 
+// Copies rows whose components lie beside each other, row by row; to as many columns.
+template <typename From, typename Real>
+void gather_rows(const char *at, std::ptrdiff_t stride, std::size_t count, std::size_t width,
+                 Real *to, std::size_t step) {
+    for (std::size_t i = 0; i < count; ++i, at += stride) {
+        const From *row = reinterpret_cast<const From *>(at);
+        for (std::size_t k = 0; k < width; ++k) to[k * step + i] = static_cast<Real>(row[k]);
+    }
+    for (std::size_t i = count; i % BLOCK; ++i)
+        for (std::size_t k = 0; k < width; ++k) to[k * step + i] = to[k * step];
+}
+
 // Adding one to an exponent of ones, as infinity and NaN have it, sets the bit of the sign.
 bool all_finite(const float *values, std::size_t count) {
     std::uint32_t lost = 0;
@@ -161,7 +173,16 @@ private:
             if (whole && alike && !source.negative && shape_.dimensions == 1 &&
                 source.strides[0] == sizeof(Real))
                 in_[k] = reinterpret_cast<const Real *>(source.first) + from;
-            else
+            else if (const std::size_t width = beside(k); width > 1) {
+                const char *at =
+                    source.first + static_cast<std::ptrdiff_t>(from) * source.strides[0];
+                if (source.single)
+                    gather_rows<float>(at, source.strides[0], count, width, spare_[k], tile_);
+                else
+                    gather_rows<double>(at, source.strides[0], count, width, spare_[k], tile_);
+                for (std::size_t i = 1; i < width; ++i) in_[k + i] = spare_[k + i];
+                k += width - 1;
+            } else
                 gather(source, shape_, from, count, spare_[k]);
         }
         for (std::size_t k = 0; k < targets_.size(); ++k) {
@@ -177,6 +198,21 @@ private:
             if (out_[k] == spare_[sources_.size() + k]) scatter(out_[k], targets_[k], from, count);
         }
         return lost;
+    }
+
+    // How many sources from one on are components of the same rows, beside each other.
+    std::size_t beside(std::size_t k) const {
+        const Source &one = sources_[k];
+        if (shape_.dimensions != 1 || one.negative) return 1;
+        const std::ptrdiff_t size = one.single ? sizeof(float) : sizeof(double);
+        std::size_t width = 1;
+        for (; k + width < sources_.size(); ++width) {
+            const Source &other = sources_[k + width];
+            if (other.first != one.first + static_cast<std::ptrdiff_t>(width) * size ||
+                other.strides[0] != one.strides[0] || other.single != one.single || other.negative)
+                break;
+        }
+        return width;
     }
 
     static void scatter(const Real *values, const Target &to, std::size_t from, std::size_t count) {

@@ -21,9 +21,9 @@ import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
+from motorcade.ga.codegen.generate import STRATEGIES
 from motorcade.ga.codegen.precision import DOUBLE, SINGLE, Precision
 from motorcade.ga.codegen.programs import Program, compile_script
-from motorcade.ga.codegen.strategies import product, table
 from motorcade.ga.codegen.targets import c, c_batch
 from motorcade.ga.script import Script, parse
 from tests.bench.algebra.glm import NotMeasured, Scalar
@@ -94,9 +94,16 @@ METHODS = (
     Method("quaternion", "quaternion slerp + lerp", _quaternions, "slerp"),
     Method("dual_quaternion", "dual quaternion", _dual_quaternions, "linear"),
     *(
-        Method(f"{name}_{strategy}", f"{label}, {strategy}", rows, path, name, strategy)
+        Method(
+            f"{name}_{strategy.replace('-', '_')}",
+            f"{label}, {strategy}",
+            rows,
+            path,
+            name,
+            strategy,
+        )
         for name, label, rows, path in _SCRIPTS
-        for strategy in ("table", "product", "program")
+        for strategy in ("table", "table-code", "product", "program")
     ),
 )
 ARRAY_METHODS = (
@@ -230,9 +237,8 @@ def _source(method: Method, precision: Precision) -> str:
     """The script's function, and the loop around it."""
     program = _program(method.script)
     name = program.name
-    if method.strategy in ("table", "product"):
-        strategy = table if method.strategy == "table" else product
-        files = strategy.write(script(method.script), program, precision)
+    if method.strategy in STRATEGIES:
+        files = STRATEGIES[method.strategy](script(method.script), program, precision)
     else:
         files = (c_batch if method.strategy == "c-batch" else c).write(program, precision)
     loop = _array_loop if method.arrays else _loop

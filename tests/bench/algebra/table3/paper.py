@@ -32,10 +32,10 @@ PAPER_MS = {
 COUNTERPARTS = {
     "quaternion": "Quaternions",
     "dual_quaternion": "Dual-Quaternions",
-    "rotor_table": "GA Gaigen",
+    "rotor_table_code": "GA Gaigen",
     "rotor_product": "GA Versor",
     "rotor_program": "GA Gaalop",
-    "motor_table": "CGA Gaigen",
+    "motor_table_code": "CGA Gaigen",
     "motor_product": "CGA Versor",
     "motor_linear_program": "CGA Gaalop",
 }
