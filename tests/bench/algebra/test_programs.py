@@ -20,6 +20,7 @@ def found() -> dict[str, Any]:
         return programs.bench_programs(1e-4)
 
 
+@pytest.mark.slow
 def test_both_formulas_are_measured_at_both_sizes(found: dict[str, Any]) -> None:
     for name in ("motor on a point", "even versor on a point"):
         one, many = found[name]["one"], found[name]["many"]
@@ -29,6 +30,7 @@ def test_both_formulas_are_measured_at_both_sizes(found: dict[str, Any]) -> None
     assert set(found["joint"]) == {"float32", "float64"}
 
 
+@pytest.mark.slow
 def test_the_table_names_every_way_and_what_was_left_out(found: dict[str, Any]) -> None:
     table = programs.programs_table(found | {"left_out": ["kingdon: not installed"]})
     for way in found["motor on a point"]["one"]:

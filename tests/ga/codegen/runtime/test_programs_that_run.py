@@ -17,6 +17,7 @@ from motorcade.ga.codegen.precision import PRECISIONS
 from motorcade.ga.codegen.runtime.by_numpy import NumpyProgram
 from motorcade.ga.codegen.runtime.sources import plain_tape
 from motorcade.ga.script import evaluate, parse
+from tests.ga.kernels.accuracy_motors import hard_motors
 
 MOTOR = "1 e2^e3 e3^e1 e1^e2 e1^einf e2^einf e3^einf e1^e2^e3^einf"
 POINT = "e1 e2 e3 e0 einf"
@@ -234,6 +235,24 @@ def test_decorators_work_with_and_without_arguments(folder: Path) -> None:
     assert squared.arrays(np.array([3.0, 4.0])) == 25.0
     with pytest.raises(ValueError, match="expected blades of a function's parameters"):
         compile_program("?a = x;", x="e1")
+
+
+def test_a_script_of_log_and_exp_is_as_accurate_as_the_kernel(compiled: Path) -> None:
+    script = Path(__file__).parents[3] / "bench/algebra/table3/scripts/motor.clu"
+    function = compile_program(parse(script.read_text(encoding="utf-8")), name="motor")
+    rng = np.random.default_rng(0)
+    a, b = hard_motors(rng), hard_motors(rng)
+    pairs = [(a, b), (a, kernels.MOTORS.compose(a, b)), (a, kernels.MOTORS.compose(b, a))]
+    given = np.concatenate([np.concatenate(pair, axis=1) for pair in pairs]).T.astype(np.float32)
+    sure = np.abs(np.sum(given[:4] * given[8:12], axis=0)) > 1e-5  # which way round is short
+    for fraction in (0.0, 0.3, 0.5, 1.0):
+        ours, exact = (
+            np.concatenate(list(function.arrays(*rows, kind(fraction)).values()), axis=-1)
+            for rows, kind in ((given, np.float32), (given.astype(np.float64), float))
+        )
+        error = np.linalg.norm(ours - exact, axis=-1) / np.linalg.norm(exact, axis=-1)
+        assert error[sure].max() <= 6.1e-7, fraction
+    assert function.backend("float32") == "c"
 
 
 def test_derivatives_are_those_of_the_function(compiled: Path, rng: np.random.Generator) -> None:
