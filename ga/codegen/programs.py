@@ -6,11 +6,13 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import Any
 
 from motorcade.ga.algebra import Algebra, Multivector
 from motorcade.ga.codegen.passes.optimize import optimized
 from motorcade.ga.codegen.passes.stats import PassStats
+from motorcade.ga.codegen.recorder import Symbol, recorded_symbols, tape_of_symbols
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.trace import tape_of
 from motorcade.ga.script import Script, evaluate
@@ -65,17 +67,24 @@ def compile_script(script: Script, name: str, algebra: Algebra | None = None) ->
     }
     <BLANKLINE>
     """
-    import casadi as ca
-
     checked_identifier(name, "name")
     chosen = algebra_of(script, algebra)
     free = [checked_identifier(variable, "variable") for variable in free_variables(script, chosen)]
-    symbols = {variable: ca.SX.sym(variable) for variable in free}
+    symbols = _symbols(free)
     outputs = evaluate(script, algebra, **symbols)
     if not outputs:
         raise ValueError(f"{name}: expected a script with outputs, got none: mark them with ?")
     inputs = tuple(Operand(variable, ("1",)) for variable in free)
     return program_of(name, chosen, inputs, list(symbols.values()), outputs)
+
+
+def _symbols(variables: list[str]) -> dict[str, Any]:
+    """CasADi's symbols, which know more rules of algebra; ours where it is not installed."""
+    if find_spec("casadi") is None:
+        return recorded_symbols(variables)
+    import casadi as ca
+
+    return {variable: ca.SX.sym(variable) for variable in variables}
 
 
 def checked_identifier(name: str, field: str) -> str:
@@ -102,7 +111,10 @@ def program_of(
         kept = [(blade, value) for blade, value in made.items() if not _is_zero(value)]
         operands.append(Operand(output, tuple(blade for blade, _ in kept)))
         rows.append([value for _, value in kept])
-    tape = tape_of(name, inputs, tuple(operands), symbols, rows)
+    if find_spec("casadi") is None or any(isinstance(symbol, Symbol) for symbol in symbols):
+        tape = tape_of_symbols(inputs, tuple(operands), symbols, rows)
+    else:
+        tape = tape_of(name, inputs, tuple(operands), symbols, rows)
     _check_finite(name, tape)
     try:
         tape, passes = optimized(tape)

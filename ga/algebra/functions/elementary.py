@@ -86,6 +86,8 @@ def power_series(x: Any, coefficients: tuple[float, ...]) -> Any:
 def _library(values: tuple[Any, ...]) -> tuple[Any, tuple[Any, ...]]:
     """The module that made the first scalar that is no number, and all of them as it takes them."""
     made = next(value for value in values if not is_numeric(value))
+    if hasattr(made, "scalar_functions"):
+        return made.scalar_functions(), values
     library = sys.modules[type(made).__module__.partition(".")[0]]
     if not hasattr(library, "as_tensor"):
         return library, values
