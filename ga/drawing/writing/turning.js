@@ -2,7 +2,7 @@
 // and svg.py do, number by number. The picture stands before this script, with its marks between.
 (() => {
   "use strict";
-  const MARGIN = 30, LONGEST = 40, LETTER = 7.4, WIDE = 13, LINE = 15, EDGE = 3, GAP = 6;
+  const SURFACE = 0.01, MARGIN = 30, LONGEST = 40, LETTER = 7.4, WIDE = 13, LINE = 15, EDGE = 3, GAP = 6;
   const SIDES = [[1, -1], [1, 1], [-1, -1], [-1, 1], [0, -1], [0, 1]];
 
   function axesOf([azimuth, elevation, , , flat]) {
@@ -40,7 +40,7 @@
     for (const { center, radius } of balls) {
       const square = radius ** 2 - (mean[0] - center[0]) ** 2 - (mean[1] - center[1]) ** 2;
       if (square <= 0) continue;
-      const off = mean[2] - center[2], half = Math.sqrt(square);
+      const off = mean[2] - center[2], half = Math.sqrt(square) - SURFACE * radius;
       if (off > half) low = Math.max(low, center[2] + radius / 2);
       else if (off < -half) high = Math.min(high, center[2] - radius / 2 - 1e-6);
       else {

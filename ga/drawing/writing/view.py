@@ -20,6 +20,8 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.ga.drawing.marks.mark import BallMark, Dot, Face, Label, Mark, Stroke
 
 MARGIN = 30.0
+# What lies as near as this to a ball's surface, in radii, lies outside.
+_SURFACE = 0.01
 # Pixels count downwards.
 _DOWN = np.array([1.0, -1.0, 1.0])
 
@@ -124,7 +126,7 @@ def _key(middle: FloatArray, spots: list[tuple[FloatArray, float]]) -> tuple[flo
         square = radius**2 - float(np.sum((middle[:2] - center[:2]) ** 2))
         if square <= 0.0:
             continue
-        off, half = depth - float(center[2]), square**0.5
+        off, half = depth - float(center[2]), square**0.5 - _SURFACE * radius
         if off > half:
             low = max(low, center[2] + radius / 2)
         elif off < -half:

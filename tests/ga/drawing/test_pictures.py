@@ -75,7 +75,8 @@ def test_what_is_inside_a_ball_comes_between_its_halves_and_the_rest_before_or_b
         (middle,) = turned(ball.center[None], view)
         for dot in dots:
             off = turned(dot.point[None], view)[0] - middle
-            if np.hypot(off[0], off[1]) >= ball.radius:
+            on_surface = abs(np.linalg.norm(off) - ball.radius) < 0.15 * ball.radius
+            if np.hypot(off[0], off[1]) >= ball.radius or on_surface:
                 continue
             place = at[id(dot), False]
             if np.linalg.norm(off) < ball.radius:

@@ -31,7 +31,9 @@ def picture() -> Drawing:
     path = Motor.identity().interpolate(
         Motor.from_translation([2.0, 1.0, 0.0]), np.linspace(0, 1, 9)
     )
+    dots = np.random.default_rng(4).uniform(-2.0, 3.0, (150, 3))
     return show(
+        dots,
         Styled(ball, "<ball> & 'co' \x01", "red"), conformal.sphere([2, 2, 0], 0.7), ground=ground,
         circle=conformal.meet(ball, ground), line=line, pair=conformal.meet(ball, line),
         far=far, path=path,
@@ -71,6 +73,17 @@ def places(text: str) -> np.ndarray:
     return np.array(sorted([np.mean(n[::2]), np.mean(n[1::2])] for n in numbers))
 
 
+def halves_before(text: str) -> np.ndarray:
+    """For each dot its place, and how many halves of balls are drawn before it."""
+    rows, halves = [], 0
+    for x, y, rest in re.findall(r'<circle cx="(\S+)" cy="(\S+)"([^>]*)', text):
+        if "url(" in rest or 'opacity="0.1"' in rest:
+            halves += 1
+        else:
+            rows.append([float(x), float(y), halves])
+    return np.array(rows)
+
+
 @pytest.mark.parametrize("view", VIEWS, ids=str)
 def test_the_browser_draws_what_python_draws(view: View) -> None:
     drawing = replace(picture(), view=view)
@@ -78,17 +91,22 @@ def test_the_browser_draws_what_python_draws(view: View) -> None:
     mine = svg.elements(marks, projection).replace("url(#", "url(#own-")
     theirs = in_node(drawing)
     assert pieces(theirs) == pieces(mine)
+    mine_halves, theirs_halves = halves_before(mine), halves_before(theirs)
+    assert len(set(mine_halves[:, 2])) >= 4, "dots before, inside and behind both balls"
+    for x, y, halves in mine_halves:
+        off = np.abs(theirs_halves[:, :2] - [x, y]).max(axis=1)
+        assert halves in theirs_halves[off <= 0.21, 2]
     texts = [re.findall(r">([^<>]+)</text>", text) for text in (mine, theirs)]
     assert texts[0] == texts[1]
     ends = [
         np.array(re.findall(r'<text x="(\S+)" y="(\S+)"', text), float) for text in (mine, theirs)
     ]
     np.testing.assert_allclose(ends[0], ends[1], atol=0.21)
-    rings = [
-        np.array(sorted(re.findall(r'cx="(\S+)" cy="(\S+)" r="(\S+)"', text)), float)
-        for text in (mine, theirs)
-    ]
-    np.testing.assert_allclose(rings[0], rings[1], atol=0.21)
+    circle = r'cx="(\S+)" cy="(\S+)" r="(\S+)"'
+    rings = [np.array(re.findall(circle, text), float) for text in (mine, theirs)]
+    apart = np.abs(rings[0][:, None] - rings[1]).max(axis=2)
+    assert apart.min(axis=1).max() <= 0.21
+    assert apart.min(axis=0).max() <= 0.21
     assert np.abs(places(mine).sum(axis=0) - places(theirs).sum(axis=0)).max() < 5.0
 
 
