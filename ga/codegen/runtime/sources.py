@@ -6,7 +6,6 @@ Neither has a name of the user's in it: components of inputs are x0, x1, …, in
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 from motorcade.ga.codegen.choices import without_repeated_choices
@@ -42,7 +41,7 @@ def plain_tape(tape: Tape) -> Tape:
         first[operand.name] = count
         count += operand.width
     nodes = tuple(
-        replace(node, source=("x", first[node.source[0]] + node.source[1]))
+        node._replace(source=("x", first[node.source[0]] + node.source[1]))
         if node.op == "input"
         else node
         for node in tape.nodes
