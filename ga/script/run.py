@@ -163,8 +163,7 @@ class Run:
         return False
 
     def _branch(self, step: If, scope: _Scope) -> bool:
-        condition = self._scalar(step.condition, scope)
-        known = decided(condition)
+        condition, known = self._condition(step.condition, scope)
         if known is not None:
             return self._run(step.then if known else step.otherwise, scope)
         self._undecided += 1
@@ -194,10 +193,14 @@ class Run:
                 return
             rounds += 1
 
-    def _scalar(self, condition: Expression, scope: _Scope) -> object:
+    def _condition(self, condition: Expression, scope: _Scope) -> tuple[object, bool | None]:
+        """The value of a condition, and whether it holds where that is known.
+
+        A recorded multivector tells by what it comes to in terms of the inputs, `flat`.
+        """
         value = self._value(condition, scope)
         try:
-            return scalar_of(value)
+            return scalar_of(value), decided(scalar_of(getattr(value, "flat", value)))
         except ValueError as refused:
             raise scope.error(condition.place, f"condition: {refused}") from refused
 

@@ -127,15 +127,18 @@ class CallWriter(ABC):
         ]
 
     def stores(self, outputs: Sequence[Operand]) -> list[str]:
-        """The lines that store the blades of the outputs in ``out0``, ``out1``, …."""
+        """The lines that store the blades of the outputs in ``out0``, ``out1``, ….
+
+        A record may know of a blade that it cancels where the program does not.
+        """
         lines = []
         for k, output in enumerate(outputs):
             number = self.record.outputs[output.name]
             for i, blade in enumerate(output.components):
-                if number is None:
-                    raise AssertionError(f"{output.name} vanishes, and has no {blade}")
                 ((mask, _),) = self.algebra.masks_of(blade)
-                lines.append(f"out{k}[{i}] = {self.read(number, mask)};")
+                there = number is not None and mask in self.record.steps[number].masks
+                value = self.read(number, mask) if number is not None and there else "0"
+                lines.append(f"out{k}[{i}] = {value};")
         return lines
 
     def read(self, number: int, mask: int) -> str:

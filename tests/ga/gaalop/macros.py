@@ -22,6 +22,8 @@ from motorcade.ga.script.run import Run
 from tests.ga.gaalop.scripts import compared
 
 ROUNDS = 3
+# How often arguments are drawn until Gaalop's definition has a value for some.
+TRIES = 5
 Key = tuple[str, int]
 
 
@@ -77,7 +79,7 @@ def _difference(
 ) -> str:
     """What differs for the first arguments that Gaalop's definition has a value for."""
     told = "no arguments found for which Gaalop's definition has a value"
-    for drawn in _arguments(ours, key, rng):
+    for drawn in (drawn for _ in range(TRIES) for drawn in _arguments(ours, key, rng)):
         try:
             expected = _called(witness, key, drawn)
         except ScriptError as refused:

@@ -101,6 +101,19 @@ def test_generated_code_chooses_as_evaluation_does() -> None:
         np.testing.assert_array_equal(np.broadcast_to(row, 30), expected.coefficient(blade))
 
 
+def test_strategies_write_branches_that_cannot_be_taken() -> None:
+    """One of them sees by itself that 1/d is never below 1/d, the program does not."""
+    pytest.importorskip("casadi")
+    from motorcade.ga.codegen import compile_script
+    from motorcade.ga.codegen.strategies import product, table
+
+    script = parse("if (1/d < 1/d) { v = e1; } else v = d; ?v;")
+    program = compile_script(script, "never")
+    assert program.tape.outputs[0].components == ("1", "e1")
+    for strategy in (product, table):
+        assert "out0[1] = 0;" in strategy.write(script, program, None)["never.c"]
+
+
 def test_parts_by_blade_and_by_grade() -> None:
     x = "(2 + 3*e1 + 5*e1^e2 + 7*e1^e2^e3)"
     assert values(f"?a = {x}[1, e2^e1]; ?b = (-{x})[e1];") == {
