@@ -23,8 +23,6 @@ are frozen, and what does not fit is refused with its name. Needs NumPy only.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra, Multivector
 from motorcade.ga.classical import DualQuaternion, EulerPose, QuaternionPose
 from motorcade.ga.compiling import compile
@@ -36,9 +34,6 @@ from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.rotor import Rotor
 from motorcade.ga.versors.similarity import Similarity
 from motorcade.ga.versors.versor import Versor
-
-if TYPE_CHECKING:
-    from motorcade.ga.drawing import show
 
 __all__ = [
     "CGA3",
@@ -62,14 +57,4 @@ __all__ = [
     "blend",
     "compile",
     "mean",
-    "show",
 ]
-
-
-def __getattr__(name: str) -> Any:
-    """`show` when it is first asked for: pictures are not loaded with the algebra."""
-    if name == "show":
-        from motorcade.ga.drawing import show
-
-        return show
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -32,7 +32,7 @@ _AXIS_COLORS = ("red", "green", "blue")
 _MOST_AXES = 8
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Stroke:
     """A line through points ``(n, 3)``."""
 
@@ -43,7 +43,7 @@ class Stroke:
     opacity: float = 1.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Face:
     """A flat polygon with corners ``(n, 3)``; `owner` tells apart faces of different objects."""
 
@@ -53,7 +53,7 @@ class Face:
     owner: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Dot:
     """A point, of a radius in pixels."""
 
@@ -63,7 +63,7 @@ class Dot:
     hollow: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class BallMark:
     """A sphere with its shading, or the outline of an imaginary one."""
 
@@ -73,7 +73,7 @@ class BallMark:
     imaginary: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Label:
     """A text beside one of the places ``(n, 3)``, as far from it as `reach` in metres."""
 
@@ -86,7 +86,7 @@ class Label:
 Mark = Stroke | Face | Dot | BallMark | Label
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Extent:
     """What a picture shows: the box of it, its middle, and how far it reaches from there."""
 

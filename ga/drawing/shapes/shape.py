@@ -14,7 +14,7 @@ import numpy as np
 from motorcade.ga.arrays import FloatArray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Points:
     """One or more points ``(n, 3)``."""
 
@@ -26,7 +26,7 @@ class Points:
         return self.positions
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sphere:
     """A sphere."""
 
@@ -44,7 +44,7 @@ class Sphere:
         return self.center + self.radius * np.vstack([np.eye(3), -np.eye(3)])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Circle:
     """A circle about a unit normal; `filled` for the plane of a bivector."""
 
@@ -75,7 +75,7 @@ class Circle:
         return made
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PlaneShape:
     """The plane through a point across a unit normal."""
 
@@ -89,7 +89,7 @@ class PlaneShape:
         return made
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Line:
     """The line through a point along a unit direction."""
 
@@ -104,7 +104,7 @@ class Line:
         return made
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PointPair:
     """Two points; those of an imaginary pair are drawn hollow."""
 
@@ -122,7 +122,7 @@ class PointPair:
         return np.stack([self.first, self.second])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Arrow:
     """A vector from a place."""
 
@@ -135,7 +135,7 @@ class Arrow:
         return np.stack([self.start, self.start + self.vector])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Frames:
     """Where a motion takes the axes: origins ``(n, 3)`` and axes ``(n, 3, 3)``, rows of unit length
     but for the scale of the motion. Several are joined by their path.

@@ -26,7 +26,7 @@ _SURFACE = 0.01
 _DOWN = np.array([1.0, -1.0, 1.0])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class View:
     """A parallel projection onto a picture of so many pixels; `flat` looks down along z.
 
@@ -60,7 +60,7 @@ class View:
         return np.stack([right, np.cross(viewer, right), viewer])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Placed:
     """A mark with its points in the picture ``(n, 3)``: x and y in pixels, and the depth."""
 
@@ -71,7 +71,7 @@ class Placed:
     near: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Projection:
     """A view, enlarged and shifted so that its marks fill the picture."""
 

@@ -31,7 +31,7 @@ def test_a_script_becomes_files_that_bear_its_name(script: Path, strategy: str) 
 def test_the_algebra_counts_where_the_script_names_none(script: Path) -> None:
     script.write_text("?y = e1*e2*e3*e0;", encoding="utf-8")
     assert generate(script, algebra="pga3").files != generate(script).files
-    with pytest.raises(ValueError, match="algebra: expected ega2"):
+    with pytest.raises(ValueError, match="algebra: expected 2d, ega2"):
         generate(script, algebra="pga4")
 
 

@@ -34,7 +34,7 @@ SNIPPETS = {
     "macros": "turn = { _P(1)*_P(2)*~_P(1) } r = 1 + x*e1^e2; ?a = turn(r, turn(r, e1 + y*e3));",
     "projective": "//#pragma algebra pga3\nm = 1 + x*e0^e1 - y*e1^e2; ?p = m*e1^e2^e3*~m;",
     "names": "t0 = x*e1; ?v1 = t0*e2 + s0*in; ?names_mv = names_steps*t0; ?x = in + t1;",
-    "nested": "?d = Dual(VecN3(x, y, z)); ?s = SphereN3(x, y, z, 2)/Normalize(e1 + y*e2);",
+    "nested": "?d = Dual(VecN3(x, y, z)); ?s = SphereN3(x, y, z, 2)/normalize(e1 + y*e2);",
 }
 STRATEGIES = {"table": table, "table-code": table_code, "product": product}
 
