@@ -120,10 +120,10 @@ def mean(versors: V, weights: ArrayLike | None = None, tolerance: float = 1e-12)
     allowed = tolerance * _rounding_scale(everyone.coefficients)
     largest = np.inf
     for _ in range(_MAX_STEPS):
-        logs = (middle.reshape(*middle.shape, 1).inverse() @ everyone).log()
-        step = np.einsum("...k,...kc->...c", share, logs)
-        middle = middle @ kind.exp(step)
-        length = np.max(np.abs(step), axis=-1)
+        twists = middle.reshape(*middle.shape, 1).local(everyone)
+        step = np.einsum("...k,...kc->...c", share, twists)
+        middle = middle.retract(step)
+        length = 0.5 * np.max(np.abs(step), axis=-1)  # a twist is twice its logarithm
         if np.all(length <= allowed):
             return middle.astype(versors.dtype)
         largest = float(np.max(length / allowed)) * tolerance

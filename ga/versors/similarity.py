@@ -255,7 +255,9 @@ class Similarity(Versor):
         name = "Similarity.from_twist(twist)"
         with np.errstate(over="ignore", invalid="ignore"):  # as the NumPy kernels would warn
             made = cls._of_twist(twist, name)
-        if not np.isfinite(made).all():
+        # The square of one is quicker to look at than all its numbers.
+        small = made.ndim == 1 and float(made.dot(made)) < np.inf
+        if not small and not np.isfinite(made).all():
             raise ValueError(
                 f"{name}: expected scales that {made.dtype} can hold, got a logarithm of up to "
                 f"{float(np.max(np.abs(np.asarray(twist)[..., 6]))):.3g}"

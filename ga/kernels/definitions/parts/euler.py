@@ -34,11 +34,17 @@ def _arctangent_over_root(y: Any) -> Any:
 def arctangent(precision: Precision, y: Any, x: Any) -> Any:
     """``atan2(y, x)`` without a branch; 0 where both are 0."""
     high, wide = ca.fabs(y), ca.fabs(x)
-    ratio = ca.fmin(high, wide) / ca.fmax(ca.fmax(high, wide), _TINY)
+    ratio = ca.fmin(high, wide) / (ca.fmax(high, wide) + _TINY)
     angle = ratio * polynomial(precision, _arctangent_over_root, 1.0, ratio * ratio)
-    angle = select(high > wide, 0.5 * pi - angle, angle)
-    angle = select(x < 0, pi - angle, angle)
-    return select(y < 0, -angle, angle)
+    steep, behind = _flag(wide - high < 0), _flag(x < 0)
+    angle = angle * (1 - 2 * steep) + 0.5 * pi * steep
+    angle = angle * (1 - 2 * behind) + pi * behind
+    return angle * (1 - 2 * _flag(y < 0))
+
+
+def _flag(condition: Any) -> Any:
+    """1 or 0 as a number: compilers do not vectorise loops in which choices decide later ones."""
+    return select(condition, 1.5, 0.5) - 0.5
 
 
 def _of_euler(precision: Precision, angles: Numbers, axes: Numbers) -> list[Numbers]:
@@ -85,10 +91,11 @@ class _Turned:
 def _first(precision: Precision, opposite: Any, adjacent: Any) -> tuple[Any, Any, Any, Any]:
     """The first angle, its cosine and sine, and the lever arm that they are read from."""
     lever = ca.sqrt(opposite * opposite + adjacent * adjacent)
-    locked = lever <= _LOCKED_ROUNDINGS * precision.epsilon
-    scale = 1 / ca.fmax(lever, _TINY)
-    angle = select(locked, 0, arctangent(precision, opposite, adjacent))
-    return angle, select(locked, 1, scale * adjacent), select(locked, 0, scale * opposite), lever
+    free = _flag(-lever < -_LOCKED_ROUNDINGS * precision.epsilon)
+    scale = 1 / (lever + _TINY)
+    angle = free * arctangent(precision, opposite, adjacent)
+    scale = free * scale
+    return angle, scale * adjacent + (1 - free), scale * opposite, lever
 
 
 def _tait_bryan(precision: Precision, r: Numbers, sequence: Numbers) -> list[Numbers]:

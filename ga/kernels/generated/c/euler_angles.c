@@ -233,52 +233,56 @@ void motorcade_rotor_tait_bryan_f32(MOTORCADE_ARGUMENTS(float))
         const float t7 = t4 * t4;
         const float t8 = 1.0f - 2.0f * (t7 + t0 * t0);
         const float t9 = sqrtf(t6 * t6 + t8 * t8);
-        const _Bool t10 = (t9 <= 2.1474837e-06f);
-        const _Bool t11 = (!t10);
+        const float t10 = ((-t9 < -2.1474837e-06f) ? 1.5f : 0.5f) - 0.5f;
+        const float t11 = fabsf(t6);
         const float t12 = fabsf(t8);
-        const float t13 = fabsf(t6);
-        const float t14 = smallerf(t12, t13) / largerf(largerf(t12, t13), 1e-30f);
-        const float t15 = t14 * t14;
-        const float t16 = t15 * (t15 * (t15 * (-0.0017011701f * t15 + 0.01048765f) + -0.030351864f)
+        const float t13 = smallerf(t11, t12) / (largerf(t11, t12) + 1e-30f);
+        const float t14 = t13 * t13;
+        const float t15 = t14 * (t14 * (t14 * (-0.0017011701f * t14 + 0.01048765f) + -0.030351864f)
             + 0.057089556f);
-        const float t17 = t15 * (t15 * (t15 * (t16 + -0.08349725f) + 0.10932341f) + -0.14260016f) +
+        const float t16 = t14 * (t14 * (t14 * (t15 + -0.08349725f) + 0.10932341f) + -0.14260016f) +
             0.19998075f;
-        const float t18 = t14 * (t15 * (t15 * t17 + -0.33333278f) + 1.0f);
-        const float t19 = ((t12 < t13) ? 1.5707964f - t18 : t18);
-        const float t20 = ((t8 < 0.0f) ? 3.1415927f - t19 : t19);
+        const float t17 = ((t12 - t11 < 0.0f) ? 1.5f : 0.5f) - 0.5f;
+        const float t18 = t13 * (t14 * (t14 * t16 + -0.33333278f) + 1.0f) * (1.0f - 2.0f * t17) +
+            t17 * 1.5707964f;
+        const float t19 = ((t8 < 0.0f) ? 1.5f : 0.5f) - 0.5f;
+        const float t20 = (t18 * (1.0f - 2.0f * t19) + t19 * 3.1415927f) * (1.0f - 2.0f * (((-t6 <
+            0.0f) ? 1.5f : 0.5f) - 0.5f));
         const float t21 = t1 * t4;
         const float t22 = t0 * t3;
         const float t23 = s9 * (2.0f * (t21 - t22));
         const float t24 = fabsf(t23);
-        const float t25 = smallerf(t9, t24) / largerf(1e-30f, largerf(t9, t24));
+        const float t25 = smallerf(t9, t24) / (1e-30f + largerf(t9, t24));
         const float t26 = t25 * t25;
         const float t27 = t26 * (0.057089556f + t26 * (-0.030351864f + t26 * (0.01048765f +
             -0.0017011701f * t26)));
         const float t28 = 0.19998075f + t26 * (-0.14260016f + t26 * (0.10932341f + t26 *
             (-0.08349725f + t27)));
-        const float t29 = t25 * (1.0f + t26 * (-0.33333278f + t26 * t28));
-        const float t30 = ((t9 < t24) ? 1.5707964f - t29 : t29);
-        const float t31 = 1.0f / largerf(t9, 1e-30f);
-        const float t32 = (t10 ? 1.0f : t8 * t31);
+        const float t29 = ((t9 - t24 < 0.0f) ? 1.5f : 0.5f) - 0.5f;
+        const float t30 = t25 * (1.0f + t26 * (-0.33333278f + t26 * t28)) * (1.0f - 2.0f * t29) +
+            1.5707964f * t29;
+        const float t31 = t10 / (t9 + 1e-30f);
+        const float t32 = t8 * t31 + (1.0f - t10);
         const float t33 = s9 * (t6 * t31);
-        const float t34 = s9 * (t32 * (2.0f * (t0 * t4 - t1 * t3)) + (t11 ? -(t33 * (2.0f * (t21 +
-            t22))) : 0.0f));
-        const float t35 = t32 * (1.0f - 2.0f * (t7 + t1 * t1)) + (t11 ? -(t33 * (2.0f * (t2 - t5)))
-            : 0.0f);
-        const float t36 = fabsf(t35);
-        const float t37 = fabsf(t34);
-        const float t38 = smallerf(t36, t37) / largerf(1e-30f, largerf(t36, t37));
+        const float t34 = s9 * (t32 * (2.0f * (t0 * t4 - t1 * t3)) - t33 * (2.0f * (t21 + t22)));
+        const float t35 = fabsf(t34);
+        const float t36 = t32 * (1.0f - 2.0f * (t7 + t1 * t1)) - t33 * (2.0f * (t2 - t5));
+        const float t37 = fabsf(t36);
+        const float t38 = smallerf(t35, t37) / (1e-30f + largerf(t35, t37));
         const float t39 = t38 * t38;
         const float t40 = t39 * (0.057089556f + t39 * (-0.030351864f + t39 * (0.01048765f +
             -0.0017011701f * t39)));
         const float t41 = 0.19998075f + t39 * (-0.14260016f + t39 * (0.10932341f + t39 *
             (-0.08349725f + t40)));
-        const float t42 = t38 * (1.0f + t39 * (-0.33333278f + t39 * t41));
-        const float t43 = ((t36 < t37) ? 1.5707964f - t42 : t42);
-        const float t44 = ((t35 < 0.0f) ? 3.1415927f - t43 : t43);
-        out_at[i] = (t11 ? ((-t6 < 0.0f) ? -t20 : t20) : 0.0f);
-        out_at[out_step + i] = ((t23 < 0.0f) ? -t30 : t30);
-        out_at[2 * out_step + i] = ((t34 < 0.0f) ? -t44 : t44);
+        const float t42 = ((t37 - t35 < 0.0f) ? 1.5f : 0.5f) - 0.5f;
+        const float t43 = t38 * (1.0f + t39 * (-0.33333278f + t39 * t41)) * (1.0f - 2.0f * t42) +
+            1.5707964f * t42;
+        const float t44 = ((t36 < 0.0f) ? 1.5f : 0.5f) - 0.5f;
+        const float t45 = (t43 * (1.0f - 2.0f * t44) + 3.1415927f * t44) * (1.0f - 2.0f * (((t34 <
+            0.0f) ? 1.5f : 0.5f) - 0.5f));
+        out_at[i] = t10 * t20;
+        out_at[out_step + i] = t30 * (1.0f - 2.0f * (((t23 < 0.0f) ? 1.5f : 0.5f) - 0.5f));
+        out_at[2 * out_step + i] = t45;
     }
 }
 
@@ -309,33 +313,34 @@ void motorcade_rotor_tait_bryan_f64(MOTORCADE_ARGUMENTS(double))
         const double t7 = t4 * t4;
         const double t8 = 1.0 - 2.0 * (t7 + t0 * t0);
         const double t9 = sqrt(t6 * t6 + t8 * t8);
-        const _Bool t10 = (t9 <= 4e-15);
-        const _Bool t11 = (!t10);
+        const double t10 = ((-t9 < -4e-15) ? 1.5 : 0.5) - 0.5;
+        const double t11 = fabs(t6);
         const double t12 = fabs(t8);
-        const double t13 = fabs(t6);
-        const double t14 = smaller(t12, t13) / larger(larger(t12, t13), 1e-30);
-        const double t15 = t14 * t14;
-        const double t16 = t15 * (1.2631178430477426e-05 * t15 + -0.00014617088163625013) +
+        const double t13 = smaller(t11, t12) / (larger(t11, t12) + 1e-30);
+        const double t14 = t13 * t13;
+        const double t15 = t14 * (1.2631178430477426e-05 * t14 + -0.00014617088163625013) +
             0.0008033604181626027;
-        const double t17 = t15 * (t15 * (t15 * t16 + -0.0028047655531701315) + 0.007038646202989813)
+        const double t16 = t14 * (t14 * (t14 * t15 + -0.0028047655531701315) + 0.007038646202989813)
             + -0.013674139288399478;
-        const double t18 = t15 * (t15 * (t15 * t17 + 0.021740213830758134) + -0.02970071773623423) +
+        const double t17 = t14 * (t14 * (t14 * t16 + 0.021740213830758134) + -0.02970071773623423) +
             0.03651081352721035;
-        const double t19 = t15 * (t15 * (t15 * t18 + -0.042125723963855326) + 0.04719723992321112) +
+        const double t18 = t14 * (t14 * (t14 * t17 + -0.042125723963855326) + 0.04719723992321112) +
             -0.052527255573225747;
-        const double t20 = t15 * (t15 * (t15 * t19 + 0.05880342002401543) + -0.06666371187721098) +
+        const double t19 = t14 * (t14 * (t14 * t18 + 0.05880342002401543) + -0.06666371187721098) +
             0.0769227555520563;
-        const double t21 = t15 * (t15 * (t15 * t20 + -0.09090906605656898) + 0.11111110982087126) +
+        const double t20 = t14 * (t14 * (t14 * t19 + -0.09090906605656898) + 0.11111110982087126) +
             -0.14285714281592693;
-        const double t22 = t14 * (1.0 + t15 * (t15 * (t15 * t21 + 0.19999999999929946) +
-            -0.3333333333333286));
-        const double t23 = ((t12 < t13) ? 1.5707963267948966 - t22 : t22);
-        const double t24 = ((t8 < 0.0) ? 3.141592653589793 - t23 : t23);
+        const double t21 = ((t12 - t11 < 0.0) ? 1.5 : 0.5) - 0.5;
+        const double t22 = t13 * (1.0 + t14 * (t14 * (t14 * t20 + 0.19999999999929946) +
+            -0.3333333333333286)) * (1.0 - 2.0 * t21);
+        const double t23 = ((t8 < 0.0) ? 1.5 : 0.5) - 0.5;
+        const double t24 = ((t22 + t21 * 1.5707963267948966) * (1.0 - 2.0 * t23) + t23 *
+            3.141592653589793) * (1.0 - 2.0 * (((-t6 < 0.0) ? 1.5 : 0.5) - 0.5));
         const double t25 = t1 * t4;
         const double t26 = t0 * t3;
         const double t27 = s9 * (2.0 * (t25 - t26));
         const double t28 = fabs(t27);
-        const double t29 = smaller(t9, t28) / larger(1e-30, larger(t9, t28));
+        const double t29 = smaller(t9, t28) / (1e-30 + larger(t9, t28));
         const double t30 = t29 * t29;
         const double t31 = 0.0008033604181626027 + t30 * (-0.00014617088163625013 +
             1.2631178430477426e-05 * t30);
@@ -349,19 +354,17 @@ void motorcade_rotor_tait_bryan_f64(MOTORCADE_ARGUMENTS(double))
             (0.05880342002401543 + t30 * t34));
         const double t36 = -0.14285714281592693 + t30 * (0.11111110982087126 + t30 *
             (-0.09090906605656898 + t30 * t35));
-        const double t37 = t29 * (1.0 + t30 * (-0.3333333333333286 + t30 * (0.19999999999929946 +
-            t30 * t36)));
-        const double t38 = ((t9 < t28) ? 1.5707963267948966 - t37 : t37);
-        const double t39 = 1.0 / larger(t9, 1e-30);
-        const double t40 = (t10 ? 1.0 : t8 * t39);
+        const double t37 = ((t9 - t28 < 0.0) ? 1.5 : 0.5) - 0.5;
+        const double t38 = t29 * (1.0 + t30 * (-0.3333333333333286 + t30 * (0.19999999999929946 +
+            t30 * t36))) * (1.0 - 2.0 * t37);
+        const double t39 = t10 / (t9 + 1e-30);
+        const double t40 = t8 * t39 + (1.0 - t10);
         const double t41 = s9 * (t6 * t39);
-        const double t42 = s9 * (t40 * (2.0 * (t0 * t4 - t1 * t3)) + (t11 ? -(t41 * (2.0 * (t25 +
-            t26))) : 0.0));
-        const double t43 = t40 * (1.0 - 2.0 * (t7 + t1 * t1)) + (t11 ? -(t41 * (2.0 * (t2 - t5))) :
-            0.0);
-        const double t44 = fabs(t43);
-        const double t45 = fabs(t42);
-        const double t46 = smaller(t44, t45) / larger(1e-30, larger(t44, t45));
+        const double t42 = s9 * (t40 * (2.0 * (t0 * t4 - t1 * t3)) - t41 * (2.0 * (t25 + t26)));
+        const double t43 = fabs(t42);
+        const double t44 = t40 * (1.0 - 2.0 * (t7 + t1 * t1)) - t41 * (2.0 * (t2 - t5));
+        const double t45 = fabs(t44);
+        const double t46 = smaller(t43, t45) / (1e-30 + larger(t43, t45));
         const double t47 = t46 * t46;
         const double t48 = 0.0008033604181626027 + t47 * (-0.00014617088163625013 +
             1.2631178430477426e-05 * t47);
@@ -375,13 +378,16 @@ void motorcade_rotor_tait_bryan_f64(MOTORCADE_ARGUMENTS(double))
             (0.05880342002401543 + t47 * t51));
         const double t53 = -0.14285714281592693 + t47 * (0.11111110982087126 + t47 *
             (-0.09090906605656898 + t47 * t52));
-        const double t54 = t46 * (1.0 + t47 * (-0.3333333333333286 + t47 * (0.19999999999929946 +
-            t47 * t53)));
-        const double t55 = ((t44 < t45) ? 1.5707963267948966 - t54 : t54);
-        const double t56 = ((t43 < 0.0) ? 3.141592653589793 - t55 : t55);
-        out_at[i] = (t11 ? ((-t6 < 0.0) ? -t24 : t24) : 0.0);
-        out_at[out_step + i] = ((t27 < 0.0) ? -t38 : t38);
-        out_at[2 * out_step + i] = ((t42 < 0.0) ? -t56 : t56);
+        const double t54 = ((t45 - t43 < 0.0) ? 1.5 : 0.5) - 0.5;
+        const double t55 = t46 * (1.0 + t47 * (-0.3333333333333286 + t47 * (0.19999999999929946 +
+            t47 * t53))) * (1.0 - 2.0 * t54);
+        const double t56 = ((t44 < 0.0) ? 1.5 : 0.5) - 0.5;
+        const double t57 = ((t55 + 1.5707963267948966 * t54) * (1.0 - 2.0 * t56) + 3.141592653589793
+            * t56) * (1.0 - 2.0 * (((t42 < 0.0) ? 1.5 : 0.5) - 0.5));
+        out_at[i] = t10 * t24;
+        out_at[out_step + i] = (t38 + 1.5707963267948966 * t37) * (1.0 - 2.0 * (((t27 < 0.0) ? 1.5 :
+            0.5) - 0.5));
+        out_at[2 * out_step + i] = t57;
     }
 }
 
@@ -414,55 +420,60 @@ void motorcade_rotor_proper_euler_f32(MOTORCADE_ARGUMENTS(float))
         const float t4 = (t0 * t1 - t2 * t3) * 2.0f;
         const float t5 = s9 * (2.0f * (t1 * t3 + t0 * t2));
         const float t6 = sqrtf(t4 * t4 + t5 * t5);
-        const _Bool t7 = (t6 <= 2.1474837e-06f);
-        const _Bool t8 = (!t7);
+        const float t7 = ((-t6 < -2.1474837e-06f) ? 1.5f : 0.5f) - 0.5f;
+        const float t8 = fabsf(t4);
         const float t9 = fabsf(t5);
-        const float t10 = fabsf(t4);
-        const float t11 = smallerf(t9, t10) / largerf(largerf(t9, t10), 1e-30f);
-        const float t12 = t11 * t11;
-        const float t13 = t12 * (t12 * (t12 * (-0.0017011701f * t12 + 0.01048765f) + -0.030351864f)
+        const float t10 = smallerf(t8, t9) / (largerf(t8, t9) + 1e-30f);
+        const float t11 = t10 * t10;
+        const float t12 = t11 * (t11 * (t11 * (-0.0017011701f * t11 + 0.01048765f) + -0.030351864f)
             + 0.057089556f);
-        const float t14 = t12 * (t12 * (t12 * (t13 + -0.08349725f) + 0.10932341f) + -0.14260016f) +
+        const float t13 = t11 * (t11 * (t11 * (t12 + -0.08349725f) + 0.10932341f) + -0.14260016f) +
             0.19998075f;
-        const float t15 = t11 * (t12 * (t12 * t14 + -0.33333278f) + 1.0f);
-        const float t16 = ((t9 < t10) ? 1.5707964f - t15 : t15);
-        const float t17 = ((-t5 < 0.0f) ? 3.1415927f - t16 : t16);
+        const float t14 = ((t9 - t8 < 0.0f) ? 1.5f : 0.5f) - 0.5f;
+        const float t15 = t10 * (t11 * (t11 * t13 + -0.33333278f) + 1.0f) * (1.0f - 2.0f * t14) +
+            t14 * 1.5707964f;
+        const float t16 = ((-t5 < 0.0f) ? 1.5f : 0.5f) - 0.5f;
+        const float t17 = (t15 * (1.0f - 2.0f * t16) + t16 * 3.1415927f) * (1.0f - 2.0f * (((t4 <
+            0.0f) ? 1.5f : 0.5f) - 0.5f));
         const float t18 = t0 * t0;
         const float t19 = t3 * t3;
         const float t20 = 1.0f - 2.0f * (t18 + t19);
         const float t21 = fabsf(t20);
-        const float t22 = smallerf(t6, t21) / largerf(1e-30f, largerf(t6, t21));
+        const float t22 = smallerf(t6, t21) / (1e-30f + largerf(t6, t21));
         const float t23 = t22 * t22;
         const float t24 = t23 * (0.057089556f + t23 * (-0.030351864f + t23 * (0.01048765f +
             -0.0017011701f * t23)));
         const float t25 = 0.19998075f + t23 * (-0.14260016f + t23 * (0.10932341f + t23 *
             (-0.08349725f + t24)));
-        const float t26 = t22 * (1.0f + t23 * (-0.33333278f + t23 * t25));
-        const float t27 = ((t21 < t6) ? 1.5707964f - t26 : t26);
-        const float t28 = 1.0f / largerf(t6, 1e-30f);
-        const float t29 = (t7 ? 1.0f : -(t5 * t28));
-        const float t30 = t0 * t3;
-        const float t31 = t1 * t2;
-        const float t32 = s9 * (t4 * t28);
-        const float t33 = t1 * t1;
-        const float t34 = s9 * (t29 * (2.0f * (t30 + t31)) + (t8 ? t32 * (1.0f - 2.0f * (t18 + t33))
-            : 0.0f));
-        const float t35 = t29 * (1.0f - 2.0f * (t19 + t33)) + (t8 ? t32 * (2.0f * (t30 - t31)) :
-            0.0f);
+        const float t26 = ((t21 - t6 < 0.0f) ? 1.5f : 0.5f) - 0.5f;
+        const float t27 = t22 * (1.0f + t23 * (-0.33333278f + t23 * t25)) * (1.0f - 2.0f * t26) +
+            1.5707964f * t26;
+        const float t28 = ((t20 < 0.0f) ? 1.5f : 0.5f) - 0.5f;
+        const float t29 = t7 / (t6 + 1e-30f);
+        const float t30 = 1.0f - t7 - t5 * t29;
+        const float t31 = t0 * t3;
+        const float t32 = t1 * t2;
+        const float t33 = s9 * (t4 * t29);
+        const float t34 = t1 * t1;
+        const float t35 = s9 * (t30 * (2.0f * (t31 + t32)) + t33 * (1.0f - 2.0f * (t18 + t34)));
         const float t36 = fabsf(t35);
-        const float t37 = fabsf(t34);
-        const float t38 = smallerf(t36, t37) / largerf(1e-30f, largerf(t36, t37));
-        const float t39 = t38 * t38;
-        const float t40 = t39 * (0.057089556f + t39 * (-0.030351864f + t39 * (0.01048765f +
-            -0.0017011701f * t39)));
-        const float t41 = 0.19998075f + t39 * (-0.14260016f + t39 * (0.10932341f + t39 *
-            (-0.08349725f + t40)));
-        const float t42 = t38 * (1.0f + t39 * (-0.33333278f + t39 * t41));
-        const float t43 = ((t36 < t37) ? 1.5707964f - t42 : t42);
-        const float t44 = ((t35 < 0.0f) ? 3.1415927f - t43 : t43);
-        out_at[i] = (t8 ? ((t4 < 0.0f) ? -t17 : t17) : 0.0f);
-        out_at[out_step + i] = ((t20 < 0.0f) ? 3.1415927f - t27 : t27);
-        out_at[2 * out_step + i] = ((-t34 < 0.0f) ? -t44 : t44);
+        const float t37 = t30 * (1.0f - 2.0f * (t19 + t34)) + t33 * (2.0f * (t31 - t32));
+        const float t38 = fabsf(t37);
+        const float t39 = smallerf(t36, t38) / (1e-30f + largerf(t36, t38));
+        const float t40 = t39 * t39;
+        const float t41 = t40 * (0.057089556f + t40 * (-0.030351864f + t40 * (0.01048765f +
+            -0.0017011701f * t40)));
+        const float t42 = 0.19998075f + t40 * (-0.14260016f + t40 * (0.10932341f + t40 *
+            (-0.08349725f + t41)));
+        const float t43 = ((t38 - t36 < 0.0f) ? 1.5f : 0.5f) - 0.5f;
+        const float t44 = t39 * (1.0f + t40 * (-0.33333278f + t40 * t42)) * (1.0f - 2.0f * t43) +
+            1.5707964f * t43;
+        const float t45 = ((t37 < 0.0f) ? 1.5f : 0.5f) - 0.5f;
+        const float t46 = (t44 * (1.0f - 2.0f * t45) + 3.1415927f * t45) * (1.0f - 2.0f * (((-t35 <
+            0.0f) ? 1.5f : 0.5f) - 0.5f));
+        out_at[i] = t7 * t17;
+        out_at[out_step + i] = t27 * (1.0f - 2.0f * t28) + 3.1415927f * t28;
+        out_at[2 * out_step + i] = t46;
     }
 }
 
@@ -490,33 +501,34 @@ void motorcade_rotor_proper_euler_f64(MOTORCADE_ARGUMENTS(double))
         const double t4 = (t0 * t1 - t2 * t3) * 2.0;
         const double t5 = s9 * (2.0 * (t1 * t3 + t0 * t2));
         const double t6 = sqrt(t4 * t4 + t5 * t5);
-        const _Bool t7 = (t6 <= 4e-15);
-        const _Bool t8 = (!t7);
+        const double t7 = ((-t6 < -4e-15) ? 1.5 : 0.5) - 0.5;
+        const double t8 = fabs(t4);
         const double t9 = fabs(t5);
-        const double t10 = fabs(t4);
-        const double t11 = smaller(t9, t10) / larger(larger(t9, t10), 1e-30);
-        const double t12 = t11 * t11;
-        const double t13 = t12 * (1.2631178430477426e-05 * t12 + -0.00014617088163625013) +
+        const double t10 = smaller(t8, t9) / (larger(t8, t9) + 1e-30);
+        const double t11 = t10 * t10;
+        const double t12 = t11 * (1.2631178430477426e-05 * t11 + -0.00014617088163625013) +
             0.0008033604181626027;
-        const double t14 = t12 * (t12 * (t12 * t13 + -0.0028047655531701315) + 0.007038646202989813)
+        const double t13 = t11 * (t11 * (t11 * t12 + -0.0028047655531701315) + 0.007038646202989813)
             + -0.013674139288399478;
-        const double t15 = t12 * (t12 * (t12 * t14 + 0.021740213830758134) + -0.02970071773623423) +
+        const double t14 = t11 * (t11 * (t11 * t13 + 0.021740213830758134) + -0.02970071773623423) +
             0.03651081352721035;
-        const double t16 = t12 * (t12 * (t12 * t15 + -0.042125723963855326) + 0.04719723992321112) +
+        const double t15 = t11 * (t11 * (t11 * t14 + -0.042125723963855326) + 0.04719723992321112) +
             -0.052527255573225747;
-        const double t17 = t12 * (t12 * (t12 * t16 + 0.05880342002401543) + -0.06666371187721098) +
+        const double t16 = t11 * (t11 * (t11 * t15 + 0.05880342002401543) + -0.06666371187721098) +
             0.0769227555520563;
-        const double t18 = t12 * (t12 * (t12 * t17 + -0.09090906605656898) + 0.11111110982087126) +
+        const double t17 = t11 * (t11 * (t11 * t16 + -0.09090906605656898) + 0.11111110982087126) +
             -0.14285714281592693;
-        const double t19 = t11 * (t12 * (t12 * (t12 * t18 + 0.19999999999929946) +
-            -0.3333333333333286) + 1.0);
-        const double t20 = ((t9 < t10) ? 1.5707963267948966 - t19 : t19);
-        const double t21 = ((-t5 < 0.0) ? 3.141592653589793 - t20 : t20);
+        const double t18 = ((t9 - t8 < 0.0) ? 1.5 : 0.5) - 0.5;
+        const double t19 = t10 * (t11 * (t11 * (t11 * t17 + 0.19999999999929946) +
+            -0.3333333333333286) + 1.0) * (1.0 - 2.0 * t18);
+        const double t20 = ((-t5 < 0.0) ? 1.5 : 0.5) - 0.5;
+        const double t21 = ((t19 + t18 * 1.5707963267948966) * (1.0 - 2.0 * t20) + t20 *
+            3.141592653589793) * (1.0 - 2.0 * (((t4 < 0.0) ? 1.5 : 0.5) - 0.5));
         const double t22 = t0 * t0;
         const double t23 = t3 * t3;
         const double t24 = 1.0 - 2.0 * (t22 + t23);
         const double t25 = fabs(t24);
-        const double t26 = smaller(t6, t25) / larger(1e-30, larger(t6, t25));
+        const double t26 = smaller(t6, t25) / (1e-30 + larger(t6, t25));
         const double t27 = t26 * t26;
         const double t28 = 0.0008033604181626027 + t27 * (-0.00014617088163625013 +
             1.2631178430477426e-05 * t27);
@@ -530,40 +542,43 @@ void motorcade_rotor_proper_euler_f64(MOTORCADE_ARGUMENTS(double))
             (0.05880342002401543 + t27 * t31));
         const double t33 = -0.14285714281592693 + t27 * (0.11111110982087126 + t27 *
             (-0.09090906605656898 + t27 * t32));
-        const double t34 = t26 * (1.0 + t27 * (-0.3333333333333286 + t27 * (0.19999999999929946 +
-            t27 * t33)));
-        const double t35 = ((t25 < t6) ? 1.5707963267948966 - t34 : t34);
-        const double t36 = 1.0 / larger(t6, 1e-30);
-        const double t37 = (t7 ? 1.0 : -(t5 * t36));
-        const double t38 = t0 * t3;
-        const double t39 = t1 * t2;
-        const double t40 = s9 * (t4 * t36);
-        const double t41 = t1 * t1;
-        const double t42 = s9 * (t37 * (2.0 * (t38 + t39)) + (t8 ? t40 * (1.0 - 2.0 * (t22 + t41)) :
-            0.0));
-        const double t43 = t37 * (1.0 - 2.0 * (t23 + t41)) + (t8 ? t40 * (2.0 * (t38 - t39)) : 0.0);
+        const double t34 = ((t25 - t6 < 0.0) ? 1.5 : 0.5) - 0.5;
+        const double t35 = t26 * (1.0 + t27 * (-0.3333333333333286 + t27 * (0.19999999999929946 +
+            t27 * t33))) * (1.0 - 2.0 * t34);
+        const double t36 = ((t24 < 0.0) ? 1.5 : 0.5) - 0.5;
+        const double t37 = t7 / (t6 + 1e-30);
+        const double t38 = 1.0 - t7 - t5 * t37;
+        const double t39 = t0 * t3;
+        const double t40 = t1 * t2;
+        const double t41 = s9 * (t4 * t37);
+        const double t42 = t1 * t1;
+        const double t43 = s9 * (t38 * (2.0 * (t39 + t40)) + t41 * (1.0 - 2.0 * (t22 + t42)));
         const double t44 = fabs(t43);
-        const double t45 = fabs(t42);
-        const double t46 = smaller(t44, t45) / larger(1e-30, larger(t44, t45));
-        const double t47 = t46 * t46;
-        const double t48 = 0.0008033604181626027 + t47 * (-0.00014617088163625013 +
-            1.2631178430477426e-05 * t47);
-        const double t49 = -0.013674139288399478 + t47 * (0.007038646202989813 + t47 *
-            (-0.0028047655531701315 + t47 * t48));
-        const double t50 = 0.03651081352721035 + t47 * (-0.02970071773623423 + t47 *
-            (0.021740213830758134 + t47 * t49));
-        const double t51 = -0.052527255573225747 + t47 * (0.04719723992321112 + t47 *
-            (-0.042125723963855326 + t47 * t50));
-        const double t52 = 0.0769227555520563 + t47 * (-0.06666371187721098 + t47 *
-            (0.05880342002401543 + t47 * t51));
-        const double t53 = -0.14285714281592693 + t47 * (0.11111110982087126 + t47 *
-            (-0.09090906605656898 + t47 * t52));
-        const double t54 = t46 * (1.0 + t47 * (-0.3333333333333286 + t47 * (0.19999999999929946 +
-            t47 * t53)));
-        const double t55 = ((t44 < t45) ? 1.5707963267948966 - t54 : t54);
-        const double t56 = ((t43 < 0.0) ? 3.141592653589793 - t55 : t55);
-        out_at[i] = (t8 ? ((t4 < 0.0) ? -t21 : t21) : 0.0);
-        out_at[out_step + i] = ((t24 < 0.0) ? 3.141592653589793 - t35 : t35);
-        out_at[2 * out_step + i] = ((-t42 < 0.0) ? -t56 : t56);
+        const double t45 = t38 * (1.0 - 2.0 * (t23 + t42)) + t41 * (2.0 * (t39 - t40));
+        const double t46 = fabs(t45);
+        const double t47 = smaller(t44, t46) / (1e-30 + larger(t44, t46));
+        const double t48 = t47 * t47;
+        const double t49 = 0.0008033604181626027 + t48 * (-0.00014617088163625013 +
+            1.2631178430477426e-05 * t48);
+        const double t50 = -0.013674139288399478 + t48 * (0.007038646202989813 + t48 *
+            (-0.0028047655531701315 + t48 * t49));
+        const double t51 = 0.03651081352721035 + t48 * (-0.02970071773623423 + t48 *
+            (0.021740213830758134 + t48 * t50));
+        const double t52 = -0.052527255573225747 + t48 * (0.04719723992321112 + t48 *
+            (-0.042125723963855326 + t48 * t51));
+        const double t53 = 0.0769227555520563 + t48 * (-0.06666371187721098 + t48 *
+            (0.05880342002401543 + t48 * t52));
+        const double t54 = -0.14285714281592693 + t48 * (0.11111110982087126 + t48 *
+            (-0.09090906605656898 + t48 * t53));
+        const double t55 = ((t46 - t44 < 0.0) ? 1.5 : 0.5) - 0.5;
+        const double t56 = t47 * (1.0 + t48 * (-0.3333333333333286 + t48 * (0.19999999999929946 +
+            t48 * t54))) * (1.0 - 2.0 * t55);
+        const double t57 = ((t45 < 0.0) ? 1.5 : 0.5) - 0.5;
+        const double t58 = ((t56 + 1.5707963267948966 * t55) * (1.0 - 2.0 * t57) + 3.141592653589793
+            * t57) * (1.0 - 2.0 * (((-t43 < 0.0) ? 1.5 : 0.5) - 0.5));
+        out_at[i] = t7 * t21;
+        out_at[out_step + i] = (t35 + 1.5707963267948966 * t34) * (1.0 - 2.0 * t36) +
+            3.141592653589793 * t36;
+        out_at[2 * out_step + i] = t58;
     }
 }
