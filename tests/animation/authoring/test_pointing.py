@@ -204,7 +204,8 @@ def test_a_knee_does_not_bend_forwards() -> None:
     eye = np.array([0.0, 4.0, 0.8])
     for shift in ([0.0, 0.0, 0.3], [0.3, 0.0, 0.3], [-0.3, 0.0, 0.2]):
         made = drag.to(Ray(eye, at + shift - eye))
-        assert made.error_m < 1e-9
+        # A leg that is all but stretched, by a part in a million, may end up straight.
+        assert made.error_m < 1e-6
         hip, knee, ankle = (
             skeleton.world(made.local_pose).translation_m[skeleton.index(name)]
             for name in ("left_thigh", "left_calf", "left_foot")
