@@ -51,8 +51,9 @@ def test_every_key_is_read_and_written_back(tmp_path: Path) -> None:
     file.write_text(json.dumps(written))
     for one, again in zip(written["objects"], read_scene(file).as_json()["objects"], strict=True):
         assert again.keys() == one.keys()
-        for key in one.keys() - {"position_m", "wxyz", "keyframes", "joint_keyframes"}:
+        for key in one.keys() - {"position_m", "wxyz", "scale", "keyframes", "joint_keyframes"}:
             assert again[key] == one[key]
+        assert again.get("scale") == pytest.approx(one.get("scale"), rel=1e-15)  # from a versor
     for name in scene.parents:
         pose, again = scene.world_T_object(name), read_scene(file).world_T_object(name)
         np.testing.assert_allclose(again.as_matrix(), pose.as_matrix(), atol=1e-15)
