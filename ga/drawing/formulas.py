@@ -80,15 +80,6 @@ def multivector_text(x: Any) -> str | None:
     return " ".join(terms) or "0"
 
 
-def versor_text(versor: Any) -> str | None:
-    r"""A single rotor, motor or similarity as a sum of blades; None for batches."""
-    if versor.shape:
-        return None
-    from motorcade.ga.algebra.conformal import of_versor
-
-    return multivector_text(of_versor(versor.astype(np.float64)))
-
-
 def shown_formula(text: str | None) -> str | None:
     """What notebooks set as a formula."""
     return None if text is None else rf"$\displaystyle {text}$"

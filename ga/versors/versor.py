@@ -75,12 +75,6 @@ class Versor(CoefficientBatch):
         own = np.array(given, order="C", copy=True)
         object.__setattr__(self, "coefficients", sealed(own))
 
-    def _repr_latex_(self) -> str | None:
-        """How notebooks show a single versor; batches are shown as text."""
-        from motorcade.ga.drawing.formulas import shown_formula, versor_text
-
-        return shown_formula(versor_text(self))
-
     @classmethod
     def _checked(cls, value: ArrayLike, name: str, trailing: tuple[int, ...]) -> FloatArray:
         """Checked numbers in the precision that they were given in."""
