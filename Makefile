@@ -4,7 +4,8 @@
 # make mutation   whether the tests notice small faults in MUTATED (hours; resumes)
 # make fuzz   hostile files, manifests and command lines by the thousand (FUZZ_SECONDS of each kind)
 # make sanitize   tests of compiled code under AddressSanitizer and UBSan
-# make bench   performance beside other libraries, into the terminal (SUITE=blend; JSON=FILE)
+# make bench   performance beside other libraries, into docs/benchmarks.md and the README, in less
+#              than half an hour; SUITE=blend: one suite, into the terminal (JSON=FILE)
 # make docs   the documentation site, into build/site
 # make web   the bundle of libraries that the pages in the browser hold, anew (needs npm)
 # make kernels   generate the kernels from their definitions

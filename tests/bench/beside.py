@@ -15,14 +15,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-MACHINE = "machine"
+ABOUT = ("machine", "runs")
+"""Keys beside the suites that hold no figures of theirs."""
 
 
 def figures(tree: Any, path: str = "") -> Iterator[tuple[str, float]]:
     """Every number of a JSON tree with the path that leads to it."""
     if isinstance(tree, dict):
         for key, value in tree.items():
-            if (path, key) != ("", MACHINE):
+            if path or key not in ABOUT:
                 yield from figures(value, f"{path}/{key}")
     elif isinstance(tree, list):
         for place, value in enumerate(tree):

@@ -1,11 +1,11 @@
-"""Writes the page of benchmarks from the figures that `make bench` saved.
+"""Writes the page of benchmarks from the figures of a run.
 
-    make bench JSON=bench.json
-    python -m tests.bench.page bench.json > docs/benchmarks.md
+    make bench                                                   measures all, and writes the page
+    python -m tests.bench.page build/bench.json > docs/benchmarks.md      writes it once more
 
 The page holds the machine that measured, the main figures beside those of other libraries in the
-same run (`headlines`), and every suite's table as the command prints it. It holds no date: the
-same figures make the same page.
+same run (`headlines`), and every suite's table as the command prints it, with the load of the
+machine when it began. It holds no date: the same figures make the same page.
 """
 
 from __future__ import annotations
@@ -19,23 +19,33 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
+from math import exp, log
 from pathlib import Path
 from typing import Any
 
 from tests.bench.tables import SUITES
+from tests.bench.whole.quoted import HEAD
 
 __all__ = ["Headline", "headlines", "machine", "page"]
 
 MACHINE = "machine"
 """The key beside the suites under which the machine stands."""
+RUNS = "runs"
+"""The key under which stands how long each job took, under what load, and why it found nothing."""
+PEERS = (
+    *("scipy", "gtsam", "filterpy", "vqf", "pupil-apriltags", "opencv-contrib-python-headless"),
+    *("pyrender", "kornia", "mpmath"),
+)
+"""Packages beside which figures are measured."""
 JOINTS = 1000
 
 _HEAD = """# Benchmarks
 
-Written by `python -m tests.bench.page` from what `make bench` measured in one
-run. Times are medians; those of other libraries were taken in the same run, on the same data
-and cores. Compare ratios: times of two machines, or of two runs, say little.
+Written by `make bench` from what it measured in one run. Times are medians; those of other
+libraries were taken in the same run, on the same data and cores. Compare ratios: times of two
+machines, or of two runs, say little. `make bench SUITE=…` measures a suite at its full size, where
+this page holds fewer seeds, rooms or frames.
 """
 
 
@@ -71,7 +81,16 @@ def machine() -> dict[str, str]:
         "compiler": _compiler(),
         "python": platform.python_version(),
         "numpy": version("numpy"),
+        "beside": ", ".join(_versions()) or "nothing",
     }
+
+
+def _versions() -> Iterator[str]:
+    for name in PEERS:
+        try:
+            yield f"{name} {version(name)}"
+        except PackageNotFoundError:
+            continue
 
 
 def page(figures: Mapping[str, Any]) -> str:
@@ -80,7 +99,8 @@ def page(figures: Mapping[str, Any]) -> str:
     Raises:
         ValueError: a key that is no suite, or no suites at all.
     """
-    suites = [name for name in figures if name != MACHINE]
+    suites = [name for name in figures if name not in (MACHINE, RUNS)]
+    runs: Mapping[str, Mapping[str, Any]] = figures.get(RUNS, {})
     unknown = sorted(set(suites) - set(SUITES))
     if unknown or not suites:
         raise ValueError(
@@ -91,10 +111,28 @@ def page(figures: Mapping[str, Any]) -> str:
         if name in figures:
             parts += [f"## {name}\n", f"{_about(name)}\n", _block(f"make bench SUITE={name}", "sh")]
             parts.append(_block(_table(name, figures[name]), "text"))
+            parts += _of_the_run(name, runs)
     missing = [f"`make bench SUITE={name}`" for name in SUITES if name not in figures]
     if missing:
         parts.append(f"## Not in this run\n\n{', '.join(missing)}.\n")
+        parts += _left_out({key: run for key, run in runs.items() if run["suite"] not in figures})
     return "\n".join(parts)
+
+
+def _of_the_run(suite: str, runs: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """How long a suite took, under what load, and which of its parts found nothing."""
+    own = {name: run for name, run in runs.items() if run["suite"] == suite}
+    if not own:
+        return []
+    seconds = sum(run["seconds"] for run in own.values())
+    load = max(run["load"] for run in own.values())
+    told = f"Measured in {seconds:.0f} s; the machine's load was at most {load:.1f}.\n"
+    return [told, *_left_out(own)]
+
+
+def _left_out(runs: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    told = [f"{name}: {run['left_out']}" for name, run in runs.items() if "left_out" in run]
+    return [f"Left out: {'; '.join(told)}.\n"] if told else []
 
 
 def headlines(figures: Mapping[str, Any]) -> Iterator[Headline]:
@@ -179,6 +217,42 @@ def _render(found: Mapping[str, Any]) -> Iterator[Headline]:
             )
 
 
+def _smoothers(found: Mapping[str, Any]) -> Iterator[Headline]:
+    """By geometric means over the flights; ways that ground truth tuned are among the others."""
+    shares: dict[str, list[float]] = {}
+    for row in found["rows"]:
+        if row["group"] == "flights":
+            shares.setdefault(row["way"], []).append(row["s4"])
+    left = {way: exp(sum(map(log, of)) / len(of)) for way, of in shares.items()}
+    others = {way: share for way, share in left.items() if way != "auto"}
+    if "auto" in left and others:
+        best = min(others, key=lambda way: others[way])
+        yield Headline(
+            "residual error and jitter that `smooth` leaves of raw poses, told nothing",
+            f"{100 * left['auto']:.1f} %",
+            f"{100 * others[best]:.1f} % ({best})",
+            others[best] / left["auto"],
+            "smoothers",
+        )
+
+
+def _demo(found: Mapping[str, Any]) -> Iterator[Headline]:
+    rows = {row["representation"]: row for row in found["rows"]}
+
+    def told(name: str) -> str:
+        row = rows[name]
+        return f"{row['rotation_rmse_deg']:.3f}°, {row['angular_jitter_rad_s2']:,.2f} rad/s²"
+
+    for other, named in (("euler_unwrapped", "unwrapped"), ("euler", "plain")):
+        yield Headline(
+            f"rotation error and jitter of the demo's path on motors; on {named} Euler angles",
+            told("motor"),
+            told(other),
+            rows[other]["rotation_rmse_deg"] / rows["motor"]["rotation_rmse_deg"],
+            "demo",
+        )
+
+
 def _accuracy(found: Mapping[str, Mapping[str, float]]) -> Iterator[Headline]:
     for scalar, errors in found.items():
         worst = max(errors, key=lambda kernel: errors[kernel])
@@ -187,6 +261,8 @@ def _accuracy(found: Mapping[str, Mapping[str, float]]) -> Iterator[Headline]:
 
 
 _HEADLINES: Mapping[str, Callable[[Any], Iterator[Headline]]] = {
+    "demo": _demo,
+    "smoothers": _smoothers,
     "blend": _blend,
     "smooth": _smooth,
     "tracking": _markers,
@@ -198,7 +274,7 @@ _HEADLINES: Mapping[str, Callable[[Any], Iterator[Headline]]] = {
 
 def _in_short(figures: Mapping[str, Any]) -> list[str]:
     rows = [one.row() for one in headlines(figures)]
-    head = ["| what | here | beside it | times ours | command |", "|---|---|---|---|---|"]
+    head = [HEAD, "|---|---|---|---|---|"]
     return ["## In short\n", "\n".join([*head, *rows]) + "\n"] if rows else []
 
 

@@ -9,6 +9,7 @@ from typing import Any
 __all__ = ["SUITES", "run_suite"]
 
 SUITES: Mapping[str, tuple[str, str, str]] = {
+    "demo": ("demo", "bench_demo", "demo_table"),
     "blend": ("algebra.blend", "bench_blend", "blend_table"),
     "accuracy": ("algebra.accuracy", "bench_accuracy", "accuracy_table"),
     "conversions": ("algebra.conversions", "bench_conversions", "conversions_table"),

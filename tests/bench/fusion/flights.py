@@ -28,12 +28,12 @@ __all__ = ["bench_flights", "flight_figures", "flights_table"]
 
 Fusing = Callable[[Flight, PoseMeasurements], tuple[Fused, Fused | None]]
 
-SEEDS = range(20)
+SEEDS = 20
 _DIVERGED_M, _DIVERGED_DEG = 0.5, 5.0
 _SETTLED_S = 5.0
 
 
-def bench_flights() -> dict[str, Any]:
+def bench_flights(seeds: int = SEEDS) -> dict[str, Any]:
     """Every flight that is present, by the filter and by gtsam's graph; figures are of all seeds.
 
     The graph has nodes at 20 Hz alone, where it is judged, and estimates no vertical.
@@ -44,9 +44,9 @@ def bench_flights() -> dict[str, Any]:
         if one is None:
             left_out.append(f"{name}: not below {data_folder()}; set MOTORCADE_DATA")
             continue
-        rows.append({"flight": name, "by": "filter", **flight_figures(one, SEEDS)})
+        rows.append({"flight": name, "by": "filter", **flight_figures(one, range(seeds))})
         try:
-            figures = flight_figures(one.thinned(20.0), SEEDS, _by_graph)
+            figures = flight_figures(one.thinned(20.0), range(seeds), _by_graph)
         except ModuleNotFoundError as fault:
             left_out.append(f"{name} by a graph: needs the Python package {fault.name}")
             continue

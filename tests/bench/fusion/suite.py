@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from tests.bench.fusion.flights import bench_flights, flights_table
@@ -19,7 +19,7 @@ from tests.bench.fusion.visual_inertial import (
 
 __all__ = ["PARTS", "bench_fusion", "fusion_table"]
 
-PARTS: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
+PARTS: Mapping[str, tuple[Callable[..., Any], Callable[[Any], str]]] = {
     "simulator": (bench_simulator, simulator_table),
     "flights": (bench_flights, flights_table),
     "offsets": (bench_offsets, offsets_table),
@@ -32,11 +32,11 @@ PARTS: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
 """Every part by name: what measures it, and what prints it."""
 
 
-def bench_fusion() -> dict[str, Any]:
-    """Measure every part."""
-    return {name: measure() for name, (measure, _) in PARTS.items()}
+def bench_fusion(parts: Iterable[str] = PARTS, **sizes: Any) -> dict[str, Any]:
+    """Measure these parts; sizes are arguments of what measures them."""
+    return {name: PARTS[name][0](**sizes) for name in parts}
 
 
 def fusion_table(found: Mapping[str, Any]) -> str:
-    """The parts' tables, one below the other."""
-    return "\n\n".join(table(found[name]) for name, (_, table) in PARTS.items())
+    """The tables of the parts that were measured, one below the other."""
+    return "\n\n".join(table(found[name]) for name, (_, table) in PARTS.items() if name in found)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import tempfile
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Any
@@ -42,13 +42,17 @@ _LOOP = {**_SWITCHES, "no loop closing": {"close_loops": False}}
 _MANIFESTS = Path(__file__).parents[3] / "docs" / "manifests"
 
 
-def bench_slam() -> dict[str, Any]:
-    """Run every recording that is present, and a drawn loop, with each part switched off."""
+def bench_slam(switches: Iterable[str] = _LOOP) -> dict[str, Any]:
+    """Run every recording that is present, and a drawn loop, with each of these parts switched off.
+
+    Args:
+        switches: of `_LOOP`; "" is none, as recordings are run.
+    """
     from motorcade.replays.readers.opening import open_recording
     from tests.textured_room.recording import write_recording
     from tests.textured_room.scenarios import scenario
 
-    rows, left_out = [], []
+    rows, left_out, chosen = [], [], tuple(switches)
     folder = data_folder()
     for name, kind in _RUNS:
         root = folder / "replays" / name
@@ -57,12 +61,12 @@ def bench_slam() -> dict[str, Any]:
             continue
         manifest = _MANIFESTS / f"{name}.toml"
         recording = open_recording(root, manifest if manifest.is_file() else None)
-        rows += [_run(recording, name, kind, switch) for switch in _SWITCHES]
+        rows += [_run(recording, name, kind, one) for one in _SWITCHES if one in chosen]
     with tempfile.TemporaryDirectory() as drawn:
         write_recording(Path(drawn), scenario("loop"), name="drawn loop")
         recording = open_recording(Path(drawn))
         for kind in ("depth", "pair", "one camera"):
-            rows += [_run(recording, "drawn loop", kind, switch) for switch in _LOOP]
+            rows += [_run(recording, "drawn loop", kind, one) for one in _LOOP if one in chosen]
     return {"rows": rows, "left_out": sorted(set(left_out))}
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from tests.bench.tracking.board_smoothing import bench_board, board_table
@@ -14,7 +14,7 @@ from tests.bench.tracking.tag_recall import bench_recall, recall_table
 
 __all__ = ["PARTS", "bench_tracking", "tracking_table"]
 
-PARTS: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
+PARTS: Mapping[str, tuple[Callable[..., Any], Callable[[Any], str]]] = {
     "markers": (bench_markers, markers_table),
     "recall": (bench_recall, recall_table),
     "flips": (bench_flips, flips_table),
@@ -25,11 +25,11 @@ PARTS: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
 """Every part by name: what measures it, and what prints it."""
 
 
-def bench_tracking() -> dict[str, Any]:
-    """Measure every part."""
-    return {name: measure() for name, (measure, _) in PARTS.items()}
+def bench_tracking(parts: Iterable[str] = PARTS, **sizes: Any) -> dict[str, Any]:
+    """Measure these parts; sizes are arguments of what measures them."""
+    return {name: PARTS[name][0](**sizes) for name in parts}
 
 
 def tracking_table(found: Mapping[str, Any]) -> str:
-    """The parts' tables, one below the other."""
-    return "\n\n".join(table(found[name]) for name, (_, table) in PARTS.items())
+    """The tables of the parts that were measured, one below the other."""
+    return "\n\n".join(table(found[name]) for name, (_, table) in PARTS.items() if name in found)
