@@ -46,7 +46,7 @@ _HERE = Path(__file__)
 _TEMPLATE, _KEPT = _HERE.with_name("guide.md.jinja"), _HERE.with_name("which_smoother.json")
 _DOCS = _HERE.parents[1]
 _PAGE, _README = _DOCS / "which_smoother.md", _DOCS.parent / "README.md"
-_README_END = "| `motorcade compare` |"
+_README_END = "| – | `motorcade compare` |"
 _DIGITS = 5
 
 

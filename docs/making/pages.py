@@ -68,9 +68,9 @@ def commands_page() -> str:
 
 def commands() -> dict[str, argparse.ArgumentParser]:
     """The parser of every command, by name; its help as wide as a page takes."""
-    from motorcade.replays.cli.main import _parser
+    from motorcade.replays.cli.main import command_parser
 
-    (group,) = (a for a in _parser()._actions if isinstance(a, argparse._SubParsersAction))
+    (group,) = (a for a in command_parser()._actions if isinstance(a, argparse._SubParsersAction))
     for parser in group.choices.values():
         parser.formatter_class = partial(parser.formatter_class, width=WIDTH)
     return dict(group.choices)

@@ -24,6 +24,7 @@ from math import exp, log
 from pathlib import Path
 from typing import Any
 
+from tests.bench.demo import FIGURES
 from tests.bench.tables import SUITES
 from tests.bench.whole.quoted import HEAD
 
@@ -61,7 +62,7 @@ class Headline:
 
     def row(self) -> str:
         """As a row of a table in Markdown."""
-        ratio = "–" if self.ratio is None else f"{self.ratio:.2g}"
+        ratio = "–" if self.ratio is None else f"{float(f'{self.ratio:.2g}'):,g}"
         command = f"`make bench SUITE={self.suite}`"
         return f"| {self.what} | {self.ours} | {self.other} | {ratio} | {command} |"
 
@@ -228,7 +229,7 @@ def _smoothers(found: Mapping[str, Any]) -> Iterator[Headline]:
     if "auto" in left and others:
         best = min(others, key=lambda way: others[way])
         yield Headline(
-            "residual error and jitter that `smooth` leaves of raw poses, told nothing",
+            "residual error and jitter on recorded flights that `smooth` leaves, told nothing",
             f"{100 * left['auto']:.1f} %",
             f"{100 * others[best]:.1f} % ({best})",
             others[best] / left["auto"],
@@ -241,7 +242,8 @@ def _demo(found: Mapping[str, Any]) -> Iterator[Headline]:
 
     def told(name: str) -> str:
         row = rows[name]
-        return f"{row['rotation_rmse_deg']:.3f}°, {row['angular_jitter_rad_s2']:,.2f} rad/s²"
+        turn, jitter = (float(f"{row[key]:.3g}") for key in FIGURES)
+        return f"{turn:g}°, {jitter:,g} rad/s²"
 
     for other, named in (("euler_unwrapped", "unwrapped"), ("euler", "plain")):
         yield Headline(
