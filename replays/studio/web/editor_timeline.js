@@ -10,14 +10,14 @@ export function made(tag, className, ...inside) {
   return element;
 }
 
-/** A button that says what it does. */
+/** A button that says what it does; its spoken name holds the word on it, so that voices find it. */
 export function button(text, act, { sign = "", title = text, className = "" } = {}) {
   const one = made("button", className);
   one.type = "button";
   if (sign) one.append(icon(sign));
   one.append(made("span", "word", text));
   one.title = title;
-  one.ariaLabel = title;
+  one.ariaLabel = title === text ? text : `${text}: ${title}`;
   one.addEventListener("click", act);
   return one;
 }

@@ -13,6 +13,7 @@ from motorcade.replays.cli import main
 from motorcade.replays.export import read_run
 from motorcade.replays.report.findings import Findings
 from motorcade.replays.stages.report import report
+from tests.end_to_end.pages.accessibility.faults import AXE, UNFOLD, serious_faults
 
 # One worker opens them all: they take long to make.
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("pages")]
@@ -25,7 +26,6 @@ smoothed.window_s = [0.2, 0.4]
 """
 NAMES = ("report", "comparison", "motion", "consistency", "sweep")
 PHONE = 360
-AXE = Path(__file__).resolve().parents[3] / "build/web/node_modules/axe-core/axe.min.js"
 INSIDE_READY = """new Promise((done) => {
   const look = () => {
     const frame = document.querySelector(".viewer iframe");
@@ -47,7 +47,6 @@ FOCUSED = """(() => {
   const named = one.getAttribute("role") === "region" && one.ariaLabel?.trim();
   return one.tagName === "DIV" && scrolls && named ? "region with a name" : one.tagName;
 })()"""
-UNFOLD = "document.querySelectorAll('details').forEach(one => { one.open = true; })"
 
 
 @pytest.fixture(scope="module")
@@ -132,17 +131,8 @@ def test_pages_open_without_complaint_and_fit(
 def test_axe_finds_no_serious_fault(
     name: str, scheme: str, pages: dict[str, Path], opened: Callable[..., Any]
 ) -> None:
-    if not AXE.is_file():
-        pytest.skip("no axe-core here: make lint brings it")
     page = opened(pages[name], PHONE, scheme)
-    page.evaluate(UNFOLD)
-    page.evaluate(AXE.read_text(encoding="utf-8") + "; 0")
-    found = page.evaluate(
-        "axe.run(document, { resultTypes: ['violations'] }).then(all => all.violations"
-        ".filter(one => ['serious', 'critical'].includes(one.impact))"
-        ".map(one => [one.id, one.nodes.slice(0, 3).map(node => node.html.slice(0, 120))]))"
-    )
-    assert found == []
+    assert serious_faults(page.evaluate) == []
 
 
 def test_axe_sees_what_is_wrong(tmp_path: Path, opened: Callable[..., Any]) -> None:
