@@ -129,7 +129,7 @@ def test_what_cannot_be_is_told_in_one_line(printed, tmp_path: Path, capsys) -> 
     picture, camera = str(tmp_path / "a.png"), str(tmp_path / "camera.toml")
     for extra, told in (
         (["--family", "qr"], "family: expected one of"),
-        (["--family", "tag36h11", "--size-m", "0.1"], "size_m: expected a camera with it"),
+        (["--family", "tag36h11", "--size-m", "0.1"], "--size-m: expected --camera FILE with it"),
         (["--family", "tag36h11", "--camera", camera], "expected 400 x 300 pixels"),
         (["--family", "tag36h11", "--camera", str(tmp_path / "no.toml")], "no.toml"),
         (["--family", "tag36h11", "--camera", camera, "--size-m", "-1"], "size_m: expected metres"),
