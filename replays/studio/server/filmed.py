@@ -37,6 +37,7 @@ class Filmed:
         place_m: ``(2,)`` where that was, in the plane.
         height_m: and how tall.
         words: of the command line that made the run, but for where to and who stands in it.
+        carried: numbers of markers that the run was told do not stand still.
     """
 
     recording: Recording
@@ -45,6 +46,7 @@ class Filmed:
     place_m: FloatArray
     height_m: float
     words: tuple[str, ...]
+    carried: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         self._found: dict[SceneAnchor, tuple[Ground, Similarity]]
@@ -93,9 +95,9 @@ class Filmed:
         if self.recording.board is not None and poses.origin in ("board", "simulated"):
             found["board"] = SceneAnchor("board")
         markers = self.grounds.marker_poses
-        if markers is not None:
-            for number in markers.marker_map.marker_ids[:MOST_MARKERS]:
-                found[f"marker {number}"] = SceneAnchor("marker", int(number))
+        mapped = () if markers is None else markers.marker_map.marker_ids[:MOST_MARKERS]
+        for number in (*self.carried, *mapped):
+            found[f"marker {number}"] = SceneAnchor("marker", int(number))
         return found
 
     def rays(self, frame: int, pixels: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -146,7 +148,7 @@ def spoken(anchor: SceneAnchor) -> str:
     if anchor.on == "marker":
         return f"Marker {anchor.marker}"
     return {"auto": "The ground", "board": "The board", "plane": "The plane"}.get(
-        anchor.on, "The ground"
+        anchor.on, "The floor"
     )
 
 
@@ -171,4 +173,5 @@ def open_filmed(folder: Path) -> Filmed:
     who = performers(placed)[0]
     height_m = who.placement.scale * who.character.height_m
     place_m = placed.plane_T_character.translation_m[:2]
-    return Filmed(recording, grounds, SceneAnchor(**told), place_m, height_m, words)
+    carried = tuple(origin.knobs.get("marker_poses", {}).get("moving", ()))
+    return Filmed(recording, grounds, SceneAnchor(**told), place_m, height_m, words, carried)

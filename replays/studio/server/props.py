@@ -15,18 +15,15 @@ import numpy as np
 
 from motorcade.animation import Character, mannequin
 from motorcade.animation.authoring import Scene, ScenePart
-from motorcade.ga.arrays import FloatArray
 from motorcade.replays.characters.acting import MANNEQUIN, character_named
-from motorcade.replays.stages.view.ground import Ground
 from motorcade.replays.studio.server.filmed import Filmed
+from motorcade.replays.studio.server.places import free_place_m
 
 log = logging.getLogger("motorcade.studio")
 
 SUFFIXES = (".glb", ".gltf", ".vrm", ".dae", ".fbx", ".md5mesh")
 MOST_FILES = 200
 GROUND = "ground"
-MOST_PLACES = 400
-"""That are looked at for a newcomer; where all are taken it stands farthest from others."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,10 +91,9 @@ class Props:
         own = scene.anchors[anchor] == filmed.first
         place = np.array([*(filmed.place_m if own else ground.position_m), 0.0])
         height_m = filmed.height_m if own else ground.height_m
-        places = place[:2] + 0.45 * height_m * _spiral(MOST_PLACES)
-        apart = np.minimum(_apart(places, taken_m(scene, anchor)), 0.4 * height_m)
-        seen = _in_view(places, height_m, ground, filmed, frame)
-        place[:2] = places[np.lexsort((np.arange(MOST_PLACES), ~seen, -apart))[0]]
+        place[:2] = free_place_m(
+            scene, anchor, scene.anchors[anchor], place[:2], height_m, filmed, frame
+        )
         plane_T_camera = ground.world_T_plane.inverse() @ filmed.world_T_camera[frame]
         towards = plane_T_camera.translation_m[:2] - place[:2]
         turn = np.degrees(np.arctan2(towards[1], towards[0]))
@@ -129,49 +125,6 @@ def files_beside(folder: Path) -> tuple[str, ...]:
         return ()
     found = (one for one in folder.iterdir() if one.suffix.lower() in SUFFIXES and one.is_file())
     return tuple(sorted(one.name for one in found))[:MOST_FILES]
-
-
-def taken_m(scene: Scene, anchor: str) -> FloatArray:
-    """Where things stand on an anchor, ``(N, 2)`` in its plane: all along a walk and keyframes."""
-    taken = [np.zeros((0, 2))]
-    for name, parent in scene.parents.items():
-        if parent == anchor:
-            part = scene.part(name)
-            times = [0.0, *(one.time_s for one in part.keyframes)]
-            poses = [scene.pose_at(name, one).as_motor_scale()[0].translation_m for one in times]
-            taken.append(np.array(poses)[:, :2])
-            if part.walk is not None:
-                taken.append(np.asarray(part.walk.path_m, dtype=np.float64).reshape(-1, 2))
-    return np.concatenate(taken)
-
-
-def _spiral(count: int) -> FloatArray:
-    """Places ``(count, 2)`` for one after another, so that none stands in another."""
-    number = np.arange(count)
-    made: FloatArray = np.sqrt(number)[:, None] * np.exp(2.4j * number)[:, None].view(np.float64)
-    return made
-
-
-def _apart(places: FloatArray, taken: FloatArray) -> FloatArray:
-    """How far each place is from the nearest that is taken."""
-    ways = np.linalg.norm(places[:, None] - taken[None], axis=-1)
-    found: FloatArray = ways.min(axis=1, initial=np.inf)
-    return found
-
-
-def _in_view(
-    places: FloatArray, height_m: float, ground: Ground, filmed: Filmed, frame: int
-) -> np.ndarray:
-    """Whether one of a height that stands there is in the picture from head to foot."""
-    camera = filmed.camera
-    camera_T_plane = filmed.world_T_camera[frame].inverse() @ ground.world_T_plane
-    seen = np.ones(len(places), dtype=bool)
-    for up_m in (0.0, height_m):
-        points = camera_T_plane.apply(np.insert(places, 2, up_m, axis=1))
-        pixels = camera.project(points)
-        inside = (pixels > 0.0) & (pixels < [camera.width - 1, camera.height - 1])
-        seen &= inside.all(axis=-1) & (points[:, 2] > 0.0)
-    return seen
 
 
 def free_name(label: str, scene: Scene) -> str:

@@ -40,6 +40,7 @@ from motorcade.replays.studio.server.grip import Grab, Grip
 from motorcade.replays.studio.server.hands import Hands
 from motorcade.replays.studio.server.ledger import Ledger
 from motorcade.replays.studio.server.offers import Answer
+from motorcade.replays.studio.server.places import room_m
 from motorcade.replays.studio.server.played import PlayedScene, rows
 from motorcade.replays.studio.server.posing import JointGrip
 from motorcade.replays.studio.server.props import GROUND, Props, free_name
@@ -305,7 +306,7 @@ class EditingSession:
         time_s = float(self.filmed.time_s[frame])
         lines.append({"do": "reparent", "object": name, "parent": on, "time_s": time_s})
         if anchor is not None:
-            x, y = self.filmed.ground(anchor).position_m
+            x, y = room_m(scene, name, str(on), anchor, self.filmed, frame)
             put = {"position_m": [x, y, 0.0], "euler_deg": [0.0, 0.0, 0.0], "time_s": time_s}
             lines.append({"do": "set", "object": name, **put})
         return self._edited(visitor, message, *lines)

@@ -51,8 +51,10 @@ class Shell:
         return self._start.render(offers=offers, base=base, nonce=nonce)
 
     def editor(self, offers: Sequence[Offer], run: int, base: str, nonce: str) -> str:
-        """The editor of one run; its modules go by bare names (`studio/camera.js`). A way back to
-        the list is there where the list has others."""
+        """The editor of one run; its modules go by bare names (`studio/camera.js`).
+
+        A way back to the list is there where the list has others.
+        """
         modules = {
             f"studio/{file}": f"{base}/studio/{file}" for file in self.files if file.endswith(".js")
         }

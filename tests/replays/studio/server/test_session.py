@@ -305,6 +305,15 @@ def test_a_newcomer_stands_where_nobody_is_and_in_the_picture(tmp_path: Path) ->
         assert 0.0 < y < 479.0
 
 
+def test_two_that_are_hung_on_a_marker_stand_apart(one: Visitor) -> None:
+    names = [one.put(frame=0), one.put(frame=0)]
+    for name in names:
+        one.done("hang", object=name, on="marker 7", frame=3)
+    first, second = (stands(one.at, name, 3).translation_m for name in names)
+    tall = one.at.filmed.height_m
+    assert 0.4 * tall < np.linalg.norm(first - second) < 2.0 * tall
+
+
 def test_a_scene_without_a_run_says_how_to_get_one(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"holds no run\. .*`motorcade author .*scene.json --run"):
         offered(tmp_path / "scene.json")
