@@ -35,6 +35,8 @@ export class EditorTimeline {
     Object.assign(this.range, { type: "range", min: 0, max: times.length - 1, step: 1, value: 0 });
     this.range.ariaLabel = "Time";
     this.range.addEventListener("input", () => this.#seek(Number(this.range.value)));
+    // Also where the knob is already: no input comes of that.
+    this.range.addEventListener("pointerdown", () => this.pause());
     this.clock = made("output", "clock");
     this.element = made("div", "timeline", this.play, made("div", "track", this.range, lanes), this.clock);
     this.show(0);

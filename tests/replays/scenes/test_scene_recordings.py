@@ -71,18 +71,18 @@ def check_film(out: Path, least: float) -> None:
         assert np.mean(found) > least, name
 
 
-def write_board(data_dir: Path, folder: Path) -> tuple[Path, Path]:
+def write_board(data_dir: Path, folder: Path, frames: int = FRAMES) -> tuple[Path, Path]:
     """The first frames of vamr_board, and their manifest."""
     source, recording = data_dir / "replays" / "vamr_board", folder / "board"
     (recording / "images").mkdir(parents=True)
-    for picture in sorted((source / "images").iterdir())[:FRAMES]:
+    for picture in sorted((source / "images").iterdir())[:frames]:
         shutil.copy(picture, recording / "images")
     for name in ("K.txt", "D.txt"):
         shutil.copy(source / name, recording)
     lines = [line for line in (source / "poses.txt").read_text().splitlines() if line.strip()]
-    (recording / "poses.txt").write_text("\n".join(lines[:FRAMES]) + "\n")
+    (recording / "poses.txt").write_text("\n".join(lines[:frames]) + "\n")
     manifest = folder / "board.toml"
-    manifest.write_text(MANIFEST.read_text().replace("rows = 250", f"rows = {FRAMES}"))
+    manifest.write_text(MANIFEST.read_text().replace("rows = 250", f"rows = {frames}"))
     return recording, manifest
 
 
