@@ -121,7 +121,7 @@ export class Lanes {
     if (!held || event.pointerId !== held.pointer) return;
     if (!this.slid && Math.abs(event.clientX - held.x) < SLIPS_PX) return;
     this.slid = true;
-    const wide = this.element.getBoundingClientRect().width;
+    const wide = held.element.parentElement.getBoundingClientRect().width;
     const from = held.side === "end" ? held.mark.until_s : held.mark.start_s;
     const seconds = this.told.snapped(from + ((event.clientX - held.x) / wide) * this.length);
     held.to = draggedTo(held.mark, held.side, seconds, this.length);

@@ -20,6 +20,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from motorcade.animation import write_gltf
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import read_frames
 from motorcade.render.video import contact_sheet
@@ -30,7 +31,7 @@ from tests.bench.view.pages import chromium
 from tests.end_to_end.pages.conftest import Browser
 from tests.end_to_end.pages.editor_tab import Tab
 from tests.end_to_end.pages.gimbal_table import typed
-from tests.props import write_props
+from tests.props import box, write_props
 from tests.replays.carried_marker import ID, write_carried
 from tests.replays.scenes.test_scene_recordings import write_board
 from tests.replays.studio.server.conftest import running
@@ -72,6 +73,7 @@ def authored(
     settings = ("smoothed.representations=motor",)
     run_job(Job(recording, out / "run", manifest, settings=settings))
     write_props(out / "run")
+    write_gltf(out / "run" / "box.glb", box(shade=0.95))  # brighter than walls
     with running(open_desk(out / "run")) as (access, _, _):
         tab = Tab(browser, access.link(), 1400, 900, "light")
         put_together(tab, anchor)
@@ -90,13 +92,13 @@ def authored(
 
 def put_together(tab: Tab, anchor: str | None) -> None:
     """One walks, one waves, one is posed; a box stands there, and a ball goes by keyframes."""
-    wide, high = picture_at(tab, 1.0, 1.0) - picture_at(tab, 0.0, 0.0)
-    step = np.array([0.09 * wide, 0.0])
     for name in PEOPLE:
         add(tab, "Person", name)
         if anchor is not None and name != PEOPLE[2]:
             choose_by_keys(tab, "Stands on", anchor)
     middle = on_page(tab, PEOPLE[0])
+    tall = tab.evaluate(_TALL.replace("NAME", PEOPLE[0]))
+    step = np.array([0.7 * tall, 0.0])
     drag_to(tab, PEOPLE[1], middle + step)
     drag_to(tab, PEOPLE[2], middle - step)
 
@@ -104,7 +106,7 @@ def put_together(tab: Tab, anchor: str | None) -> None:
     tab.press("Walk")
     tab.until("editor.draws")
     start = on_page(tab, PEOPLE[0])
-    bend = np.stack([0.6 * RAMP * step[0], 0.02 * high * np.sin(3.0 * RAMP)], axis=-1)
+    bend = tall * np.stack([0.8 * RAMP, 0.08 * np.sin(3.0 * RAMP)], axis=-1)
     tab.drag(_rounded(start + bend))
     tab.until("editor.one?.walk === true && (editor.timeline.playing || editor.frame > 0)")
 
@@ -129,12 +131,15 @@ def put_together(tab: Tab, anchor: str | None) -> None:
 
     add(tab, "box", "box")
     tab.press("Numbers")
-    typed(tab, "size", "0.25" if anchor is None else "0.2")
+    typed(tab, "size", "0.25")
     tab.press("Close")
-    drag_to(tab, "box", middle + 0.5 * step + [0.0, 0.1 * high])
+    drag_to(tab, "box", middle + 0.5 * step + [0.0, 0.4 * tall])
 
     add(tab, "ball", "ball")
-    drag_to(tab, "ball", middle - 0.5 * step + [0.0, 0.1 * high])
+    tab.press("Numbers")
+    typed(tab, "size", "0.25")
+    tab.press("Close")
+    drag_to(tab, "ball", middle - 0.5 * step + [0.0, 0.4 * tall])
     tab.press("Key")
     tab.until("editor.one.keys.length === 1")
     tab.drag([_scrubbed(tab, 0.7)])
@@ -183,6 +188,11 @@ def drag_to(tab: Tab, name: str, goal: FloatArray) -> None:
     tab.settled()
 
 
+# How tall somebody is, in pixels of the page, seen from the side.
+_TALL = """(() => {
+  const one = editor.actors.get("NAME");
+  return one.height / editor.stage.metresAPixel(one.place);
+})()"""
 # A place of the page where an object is touched, and no handle of it.
 _TOUCHED = """(() => {
   const one = editor.actors.get("NAME"), box = editor.stage.ground.getBoundingClientRect();
@@ -224,13 +234,6 @@ def choose_by_keys(tab: Tab, field: str, word: str) -> None:
 def on_page(tab: Tab, name: str) -> FloatArray:
     """Where an object stands on the page, CSS pixels."""
     return np.array(tab.evaluate(f"editor.stage.placeOf(editor.actors.get('{name}').place)"))
-
-
-def picture_at(tab: Tab, x: float, y: float) -> FloatArray:
-    """A place of the page by its shares of the picture's width and height."""
-    box = "(({left, top, width, height}) => [left, top, width, height])"
-    found = tab.evaluate(f"{box}(editor.stage.ground.getBoundingClientRect())")
-    return np.array(found[:2]) + np.array([x, y]) * found[2:]
 
 
 def _scrubbed(tab: Tab, share: float) -> tuple[int, int]:

@@ -165,7 +165,7 @@ def test_layers_and_poses_come_end_and_go(
     one.settled()
     one.press("Close")
     x, y = one.middle(".mark.layer .grip.end")
-    wide = one.evaluate("document.querySelector('.lanes').offsetWidth")
+    wide = one.evaluate("document.querySelector('.lane').offsetWidth")
     one.drag([(x - round(share * wide), y) for share in np.linspace(0.0, 0.5, 8)])
     one.until("editor.one.layers[0].end_s !== undefined")
     one.settled()
