@@ -37,7 +37,7 @@ class Filmed:
         place_m: ``(2,)`` where that was, in the plane.
         height_m: and how tall.
         words: of the command line that made the run, but for where to and who stands in it.
-        carried: numbers of markers that the run was told do not stand still.
+        moving: numbers of markers that the run was told do not stand still.
     """
 
     recording: Recording
@@ -46,7 +46,7 @@ class Filmed:
     place_m: FloatArray
     height_m: float
     words: tuple[str, ...]
-    carried: tuple[int, ...] = ()
+    moving: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         self._found: dict[SceneAnchor, tuple[Ground, Similarity]]
@@ -96,7 +96,7 @@ class Filmed:
             found["board"] = SceneAnchor("board")
         markers = self.grounds.marker_poses
         mapped = () if markers is None else markers.marker_map.marker_ids[:MOST_MARKERS]
-        for number in (*self.carried, *mapped):
+        for number in (*self.moving, *mapped):
             found[f"marker {number}"] = SceneAnchor("marker", int(number))
         return found
 
@@ -173,5 +173,5 @@ def open_filmed(folder: Path) -> Filmed:
     who = performers(placed)[0]
     height_m = who.placement.scale * who.character.height_m
     place_m = placed.plane_T_character.translation_m[:2]
-    carried = tuple(origin.knobs.get("marker_poses", {}).get("moving", ()))
-    return Filmed(recording, grounds, SceneAnchor(**told), place_m, height_m, words, carried)
+    moving = tuple(origin.knobs.get("marker_poses", {}).get("moving", ()))
+    return Filmed(recording, grounds, SceneAnchor(**told), place_m, height_m, words, moving)
