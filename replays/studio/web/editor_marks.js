@@ -42,7 +42,11 @@ export function markForm(mark, chosen, act) {
 export function layerForms(chosen, act) {
   const forms = chosen.layers.map((_, number) => layerForm(chosen, number, act));
   const told = chosen.layers.length ? [] : [made("p", "", "A wave while walking, a look aside: a second motion for some of the body.")];
-  return [made("h3", "", "At the same time"), ...told, ...forms, wide("Add a layer", () => act.addLayer())];
+  const add = async () => {
+    await act.addLayer();
+    document.querySelector(".sheet .layer:last-of-type")?.scrollIntoView({ block: "nearest" });
+  };
+  return [made("h3", "", "At the same time"), ...told, ...forms, wide("Add a layer", add)];
 }
 
 function layerForm(chosen, number, act) {

@@ -11,6 +11,9 @@ import numpy as np
 from tests.end_to_end.pages.conftest import Browser
 
 PATIENCE_S = 60.0
+# For so long a finger rests before it is lifted: else its stroke is a fling, and the next touch only
+# stops that.
+RESTS_S = 0.15
 # Where the middle of an object is on the page, its pose, and whether all that was said is answered.
 IDLE = "!editor.link.under_way && !editor.link.queue.length"
 _BUTTON = """((word) => {
@@ -70,7 +73,7 @@ class Tab:
             time.sleep(0.02)
 
     def drag(self, places: list[tuple[int, int]]) -> None:
-        """One finger, or the mouse, along places of the page."""
+        """One finger, or the mouse, along places of the page; a touch of a single one."""
         if self.mobile:
             self.fingers([[one] for one in places])
             return
@@ -86,6 +89,9 @@ class Tab:
             self._touch("touchStart", places[0][:count])
         for one in places[1:]:
             self._touch("touchMove", one)
+        if len(places) > 1:
+            time.sleep(RESTS_S)
+            self._touch("touchMove", places[-1])
         self._touch("touchEnd", [])
 
     def _touch(self, kind: str, places: list[tuple[int, int]]) -> None:
@@ -104,10 +110,12 @@ class Tab:
         self.until("clicked")
 
     def middle(self, selector: str) -> tuple[int, int]:
-        """Where an element's middle is on the page."""
+        """Where an element's middle is on the page, once it is scrolled to."""
         self.until(f"!!document.querySelector({selector!r})?.offsetParent")
         x, y = self.evaluate(
-            f"(() => {{ const r = document.querySelector({selector!r}).getBoundingClientRect();"
+            f"(() => {{ const one = document.querySelector({selector!r});"
+            "one.scrollIntoView({ block: 'nearest', inline: 'nearest' });"
+            "const r = one.getBoundingClientRect();"
             "return [r.x + r.width / 2, r.y + r.height / 2] })()"
         )
         return round(x), round(y)
