@@ -11,8 +11,8 @@ import numpy as np
 from tests.end_to_end.pages.conftest import Browser
 
 PATIENCE_S = 60.0
-# For so long a finger rests before it is lifted: else its stroke is a fling, and the next touch only
-# stops that.
+# For so long a finger rests before it is lifted: else its stroke is a fling, and the next touch
+# only stops that.
 RESTS_S = 0.15
 # Where the middle of an object is on the page, its pose, and whether all that was said is answered.
 IDLE = "!editor.link.under_way && !editor.link.queue.length"
