@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import Motor, Trajectory
-from motorcade.ga.arrays import IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import off_record
 from motorcade.ga.stamps import LONGEST_READOUT_S
 from motorcade.replays.errors import refusal
@@ -149,8 +149,8 @@ class Recording:
             "pictures", "video" or "synthetic".
         frames: the pictures.
         camera: intrinsics, of the upright pictures' size.
-        readout_s: from the first row of a picture to the last, whose middle row is read at the
-            stamp (rolling shutter); 0 for a global one.
+        readout_s: from the first row of a picture, as it is stored, to the last, whose middle row
+            is read at the stamp (rolling shutter); 0 for a global one. See `shutter_s`.
         baseline_m: how far to its right the camera of the frames' right pictures stands.
         imu, imu_noise: angular rate and specific force; noise densities and bias walks.
         imu_T_camera: where the camera sits on the IMU (camera coordinates to IMU coordinates).
@@ -214,6 +214,21 @@ class Recording:
             motor = getattr(self, name)
             if motor is not None and motor.shape != ():
                 raise refusal(self.root, f"expected one motor, got {motor.shape}", field=name)
+
+    @property
+    def rows_run(self) -> IntArray:
+        """Which way ``(2,)``, right and down, stored rows follow one another in upright pictures.
+
+        Of a phone held upright they are columns.
+        """
+        orientation = getattr(self.frames, "orientation", None)
+        down = np.array([0, 1]) if orientation is None else orientation.matrix[:, 1]
+        return np.asarray(down, np.int64)
+
+    @property
+    def shutter_s(self) -> FloatArray:
+        """`readout_s` across upright pictures ``(2,)``: from left to right, from top to bottom."""
+        return self.readout_s * self.rows_run.astype(np.float64)
 
     @property
     def duration_s(self) -> float:

@@ -24,6 +24,8 @@ from motorcade.tracking.targets import (
     seen_markers,
 )
 
+_SURE_SIGMAS = 4.0
+
 
 @dataclass(frozen=True, eq=False)
 class FoundCamera:
@@ -34,7 +36,8 @@ class FoundCamera:
         said: the same in words.
         source: what it was found by.
         target: as it was given, or with the gaps that this camera shows.
-        readout_s: from the first row of a picture to the last, 0 where nothing is known of it.
+        shutter_s: ``(2,)`` of its read-out, from left to right and from top to bottom; 0 where
+            nothing is known of it.
         doubts: what may be wrong with it.
     """
 
@@ -42,7 +45,7 @@ class FoundCamera:
     said: str
     source: str
     target: FoundTarget | None
-    readout_s: float = 0.0
+    shutter_s: tuple[float, float] = (0.0, 0.0)
     doubts: tuple[str, ...] = ()
 
 
@@ -88,11 +91,18 @@ def _said(made: SelfCalibration, by: str, target: FoundTarget | None = None) -> 
         f"{made.camera.model}, focal length {made.camera.fx:.0f} px ± "
         f"{100.0 * made.sigma_focal:.2g} %, {made.rms_px:.2g} px RMS over {made.views} frames"
     )
-    down = made.readout is not None and made.readout.axis == "down"
-    readout_s = float(made.readout_s or 0.0) if down else 0.0
-    return FoundCamera(
-        made.camera, said, f"self-calibration by {by}", target, readout_s, made.doubts
-    )
+    source = f"self-calibration by {by}"
+    return FoundCamera(made.camera, said, source, target, _shutter_s(made), made.doubts)
+
+
+def _shutter_s(made: SelfCalibration) -> tuple[float, float]:
+    """The read-out along both axes, where it is more than its own uncertainty."""
+    readout = made.readout
+    if readout is None or readout.seconds < _SURE_SIGMAS * readout.sigma_s:
+        return 0.0, 0.0
+    way = {"right": (1.0, 0.0), "left": (-1.0, 0.0), "down": (0.0, 1.0), "up": (0.0, -1.0)}
+    across, down = way[readout.axis]
+    return across * readout.seconds, down * readout.seconds
 
 
 def _detections(family: str, seen: SeenMarkers) -> list[Detection]:

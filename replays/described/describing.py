@@ -143,8 +143,13 @@ class _Describing:
             found = self._camera_of_motion(size)
         doubts = "".join(f"; {one}" for one in found.doubts)
         self._assume("camera", found.said + doubts, found.source, "described.fov_deg=65")
-        use_readout = found.readout_s > 0.0 and self.recording.imu is not None
-        readout = f"readout_s = {found.readout_s!r}\n" if use_readout else ""
+        # A sensor reads the rows that it stores, from the first on.
+        readout_s = float(np.dot(found.shutter_s, self.recording.rows_run))
+        readout = ""
+        if readout_s > 0.0:
+            readout = f"readout_s = {readout_s!r}\n"
+            said = f"{1e3 * readout_s:.1f} ms from a picture's first row to its last"
+            self._assume("rolling shutter", said, found.source, "readout_s under [camera]")
         self._tables.append(camera_toml(found.camera) + readout)
         return found
 

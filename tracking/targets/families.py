@@ -41,6 +41,9 @@ _SAME_SHARE = 0.6
 _LEAST_SHARE = 0.15
 _FAR_IDS = 4
 """Ids beyond the first 250 of a likely dictionary that are no chance together."""
+_FIRST = 8
+"""Pictures that are read for all families; the others for what these mostly show."""
+_MOSTLY = 0.5
 
 
 @dataclass(frozen=True)
@@ -82,6 +85,8 @@ class _Sighting:
 def families_seen(pictures: Sequence[GrayImage], *, whole: bool = False) -> tuple[SeenFamily, ...]:
     """The marker families that pictures of one place show, those seen most often first.
 
+    Where most of the first few show a family, the others are read for the families of those alone.
+
     Args:
         pictures: grey uint8 pictures ``(height, width)``, some seconds apart where they are
             frames of a clip. Of one or two, more ids must be seen before a small family counts.
@@ -92,10 +97,30 @@ def families_seen(pictures: Sequence[GrayImage], *, whole: bool = False) -> tupl
     """
     grays = [checked_gray(one) for one in pictures]
     searched = grays if whole else [shrunk(gray, SMALL_PX) for gray in grays]
-    seen = [one for index, gray in enumerate(searched) for one in _exact(gray, index)]
-    found = [_counted(family, seen, len(grays)) for family in _widest()]
-    kept = [one for one in found if one is not None]
-    return tuple(sorted(kept, key=lambda one: -one.sightings))
+    # The first are spread over all, so that they show what the clip shows.
+    first = range(0, len(grays), -(-len(grays) // _FIRST)) if grays else range(0)
+    seen = [one for index in first for one in _exact(searched[index], index, _widest())]
+    found = _listed(_widest(), seen, len(first))
+    clear = any(len(one.pictures) >= _MOSTLY * len(first) for one in found)
+    counted = {_words_of(one.family) for one in found}
+    families = [one for one in _widest() if one in counted or not clear]
+    others = sorted(set(range(len(grays))) - set(first))
+    seen += [one for index in others for one in _exact(searched[index], index, families)]
+    return _listed(families, seen, len(grays))
+
+
+def _listed(
+    families: Sequence[str], seen: Sequence[_Sighting], searched: int
+) -> tuple[SeenFamily, ...]:
+    """Families that count, those seen most often first."""
+    found = [_counted(family, seen, searched) for family in families]
+    return tuple(sorted((one for one in found if one), key=lambda one: -one.sightings))
+
+
+def _words_of(family: str) -> str:
+    """The family as it was read: the largest of its kind."""
+    stem, _, size = family.rpartition("_")
+    return f"{stem}_{_NESTED[-1]}" if size.isdigit() and int(size) in _NESTED else family
 
 
 @cache
@@ -111,17 +136,20 @@ def _chance(family: str) -> float:
     return float(8.0 * len(shape.words) / 2.0 ** len(shape.bit_rows))
 
 
-def _exact(gray: GrayImage, picture: int) -> list[_Sighting]:
-    """Markers of every family in a picture, read without a wrong cell; each place is one's."""
+def _exact(gray: GrayImage, picture: int, families: Sequence[str]) -> list[_Sighting]:
+    """Markers in a picture, read without a wrong cell; each place is one's.
+
+    Families come with the least likely by chance first.
+    """
     image = np.ascontiguousarray(gray)
     quads = {
         white_inside: np.concatenate(
             [find_quads(image, white_inside, 5.0, reach) for reach in _REACHES_PX]
         ).astype(np.float64)
-        for white_inside in (False, True)
+        for white_inside in {layout(family).white_inside for family in families}
     }
     found: list[_Sighting] = []
-    for family in _widest():
+    for family in families:
         read = decode_quads(image, quads[layout(family).white_inside], family)
         for one in _legible(image, read, family, picture):
             if not any(_same_place(one, other) for other in found):

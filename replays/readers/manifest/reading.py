@@ -244,13 +244,6 @@ class _Manifest:
         camera, turns = self._upright(section, self._camera(section, size), frames)
         if turns:
             self.stated_T_upright = camera_T_turned(turns)
-        if made.readout_s and frames.orientation != AS_STORED:
-            _LOG.warning(
-                "%s: readout_s is left aside: the pictures are turned, and their rows are not "
-                "read one after the other from the first",
-                self.path,
-            )
-            made = replace(made, readout_s=0.0)
         if isinstance(frames, VideoFrames):
             frames.check(camera)
             return replace(made, camera=camera)

@@ -17,6 +17,7 @@ from motorcade.replays.stages.camera.offered import camera_of, require_pictures
 from motorcade.replays.values.board_poses import BoardPoses
 from motorcade.tracking import Board, PoseMeasurements, track_board
 from motorcade.tracking.audit import AuditFinding
+from motorcade.tracking.rolling import unrolled_track
 
 log = logging.getLogger("motorcade.camera_poses")
 
@@ -59,6 +60,8 @@ def board_poses(recording: Recording) -> BoardPoses:
         lambda frame: (frame.time_ns, frame.gray()), track(frames, "tracking", len(frames))
     )
     tracked = track_board(pictures, camera, board)
+    if recording.readout_s:
+        tracked = unrolled_track(tracked, board, camera, recording.shutter_s)
     seconds = time.perf_counter() - start
     audit = audited_board(recording, board, tracked)
     warn_of_contradictions(audit)

@@ -12,7 +12,7 @@ from motorcade.fusion.imu import ADIS16448, ImuStream
 from motorcade.fusion.visual_inertial import InertialSlam, InertialSlamResult
 from motorcade.replays.engine.progress import track
 from motorcade.replays.recording import Recording
-from motorcade.replays.stages.camera.offered import camera_of
+from motorcade.replays.stages.camera.offered import camera_of, rows_readout_s
 from motorcade.replays.stages.inertial.filter_input import assumed_noise
 from motorcade.replays.values.inertial_history import InertialHistory
 from motorcade.tracking import PoseMeasurements
@@ -55,7 +55,7 @@ def mapped_with_imu(recording: Recording, settings: SlamSettings) -> MappedWithI
         raise ValueError("recording: expected one that carries an IMU, got none")
     noise = assumed_noise(recording.imu_noise or ADIS16448, "recorded")
     slam = InertialSlam(
-        camera_of(recording), noise, imu_T_camera, settings, readout_s=recording.readout_s
+        camera_of(recording), noise, imu_T_camera, settings, readout_s=rows_readout_s(recording)
     )
     stamps, fed = recording.frames.time_ns, 0
     covered = np.flatnonzero((stamps >= imu.time_ns[0]) & (stamps <= imu.time_ns[-_FEWEST_SAMPLES]))
@@ -100,6 +100,6 @@ def _told(recording: Recording, result: InertialSlamResult) -> MappedWithImu | N
         start.log_scale_sigma,
         start.world_T_visual.rotor.inverse().apply(np.array([0.0, 0.0, -1.0])),
         start.tilt_sigma_rad,
-        recording.readout_s,
+        rows_readout_s(recording),
     )
     return MappedWithImu(result.slam, measurements, told)

@@ -34,6 +34,7 @@ from motorcade.tracking.markers.photometric import (
 )
 from motorcade.tracking.markers.refinding import refind_markers
 from motorcade.tracking.markers.scenes import MarkerScene, map_scene
+from motorcade.tracking.rolling import unrolled_stream
 
 Refine = Literal["none", "photometric"]
 _ONLY = "camera"
@@ -72,11 +73,12 @@ def marker_poses(
     if not any(len(stream) for stream in streams.values()):
         raise TrackingError("frames: expected some that show a marker, got none")
     known = None if recording.markers is None else recording.markers.marker_map
-    found = (
-        map_markers(streams, seen.side_m, seen.rig_T_camera, posed=seen.posed)
-        if known is None
-        else track_rig(known, streams, seen.rig_T_camera)
-    )
+    found = _mapped(known, streams, seen)
+    if recording.readout_s and len(streams) == 1 and seen.posed is None:
+        path = _of_camera(found, _ONLY).trajectory
+        shutter_s = recording.shutter_s
+        streams = {_ONLY: unrolled_stream(streams[_ONLY], path, found.marker_map, shutter_s)}
+        found = _mapped(known, streams, seen)
     where = "mapped from this recording alone" if known is None else "where a map places them"
     recorded = isinstance(recording.frames, CornerFrames)
     summary = (
@@ -128,6 +130,15 @@ def _by_scene(
         marker_map=path.marker_map,
         sighted=_sighted(streams[first], path.marker_map),
     )
+
+
+def _mapped(
+    known: MarkerMap | None, streams: Mapping[str, CornerStream], seen: _SeenMarkers
+) -> MappedRecording:
+    """The markers mapped, or the rig tracked by a map that is known."""
+    if known is not None:
+        return track_rig(known, streams, seen.rig_T_camera)
+    return map_markers(streams, seen.side_m, seen.rig_T_camera, posed=seen.posed)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from motorcade.fusion.imu import ADIS16448
 from motorcade.fusion.visual_inertial import MetricMap, metric_map
 from motorcade.replays.recording import Recording
+from motorcade.replays.stages.camera.offered import rows_readout_s
 from motorcade.replays.stages.inertial.filter_input import assumed_noise
 
 if TYPE_CHECKING:
@@ -42,7 +43,8 @@ def in_metres(recording: Recording, found: SlamResult) -> Metres:
         raise NoMetres("where the camera sits on the IMU is not known")
     noise = assumed_noise(recording.imu_noise or ADIS16448, "recorded")
     try:
-        made = metric_map(found, camera, imu, noise, recording.imu_T_camera, recording.readout_s)
+        readout_s = rows_readout_s(recording)
+        made = metric_map(found, camera, imu, noise, recording.imu_T_camera, readout_s)
     except (ValueError, RuntimeError) as refused:  # gtsam's own errors are RuntimeErrors
         raise NoMetres(f"the IMU does not tell the scale: {refused}") from refused
     sigma = made.start.log_scale_sigma

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import logging
+
 from motorcade.replays.engine.stage import NotOffered
 from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.recording import Recording
 from motorcade.tracking.cameras.camera import Camera
+
+log = logging.getLogger("motorcade.camera_poses")
 
 
 def camera_of(recording: Recording) -> Camera:
@@ -21,6 +25,21 @@ def camera_of(recording: Recording) -> Camera:
             "fov_deg = 65 where only a guess of how wide it sees can be had"
         )
     return recording.camera
+
+
+def rows_readout_s(recording: Recording) -> float:
+    """The rolling shutter's time where its rows run down the picture, as SLAM with an IMU takes it.
+
+    Of turned pictures it is left aside, which the log says.
+    """
+    if recording.readout_s and recording.rows_run.tolist() != [0, 1]:
+        log.warning(
+            "%s: readout_s is left aside by SLAM: the pictures are turned, and their rows are not "
+            "read one after the other from the first",
+            recording.name,
+        )
+        return 0.0
+    return recording.readout_s
 
 
 def require_pictures(recording: Recording) -> None:

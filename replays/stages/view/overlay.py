@@ -12,6 +12,7 @@ import numpy as np
 from motorcade.animation import Character
 from motorcade.fusion.smoothing.view import steady_view, turned_homography
 from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.ga.lookahead import ahead
 from motorcade.ga.names import nearest_name
 from motorcade.render import (
@@ -46,6 +47,7 @@ from motorcade.replays.values.integrity import Integrity
 from motorcade.replays.values.marker_poses import MarkerPoses
 from motorcade.replays.values.paths import SmoothedPaths
 from motorcade.replays.values.view import OverlayVideo, PlacedCharacter
+from motorcade.tracking.rolling import lateness_s
 
 # Frames, spread over the recording, from which light is estimated.
 LIT_FRAMES = 16
@@ -102,6 +104,9 @@ def overlay(
     lasting_s = 1e-9 * float(np.ptp(recording.frames.time_ns))
     shown = performers(placed, lasting_s)
     character = shown[0].character
+    middle_m = placed.placement.apply([0.0, 0.0, 0.5 * character.height_m])
+    if recording.readout_s and placed.ground_motion is None:
+        path = seen_when_read(path, recording, middle_m)
     start = time.perf_counter()
     recording = as_found(recording, camera_poses.camera, camera_poses.depth_camera)
     distorted = lens == "distort" or (lens == "auto" and can_be_drawn_for(recording.camera))
@@ -116,7 +121,6 @@ def overlay(
     if light == "estimated":
         lighting, lit_by, meter = _estimated(footage, path, placed, character, prints)
     if view != "footage":
-        middle_m = placed.placement.apply([0.0, 0.0, 0.5 * character.height_m])
         path = footage.turned(path, steady_view(path, middle_m, live=view == "live"))
     pictures = render_performers(
         footage.frames(track(recording.frames, "drawing", len(recording.frames))),
@@ -251,6 +255,22 @@ def extrapolated(path: Trajectory, measured: Trajectory) -> Trajectory:
         stamps.insert(where, measured.time_ns[rows])
         poses.insert(where, extended)
     return Trajectory(np.concatenate(stamps), Motor.concatenate(poses), path.parent, path.child)
+
+
+def seen_when_read(path: Trajectory, recording: Recording, point_m: FloatArray) -> Trajectory:
+    """Poses of the times when a rolling shutter reads a point, at the stamps of the path.
+
+    What stands there is then drawn where the picture shows it, to within its own extent.
+    """
+    camera = recording.camera
+    assert camera is not None  # checked by the stage
+    px = camera.project(path.motors.inverse().apply(point_m), allow_nan=True)
+    seen = np.isfinite(px).all(axis=-1)
+    inside = np.clip(np.where(seen[:, None], px, 0.0), 0.0, (camera.width, camera.height))
+    late_s = np.where(seen, lateness_s(camera, inside, recording.shutter_s), 0.0)
+    read_ns = path.time_ns + np.rint(1e9 * late_s).astype(np.int64)
+    read_ns = np.clip(read_ns, path.time_ns[0], path.time_ns[-1])
+    return Trajectory(path.time_ns, path.motors_at(read_ns), path.parent, path.child)
 
 
 def _chosen(

@@ -1,0 +1,149 @@
+"""A rolling shutter taken out of what was seen: corners as a shutter sees them that reads at once.
+
+Lines of a picture are read one after another, so a camera that moves bends what it sees. How long a
+line is read before or after the stamp follows from where it lies; how far a corner moves in that
+time, from the velocity that the frames beside it give. The poses are then those at the stamp, when
+the middle line is read.
+
+Source: Hedborg et al. 2012 (a velocity a view; here to second order in the line's time).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
+from motorcade.tracking.board_tracking.track import BoardTrack
+from motorcade.tracking.boards import Board
+from motorcade.tracking.boards.corners import BoardCorners
+from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.markers.corner_stream import CornerStream
+from motorcade.tracking.markers.marker_map import MarkerMap
+from motorcade.tracking.measurements import PoseMeasurements
+from motorcade.tracking.pose import TrackingError, refine
+from motorcade.tracking.self_calibration.bodies import velocities
+
+_ROUNDS = 2
+
+
+def lateness_s(camera: Camera, px: FloatArray, shutter_s: FloatArray) -> FloatArray:
+    """How long after the stamp ``(*)`` pixels ``(*, 2)`` are read; below zero before it.
+
+    Args:
+        camera: its size.
+        px: in the upright picture.
+        shutter_s: ``(2,)`` from the left edge to the right one and from the upper to the lower.
+
+    >>> import numpy as np
+    >>> from motorcade.tracking import Camera
+    >>> from motorcade.tracking.rolling import lateness_s
+    >>> camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
+    >>> lateness_s(camera, np.array([[319.5, 479.5], [0.0, 239.5]]), np.array([0.0, 0.02]))
+    array([0.01, 0.  ])
+    """
+    size = np.array([camera.width, camera.height])
+    late: FloatArray = ((px + 0.5) / size - 0.5) @ shutter_s
+    return late
+
+
+def shift_px(
+    camera: Camera,
+    in_camera: FloatArray,
+    twist: FloatArray,
+    px: FloatArray,
+    shutter_s: FloatArray,
+) -> FloatArray:
+    """How far ``(n, 2)`` points that still are seen by a moving camera, from where they would be.
+
+    Args:
+        camera: who sees them.
+        in_camera: ``(n, 3)`` points at the stamp.
+        twist: ``(n, 6)`` of the camera per second, in its own frame.
+        px: ``(n, 2)`` where they were seen.
+        shutter_s: as `lateness_s` takes it.
+
+    >>> import numpy as np
+    >>> from motorcade.tracking import Camera
+    >>> from motorcade.tracking.rolling import shift_px
+    >>> camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
+    >>> seen, point = np.array([[319.5, 479.5]]), np.array([[0.0, 0.48, 1.0]])
+    >>> to_the_right = np.array([[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]])  # a metre a second
+    >>> shift_px(camera, point, to_the_right, seen, np.array([0.0, 0.02])).round(6)
+    array([[-5.,  0.]])
+    """
+    turn, shift = twist[:, :3], twist[:, 3:]
+    late = lateness_s(camera, px, shutter_s)[:, None]
+    moves = np.cross(in_camera, turn) - shift
+    moved = in_camera + late * (moves + 0.5 * late * np.cross(moves, turn))
+    return camera.project(moved) - camera.project(in_camera)
+
+
+def unrolled_track(
+    track: BoardTrack, board: Board, camera: Camera, shutter_s: FloatArray
+) -> BoardTrack:
+    """A board's track as a shutter gives it that reads at once; states and candidates are kept.
+
+    Frames without a near neighbour, of which no velocity is known, stay as they are.
+
+    Args:
+        track: of a camera with a rolling shutter, its world the board's frame.
+        board: that was tracked.
+        camera: that saw it.
+        shutter_s: as `lateness_s` takes it.
+    """
+    path = track.measurements.trajectory
+    poses, made = path.motors, []
+    points = [board.points_m[one.ids] for one in track.observations]
+    for _ in range(_ROUNDS):
+        velocity = velocities(1e-9 * (path.time_ns - path.time_ns[0]), poses)
+        made = []
+        for row, (one, known) in enumerate(zip(track.observations, points, strict=True)):
+            twist = np.broadcast_to(velocity[row], (len(known), 6))
+            in_camera = poses[row].inverse().apply(known)
+            px = one.corners_px - shift_px(camera, in_camera, twist, one.corners_px, shutter_s)
+            try:
+                found = refine(BoardCorners(one.ids, px, known), camera, poses[row])
+            except TrackingError:
+                found = refine(BoardCorners(one.ids, one.corners_px, known), camera, poses[row])
+                px = one.corners_px
+            made.append((replace(one, corners_px=px), found))
+        poses = Motor.stack([found.world_T_camera for _, found in made])
+    covariance = np.stack([found.covariance for _, found in made])
+    trajectory = Trajectory(path.time_ns, poses, path.parent, path.child)
+    return replace(
+        track,
+        observations=tuple(one for one, _ in made),
+        measurements=PoseMeasurements(trajectory, covariance),
+        error_px=np.array([found.error_px for _, found in made]),
+    )
+
+
+def unrolled_stream(
+    stream: CornerStream, path: Trajectory, known: MarkerMap, shutter_s: FloatArray
+) -> CornerStream:
+    """Markers' corners as a shutter sees them that reads at once.
+
+    Those of markers that are not in the map, and of frames without a pose, stay as they are.
+
+    Args:
+        stream: what a camera with a rolling shutter saw.
+        path: of that camera, in the map's world.
+        known: where the markers are.
+        shutter_s: as `lateness_s` takes it.
+    """
+    frames = stream.time_ns[stream.frame]
+    mapped = np.isin(stream.marker_ids, known.marker_ids) & np.isin(frames, path.time_ns)
+    view = np.searchsorted(path.time_ns, frames[mapped])
+    body = np.searchsorted(known.marker_ids, stream.marker_ids[mapped])
+    velocity = velocities(1e-9 * (path.time_ns - path.time_ns[0]), path.motors)
+    points = known.points_m.reshape(-1, 4, 3)[body]
+    in_camera = path.motors[view].inverse()[:, None].apply(points).reshape(-1, 3)
+    seen = stream.corners_px[mapped].reshape(-1, 2)
+    twist = np.repeat(velocity[view], 4, axis=0)
+    shift = shift_px(stream.camera, in_camera, twist, seen, shutter_s)
+    corners = stream.corners_px.copy()
+    corners[mapped] = (seen - shift).reshape(-1, 4, 2)
+    return replace(stream, corners_px=corners)
