@@ -19,7 +19,7 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.board_tracking.track import BoardTrack
 from motorcade.tracking.boards import Board
 from motorcade.tracking.boards.corners import BoardCorners
-from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.cameras.camera import Camera, reproject
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.marker_map import MarkerMap
 from motorcade.tracking.measurements import PoseMeasurements
@@ -147,3 +147,59 @@ def unrolled_stream(
     corners = stream.corners_px.copy()
     corners[mapped] = (seen - shift).reshape(-1, 4, 2)
     return replace(stream, corners_px=corners)
+
+
+def as_read(
+    path: Trajectory, camera: Camera, points_m: FloatArray, shutter_s: FloatArray
+) -> Trajectory:
+    """One pose a stamp that shows points where a rolling shutter does, as nearly as one pose can.
+
+    Each point is seen by the path's pose of the time when its line is read; the pose is the one
+    from which all are seen there with the least squared error. It is for drawing what lies between
+    the points, and for nothing else.
+
+    Args:
+        path: world_T_camera.
+        camera: that sees them; where one of them has no image, the path's own pose is kept.
+        points_m: ``(n, 3)`` of the world, around what is drawn, not all on one line.
+        shutter_s: as `lateness_s` takes it.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor, Trajectory
+    >>> from motorcade.tracking import Camera
+    >>> from motorcade.tracking.rolling import as_read
+    >>> camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
+    >>> path = Trajectory([0, 10**9], Motor.from_translation([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]))
+    >>> corners = np.array([[x, y, 2.0] for x in (0.4, 0.6) for y in (0.7, 0.9)])
+    >>> read = as_read(path, camera, corners, np.array([0.0, 0.02]))
+    >>> float(camera.project(read.motors[0].inverse().apply(corners))[:, 0].mean().round(1))
+    442.4
+    """
+    poses = path.motors
+    seen = camera.project(poses.inverse()[:, None].apply(points_m), allow_nan=True)
+    with_image = np.isfinite(seen).all(axis=(-1, -2))
+    if not with_image.any():
+        return path
+    stamps = np.repeat(path.time_ns[with_image, None], len(points_m), axis=1)
+    px = seen[with_image]
+    size = np.array([camera.width, camera.height])
+    for _ in range(_ROUNDS):
+        late_s = lateness_s(camera, np.clip(np.nan_to_num(px), 0.0, size), shutter_s)
+        read_ns = stamps + np.rint(1e9 * late_s).astype(np.int64)
+        at = path.motors_at(np.clip(read_ns, path.time_ns[0], path.time_ns[-1]))
+        px = camera.project(at.inverse().apply(points_m), allow_nan=True)
+    found = poses[with_image]
+    for _ in range(_ROUNDS):
+        pixels, by_twist, _ = reproject(camera, found.inverse()[:, None].apply(points_m))
+        rows = by_twist.reshape(len(px), -1, 6)
+        off = (px - pixels).reshape(len(px), -1, 1)
+        good = np.isfinite(off).all(axis=(1, 2)) & np.isfinite(rows).all(axis=(1, 2))
+        rows, off = np.where(good[:, None, None], rows, 0.0), np.where(good[:, None, None], off, 0)
+        down = rows.swapaxes(-1, -2)
+        square = down @ rows
+        firm = 1e-9 * np.trace(square, axis1=-2, axis2=-1)[:, None, None] + 1e-12
+        step = np.linalg.solve(square + firm * np.eye(6), down @ off)[..., 0]
+        found = found.retract(step)
+    coefficients = poses.coefficients.copy()
+    coefficients[with_image] = found.coefficients
+    return Trajectory(path.time_ns, Motor(coefficients), path.parent, path.child)

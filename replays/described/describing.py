@@ -14,6 +14,7 @@ from motorcade.replays.described.camera import (
     camera_by_target,
     camera_by_view,
 )
+from motorcade.replays.described.stated import AGREES_SHARE, StatedLens, stated_lens
 from motorcade.replays.described.telemetry import (
     GOPRO_IMU_R_CAMERA,
     SeenTurns,
@@ -106,6 +107,7 @@ class _Describing:
         self._tables: list[str] = []
         self._settings: list[str] = []
         self._seen_turns: SeenTurns | None = None
+        self.stated: StatedLens | None = None
 
     def description(self) -> Description:
         """All of it."""
@@ -130,26 +132,29 @@ class _Describing:
     ) -> FoundCamera:
         """The camera: told by its view, or found."""
         size = sample.size
+        self.stated = stated_lens(self.recording, size)
         if fov_deg is not None:
             said = f"a lens without distortion that sees {fov_deg:g} degrees"
             found = FoundCamera(camera_by_view(size, fov_deg), said, "what was told", target)
         elif target is not None:
             try:
-                found = camera_by_target(target, sample)
+                found = self._checked(camera_by_target(target, sample))
             except ValueError as why:
                 problem = f"{self.recording.name}: {target.summary}, do not tell its camera: {why}"
-                raise ValueError(f"{problem}; {_SAY_CAMERA}") from why
+                found = self._as_stated(target, problem, why)
         else:
             found = self._camera_of_motion(size)
         doubts = "".join(f"; {one}" for one in found.doubts)
         self._assume("camera", found.said + doubts, found.source, "described.fov_deg=65")
         # A sensor reads the rows that it stores, from the first on.
-        readout_s = float(np.dot(found.shutter_s, self.recording.rows_run))
+        readout_s, source = float(np.dot(found.shutter_s, self.recording.rows_run)), found.source
+        if readout_s <= 0.0 and self.stated is not None:
+            readout_s, source = self.stated.readout_s, self.stated.said
         readout = ""
         if readout_s > 0.0:
             readout = f"readout_s = {readout_s!r}\n"
             said = f"{1e3 * readout_s:.1f} ms from a picture's first row to its last"
-            self._assume("rolling shutter", said, found.source, "readout_s under [camera]")
+            self._assume("rolling shutter", said, source, "readout_s under [camera]")
         self._tables.append(camera_toml(found.camera) + readout)
         return found
 
@@ -163,16 +168,40 @@ class _Describing:
         turned = None if imu is None else camera_by_turning(self._turns(imu), size)
         if turned is None:
             try:
-                return camera_by_motion(self.recording.frames, size)
+                return self._checked(camera_by_motion(self.recording.frames, size))
             except ValueError as why:
                 problem = f"{self.recording.name}: no camera known, no board or markers in its"
                 problem += f" pictures, and their motion does not tell it: {why}"
-                raise ValueError(f"{problem}; {_SAY_CAMERA}") from why
+                return self._as_stated(None, problem, why)
         said = f"pinhole, focal length {turned.camera.fx:.0f} px ± {100.0 * turned.sigma:.2g} %, "
         said += f"over {turned.pairs} pairs of frames"
         doubts = ("how the lens bends is not known",)
         source = "the turns that the gyroscope counted"
-        return FoundCamera(turned.camera, said, source, None, doubts=doubts)
+        return self._checked(FoundCamera(turned.camera, said, source, None, doubts=doubts))
+
+    def _as_stated(self, target: FoundTarget | None, problem: str, why: ValueError) -> FoundCamera:
+        """The lens that the file states, where pictures do not tell one.
+
+        Raises:
+            ValueError: `problem`, where it states none.
+        """
+        stated = self.stated
+        if stated is None or stated.camera is None:
+            raise ValueError(f"{problem}; {_SAY_CAMERA}") from why
+        doubts = (f"good to look at, not to measure with: the pictures do not tell it ({why})",)
+        return FoundCamera(
+            stated.camera, stated.said, "the file's own notes", target, doubts=doubts
+        )
+
+    def _checked(self, found: FoundCamera) -> FoundCamera:
+        """A camera that was found, doubted where the file states quite another."""
+        stated = self.stated
+        if stated is None or stated.camera is None:
+            return found
+        if abs(found.camera.fx / stated.camera.fx - 1.0) <= AGREES_SHARE:
+            return found
+        doubt = f"the file says otherwise: {stated.said}"
+        return replace(found, doubts=(*found.doubts, doubt))
 
     def _turns(self, imu: ImuStream) -> SeenTurns:
         if self._seen_turns is None:

@@ -1,22 +1,21 @@
 """GoPro's telemetry in a video (GPMF): accelerometer and gyroscope as one IMU stream.
 
-The metadata track holds a packet about every second: items of key (4 letters), type, size and
-repeat, then the values, big-endian, padded to 4 bytes; type 0 nests. Format:
-github.com/gopro/gpmf-parser. Only ACCL and GYRO are taken, of the first device that has both.
+The metadata track holds a packet about every second (`gpmf_items`). Only ACCL and GYRO are taken,
+of the first device that has both.
 
 Both sensors run at steady rates of their own and are stamped by packet only. Their stamps come
 from a line through the packets' stamps over the count of samples before; where that line is more
 than 20 ms off somewhere, samples were lost, and each packet's are spread over the packet alone. The
 gyroscope's stamps are kept where the rates differ, and the force is interpolated to them.
 
-Axes: HERO5 and HERO6 store z, x, y, which is turned to x, y, z here; later cameras say their order
-and signs in ORIN. How the camera sits on them is for a manifest's `imu_T_camera` to say.
+Axes: columns are turned to x, y, z here. Their order and signs stand in ORIN since the HERO8, and
+follow from the model before (`gopro.MODELS`). How the camera sits on them is for a manifest's
+`imu_T_camera` to say.
 """
 
 from __future__ import annotations
 
 import logging
-import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -30,6 +29,8 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.render.video import open_video
 from motorcade.replays.errors import refusal
 from motorcade.replays.files.door import refused
+from motorcade.replays.readers.gopro import DEFAULT_ORDER, gopro_camera
+from motorcade.replays.readers.gpmf_items import items, numbers
 
 _LOG = logging.getLogger("motorcade.replays")
 
@@ -37,18 +38,6 @@ _MOST_PACKETS = 100_000
 _MOST_BYTES = 2**28
 _DEEPEST = 8
 _WORST_FIT_S = 0.02
-_TYPES = {"s": ">i2", "S": ">u2", "l": ">i4", "L": ">u4", "f": ">f4", "d": ">f8", "b": "i1"}
-_STORED_ZXY = "ZXY"
-
-
-@dataclass(frozen=True)
-class Item:
-    """One entry: its key, its type as a letter ("" nests), the size of a sample, its bytes."""
-
-    key: bytes
-    kind: str
-    size: int
-    body: bytes
 
 
 @dataclass(frozen=True)
@@ -60,25 +49,6 @@ class _Packet:
     values: FloatArray
 
 
-def items(data: bytes, path: Path) -> Iterator[Item]:
-    """Take a run of entries apart.
-
-    Raises:
-        RecordingError: an entry that does not end inside `data`.
-    """
-    at = 0
-    while at + 8 <= len(data):
-        key, kind, size, repeat = struct.unpack_from(">4sBBH", data, at)
-        if key == b"\0\0\0\0":
-            return  # padding at the end
-        end = at + 8 + size * repeat
-        if end > len(data):
-            problem = f"expected {size * repeat} bytes of {key!r}, got {len(data) - at - 8}"
-            raise refusal(path, problem, field="telemetry")
-        yield Item(key, "" if kind == 0 else chr(kind), size, data[at + 8 : end])
-        at = end + -(size * repeat) % 4
-
-
 def read_telemetry(path: Path) -> ImuStream | None:
     """Read the IMU of a video's telemetry; None where it has none.
 
@@ -86,8 +56,10 @@ def read_telemetry(path: Path) -> ImuStream | None:
         RecordingError: telemetry that is damaged, in unknown units or types, or beyond bounds.
     """
     gathered: dict[bytes, list[_Packet]] = {b"ACCL": [], b"GYRO": []}
+    camera = gopro_camera(path)
+    order = DEFAULT_ORDER if camera is None else camera.order
     for start_s, duration_s, data in _packets(path):
-        for key, values in _sensors(data, path).items():
+        for key, values in _sensors(data, path, order).items():
             gathered[key].append(_Packet(start_s, duration_s, values))
     if not (gathered[b"ACCL"] and gathered[b"GYRO"]):
         return None
@@ -125,21 +97,21 @@ def _packets(path: Path) -> Iterator[tuple[float, float, bytes]]:
         raise refusal(path, f"its telemetry cannot be read: {fault}") from fault
 
 
-def _sensors(data: bytes, path: Path) -> dict[bytes, FloatArray]:
-    """ACCL and GYRO of a packet, of the first device that has both."""
+def _sensors(data: bytes, path: Path, stored: str = DEFAULT_ORDER) -> dict[bytes, FloatArray]:
+    """ACCL and GYRO of a packet, of the first device that has both; `stored`: their columns."""
     for device in items(data, path):
         if device.key != b"DEVC" or device.kind:
             continue
         found: dict[bytes, FloatArray] = {}
         for stream in items(device.body, path):
             if stream.key == b"STRM" and not stream.kind:
-                found |= _stream(stream.body, path)
+                found |= _stream(stream.body, path, stored)
         if len(found) == 2:
             return found
     return {}
 
 
-def _stream(data: bytes, path: Path) -> dict[bytes, FloatArray]:
+def _stream(data: bytes, path: Path, stored: str) -> dict[bytes, FloatArray]:
     known = {item.key: item for item in items(data, path)}
     units = {b"ACCL": (b"m/s\xb2", b"m/s2"), b"GYRO": (b"rad/s",)}
     for key in units.keys() & known.keys():
@@ -148,23 +120,13 @@ def _stream(data: bytes, path: Path) -> dict[bytes, FloatArray]:
         unit = b"" if given is None else given.body[: given.size].rstrip(b"\0 ")
         if unit not in units[key]:
             raise refusal(path, f"expected {units[key][0]!r}, got {unit!r}", field=field)
-        scale = _numbers(known[b"SCAL"], path).ravel() if b"SCAL" in known else np.ones(1)
-        values = _numbers(known[key], path)
+        scale = numbers(known[b"SCAL"], path).ravel() if b"SCAL" in known else np.ones(1)
+        values = numbers(known[key], path)
         if values.shape[1] != 3 or scale.size not in (1, 3) or not np.all(scale):
             raise refusal(path, "expected three axes and scales that are not 0", field=field)
-        order = known[b"ORIN"].body.decode("ascii", "replace") if b"ORIN" in known else _STORED_ZXY
+        order = known[b"ORIN"].body.decode("ascii", "replace") if b"ORIN" in known else stored
         return {key: _turned(values / scale, order, path)}
     return {}
-
-
-def _numbers(item: Item, path: Path) -> FloatArray:
-    """Values ``(samples, values a sample)``."""
-    kind = np.dtype(_TYPES[item.kind]) if item.kind in _TYPES else None
-    if kind is None or item.size == 0 or item.size % kind.itemsize:
-        problem = f"expected numbers, got type {item.kind!r} of {item.size} bytes"
-        raise refusal(path, problem, field=f"telemetry {item.key!r}")
-    values = np.frombuffer(item.body, kind).astype(np.float64)
-    return values.reshape(-1, item.size // kind.itemsize)
 
 
 def _turned(values: FloatArray, order: str, path: Path) -> FloatArray:

@@ -1,4 +1,4 @@
-"""The orientation that a picture file notes beside its pixels (EXIF 2.3, tag 274)."""
+"""What a picture file notes beside its pixels (EXIF 2.3): orientation and focal length."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import struct
 
 from motorcade.tracking.cameras.orientation import AS_STORED, PictureOrientation
 
-_ORIENTATION, _SHORT = 274, 3
+_ORIENTATION, _EXIF, _FOCAL_35MM = 274, 34665, 41989
+_SHORT, _LONG = 3, 4
 _ORIENTATIONS = {
     1: AS_STORED,
     2: PictureOrientation(0, mirrored=True),
@@ -32,16 +33,41 @@ def picture_orientation(data: bytes) -> PictureOrientation:
     PictureOrientation(quarter_turns=1, mirrored=False)
     """
     try:
-        if data.startswith(b"\xff\xd8"):
-            tiff = _jpeg_exif(data)
-        elif data.startswith(b"\x89PNG"):
-            tiff = _png_exif(data)
-        else:
-            tiff = None
-        value = 1 if tiff is None else _tiff_orientation(tiff)
+        tiff = _tiff(data)
+        value = 1 if tiff is None else _entries(tiff).get(_ORIENTATION, 1)
     except struct.error:  # cut short: viewers show such a picture as it is stored
         value = 1
     return _ORIENTATIONS.get(value, AS_STORED)
+
+
+def focal_35mm(data: bytes) -> int | None:
+    r"""The focal length in mm that would see as much on 35 mm film (tag 41989); None without.
+
+    Args:
+        data: a whole file.
+
+    >>> from motorcade.replays.readers.frames.exif import focal_35mm
+    >>> first = b"\0\x01\x87\x69\0\x04\0\0\0\x01\0\0\0\x1a\0\0\0\0"
+    >>> second = b"\0\x01\xa4\x05\0\x03\0\0\0\x01\0\x1a\0\0"
+    >>> body = b"Exif\0\0MM\0*\0\0\0\x08" + first + second
+    >>> focal_35mm(b"\xff\xd8\xff\xe1" + (len(body) + 2).to_bytes(2, "big") + body)
+    26
+    """
+    try:
+        tiff = _tiff(data)
+        if tiff is None:
+            return None
+        inner = _entries(tiff).get(_EXIF)
+        found = None if inner is None else _entries(tiff, inner).get(_FOCAL_35MM)
+    except struct.error:
+        return None
+    return found or None  # 0: unknown
+
+
+def _tiff(data: bytes) -> bytes | None:
+    if data.startswith(b"\xff\xd8"):
+        return _jpeg_exif(data)
+    return _png_exif(data) if data.startswith(b"\x89PNG") else None
 
 
 def _jpeg_exif(data: bytes) -> bytes | None:
@@ -71,14 +97,18 @@ def _png_exif(data: bytes) -> bytes | None:
     return None
 
 
-def _tiff_orientation(tiff: bytes) -> int:
+def _entries(tiff: bytes, first: int | None = None) -> dict[int, int]:
+    """Tags of a directory, the first by default, whose value is one short or long number."""
     order = {b"MM": ">", b"II": "<"}.get(tiff[:2])
     if order is None:
-        return 1
-    (first,) = struct.unpack_from(f"{order}I", tiff, 4)
+        return {}
+    if first is None:
+        (first,) = struct.unpack_from(f"{order}I", tiff, 4)
     (count,) = struct.unpack_from(f"{order}H", tiff, first)
+    found: dict[int, int] = {}
     for entry in range(first + 2, first + 2 + 12 * count, 12):
         tag, kind = struct.unpack_from(f"{order}HH", tiff, entry)
-        if tag == _ORIENTATION and kind == _SHORT:
-            return int(struct.unpack_from(f"{order}H", tiff, entry + 8)[0])
-    return 1
+        form = {_SHORT: "H", _LONG: "I"}.get(kind)
+        if form is not None and tag not in found:
+            found[tag] = int(struct.unpack_from(f"{order}{form}", tiff, entry + 8)[0])
+    return found

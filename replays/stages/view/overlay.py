@@ -12,7 +12,6 @@ import numpy as np
 from motorcade.animation import Character
 from motorcade.fusion.smoothing.view import steady_view, turned_homography
 from motorcade.ga import Motor, Trajectory
-from motorcade.ga.arrays import FloatArray
 from motorcade.ga.lookahead import ahead
 from motorcade.ga.names import nearest_name
 from motorcade.render import (
@@ -47,10 +46,12 @@ from motorcade.replays.values.integrity import Integrity
 from motorcade.replays.values.marker_poses import MarkerPoses
 from motorcade.replays.values.paths import SmoothedPaths
 from motorcade.replays.values.view import OverlayVideo, PlacedCharacter
-from motorcade.tracking.rolling import lateness_s
+from motorcade.tracking.rolling import as_read
 
 # Frames, spread over the recording, from which light is estimated.
 LIT_FRAMES = 16
+# Corners of the space that a character takes, in its heights.
+_AROUND = np.array([[x, y, z] for x in (-0.2, 0.2) for y in (-0.2, 0.2) for z in (0.0, 1.0)])
 # A path is extrapolated so far beyond its ends, where poses were measured.
 EXTRAPOLATED_S = 0.1
 
@@ -106,7 +107,8 @@ def overlay(
     character = shown[0].character
     middle_m = placed.placement.apply([0.0, 0.0, 0.5 * character.height_m])
     if recording.readout_s and placed.ground_motion is None:
-        path = seen_when_read(path, recording, middle_m)
+        around = placed.placement.apply(character.height_m * _AROUND)
+        path = as_read(path, recording.camera, around, recording.shutter_s)
     start = time.perf_counter()
     recording = as_found(recording, camera_poses.camera, camera_poses.depth_camera)
     distorted = lens == "distort" or (lens == "auto" and can_be_drawn_for(recording.camera))
@@ -255,22 +257,6 @@ def extrapolated(path: Trajectory, measured: Trajectory) -> Trajectory:
         stamps.insert(where, measured.time_ns[rows])
         poses.insert(where, extended)
     return Trajectory(np.concatenate(stamps), Motor.concatenate(poses), path.parent, path.child)
-
-
-def seen_when_read(path: Trajectory, recording: Recording, point_m: FloatArray) -> Trajectory:
-    """Poses of the times when a rolling shutter reads a point, at the stamps of the path.
-
-    What stands there is then drawn where the picture shows it, to within its own extent.
-    """
-    camera = recording.camera
-    assert camera is not None  # checked by the stage
-    px = camera.project(path.motors.inverse().apply(point_m), allow_nan=True)
-    seen = np.isfinite(px).all(axis=-1)
-    inside = np.clip(np.where(seen[:, None], px, 0.0), 0.0, (camera.width, camera.height))
-    late_s = np.where(seen, lateness_s(camera, inside, recording.shutter_s), 0.0)
-    read_ns = path.time_ns + np.rint(1e9 * late_s).astype(np.int64)
-    read_ns = np.clip(read_ns, path.time_ns[0], path.time_ns[-1])
-    return Trajectory(path.time_ns, path.motors_at(read_ns), path.parent, path.child)
 
 
 def _chosen(

@@ -6,8 +6,8 @@ itself size, orientation, frame times, colours and sound.
 
 Registration here: a cube is placed once, with one size, where it fits best, as a person would place
 something in the scene; in every frame its corners are projected by the camera and the pose that
-were found, one pose a frame, and compared with where the exact camera sees them. As in the film the
-pose is that of the time when a rolling shutter reads the cube, as far as the manifest tells it.
+were found, one pose a frame, and compared with where the exact camera sees them. As in the film,
+that pose is the one that shows the cube where the rolling shutter of the manifest does.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from motorcade.fusion.metrics import align, associate
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.tracking import Camera
+from motorcade.tracking.rolling import as_read
 from tests.end_to_end.phones.cases import Case
 from tests.end_to_end.phones.films import faults_of_film, read_video
 
@@ -152,23 +153,39 @@ def registration_px(
     near = np.abs(true_ns - path.time_ns[rows]) < 2_000_000
     if np.count_nonzero(near) < 3:
         return np.inf, float(near.mean())
-    seen = truth["anchors_px"][near]
-    size = np.array([camera.width, camera.height])
-    late_s = (np.clip(seen.mean(axis=1) / size, 0.0, 1.0) - 0.5) @ shutter_s
-    read_ns = path.time_ns[rows[near]] + np.rint(1e9 * late_s).astype(np.int64)
-    poses = path.motors_at(np.clip(read_ns, path.time_ns[0], path.time_ns[-1]))
+    rows, seen = rows[near], truth["anchors_px"][near]
+    numbers = _start(path.motors[rows], Motor(truth["world_T_camera"])[near])
+    for _ in range(2):
+        placed = _placed(numbers, truth)
+        drawn = as_read(path, camera, placed, shutter_s) if shutter_s.any() else path
+        numbers, error = _fitted(numbers, drawn.motors[rows], camera, truth, seen)
+    return error, float(near.mean())
+
+
+def _placed(numbers: NDArray[np.float64], truth: Truth) -> NDArray[np.float64]:
+    """The cube's corners where rotation vector, shift and log scale ``(7,)`` put them."""
+    turn = Rotor.from_rotation_vector(numbers[:3])
+    placed: NDArray[np.float64] = np.exp(numbers[6]) * turn.apply(truth["anchors_m"])
+    return placed + numbers[3:6]
+
+
+def _fitted(
+    start: NDArray[np.float64],
+    poses: Motor,
+    camera: Camera,
+    truth: Truth,
+    seen: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], float]:
+    """Where the cube fits best, and its root mean square error."""
     inside = np.all((seen > 0.0) & (seen < (camera.width - 1, camera.height - 1)), axis=-1)
-    start = _start(poses, Motor(truth["world_T_camera"])[near])
     to_camera = poses.inverse()[:, None]
 
     def off(numbers: NDArray[np.float64]) -> NDArray[np.float64]:
-        turn = Rotor.from_rotation_vector(numbers[:3])
-        placed = np.exp(numbers[6]) * turn.apply(truth["anchors_m"]) + numbers[3:6]
-        px = camera.project(to_camera.apply(placed), allow_nan=True)
+        px = camera.project(to_camera.apply(_placed(numbers, truth)), allow_nan=True)
         return np.nan_to_num((px - seen)[inside], nan=1e3).ravel()
 
     best = least_squares(off, start, x_scale="jac")
-    return float(np.sqrt(2.0 * np.mean(best.fun**2))), float(near.mean())
+    return best.x, float(np.sqrt(2.0 * np.mean(best.fun**2)))
 
 
 def _start(found: Motor, true: Motor) -> NDArray[np.float64]:
