@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import shlex
+import tempfile
 from dataclasses import dataclass
 from os.path import normpath
 from pathlib import Path
@@ -19,7 +20,7 @@ from motorcade.animation import Clip
 from motorcade.animation.formats import CameraPath, CharacterOnPath, write_cast_gltf
 from motorcade.animation.morphs import MorphTrack
 from motorcade.ga import Motor, Trajectory
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import FileError, read_bounded
 from motorcade.render import Performer
 from motorcade.replays.characters.performers import performers
@@ -35,6 +36,8 @@ from motorcade.tracking.cameras.camera import Camera
 
 MAX_LOG_BYTES = 1 << 24
 POINTS_SHOWN = 200_000
+_MESH_NS = 100_000_000
+"""A figure's shape is a thousand times a pose: so far apart they are written for Rerun."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,42 +243,65 @@ def write_rrd(shown: Shown, path: Path) -> None:
 
 
 def _log_frames(rr: Any, stream: Any, shown: Shown) -> None:
-    """Every frame within the path: picture, pose, and the characters as they stand then."""
-    from motorcade.animation import skin
+    """Every frame within the path: picture, pose, and the characters as they stand then.
 
-    camera = shown.recording.camera
-    if camera is None:
-        raise ValueError(f"{shown.recording.name}: expected a camera, got none")
-    first_ns, last_ns = int(shown.path.time_ns[0]), int(shown.path.time_ns[-1])
-    start_ns = int(shown.recording.frames.time_ns[0])
-    for frame in shown.recording.frames:
-        if not first_ns <= frame.time_ns <= last_ns:
-            continue
-        stream.set_time("time", timestamp=np.datetime64(int(frame.time_ns), "ns"))
-        pose: Motor = shown.path.motors_at(np.int64(frame.time_ns))
+    Pictures are one H.264 film without the lens's distortion, which frames refer to. What of a
+    character does not change is logged once, and its shape ten times a second.
+    """
+    stamps = shown.recording.frames.time_ns
+    inside = (stamps >= shown.path.time_ns[0]) & (stamps <= shown.path.time_ns[-1])
+    shown_ns = stamps[inside]
+    _log_film(rr, stream, shown, np.flatnonzero(inside))
+    for name, one in shown.cast.items():
+        colors = np.rint(255 * one.character.colors).astype(np.uint8)
+        still = {"triangle_indices": one.character.triangles, "vertex_colors": colors}
+        stream.log(f"world/{name}", rr.Mesh3D.from_fields(**still), static=True)
+    last_ns = -_MESH_NS
+    for time_ns in map(int, shown_ns):
+        stream.set_time("time", timestamp=np.datetime64(time_ns, "ns"))
+        pose: Motor = shown.path.motors_at(np.int64(time_ns))
         stream.log(
             "world/camera",
             rr.Transform3D(translation=pose.translation_m, mat3x3=pose.rotor.as_matrix()),
         )
-        picture = camera.undistort_image(frame.image())
-        stream.log("world/camera/picture", rr.Image(picture).compress(jpeg_quality=85))
-        for name, one in shown.cast.items():
-            stand = one.world_T_character(frame.time_ns)
-            time_s = (frame.time_ns - start_ns) * 1e-9
-            if not one.seen(time_s):
-                stream.log(f"world/{name}", rr.Clear(recursive=False))
-                continue
+        video = rr.VideoFrameReference(nanoseconds=time_ns - int(shown_ns[0]))
+        stream.log("world/camera/picture", video)
+        if time_ns - last_ns >= _MESH_NS:
+            last_ns = time_ns
+            _log_characters(rr, stream, shown, time_ns)
+
+
+def _log_film(rr: Any, stream: Any, shown: Shown, rows: IntArray) -> None:
+    """The frames' pictures as one film, whose first frame is at 0."""
+    from motorcade.render.video import write_video
+
+    camera, frames = shown.recording.camera, shown.recording.frames
+    if camera is None:
+        raise ValueError(f"{shown.recording.name}: expected a camera, got none")
+    pictures = (camera.undistort_image(frames[int(row)].image()) for row in rows)
+    with tempfile.TemporaryDirectory() as folder:
+        film = Path(folder) / "pictures.mp4"
+        write_video(film, pictures, frames.time_ns[rows] - frames.time_ns[rows[0]])
+        stream.log("world/camera/picture", rr.AssetVideo(path=film), static=True)
+
+
+def _log_characters(rr: Any, stream: Any, shown: Shown, time_ns: int) -> None:
+    """The shape of every character at a time; nothing of those that are not there."""
+    from motorcade.animation import skin
+
+    time_s = (time_ns - int(shown.recording.frames.time_ns[0])) * 1e-9
+    for name, one in shown.cast.items():
+        stand = one.world_T_character(time_ns)
+        places, normals = np.zeros((0, 3)), np.zeros((0, 3))
+        if one.seen(time_s):
             shaped = one.character.shaped(one.clip.morph_weights(time_s))
-            vertices, normals = skin(shaped, one.clip.at(time_s))
-            stream.log(
-                f"world/{name}",
-                rr.Mesh3D(
-                    vertex_positions=stand.apply(vertices).astype(np.float32),
-                    vertex_normals=stand.rotor.apply(normals),
-                    triangle_indices=one.character.triangles,
-                    vertex_colors=np.rint(255 * one.character.colors).astype(np.uint8),
-                ),
-            )
+            vertices, turned = skin(shaped, one.clip.at(time_s))
+            places, normals = stand.apply(vertices), stand.rotor.apply(turned)
+        moved = {
+            "vertex_positions": places.astype(np.float32),
+            "vertex_normals": normals.astype(np.float32),
+        }
+        stream.log(f"world/{name}", rr.Mesh3D.from_fields(**moved))
 
 
 def _from(clip: Clip, passed_s: float) -> Clip:

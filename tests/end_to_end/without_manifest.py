@@ -82,7 +82,7 @@ def run(given: Given, manifest: Path | None, out: Path, until: str) -> Found | s
     measured = log.get("errors", {}).get("measured", {})
     return Found(
         None if recording.camera is None else recording.camera.fx,
-        measured.get("registration_px"),
+        measured.get("registration_rmse_px"),
         measured.get("linear_jitter_m_s2"),
         str(log["chosen"].get("tracked", "")),
         tuple(log.get("assumed", ())),
