@@ -31,6 +31,7 @@ _STRETCHES = 8
 _LEAST_TURN_DEG = 5.0
 _READOUT_SIGMA_S = 0.002
 _BREATHING_BINS, _BREATHING_LEAST, _BREATHING_SIGMAS = 8, 0.01, 4.0
+_BREATHING_ROUNDS = 3
 _POOR_RMS_PX = 1.5
 _FAR_ENOUGH = 0.55  # of the way from the middle to a corner: beyond the short side
 
@@ -125,7 +126,7 @@ def calibration_of(chosen: ChosenFit, seen: BodySightings, basis: Basis) -> Self
     Raises:
         SelfCalibrationError: views from which the focal length does not follow.
     """
-    found = chosen.fit
+    found, breathing = _with_breathing(chosen.fit, seen)
     focal = float(found.state.numbers[0])
     formal = float(np.sqrt(found.covariance[0, 0])) / focal
     between = float(abs(np.diff(chosen.halves)[0])) / (2.0 * focal)
@@ -142,7 +143,6 @@ def calibration_of(chosen: ChosenFit, seen: BodySightings, basis: Basis) -> Self
             f"{basis}: expected frames that fix the focal length to {WORST_FOCAL:.0%}, got "
             f"{focal:.0f} pixels +- {sigma:.1%}; film it nearer, and from more sides"
         )
-    breathing = _breathing(found, seen)
     return SelfCalibration(
         found.camera(seen.size),
         basis,
@@ -176,17 +176,46 @@ def _readout(found: BodyFit) -> ShutterReadout | None:
     return ShutterReadout(abs(seconds), sigma, names[axis][int(seconds < 0.0)])
 
 
-def _breathing(found: BodyFit, seen: BodySightings) -> float:
-    """Relative change of the focal length over the clip where it is beyond doubt, else 0."""
+def _with_breathing(found: BodyFit, seen: BodySightings) -> tuple[BodyFit, float]:
+    """The fit where the focal length may change over the clip, if it does, and by which share.
+
+    One focal length for all is not their mean: distances make up for what it lacks. So corners are
+    brought to where the mean focal length shows them, and all is fitted again, in turns.
+    """
+    share = _breathing(found, seen)
+    if not share:
+        return found, 0.0
+    change, even = np.zeros(len(seen.time_s)), found
+    for _ in range(_BREATHING_ROUNDS):
+        centres, means, _ = _by_bins(even, seen)
+        change += np.interp(seen.time_s, centres, means)
+        lasting = np.linspace(seen.time_s[0], seen.time_s[-1], 64)
+        change -= np.interp(lasting, seen.time_s, change).mean()
+        focal, middle = even.state.numbers[0], even.state.numbers[1:3]
+        ratio = (focal / (focal + change))[seen.view][:, None]
+        at_mean = replace(seen, px=middle + (seen.px - middle) * ratio)
+        readout = len(found.covariance) > len(found.state.numbers)
+        even = fit(at_mean, even.state, readout=readout)
+    return even, float(np.ptp(change) / even.state.numbers[0])
+
+
+def _by_bins(found: BodyFit, seen: BodySightings) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Times, and mean change of the focal length and its standard deviation, by part of a clip."""
     bins = np.arange(len(seen.time_s)) * _BREATHING_BINS // len(seen.time_s)
     weight = found.focal_sigma**-2.0
-    total = np.bincount(bins, weight, _BREATHING_BINS)
-    if len(seen.time_s) < 2 * _BREATHING_BINS:
-        return 0.0
+    total, count = np.bincount(bins, weight, _BREATHING_BINS), np.bincount(bins)
     means = np.bincount(bins, weight * found.focal_by_view, _BREATHING_BINS) / total
     # Neighbouring pictures err alike: within a bin the scatter says how much.
     scatter = np.bincount(bins, weight * (found.focal_by_view - means[bins]) ** 2, _BREATHING_BINS)
-    sigma = np.sqrt(np.maximum(scatter / total, 1.0 / total) / np.sqrt(np.bincount(bins)))
+    sigma = np.sqrt(np.maximum(scatter / total, 1.0 / total) / np.sqrt(count))
+    return np.bincount(bins, seen.time_s, _BREATHING_BINS) / count, means, sigma
+
+
+def _breathing(found: BodyFit, seen: BodySightings) -> float:
+    """Relative change of the focal length over the clip where it is beyond doubt, else 0."""
+    if len(seen.time_s) < 2 * _BREATHING_BINS:
+        return 0.0
+    _, means, sigma = _by_bins(found, seen)
     high, low = int(np.argmax(means)), int(np.argmin(means))
     change = float(means[high] - means[low])
     share = change / float(found.state.numbers[0])

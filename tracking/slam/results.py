@@ -7,7 +7,7 @@ with frames.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.frame_history import SlamEvent, SlamHistory, SlamState
-from motorcade.tracking.slam.geometry import in_world
+from motorcade.tracking.slam.geometry import FittedPose, in_world
 from motorcade.tracking.slam.mapping.culling import CulledKeyframe
 from motorcade.tracking.slam.mapping.loops import ClosedLoop
 from motorcade.tracking.slam.mapping.map import MapSnapshot, SlamMap
@@ -175,8 +175,8 @@ class RunLog:
         covariance: FloatArray,
         *,
         online: bool,
-    ) -> None:
-        """Remember a frame by a keyframe near it.
+    ) -> int:
+        """Remember a frame by a keyframe near it; returns its number, for `refine`.
 
         Args:
             time_ns: its stamp.
@@ -190,6 +190,27 @@ class RunLog:
         where = anchor.row, anchor.scale, anchor.map_number
         self._entries_of.setdefault(anchor.row, []).append(len(self._entries))
         self._entries.append(_Entry(time_ns, *where, relative, covariance, given))
+        return len(self._entries) - 1
+
+    def refine(self, slam_map: SlamMap, row: int, refined: Callable[[Motor], FittedPose]) -> None:
+        """Measure a frame again by the map as it is now, from where the map puts it now.
+
+        Args:
+            slam_map: with its keyframe.
+            row: as `note` gave it.
+            refined: gives the pose that the frame's corners ask for, from one that is near.
+        """
+        one = self._entries[row]
+        keyframe = slam_map.keyframes[one.keyframe]
+        fit = refined(keyframe.world_T_camera @ _stretched(one, keyframe.scale)[0])
+        if np.isfinite(fit.covariance).all():
+            relative = keyframe.world_T_camera.inverse() @ fit.world_T_camera
+            self._entries[row] = replace(
+                one,
+                scale=keyframe.scale,
+                keyframe_T_camera=relative,
+                covariance=fit.covariance,
+            )
 
     def hang_on(self, culled: CulledKeyframe) -> None:
         """Tell the frames of a keyframe that left the map by the one that stands for it."""

@@ -9,8 +9,10 @@ world of its own, until both are seen to show the same.
 from __future__ import annotations
 
 import time
+from collections import deque
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -40,6 +42,8 @@ from motorcade.tracking.slam.tracker import TrackedPoints, Tracker, is_reliable
 _LOST_FRAMES = 3  # in which nothing is found in the maps there are; in the last a new one may begin
 _CANDIDATES = 4
 _SAME_UNIT = 1e-9
+_ENOUGH_POINTS = 12
+_MOST_BETWEEN = 48  # frames whose corners are kept until the next keyframe
 
 
 class VisualSlam:
@@ -96,6 +100,7 @@ class VisualSlam:
         self._loops: list[ClosedLoop] = []
         self._log = RunLog()
         self._anchor = KeyframeAnchor(0, 0, Motor.identity())
+        self._between: deque[tuple[int, IntArray, FloatArray]] = deque(maxlen=_MOST_BETWEEN)
         self._worker: ThreadPoolExecutor | None = None
         self._inserting: Future[InsertedKeyframe] | None = None
         self._seconds = {"tracking": 0.0, "mapping": 0.0}
@@ -202,6 +207,7 @@ class VisualSlam:
             self._worker = None
         if adjust and self.settings.adjust and self._extends:
             self._mapper.adjust_all()
+            self._measure_again()
         seconds = dict(self._seconds)
         return self._log.result(self._map, known=self._known, loops=self._loops, seconds=seconds)
 
@@ -245,7 +251,9 @@ class VisualSlam:
                 return self._mapped(picture, fit)
             tracked = self._tracker.tracked
             self._tracker.anchor(self._mapper.seen_again(tracked), tracked.world_T_camera)
-        self._remember(picture.time_ns, fit.world_T_camera, fit.covariance)
+        row = self._remember(picture.time_ns, fit.world_T_camera, fit.covariance)
+        tracked = self._tracker.tracked
+        self._between.append((row, tracked.ids, tracked.px))
         state: SlamState = "weak" if self._tracker.is_weak else "tracking"
         return self._frame(picture, fit, state, fit.world_T_camera, False)
 
@@ -282,7 +290,17 @@ class VisualSlam:
             self._log.hang_on(inserted.culled)
         if inserted.closed is not None:
             self._loops.append(inserted.closed)
+        self._measure_again()
         self._seconds["mapping"] += inserted.seconds
+
+    def _measure_again(self) -> None:
+        """Frames since the last keyframe, by points that are better known now than when tracked."""
+        while self._between:
+            row, ids, px = self._between.popleft()
+            known = self._map.located[ids]
+            seen = px[known]
+            if len(seen) >= _ENOUGH_POINTS:
+                self._log.refine(self._map, row, partial(self._refined, ids=ids[known], px=seen))
 
     def _found_again(self, picture: SlamPicture, predicted: Motor | None) -> SlamFrame:
         """Look for the camera in the maps there are; where it stays lost, begin a new one."""
@@ -345,8 +363,8 @@ class VisualSlam:
 
     def _remember(
         self, time_ns: int, pose: Motor, covariance: FloatArray, *, online: bool = True
-    ) -> None:
-        self._log.note(time_ns, self._anchor, pose, covariance, online=online)
+    ) -> int:
+        return self._log.note(time_ns, self._anchor, pose, covariance, online=online)
 
     def _picture(
         self, time_ns: int, gray: GrayImage, depth_m: DepthImage | None, right: GrayImage | None

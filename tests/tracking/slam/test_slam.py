@@ -56,6 +56,25 @@ def truth_of(trajectory: Trajectory | None, poses: list[Motor]) -> tuple[np.ndar
     return trajectory.motors.translation_m, places[trajectory.time_ns // STEP_NS]
 
 
+def test_frames_between_keyframes_are_measured_again_by_what_these_made_certain(
+    view: View, swaying: Poses
+) -> None:
+    """With one camera new points are seen from one side first; poses given at the time drift."""
+    poses = swaying(COUNT)
+    result, frames = ran(view, poses, depth=False)
+    assert result.trajectory is not None
+    assert result.online is not None
+    keyframes = {one.time_ns for one in frames if one.keyframe}
+    between = [one for one in result.online.time_ns.tolist() if one not in keyframes]
+    assert len(between) > 10
+    errors = []
+    for path in (result.online, result.trajectory):
+        some = path[np.isin(path.time_ns, between)]
+        errors.append(umeyama_rmse(*truth_of(some, poses), scaled=True))
+    at_the_time, in_the_end = errors
+    assert in_the_end < 0.7 * at_the_time
+
+
 def test_a_room_with_depth_is_tracked_in_metres_at_every_frame(
     with_depth: Ran, swaying: Poses
 ) -> None:
