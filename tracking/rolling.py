@@ -22,8 +22,8 @@ from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.camera import Camera, reproject
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.marker_map import MarkerMap
-from motorcade.tracking.measurements import PoseMeasurements
-from motorcade.tracking.pose import TrackingError, refine
+from motorcade.tracking.measurements import MarkerObservation, PoseMeasurements
+from motorcade.tracking.pose import RefinedPose, TrackingError, refine
 from motorcade.tracking.self_calibration.bodies import velocities
 
 _ROUNDS = 2
@@ -95,7 +95,8 @@ def unrolled_track(
         shutter_s: as `lateness_s` takes it.
     """
     path = track.measurements.trajectory
-    poses, made = path.motors, []
+    poses = path.motors
+    made: list[tuple[MarkerObservation, RefinedPose]] = []
     points = [board.points_m[one.ids] for one in track.observations]
     for _ in range(_ROUNDS):
         velocity = velocities(1e-9 * (path.time_ns - path.time_ns[0]), poses)
@@ -193,7 +194,8 @@ def as_read(
         pixels, by_twist, _ = reproject(camera, found.inverse()[:, None].apply(points_m))
         rows = by_twist.reshape(len(px), -1, 6)
         off = (px - pixels).reshape(len(px), -1, 1)
-        good = np.isfinite(off).all(axis=(1, 2)) & np.isfinite(rows).all(axis=(1, 2))
+        both = np.concatenate([rows, off], axis=-1)
+        good = np.asarray(np.isfinite(both).all(axis=(1, 2)), np.bool_)
         rows, off = np.where(good[:, None, None], rows, 0.0), np.where(good[:, None, None], off, 0)
         down = rows.swapaxes(-1, -2)
         square = down @ rows

@@ -11,10 +11,8 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-
-import numpy as np
 
 from motorcade.render.video import open_video
 from motorcade.replays.files.door import read_bounded, refused
@@ -99,5 +97,5 @@ def _camera(size: tuple[int, int], focal: float) -> Camera:
 
 def _fisheye(size: tuple[int, int], focal: float) -> Camera:
     """A lens whose angles grow evenly from the middle on, as a GoPro's wide view nearly is."""
-    middle = 0.5 * (np.array(size) - 1.0)
-    return Camera(*size, focal, focal, *middle.tolist(), "equidistant", (0.0, 0.0, 0.0, 0.0))
+    plain = _camera(size, focal)
+    return replace(plain, model="equidistant", distortion=(0.0, 0.0, 0.0, 0.0))
