@@ -28,6 +28,7 @@ from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.markers.corner_stream import checked_stamps
 from motorcade.tracking.native._flow import Pyramid
 from motorcade.tracking.pictures import track_corners
+from motorcade.tracking.self_calibration.bodies import velocities
 from motorcade.tracking.self_calibration.choosing import WORST_FOCAL
 from motorcade.tracking.self_calibration.lens import KINDS, start_numbers
 from motorcade.tracking.self_calibration.points import (
@@ -37,6 +38,7 @@ from motorcade.tracking.self_calibration.points import (
     fit_points,
 )
 from motorcade.tracking.self_calibration.result import SelfCalibration, SelfCalibrationError
+from motorcade.tracking.self_calibration.shutter import fit_with_shutter
 from motorcade.tracking.slam.features import find_corners
 from motorcade.tracking.slam.initialise import flow_beyond_rotation_px
 from motorcade.tracking.slam.results import SlamResult
@@ -114,8 +116,9 @@ def self_calibrate_motion(
             "length; move sideways past things at different depths, slowly"
         )
     result, camera = mapped
-    seen, start = _densified(frames, result, camera)
-    return _checked(frames, seen, fit_points(seen, start))
+    seen, start, velocity = _densified(frames, result, camera)
+    straight, found, readout = fit_with_shutter(seen, start, velocity)
+    return replace(_checked(frames, straight, found), readout=readout)
 
 
 def _reduced(pictures: Iterable[GrayImage], size: tuple[int, int], time_ns: IntArray) -> _Frames:
@@ -242,8 +245,12 @@ def _numbers(camera: Camera) -> FloatArray:
 
 def _densified(
     frames: _Frames, result: SlamResult, camera: Camera
-) -> tuple[PointSightings, PointState]:
-    """The map's points found again in frames spread over the path, from the nearest keyframe."""
+) -> tuple[PointSightings, PointState, FloatArray]:
+    """The map's points found again in frames spread over the path, from the nearest keyframe.
+
+    Returns:
+        what was seen, from where, and how fast each view moved ``(V, 6)``.
+    """
     path, layout = result.trajectory, result.map
     assert path is not None
     chosen = np.unique(np.linspace(0, len(path) - 1, _MOST_VIEWS).astype(np.int64))
@@ -251,6 +258,8 @@ def _densified(
     shown = camera.distort(layout.px)
     views, points, pixels = [], [], []
     poses: list[Motor] = []
+    velocity = velocities(1e-9 * (path.time_ns - path.time_ns[0]), path.motors)
+    moved: list[FloatArray] = []
     for row in chosen.tolist():
         number = int(np.searchsorted(frames.time_ns, path.time_ns[row]))
         nearest = int(np.argmin(np.abs(keyframes - number)))
@@ -269,19 +278,14 @@ def _densified(
         points.append(layout.point_of[rows[good]])
         pixels.append(there[good])
         poses.append(pose)
+        moved.append(velocity[row])
     if len(poses) < _FEWEST_VIEWS:
         raise SelfCalibrationError("pictures: expected frames that show one scene, got too few")
-    return _often_seen(
-        PointSightings(
-            frames.small, np.concatenate(views), np.concatenate(points), np.concatenate(pixels)
-        ),
-        PointState(
-            _KIND,
-            _numbers(camera),
-            Motor.stack(poses),
-            layout.points,
-        ),
+    seen = PointSightings(
+        frames.small, np.concatenate(views), np.concatenate(points), np.concatenate(pixels)
     )
+    start = PointState(_KIND, _numbers(camera), Motor.stack(poses), layout.points)
+    return *_often_seen(seen, start), np.stack(moved)
 
 
 def _often_seen(

@@ -8,6 +8,8 @@ from motorcade.ga import Motor, Rotor
 from motorcade.tracking import Camera, SelfCalibrationError, self_calibrate_motion
 from motorcade.tracking.self_calibration.lens import KINDS
 from motorcade.tracking.self_calibration.points import PointSightings, PointState, fit_points
+from motorcade.tracking.self_calibration.shutter import fit_with_shutter
+from tests.end_to_end.phones.sensor import PhoneCamera
 
 RADIAL = KINDS[2]
 SIZE = (960, 540)
@@ -84,3 +86,46 @@ def test_a_camera_that_stands_still_is_refused() -> None:
     still = turned_pictures(1) * 12
     with pytest.raises(SelfCalibrationError, match="stands still"):
         self_calibrate_motion(still, (640, 480), np.arange(12) * 33_333_333)
+
+
+@pytest.mark.parametrize(
+    ("shutter_s", "axis"),
+    [((-0.02, 0.0), "left"), ((0.0, 0.0), None)],
+)
+def test_points_tell_a_rolling_shutter_and_the_focal_length_in_spite_of_it(
+    shutter_s: tuple[float, float], axis: str | None
+) -> None:
+    """Each line is projected at its own time; velocities are those of the path."""
+    rng = np.random.default_rng(10)
+    camera = Camera(*SIZE, 700.0, 700.0, 484.0, 266.0, "radtan", (0.06, -0.08))
+    points, time_s = rng.uniform([-2.5, -1.6, 2.5], [2.5, 1.6, 6.0], (160, 3)), np.arange(16) / 5
+
+    def path(at: np.ndarray) -> Motor:
+        turn = np.stack([0.2 * np.sin(2.0 * at), 0.3 * np.cos(1.5 * at), 0.2 * np.sin(at)], -1)
+        place = np.stack([0.8 * np.sin(1.3 * at), 0.4 * np.cos(at), 0.3 * np.sin(2.2 * at)], -1)
+        return Motor.from_rotor_translation(Rotor.from_rotation_vector(turn), place)
+
+    phone = PhoneCamera(camera, shutter_s)
+    px = np.array([phone.project(path, float(at), points) for at in time_s])
+    inside = np.all((px > 0.0) & (px < (SIZE[0] - 1, SIZE[1] - 1)), axis=-1)
+    inside[:, np.count_nonzero(inside, axis=0) < 3] = False
+    view, point = np.nonzero(inside)
+    noisy = px[view, point] + 0.2 * rng.standard_normal((len(view), 2))
+    known, which = np.unique(point, return_inverse=True)
+    poses = path(time_s)
+    lens = np.array([690.0, 479.5, 269.5, 0.0, 0.0])
+    start = PointState(
+        RADIAL, lens, poses[0].inverse() @ poses, poses[0].inverse().apply(points[known])
+    )
+    velocity = path(time_s - 0.01).local(path(time_s + 0.01)) / 0.02
+    seen = PointSightings(SIZE, view, which, noisy)
+    _, found, readout = fit_with_shutter(seen, start, velocity)
+    assert found.state.numbers[0] == pytest.approx(700.0, rel=0.01)
+    assert found.noise_px == pytest.approx(0.2, rel=0.2)
+    if axis is None:
+        assert readout is None
+        return
+    assert readout is not None
+    assert readout.axis == axis
+    assert readout.seconds == pytest.approx(max(map(abs, shutter_s)), rel=0.1)
+    assert fit_points(seen, start).noise_px > 1.15 * found.noise_px  # it does harm here
