@@ -1,6 +1,5 @@
 """Notebooks set multivectors and versors as formulas; what has none is shown as text."""
 
-
 import numpy as np
 import pytest
 
