@@ -26,6 +26,9 @@ MISSING = "missing"
 """The state of a file that was looked for in vain."""
 UNSETTLED = "unsettled"
 """The state of a file that cannot be said, as it changed meanwhile; never that of a file now."""
+_WAYS = ("O_RDONLY", "O_NONBLOCK", "O_NOCTTY", "O_BINARY")
+# Windows has the last alone: without it, it would change the ends of lines.
+_OPENED = sum(getattr(os, way, 0) for way in _WAYS)
 _NO_FILE, _UNREADABLE = "not a file", "unreadable"
 _SETTLES_NS = 2_000_000_000
 # A file that changed just now may change again within one tick of the disk's clock.
@@ -139,7 +142,7 @@ def _admitted(path: Path, limit_bytes: int) -> Iterator[tuple[BufferedReader, st
     with _as_file_errors(path):
         try:
             _require_file(path, path.stat(), limit_bytes)
-            handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY)
+            handle = os.open(path, _OPENED)
         except OSError:
             _note(path, _state(path))
             raise

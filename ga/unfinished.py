@@ -24,6 +24,7 @@ from __future__ import annotations
 import json
 import logging
 import os
+import platform
 import re
 import secrets
 import shutil
@@ -127,7 +128,7 @@ class _Mark:
         """That of this process."""
         boot, namespace = Path("/proc/sys/kernel/random/boot_id"), Path("/proc/self/ns/pid")
         return _Mark(
-            os.uname().nodename,
+            platform.node(),
             boot.read_text().strip() if boot.exists() else None,
             namespace.stat().st_ino if namespace.exists() else None,
             os.getpid(),
@@ -178,7 +179,7 @@ def _is_abandoned(place: Path, none_begins: bool) -> bool:
         begun_s = time.time() - place.stat().st_mtime
         if mark is None and not none_begins and begun_s < MARKED_WITHIN_S:
             return False
-        lock = os.open(place / "lock", os.O_RDWR | os.O_NOFOLLOW)
+        lock = os.open(place / "lock", os.O_RDWR | getattr(os, "O_NOFOLLOW", 0))
     except FileNotFoundError:
         return True  # its builder, or another run, has begun to remove it
     except OSError:

@@ -7,8 +7,8 @@ program drops: it is read from the file here. Pictures are looked for beside the
 
 from __future__ import annotations
 
+import os
 import re
-import resource
 import shutil
 import struct
 import subprocess
@@ -38,9 +38,14 @@ def read_fbx(path: Path) -> Rig:
     """Read an `.fbx`.
 
     Raises:
-        FormatError: the program is not installed, fails, or takes too long; or what `read_gltf`
-            refuses.
+        FormatError: the program is not installed, fails, or takes too long; the system is not
+            POSIX; or what `read_gltf` refuses.
     """
+    if os.name != "posix":
+        raise FormatError(
+            "FBX is read by a program within bounds of memory, which this system does not set; "
+            "give glTF instead"
+        )
     program = shutil.which("assimp")
     if program is None:
         raise FormatError(
@@ -103,6 +108,8 @@ def _export(program: str, given: Path, made: Path) -> None:
 
 def _limit() -> None:
     """In the program's own process: bounds of memory, of files and of processor time."""
+    import resource
+
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY_LIMIT_BYTES, MEMORY_LIMIT_BYTES))
     resource.setrlimit(resource.RLIMIT_FSIZE, (MAX_FILE_BYTES, MAX_FILE_BYTES))
     resource.setrlimit(resource.RLIMIT_CPU, (int(TIME_LIMIT_S), int(TIME_LIMIT_S)))

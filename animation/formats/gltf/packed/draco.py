@@ -6,6 +6,7 @@ Source: Khronos Group, KHR_draco_mesh_compression; Google, Draco bitstream 2.2.
 from __future__ import annotations
 
 import io
+import os
 import struct
 import subprocess
 import sys
@@ -95,6 +96,11 @@ def _decoded(meshes: list[bytes]) -> list[dict[str, NDArray[Any]]]:
         raise ModuleNotFoundError(
             'meshes compressed by Draco need DracoPy: pip install "motorcade[pipeline]"',
             name="DracoPy",
+        )
+    if os.name != "posix":
+        raise FormatError(
+            f"{DRACO}: its decoder runs within bounds of memory, which this system does not set; "
+            "give meshes that are not compressed"
         )
     total = sum(map(len, meshes))
     if total > MAX_FILE_BYTES:
