@@ -83,7 +83,6 @@ OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
         "h5py": ("h5py", "inertial recordings in HDF5"),
         "scikit-image": ("skimage", "structural similarity, picture measures"),
         "scipy": ("scipy", "fits, statistics, comparisons of trajectories"),
-        "pyrender": ("pyrender", "drawing characters into footage"),
         "av": ("av", "videos in and out"),
         "matplotlib": ("matplotlib", "plots of reports"),
         "Jinja2": ("jinja2", "report pages"),
@@ -93,7 +92,10 @@ OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
         "pillow": ("PIL", "textures of characters"),
         "tqdm": ("tqdm", "progress bars"),
         "casadi": ("casadi", "symbolic code from scripts and kernels"),
-        "moderngl": ("moderngl", "drawing characters fast, and skinning in shaders"),
+        "moderngl": ("moderngl", "drawing characters into footage, and skinning in shaders"),
+    },
+    "pyrender": {
+        "pyrender": ("pyrender", "a second renderer, to compare with"),
     },
     "photometric": {
         "kornia": ("kornia", "markers refined on their whole print"),

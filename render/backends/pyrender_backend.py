@@ -19,7 +19,7 @@ from motorcade.animation.srgb import to_linear, to_srgb
 from motorcade.animation.vectors import box_corners
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.backends.platform import choose_platform
+from motorcade.render.backends.platform import RenderUnavailable, choose_platform
 from motorcade.render.backends.renderer import (
     OPENCV_T_OPENGL,
     Renderer,
@@ -188,7 +188,12 @@ def _import_pyrender() -> Any:
     """pyrender, with the platform chosen first and a name restored that NumPy 2 took away."""
     choose_platform()
     vars(np).setdefault("infty", np.inf)
-    import pyrender
+    try:
+        import pyrender
+    except ModuleNotFoundError as missing:
+        raise RenderUnavailable(
+            'this renderer needs pyrender: pip install "motorcade[pyrender]"'
+        ) from missing
 
     _let_contexts_be_keys()
     # When it is collected, its renderer deletes framebuffers once more, by number and in whatever

@@ -8,18 +8,19 @@ exact, four poses a frame. The same seed writes the same bytes on the same machi
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from motorcade.animation.srgb import to_linear, to_srgb
 from motorcade.fusion.imu.noise import ADIS16448, ImuNoise
 from motorcade.fusion.imu.simulate import simulate_imu
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.render import OffscreenRenderer
+from motorcade.render import Renderer, Surface, new_renderer
 from motorcade.replays.files.imu import write_imu
 from motorcade.replays.files.trajectories import even_stamps, write_trajectory
 from motorcade.replays.synthetic_room.furniture import BOARD, CHARACTER_HEIGHT_M, world_T_board
@@ -166,7 +167,7 @@ def write_recording(
         np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3)
     )
     path = HandheldPath.of(hand)
-    with OffscreenRenderer(CAMERA.width, CAMERA.height) as renderer:
+    with new_renderer("fast", CAMERA.width, CAMERA.height) as renderer:
         folder.mkdir(parents=True, exist_ok=True)
         if any(folder.iterdir()):
             raise FileExistsError(f"{folder}: expected an empty folder for the recording")
@@ -187,21 +188,36 @@ def truth(path: HandheldPath, frames: int) -> Trajectory:
 
 def _write_pictures(
     folder: Path,
-    renderer: OffscreenRenderer,
+    renderer: Renderer,
     path: HandheldPath,
     numbers: Iterable[int],
     rng: np.random.Generator,
 ) -> None:
     """Render, expose and save every frame."""
     folder.mkdir()
-    renderer.show(room(), None)
+    renderer.show([_as_light(surface) for surface in room()], None)
     for number in numbers:
         stamp_ns = even_stamps(number + 1, RATE_HZ)[-1]
         layer = renderer.render(CAMERA, path.at(stamp_ns * 1e-9))
-        picture = exposed(layer.rgba[..., :3], rng)
+        picture = exposed(_AS_LEVELS[layer.rgba[..., :3]], rng)
         file = folder / f"{number:06d}.jpg"
         if not cv2.imwrite(str(file), picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]):
             raise OSError(f"{file}: cannot be written")
+
+
+# The room's textures are levels of a camera, and its pictures mix them as such: in a mean of light,
+# which the renderer takes, white grows into black, and corners move by a quarter of a pixel.
+_LEVELS = np.arange(256) / 255.0
+_AS_LIGHT, _AS_LEVELS = (
+    np.rint(255.0 * curve(_LEVELS)).astype(np.uint8) for curve in (to_srgb, to_linear)
+)
+
+
+def _as_light(surface: Surface) -> Surface:
+    """The surface whose linear light, as the renderer reads it, is the levels of this one."""
+    texture = None if surface.texture is None else _AS_LIGHT[surface.texture]
+    colors = None if surface.colors is None else to_srgb(surface.colors)
+    return replace(surface, texture=texture, colors=colors)
 
 
 def exposed(picture: NDArray[np.uint8], rng: np.random.Generator) -> NDArray[np.uint8]:

@@ -154,10 +154,10 @@ def test_the_sensor_darkens_corners_and_adds_noise(rng: np.random.Generator) -> 
 
 
 def test_without_opengl_nothing_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def none(width: int, height: int) -> None:
+    def none(name: str, width: int, height: int) -> None:
         raise RenderUnavailable("no OpenGL")
 
-    monkeypatch.setattr(synthetic_room.recording, "OffscreenRenderer", none)
+    monkeypatch.setattr(synthetic_room.recording, "new_renderer", none)
     with pytest.raises(RenderUnavailable):
         write_recording(tmp_path / "room")
     assert not (tmp_path / "room").exists()
