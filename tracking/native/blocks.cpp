@@ -100,6 +100,8 @@ MOTORCADE_INLINE void eliminate_all(const Blocks &blocks, Size size, Width width
 
 template <std::size_t N> using Known = std::integral_constant<std::size_t, N>;
 
+}  // namespace
+
 // Loops whose lengths are known are unrolled: points of six numbers' poses, and poses of poses.
 MOTORCADE_SIMD
 void eliminate_points(const Blocks &blocks, double *matrix, std::size_t row, double *right) {
@@ -110,8 +112,6 @@ MOTORCADE_SIMD
 void eliminate_poses(const Blocks &blocks, double *matrix, std::size_t row, double *right) {
     eliminate_all(blocks, Known<6>{}, Known<6>{}, matrix, row, right);
 }
-
-}  // namespace
 
 bool invert(double *matrices, std::size_t count, std::size_t size) {
     std::vector<std::size_t> left;

@@ -160,12 +160,12 @@ MOTORCADE_INLINE bool settle(const Layer &before, const Layer &after, Place from
     return is_near(after, there);
 }
 
+}  // namespace
+
 MOTORCADE_SIMD
 bool settle_at(const Layer &before, const Layer &after, Place from, Place &there) {
     return settle(before, after, from, there);
 }
-
-}  // namespace
 
 bool follow(const Pyramid &before, const Pyramid &after, int level, Place from, Place &there) {
     bool told = false;

@@ -71,12 +71,12 @@ inline void add_weighed(const Square<N> &a, const Vector<N> &w, const Square<N> 
     weighed_added(a, w, b, to);
 }
 
-// Of motors, compiled for the processor at hand.
-MOTORCADE_SIMD static void eliminate(Square<12> &own, Square<12> &above, const Square<12> *before) {
+// Of motors, compiled for the processor at hand; one module includes this.
+MOTORCADE_SIMD void eliminate(Square<12> &own, Square<12> &above, const Square<12> *before) {
     eliminated(own, above, before);
 }
-MOTORCADE_SIMD static void add_weighed(const Square<6> &a, const Vector<6> &w, const Square<6> &b,
-                                       Square<12> &to) {
+MOTORCADE_SIMD void add_weighed(const Square<6> &a, const Vector<6> &w, const Square<6> &b,
+                                Square<12> &to) {
     weighed_added(a, w, b, to);
 }
 

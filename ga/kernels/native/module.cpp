@@ -9,10 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cstdlib>
-#include <cstring>
 #include <memory>
-#include <new>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -31,8 +28,8 @@ constexpr std::size_t HOLD_LOCK_BELOW = 512;  // rows: shorter than handing the 
 
 std::atomic<unsigned> thread_count{1};
 
-struct Release {
-    void operator()(void *memory) const { std::free(memory); }
+struct alignas(LINE) Line {
+    char bytes[LINE];
 };
 
 // Structure-of-arrays storage: one contiguous array a component, padded to whole blocks.
@@ -48,16 +45,14 @@ public:
             std::max<std::size_t>(1, (count + LANES - 1) / LANES) * LANES * size_ / LINE;
         if (count > 1024) lines |= 1;
         padded_ = lines * LINE / size_;
-        memory_.reset(std::aligned_alloc(LINE, width * padded_ * size_));
-        if (!memory_) throw std::bad_alloc();
-        std::memset(memory_.get(), 0, width * padded_ * size_);
+        memory_ = std::make_unique<Line[]>(width * lines);
     }
 
     std::size_t width() const { return width_; }
     std::size_t count() const { return count_; }
     bool single() const { return size_ == sizeof(float); }
     motorcade::Rows rows() const {
-        return {static_cast<char *>(memory_.get()), count_, static_cast<std::ptrdiff_t>(size_),
+        return {reinterpret_cast<char *>(memory_.get()), count_, static_cast<std::ptrdiff_t>(size_),
                 static_cast<std::ptrdiff_t>(padded_ * size_), padded_};
     }
     std::size_t padded() const { return padded_; }
@@ -65,7 +60,7 @@ public:
 
 private:
     std::size_t width_, count_, size_, padded_ = 0;
-    std::unique_ptr<void, Release> memory_;
+    std::unique_ptr<Line[]> memory_;
 };
 
 PyTypeObject *block_type = nullptr;
@@ -92,7 +87,7 @@ public:
             return false;
         }
         if (PyFloat_CheckExact(given) && width == 1 && !written) {
-            number_ = PyFloat_AS_DOUBLE(given);
+            number_ = PyFloat_AsDouble(given);
             any = true;
             rows = {nullptr, 1, 0, 0, 1};
             return true;

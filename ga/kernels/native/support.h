@@ -5,8 +5,10 @@
  * come in blocks of MOTORCADE_LANES; reading and writing whole blocks must be allowed. Outputs
  * overlap no input. Nothing is validated here: versors are taken for unit, numbers for finite.
  *
- * On x86 with gcc each kernel is compiled for AVX-512, AVX2 and plain x86-64, and the loader picks
- * the one that the processor runs. */
+ * On Linux on x86, gcc and clang (18 and newer, zig's too) compile each kernel for AVX-512, AVX2
+ * and plain x86-64, and the loader picks the one that the processor runs. Elsewhere compilers use
+ * what they are told the processor has. Other functions that are marked so have external linkage:
+ * of internal ones, clang forgets the constructors that they call. */
 #ifndef MOTORCADE_SUPPORT_H
 #define MOTORCADE_SUPPORT_H
 
@@ -15,7 +17,7 @@
 #define MOTORCADE_LANES 16
 #define MOTORCADE_OPERANDS 6
 
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__)
+#if defined(__x86_64__) && defined(__gnu_linux__) && (!defined(__clang__) || __clang_major__ >= 18)
 #define MOTORCADE_SIMD __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define MOTORCADE_SIMD
