@@ -7,6 +7,7 @@
 # make bench   performance beside other libraries, into docs/benchmarks.md and the README, in less
 #              than half an hour; SUITE=blend: one suite, into the terminal (JSON=FILE)
 # make docs   the documentation site, into build/site
+# make release   what is released: sdist and wheels for glibc 2.28, into dist
 # make web   the bundle of libraries that the pages in the browser hold, anew (needs npm)
 # make kernels   generate the kernels from their definitions
 # Each prepares what it needs by itself: environment, dependencies, compiled kernels.
@@ -22,7 +23,7 @@ NATIVE  := CMakeLists.txt pyproject.toml constraints.txt $(wildcard ga/kernels/g
 # C and C++ that people write.
 WRITTEN := $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(kind) */*/*/native/*.$(kind) docs/examples/*.$(kind) tests/bench/*/*.$(kind) tests/bench/*/*/*.$(kind)))
 
-.PHONY: demo test test-slow bench mutation fuzz sanitize docs lint wheel kernels web names system browser clean
+.PHONY: demo test test-slow bench mutation fuzz sanitize docs lint wheel release kernels web names system browser clean
 .DEFAULT_GOAL := demo
 
 demo: $(READY) system
@@ -85,6 +86,10 @@ build/web:
 
 wheel: $(READY)
 	bash .ci/check_wheel
+
+# PYTHONS="python3.11 python3.12" names those it is for; by default those of the two that are here.
+release:
+	bash .ci/release_wheels $(PYTHONS)
 
 # The environment is complete when this stamp is newer than everything it was made from.
 $(READY): $(NATIVE)
