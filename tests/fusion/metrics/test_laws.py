@@ -132,7 +132,7 @@ def test_evaluate_puts_them_together(rng):
         "log_scale_rmse": None,
     }
     for key, value in expected.items():
-        assert flat[key] == (None if value is None else pytest.approx(value, rel=1e-9)), key
+        assert flat[key] == (None if value is None else pytest.approx(value, rel=1e-12)), key
 
 
 def test_a_slow_estimate_lowers_the_cut_off():
