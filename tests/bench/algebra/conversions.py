@@ -7,6 +7,7 @@ that time divided by their number. scipy converts in float64 alone.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -62,8 +63,8 @@ def _applied() -> dict[str, dict[str, float]]:
             many = kind(kind.random(rng, (COUNT,)).coefficients).astype(scalar)
             one = many[0]
             found[f"{kind.__name__}.apply, {scalar}"] = {
-                "one": 1e6 * _seconds(lambda one=one, x=points: one.apply(x)),
-                "many": 1e6 * _seconds(lambda many=many, x=points: many.apply(x)),
+                "one": 1e6 * _seconds(partial(one.apply, points)),
+                "many": 1e6 * _seconds(partial(many.apply, points)),
             }
     points = rng.standard_normal((COUNT, 3))
     turns = Rotation.random(COUNT, rng=1)
@@ -160,7 +161,7 @@ def _averages() -> dict[str, dict[str, float]]:
         around = middle.retract(0.3 * rng.standard_normal((sets, 4, kind._log_size)))
         weights = rng.uniform(0.1, 1.0, (sets, 4))
         found[kind.__name__] = {
-            "blend": 1e9 / sets * _seconds(lambda v=around, w=weights: blend(v, w)),
-            "mean": 1e9 / sets * _seconds(lambda v=around, w=weights: mean(v, w)),
+            "blend": 1e9 / sets * _seconds(partial(blend, around, weights)),
+            "mean": 1e9 / sets * _seconds(partial(mean, around, weights)),
         }
     return found

@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -223,7 +224,7 @@ def _joints(left_out: list[str]) -> dict[str, dict[str, float]]:
             given = [*poses[0].T.copy(), *poses[1].T.copy(), np.full(JOINTS, 0.3, scalar)]
             own: dict[str, float] = {}
             if function.wait(scalar):
-                spent = median_seconds(lambda given=given: function.arrays(*given), SECONDS)
+                spent = median_seconds(partial(function.arrays, *given), SECONDS)
                 own["script, compiled at run time"] = 1e9 * spent / JOINTS
             else:
                 left_out.append(f"script as C: {function.backend(scalar)}")
