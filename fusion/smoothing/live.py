@@ -123,7 +123,7 @@ class LiveSmoother:
             return trajectory
         poses = trajectory.motors.astype(np.float64)
         given = np.concatenate([poses.translation_m, poses.rotor.coefficients], axis=-1)
-        out = np.empty_like(given)
+        out = np.empty(given.shape)  # rows, however the conversions laid theirs
         # Seconds since the first stamp: those since 1970 would be rounded to a quarter microsecond.
         time_s = 1e-9 * (trajectory.time_ns - trajectory.time_ns[0])
         _live.smooth(self.lag_s, self.memory_s, time_s, np.ascontiguousarray(given), out)

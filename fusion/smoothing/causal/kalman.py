@@ -375,7 +375,7 @@ def _scanned(
 ) -> tuple[Trajectory, float]:
     representation = representation_named(model.representation)
     given = coefficients_of(trajectory, representation)
-    out = np.empty_like(given)
+    out = np.empty(given.shape, given.dtype)
     log_likelihood = _scans.rts(
         representation.compiled,
         isinstance(trajectory.poses, Similarity),

@@ -100,7 +100,7 @@ class CausalFilter(ABC):
         self, scan: Scan, trajectory: Trajectory, noise: FloatArray | None = None
     ) -> Trajectory:
         given = coefficients_of(trajectory, self._averaged_as)
-        out = np.empty_like(given)
+        out = np.empty(given.shape, given.dtype)
         scan.run(given, trajectory.time_ns, out, noise)
         return trajectory_of(trajectory, out, self._averaged_as)
 

@@ -131,8 +131,9 @@ def test_evaluate_puts_them_together(rng):
         "tilt_mean_deg": np.rad2deg(tilt_rad(estimate.motors, truth.motors).mean()),
         "log_scale_rmse": None,
     }
+    # A lag is where a correlation peaks, which rounding moves by more than itself.
     for key, value in expected.items():
-        assert flat[key] == (None if value is None else pytest.approx(value, rel=1e-12)), key
+        assert flat[key] == (None if value is None else pytest.approx(value, rel=1e-9)), key
 
 
 def test_a_slow_estimate_lowers_the_cut_off():
