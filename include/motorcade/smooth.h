@@ -390,15 +390,15 @@ static inline void motorcade_inner_adjoint(const double m[8], double out[36])
 /*
  * Where a motor takes the origin
  * m: 1 e23 e31 e12 e1inf e2inf e3inf e123inf
- * t: x y z
+ * out: x y z
  */
-static inline void motorcade_inner_translation(const double m[8], double t[3])
+static inline void motorcade_inner_translation(const double m[8], double out[3])
 {
     const double m0 = m[0], m1 = m[1], m2 = m[2], m3 = m[3];
     const double m4 = m[4], m5 = m[5], m6 = m[6], m7 = m[7];
-    t[0] = -2.0 * (m4 * m0 + m5 * m3 - m6 * m2 + m7 * m1);
-    t[1] = -2.0 * (m0 * m5 - m4 * m3 + m2 * m7 + m6 * m1);
-    t[2] = -2.0 * (m4 * m2 - m5 * m1 + m0 * m6 + m3 * m7);
+    out[0] = -2.0 * (m4 * m0 + m5 * m3 - m6 * m2 + m7 * m1);
+    out[1] = -2.0 * (m0 * m5 - m4 * m3 + m2 * m7 + m6 * m1);
+    out[2] = -2.0 * (m4 * m2 - m5 * m1 + m0 * m6 + m3 * m7);
 }
 
 /*
