@@ -27,7 +27,8 @@ from motorcade.ga.codegen.targets.shared.text import description
 from motorcade.ga.codegen.trace import tape_of
 from motorcade.ga.script import Script
 
-_INFIX = {"add": "+", "sub": "-", "geometric": "*", "outer": "*"}
+# How C joins two scalars; of other operations on one nothing is left but its sign.
+_INFIX = {"add": "+", "sub": "-"} | dict.fromkeys(("geometric", "outer", "left", "right"), "*")
 # Signs of blades by their grade, for each operation that only changes signs.
 SIGNS: dict[str, Callable[[int], int]] = {
     "negate": lambda grade: -1,
