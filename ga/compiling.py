@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from motorcade.ga.algebra import CGA3, Algebra
-from motorcade.ga.script import Script, parse
 
 if TYPE_CHECKING:
     from motorcade.ga.codegen.functions import CompiledFunction
+    from motorcade.ga.script import Script
 
 __all__ = ["compile"]
 
@@ -43,6 +43,7 @@ def compile(
     """
     from motorcade.ga.codegen.functions import CompiledFunction, compile_function
     from motorcade.ga.codegen.programs import compile_script
+    from motorcade.ga.script import parse
 
     if callable(source):
         return compile_function(source, algebra=CGA3 if algebra is None else algebra, **blades)
