@@ -229,7 +229,7 @@ def test_kitti_stamps_come_from_exactly_one_place(tmp_path: Path) -> None:
     assert read_trajectory(path, times=times).time_ns.tolist() == [0, 103_700_000, 250_000_000]
     assert read_trajectory(path, rate_hz=3.0).time_ns.tolist() == [0, 333_333_333, 666_666_667]
     for choice in ({}, {"times": times, "rate_hz": 3.0}):
-        with pytest.raises(ValueError, match="give --times FILE with a stamp for every pose, or --rate-hz HZ"):
+        with pytest.raises(ValueError, match="give --times FILE with a stamp for every pose"):
             read_trajectory(path, **choice)
     with pytest.raises(ValueError, match="rate_hz: expected a rate"):
         read_trajectory(path, rate_hz=0.0)
