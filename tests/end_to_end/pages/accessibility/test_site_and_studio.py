@@ -23,8 +23,9 @@ from tests.replays.studio.server.stage import desk
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("pages")]
 REPOSITORY = Path(__file__).resolve().parents[4]
 SHOWN = ("index", "benchmarks", "tutorials/phone_video", "reference/ga", "reference/commands")
-# The theme puts tables that scroll into frames of their own once a page is there.
-SETTLED_S = 1.0
+# The theme makes what scrolls reachable by keyboard only once a page is there, and a busy machine
+# is late with it: a fault counts when it stays.
+STAYS_S = 20.0
 
 
 @pytest.fixture(scope="module")
@@ -48,11 +49,21 @@ def test_pages_of_the_site(scheme: str, width: int, site: Path, opened: Callable
         page = opened(site / f"{name}.html", width, scheme)
         page.evaluate("localStorage.clear()")  # which scheme the page before had
         page.ask("Page.reload")
-        time.sleep(SETTLED_S)
-        dark = page.evaluate("document.body.dataset.mdColorScheme") == "slate"
-        assert dark == (scheme == "dark"), name
-        assert page.evaluate("document.documentElement.scrollWidth") <= width, name
-        assert serious_faults(page.evaluate) == [], name
+        assert _faults_that_stay(page, scheme, width) == [], name
+
+
+def _faults_that_stay(page: Any, scheme: str, width: int) -> list[Any]:
+    """What is wrong in a page of the site once its scripts have run."""
+    until = time.monotonic() + STAYS_S
+    while True:
+        time.sleep(1.0)
+        found = serious_faults(page.evaluate)
+        if (page.evaluate("document.body.dataset.mdColorScheme") == "slate") != (scheme == "dark"):
+            found.append("not the scheme that was asked for")
+        if page.evaluate("document.documentElement.scrollWidth") > width:
+            found.append("wider than the screen")
+        if not found or time.monotonic() > until:
+            return found
 
 
 @pytest.fixture
