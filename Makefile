@@ -61,7 +61,7 @@ lint: $(READY) names
 	$(BIN)/clang-format --dry-run -Werror $(WRITTEN)
 	MYPYPATH=build/names $(BIN)/mypy $(addprefix -p motorcade.,$(ROOMS)) -p tests.bench
 	@if command -v npm >/dev/null; then $(MAKE) --no-print-directory build/web && cd build/web && \
-	  npm run --silent lint && npm run --silent test; else echo "no npm here: no JavaScript is linted"; fi
+	  npm run --silent lint && npm run --silent types && npm run --silent test; else echo "no npm here: no JavaScript is linted"; fi
 
 # Strict: a broken link or anchor is an error. mkdocs finds the rooms by their names as mypy does.
 docs: $(READY) names

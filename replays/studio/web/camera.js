@@ -20,9 +20,12 @@
 const ITERATIONS = 30;
 const CONVERGED = 1e-12;
 
-/** @param {Camera} camera @returns {number[]} eight coefficients */
+/** @typedef {[number, number, number, number, number, number, number, number]} Eight */
+
+/** @param {Camera} camera @returns {Eight} its coefficients, those that its model has not as 0 */
 export function coefficientsOf(camera) {
-  return [...camera.coefficients, 0, 0, 0, 0, 0, 0, 0, 0].slice(0, 8);
+  const [k1 = 0, k2 = 0, k3 = 0, k4 = 0, k5 = 0, k6 = 0, k7 = 0, k8 = 0] = camera.coefficients;
+  return [k1, k2, k3, k4, k5, k6, k7, k8];
 }
 
 /** @param {number[]} k @param {number} x @param {number} y @returns {Pair} */
@@ -52,11 +55,13 @@ function radtanSlopes(k, x, y) {
   ];
 }
 
+/** @param {Eight} k @param {number} angle */
 function distortedAngle([k1, k2, k3, k4], angle) {
   const a2 = angle * angle;
   return angle * (1 + a2 * (k1 + a2 * (k2 + a2 * (k3 + a2 * k4))));
 }
 
+/** @param {Eight} k @param {number} angle */
 function angleSlope([k1, k2, k3, k4], angle) {
   const a2 = angle * angle;
   return 1 + a2 * (3 * k1 + a2 * (5 * k2 + a2 * (7 * k3 + a2 * 9 * k4)));

@@ -33,7 +33,10 @@ const HINTS = {
 
 export class Editor {
   constructor(body, about) {
-    Object.assign(this, { about, base: body.dataset.run, chosen: null, draws: false });
+    this.about = about;
+    this.base = body.dataset.run;
+    this.chosen = null;
+    this.draws = false;
     /** @type {Map<string, Actor>} */
     this.actors = new Map();
     this.state = { objects: [], undo: false, redo: false };
@@ -275,7 +278,7 @@ export class Editor {
     const poses = shown && this.posing.on && this.one.kind === "character";
     this.posing.show(poses ? actor : null);
     if (!shown || poses) {
-      this.handles.show(null);
+      this.handles.hide();
       return;
     }
     const place = actor.place;
@@ -363,7 +366,7 @@ async function begin() {
     return;
   }
   told.remove();
-  window.editor = new Editor(body, decoded(text));
+  Object.assign(window, { editor: new Editor(body, decoded(text)) });
 }
 
 begin();

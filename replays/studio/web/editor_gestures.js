@@ -15,7 +15,8 @@ export class Gestures {
    *   `cancel`, `draws`, `drawn`, `chosen`
    */
   constructor(element, editor) {
-    Object.assign(this, { element, editor });
+    this.element = element;
+    this.editor = editor;
     /** @type {Map<number, {x: number, y: number, from: [number, number], kind: string}>} */
     this.fingers = new Map();
     this.going = null;

@@ -76,17 +76,20 @@ export class Handles {
     this.object.add(arrow, ring);
   }
 
+  hide() {
+    this.object.visible = false;
+  }
+
   /**
    * Stand at an object, as large on the screen everywhere.
    *
-   * @param {Matrix4|null} frame the object's pose, its parent's or the world's by `axes`
+   * @param {import("three").Matrix4} frame the object's pose, its parent's or the world's by `axes`
    * @param {Vector3} place
    * @param {number} metresAPixel
    * @param {number} height of the object, metres: one arrow alone stands on top of it
    */
   show(frame, place, metresAPixel, height = 0) {
-    this.object.visible = frame !== null;
-    if (!frame) return;
+    this.object.visible = true;
     const turn = new Quaternion();
     frame.decompose(new Vector3(), turn, new Vector3());
     this.object.matrix.compose(place, turn, new Vector3().setScalar(metresAPixel));

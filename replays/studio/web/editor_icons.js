@@ -23,7 +23,9 @@ const PATHS = {
 const FILLED = new Set(["play"]);
 const SVG = "http://www.w3.org/2000/svg";
 
-/** @param {keyof typeof PATHS} name @returns {SVGElement} */
+/** @typedef {keyof typeof PATHS} Sign */
+
+/** @param {Sign} name @returns {SVGElement} */
 export function icon(name) {
   const sign = document.createElementNS(SVG, "svg");
   sign.setAttribute("viewBox", "0 0 24 24");

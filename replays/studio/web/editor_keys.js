@@ -24,8 +24,9 @@ export function keyboard(editor) {
       escape(editor);
       return;
     }
-    if (event.target.closest("input, select, textarea")) return;
-    if (event.key === " " && event.target.closest("button, a")) return;
+    const on = event.target instanceof Element ? event.target : document.body;
+    if (on.closest("input, select, textarea")) return;
+    if (event.key === " " && on.closest("button, a")) return;
     const act = (event.ctrlKey || event.metaKey ? withControl : acts)[event.key];
     if (!act || event.altKey) return;
     event.preventDefault();

@@ -53,7 +53,11 @@ export class Lanes {
    *   change: (mark: Mark, to: object) => void}} told
    */
   constructor(length, told) {
-    Object.assign(this, { length, told, held: null, one: null, waits: false });
+    this.length = length;
+    this.told = told;
+    this.held = null;
+    this.one = null;
+    this.waits = false;
     this.element = made("div", "lanes");
   }
 

@@ -4,6 +4,7 @@ import { choice, labelled, numberField, spoken, tick } from "studio/editor_field
 import { layerForms, markForm } from "studio/editor_marks.js";
 import { button, made } from "studio/editor_timeline.js";
 
+/** @type {[string, string, number|null, string][]} */
 const NUMBERS = [
   ["x", "position_m", 0, "m"],
   ["y", "position_m", 1, "m"],
@@ -21,7 +22,8 @@ const AXES = { parent: "Ground's axes", local: "Own axes", global: "World's axes
 export class Panel {
   /** @param {object} about the run @param {object} act what the buttons do */
   constructor(about, act) {
-    Object.assign(this, { about, act });
+    this.about = about;
+    this.act = act;
     this.names = made("div", "names");
     this.names.setAttribute("role", "group");
     this.names.ariaLabel = "What is in the scene";
@@ -123,8 +125,10 @@ export class Panel {
       return;
     }
     this.sheet.hidden = false;
-    const at = this.sheet.contains(document.activeElement) ? document.activeElement : null;
-    if (what !== "add" && at?.matches("input[type=text]") && at.value !== at.defaultValue) return;
+    const { activeElement } = document;
+    const at = activeElement instanceof HTMLElement && this.sheet.contains(activeElement) ? activeElement : null;
+    const typing = at instanceof HTMLInputElement && at.type === "text" && at.value !== at.defaultValue;
+    if (what !== "add" && typing) return;
     const told = JSON.stringify([what, this.marked, this.chosen, this.objects?.map((one) => one.name)], (key, one) => (UNSEEN.has(key) ? null : one));
     if (what !== "numbers" && this.stands.get(this.sheet) === told) return;
     this.stands.set(this.sheet, told);
@@ -135,7 +139,8 @@ export class Panel {
       return;
     }
     this.sheet.replaceChildren(button("Close", () => this.close(), { sign: "close", className: "close" }), ...inside);
-    if (at?.dataset.field) this.sheet.querySelector(`[data-field="${at.dataset.field}"]`)?.focus();
+    const again = at?.dataset.field && this.sheet.querySelector(`[data-field="${at.dataset.field}"]`);
+    if (again instanceof HTMLElement) again.focus();
   }
 
   #add() {
@@ -202,6 +207,7 @@ export class Panel {
     const name = made("input");
     Object.assign(name, { type: "text", value: chosen.name, maxLength: 60 });
     name.addEventListener("change", () => act.rename(name.value.trim()));
+    /** @type {[string, string][]} */
     const joins = [["motor", "Along a screw"], ["quaternion", "Straight"], ["euler", "Angle by angle"]];
     const wide = (text, does) => button(text, does, { className: "choice" });
     return [

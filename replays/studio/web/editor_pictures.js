@@ -11,7 +11,9 @@ export class Pictures {
    * @param {(frame: number) => void} arrived called when a picture that was asked for is there
    */
   constructor(base, count, arrived) {
-    Object.assign(this, { base, count, arrived });
+    this.base = base;
+    this.count = count;
+    this.arrived = arrived;
     /** @type {Map<number, Blob>} */
     this.fetched = new Map();
     /** @type {Map<number, ImageBitmap>} the latest used last */

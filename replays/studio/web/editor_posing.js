@@ -13,7 +13,8 @@ const SPOKEN = {
 export class Posing {
   /** @param {HTMLElement} element the scene's @param {object} editor what it acts on */
   constructor(element, editor) {
-    Object.assign(this, { editor, on: false });
+    this.editor = editor;
+    this.on = false;
     /** The part of the body that is held, and by which pointer. */
     this.held = null;
     this.pointer = null;

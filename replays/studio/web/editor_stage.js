@@ -29,7 +29,8 @@ export class EditorStage {
    * @param {object} about the run, as the server tells it
    */
   constructor(element, about) {
-    Object.assign(this, { element, about });
+    this.element = element;
+    this.about = about;
     this.ground = document.createElement("canvas");
     this.ground.className = "ground";
     [this.ground.width, this.ground.height] = [about.camera.width, about.camera.height];
@@ -49,6 +50,8 @@ export class EditorStage {
     this.#light();
     this.raycaster = new Raycaster();
     this.frame = 0;
+    /** The frame whose picture lies below the drawing; none at first. */
+    this.shown = -1;
     this.hasPose = false;
     this.box = { x: 0, y: 0, width: 1, height: 1 };
     lookThrough(about.camera);

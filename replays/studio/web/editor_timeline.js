@@ -10,8 +10,14 @@ export function made(tag, className, ...inside) {
   return element;
 }
 
-/** A button that says what it does; its spoken name holds the word on it, so that voices find it. */
-export function button(text, act, { sign = "", title = text, className = "" } = {}) {
+/**
+ * A button that says what it does; its spoken name holds the word on it, so that voices find it.
+ *
+ * @param {string} text
+ * @param {(event: MouseEvent) => void} act
+ * @param {{sign?: import("./editor_icons.js").Sign, title?: string, className?: string}} looks
+ */
+export function button(text, act, { sign, title = text, className = "" } = {}) {
   const one = made("button", className);
   one.type = "button";
   if (sign) one.append(icon(sign));
@@ -29,7 +35,10 @@ export class EditorTimeline {
    * @param {HTMLElement} lanes what stands below the bar
    */
   constructor(times, told, lanes) {
-    Object.assign(this, { times, told, frame: 0, playing: false });
+    this.times = times;
+    this.told = told;
+    this.frame = 0;
+    this.playing = false;
     this.play = button("Play", () => this.toggle(), { sign: "play", className: "round" });
     this.range = made("input", "scrub");
     Object.assign(this.range, { type: "range", min: 0, max: times.length - 1, step: 1, value: 0 });

@@ -1,4 +1,5 @@
-// What `npm run lint` asks of the modules: nothing unused, nothing undefined, types told in JSDoc.
+// What `npm run lint` asks of the modules: nothing unused, nothing undefined. Types are told in
+// JSDoc, and `npm run types` holds them.
 
 import js from "@eslint/js";
 import globals from "globals";

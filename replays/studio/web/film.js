@@ -11,12 +11,13 @@ export class Film {
   /**
    * @param {string} source address of an H.264 file
    * @param {{width: number, height: number, rate_hz: number, frames: number}} about the pictures
-   * @param {{size?: number[], time_s?: import("./look.js").Packed}} own how large the film has them,
+   * @param {{size?: [number, number], time_s?: import("./look.js").Packed}} own how large the film has them,
    *   and its stamps where its clock is uneven
    */
   constructor(source, about, own = {}) {
     this.frames = about.frames;
     this.rate = about.rate_hz;
+    /** @type {[number, number]} */
     this.size = own.size ?? [about.width, about.height];
     this.times = own.time_s?.data;
     /** @type {number} the frame that `picture` holds; -1 before the first */

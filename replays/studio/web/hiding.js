@@ -4,6 +4,7 @@
 import {
   BufferGeometry,
   DataTexture,
+  DoubleSide,
   Float32BufferAttribute,
   Matrix4,
   Mesh,
@@ -103,7 +104,7 @@ function sheets(corners) {
   const geometry = new BufferGeometry().setIndex(index);
   geometry.setAttribute("position", new Float32BufferAttribute(places, 3));
   const back = { polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8 };
-  const unseen = { colorWrite: false, side: 2, ...back };
+  const unseen = { colorWrite: false, side: DoubleSide, ...back };
   const mesh = new Mesh(geometry, behindLens(new MeshBasicMaterial(unseen)));
   mesh.renderOrder = -1;
   mesh.frustumCulled = false;

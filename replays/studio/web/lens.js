@@ -59,7 +59,7 @@ const SEGMENTS = [
 /**
  * Let a material be drawn through the lens of `lookThrough`.
  *
- * @template {import("three").Material} M
+ * @template {import("three").Material & {isLineMaterial?: boolean}} M
  * @param {M} material of three.js: of meshes, points or lines
  * @returns {M} the same
  */

@@ -29,9 +29,10 @@
 const KINDS = { f32: Float32Array, f64: Float64Array, u32: Uint32Array };
 const FORMAT = "motorcade-look";
 
-/** @param {string} text base64 @returns {Uint8Array} */
+/** @param {string} text base64 @returns {Uint8Array<ArrayBuffer>} */
 export function bytesOf(text) {
-  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
+  const Bytes = /** @type {any} newer browsers have it */ (Uint8Array);
+  if (Bytes.fromBase64) return Bytes.fromBase64(text);
   const letters = atob(text);
   const bytes = new Uint8Array(letters.length);
   for (let k = 0; k < letters.length; k++) bytes[k] = letters.charCodeAt(k);

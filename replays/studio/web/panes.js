@@ -69,7 +69,11 @@ export class Pane {
    * @param {() => number} frameNow the frame where there is no film
    */
   constructor(element, kind, world, film, frameNow) {
-    Object.assign(this, { element, kind, world, film, frameNow });
+    this.element = element;
+    this.kind = kind;
+    this.world = world;
+    this.film = film;
+    this.frameNow = frameNow;
     this.path = world.look.drawn;
     this.camera = new PerspectiveCamera(40, 1, 0.01, 100);
     this.camera.up.copy(world.up);

@@ -148,6 +148,7 @@ export class Plots {
     return { chart, plot, box, cursor, value };
   }
 
+  /** @returns {import("uplot").Options} */
   #options(plot) {
     const times = this.timeline.times;
     return {

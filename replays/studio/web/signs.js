@@ -54,6 +54,7 @@ export class CameraSign {
 
 /** The ray through a share of the picture's width and height; a straight lens where it has none. */
 function rayAt(camera, u, v) {
+  /** @type {import("./camera.js").Pair} */
   const pixel = [u * camera.width - 0.5, v * camera.height - 0.5];
   const straight = { ...camera, model: "pinhole" };
   return unproject(camera, pixel) ?? unproject(straight, pixel);

@@ -90,7 +90,8 @@ export function wireKeys(timeline, actions) {
   addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const { target, key } = event;
-    const typing = target instanceof HTMLSelectElement || target?.type === "text";
+    const writing = target instanceof HTMLInputElement && target.type === "text";
+    const typing = target instanceof HTMLSelectElement || writing;
     if (typing && key !== "Escape") return;
     if (key === " " && target instanceof HTMLButtonElement) return;
     let done = true;

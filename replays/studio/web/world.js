@@ -148,8 +148,8 @@ export class World {
     const [ink, soft, grid, sky] = ["--ink", "--soft", "--grid", "--line-sky"].map(css);
     this.sign.colour(ink);
     this.grid?.material.color.set(grid);
-    this.parts.markers.traverse((one) => one.material?.color.set(sky));
-    this.parts.points.traverse((one) => one.material?.color.set(soft));
+    paint(this.parts.markers, sky);
+    paint(this.parts.points, soft);
   }
 
   /** The pose `world_T_camera` of a path at a frame. @returns {Matrix4|null} */
@@ -206,6 +206,11 @@ export class World {
     this.held = frame;
     this.texture.needsUpdate = this.sign.picture.visible = this.#copyPicture();
   }
+}
+
+/** Colour what is drawn of a part. @param {Group} part @param {string} colour */
+function paint(part, colour) {
+  part.traverse((/** @type {any} what is drawn has a material */ one) => one.material?.color.set(colour));
 }
 
 /** A printed sheet with its picture on it. */
