@@ -13,6 +13,7 @@ import { Posing } from "studio/editor_posing.js";
 import { EditorStage } from "studio/editor_stage.js";
 import { EditorTimeline, button, made } from "studio/editor_timeline.js";
 import { decoded } from "studio/look.js";
+import { NO_WEBGL, drawnBy } from "studio/panes.js";
 import { actions } from "studio/editor_actions.js";
 import { keyboard } from "studio/editor_keys.js";
 
@@ -359,6 +360,10 @@ async function begin() {
   const { body } = document;
   const told = made("p", "loading", "Opening the footage …");
   body.append(told);
+  if (drawnBy() === "nobody") {
+    told.textContent = NO_WEBGL;
+    return;
+  }
   const answer = await fetch(`${body.dataset.run}about.json`);
   const text = await answer.text();
   if (!answer.ok) {

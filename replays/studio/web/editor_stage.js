@@ -15,7 +15,7 @@ import { project, projectionMatrix, unproject } from "studio/camera.js";
 import { setPose } from "studio/figure.js";
 import { lookThrough } from "studio/lens.js";
 import { row } from "studio/look.js";
-import { drawnBySoftware } from "studio/panes.js";
+import { drawnBy } from "studio/panes.js";
 
 // From three.js's camera axes to OpenCV's, and back.
 const TURNED = new Matrix4().makeScale(1, -1, -1);
@@ -34,7 +34,7 @@ export class EditorStage {
     this.ground = document.createElement("canvas");
     this.ground.className = "ground";
     [this.ground.width, this.ground.height] = [about.camera.width, about.camera.height];
-    this.renderer = new WebGLRenderer({ antialias: !drawnBySoftware(), alpha: true });
+    this.renderer = new WebGLRenderer({ antialias: drawnBy() === "card", alpha: true });
     this.canvas = this.renderer.domElement;
     this.canvas.className = "drawn";
     this.sketched = document.createElementNS("http://www.w3.org/2000/svg", "svg");

@@ -3,7 +3,7 @@
 // The picture is copied off a hidden video whenever a frame was presented, so whoever draws over it
 // draws over the frame whose number is told, also while the film plays.
 
-import { nearest } from "studio/look.js";
+import { frameAt } from "studio/look.js";
 
 const PATIENCE_MS = 250;
 
@@ -81,15 +81,10 @@ export class Film {
     return (begun + (this.times[frame + 1] ?? begun + 1 / this.rate)) / 2;
   }
 
-  /** The frame that begins at a time of the film. */
-  #frameAt(seconds) {
-    return this.times ? nearest(this.times, seconds) : Math.round(seconds * this.rate);
-  }
-
   #listen() {
     if (!this.video.requestVideoFrameCallback) return;
     const told = (_now, about) => {
-      this.#presented(this.#frameAt(about.mediaTime));
+      this.#presented(frameAt(about.mediaTime, this.rate, this.times));
       this.video.requestVideoFrameCallback(told);
     };
     this.video.requestVideoFrameCallback(told);

@@ -102,6 +102,21 @@ export function nearest(times, seconds) {
   return Math.abs(times[after] - seconds) < Math.abs(times[before] - seconds) ? after : before;
 }
 
+/**
+ * The frame of a film that a browser tells by a time: Chromium tells when the frame begins, Firefox
+ * the time that was sought, so anything from its beginning to its end, rounded.
+ *
+ * @param {number} seconds of the film
+ * @param {number} rate frames a second
+ * @param {ArrayLike<number>} [times] when frames begin, s, where its clock is uneven
+ */
+export function frameAt(seconds, rate, times) {
+  if (!times) return Math.floor(seconds * rate + 0.25);
+  const before = indexAt(times, seconds);
+  const length = (times[before + 1] ?? Infinity) - times[before];
+  return seconds - times[before] > 0.75 * length ? before + 1 : before;
+}
+
 /** @param {Look} look @param {string} name @returns {Path} the path, or the drawn one */
 export function pathNamed(look, name) {
   const named = (wanted) => look.paths.find((one) => one.name === wanted);

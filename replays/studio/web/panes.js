@@ -13,50 +13,69 @@ export const KINDS = { film: "Film", camera: "Through the camera", world: "From 
 const TURNED = new Matrix4().makeScale(1, -1, -1);
 const FINEST = 2;
 
-/** Whether there is no graphics card: smooth edges would then cost a third of the time. */
-export function drawnBySoftware() {
+/** What is told where a browser draws nothing in 3-D. */
+export const NO_WEBGL =
+  "This browser offers no WebGL 2, so nothing can be drawn in 3-D. Switch on hardware acceleration in its settings, or open this page in another browser.";
+
+/**
+ * Who draws in 3-D; by software, smooth edges would cost a third of the time.
+ *
+ * @returns {"nobody"|"software"|"card"}
+ */
+export function drawnBy() {
   const gl = document.createElement("canvas").getContext("webgl2");
-  if (!gl) return false;
+  if (!gl) return "nobody";
   let name = gl.getParameter(gl.RENDERER);
   if (name === "WebKit WebGL") {
     const told = gl.getExtension("WEBGL_debug_renderer_info");
     name = told ? gl.getParameter(told.UNMASKED_RENDERER_WEBGL) : "";
   }
   gl.getExtension("WEBGL_lose_context")?.loseContext();
-  return /swiftshader|llvmpipe|software/i.test(name);
+  return /swiftshader|llvmpipe|software/i.test(name) ? "software" : "card";
 }
 
-/** The canvas that all panes share. */
+/** The canvas that all panes share; without WebGL there is none, and films alone are shown. */
 export class Stage {
   /** @param {HTMLElement} element that holds the panes */
   constructor(element) {
     this.element = element;
-    this.renderer = new WebGLRenderer({ antialias: !drawnBySoftware(), alpha: true });
-    this.renderer.autoClear = false;
-    this.canvas = this.renderer.domElement;
-    this.canvas.className = "drawn";
-    this.canvas.ariaHidden = "true";
-    element.append(this.canvas);
+    /** @type {WebGLRenderer|null} */
+    this.renderer = null;
+    const by = drawnBy();
+    if (by !== "nobody") this.#canvas(by === "card");
     /** @type {Pane[]} */
     this.panes = [];
     new ResizeObserver(() => this.fit()).observe(element);
   }
 
+  #canvas(antialias) {
+    this.renderer = new WebGLRenderer({ antialias, alpha: true });
+    this.renderer.autoClear = false;
+    const canvas = this.renderer.domElement;
+    canvas.className = "drawn";
+    canvas.ariaHidden = "true";
+    this.element.append(canvas);
+  }
+
   /** Follow the size of the page. */
   fit() {
     const { clientWidth: width, clientHeight: height } = this.element;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, FINEST));
-    this.renderer.setSize(width, height, false);
+    this.renderer?.setPixelRatio(Math.min(devicePixelRatio, FINEST));
+    this.renderer?.setSize(width, height, false);
     for (const pane of this.panes) pane.fit();
     this.draw();
   }
 
   draw() {
-    if (!this.canvas.width || !this.canvas.height) return;
-    this.renderer.setScissorTest(false);
-    this.renderer.clear();
-    this.renderer.setScissorTest(true);
-    for (const pane of this.panes) pane.draw(this.renderer, this.element);
+    const { renderer } = this;
+    if (renderer) {
+      const { width, height } = renderer.domElement;
+      if (!width || !height) return;
+      renderer.setScissorTest(false);
+      renderer.clear();
+      renderer.setScissorTest(true);
+    }
+    for (const pane of this.panes) pane.draw(renderer, this.element);
   }
 }
 
@@ -140,7 +159,7 @@ export class Pane {
     if (!this.box || !this.box.width || !this.box.height) return;
     const { frame } = this;
     if (this.ground && this.film) this.ground.getContext("2d").drawImage(this.film.picture, 0, 0);
-    if (this.kind === "film") return;
+    if (this.kind === "film" || !renderer) return;
     const outside = this.kind === "world";
     const posed = outside || this.#look(frame);
     const corner = this.element.getBoundingClientRect();

@@ -2,7 +2,7 @@
 
 import { Film } from "studio/film.js";
 import { bytesOf, decode, nearest } from "studio/look.js";
-import { KINDS, Pane, Stage } from "studio/panes.js";
+import { KINDS, NO_WEBGL, Pane, Stage } from "studio/panes.js";
 import { Plots } from "studio/plots.js";
 import { onScheme, variableOf } from "studio/scheme.js";
 import { Timeline, wireKeys, wireScrubber } from "studio/timeline.js";
@@ -61,7 +61,8 @@ class Viewer {
     const { width, height } = first.look.camera;
     this.stage.element.style.setProperty("--aspect", String(width / height));
     this.speed = 1;
-    this.view = innerWidth < 720 ? 1 : 3;
+    this.view = !this.stage.renderer ? 0 : innerWidth < 720 ? 1 : 3;
+    if (!this.stage.renderer) this.#tell(`${NO_WEBGL} Until then: the film and the plots.`);
     this.beside = looks.length > 1;
     this.pathOf = [first.look.drawn, this.#other()];
     this.plots = new Plots(find("#plots"), looks, this.timeline);
@@ -116,11 +117,13 @@ class Viewer {
         this.stage.draw();
         if (film === this.master) this.#buttonState();
       };
-      film.onproblem = (problem) => {
-        find("#problem").textContent = problem;
-        find("#problem").hidden = false;
-      };
+      film.onproblem = (problem) => this.#tell(problem);
     }
+  }
+
+  #tell(problem) {
+    find("#problem").textContent = problem;
+    find("#problem").hidden = false;
   }
 
   /** Bring every film to a frame; where there is none, draw at once. */
@@ -255,7 +258,8 @@ class Viewer {
     const actions = { " ": toggle, "?": ask, s: beside };
     for (const [k, button] of find("#views").querySelectorAll("button").entries()) {
       // Recordings of corners alone have no film.
-      button.hidden = VIEWS[k].includes("film") && !this.runs[0].filmOf("film");
+      const film = VIEWS[k].includes("film");
+      button.hidden = film ? !this.runs[0].filmOf("film") : !this.stage.renderer;
       if (!button.hidden) button.addEventListener("click", (actions[String(k + 1)] = show(k)));
     }
     find("#play").addEventListener("click", toggle);

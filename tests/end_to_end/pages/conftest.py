@@ -39,7 +39,7 @@ class Browser:
     It reads them from its descriptor 3 and answers on 4, so there is no port to be taken.
     """
 
-    def __init__(self, program: str, profile: Path) -> None:
+    def __init__(self, program: str, profile: Path, *flags: str) -> None:
         theirs_in, self._out = os.pipe()
         self._in, theirs_out = os.pipe()
         # Above 9, so that neither is overwritten while they become 3 and 4.
@@ -48,7 +48,7 @@ class Browser:
         written = os.O_WRONLY | os.O_CREAT | os.O_TRUNC
         self._process = os.posix_spawn(
             program,
-            [program, *FLAGS, f"--user-data-dir={profile / 'profile'}", "about:blank"],
+            [program, *FLAGS, *flags, f"--user-data-dir={profile / 'profile'}", "about:blank"],
             os.environ | {"HOME": str(profile)},
             file_actions=[
                 (os.POSIX_SPAWN_DUP2, high[0], 3),
@@ -106,10 +106,11 @@ class Browser:
 
 
 class Page:
-    """A file opened in the browser, at a width and in a colour scheme."""
+    """A file or an address opened in the browser, at a width and in a colour scheme."""
 
-    def __init__(self, browser: Browser, path: Path, width: int, scheme: str) -> None:
-        self._browser, self.address = browser, path.resolve().as_uri()
+    def __init__(self, browser: Browser, at: Path | str, width: int, scheme: str) -> None:
+        self._browser = browser
+        self.address = at if isinstance(at, str) else at.resolve().as_uri()
         made = browser.ask("Target.createTarget", url="about:blank")
         self._target = made["targetId"]
         attached = browser.ask("Target.attachToTarget", targetId=self._target, flatten=True)

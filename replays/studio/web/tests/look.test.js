@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { decode, indexAt, nearest, pathNamed, poseAt, row, stateAt } from "studio/look.js";
+import { decode, frameAt, indexAt, nearest, pathNamed, poseAt, row, stateAt } from "studio/look.js";
 import { nearestKnown } from "studio/plots.js";
 import { clockWords, Timeline } from "studio/timeline.js";
 
@@ -31,6 +31,19 @@ test("arrays come back with their kind and shape, wherever they stand", () => {
   assert.equal(pathNamed(look, "nowhere").name, "motor");
   assert.equal(stateAt(look, 1.5).state, "lost");
   assert.equal(stateAt(look, 2.5), undefined);
+});
+
+test("a frame is told by when it begins, or by any time within it", () => {
+  const times = [0, 0.033, 0.1, 0.134];
+  for (let frame = 0; frame < 4; frame++) {
+    const [begins, ends] = [times[frame], times[frame + 1] ?? 0.16];
+    for (const share of [0, 0.25, 0.5]) {
+      assert.equal(frameAt(begins + share * (ends - begins), 30, times), frame);
+      assert.equal(frameAt((frame + share) / 30, 30), frame);
+    }
+    assert.equal(frameAt(Math.max(0, begins - 1e-3), 30, times), frame);
+    assert.equal(frameAt(Math.max(0, frame / 30 - 1e-3), 30), frame);
+  }
 });
 
 test("columns in 16 bits are summed up twice, past the ends of their range", () => {
