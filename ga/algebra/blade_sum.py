@@ -18,9 +18,11 @@ from motorcade.ga.algebra.scalars import checked_scalar, is_numeric, magnitude, 
 from motorcade.ga.algebra.signature import Signature
 from motorcade.ga.algebra.value import Value
 from motorcade.ga.arrays import sealed
+from motorcade.ga.notation.plain import sum_text
+from motorcade.ga.notation.shown import ShownAsSum
 
 
-class BladeSum(Value):
+class BladeSum(Value, ShownAsSum):
     """A sum of basis blades of one algebra, the base of `Multivector`.
 
     Raises:
@@ -123,13 +125,10 @@ class BladeSum(Value):
         return self.values[0] if self.masks and self.masks[0] == 0 else 0.0
 
     def __repr__(self) -> str:
-        return " + ".join(f"({value})*{name}" for name, value in self.items()) or "0"
+        return sum_text(self.items())
 
-    def _repr_latex_(self) -> str | None:
-        """How notebooks show a multivector of plain numbers; others are shown as text."""
-        from motorcade.ga.drawing.formulas import multivector_text, shown_formula
-
-        return shown_formula(multivector_text(self))
+    def _shown(self) -> tuple[tuple[str, Any], ...]:
+        return self.items()
 
     # Sums and scalars --------------------------------------------------------------------------
 

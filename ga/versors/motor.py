@@ -58,6 +58,7 @@ class Motor(Versor):
 
     _size = 8
     _log_size = 6
+    _blades = (*Rotor._blades, "e1^einf", "e2^einf", "e3^einf", "e1^e2^e3^einf")
     _kernels = MOTORS
 
     @classmethod

@@ -40,6 +40,7 @@ class Rotor(Versor):
 
     _size = 4
     _log_size = 3
+    _blades = ("1", "e2^e3", "e3^e1", "e1^e2")
     _kernels = ROTORS
 
     @classmethod

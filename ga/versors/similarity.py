@@ -55,6 +55,11 @@ class Similarity(Versor):
 
     _size = 12
     _log_size = 7
+    _blades = (
+        *("1", "e2^e3", "e3^e1", "e1^e2"),
+        *("e0^einf", "e2^e3^e0^einf", "e3^e1^e0^einf", "e1^e2^e0^einf"),
+        *("e1^einf", "e2^einf", "e3^einf", "e1^e2^e3^einf"),
+    )
     _kernels = SIMILARITIES
 
     @classmethod

@@ -39,6 +39,7 @@ from motorcade.ga.arrays import (
     sealed,
 )
 from motorcade.ga.kernels.batches import VersorKernels
+from motorcade.ga.notation.shown import ShownAsSum
 
 # Below this sine of half the angle the long way round has lost its axis.
 _LONG_WAY_SINE = 1e-7
@@ -46,7 +47,7 @@ _UNIT_TOLERANCE_SINGLE = 1e-5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Versor(CoefficientBatch):
+class Versor(CoefficientBatch, ShownAsSum):
     """Unit versors, batch in the leading dimensions of `coefficients`.
 
     Raises:
@@ -67,6 +68,7 @@ class Versor(CoefficientBatch):
     """
 
     _log_size: ClassVar[int]
+    _blades: ClassVar[tuple[str, ...]]
     _kernels: ClassVar[VersorKernels]
 
     def __post_init__(self) -> None:
@@ -387,3 +389,7 @@ class Versor(CoefficientBatch):
         given = checked_floats(twist, self._field(name), (self._log_size,))
         broadcast_batch(self._field(name), self.shape, given.shape[:-1])
         return given.astype(self.dtype, copy=False)
+
+    def _shown(self) -> list[tuple[str, Any]] | None:
+        single = not self.shape
+        return list(zip(self._blades, self.coefficients.tolist(), strict=True)) if single else None

@@ -17,7 +17,7 @@ from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.tape import Node, Tape
 from motorcade.ga.codegen.targets.languages.typed import typed
 from motorcade.ga.codegen.targets.shared.text import description
-from motorcade.ga.drawing.formulas import blade_text, name_text, number_text
+from motorcade.ga.notation.formulas import blade_text, name_text, number_text
 
 _MOST_SYMBOLS = 18
 _SUM, _PRODUCT, _CALL, _ATOM = 1, 2, 3, 4

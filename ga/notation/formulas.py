@@ -1,13 +1,11 @@
-r"""Formulas: names, numbers, blades and multivectors as LaTeX, for notebooks and generated text."""
+r"""Formulas: names, numbers, blades and their sums as LaTeX, for notebooks and generated text."""
 
 from __future__ import annotations
 
 import re
 from typing import Any
 
-import numpy as np
-
-from motorcade.ga.algebra.scalars import is_numeric
+from motorcade.ga.notation.terms import Items, all_numbers, sum_of
 
 _GREEK = frozenset(
     re.findall(
@@ -24,7 +22,7 @@ _DIGITS = 6
 def name_text(name: str) -> str:
     r"""An identifier as it is set: ``x``, ``x_{1}``, ``\theta``, ``\mathit{left\_arm}``.
 
-    >>> from motorcade.ga.drawing.formulas import name_text
+    >>> from motorcade.ga.notation.formulas import name_text
     >>> [name_text(name) for name in ("x", "c12", "theta", "x_1")]
     ['x', 'c_{12}', '\\theta', '\\mathit{x\\_1}']
     """
@@ -39,7 +37,7 @@ def name_text(name: str) -> str:
 def blade_text(blade: str) -> str:
     r"""A blade as it is set; of ``1`` nothing is left.
 
-    >>> from motorcade.ga.drawing.formulas import blade_text
+    >>> from motorcade.ga.notation.formulas import blade_text
     >>> print(blade_text("e1^einf"))
     \mathbf{e}_{1} \wedge \mathbf{e}_{\infty}
     """
@@ -49,7 +47,7 @@ def blade_text(blade: str) -> str:
 def number_text(value: float, digits: int | None = None) -> str:
     r"""A number to its last digit, or to so many: ``0.5``, ``1.5 \cdot 10^{-7}``.
 
-    >>> from motorcade.ga.drawing.formulas import number_text
+    >>> from motorcade.ga.notation.formulas import number_text
     >>> number_text(1.5e-7), number_text(2.0), number_text(1 / 3, 3)
     ('1.5 \\cdot 10^{-7}', '2', '0.333')
     """
@@ -59,30 +57,24 @@ def number_text(value: float, digits: int | None = None) -> str:
     return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa
 
 
-def multivector_text(x: Any) -> str | None:
-    r"""A multivector of plain numbers as a sum of blades; None for batches and symbols.
+def sum_formula(items: Items) -> str | None:
+    r"""A sum of blades with numbers alone; None for batches and symbols, which are text.
 
-    >>> from motorcade.ga import EGA3
-    >>> from motorcade.ga.drawing.formulas import multivector_text
-    >>> print(multivector_text(EGA3.multivector({"1": 0.5, "e1^e2": -1.0})))
-    0.5 - \mathbf{e}_{1} \wedge \mathbf{e}_{2}
+    >>> from motorcade.ga.notation.formulas import sum_formula
+    >>> print(sum_formula([("1", 0.5), ("e1^e2", -1.0)]))
+    $\displaystyle 0.5 - \mathbf{e}_{1} \wedge \mathbf{e}_{2}$
     """
-    terms: list[str] = []
-    for blade, value in x.items():
-        if not is_numeric(value) or np.ndim(value):
-            return None
-        size, vector = number_text(abs(value), _DIGITS), blade_text(blade)
-        text = vector if vector and size == "1" else size + (rf"\,{vector}" if vector else "")
-        if size != "0":
-            sign = "-" if value < 0 else "+"
-            first = "-" if value < 0 else ""
-            terms.append(f"{sign} {text}" if terms else first + text)
-    return " ".join(terms) or "0"
+    items = list(items)
+    if not all_numbers(items):
+        return None
+    return rf"$\displaystyle {sum_of(items, _term, left_out=chr(92) + 'dots')}$"
 
 
-def shown_formula(text: str | None) -> str | None:
-    """What notebooks set as a formula."""
-    return None if text is None else rf"$\displaystyle {text}$"
+def _term(blade: str, value: Any) -> str:
+    size, vector = number_text(abs(float(value)), _DIGITS), blade_text(blade)
+    if vector and size == "1":
+        return vector
+    return size + (rf"\,{vector}" if vector else "")
 
 
 def _vector(name: str) -> str:
