@@ -34,7 +34,6 @@ def compile(
     Raises:
         ScriptError: what is wrong with the script, and where.
         ValueError: a function that cannot be traced, blades for a script.
-        ModuleNotFoundError: without CasADi.
 
     >>> from motorcade.ga import compile
     >>> area = compile("?area = (x*e1) ^ (y*e2);")

@@ -10,7 +10,7 @@ from typing import Any, overload
 from motorcade.ga.algebra import CGA3, Algebra, Multivector
 from motorcade.ga.codegen.derivatives import Jacobian
 from motorcade.ga.codegen.expressions import component_name
-from motorcade.ga.codegen.programs import Program, checked_identifier, program_of
+from motorcade.ga.codegen.programs import Program, checked_identifier, program_of, symbols_of
 from motorcade.ga.codegen.runtime.evaluator import Evaluator
 from motorcade.ga.codegen.tape import Operand
 
@@ -113,6 +113,7 @@ class CompiledFunction:
 
         Raises:
             ValueError: no parameter of that name.
+            ModuleNotFoundError: without CasADi, which differentiates.
         """
         return Jacobian(self.program, parameter, self.single)
 
@@ -162,9 +163,7 @@ def compile_function(
     """
     name = checked_identifier(function.__name__, "function")
     inputs = _inputs(name, function, blades)
-    import casadi as ca
-
-    symbols = [ca.SX.sym(operand.name, operand.width) for operand in inputs]
+    symbols = symbols_of(inputs)
     made = _traced(
         name,
         function,

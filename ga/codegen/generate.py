@@ -59,7 +59,6 @@ def generate(
         ScriptError: what is wrong with the script, and where.
         ValueError: names that the target keeps for itself, a script without outputs, anything
             above that is not known or that the target does not have.
-        ModuleNotFoundError: another strategy than ``program``, without CasADi.
     """
     write = TARGETS[_one_of("target", target, TARGETS)]
     _one_of("strategy", strategy, ["program", *STRATEGIES])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
@@ -12,7 +12,7 @@ from typing import Any
 from motorcade.ga.algebra import Algebra, Multivector
 from motorcade.ga.codegen.passes.optimize import optimized
 from motorcade.ga.codegen.passes.stats import PassStats
-from motorcade.ga.codegen.recorder import Symbol, recorded_symbols, tape_of_symbols
+from motorcade.ga.codegen.recorder import recorded_symbols, tape_of_symbols
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.trace import tape_of
 from motorcade.ga.script import Script, evaluate
@@ -70,21 +70,24 @@ def compile_script(script: Script, name: str, algebra: Algebra | None = None) ->
     checked_identifier(name, "name")
     chosen = algebra_of(script, algebra)
     free = [checked_identifier(variable, "variable") for variable in free_variables(script, chosen)]
-    symbols = _symbols(free)
-    outputs = evaluate(script, algebra, **symbols)
+    inputs = tuple(Operand(variable, ("1",)) for variable in free)
+    symbols = symbols_of(inputs)
+    given = {variable: symbol[0] for variable, symbol in zip(free, symbols, strict=True)}
+    outputs = evaluate(script, algebra, **given)
     if not outputs:
         raise ValueError(f"{name}: expected a script with outputs, got none: mark them with ?")
-    inputs = tuple(Operand(variable, ("1",)) for variable in free)
-    return program_of(name, chosen, inputs, list(symbols.values()), outputs)
+    return program_of(name, chosen, inputs, symbols, outputs)
 
 
-def _symbols(variables: list[str]) -> dict[str, Any]:
-    """CasADi's symbols, which know more rules of algebra; ours where it is not installed."""
+def symbols_of(inputs: Sequence[Operand]) -> list[Any]:
+    """A vector of symbols for each input: CasADi's, which know more rules of algebra, if it is
+    installed, otherwise ours.
+    """
     if find_spec("casadi") is None:
-        return recorded_symbols(variables)
+        return list(recorded_symbols(inputs))
     import casadi as ca
 
-    return {variable: ca.SX.sym(variable) for variable in variables}
+    return [ca.SX.sym(operand.name, operand.width) for operand in inputs]
 
 
 def checked_identifier(name: str, field: str) -> str:
@@ -102,7 +105,7 @@ def program_of(
     name: str,
     algebra: Algebra,
     inputs: tuple[Operand, ...],
-    symbols: list[Any],
+    symbols: Sequence[Any],
     outputs: Mapping[str, Multivector],
 ) -> Program:
     """The program of multivectors over symbols; `symbols` has one vector of them an input."""
@@ -111,8 +114,9 @@ def program_of(
         kept = [(blade, value) for blade, value in made.items() if not _is_zero(value)]
         operands.append(Operand(output, tuple(blade for blade, _ in kept)))
         rows.append([value for _, value in kept])
-    if find_spec("casadi") is None or any(isinstance(symbol, Symbol) for symbol in symbols):
-        tape = tape_of_symbols(inputs, tuple(operands), symbols, rows)
+    # Without inputs nothing tells whose symbols they are, and there are numbers alone.
+    if not symbols or isinstance(symbols[0], list):
+        tape = tape_of_symbols(inputs, tuple(operands), rows)
     else:
         tape = tape_of(name, inputs, tuple(operands), symbols, rows)
     _check_finite(name, tape)

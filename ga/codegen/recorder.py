@@ -6,7 +6,7 @@ but this package is needed to record a script. What depends on the value of one 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -90,10 +90,25 @@ class Symbol:
         """The square root."""
         return _operation("sqrt", self)
 
+    def is_constant(self) -> bool:
+        """Whether it is a number, whatever the variables are."""
+        return self.builder.nodes[self.node].op == "const"
+
     def is_zero(self) -> bool:
         """Whether it is the number 0, whatever the variables are."""
+        return self.is_constant() and self.builder.nodes[self.node].value == 0.0
+
+    def __float__(self) -> float:
+        if not self.is_constant():
+            raise TypeError("the value of a symbol is not known while it is recorded")
+        return self.builder.nodes[self.node].value
+
+    def __repr__(self) -> str:
         node = self.builder.nodes[self.node]
-        return node.op == "const" and node.value == 0.0
+        if node.op == "const":
+            return repr(node.value)
+        name, component = node.source
+        return f"{name}{component or ''}" if node.op == "input" else f"{node.op} at {self.node}"
 
     @staticmethod
     def scalar_functions() -> Any:
@@ -101,29 +116,94 @@ class Symbol:
         return _FUNCTIONS
 
 
-def recorded_symbols(variables: Sequence[str]) -> dict[str, Symbol]:
-    """A symbol for each variable, all of one tape.
+def recorded_symbols(inputs: Sequence[Operand]) -> list[list[Symbol]]:
+    """The symbols of each input, one a component, all of one tape.
 
     >>> from motorcade.ga.codegen.recorder import recorded_symbols, tape_of_symbols
     >>> from motorcade.ga.codegen.tape import Operand
-    >>> x = recorded_symbols(["x"])["x"]
-    >>> operands = (Operand("x", ("1",)),), (Operand("y", ("1",)),)
-    >>> tape_of_symbols(*operands, [x], [[x * x + 1.0]]).operations()
+    >>> inputs, outputs = (Operand("x", ("1",)),), (Operand("y", ("1",)),)
+    >>> ((x,),) = recorded_symbols(inputs)
+    >>> tape_of_symbols(inputs, outputs, [[x * x + 1.0]]).operations()
     {'add': 1, 'mul': 1}
     """
     builder = TapeBuilder()
-    return {name: Symbol(builder, builder.input(name, 0)) for name in variables}
+    return [
+        [Symbol(builder, builder.input(operand.name, k)) for k in range(operand.width)]
+        for operand in inputs
+    ]
 
 
 def tape_of_symbols(
-    inputs: tuple[Operand, ...],
-    outputs: tuple[Operand, ...],
-    symbols: Sequence[Symbol],
-    rows: Sequence[Sequence[Any]],
+    inputs: tuple[Operand, ...], outputs: tuple[Operand, ...], rows: Sequence[Sequence[Any]]
 ) -> Tape:
     """The tape of what was made of symbols, and of numbers: one row for each of `outputs`."""
-    builder = symbols[0].builder if symbols else TapeBuilder()
+    made = (value.builder for row in rows for value in row if isinstance(value, Symbol))
+    builder = next(made, None) or TapeBuilder()
     return builder.finished(inputs, outputs, [[_node(builder, v) for v in row] for row in rows])
+
+
+class Scalars:
+    """Symbols of one tape, and what is asked of the scalars that are made of them."""
+
+    def __init__(self) -> None:
+        self._builder = TapeBuilder()
+        self._replaced: dict[int, int] = {}
+
+    def symbol(self, name: str) -> Symbol:
+        """The symbol of this name."""
+        return Symbol(self._builder, self._builder.input(name, 0))
+
+    def replace(self, name: str, value: Any) -> None:
+        """Let a symbol stand for a value from here on, wherever it is `resolved`."""
+        self._replaced[self.symbol(name).node] = _node(self._builder, value)
+
+    def resolved(self, value: Any) -> Any:
+        """A scalar in terms of the symbols that stand for nothing else."""
+        if not isinstance(value, Symbol):
+            return value
+        nodes, done = self._builder.nodes, self._replaced
+        for index in self._below([value], done):
+            node = nodes[index]
+            args = [done[k] for k in node.args]
+            done[index] = self._builder.operation(node.op, *args) if args else index
+        return Symbol(self._builder, done[value.node])
+
+    def names_in(self, values: Iterable[Any]) -> list[str]:
+        """The names of the symbols that scalars are made of, in the order they were made."""
+        nodes = self._builder.nodes
+        below = sorted(self._below([v for v in values if isinstance(v, Symbol)], {}))
+        return [nodes[k].source[0] for k in below if nodes[k].op == "input"]
+
+    def tape(self, values: Sequence[Any], output: Operand, called: Mapping[str, str]) -> Tape:
+        """The tape of scalars as the components of an output; inputs are `called` otherwise."""
+        builder = TapeBuilder()
+        place: dict[int, int] = {}
+        for index in sorted(self._below([v for v in values if isinstance(v, Symbol)], {})):
+            node = self._builder.nodes[index]
+            if node.op == "input":
+                place[index] = builder.input(called[node.source[0]], 0)
+            elif node.op == "const":
+                place[index] = builder.constant(node.value)
+            else:
+                place[index] = builder.operation(node.op, *(place[k] for k in node.args))
+        row = [place[v.node] if isinstance(v, Symbol) else _node(builder, v) for v in values]
+        inputs = tuple(Operand(name, ("1",)) for name in called.values())
+        return builder.finished(inputs, (output,), [row])
+
+    def _below(self, values: Iterable[Symbol], done: Mapping[int, int]) -> Iterator[int]:
+        """The nodes that values depend on, arguments first, without those that are done."""
+        nodes, seen = self._builder.nodes, set[int]()
+        waiting = [value.node for value in values]
+        while waiting:
+            index = waiting[-1]
+            below = [k for k in nodes[index].args if k not in seen and k not in done]
+            if below and index not in seen:
+                waiting += below
+                continue
+            waiting.pop()
+            if index not in seen and index not in done:
+                seen.add(index)
+                yield index
 
 
 def _operation(op: str, *operands: Any) -> Any:

@@ -24,7 +24,6 @@ from motorcade.ga.codegen.targets.shared.c_family import (
     indented,
 )
 from motorcade.ga.codegen.targets.shared.text import description
-from motorcade.ga.codegen.trace import tape_of
 from motorcade.ga.script import Script
 
 # How C joins two scalars; of other operations on one nothing is left but its sign.
@@ -162,14 +161,12 @@ class CallWriter(ABC):
 
     def _given(self, number: int, step: Step) -> list[str]:
         """A multivector by its coefficients; what they share has a name of its own."""
-        symbols = [symbol for symbol, _ in step.reads]
-        texts = [
-            self._inputs[symbol.name()] if read is None else self.read(*read)
-            for symbol, read in step.reads
-        ]
-        operands = tuple(Operand(text, ("1",)) for text in texts)
+        texts = {
+            name: self._inputs[name] if read is None else self.read(*read)
+            for name, read in self.record.reads(step).items()
+        }
         out = Operand("out", tuple(map(self.algebra.blade_name, step.masks)))
-        tape = tape_of(self.name, operands, (out,), symbols, [step.scalars])
+        tape = self.record.scalars.tape(step.scalars, out, texts)
         written = statements(tape, self.dialect, frozenset(self._taken))
         self._taken.update(statement.name for statement in written.body)
         lines = []

@@ -2,18 +2,19 @@
 
 The record keeps products, sums, reverses and parts of multivectors whole, as the generators that
 write one call an operation see them, while `program` flattens them to scalars. What is computed
-between scalars (functions, choices, closed forms) is kept as CasADi expressions of coefficients.
+between scalars (functions, choices, closed forms) is kept as expressions of coefficients.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from motorcade.ga.algebra import Algebra, Multivector
 from motorcade.ga.algebra.products import Masks
 from motorcade.ga.algebra.scalars import is_numeric
+from motorcade.ga.codegen.recorder import Scalars
 from motorcade.ga.script import Script, evaluate
 
 
@@ -37,26 +38,23 @@ class Step:
         """Whether the result is a number."""
         return self.masks == (0,)
 
-    @property
-    def reads(self) -> list[tuple[Any, tuple[int, int] | None]]:
-        """The symbols in `scalars`: step and blade of a coefficient, None for a free variable."""
-        import casadi as ca
-
-        symbols = ca.symvar(ca.vertcat(ca.SX(0, 1), *map(ca.SX, self.scalars)))
-        return [(symbol, _coefficient(symbol.name())) for symbol in symbols]
-
 
 @dataclass(frozen=True)
 class Record:
     """The steps that a script needs, by number in their order; `outputs` name those they are.
 
-    An output that vanishes has no step. `inputs` are the CasADi symbols of the free variables.
+    An output that vanishes has no step. `inputs` are the free variables.
     """
 
     algebra: Algebra
-    inputs: dict[str, Any]
+    inputs: tuple[str, ...]
     steps: dict[int, Step]
     outputs: dict[str, int | None]
+    scalars: Scalars
+
+    def reads(self, step: Step) -> dict[str, tuple[int, int] | None]:
+        """The symbols in a step's scalars: step and blade of a coefficient, None of a variable."""
+        return {name: _coefficient(name) for name in self.scalars.names_in(step.scalars)}
 
 
 def record(script: Script, algebra: Algebra, variables: Iterable[str]) -> Record:
@@ -65,14 +63,14 @@ def record(script: Script, algebra: Algebra, variables: Iterable[str]) -> Record
     Raises:
         ScriptError: whatever `evaluate` refuses.
     """
-    import casadi as ca
-
     recording = _Recording(algebra)
-    inputs = {name: ca.SX.sym(name) for name in variables}
+    inputs = {name: recording.scalars.symbol(name) for name in variables}
     made = evaluate(script, recording, **inputs)
     made = {name: recording.trimmed(x) for name, x in made.items()}
     outputs = {name: recording.lifted(x).step if x.masks else None for name, x in made.items()}
-    return Record(algebra, inputs, _needed(recording.steps, outputs.values()), outputs)
+    everything = dict(enumerate(recording.steps))
+    whole = Record(algebra, tuple(inputs), everything, outputs, recording.scalars)
+    return replace(whole, steps=_needed(whole))
 
 
 def _coefficient(name: str) -> tuple[int, int] | None:
@@ -81,28 +79,29 @@ def _coefficient(name: str) -> tuple[int, int] | None:
     return (int(step), int(mask)) if mask else None
 
 
-def _needed(steps: list[Step], results: Iterable[int | None]) -> dict[int, Step]:
-    """The steps that the results come from, in their order."""
-    wanted = {number for number in results if number is not None}
-    for number in reversed(range(len(steps))):
+def _needed(record: Record) -> dict[int, Step]:
+    """The steps that the outputs come from, in their order."""
+    wanted = {number for number in record.outputs.values() if number is not None}
+    for number in reversed(record.steps):
         if number in wanted:
-            wanted.update(steps[number].args)
-            wanted.update(read[0] for _, read in steps[number].reads if read is not None)
-    return {number: steps[number] for number in sorted(wanted)}
+            step = record.steps[number]
+            wanted.update(step.args)
+            wanted.update(read[0] for read in record.reads(step).values() if read is not None)
+    return {number: record.steps[number] for number in sorted(wanted)}
 
 
 class _Recording(Algebra):
     """An algebra whose multivectors of symbols are `_Recorded`; those of numbers stay plain.
 
-    `flat` has what each coefficient of each step comes to in terms of the inputs.
+    The symbol of each coefficient of each step stands for what it comes to in terms of the inputs.
     """
 
-    __slots__ = ("flat", "steps")
+    __slots__ = ("scalars", "steps")
 
     def __init__(self, plain: Algebra) -> None:
         self._set_like(plain)
         self.steps: list[Step] = []
-        self.flat: dict[str, Any] = {}
+        self.scalars = Scalars()
 
     def multivector(self, coefficients: Mapping[str, Any]) -> Multivector:
         """The multivector with these coefficients, written down where it holds symbols."""
@@ -113,7 +112,7 @@ class _Recording(Algebra):
         """The multivector itself, or one that is made of scalars in a step of its own."""
         if isinstance(x, _Recorded):
             return x
-        flat = Multivector._trusted(self, x.masks, self._flattened(x.values))
+        flat = Multivector._trusted(self, x.masks, map(self.scalars.resolved, x.values))
         return self.written("given", (), flat, x.values)
 
     def trimmed(self, x: Multivector) -> Multivector:
@@ -127,25 +126,12 @@ class _Recording(Algebra):
         self, op: str, args: tuple[int, ...], flat: Multivector, scalars: tuple[Any, ...] = ()
     ) -> _Recorded:
         """Write a step down; its result."""
-        import casadi as ca
-
-        symbols = tuple(ca.SX.sym(f"{len(self.steps)} {mask}") for mask in flat.masks)
-        for symbol, value in zip(symbols, flat.values, strict=True):
-            self.flat[symbol.name()] = value
-        made = _Recorded(self, symbols, flat, len(self.steps))
+        names = [f"{len(self.steps)} {mask}" for mask in flat.masks]
+        for name, value in zip(names, flat.values, strict=True):
+            self.scalars.replace(name, value)
+        made = _Recorded(self, tuple(map(self.scalars.symbol, names)), flat, len(self.steps))
         self.steps.append(Step(op, args, flat.masks, scalars))
         return made
-
-    def _flattened(self, values: tuple[Any, ...]) -> list[Any]:
-        """Scalars in terms of the inputs alone."""
-        import casadi as ca
-
-        scalars = ca.vertcat(*map(ca.SX, values))
-        used = [symbol for symbol in ca.symvar(scalars) if symbol.name() in self.flat]
-        replaced = [ca.SX(self.flat[symbol.name()]) for symbol in used]
-        if used:
-            scalars = ca.substitute(scalars, ca.vertcat(*used), ca.vertcat(*replaced))
-        return [scalars[k] for k in range(len(values))]
 
 
 class _Recorded(Multivector):

@@ -13,6 +13,7 @@ from motorcade.ga.codegen import programs
 from motorcade.ga.codegen.interpret import run_tape
 from motorcade.ga.codegen.programs import Program, compile_script
 from motorcade.ga.codegen.recorder import Symbol, recorded_symbols
+from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.script import evaluate, parse
 from tests.ga.codegen.targets.conftest import scripts
 
@@ -84,6 +85,93 @@ def test_nothing_of_casadi_is_loaded_and_every_target_is_written(tmp_path: Path)
     assert int(done.stdout) >= 12
 
 
+BRANCHES = """
+k = 0;
+loop { if (k == 2) { break; } k = k + 1; }
+if (x < y && k > 1) { v = x*e1; } else { v = y*e2 + k*e1; }
+if (0*x + 1 > 0) { w = 1; } else { w = 2; }
+?v; ?w;
+"""
+
+
+@pytest.mark.parametrize(("x", "y"), [(1.0, 2.0), (2.0, 1.0)])
+def test_branches_are_recorded(recorded: Callable[[str], Program], x: float, y: float) -> None:
+    made, expected = (
+        computed(recorded(BRANCHES), {"x": x, "y": y}),
+        evaluate(parse(BRANCHES), x=x, y=y),
+    )
+    for name, wanted in expected.items():
+        assert made[name].isclose(wanted)
+
+
+def alone(code: str, folder: Path) -> str:
+    """What Python code prints where CasADi cannot be imported."""
+    (folder / "blocked.py").write_text(f"import sys\nsys.modules['casadi'] = None\n{code}")
+    done = subprocess.run(
+        [sys.executable, "blocked.py"], cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_functions_are_compiled_without_casadi(tmp_path: Path) -> None:
+    made = alone(
+        """
+import numpy as np
+from motorcade.ga import CGA3, compile
+from motorcade.ga.codegen import compile_function, program
+motor = "1 e2^e3 e3^e1 e1^e2 e1^einf e2^einf e3^einf e1^e2^e3^einf"
+
+@program(point="e1 e2 e3 e0 einf", motor=motor)
+def moved(point, motor, angle):
+    turned = motor.sandwich(point)
+    return {"at": turned, "half": (0.5*angle*CGA3.blade("e1^e2")).exp() * motor}
+
+rng = np.random.default_rng(1)
+point, versor = rng.normal(size=5), rng.normal(size=8)
+made = moved.arrays(point, versor, 0.3)
+x = CGA3.multivector(dict(zip("e1 e2 e3 e0 einf".split(), point)))
+m = CGA3.multivector(dict(zip(motor.split(), versor)))
+same = m.sandwich(x)
+blades = moved.program.tape.outputs[0].components
+print(np.allclose(made["at"], [same[blade] for blade in blades]))
+def square(a):
+    return a * a
+
+print(compile_function(square, a="e1 e2").arrays(np.array([3.0, 4.0])))
+print(compile("?a = abs(x*e1 + 2*e2);")(x=1.5)["a"]["1"])
+
+def branched(a):
+    return a if a.values[0] > 0 else -a
+
+try:
+    program(branched)
+except ValueError as refused:
+    print(refused)
+""",
+        tmp_path,
+    )
+    assert made.splitlines()[:3] == ["True", "25.0", "2.5"]
+    assert "expected the same operations for all values, got a branch on one" in made
+
+
+def test_strategies_need_no_casadi(tmp_path: Path) -> None:
+    text = "m = exp(x*e1^e2); ?a = m*(y*e1 + e2*z)*~m; ?b = abs(a)*step(w); ?c = *a . e1;"
+    (tmp_path / "scene.clu").write_text(text)
+    use = """
+from pathlib import Path
+from motorcade.ga.codegen.generate import STRATEGIES, generate
+for strategy in STRATEGIES:
+    files = generate(Path('scene.clu'), strategy=strategy).files
+    print(strategy, 'void scene(' in files['scene.c'])
+"""
+    assert set(alone(use, tmp_path).splitlines()) == {
+        "table True",
+        "table-code True",
+        "product True",
+    }
+
+
 def test_mistakes_are_those_of_scripts(recorded: Callable[[str], Program]) -> None:
     with pytest.raises(ValueError, match="scene: expected finite values, got nan"):
         recorded("?a = x + log(0*x - 1);")
@@ -94,7 +182,7 @@ def test_mistakes_are_those_of_scripts(recorded: Callable[[str], Program]) -> No
 
 
 def test_a_symbol_is_a_scalar_and_has_no_truth_value() -> None:
-    x, y = recorded_symbols(["x", "y"]).values()
+    ((x, y),) = recorded_symbols([Operand("v", ("e1", "e2"))])
     assert (x - x).is_zero()
     assert not (x - y).is_zero()
     assert isinstance(np.float64(2.0) * x, Symbol)
@@ -104,3 +192,7 @@ def test_a_symbol_is_a_scalar_and_has_no_truth_value() -> None:
             ask()
     with pytest.raises(TypeError):
         x + "text"
+    with pytest.raises(TypeError, match="the value of a symbol is not known"):
+        float(x)
+    assert float(x - x + 2.0) == 2.0
+    assert [repr(one) for one in (x, y, x - x)] == ["v", "v1", "0.0"]
