@@ -94,15 +94,22 @@ def in_c(write: Callable[[Prepared], dict[str, str]]) -> Callable[[list[Prepared
     def run(programs: list[Prepared], folder: Path) -> Results:
         if COMPILER is None:
             return {one.case.name: "no C compiler" for one in programs}
+        made: Results = {}
         for one in programs:
-            for file, text in write(one).items():
+            try:
+                files = write(one)
+            except ValueError as refused:
+                made[one.case.name] = str(refused)
+                continue
+            for file, text in files.items():
                 (folder / file).write_text(text)
         library = folder / "all.so"
         sources = sorted(str(path) for path in folder.glob("*.c"))
         build = [COMPILER, "-std=c99", "-O1", "-shared", "-fPIC", *sources, "-lm"]
         subprocess.run([*build, "-o", str(library)], check=True)
         functions = ctypes.CDLL(str(library))
-        return {one.case.name: _called(functions, one) for one in programs}
+        written = [one for one in programs if one.case.name not in made]
+        return made | {one.case.name: _called(functions, one) for one in written}
 
     return run
 

@@ -1,4 +1,4 @@
-"""Random scripts compute what the library clifford computes, evaluated and in every target."""
+"""Random scripts compute what the library clifford and a second reading of them compute."""
 
 import pytest
 
@@ -7,6 +7,8 @@ pytest.importorskip("clifford", reason="the witness clifford is not installed")
 
 from tests.ga.gaalop.__main__ import MISSING, differences
 from tests.ga.gaalop.scripts import difference, directly
+from tests.ga.programs.__main__ import TOO_LARGE
+from tests.ga.programs.grammar import VOLUMES, grammar_cases
 from tests.ga.programs.random_scripts import ALGEBRAS, random_cases
 
 
@@ -16,6 +18,25 @@ def test_random_scripts_evaluate_to_what_clifford_computes(name: str) -> None:
     assert {case.text: difference(case, directly(case)) for case in cases} == dict.fromkeys(
         (case.text for case in cases), ""
     )
+
+
+@pytest.mark.parametrize("name", list(VOLUMES))
+def test_scripts_of_the_whole_language_evaluate_to_what_a_second_reading_computes(
+    name: str,
+) -> None:
+    cases = grammar_cases(name, 25, 2)
+    assert {case.text: difference(case, directly(case)) for case in cases} == dict.fromkeys(
+        (case.text for case in cases), ""
+    )
+
+
+@pytest.mark.slow
+def test_scripts_of_the_whole_language_compute_the_same_in_every_target() -> None:
+    cases = [case for name in VOLUMES for case in grammar_cases(name, 10, 3)]
+    for target, told in differences(cases):
+        told = {name: why for name, why in told.items() if not why.startswith(TOO_LARGE)}
+        if not any(why.startswith(MISSING) for why in told.values()):
+            assert told == {}, target
 
 
 @pytest.mark.slow
