@@ -13,7 +13,7 @@ from motorcade.ga.codegen.targets import TARGETS
 from motorcade.ga.codegen.targets.names import file_identifier
 from motorcade.ga.files import read_bounded
 from motorcade.ga.script import Script, parse
-from motorcade.ga.script.meaning import algebra_named
+from motorcade.ga.script.meaning import with_algebra
 from motorcade.ga.script.reading.lexer import MAX_SCRIPT_CHARACTERS
 
 _LONGEST_CHARACTER_BYTES = 4
@@ -52,10 +52,11 @@ def generate(
         target: one of `TARGETS`.
         strategy: ``program``, or one of `STRATEGIES` for the target ``c``.
         precision: float32 or float64; each target's own if None.
-        algebra: as a pragma names it, for scripts that do not say theirs; cga3 if None.
+        algebra: as a pragma names it, or the path of a definition that ends in .toml, for scripts
+            that do not say theirs; cga3 if None.
 
     Raises:
-        FileError: the file cannot be read, or is too large.
+        FileError: the file, or an algebra's, cannot be read, is too large or wrong.
         ScriptError: what is wrong with the script, and where.
         ValueError: names that the target keeps for itself, a script without outputs, anything
             above that is not known or that the target does not have.
@@ -65,10 +66,11 @@ def generate(
     if strategy != "program" and target != "c":
         raise ValueError(f"target {target}: expected the strategy program, got {strategy}")
     kind = None if precision is None else _precision(precision)
-    basis = None if algebra is None else algebra_named(algebra)
     name = _function_name(path)
     script = read_script(path)
-    program = compile_script(script, name, basis)
+    if algebra is not None:
+        script = with_algebra(script, algebra)
+    program = compile_script(script, name)
     if strategy == "program":
         return Generated(program, write(program, kind))
     return Generated(program, STRATEGIES[strategy](script, program, kind))

@@ -8,6 +8,7 @@ order of the script, those of pragmas last.
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -100,7 +101,43 @@ def algebra_named(name: str) -> Algebra:
     if re.fullmatch(r"[0-9]{1,3}( +[0-9]{1,3}){2}", name, re.ASCII):
         p, q, r = map(int, name.split())
         return Algebra(p, q, r)
-    raise ValueError(f"algebra: expected {', '.join(known)} or a signature P Q R, got {name!a}")
+    raise ValueError(
+        f"algebra: expected {', '.join(known)} or a signature P Q R, got {name[:80]!a}"
+    )
+
+
+def with_algebra(script: Script, name: str) -> Script:
+    """The script in an algebra: as if it said so itself, but that a file may lie anywhere.
+
+    Args:
+        script: from `parse`.
+        name: as `algebra_named` takes it, or the path of a definition, which ends in .toml.
+
+    Raises:
+        FileError: a definition, or its macros, that cannot be read or are wrong, and which field.
+        ScriptError: what is wrong with its macros.
+        ValueError: neither a name nor a signature nor such a path.
+
+    >>> from motorcade.ga.script import evaluate, parse
+    >>> from motorcade.ga.script.meaning import with_algebra
+    >>> evaluate(with_algebra(parse("?square = e4*e4;"), "sta"))["square"]["1"]
+    -1.0
+    """
+    if not name.endswith(".toml"):
+        try:
+            algebra_named(name)
+        except ValueError as refused:
+            hint = "a definition of one's own is a file that ends in .toml"
+            raise ValueError(f"{refused}; {hint}") from None
+        p, q, r = map(int, name.split()) if " " in name else (0, 0, 0)
+        pragma = AlgebraPragma(Place(1, 1), "" if " " in name else name, (p, q, r), given=True)
+        return replace(script, pragmas=(pragma, *script.pragmas))
+    path = Path(name)
+    # What the user points to by a link is meant, and its macros lie beside what that leads to.
+    path = path.resolve() if path.is_symlink() else path
+    _read(path.parent, path.name)
+    pragma = AlgebraPragma(Place(1, 1), path.name, (0, 0, 0), given=True, folder=path.parent)
+    return replace(script, pragmas=(pragma, *script.pragmas))
 
 
 def _pragma_definition(script: Script, pragma: AlgebraPragma) -> AlgebraDefinition:
@@ -109,7 +146,7 @@ def _pragma_definition(script: Script, pragma: AlgebraPragma) -> AlgebraDefiniti
         if not pragma.name:
             return definition_of(Algebra(*pragma.signature))
         if pragma.name.endswith(".toml"):
-            return _read(script.folder, pragma.name)
+            return _read(pragma.folder if pragma.given else script.folder, pragma.name)
     except ScriptError:
         raise
     except ValueError as refused:

@@ -359,7 +359,7 @@ class Run:
 
 def _names_gaalop(script: Script, definition: AlgebraDefinition) -> bool:
     """Whether a script names its algebra as Gaalop does, and so may come from there."""
-    said = [pragma.name for pragma in script.pragmas if isinstance(pragma, AlgebraPragma)]
+    said = [p.name for p in script.pragmas if isinstance(p, AlgebraPragma) and not p.given]
     return bool(definition.names) and definition.names[0] in said
 
 

@@ -16,12 +16,14 @@ from pathlib import Path
 from typing import Any
 
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra
+from motorcade.ga.algebra.signature import MAX_DIMENSION
 from motorcade.ga.files import FileError, read_bounded
 from motorcade.ga.script.reading.imports import MAX_IMPORTED_BYTES, path_below, text_of
 from motorcade.ga.script.reading.parser import parse
 from motorcade.ga.script.reading.syntax import Macro, Script
 
 MAX_DEFINITION_BYTES = 100_000
+MAX_NAME = 64
 Macros = Mapping[tuple[str, int], Macro]
 _TABLES = ("names", "squares", "null_pairs", "named", "macros")
 _KNOWN = {algebra: algebra for algebra in (CGA3, EGA3, PGA3)}
@@ -116,21 +118,39 @@ def read_definition(folder: Path | None, file: str) -> AlgebraDefinition:
 def _definition(folder: Path, said: dict[str, Any]) -> AlgebraDefinition:
     unknown = [name for name in said if name not in _TABLES]
     if unknown:
-        raise ValueError(f"expected the tables {', '.join(_TABLES)}, got also {unknown[0][:40]!a}")
-    squares, named = said.get("squares"), said.get("named")
+        raise ValueError(f"expected the fields {', '.join(_TABLES)}, got also {unknown[0][:40]!a}")
+    squares: Any = said.get("squares")
+    named = said.get("named")
     names, pairs = said.get("names", []), said.get("null_pairs", [])
     macros = said.get("macros", "")
-    if not isinstance(squares, dict) or not isinstance(named, dict | None):
-        raise ValueError("squares and named: expected tables by the names of vectors")
-    if not _texts(names) or not isinstance(macros, str):
-        raise ValueError("names: expected a list of names, and macros the name of a file")
-    if not isinstance(pairs, list) or not all(_texts(p) and len(p) == 2 for p in pairs):
-        raise ValueError("null_pairs: expected a list of pairs of names")
-    if named is not None and not all(isinstance(parts, dict) for parts in named.values()):
-        raise ValueError("named: expected numbers by basis vectors for each name")
+    _expect(isinstance(squares, dict), "squares", "1, -1 or 0 by basis vector", squares)
+    _expect(isinstance(named, dict | None), "named", "a table by the new names", named)
+    _expect(_texts(names), "names", "a list of names", names)
+    _expect(isinstance(macros, str), "macros", "the name of a file", macros)
+    _expect(isinstance(pairs, list), "null_pairs", "a list of pairs of names", pairs)
+    for number, pair in enumerate(pairs):
+        two = _texts(pair) and len(pair) == 2
+        _expect(two, f"null_pairs[{number}]", "two names of basis vectors", pair)
+    for name, parts in (named or {}).items():
+        field = f"named.{name[:40]}"
+        _expect(isinstance(parts, dict), field, "numbers by basis vectors", parts)
+    for name in (*squares, *(named or {})):
+        _expect(len(name) <= MAX_NAME, "squares and named", f"names of up to {MAX_NAME}", name)
+    _expect(len(pairs) <= MAX_DIMENSION, "null_pairs", f"at most {MAX_DIMENSION}", len(pairs))
+    if macros:
+        path_below(folder, macros)
     made = Algebra.of(squares, [(o, i) for o, i in pairs], named)
     return AlgebraDefinition(tuple(names), _KNOWN.get(made, made), folder, macros)
 
 
+def _expect(holds: bool, field: str, wanted: str, got: object) -> None:
+    """Refuse a field that is not what it should be."""
+    if not holds:
+        shown = "nothing" if got is None else repr(got)
+        shown = shown if len(shown) <= 60 else f"{shown[:57]}..."
+        raise ValueError(f"{field}: expected {wanted}, got {shown}")
+
+
 def _texts(given: Any) -> bool:
-    return isinstance(given, list) and all(isinstance(item, str) for item in given)
+    texts = isinstance(given, list) and all(isinstance(item, str) for item in given)
+    return texts and all(len(item) <= MAX_NAME for item in given)

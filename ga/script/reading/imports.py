@@ -29,7 +29,7 @@ def path_below(folder: Path | None, file: str) -> Path:
         raise ValueError(f"{file}: only a script that is read from a file names others")
     path = folder / file
     if ".." in Path(file).parts or not path.resolve().is_relative_to(folder.resolve()):
-        raise ValueError(f"{file}: expected a file below the script's folder")
+        raise ValueError(f"{file}: expected a file below the folder of what names it")
     return path
 
 

@@ -173,11 +173,16 @@ class RangePragma:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AlgebraPragma:
-    """``#pragma algebra`` with a name or the name of a file, or with p, q and r."""
+    """``#pragma algebra`` with a name or the name of a file, or with p, q and r.
+
+    `given` says that no text holds it but the caller: a file of that name lies in `folder` then.
+    """
 
     place: Place
     name: str
     signature: tuple[int, int, int]
+    given: bool = False
+    folder: Path | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -6,6 +6,7 @@ import argparse
 import math
 import sys
 from pathlib import Path
+from typing import Any
 
 from motorcade.replays.cli.arguments import Subparsers, new_command
 
@@ -29,7 +30,9 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         help="of free variables; several values with commas draw as many objects, or a path",
     )
     parser.add_argument(
-        "--algebra", metavar="NAME", help="of a script that does not name it (cga3)"
+        "--algebra",
+        metavar="NAME",
+        help="of a script that does not name it: cga3, pga3, … or a definition, FILE.toml (cga3)",
     )
     parser.add_argument(
         "--view",
@@ -70,19 +73,22 @@ def draw_file(arguments: argparse.Namespace) -> None:
     from motorcade.ga.codegen.generate import read_script
     from motorcade.ga.drawing import draw_script
     from motorcade.ga.drawing.writing.view import View
-    from motorcade.ga.script.meaning import algebra_named
+    from motorcade.ga.script.meaning import with_algebra
     from motorcade.replays.files.atomic import write_bytes
 
     given = dict(arguments.values)
     if len(given) < len(arguments.values):
         raise ValueError("NAME=VALUE: expected each variable once")
     view = View(*arguments.view, *arguments.size)
+    script = read_script(arguments.script)
+    if arguments.algebra is not None:
+        script = with_algebra(script, arguments.algebra)
+    values: dict[str, Any] = {n: np.array(v) if len(v) > 1 else v[0] for n, v in given.items()}
     picture = draw_script(
-        read_script(arguments.script),
-        None if arguments.algebra is None else algebra_named(arguments.algebra),
+        script,
         title=arguments.script.stem,
         view=view,
-        **{name: np.array(v) if len(v) > 1 else v[0] for name, v in given.items()},
+        **values,
     )
     texts = {".svg": picture.svg, ".html": picture.html}
     if arguments.output.suffix not in texts:

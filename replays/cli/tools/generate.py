@@ -39,7 +39,8 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--algebra",
         metavar="NAME",
-        help="of a script without algebra pragma: pga3, … or a signature 'P Q R' (cga3)",
+        help="of a script without algebra pragma: pga3, …, a signature 'P Q R', or a definition of "
+        "your own, FILE.toml (cga3)",
     )
     parser.add_argument(
         "--stats", action="store_true", help="operations after each pass, to stderr"

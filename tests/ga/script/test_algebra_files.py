@@ -10,7 +10,7 @@ from motorcade.ga.codegen.generate import read_script
 from motorcade.ga.files import FileError
 from motorcade.ga.script import ScriptError, algebras, evaluate, parse
 from motorcade.ga.script.algebras import definition_of, definitions, read_definition
-from motorcade.ga.script.meaning import algebra_named
+from motorcade.ga.script.meaning import algebra_named, with_algebra
 from motorcade.ga.script.reading.imports import MAX_IMPORT_DEPTH, MAX_IMPORTS
 
 OWN = """
@@ -143,7 +143,7 @@ def test_a_file_is_imported_once_and_knows_the_script(folder: Path) -> None:
         ("#include statements.clu", "macros alone"),
         ("#include bytes.clu", "UTF-8"),
         ("#include wrong.clu", r"wrong\.clu:1:9: expected an expression"),
-        ("#include link.clu", "below the script's folder"),
+        ("#include link.clu", "below the folder of what names it"),
         ("#include deep0.clu", f"{MAX_IMPORT_DEPTH} in each other"),
         ("\n".join(f"#include m{k}.clu" for k in range(40)), f"at most {MAX_IMPORTS} imports"),
         ("#include again.clu\nf = { 2 }", "f is already defined"),
@@ -182,6 +182,50 @@ def test_files_that_cannot_be_used_are_refused(folder: Path, text: str, message:
     (folder / "link.clu").symlink_to(outside)
     with pytest.raises(ScriptError, match=message):
         evaluate(read_script(script(folder, f"{text}\n?x = 1;")))
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("", "the file is empty"),
+        ("squares = 3", "squares: expected 1, -1 or 0 by basis vector, got 3"),
+        ("names = []", "squares: expected 1, -1 or 0 by basis vector, got nothing"),
+        ("squares = { x = 2 }", r"\(squares\): expected 1, -1 or 0 for x, got 2"),
+        ("squares = { x = 1 }\nnamed = 3", "named: expected a table by the new names, got 3"),
+        ("squares = { x = 1 }\nnamed = { y = 3 }", "named.y: expected numbers by basis vectors"),
+        ("squares = { x = 1 }\nmacros = 3", "macros: expected the name of a file, got 3"),
+        ("squares = { x = 1 }\nnames = [3]", "names: expected a list of names, got"),
+        ("squares = { x = 1 }\nnull_pairs = 3", "null_pairs: expected a list of pairs of names"),
+        (
+            'squares = { o = 0 }\nnull_pairs = [["o"]]',
+            r"null_pairs\[0\]: expected two names of basis vectors, got \['o'\]",
+        ),
+        (f"squares = {{ {'x' * 70} = 1 }}", "expected names of up to 64, got 'xxx"),
+        ('squares = { x = 1 }\nmacros = "none.clu"', "none.clu: the file is missing"),
+        ('squares = { x = 1 }\nmacros = "../m.clu"', "expected a file below"),
+        ("x = " + "[" * 5000, "expected TOML"),
+    ],
+)
+def test_the_field_that_is_wrong_is_named(folder: Path, content: str, message: str) -> None:
+    (folder / "mine.toml").write_text(content)
+    with pytest.raises(ValueError, match=message) as refused:
+        with_algebra(parse("?a = 1;"), str(folder / "mine.toml"))
+    assert str(refused.value).startswith(str(folder))
+    assert len(str(refused.value)) < 400
+
+
+def test_an_algebra_is_given_beside_the_script(folder: Path, tmp_path: Path) -> None:
+    text = parse("?a = ring(2, 3); ?c = o2 . i2;")
+    made = evaluate(with_algebra(text, str(folder / "own.toml")))
+    assert dict(made["a"].items()) == {"i1": 1.0, "o1": -2.0, "x": 3.0}
+    (tmp_path / "elsewhere.toml").symlink_to(folder / "own.toml")
+    assert evaluate(with_algebra(text, str(tmp_path / "elsewhere.toml")))["c"]["1"] == -1
+    with pytest.raises(ScriptError, match=r"f\.clu:1:1: expected one algebra, got"):
+        evaluate(with_algebra(parse("#pragma algebra 2d\n?a = 1;", "f.clu"), "3d"))
+    assert evaluate(with_algebra(parse("#pragma algebra 3d\n?a = e1*e1;"), "3 0 0"))["a"]["1"] == 1
+    for name in ("none", "a.tml", "3 0", "17 0 0"):
+        with pytest.raises(ValueError, match=r"algebra: expected|1 to 16 basis vectors"):
+            with_algebra(text, name)
 
 
 def test_a_definition_that_is_too_large_is_refused(folder: Path) -> None:

@@ -105,7 +105,10 @@ def test_an_error_of_the_script_is_shown_at_its_place(
             ["--strategy", "table", "--target", "numpy"],
             "target numpy: expected the strategy program, got table",
         ),
-        (["--algebra", "cga9"], "sta or a signature P Q R, got 'cga9'"),
+        (
+            ["--algebra", "cga9"],
+            "sta or a signature P Q R, got 'cga9'; a definition of one's own is a file",
+        ),
         (["--algebra", "9 9 0"], "got 18"),
         (["-o", "code.h"], "-o code.h: expected a name that ends in .c"),
         (["-o", "."], "-o .: expected a name that ends in .c"),
@@ -181,6 +184,24 @@ def test_the_algebra_can_be_named_or_counted_out(
     squared = made["squared"]
     assert callable(squared)
     assert squared(x=1.0, y=0.0)["s"].get("1", 0.0) == float(square)
+
+
+@pytest.mark.parametrize("strategy", ["program", "table", "product"])
+def test_the_algebra_can_be_a_file(
+    strategy: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "algebras"
+    folder.mkdir()
+    (folder / "mine.toml").write_text('squares = { t = 1, x = -1 }\nmacros = "mine.clu"\n')
+    (folder / "mine.clu").write_text("boost = { exp(_P(1)/2 * x^t) }")
+    path = tmp_path / "moved.clu"
+    path.write_text("?v = boost(a)*t*~boost(a);")
+    assert generate(path, "--algebra", folder / "mine.toml", "--strategy", strategy) == 0
+    assert "moved(" in capsys.readouterr().out
+    (folder / "mine.toml").write_text("squares = { t = 3 }")
+    assert generate(path, "--algebra", folder / "mine.toml") == 1
+    message = capsys.readouterr().err
+    assert "mine.toml: Algebra.of(squares): expected 1, -1 or 0 for t, got 3" in message
 
 
 def test_the_script_is_not_written_over(script: Path, capsys: pytest.CaptureFixture[str]) -> None:
