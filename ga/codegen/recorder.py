@@ -14,6 +14,8 @@ import numpy as np
 
 from motorcade.ga.codegen.tape import Operand, Tape, TapeBuilder, folded
 
+# What comparisons of a symbol with itself come to; CasADi sees that too.
+_OF_EQUALS = {"lt": 0.0, "ne": 0.0, "le": 1.0, "eq": 1.0}
 _BRANCH = "the truth value of a symbol is not known while it is recorded"
 
 
@@ -165,7 +167,7 @@ class Scalars:
         for index in self._below([value], done):
             node = nodes[index]
             args = [done[k] for k in node.args]
-            done[index] = self._builder.operation(node.op, *args) if args else index
+            done[index] = _decided_operation(self._builder, node.op, args) if args else index
         return Symbol(self._builder, done[value.node])
 
     def names_in(self, values: Iterable[Any]) -> list[str]:
@@ -214,7 +216,13 @@ def _operation(op: str, *operands: Any) -> Any:
     if op != "select" and all(builder.nodes[k].op == "const" for k in args):
         value = folded(op, [builder.nodes[k].value for k in args])
         return Symbol(builder, builder.constant(np.nan if value is None else value))
-    return Symbol(builder, builder.operation(op, *args))
+    return Symbol(builder, _decided_operation(builder, op, args))
+
+
+def _decided_operation(builder: TapeBuilder, op: str, args: Sequence[int]) -> int:
+    if op in _OF_EQUALS and args[0] == args[1]:
+        return builder.constant(_OF_EQUALS[op])
+    return builder.operation(op, *args)
 
 
 def _is_number(x: Any) -> bool:

@@ -2,44 +2,33 @@
 
 ``:a;``, ``:a = b^c;`` and ``:b^c;`` are drawn as they are there; ``:Red;`` and ``:Color(1, 0, 0);``
 colour what follows, ``:IPNS;`` and ``:OPNS;`` say whether what follows is read in inner or in outer
-form; before either, in outer form. A script without such marks shows its outputs.
+form; before either, in outer form. In a branch they count where it is taken, for those of several
+values that take it; in a loop in each round. A script without such marks shows its outputs.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
 from typing import Any
 
-from motorcade.ga.algebra import Algebra
+from motorcade.ga.algebra import Algebra, Multivector
 from motorcade.ga.drawing.picture import Drawing, Styled, drawing
 from motorcade.ga.drawing.shapes.reading import Form, shapes_of
 from motorcade.ga.drawing.writing.colors import OBJECT_COLORS, nearest_color
 from motorcade.ga.drawing.writing.view import View
-from motorcade.ga.script import Script, evaluate
+from motorcade.ga.script import Script
+from motorcade.ga.script.meaning import watched
 from motorcade.ga.script.reading.syntax import (
     Assignment,
     Call,
     Expression,
     Mark,
-    Name,
     Number,
     Screen,
-    Statement,
     Unary,
 )
 
+MAX_DRAWN = 1000
 _LARGEST_PART = 255.0
-
-
-@dataclass(frozen=True)
-class _Item:
-    """What a script draws at one place: the output that holds it, and how it looks."""
-
-    output: str
-    name: str
-    color: str | None
-    form: Form
 
 
 def draw_script(
@@ -65,17 +54,15 @@ def draw_script(
     >>> draw_script(parse(text), h=0.5)
     Drawing(s: sphere, plane)
     """
-    items, marked = _marked(script)
-    made = evaluate(marked, algebra, **variables)
-    if not items:
-        items = [_Item(name, name, None, _last_form(script)) for name in made]
+    marked = _Marked(script)
+    made = watched(script, marked, algebra, variables)
+    outputs = [Styled(x, name, None, marked.form) for name, x in made.items()]
     drawn, left_out = [], []
-    for item in items:
-        one = Styled(made[item.output], item.name, item.color, item.form)
+    for one in marked.items or outputs:
         try:
             drawn.append((one, shapes_of(one.value, one.form)))
         except ValueError as refused:
-            left_out.append(f"{item.name or 'an expression'} is not drawn: {refused}")
+            left_out.append(f"{one.name or 'an expression'} is not drawn: {refused}")
     if not drawn:
         raise ValueError(
             f"{script.source.file}: expected something to draw, got none: "
@@ -84,53 +71,40 @@ def draw_script(
     return drawing(drawn, title, view, tuple(left_out))
 
 
-def _marked(script: Script) -> tuple[list[_Item], Script]:
-    """The items, and the script with each of them as an output, of names that no text can have."""
-    items: list[_Item] = []
-    statements: list[Statement] = []
-    form, color = "outer", None
-    for one in _in_order(script):
-        value, name = _drawn(one)
-        if isinstance(one, Screen):
-            form, color, value = _set(one, form, color)
+class _Marked:
+    """What a script draws, each with its name, colour and form, while the script runs."""
+
+    def __init__(self, script: Script) -> None:
+        self._script = script
+        self._color: str | None = None
+        self.form: Form = "outer"
+        self.items: list[Styled] = []
+
+    def __call__(self, step: Assignment | Mark | Screen, value: Multivector | None) -> None:
+        """Take a mark that is run: a word if it has no value."""
+        if value is None:
+            if isinstance(step, Screen):
+                self._set(step)
+            return
+        if len(self.items) >= MAX_DRAWN:
+            raise self._script.source.error(
+                step.place, f"expected at most {MAX_DRAWN} objects to draw", "draw fewer rounds"
+            )
+        name = "" if isinstance(step, Screen) else step.name
+        self.items.append(Styled(value, name, self._color, self.form))
+
+    def _set(self, one: Screen) -> None:
+        """Form and colour after a word for the picture."""
+        if one.word in ("IPNS", "OPNS"):
+            self.form = "inner" if one.word == "IPNS" else "outer"
+        elif one.word == "Color" and isinstance(one.value, Call):
+            parts = [_number(argument) for argument in one.value.arguments[:3]]
+            known = [part for part in parts if part is not None]
+            if len(known) == 3:
+                largest = 1.0 if max(known) <= 1.0 else _LARGEST_PART
+                self._color = nearest_color(*(part / largest for part in known))
         else:
-            statements.append(one)
-        if value is not None:
-            output = f":{len(items)}"
-            items.append(_Item(output, name, color, "inner" if form == "inner" else "outer"))
-            statements.append(Assignment(one.place, "?", output, value))
-    return items, replace(script, statements=tuple(statements), screen=())
-
-
-def _in_order(script: Script) -> Iterator[Statement | Screen]:
-    waiting = list(script.screen)
-    for index, statement in enumerate(script.statements):
-        while waiting and waiting[0].after <= index:
-            yield waiting.pop(0)
-        yield statement
-    yield from waiting
-
-
-def _drawn(one: Statement | Screen) -> tuple[Expression | None, str]:
-    """What a statement draws, by a mark of its own, and its name."""
-    if isinstance(one, Assignment | Mark) and one.mark == ":":
-        return Name(one.place, one.name), one.name
-    return None, ""
-
-
-def _set(one: Screen, form: str, color: str | None) -> tuple[str, str | None, Expression | None]:
-    """Form and colour after a word for the picture, or what is drawn."""
-    if one.word in ("IPNS", "OPNS"):
-        return ("inner" if one.word == "IPNS" else "outer"), color, None
-    if one.word:
-        return form, one.word.lower() if one.word.lower() in OBJECT_COLORS else "black", None
-    if isinstance(one.value, Call) and one.value.name == "Color":
-        parts = [_number(argument) for argument in one.value.arguments[:3]]
-        if len(parts) < 3 or None in parts:
-            return form, color, None
-        largest = 1.0 if max(p for p in parts if p is not None) <= 1.0 else _LARGEST_PART
-        return form, nearest_color(*(p / largest for p in parts if p is not None)), None
-    return form, color, one.value
+            self._color = one.word.lower() if one.word.lower() in OBJECT_COLORS else "black"
 
 
 def _number(value: Expression) -> float | None:
@@ -138,8 +112,3 @@ def _number(value: Expression) -> float | None:
         inside = _number(value.operand)
         return None if inside is None else -inside
     return value.value if isinstance(value, Number) else None
-
-
-def _last_form(script: Script) -> Form:
-    said = [one.word for one in script.screen if one.word in ("IPNS", "OPNS")]
-    return "inner" if said and said[-1] == "IPNS" else "outer"

@@ -6,6 +6,7 @@ is run. Where it differs over a batch, or hangs on symbols, both are, and coeffi
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -53,6 +54,18 @@ def decided(value: Any) -> bool | None:
         return bool(holds.all()) if holds.all() or not holds.any() else None
     holds = value != 0
     return bool(holds.all()) if bool(holds.all()) or not bool(holds.any()) else None
+
+
+def rows_of(x: Multivector, conditions: Sequence[Any]) -> Multivector | None:
+    """Those rows of a batch for which all conditions hold; None where there are none."""
+    held = np.asarray(True)
+    for condition in conditions:
+        held = held & condition
+    shape = np.broadcast_shapes(held.shape, *(np.shape(value) for value in x.values))
+    held = np.broadcast_to(held, shape)
+    if not held.any():
+        return None
+    return x._with(np.broadcast_to(value, shape)[held] for value in x.values)
 
 
 def chosen(algebra: Algebra, condition: Any, then: Multivector, other: Multivector) -> Multivector:

@@ -23,7 +23,7 @@ from motorcade.ga.script.algebras import (
 )
 from motorcade.ga.script.errors import Place, ScriptError
 from motorcade.ga.script.reading.syntax import AlgebraPragma, Script
-from motorcade.ga.script.run import Run, constants_of
+from motorcade.ga.script.run import Run, Watch, constants_of
 from motorcade.ga.script.variables import declared_inputs, free_names
 
 # What other scripts call the null vectors, where they come up as free variables.
@@ -54,11 +54,24 @@ def evaluate(
     >>> evaluate(script, x=3.0)["square"].coefficient("1")
     13.0
     """
+    return watched(script, None, algebra, variables)
+
+
+def watched(
+    script: Script, watch: Watch | None, algebra: Algebra | None, variables: dict[str, Any]
+) -> dict[str, Multivector]:
+    """As `evaluate`; who watches is shown what is marked for a picture as it comes by.
+
+    Raises:
+        ScriptError: what `evaluate` refuses, also in what is drawn.
+        ValueError: as there.
+    """
     definition = definition_for(script, algebra)
     chosen = definition.algebra if algebra is None else algebra
-    given = _given_variables(script, chosen, definition, variables)
+    read = free_names(script, chosen, definition, drawn=watch is not None)
+    given = _given_variables(script, chosen, read, variables)
     with np.errstate(all="ignore"):
-        return Run(script, chosen, definition, given).outputs()
+        return Run(script, chosen, definition, given, watch).outputs()
 
 
 def algebra_of(script: Script, given: Algebra | None = None) -> Algebra:
@@ -190,9 +203,8 @@ def _with_declared(script: Script, algebra: Algebra, read: dict[str, Place]) -> 
 
 
 def _given_variables(
-    script: Script, algebra: Algebra, definition: AlgebraDefinition, variables: dict[str, Any]
+    script: Script, algebra: Algebra, read: dict[str, Place], variables: dict[str, Any]
 ) -> dict[str, Multivector]:
-    read = free_names(script, algebra, definition)
     free = _with_declared(script, algebra, read)
     missing = [name for name in read if name not in variables]
     if missing:

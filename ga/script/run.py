@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
 from motorcade.ga.algebra import Algebra, Multivector
 from motorcade.ga.algebra.scalars import is_numeric
 from motorcade.ga.script.algebras import AlgebraDefinition
-from motorcade.ga.script.branches import COMPARISONS, chosen, compared, decided, truth
+from motorcade.ga.script.branches import chosen, decided, rows_of
 from motorcade.ga.script.budget import Budget
 from motorcade.ga.script.errors import Place, ScriptError, Source
-from motorcade.ga.script.functions import ANY_CASE, FUNCTIONS, Function, is_finite, scalar_of
+from motorcade.ga.script.functions import ANY_CASE, FUNCTIONS, is_finite, scalar_of
 from motorcade.ga.script.macros import Macros
+from motorcade.ga.script.operators import computed, operand_count, operated
 from motorcade.ga.script.reading.syntax import (
     AlgebraPragma,
     Argument,
@@ -31,6 +33,7 @@ from motorcade.ga.script.reading.syntax import (
     Number,
     OutputPragma,
     RangePragma,
+    Screen,
     Script,
     Slice,
     Step,
@@ -39,6 +42,8 @@ from motorcade.ga.script.reading.syntax import (
 )
 
 MAX_MACRO_DEPTH = 32
+# Is shown each mark for the picture where it is run, with its value; None for a word.
+Watch = Callable[[Assignment | Mark | Screen, Multivector | None], None]
 
 
 def constants_of(algebra: Algebra) -> frozenset[str]:
@@ -72,8 +77,10 @@ class Run:
         algebra: Algebra,
         definition: AlgebraDefinition,
         given: dict[str, Multivector],
+        watch: Watch | None = None,
     ) -> None:
         self._script = script
+        self._watch = watch
         self._algebra = algebra
         self._constants = {name: algebra.blade(name) for name in constants_of(algebra)}
         self._values = dict(given)
@@ -81,7 +88,7 @@ class Run:
         self._macros = Macros(script, definition)
         self._budget = Budget()
         self._depth = 0
-        self._undecided = 0
+        self._undecided: list[Any] = []
         self._made: dict[str, Multivector] = {}
         self._gaalop = _names_gaalop(script, definition)
         self._normalized = [p.place for p in script.pragmas if isinstance(p, NormalizePragma)]
@@ -155,25 +162,45 @@ class Run:
                     return True
             elif isinstance(step, Loop):
                 self._loop(step, scope)
+            elif isinstance(step, Screen):
+                self._draw(step, scope)
             else:
                 if isinstance(step, Assignment):
                     self._assign(step, scope)
                 if step.mark == "?":
                     self._output(step, scope)
+                elif step.mark == ":":
+                    self._draw(step, scope)
         return False
+
+    def _draw(self, step: Assignment | Mark | Screen, scope: _Scope) -> None:
+        """Show what is marked to who watches: those rows that come by here; macros draw nothing."""
+        if self._watch is None or scope.macro is not None:
+            return
+        if isinstance(step, Screen):
+            drawn = None if step.word else step.value
+            made = None if drawn is None else self._value(drawn, scope)
+        else:
+            made = self._read_name(Name(step.place, step.name), scope)
+        if made is not None and self._undecided:
+            made = rows_of(made, self._undecided)
+            if made is None:
+                return
+        self._watch(step, made)
 
     def _branch(self, step: If, scope: _Scope) -> bool:
         condition, known = self._condition(step.condition, scope)
         if known is not None:
             return self._run(step.then if known else step.otherwise, scope)
-        self._undecided += 1
         before = dict(scope.names)
+        self._undecided.append(condition != 0)
         self._run(step.then, scope)
         then = dict(scope.names)
         scope.names.clear()
         scope.names.update(before)
+        self._undecided[-1] = condition == 0
         self._run(step.otherwise, scope)
-        self._undecided -= 1
+        self._undecided.pop()
         for name in {**then, **scope.names}:
             if name not in then or name not in scope.names:
                 # What one branch alone has made has no value behind them.
@@ -193,7 +220,7 @@ class Run:
                 return
             rounds += 1
 
-    def _condition(self, condition: Expression, scope: _Scope) -> tuple[object, bool | None]:
+    def _condition(self, condition: Expression, scope: _Scope) -> tuple[Any, bool | None]:
         """The value of a condition, and whether it holds where that is known.
 
         A recorded multivector tells by what it comes to in terms of the inputs, `flat`.
@@ -244,7 +271,7 @@ class Run:
     def _value(self, root: Expression, scope: _Scope) -> Multivector:
         stack: list[Multivector] = []
         for node in postorder(root):
-            taken = _operand_count(node)
+            taken = operand_count(node)
             operands = stack[len(stack) - taken :]
             del stack[len(stack) - taken :]
             over = self._budget.spend(node, operands)
@@ -274,7 +301,7 @@ class Run:
             size = operands[1].reverse_product()
             self._warn_of_parts(node, size, "Gaalop divides right by versors alone", scope)
         try:
-            return self._operated(node, operands)
+            return operated(self._algebra, node, operands)
         except (ValueError, ArithmeticError) as refused:
             raise scope.error(node.place, str(refused)) from refused
 
@@ -307,7 +334,7 @@ class Run:
         if self._gaalop and name in ("exp", "log", "sqrt"):
             self._warn_of_parts(node, operands[0], "Gaalop takes the scalar part alone", scope)
         try:
-            return _computed(found, operands)
+            return computed(found, operands)
         except (ValueError, ArithmeticError) as refused:
             shown = str(refused)
             shown = shown if shown.startswith(f"{name}: ") else f"{name}: {shown}"
@@ -342,20 +369,6 @@ class Run:
         finally:
             self._depth -= 1
 
-    def _operated(self, node: Expression, operands: list[Multivector]) -> Multivector:
-        if isinstance(node, Unary):
-            return self._prefixed(node.operator, operands[0])
-        left, right = operands
-        operator = node.operator if isinstance(node, Binary) else ""
-        if operator in COMPARISONS:
-            return self._algebra.scalar(compared(operator, left, right))
-        return _OPERATIONS[operator](left, right)
-
-    def _prefixed(self, operator: str, x: Multivector) -> Multivector:
-        if operator == "!!":
-            return self._algebra.scalar(1.0 - truth(scalar_of(x)))
-        return ~x if operator == "~" else -x
-
 
 def _names_gaalop(script: Script, definition: AlgebraDefinition) -> bool:
     """Whether a script names its algebra as Gaalop does, and so may come from there."""
@@ -364,27 +377,3 @@ def _names_gaalop(script: Script, definition: AlgebraDefinition) -> bool:
 
 
 _ROUNDS = "how often a loop runs must not depend on symbols, or differ over a batch"
-_OPERATIONS: dict[str, Callable[[Multivector, Multivector], Multivector]] = {
-    "^": lambda left, right: left ^ right,
-    ".": lambda left, right: left | right,
-    "&": lambda left, right: left & right,
-    "<<": lambda left, right: left.left_contraction(right),
-    ">>": lambda left, right: left.right_contraction(right),
-    "/": lambda left, right: left / right,
-    "*": lambda left, right: left * right,
-    "+": lambda left, right: left + right,
-    "-": lambda left, right: left - right,
-}
-
-
-def _operand_count(node: Expression) -> int:
-    if isinstance(node, Call):
-        return len(node.arguments)
-    return 2 if isinstance(node, Binary) else int(isinstance(node, Unary | Slice))
-
-
-def _computed(function: Function, operands: list[Multivector]) -> Multivector:
-    if len(operands) != function.arity:
-        wanted = "one argument" if function.arity == 1 else f"{function.arity} arguments"
-        raise ValueError(f"expected {wanted}, got {len(operands)}")
-    return function.apply(*operands)

@@ -23,6 +23,7 @@ from motorcade.ga.script.reading.syntax import (
     Name,
     NormalizePragma,
     OutputPragma,
+    Screen,
     Script,
     Step,
     Unary,
@@ -34,8 +35,11 @@ from motorcade.ga.script.run import constants_of
 class _Names:
     """Names that a script reads and assigns so far."""
 
-    def __init__(self, constants: frozenset[str], macros: Macros, normalized: list[Place]) -> None:
+    def __init__(
+        self, constants: frozenset[str], macros: Macros, normalized: list[Place], drawn: bool
+    ) -> None:
         self._normalized = normalized
+        self._drawn = drawn
         self.free: dict[str, Place] = {}
         self._constants = constants
         self._known = set(constants)
@@ -62,6 +66,8 @@ class _Names:
                 self.run(step.otherwise)
             elif isinstance(step, Loop):
                 self.run(step.body)
+            elif isinstance(step, Screen) and self._drawn and not step.word and step.value:
+                self._read_all(self._inside([step.value], None))
 
     def _read_all(self, found: Iterator[Name | Macro]) -> None:
         """The names that are read, those of macros where they are called, without recursion."""
@@ -112,10 +118,15 @@ class _Names:
             local.add(assigned)
 
 
-def free_names(script: Script, algebra: Algebra, definition: AlgebraDefinition) -> dict[str, Place]:
-    """Names that need values from outside, in the order of first use, and where that is."""
+def free_names(
+    script: Script, algebra: Algebra, definition: AlgebraDefinition, *, drawn: bool = False
+) -> dict[str, Place]:
+    """Names that need values from outside, in the order of first use, and where that is.
+
+    `drawn`: those too that only what is drawn needs.
+    """
     normalized = [p.place for p in script.pragmas if isinstance(p, NormalizePragma)]
-    names = _Names(constants_of(algebra), Macros(script, definition), normalized)
+    names = _Names(constants_of(algebra), Macros(script, definition), normalized, drawn)
     names.run([step for step in script.statements if not isinstance(step, Macro)])
     for pragma in script.pragmas:
         if isinstance(pragma, OutputPragma):

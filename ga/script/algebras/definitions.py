@@ -20,7 +20,7 @@ from motorcade.ga.algebra.signature import MAX_DIMENSION
 from motorcade.ga.files import FileError, read_bounded
 from motorcade.ga.script.reading.imports import MAX_IMPORTED_BYTES, path_below, text_of
 from motorcade.ga.script.reading.parser import parse
-from motorcade.ga.script.reading.syntax import Macro, Script
+from motorcade.ga.script.reading.syntax import Macro, Screen, Script
 
 MAX_DEFINITION_BYTES = 100_000
 MAX_NAME = 64
@@ -61,6 +61,8 @@ class AlgebraDefinition:
 def _macros_of(script: Script) -> dict[tuple[str, int], Macro]:
     made: dict[tuple[str, int], Macro] = {}
     for statement in script.statements:
+        if isinstance(statement, Screen):
+            continue
         if not isinstance(statement, Macro):
             raise script.source.error(statement.place, "expected macros alone in an algebra's file")
         key = (statement.name, statement.arity)

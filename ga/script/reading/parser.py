@@ -4,9 +4,8 @@ A statement is ``name = expression;`` or, with a mark, ``?name = expression;`` o
 ``?`` output, ``!`` evaluate, ``:`` draw. The end of a line ends it too. A macro is ``name = {
 statements; expression }``; its arguments are ``_P(1)``, ``_P(2)``, … Macros do not nest. There are
 ``if (condition) { … } else { … }`` and ``loop { … break; … }``. What CLUCalc and Gaalop write for
-the screen is kept beside the statements: ``:IPNS;``, ``:Red;``, ``:a^b;``; in blocks, and
-``_BGColor = White;`` anywhere, it is read and left out. ``DefVarsN3();`` is the pragma of its
-algebra.
+the screen is a statement too: ``:IPNS;``, ``:Red;``, ``:a^b;``; in macros, and as
+``_BGColor = White;``, it is read and left out. ``DefVarsN3();`` is the pragma of its algebra.
 """
 
 from __future__ import annotations
@@ -23,6 +22,7 @@ from motorcade.ga.script.reading.syntax import (
     Argument,
     Assignment,
     Break,
+    Call,
     Expression,
     If,
     ImportPragma,
@@ -85,8 +85,8 @@ def _parsed(source: Source, folder: Path | None, imports: Imports) -> Script:
             source.warn(pragma.place, pragma.why)
     cursor = Cursor(source, [token for token in tokens if token.kind != "pragma"])
     reader = _Statements(cursor, pragmas)
-    statements = (*macros, *reader.read(len(macros)))
-    return Script(source, statements, tuple(pragmas), tuple(reader.screen), folder)
+    statements = (*macros, *reader.read())
+    return Script(source, statements, tuple(pragmas), folder)
 
 
 def _imported(source: Source, pragma: ImportPragma, imports: Imports) -> list[Macro]:
@@ -97,11 +97,12 @@ def _imported(source: Source, pragma: ImportPragma, imports: Imports) -> list[Ma
             return []
         script = _parsed(found, imports.folder, imports)
         for statement in script.statements:
-            if not isinstance(statement, Macro):
+            if isinstance(statement, Macro):
+                made.append(statement)
+            elif not isinstance(statement, Screen):
                 raise found.error(
                     statement.place, "expected macros alone in a file that is imported"
                 )
-            made.append(statement)
     return made
 
 
@@ -112,18 +113,15 @@ class _Statements:
         self._cursor = cursor
         self._pragmas = pragmas
         self._unrolled = [p for p in pragmas if isinstance(p, UnrollPragma)]
-        self.screen: list[Screen] = []
-        self._above = 0
         self._in_macro = False
         self._blocks = 0
         self._loops = 0
 
-    def read(self, above: int) -> list[Statement]:
-        """All statements of the text; `above` others stand before them."""
+    def read(self) -> list[Statement]:
+        """All statements of the text."""
         cursor = self._cursor
         made: list[Statement] = []
         while cursor.token.kind != "end":
-            self._above = above + len(made)
             if cursor.token.text in _ALGEBRAS and cursor.following.text == "(":
                 self._pragmas.append(_algebra(cursor))
             elif cursor.token.kind == "name" and self._opens_macro():
@@ -136,13 +134,14 @@ class _Statements:
         return self._cursor.following.text == "=" and self._cursor.second.text == "{"
 
     def _step(self) -> list[Step]:
-        """The next statement, if it is one that computes."""
+        """The next statement, if it is one."""
         cursor = self._cursor
         if cursor.at(";"):
             cursor.take()
             return []
-        if self._for_the_screen():
-            return []
+        drawn = self._for_the_screen()
+        if drawn is not None:
+            return drawn
         if cursor.token.kind == "name" and cursor.following.text == "(" and cursor.named("if"):
             return [self._if()]
         if cursor.named("loop") and cursor.following.text == "{":
@@ -206,8 +205,8 @@ class _Statements:
         self._loops -= 1
         return Loop(place, body, said[-1] if said else 0)
 
-    def _for_the_screen(self) -> bool:
-        """Read what only draws, if that is what comes next."""
+    def _for_the_screen(self) -> list[Step] | None:
+        """What only draws, if that is what comes next."""
         cursor = self._cursor
         drawn = cursor.at(":")
         place, word = cursor.token.place, cursor.following.text
@@ -217,23 +216,20 @@ class _Statements:
         elif drawn and word in _SCREEN:
             cursor.take()
             cursor.take()
-            self._keep(Screen(place, word, None, self._above))
             if cursor.at(";"):
                 cursor.take()
-            return True
+            return self._kept(Screen(place, word, None))
         elif drawn and not cursor.named_next(";", "=") and word != ":":
             cursor.take()
         else:
-            return False
+            return None
         value = self._expression()
-        if drawn:
-            self._keep(Screen(place, "", value, self._above))
         cursor.end_statement()
-        return True
+        word = value.name if isinstance(value, Call) and value.name == "Color" else ""
+        return self._kept(Screen(place, word, value)) if drawn else []
 
-    def _keep(self, screen: Screen) -> None:
-        if not self._blocks and not self._in_macro:
-            self.screen.append(screen)
+    def _kept(self, screen: Screen) -> list[Step]:
+        return [] if self._in_macro else [screen]
 
     def _assigned(self) -> Assignment | Mark:
         cursor = self._cursor

@@ -122,7 +122,19 @@ class Break:
     place: Place
 
 
-Step = Assignment | Mark | If | Loop | Break
+@dataclass(frozen=True, eq=False, repr=False)
+class Screen:
+    """``:IPNS;``, ``:Red;`` or ``:Color(1, 0, 0);``: a word for the picture, the call as its value.
+
+    Without a word the value is drawn, as of ``:a^b;``.
+    """
+
+    place: Place
+    word: str
+    value: Expression | None
+
+
+Step = Assignment | Mark | If | Loop | Break | Screen
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -216,19 +228,6 @@ class LeftOutPragma:
     why: str
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Screen:
-    """``:IPNS;``, ``:Red;`` or ``:a^b;``: a word for the picture, or an expression that is drawn.
-
-    `after` counts the statements that stand above it.
-    """
-
-    place: Place
-    word: str
-    value: Expression | None
-    after: int
-
-
 Statement = Step | Macro
 Pragma = (
     OutputPragma
@@ -246,7 +245,6 @@ Pragma = (
 class Script:
     """A parsed script: its statements and pragmas, each in the order of the text.
 
-    `screen` is what it says of a picture beside its marks ``:``; its meaning does not depend on it.
     `folder` is where the files lie that it names, None if it may name none.
 
     >>> from motorcade.ga.script import parse
@@ -257,7 +255,6 @@ class Script:
     source: Source
     statements: tuple[Statement, ...]
     pragmas: tuple[Pragma, ...]
-    screen: tuple[Screen, ...] = ()
     folder: Path | None = None
 
 
@@ -283,7 +280,7 @@ def _operands(node: Expression) -> tuple[Expression, ...]:
 
 
 def expressions_of(steps: Sequence[Step]) -> Iterator[Expression]:
-    """The expressions of statements in their order, those of blocks included."""
+    """The expressions that statements compute, in their order, those of blocks included."""
     for step in steps:
         if isinstance(step, Assignment):
             yield step.value

@@ -88,3 +88,65 @@ def test_mistakes_name_their_place() -> None:
         drawn("?a = 2;")
     with pytest.raises(ValueError, match=r"mark objects with : or \?"):
         drawn("a = 2;")
+
+
+LOOP = """
+k = 0;
+loop {
+    if (k == 3) { break; }
+    if (k == 1) { :Red; } else { :Blue; }
+    :p = VecN3(k, 0, 0);
+    :VecN3(k, 1, 0);
+    k = k + 1;
+}
+"""
+
+
+def places(picture: Drawing) -> list[list[float]]:
+    shapes = [one.shapes[0] for one in picture.objects]
+    return [s.positions.tolist() for s in shapes if isinstance(s, Points)]
+
+
+def test_each_round_of_a_loop_is_drawn() -> None:
+    picture = drawn(LOOP)
+    assert places(picture) == [[[k, y, 0.0]] for k in (0.0, 1.0, 2.0) for y in (0.0, 1.0)]
+    assert [one.name for one in picture.objects] == ["p", ""] * 3
+    assert [one.color for one in picture.objects] == ["blue"] * 2 + ["red"] * 2 + ["blue"] * 2
+
+
+def test_the_branch_that_is_taken_is_drawn() -> None:
+    text = "p = VecN3(x, 0, 0); if (x > 0) { :p; } else { :q = VecN3(x, 1, 0); }"
+    assert places(drawn(text, x=2.0)) == [[[2.0, 0.0, 0.0]]]
+    assert places(drawn(text, x=-2.0)) == [[[-2.0, 1.0, 0.0]]]
+
+
+def test_of_several_values_those_are_drawn_that_take_a_branch() -> None:
+    text = (
+        "p = VecN3(x, 0, 0);\n"
+        "if (x > 0) { :p; if (x > 2) :VecN3(x, 5, 0); } else { :q = VecN3(x, 1, 0); }\n"
+        "if (x > 100 && x < 0) { :p; }"
+    )
+    picture = drawn(text, x=np.array([1.0, -2.0, 3.0, -4.0]))
+    assert [one.name for one in picture.objects] == ["p", "", "q"]
+    assert places(picture) == [
+        [[1.0, 0.0, 0.0], [3.0, 0.0, 0.0]],
+        [[3.0, 5.0, 0.0]],
+        [[-2.0, 1.0, 0.0], [-4.0, 1.0, 0.0]],
+    ]
+
+
+def test_what_branches_draw_changes_nothing_of_what_is_computed() -> None:
+    text = "loop { :gone ^ e1; :Color(none, 1, 2); break; } ?a = x;"
+    assert list(evaluate(parse(text), x=1.0)) == ["a"]
+    with pytest.raises(ScriptError, match=r"scene\.clu:1:9: expected values .* gone, got none"):
+        drawn(text, x=1.0)
+
+
+def test_macros_draw_nothing() -> None:
+    picture = drawn("m = { :k = VecN3(_P(1), 0, 0); :k ^ e1; k } :p = m(1);")
+    assert [one.name for one in picture.objects] == ["p"]
+
+
+def test_so_many_objects_are_refused() -> None:
+    with pytest.raises(ScriptError, match=r"scene\.clu:1:13: expected at most 1000 objects"):
+        drawn("k=0; loop {:e1; if (k == 2000) {break;} k = k + 1;}")
