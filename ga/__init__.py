@@ -27,6 +27,7 @@ from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra, Multivector
 from motorcade.ga.classical import DualQuaternion, EulerPose, QuaternionPose
 from motorcade.ga.compiling import compile
 from motorcade.ga.motion import ScrewPath, SplineSample, TwistSample
+from motorcade.ga.showing import show
 from motorcade.ga.splines import CumulativeBSpline, SimilaritySpline
 from motorcade.ga.trajectory import Trajectory
 from motorcade.ga.versors.averages import blend, mean
@@ -57,4 +58,5 @@ __all__ = [
     "blend",
     "compile",
     "mean",
+    "show",
 ]

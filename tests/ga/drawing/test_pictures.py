@@ -2,8 +2,11 @@
 
 import json
 import re
+import subprocess
+import sys
 import xml.etree.ElementTree as ET
 from html.parser import HTMLParser
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +14,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+import motorcade.ga
 from motorcade.ga import CGA3, Motor
 from motorcade.ga.algebra import conformal
 from motorcade.ga.drawing import Styled, show
@@ -260,3 +264,17 @@ def test_names_that_fit_nowhere_stand_inside_all_the_same() -> None:
     places = [float(x) for x in re.findall(r'<text x="([-\d.]+)"', text)]
     assert len(places) == 3
     assert all(0.0 <= x <= 240.0 - 30 * 7.4 for x in places)
+
+
+def test_show_is_a_name_of_the_room_and_costs_nothing_before_it_is_called() -> None:
+    use = (
+        "import sys, motorcade.ga as ga\n"
+        "assert 'show' in ga.__all__\n"
+        "assert not any(name.startswith('motorcade.ga.drawing') for name in sys.modules)\n"
+        "from motorcade.ga.drawing import show as same\n"
+        "pose = ga.Motor.from_translation([1.0, 2.0, 3.0])\n"
+        "assert ga.show(pose=pose, title='it').svg() == same(pose=pose, title='it').svg()\n"
+    )
+    subprocess.run([sys.executable, "-c", use], check=True)
+    for name in ("title", "view", "form"):
+        assert signature(motorcade.ga.show).parameters[name] == signature(show).parameters[name]
