@@ -30,6 +30,7 @@ from motorcade.ga.script.variables import declared_inputs, free_names
 _CALLED = {
     **dict.fromkeys(("e", "n", "ni"), "the point at infinity is einf"),
     **dict.fromkeys(("no", "nbar"), "the origin is e0"),
+    **dict.fromkeys(("pi", "Pi", "PI"), "the number is acos(-1)"),
     "I": "the pseudoscalar of cga3 is e1^e2^e3^einf^e0, and *x is x/I",
 }
 

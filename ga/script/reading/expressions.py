@@ -218,6 +218,7 @@ class _Reader:
             if binding is not None:
                 self._reduce(binding)
                 self._pending.append(_Pending(cursor.take().place, token.text, binding, 0))
+                self._warn_of_powers(token)
                 return True
             if not (cursor.at(",") or cursor.at(")")):
                 return False
@@ -230,6 +231,19 @@ class _Reader:
                 self._next_argument()
                 return True
             self._close(cursor.take())
+
+    def _warn_of_powers(self, operator: Token) -> None:
+        """Warn of what other languages mean a power by: ``x^2`` is 2 x, ``x**2`` x times a dual."""
+        cursor, (line, column) = self._cursor, operator.place
+        if operator.text == "^" and cursor.token.kind == "number":
+            what = "an outer product, with a number no more than a factor"
+        elif operator.text == "*" and cursor.at("*") and cursor.token.place == (line, column + 1):
+            what = "a product with a dual"
+        else:
+            return
+        cursor.source.warn(
+            operator.place, f"{what}; there are no powers: write x*x, or exp and log"
+        )
 
     def _next_argument(self) -> None:
         opened = self._pending[-1]

@@ -27,6 +27,7 @@ _PATTERN = re.compile(
     r"|(?P<name>(?:::)?[A-Za-z_][A-Za-z_0-9]*)"
     r"|(?P<symbol>[=!<>]=|&&|\|\||!!|<<|>>|[-+*/^.~()=?!:;,{}<>&\[\]])"
 )
+_ALMOST = re.compile(r"//[ \t]+#(?:pragma|include)\b")
 _HINTS = {
     "$": "an output's blades are chosen with #pragma output NAME BLADE …",
     "%": "there is no remainder; write x - y*floor(x/y)",
@@ -71,6 +72,8 @@ def tokenize(source: Source) -> list[Token]:
         if kind in ("newline", "block"):
             line += text.count("\n", position, end)
             start = max(start, text.rfind("\n", position, end) + 1)
+        elif kind == "comment" and _ALMOST.match(found.group()):
+            source.warn(place, "a comment, and no pragma: write //#pragma without a blank")
         elif kind not in ("space", "comment"):
             token = Token(kind, found.group(kind), place)
             tokens.append(_checked(source, token, text[end : end + 1]))

@@ -7,6 +7,7 @@ Geometric Algebra Computing", 2013, chapters 3 and 8, and the macros that Gaalop
 algebra 5d). Blades are read by name, and one that is missing is zero.
 """
 
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -14,7 +15,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga.algebra import Multivector
-from motorcade.ga.script import evaluate, parse
+from motorcade.ga.script import ScriptWarning, evaluate, parse
 
 
 def coefficients(x: Multivector) -> dict[str, float]:
@@ -145,3 +146,29 @@ def test_clifford_finds_the_same_products(operator: str) -> None:
             mask = sum(1 << k - 1 for k in blade)
             value_here = dict(zip(found.masks, found.values, strict=True)).get(mask, 0.0)
             assert value_here / size == pytest.approx(value / size, abs=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "what"),
+    [
+        ("?a = x^2;", "1:7", "an outer product, with a number no more than a factor"),
+        ("?a = (x + e1)^0.5;", "1:14", "there are no powers"),
+        ("?a = x**e1;", "1:7", "a product with a dual; there are no powers"),
+        ("?a = x;\n// #pragma output a e1", "2:1", "a comment, and no pragma"),
+        ("?a = x;\n//\t#include m.clu", "2:1", "a comment, and no pragma"),
+    ],
+)
+def test_what_other_languages_mean_something_else_by_is_warned_of(
+    text: str, place: str, what: str
+) -> None:
+    with pytest.warns(ScriptWarning, match=f"^f.clu:{place}: .*{what}"):
+        parse(text, "f.clu")
+
+
+@pytest.mark.parametrize(
+    "text", ["?a = x^e1;", "?a = x* *e1;", "?a = **e1;", "// a #pragma\n?a=2^x;"]
+)
+def test_what_means_the_same_is_not_warned_of(text: str) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        parse(text)
