@@ -10,11 +10,12 @@ from motorcade.ga.codegen.precision import PRECISIONS, Precision
 from motorcade.ga.codegen.programs import Program, compile_script
 from motorcade.ga.codegen.strategies import product, table, table_code
 from motorcade.ga.codegen.targets import TARGETS
-from motorcade.ga.codegen.targets.names import file_identifier
+from motorcade.ga.codegen.targets.names import RefusedName, file_identifier
 from motorcade.ga.files import read_bounded
 from motorcade.ga.script import Script, parse
 from motorcade.ga.script.meaning import with_algebra
 from motorcade.ga.script.reading.lexer import MAX_SCRIPT_CHARACTERS
+from motorcade.ga.script.variables import first_place
 
 _LONGEST_CHARACTER_BYTES = 4
 MAX_FILE_BYTES = _LONGEST_CHARACTER_BYTES * MAX_SCRIPT_CHARACTERS
@@ -57,8 +58,9 @@ def generate(
 
     Raises:
         FileError: the file, or an algebra's, cannot be read, is too large or wrong.
-        ScriptError: what is wrong with the script, and where.
-        ValueError: names that the target keeps for itself, a script without outputs, anything
+        ScriptError: what is wrong with the script, and where; names that the target keeps for
+            itself.
+        ValueError: a script without outputs, anything
             above that is not known or that the target does not have.
     """
     write = TARGETS[_one_of("target", target, TARGETS)]
@@ -71,9 +73,15 @@ def generate(
     if algebra is not None:
         script = with_algebra(script, algebra)
     program = compile_script(script, name)
-    if strategy == "program":
-        return Generated(program, write(program, kind))
-    return Generated(program, STRATEGIES[strategy](script, program, kind))
+    try:
+        if strategy == "program":
+            return Generated(program, write(program, kind))
+        return Generated(program, STRATEGIES[strategy](script, program, kind))
+    except RefusedName as refused:
+        place = first_place(script, refused.name)
+        if place is None:
+            raise
+        raise script.source.error(place, str(refused)) from None
 
 
 def read_script(path: Path) -> Script:

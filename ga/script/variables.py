@@ -27,6 +27,7 @@ from motorcade.ga.script.reading.syntax import (
     Script,
     Step,
     Unary,
+    expressions_of,
     postorder,
 )
 from motorcade.ga.script.run import constants_of
@@ -132,6 +133,23 @@ def free_names(
         if isinstance(pragma, OutputPragma):
             names.read(pragma.name, pragma.place)
     return names.free
+
+
+def first_place(script: Script, name: str) -> Place | None:
+    """Where a script's statements first have a name; None where only its pragmas do, or macros."""
+    waiting = [step for step in reversed(script.statements) if not isinstance(step, Macro)]
+    while waiting:
+        step = waiting.pop()
+        if isinstance(step, Assignment | Mark) and step.name == name:
+            return step.place
+        for node in (n for value in expressions_of([step]) for n in postorder(value)):
+            if isinstance(node, Name) and node.name.removeprefix("::") == name:
+                return node.place
+        if isinstance(step, If):
+            waiting += reversed((*step.then, *step.otherwise))
+        elif isinstance(step, Loop):
+            waiting += reversed(step.body)
+    return None
 
 
 def declared_inputs(script: Script) -> dict[str, Place]:

@@ -210,6 +210,14 @@ def python_names(*used: str, modules: Sequence[str] = (), underscores: bool = Fa
     return Reserved("Python code", PYTHON_WORDS | set(used), frozenset(modules), underscores)
 
 
+class RefusedName(ValueError):
+    """A name that generated code cannot have; `name` is what the script calls it."""
+
+    def __init__(self, name: str, message: str) -> None:
+        super().__init__(message)
+        self.name = name
+
+
 def check_names(
     program: Program, reserved: Reserved, slots: Sequence[tuple[str, str]] = ()
 ) -> None:
@@ -219,7 +227,7 @@ def check_names(
     and its name.
 
     Raises:
-        ValueError: naming the name to use instead.
+        RefusedName: naming the name to use instead.
     """
     given = variables(program)
     taken = {*given} | {slot for _, slot in slots}
@@ -256,4 +264,4 @@ def _refused(
         free = re.sub("_+", "_", free.removeprefix("gl_")).strip("_") or "x"
     while free == name or reserved.keeps(free) or free in taken:
         free += "_" if not free.endswith("_") else "0"
-    return ValueError(f"{what} {name} {why}: rename {name} to {free}")
+    return RefusedName(name, f"{what} {name} {why}: rename {name} to {free}")

@@ -133,7 +133,6 @@ def test_what_a_target_lacks_is_refused(
         ("orbit.clu", b"?a = x; // \xff", "expected UTF-8 text, got the byte 0xff at offset 11"),
         ("orbit.clu", b" " * 4_000_001, "expected at most 4000000 bytes"),
         ("main.clu", b"?a = x;", "main is reserved in C or C++: rename main to main_"),
-        ("orbit.clu", b"?a = int*e1;", "int is reserved in C or C++: rename int to int_"),
     ],
 )
 def test_scripts_that_give_no_code_are_refused(
@@ -208,3 +207,23 @@ def test_the_script_is_not_written_over(script: Path, capsys: pytest.CaptureFixt
     assert generate(script, "--target", "numpy", "-o", script) == 1
     assert "expected another file than the script itself" in capsys.readouterr().err
     assert script.read_text() == SCRIPT
+
+
+@pytest.mark.parametrize(
+    ("text", "target", "told"),
+    [
+        (
+            "?a = e1 +\n  2*int;",
+            "c",
+            "kept.clu:2:5: variable int is reserved in C or C++: rename int to int_",
+        ),
+        ("if (x) { a = fn; } else { a = 2; }\n?a;", "rust", "kept.clu:1:14: variable fn is"),
+        ("#pragma return in2\nin2 = await*e1;", "javascript", "kept.clu:2:7: variable await is"),
+    ],
+)
+def test_a_name_that_a_language_keeps_has_its_place(
+    text: str, target: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "kept.clu").write_text(text)
+    assert generate(tmp_path / "kept.clu", "--target", target) == 1
+    assert told in capsys.readouterr().err
