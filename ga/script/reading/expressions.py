@@ -235,9 +235,11 @@ class _Reader:
     def _warn_of_powers(self, operator: Token) -> None:
         """Warn of what other languages mean a power by: ``x^2`` is 2 x, ``x**2`` x times a dual."""
         cursor, (line, column) = self._cursor, operator.place
+        if cursor.token.place != (line, column + 1):
+            return  # with a blank between them it is written as what it is
         if operator.text == "^" and cursor.token.kind == "number":
             what = "an outer product, with a number no more than a factor"
-        elif operator.text == "*" and cursor.at("*") and cursor.token.place == (line, column + 1):
+        elif operator.text == "*" and cursor.at("*"):
             what = "a product with a dual"
         else:
             return

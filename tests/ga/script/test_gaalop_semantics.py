@@ -166,7 +166,7 @@ def test_what_other_languages_mean_something_else_by_is_warned_of(
 
 
 @pytest.mark.parametrize(
-    "text", ["?a = x^e1;", "?a = x* *e1;", "?a = **e1;", "// a #pragma\n?a=2^x;"]
+    "text", ["?a = x^e1;", "?a = x* *e1;", "?a = x ^ 2;", "?a = **e1;", "// a #pragma\n?a=2^x;"]
 )
 def test_what_means_the_same_is_not_warned_of(text: str) -> None:
     with warnings.catch_warnings():

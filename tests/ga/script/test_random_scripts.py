@@ -324,6 +324,7 @@ def test_the_tighter_operator_goes_first_on_either_side(tight: str, loose: str) 
         ("8 / *e1", "8 / (*e1)"),
     ],
 )
+@pytest.mark.filterwarnings("ignore:.*there are no powers")
 def test_grouping_is_to_the_left_and_prefixes_are_tightest(bare: str, bracketed: str) -> None:
     found = evaluate(parse(f"?x = {bare}; ?y = {bracketed};"))
     assert repr(found["x"]) == repr(found["y"])
