@@ -16,7 +16,7 @@ import numpy as np
 
 from motorcade.ga.algebra import Multivector
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.ga.codegen.interpret import run_tape
+from motorcade.ga.codegen.runtime.interpret import run_tape
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.kernels.definitions import elements as on
 
@@ -153,7 +153,7 @@ def _traced(name: str, inputs: list[Any], residual: Any, step: Any) -> _Traced:
     """The residual and its derivative by the step, where that is zero."""
     import casadi as ca
 
-    from motorcade.ga.codegen.trace import tape_of
+    from motorcade.ga.codegen.recording.trace import tape_of
 
     zero = ca.DM.zeros(step.shape[0])
     derivative = ca.jacobian(residual, step)

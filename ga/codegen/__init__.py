@@ -1,9 +1,9 @@
 """From geometric algebra programs to code: tracer, tape, optimiser, and what writes the tape out.
 
-`programs` compiles CLUScripts and `functions` Python functions, which `program` decorates: `trace`
-runs them on CasADi symbols and reads a `tape` of scalar operations, which a `recorder` writes where
-CasADi is not installed, `passes` makes it shorter, `targets` writes it in a language,
-`runtime` compiles and runs it, and `strategies` writes it as other generators would.
+`programs` compiles CLUScripts and `functions` Python functions, which `program` decorates:
+`recording` runs them on symbols and leaves a `tape` of scalar operations, `passes` makes it
+shorter, `targets` writes it in a language, `runtime` compiles and runs it, and `strategies` writes
+it as other generators would.
 ``python -m motorcade.ga.codegen`` writes the library's own kernels again with `library_kernels`.
 Derivatives and the kernels' definitions need CasADi, and mpmath; what is written does not.
 """

@@ -9,10 +9,10 @@ from typing import Any, overload
 
 from motorcade.ga.algebra import CGA3, Algebra, Multivector
 from motorcade.ga.codegen.derivatives import Jacobian
-from motorcade.ga.codegen.expressions import component_name
 from motorcade.ga.codegen.programs import Program, checked_identifier, program_of, symbols_of
 from motorcade.ga.codegen.runtime.evaluator import Evaluator
 from motorcade.ga.codegen.tape import Operand
+from motorcade.ga.codegen.targets.shared.expressions import component_name
 
 _HINT = "both ways can be computed and one be chosen: motorcade.ga.algebra.functions.elementary"
 

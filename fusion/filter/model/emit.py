@@ -11,14 +11,14 @@ from pathlib import Path
 from motorcade.fusion.filter.model.measurements import MEASUREMENTS
 from motorcade.fusion.filter.model.motion import MOTION
 from motorcade.fusion.filter.model.symbols import Definition
-from motorcade.ga.codegen.expressions import statements
 from motorcade.ga.codegen.library_kernels.kernel import collected
 from motorcade.ga.codegen.precision import DOUBLE
+from motorcade.ga.codegen.recording.trace import trace
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.targets.c import c_dialect
 from motorcade.ga.codegen.targets.shared.c_family import comment, declarations, indented, loads
+from motorcade.ga.codegen.targets.shared.expressions import statements
 from motorcade.ga.codegen.targets.shared.text import call
-from motorcade.ga.codegen.trace import trace
 
 GENERATED = Path(__file__).resolve().parents[1] / "native" / "generated"
 _NOTE = "Written by `python -m motorcade.fusion.filter.model`; edit fusion/filter/model."

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from motorcade.ga.codegen.precision import Precision
+from motorcade.ga.codegen.recording.trace import casadi_function, trace
 from motorcade.ga.codegen.tape import Operand, Tape, TapeBuilder
-from motorcade.ga.codegen.trace import casadi_function, trace
 
 _SUMS = frozenset({"add", "sub", "neg"})
 # A factor used so often is worth multiplying by a constant once.

@@ -121,7 +121,7 @@ class Symbol:
 def recorded_symbols(inputs: Sequence[Operand]) -> list[list[Symbol]]:
     """The symbols of each input, one a component, all of one tape.
 
-    >>> from motorcade.ga.codegen.recorder import recorded_symbols, tape_of_symbols
+    >>> from motorcade.ga.codegen.recording.recorder import recorded_symbols, tape_of_symbols
     >>> from motorcade.ga.codegen.tape import Operand
     >>> inputs, outputs = (Operand("x", ("1",)),), (Operand("y", ("1",)),)
     >>> ((x,),) = recorded_symbols(inputs)

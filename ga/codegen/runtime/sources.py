@@ -8,14 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from motorcade.ga.codegen.choices import without_repeated_choices
-from motorcade.ga.codegen.expressions import component_name, statements
+from motorcade.ga.codegen.passes.choices import without_repeated_choices
 from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.targets.c_batch import BLOCK
 from motorcade.ga.codegen.targets.c_elementary import functions_called, vector_dialect
 from motorcade.ga.codegen.targets.numpy import library_dialect
 from motorcade.ga.codegen.targets.shared.c_family import declarations
+from motorcade.ga.codegen.targets.shared.expressions import component_name, statements
 from motorcade.ga.codegen.targets.shared.python_module import assignments
 
 SYMBOL = "motorcade_program"

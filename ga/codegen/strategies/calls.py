@@ -10,7 +10,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 
 from motorcade.ga.algebra.products import Masks
-from motorcade.ga.codegen.expressions import Dialect, statements
 from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.strategies.record import Record, Step, record
@@ -23,6 +22,7 @@ from motorcade.ga.codegen.targets.shared.c_family import (
     function,
     indented,
 )
+from motorcade.ga.codegen.targets.shared.expressions import Dialect, statements
 from motorcade.ga.codegen.targets.shared.text import description
 from motorcade.ga.script import Script
 

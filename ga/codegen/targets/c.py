@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from motorcade.ga.codegen.expressions import statements
 from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.names import C_FUNCTIONS, C_NAMES, check_names
@@ -22,6 +21,7 @@ from motorcade.ga.codegen.targets.shared.c_family import (
     function,
     indented,
 )
+from motorcade.ga.codegen.targets.shared.expressions import statements
 from motorcade.ga.codegen.targets.shared.text import (
     C_LOGIC,
     Templates,

@@ -18,9 +18,8 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from motorcade.ga.codegen.choices import without_repeated_choices
-from motorcade.ga.codegen.expressions import statements
 from motorcade.ga.codegen.library_kernels.kernel import NOTE, Kernel
+from motorcade.ga.codegen.passes.choices import without_repeated_choices
 from motorcade.ga.codegen.precision import DOUBLE, PRECISIONS, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.tape import Operand
@@ -35,6 +34,7 @@ from motorcade.ga.codegen.targets.shared.c_family import (
     loads,
     operand_lines,
 )
+from motorcade.ga.codegen.targets.shared.expressions import statements
 from motorcade.ga.codegen.targets.shared.text import description, unread, variables
 
 BLOCK = 16

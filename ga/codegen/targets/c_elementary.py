@@ -12,11 +12,11 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 from pathlib import Path
 
-from motorcade.ga.codegen.expressions import statements
 from motorcade.ga.codegen.library_kernels.kernel import NOTE, Kernel
 from motorcade.ga.codegen.precision import PRECISIONS, Precision
 from motorcade.ga.codegen.targets.names import C_FUNCTIONS
 from motorcade.ga.codegen.targets.shared.c_family import close_comment, declarations, indented
+from motorcade.ga.codegen.targets.shared.expressions import statements
 from motorcade.ga.codegen.targets.shared.text import C_LOGIC, Templates
 
 __all__ = ["PREFIX", "elementary_header", "functions_called", "vector_dialect"]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from motorcade.ga.codegen.expressions import branching_statements
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.precision import DOUBLE
 from motorcade.ga.codegen.targets.names import C_FUNCTIONS
@@ -18,6 +17,7 @@ from motorcade.ga.codegen.targets.shared.c_family import (
     indented,
     loads,
 )
+from motorcade.ga.codegen.targets.shared.expressions import branching_statements
 from motorcade.ga.codegen.targets.shared.text import C_LOGIC, Templates, call, wrapped
 
 _FUNCTIONS = {**C_FUNCTIONS, "exp2_of_integer": "exp2", "exponent": "logb"}

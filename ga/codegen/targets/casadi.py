@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from motorcade.ga.codegen.expressions import statements
 from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.names import check_names, python_names
+from motorcade.ga.codegen.targets.shared.expressions import statements
 from motorcade.ga.codegen.targets.shared.python_module import assignments, listed, module
 from motorcade.ga.codegen.targets.shared.text import (
     COMPARISONS,

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from motorcade.ga.codegen.expressions import branching_statements
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.precision import DOUBLE, SINGLE
 from motorcade.ga.codegen.tape import Operand
@@ -20,6 +19,7 @@ from motorcade.ga.codegen.targets.shared.c_family import (
     indented,
     loads,
 )
+from motorcade.ga.codegen.targets.shared.expressions import branching_statements
 from motorcade.ga.codegen.targets.shared.text import C_LOGIC, Templates, call, wrapped
 
 _FUNCTIONS = {

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from motorcade.ga.codegen.expressions import statements
 from motorcade.ga.codegen.library_kernels.kernel import NOTE, Kernel
 from motorcade.ga.codegen.precision import SINGLE, Precision
 from motorcade.ga.codegen.programs import Program
@@ -26,6 +25,7 @@ from motorcade.ga.codegen.targets.shared.c_family import (
     indented,
     loads,
 )
+from motorcade.ga.codegen.targets.shared.expressions import statements
 from motorcade.ga.codegen.targets.shared.text import (
     C_LOGIC,
     SAME_NAMES,

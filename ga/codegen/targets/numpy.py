@@ -13,12 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from motorcade.ga.codegen.expressions import component_name, statements
 from motorcade.ga.codegen.library_kernels.kernel import NOTE, Kernel
 from motorcade.ga.codegen.precision import PRECISIONS, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.targets.names import python_names
+from motorcade.ga.codegen.targets.shared.expressions import component_name, statements
 from motorcade.ga.codegen.targets.shared.python_module import (
     ArrayLibrary,
     ArrayTemplates,

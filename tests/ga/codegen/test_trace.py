@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.ga.codegen.interpret import run_tape
+from motorcade.ga.codegen.recording.trace import trace
+from motorcade.ga.codegen.runtime.interpret import run_tape
 from motorcade.ga.codegen.tape import Operand, Tape
-from motorcade.ga.codegen.trace import trace
 
 ca = pytest.importorskip("casadi")
 ONE = Operand("x", ("1",))

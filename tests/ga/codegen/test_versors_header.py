@@ -14,11 +14,11 @@ pytest.importorskip("mpmath", reason="mpmath, which only the generator needs, is
 
 from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
-from motorcade.ga.codegen.branches import Branch, branched
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.library_kernels.library import GENERATED
 from motorcade.ga.codegen.precision import DOUBLE
 from motorcade.ga.codegen.tape import Operand
+from motorcade.ga.codegen.targets.shared.branches import Branch, branched
 from motorcade.ga.kernels.definitions.library import FUNCTIONS, KERNELS
 from motorcade.ga.kernels.numpy_backend import function
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from motorcade.ga.codegen.interpret import NUMPY_OPERATIONS
+from motorcade.ga.codegen.runtime.interpret import NUMPY_OPERATIONS
 from motorcade.ga.codegen.tape import Node, Tape
 
 POINTS = 16

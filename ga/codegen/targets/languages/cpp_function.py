@@ -7,12 +7,12 @@ single array is returned as it is. Outside a function's domain the results are N
 
 from __future__ import annotations
 
-from motorcade.ga.codegen.expressions import statements
 from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.languages.words import CPP_NAMES
 from motorcade.ga.codegen.targets.names import C_FUNCTIONS, check_names
 from motorcade.ga.codegen.targets.shared.c_family import comment, declarations, indented
+from motorcade.ga.codegen.targets.shared.expressions import statements
 from motorcade.ga.codegen.targets.shared.text import (
     C_LOGIC,
     Templates,

@@ -11,11 +11,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import count
 
-from motorcade.ga.codegen.expressions import component_name
 from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.tape import Node, Tape
 from motorcade.ga.codegen.targets.languages.typed import typed
+from motorcade.ga.codegen.targets.shared.expressions import component_name
 from motorcade.ga.codegen.targets.shared.text import description
 from motorcade.ga.notation.formulas import blade_text, name_text, number_text
 

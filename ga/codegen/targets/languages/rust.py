@@ -7,13 +7,13 @@ there is one. Outside a function's domain the results are NaN or infinite.
 
 from __future__ import annotations
 
-from motorcade.ga.codegen.expressions import statements
 from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.languages.typed import typed
 from motorcade.ga.codegen.targets.languages.words import RUST_NAMES
 from motorcade.ga.codegen.targets.names import check_names
 from motorcade.ga.codegen.targets.shared.c_family import indented
+from motorcade.ga.codegen.targets.shared.expressions import statements
 from motorcade.ga.codegen.targets.shared.text import (
     C_LOGIC,
     SAME_NAMES,

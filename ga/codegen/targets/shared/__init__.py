@@ -1,1 +1,1 @@
-"""What several targets share: text, dialects made of templates, C and Python around statements."""
+"""What several targets share: statements, branches, text, and C and Python around statements."""

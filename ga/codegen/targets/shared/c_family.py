@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from motorcade.ga.codegen.expressions import Body, BranchStatement, Statement, component_name
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.tape import Operand, Tape
+from motorcade.ga.codegen.targets.shared.expressions import (
+    Body,
+    BranchStatement,
+    Statement,
+    component_name,
+)
 from motorcade.ga.codegen.targets.shared.text import WIDTH, call, wrapped
 
 

@@ -12,8 +12,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import count
 
-from motorcade.ga.codegen.branches import Branch, Plan, branched
 from motorcade.ga.codegen.tape import BOOLEANS, Node, Tape
+from motorcade.ga.codegen.targets.shared.branches import Branch, Plan, branched
 
 _LONGEST_EXPRESSION = 84
 _SUM, _PRODUCT, _SIGN, _ATOM = 1, 2, 3, 4

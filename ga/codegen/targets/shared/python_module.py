@@ -6,10 +6,10 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from motorcade.ga.codegen.expressions import Statement, statements
 from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.names import Reserved, check_names
+from motorcade.ga.codegen.targets.shared.expressions import Statement, statements
 from motorcade.ga.codegen.targets.shared.text import (
     COMPARISONS,
     WIDTH,

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from motorcade.ga.codegen.expressions import Dialect, component_name
 from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.codegen.programs import Program
+from motorcade.ga.codegen.targets.shared.expressions import Dialect, component_name
 
 # Operations that most languages call by their name here.
 SAME_NAMES = {

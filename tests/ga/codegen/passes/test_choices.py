@@ -8,9 +8,9 @@ import pytest
 
 pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is not installed")
 
-from motorcade.ga.codegen.choices import without_repeated_choices
-from motorcade.ga.codegen.interpret import run_tape
+from motorcade.ga.codegen.passes.choices import without_repeated_choices
 from motorcade.ga.codegen.programs import compile_script
+from motorcade.ga.codegen.runtime.interpret import run_tape
 from motorcade.ga.script import parse
 
 

@@ -12,9 +12,9 @@ import pytest
 
 pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is not installed")
 
-from motorcade.ga.codegen.interpret import run_tape
 from motorcade.ga.codegen.passes.stats import count_operations
 from motorcade.ga.codegen.programs import Program, compile_script
+from motorcade.ga.codegen.runtime.interpret import run_tape
 from motorcade.ga.script import evaluate, parse
 
 RECEIVER = """

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from motorcade.ga.codegen import programs
-from motorcade.ga.codegen.interpret import run_tape
 from motorcade.ga.codegen.programs import Program, compile_script
-from motorcade.ga.codegen.recorder import Symbol, recorded_symbols
+from motorcade.ga.codegen.recording.recorder import Symbol, recorded_symbols
+from motorcade.ga.codegen.runtime.interpret import run_tape
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.script import evaluate, parse
 from tests.ga.codegen.targets.conftest import scripts
