@@ -5,6 +5,9 @@ and ``θ(-sin² a, cos a) = a / sin a``, ``θ(sinh² a, cosh a) = a / sinh a``. 
 ``c + G + H`` of grades 0, 2 and 4 in at most five dimensions turns in two commuting planes; the
 squares of their sines follow from ``⟨G²⟩₀`` and ``h = H²``, and its logarithm is
 ``½ log n + ℓ G + m H G``. Rotors, motors and similarities are of this kind. Angles come from atan2.
+
+Where the blades say that one plane turns and nothing else happens, as in rotors and rigid motors,
+the angle is that of the point ``(c, √-s)`` whatever ``n`` is, and nothing is brought to unit size.
 """
 
 from __future__ import annotations
@@ -44,6 +47,8 @@ _TERMS = 10
 _RATIO = tuple((-1) ** n * math.comb(2 * n, n) / (4.0**n * (2 * n + 1)) for n in range(_TERMS))
 _SUMS = tuple(4.0**n * math.factorial(n) ** 2 / math.factorial(2 * n + 1) for n in range(11))
 _BEND = tuple((-1) ** n * (_SUMS[n] - _SUMS[n + 1]) for n in range(_TERMS))
+# (1 - arctan t / t) / t² by t².
+_ARCTANGENT_BEND = tuple((-1) ** n / (2 * n + 3) for n in range(9))
 
 # Relative to the size of a versor, how far ``x ~x`` may be from a scalar.
 _VERSOR_TOLERANCE = 1e-6
@@ -150,11 +155,12 @@ def _log_of_simple(x: BladeSum, y: BladeSum, square: Square) -> BladeSum:
         return plus(_log_of_norm(c, c), y._divided(c))
     n = c * c - s
     whole = _log_of_norm(n, 1.0) / 2
-    size = apply("sqrt", n)
-    sine_squared, cosine = s / n, c / size
     if numeric(x):
-        _check_turn(x, where(cosine < 0, sine_squared, -1.0))
-    ratio, _ = _ratios(sine_squared, cosine, square.sign)
+        _check_turn(x, where(c < 0, s / n, -1.0))
+    if square.sign < 0:
+        return plus(whole, y._scaled(_turned(-s, c)[0]))
+    size = apply("sqrt", n)
+    ratio, _ = _ratios(s / n, c / size, square.sign)
     return plus(whole, y._scaled(ratio / size))
 
 
@@ -166,13 +172,33 @@ def _check_turn(x: BladeSum, turned: Any) -> None:
 def _log_of_versor(x: BladeSum, parts: EvenParts) -> BladeSum:
     n = parts.norm_squared
     whole = _log_of_norm(n, 1.0) / 2
-    size = apply("sqrt", n)
-    angles = _angles(parts, n, parts.scalar / size)
+    if parts.volume_squared is None and parts.plane_sign < 0:
+        once, twice = _turned(-parts.plane_squared, parts.scalar)
+        turned = where(parts.scalar < 0, parts.plane_squared / n, -1.0) if numeric(x) else -1.0
+    else:
+        size = apply("sqrt", n)
+        once, twice, turned = _angles(parts, n, parts.scalar / size)
+        once, twice = once / size, twice / n
     if numeric(x):
         check_versor(x, "log")
-        _check_turn(x, angles.turned)
+        _check_turn(x, turned)
     product = commuting_product(parts.volume, parts.plane)
-    return plus(whole, parts.plane._scaled(angles.once / size), product._scaled(angles.twice / n))
+    return plus(whole, parts.plane._scaled(once), product._scaled(twice))
+
+
+def _turned(squared: Any, c: Any) -> tuple[Any, Any]:
+    """``a / p`` and ``-(1 - a c / p) / p²`` of the angle ``a`` of the point ``(c, p)``.
+
+    ``p² = squared`` is not negative; what is divided by is ``c`` where ``p`` is small beside it.
+    """
+    near = squared < where(c > 0, _NEAR, 0.0) * (c * c)
+    root = apply("sqrt", nonzero(squared))
+    inverse = 1 / where(near, c, root)
+    reciprocal = inverse * inverse
+    slope = squared * reciprocal  # about 1 where it is not needed
+    bend = power_series(slope, _ARCTANGENT_BEND)
+    once = where(near, 1.0 - slope * bend, arctangent(root, c)) * inverse
+    return once, where(near, -bend, once * c - 1.0) * reciprocal
 
 
 def _angles(parts: EvenParts, n: Any, c: Any) -> _Angles:

@@ -9,32 +9,70 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from motorcade.ga.codegen.tape import Tape, TapeBuilder
+from motorcade.ga.codegen.tape import BOOLEANS, Tape, TapeBuilder
 
 
 def without_repeated_choices(tape: Tape) -> Tape:
     """The tape with each choice made once on a side that it decides about.
 
-    Sides are written anew for that; where they share much with the rest, so that there would be
-    more operations than before, the tape stays as it is.
+    Sides are written anew for that. A side that shares much with the rest, so that there would be
+    more to compute than before, stays as it is.
     """
-    writer = _Writer(tape)
-    results = writer.results(tape.results)
-    made = writer.builder.finished(tape.inputs, tape.outputs, results)
-    return made if len(made.nodes) < len(tape.nodes) else tape
+    sides = frozenset(
+        (node.args[0], held)
+        for node in tape.nodes
+        if node.op in ("select", "keep")
+        for held in (True, False)
+    )
+    best, least = tape, _cost(tape)
+    made = _decided(tape, sides)
+    if _cost(made) < least:
+        best, least = made, _cost(made)
+    if len(sides) > _MOST_SIDES or len(tape.nodes) > _LONGEST:
+        return best
+    kept = sides
+    for side in sorted(sides):
+        made = _decided(tape, kept - {side})
+        if _cost(made) < least:
+            best, least, kept = made, _cost(made), kept - {side}
+    return best
 
 
-# A node, and the conditions that are known to hold or not where it is needed.
-_Known = frozenset[tuple[int, bool]]
+# Sides that are left out one by one, and of how long tapes.
+_MOST_SIDES = 40
+_LONGEST = 4000
+# What an operation costs beside a sum or product, of vectors of numbers.
+_COSTS = {"input": 0, "const": 0, "div": 4, "sqrt": 4}
+_FUNCTION = 12
+_CHEAP = (
+    frozenset({"add", "sub", "mul", "neg", "abs", "min", "max", "floor", "ceil", "select", "keep"})
+    | BOOLEANS
+)
+
+# A condition, and whether it holds; a node, and what is known where it is needed.
+_Side = tuple[int, bool]
+_Known = frozenset[_Side]
 _Place = tuple[int, _Known]
+
+
+def _cost(tape: Tape) -> int:
+    return sum(_COSTS.get(n.op, 1 if n.op in _CHEAP else _FUNCTION) for n in tape.nodes)
+
+
+def _decided(tape: Tape, sides: frozenset[_Side]) -> Tape:
+    """The tape with choices made on these sides."""
+    writer = _Writer(tape, sides)
+    results = writer.results(tape.results)
+    return writer.builder.finished(tape.inputs, tape.outputs, results)
 
 
 class _Writer:
     """Writes nodes as they are where some conditions are known to hold or not to hold."""
 
-    def __init__(self, tape: Tape) -> None:
+    def __init__(self, tape: Tape, sides: frozenset[_Side]) -> None:
         self.builder = TapeBuilder()
         self._nodes = tape.nodes
+        self._sides = sides
         self._decided = _decided_below(tape)
 
     def results(self, wanted: Sequence[Sequence[int]]) -> list[list[int]]:
@@ -74,8 +112,19 @@ class _Writer:
         sides = zip(node.args[1:], (True, False), strict=False)
         return [
             (condition, self._relevant(condition, facts)),
-            *((k, self._relevant(k, facts | {condition: held})) for k, held in sides),
+            *(
+                (
+                    k,
+                    self._relevant(
+                        k, facts | {condition: held} if self._allows(condition, held) else facts
+                    ),
+                )
+                for k, held in sides
+            ),
         ]
+
+    def _allows(self, condition: int, held: bool) -> bool:
+        return (condition, held) in self._sides
 
     def _made(self, place: _Place, args: list[int]) -> int:
         index, known = place

@@ -11,7 +11,7 @@ from typing import Any
 from motorcade.ga.codegen.passes.choices import without_repeated_choices
 from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.codegen.tape import Operand, Tape
-from motorcade.ga.codegen.targets.c_batch import BLOCK
+from motorcade.ga.codegen.targets.c_batch import BLOCK, WIDEST
 from motorcade.ga.codegen.targets.c_elementary import functions_called, vector_dialect
 from motorcade.ga.codegen.targets.numpy import library_dialect
 from motorcade.ga.codegen.targets.shared.c_family import declarations
@@ -74,6 +74,7 @@ def c_source(tape: Tape, precision: Precision) -> str:
         functions_called(loop),
         _INDEPENDENT,
         f"void {SYMBOL}(const {real} *const *in, {real} *const *out, size_t blocks);",
+        *WIDEST,
         f"void {SYMBOL}(const {real} *const *in, {real} *const *out, size_t blocks)",
         "{",
         *(f"    const {real} *restrict in{k} = in[{k}];" for k in read),

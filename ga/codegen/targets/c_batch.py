@@ -45,10 +45,15 @@ _LIBRARY_FUNCTIONS = {
     "exp2_of_integer": "exp2_of_integer",
     "exponent": "exponent",
 }
-# gcc takes half of a vector of AVX-512 for some processors, unless it is told otherwise.
-_WIDEST = (
-    "#if defined(__AVX512F__) && defined(__GNUC__) && !defined(__clang__)",
+# gcc takes half of a vector of AVX-512 for some processors, unless it is told otherwise. It also
+# makes paths of choices by one condition, each with masks of its own, and leaves long chains of
+# operations in the order of the source, where a processor has nothing else to do meanwhile.
+WIDEST = (
+    "#if defined(__GNUC__) && !defined(__clang__)",
+    '__attribute__((optimize("schedule-insns", "sched-pressure", "no-thread-jumps")))',
+    "#if defined(__AVX512F__)",
     '__attribute__((target("prefer-vector-width=512")))',
+    "#endif",
     "#endif",
 )
 _NO_STEP = re.compile(r"\[0 \* \w+_step \+ i\]")
@@ -97,7 +102,7 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
         )
     ]
     inner = [
-        *_WIDEST,
+        *WIDEST,
         f"static {heads[2]}",
         "{",
         *(f"    (void){pointers[name]};" for name in unused),

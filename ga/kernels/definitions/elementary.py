@@ -30,47 +30,46 @@ _LOG_2 = 0.6931471805599453
 
 def _sin(precision: Precision, x: Numbers) -> list[Numbers]:
     """Sine of x."""
-    quarter, sine, cosine = _sine_and_cosine(precision, x[0])
-    value = select(_is_odd(quarter), cosine, sine)
-    return [[select(quarter > 1.5, -value, value)]]
+    odd, flipped, sine, cosine = _sine_and_cosine(precision, x[0])
+    value = select(odd > 0.5, cosine, sine)
+    return [[value * (1 - 2 * flipped)]]
 
 
 def _cos(precision: Precision, x: Numbers) -> list[Numbers]:
     """Cosine of x."""
-    quarter, sine, cosine = _sine_and_cosine(precision, x[0])
-    value = select(_is_odd(quarter), sine, cosine)
-    return [[select(ca.fabs(quarter - 1.5) < 1, -value, value)]]
+    odd, flipped, sine, cosine = _sine_and_cosine(precision, x[0])
+    value = select(odd > 0.5, sine, cosine)
+    return [[value * (1 - 2 * odd) * (1 - 2 * flipped)]]
 
 
 def _tan(precision: Precision, x: Numbers) -> list[Numbers]:
     """Tangent of x."""
-    quarter, sine, cosine = _sine_and_cosine(precision, x[0])
-    odd = _is_odd(quarter)
-    return [[select(odd, -cosine, sine) / select(odd, sine, cosine)]]
+    odd, _, sine, cosine = _sine_and_cosine(precision, x[0])
+    return [[select(odd > 0.5, -cosine, sine) / select(odd > 0.5, sine, cosine)]]
 
 
-def _sine_and_cosine(precision: Precision, x: Any) -> tuple[Any, Any, Any]:
-    """The quarter of the turn, 0 to 3, and both functions of what is left, within π/4."""
+def _sine_and_cosine(precision: Precision, x: Any) -> tuple[Any, Any, Any, Any]:
+    """The quarter of the turn, 0 to 3, as its lower and its higher bit, and both functions of what
+    is left, within π/4.
+    """
     turns = ca.floor(x * (2 / pi) + 0.5)
+    half = ca.floor(0.5 * turns)
     r = x
-    for part in _parts(mp.pi, precision.bits // 2, 4):
+    for part in _parts(mp.pi, precision.bits // 2, 3):
         r = r - turns * (part / 2)
     z = r * r
     last = (pi / 4 + 1e-3) ** 2
     sine = r + r * z * polynomial(precision, _sine_rest, last, z)
     cosine = 1 - 0.5 * z + z * z * polynomial(precision, _cosine_rest, last, z)
-    return turns - 4 * ca.floor(0.25 * turns), sine, cosine
-
-
-def _is_odd(quarter: Any) -> Any:
-    return ca.fabs(ca.fabs(quarter - 2) - 1) < 0.5
+    return turns - 2 * half, half - 2 * ca.floor(0.5 * half), sine, cosine
 
 
 def _exp(precision: Precision, x: Numbers) -> list[Numbers]:
     """Exponential of x."""
     single = precision.bits == SINGLE.bits
     least, largest = (-105, 90) if single else (-746, 711)
-    clipped = select(x[0] > largest, largest, select(x[0] < least, least, x[0]))
+    lifted = select(x[0] < least, least, x[0])
+    clipped = select(lifted > largest, largest, lifted)
     n = ca.floor(clipped * (1 / _LOG_2) + 0.5)
     high, low = _parts(mp.ln2, precision.bits - 11, 2)
     r = clipped - n * high - n * low
@@ -86,14 +85,12 @@ def _log(precision: Precision, x: Numbers) -> list[Numbers]:
     tiny, shift = (2.0**-100, 64) if single else (2.0**-960, 128)
     lifted = x[0] < tiny
     normal = select(lifted, x[0] * 2.0**shift, x[0])
-    power = exponent(normal)
-    mantissa = 0.5 * normal * power_of_two(1 - power)
-    above = mantissa > 2**0.5
-    power = select(above, power + 1, power)
-    power = select(lifted, power - shift, power)
+    # Of x / √2, so that what is left lies around 1; no power of two is out of range.
+    below = exponent(0.5**0.5 * normal)
+    f = 0.25 * normal * power_of_two(1 - below) - 1
+    power = below + select(lifted, 1 - shift, 1)
     high, low = _parts(mp.ln2, precision.bits - 11, 2)
     largest = (2 - precision.epsilon) * 2.0 ** (127 if single else 1023)
-    f = select(above, 0.5 * mantissa, mantissa) - 1
     square = 0.5 * f * f
     if single:
         rest = f * f * f * polynomial(precision, _log_rest, 0.4143, f, -0.2929)
@@ -137,23 +134,35 @@ def _other_leg(x: Any) -> Any:
 
 
 def _angle(precision: Precision, y: Any, x: Any, positive: bool = False) -> Any:
-    value = _first_quarter(precision, y if positive else ca.fabs(y), ca.fabs(x))
-    high, low = _parts(mp.pi, precision.bits, 2)
-    value = select(x < 0, (high - value) + low, value)
+    value = _first_half(precision, y if positive else ca.fabs(y), x)
     return value if positive else select(y < 0, -value, value)
+
+
+def _first_half(precision: Precision, y: Any, x: Any) -> Any:
+    """Angle of the point (x, y) whose y is not negative."""
+    high, low = _parts(mp.pi, precision.bits, 2)
+    if precision.bits != SINGLE.bits:
+        value = _first_quarter(precision, y, ca.fabs(x))
+        return select(x < 0, (high - value) + low, value)
+    # One polynomial up to π/4 is short enough.
+    steep, left = y > ca.fabs(x), x < 0
+    value = _up_to_eighth(precision, select(steep, ca.fabs(x), y), select(steep, y, ca.fabs(x)))
+    around = select(steep, high / 2, select(left, high, 0))
+    return around + (around * (low / high) + select(steep != left, -value, value))
+
+
+def _up_to_eighth(precision: Precision, top: Any, bottom: Any) -> Any:
+    """The angle whose tangent is a quotient of at most 1; 0 is that of two zeros."""
+    t = top / select(bottom == 0, 1, bottom)
+    z = t * t
+    return t + t * z * polynomial(precision, _atan_rest, 1 + 1e-3, z)
 
 
 def _first_quarter(precision: Precision, y: Any, x: Any) -> Any:
     """Angle of the point (x, y) of numbers that are not negative."""
     high, low = _parts(mp.pi, precision.bits, 2)
     if precision.bits == SINGLE.bits:
-        # One polynomial up to π/4 is short enough.
-        steep = y > x
-        top, bottom = select(steep, x, y), select(steep, y, x)
-        t = top / select(bottom == 0, 1, bottom)
-        z = t * t
-        value = t + t * z * polynomial(precision, _atan_rest, 1 + 1e-3, z)
-        return select(steep, (high / 2 - value) + low / 2, value)
+        return _first_half(precision, y, x)
     flat, steeper = y > _SLOPE_1 * x, y > _SLOPE_3 * x
     top = select(steeper, -x, select(flat, y - x, y))
     bottom = select(steeper, y, select(flat, y + x, x))

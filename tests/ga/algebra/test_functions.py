@@ -125,6 +125,17 @@ def translator(t: Any) -> Multivector:
     return 1.0 - 0.5 * CGA3.multivector({f"e{k + 1}^einf": t[k] for k in range(3)})
 
 
+@pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-4, 0.27, 0.29, 1.0, 3.1, 4.0, 2 * np.pi - 1e-3])
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+def test_log_of_a_multiple_adds_the_log_of_its_size(angle: float, size: float) -> None:
+    """Rotors and motors, whatever their size: angles at which small ones begin are among these."""
+    axis, away = [0.2, -0.5, 0.8], CGA3.multivector({"e1^einf": 0.3, "e2^einf": -0.7})
+    turn = log(rotor(0.5, axis)) * (angle / 0.5)
+    for bivector in (turn, turn + away):
+        found = log(size * exp(bivector))
+        close(found, np.log(size) + bivector, 2e-12 if angle > 6 else 1e-14)
+
+
 def dilator(scale: float) -> Multivector:
     half = np.log(scale) / 2
     return np.cosh(half) + np.sinh(half) * CGA3.blade("e0^einf")

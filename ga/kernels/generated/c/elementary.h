@@ -66,65 +66,65 @@ static inline float motorcade_exponentf(float x) {
 /* Sine of x. */
 static inline float motorcade_sinf(const float x)
 {
-    const float t0 = floorf(0.63661975f * x + 0.5f);
-    const float t1 = t0 - 4.0f * floorf(t0 * 0.25f);
-    const float t2 = x - t0 * 1.5703125f - t0 * 0.0004837513f - t0 * 7.5495336e-08f - t0 *
-        2.563344e-12f;
+    const float t0 = floorf(0.5f + 0.63661975f * x);
+    const float t1 = floorf(0.5f * t0);
+    const float t2 = x - t0 * 1.5703125f - t0 * 0.0004837513f - t0 * 7.54979e-08f;
     const float t3 = t2 * t2;
     const float t4 = 1.0f - 0.5f * t3 + t3 * t3 * (t3 * (t3 * 2.4547298e-05f + -0.00138883f) +
         0.041666664f);
     const float t5 = t2 * t3 * (t3 * (t3 * (t3 * 2.7249148e-06f + -0.00019840081f) + 0.008333332f) +
         -0.16666667f);
-    const float t6 = ((fabsf(fabsf(t1 - 2.0f) - 1.0f) < 0.5f) ? t4 : t2 + t5);
-    return ((1.5f < t1) ? -t6 : t6);
+    const float t6 = ((0.5f < t0 - t1 * 2.0f) ? t4 : t2 + t5) * (1.0f - 2.0f * (t1 - 2.0f *
+        floorf(0.5f * t1)));
+    return t6;
 }
 
 /* Sine of x. */
 static inline double motorcade_sin(const double x)
 {
-    const double t0 = floor(0.6366197723675814 * x + 0.5);
-    const double t1 = t0 - 4.0 * floor(t0 * 0.25);
+    const double t0 = floor(0.5 + 0.6366197723675814 * x);
+    const double t1 = floor(0.5 * t0);
     const double t2 = x - t0 * 1.5707963109016418 - t0 * 1.5893254712295857e-08 - t0 *
-        6.123233932053594e-17;
-    const double t3 = t2 - t0 * 6.36831716351095e-25;
-    const double t4 = t3 * t3;
-    const double t5 = t4 * (t4 * (t4 * -1.1382408754153254e-11 + 2.087614315990944e-09) +
+        6.123233995736766e-17;
+    const double t3 = t2 * t2;
+    const double t4 = t3 * (t3 * (t3 * -1.1382408754153254e-11 + 2.087614315990944e-09) +
         -2.755731725679604e-07);
-    const double t6 = t4 * (t4 * (t5 + 2.4801587298736863e-05) + -0.0013888888888887378) +
+    const double t5 = t3 * (t3 * (t4 + 2.4801587298736863e-05) + -0.0013888888888887378) +
         0.041666666666666664;
-    const double t7 = t4 * (t4 * -7.586543634101903e-13 + 1.6058529011960858e-10) +
+    const double t6 = t3 * (t3 * -7.586543634101903e-13 + 1.6058529011960858e-10) +
         -2.5052106215978872e-08;
-    const double t8 = t4 * (t4 * (t4 * t7 + 2.7557319219291695e-06) + -0.00019841269841265003) +
+    const double t7 = t3 * (t3 * (t3 * t6 + 2.7557319219291695e-06) + -0.00019841269841265003) +
         0.008333333333333331;
-    const double t9 = ((fabs(fabs(t1 - 2.0) - 1.0) < 0.5) ? 1.0 - 0.5 * t4 + t4 * t4 * t6 : t3 + t3
-        * t4 * (t4 * t8 + -0.16666666666666666));
-    return ((1.5 < t1) ? -t9 : t9);
+    const double t8 = ((0.5 < t0 - t1 * 2.0) ? 1.0 - 0.5 * t3 + t3 * t3 * t5 : t2 + t2 * t3 * (t3 *
+        t7 + -0.16666666666666666));
+    return t8 * (1.0 - 2.0 * (t1 - 2.0 * floor(0.5 * t1)));
 }
 
 /* Cosine of x. */
 static inline float motorcade_cosf(const float x)
 {
-    const float t0 = floorf(0.63661975f * x + 0.5f);
-    const float t1 = t0 - 4.0f * floorf(t0 * 0.25f);
-    const float t2 = x - t0 * 1.5703125f - t0 * 0.0004837513f - t0 * 7.5495336e-08f - t0 *
-        2.563344e-12f;
-    const float t3 = t2 * t2;
-    const float t4 = t2 * t3 * (t3 * (t3 * (t3 * 2.7249148e-06f + -0.00019840081f) + 0.008333332f) +
+    const float t0 = floorf(0.5f + 0.63661975f * x);
+    const float t1 = floorf(0.5f * t0);
+    const float t2 = t0 - t1 * 2.0f;
+    const float t3 = x - t0 * 1.5703125f - t0 * 0.0004837513f - t0 * 7.54979e-08f;
+    const float t4 = t3 * t3;
+    const float t5 = t3 * t4 * (t4 * (t4 * (t4 * 2.7249148e-06f + -0.00019840081f) + 0.008333332f) +
         -0.16666667f);
-    const float t5 = 1.0f - 0.5f * t3 + t3 * t3 * (t3 * (t3 * 2.4547298e-05f + -0.00138883f) +
+    const float t6 = 1.0f - 0.5f * t4 + t4 * t4 * (t4 * (t4 * 2.4547298e-05f + -0.00138883f) +
         0.041666664f);
-    const float t6 = ((fabsf(fabsf(t1 - 2.0f) - 1.0f) < 0.5f) ? t2 + t4 : t5);
-    return ((fabsf(t1 - 1.5f) < 1.0f) ? -t6 : t6);
+    const float t7 = ((0.5f < t2) ? t3 + t5 : t6) * (1.0f - 2.0f * t2) * (1.0f - 2.0f * (t1 - 2.0f *
+        floorf(0.5f * t1)));
+    return t7;
 }
 
 /* Cosine of x. */
 static inline double motorcade_cos(const double x)
 {
-    const double t0 = floor(0.6366197723675814 * x + 0.5);
-    const double t1 = t0 - 4.0 * floor(t0 * 0.25);
-    const double t2 = x - t0 * 1.5707963109016418 - t0 * 1.5893254712295857e-08 - t0 *
-        6.123233932053594e-17;
-    const double t3 = t2 - t0 * 6.36831716351095e-25;
+    const double t0 = floor(0.5 + 0.6366197723675814 * x);
+    const double t1 = floor(0.5 * t0);
+    const double t2 = t0 - t1 * 2.0;
+    const double t3 = x - t0 * 1.5707963109016418 - t0 * 1.5893254712295857e-08 - t0 *
+        6.123233995736766e-17;
     const double t4 = t3 * t3;
     const double t5 = t4 * (t4 * -7.586543634101903e-13 + 1.6058529011960858e-10) +
         -2.5052106215978872e-08;
@@ -134,18 +134,17 @@ static inline double motorcade_cos(const double x)
         -2.755731725679604e-07);
     const double t8 = t4 * (t4 * (t7 + 2.4801587298736863e-05) + -0.0013888888888887378) +
         0.041666666666666664;
-    const double t9 = ((fabs(fabs(t1 - 2.0) - 1.0) < 0.5) ? t3 + t3 * t4 * (t4 * t6 +
-        -0.16666666666666666) : 1.0 - 0.5 * t4 + t4 * t4 * t8);
-    return ((fabs(t1 - 1.5) < 1.0) ? -t9 : t9);
+    const double t9 = ((0.5 < t2) ? t3 + t3 * t4 * (t4 * t6 + -0.16666666666666666) : 1.0 - 0.5 * t4
+        + t4 * t4 * t8);
+    return t9 * (1.0 - 2.0 * t2) * (1.0 - 2.0 * (t1 - 2.0 * floor(0.5 * t1)));
 }
 
 /* Tangent of x. */
 static inline float motorcade_tanf(const float x)
 {
-    const float t0 = floorf(0.63661975f * x + 0.5f);
-    const _Bool t1 = (fabsf(fabsf(t0 - 4.0f * floorf(t0 * 0.25f) - 2.0f) - 1.0f) < 0.5f);
-    const float t2 = x - t0 * 1.5703125f - t0 * 0.0004837513f - t0 * 7.5495336e-08f - t0 *
-        2.563344e-12f;
+    const float t0 = floorf(0.5f + 0.63661975f * x);
+    const _Bool t1 = (0.5f < t0 - floorf(0.5f * t0) * 2.0f);
+    const float t2 = x - t0 * 1.5703125f - t0 * 0.0004837513f - t0 * 7.54979e-08f;
     const float t3 = t2 * t2;
     const float t4 = 1.0f - 0.5f * t3 + t3 * t3 * (t3 * (t3 * 2.4547298e-05f + -0.00138883f) +
         0.041666664f);
@@ -158,23 +157,22 @@ static inline float motorcade_tanf(const float x)
 /* Tangent of x. */
 static inline double motorcade_tan(const double x)
 {
-    const double t0 = floor(0.6366197723675814 * x + 0.5);
-    const _Bool t1 = (fabs(fabs(t0 - 4.0 * floor(t0 * 0.25) - 2.0) - 1.0) < 0.5);
+    const double t0 = floor(0.5 + 0.6366197723675814 * x);
+    const _Bool t1 = (0.5 < t0 - floor(0.5 * t0) * 2.0);
     const double t2 = x - t0 * 1.5707963109016418 - t0 * 1.5893254712295857e-08 - t0 *
-        6.123233932053594e-17;
-    const double t3 = t2 - t0 * 6.36831716351095e-25;
-    const double t4 = t3 * t3;
-    const double t5 = t4 * (t4 * (t4 * -1.1382408754153254e-11 + 2.087614315990944e-09) +
+        6.123233995736766e-17;
+    const double t3 = t2 * t2;
+    const double t4 = t3 * (t3 * (t3 * -1.1382408754153254e-11 + 2.087614315990944e-09) +
         -2.755731725679604e-07);
-    const double t6 = t4 * (t4 * (t5 + 2.4801587298736863e-05) + -0.0013888888888887378) +
+    const double t5 = t3 * (t3 * (t4 + 2.4801587298736863e-05) + -0.0013888888888887378) +
         0.041666666666666664;
-    const double t7 = 1.0 - 0.5 * t4 + t4 * t4 * t6;
-    const double t8 = t4 * (t4 * -7.586543634101903e-13 + 1.6058529011960858e-10) +
+    const double t6 = 1.0 - 0.5 * t3 + t3 * t3 * t5;
+    const double t7 = t3 * (t3 * -7.586543634101903e-13 + 1.6058529011960858e-10) +
         -2.5052106215978872e-08;
-    const double t9 = t4 * (t4 * (t4 * t8 + 2.7557319219291695e-06) + -0.00019841269841265003) +
+    const double t8 = t3 * (t3 * (t3 * t7 + 2.7557319219291695e-06) + -0.00019841269841265003) +
         0.008333333333333331;
-    const double t10 = t3 + t3 * t4 * (t4 * t9 + -0.16666666666666666);
-    return (t1 ? -t7 : t10) / (t1 ? t10 : t7);
+    const double t9 = t2 + t2 * t3 * (t3 * t8 + -0.16666666666666666);
+    return (t1 ? -t6 : t9) / (t1 ? t9 : t6);
 }
 
 /* Angle from -π/2 to π/2 whose sine is x. */
@@ -191,7 +189,8 @@ static inline float motorcade_asinf(const float x)
     const float t7 = t5 * (t5 * (t5 * (t5 * t6 + -0.08931286f) + 0.11088163f) + -0.14283995f) +
         0.1999995f;
     const float t8 = t4 + t4 * t5 * (t5 * t7 + -0.33333334f);
-    const float t9 = (t2 ? 1.5707963f - t8 + 7.54979e-08f : t8);
+    const float t9 = (t2 ? 1.5707963f : 0.0f) + ((t2 ? 7.54979e-08f : 0.0f) + ((0.0f != t2) ? -t8 :
+        t8));
     return ((x < 0.0f) ? -t9 : t9);
 }
 
@@ -224,16 +223,17 @@ static inline float motorcade_acosf(const float x)
     const float t0 = fabsf(x);
     const float t1 = sqrtf((1.0f - x) * (x + 1.0f));
     const _Bool t2 = (t0 < t1);
-    const float t3 = (t2 ? t1 : t0);
-    const float t4 = (t2 ? t0 : t1) / ((0.0f == t3) ? 1.0f : t3);
-    const float t5 = t4 * t4;
-    const float t6 = t5 * (t5 * (t5 * (t5 * 0.0014846562f + -0.00912731f) + 0.026274096f) +
+    const _Bool t3 = (x < 0.0f);
+    const float t4 = (t2 ? 1.5707963f : (t3 ? 3.1415925f : 0.0f));
+    const float t5 = (t2 ? t1 : t0);
+    const float t6 = (t2 ? t0 : t1) / ((0.0f == t5) ? 1.0f : t5);
+    const float t7 = t6 * t6;
+    const float t8 = t7 * (t7 * (t7 * (t7 * 0.0014846562f + -0.00912731f) + 0.026274096f) +
         -0.04893085f) + 0.07030259f;
-    const float t7 = t5 * (t5 * (t5 * (t5 * t6 + -0.08931286f) + 0.11088163f) + -0.14283995f) +
+    const float t9 = t7 * (t7 * (t7 * (t7 * t8 + -0.08931286f) + 0.11088163f) + -0.14283995f) +
         0.1999995f;
-    const float t8 = t4 + t4 * t5 * (t5 * t7 + -0.33333334f);
-    const float t9 = (t2 ? 1.5707963f - t8 + 7.54979e-08f : t8);
-    return ((x < 0.0f) ? 3.1415925f - t9 + 1.509958e-07f : t9);
+    const float t10 = t6 + t6 * t7 * (t7 * t9 + -0.33333334f);
+    return t4 + (t4 * 4.806346e-08f + ((t2 != t3) ? -t10 : t10));
 }
 
 /* Angle from 0 to π whose cosine is x. */
@@ -272,7 +272,8 @@ static inline float motorcade_atanf(const float x)
     const float t6 = t4 * (t4 * (t4 * (t4 * t5 + -0.08931286f) + 0.11088163f) + -0.14283995f) +
         0.1999995f;
     const float t7 = t3 + t3 * t4 * (t4 * t6 + -0.33333334f);
-    const float t8 = (t1 ? 1.5707963f - t7 + 7.54979e-08f : t7);
+    const float t8 = (t1 ? 1.5707963f : 0.0f) + ((t1 ? 7.54979e-08f : 0.0f) + ((0.0f != t1) ? -t7 :
+        t7));
     return ((x < 0.0f) ? -t8 : t8);
 }
 
@@ -304,17 +305,18 @@ static inline float motorcade_atan2f(const float y, const float x)
     const float t0 = fabsf(x);
     const float t1 = fabsf(y);
     const _Bool t2 = (t0 < t1);
-    const float t3 = (t2 ? t1 : t0);
-    const float t4 = (t2 ? t0 : t1) / ((0.0f == t3) ? 1.0f : t3);
-    const float t5 = t4 * t4;
-    const float t6 = t5 * (t5 * (t5 * (t5 * 0.0014846562f + -0.00912731f) + 0.026274096f) +
+    const _Bool t3 = (x < 0.0f);
+    const float t4 = (t2 ? 1.5707963f : (t3 ? 3.1415925f : 0.0f));
+    const float t5 = (t2 ? t1 : t0);
+    const float t6 = (t2 ? t0 : t1) / ((0.0f == t5) ? 1.0f : t5);
+    const float t7 = t6 * t6;
+    const float t8 = t7 * (t7 * (t7 * (t7 * 0.0014846562f + -0.00912731f) + 0.026274096f) +
         -0.04893085f) + 0.07030259f;
-    const float t7 = t5 * (t5 * (t5 * (t5 * t6 + -0.08931286f) + 0.11088163f) + -0.14283995f) +
+    const float t9 = t7 * (t7 * (t7 * (t7 * t8 + -0.08931286f) + 0.11088163f) + -0.14283995f) +
         0.1999995f;
-    const float t8 = t4 + t4 * t5 * (t5 * t7 + -0.33333334f);
-    const float t9 = (t2 ? 1.5707963f - t8 + 7.54979e-08f : t8);
-    const float t10 = ((x < 0.0f) ? 3.1415925f - t9 + 1.509958e-07f : t9);
-    return ((y < 0.0f) ? -t10 : t10);
+    const float t10 = t6 + t6 * t7 * (t7 * t9 + -0.33333334f);
+    const float t11 = t4 + (t4 * 4.806346e-08f + ((t2 != t3) ? -t10 : t10));
+    return ((y < 0.0f) ? -t11 : t11);
 }
 
 /* Angle of the point (x, y), from -π to π. */
@@ -344,33 +346,35 @@ static inline double motorcade_atan2(const double y, const double x)
 /* Exponential of x. */
 static inline float motorcade_expf(const float x)
 {
-    const float t0 = ((90.0f < x) ? 90.0f : ((x < -105.0f) ? -105.0f : x));
-    const float t1 = floorf(t0 * 1.442695f + 0.5f);
-    const float t2 = t0 - 0.69311523f * t1 - t1 * 3.1946183e-05f;
-    const float t3 = t2 * (t2 * (t2 * (t2 * 2.4860057e-05f + 0.00019899753f) + 0.0013888853f) +
+    const float t0 = ((x < -105.0f) ? -105.0f : x);
+    const float t1 = ((90.0f < t0) ? 90.0f : t0);
+    const float t2 = floorf(t1 * 1.442695f + 0.5f);
+    const float t3 = t1 - 0.69311523f * t2 - t2 * 3.1946183e-05f;
+    const float t4 = t3 * (t3 * (t3 * (t3 * 2.4860057e-05f + 0.00019899753f) + 0.0013888853f) +
         0.008333297f);
-    const float t4 = floorf(0.5f * t1);
-    const float t5 = (1.0f + (t2 + t2 * t2 * (0.5f + t2 * (t2 * (t3 + 0.041666668f) +
-        0.16666667f)))) * motorcade_exp2_of_integerf(t4);
-    return t5 * motorcade_exp2_of_integerf(t1 - t4);
+    const float t5 = floorf(0.5f * t2);
+    const float t6 = (1.0f + (t3 + t3 * t3 * (0.5f + t3 * (t3 * (t4 + 0.041666668f) +
+        0.16666667f)))) * motorcade_exp2_of_integerf(t5);
+    return t6 * motorcade_exp2_of_integerf(t2 - t5);
 }
 
 /* Exponential of x. */
 static inline double motorcade_exp(const double x)
 {
-    const double t0 = ((711.0 < x) ? 711.0 : ((x < -746.0) ? -746.0 : x));
-    const double t1 = floor(t0 * 1.4426950408889634 + 0.5);
-    const double t2 = t0 - 0.6931471805598903 * t1 - t1 * 5.497923018708371e-14;
-    const double t3 = t2 * (t2 * (t2 * 2.091499245327924e-09 + 2.510564479145537e-08) +
+    const double t0 = ((x < -746.0) ? -746.0 : x);
+    const double t1 = ((711.0 < t0) ? 711.0 : t0);
+    const double t2 = floor(t1 * 1.4426950408889634 + 0.5);
+    const double t3 = t1 - 0.6931471805598903 * t2 - t2 * 5.497923018708371e-14;
+    const double t4 = t3 * (t3 * (t3 * 2.091499245327924e-09 + 2.510564479145537e-08) +
         2.755727290616548e-07);
-    const double t4 = t2 * (t2 * (t3 + 2.755725436822675e-06) + 2.4801587326131077e-05) +
+    const double t5 = t3 * (t3 * (t4 + 2.755725436822675e-06) + 2.4801587326131077e-05) +
         0.00019841269875637497;
-    const double t5 = t2 * (t2 * (t2 * t4 + 0.0013888888888883581) + 0.0083333333333259) +
+    const double t6 = t3 * (t3 * (t3 * t5 + 0.0013888888888883581) + 0.0083333333333259) +
         0.04166666666666667;
-    const double t6 = floor(0.5 * t1);
-    const double t7 = (1.0 + (t2 + t2 * t2 * (0.5 + t2 * (t2 * t5 + 0.1666666666666667)))) *
-        motorcade_exp2_of_integer(t6);
-    return t7 * motorcade_exp2_of_integer(t1 - t6);
+    const double t7 = floor(0.5 * t2);
+    const double t8 = (1.0 + (t3 + t3 * t3 * (0.5 + t3 * (t3 * t6 + 0.1666666666666667)))) *
+        motorcade_exp2_of_integer(t7);
+    return t8 * motorcade_exp2_of_integer(t2 - t7);
 }
 
 /* Natural logarithm of x; minus infinity of 0, NaN of less. */
@@ -381,21 +385,16 @@ static inline float motorcade_logf(const float x)
     const float t2 = t1 * t1;
     const _Bool t3 = (x < 7.888609e-31f);
     const float t4 = (t3 ? x * 1.8446744e+19f : x);
-    const float t5 = motorcade_exponentf(t4);
-    const float t6 = 0.5f * t4 * motorcade_exp2_of_integerf(1.0f - t5);
-    const _Bool t7 = (1.4142135f < t6);
-    const float t8 = (t7 ? 1.0f + t5 : t5);
-    const float t9 = (t3 ? t8 - 64.0f : t8);
-    const float t10 = (t7 ? 0.5f * t6 : t6) - 1.0f;
-    const float t11 = t10 * (t10 * (t10 * (t10 * -0.061996534f + 0.1053021f) + -0.106465906f) +
-        0.110379085f);
-    const float t12 = t10 * (t10 * (t10 * (t10 * (t11 + -0.12450713f) + 0.14286517f) + -0.16668002f)
-        + 0.2000001f);
-    const float t13 = t10 * (t10 * t10) * (t10 * (t12 + -0.2499999f) + 0.33333334f) - t10 * (0.5f *
-        t10) + t9 * 3.1946183e-05f;
-    const float t14 = (t0 ? ((x < 0.0f) ? t2 : 0.0f) - t2 : ((3.4028235e+38f < x) ? x : 0.69311523f
-        * t9 + (t10 + t13)));
-    return t14;
+    const float t5 = motorcade_exponentf(0.70710677f * t4);
+    const float t6 = t5 + (t3 ? -63.0f : 1.0f);
+    const float t7 = t4 * 0.25f * motorcade_exp2_of_integerf(1.0f - t5) - 1.0f;
+    const float t8 = t7 * (t7 * (t7 * (t7 * -0.061996534f + 0.1053021f) + -0.106465906f) +
+        0.110379085f) + -0.12450713f;
+    const float t9 = t7 * (t7 * (t7 * (t7 * (t7 * t8 + 0.14286517f) + -0.16668002f) + 0.2000001f) +
+        -0.2499999f);
+    const float t10 = 0.69311523f * t6 + (t7 + (t7 * (t7 * t7) * (t9 + 0.33333334f) - t7 * (t7 *
+        0.5f) + t6 * 3.1946183e-05f));
+    return (t0 ? ((x < 0.0f) ? t2 : 0.0f) - t2 : ((3.4028235e+38f < x) ? x : t10));
 }
 
 /* Natural logarithm of x; minus infinity of 0, NaN of less. */
@@ -406,22 +405,19 @@ static inline double motorcade_log(const double x)
     const double t2 = t1 * t1;
     const _Bool t3 = (x < 1.0261342003245941e-289);
     const double t4 = (t3 ? x * 3.402823669209385e+38 : x);
-    const double t5 = motorcade_exponent(t4);
-    const double t6 = 0.5 * t4 * motorcade_exp2_of_integer(1.0 - t5);
-    const _Bool t7 = (1.4142135623730951 < t6);
-    const double t8 = (t7 ? 1.0 + t5 : t5);
-    const double t9 = (t3 ? t8 - 128.0 : t8);
-    const double t10 = (t7 ? 0.5 * t6 : t6) - 1.0;
-    const double t11 = t10 * (0.5 * t10);
-    const double t12 = t10 / (2.0 + t10);
-    const double t13 = t12 * t12;
-    const double t14 = t13 * (t13 * (t13 * 0.13094416666525344 + 0.1326802614042874) +
+    const double t5 = motorcade_exponent(0.7071067811865476 * t4);
+    const double t6 = t5 + (t3 ? -127.0 : 1.0);
+    const double t7 = t4 * 0.25 * motorcade_exp2_of_integer(1.0 - t5) - 1.0;
+    const double t8 = t7 * (0.5 * t7);
+    const double t9 = t7 / (2.0 + t7);
+    const double t10 = t9 * t9;
+    const double t11 = t10 * (t10 * (t10 * 0.13094416666525344 + 0.1326802614042874) +
         0.15386267672882226) + 0.18181795124476754;
-    const double t15 = t13 * (t13 * (t13 * t14 + 0.22222222396552982) + 0.2857142857078221) +
+    const double t12 = t10 * (t10 * (t10 * t11 + 0.22222222396552982) + 0.2857142857078221) +
         0.4000000000000091;
-    const double t16 = t11 - (t12 * (t11 + t13 * (t13 * t15 + 0.6666666666666666)) + t9 *
+    const double t13 = t8 - (t9 * (t8 + t10 * (t10 * t12 + 0.6666666666666666)) + t6 *
         5.497923018708371e-14);
-    const double t17 = (t0 ? ((x < 0.0) ? t2 : 0.0) - t2 : ((1.7976931348623157e+308 < x) ? x :
-        0.6931471805598903 * t9 - (t16 - t10)));
-    return t17;
+    const double t14 = (t0 ? ((x < 0.0) ? t2 : 0.0) - t2 : ((1.7976931348623157e+308 < x) ? x :
+        0.6931471805598903 * t6 - (t13 - t7)));
+    return t14;
 }

@@ -34,6 +34,21 @@ def test_choices_by_other_conditions_stay(nodes: Callable[..., Any]) -> None:
     assert without_repeated_choices(tape.tape()).operations() == tape.tape().operations()
 
 
+def test_a_side_that_would_have_to_be_computed_twice_stays(nodes: Callable[..., Any]) -> None:
+    """A quotient that is used elsewhere too; the other side loses its inner choice."""
+    tape = nodes("x", "y")
+    condition = tape("lt", 0, 1)
+    shared = tape("div", 0, tape("select", condition, 0, 1))
+    inner = tape("select", condition, 1, tape("sin", 1))
+    outer = tape("select", condition, tape("add", shared, 0), tape("mul", inner, inner))
+    tape("add", outer, shared)
+    made = without_repeated_choices(tape.tape())
+    assert made.operations() == {"add": 2, "div": 1, "lt": 1, "mul": 1, "select": 2, "sin": 1}
+    rng = np.random.default_rng(1)
+    inputs = {("x", 0): rng.normal(size=50), ("y", 0): rng.normal(size=50)}
+    np.testing.assert_array_equal(run_tape(made, inputs), run_tape(tape.tape(), inputs))
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_values_of_functions_stay_what_they_were(seed: int) -> None:
     script = parse("//#pragma algebra cga3\n?m = exp(t*log(a + b*e1^e2 + c*e1^einf + d*e0^einf));")
