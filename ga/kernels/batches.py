@@ -16,120 +16,52 @@ then, of similarities, logarithm of the scale.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import prod
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from motorcade.ga.kernels.backend import checked_function, function
+from motorcade.ga.kernels.calls import (
+    Array,
+    batch_of,
+    checked_call,
+    empty,
+    expect_arrays,
+    of_one,
+    of_two,
+    spread,
+)
 
-_BLOCK = 16
-
-# float32 or float64, one kind throughout a call.
-Array = NDArray[Any]
+# Points that one versor moves faster by its matrix.
+_BY_MATRIX = 1024
 
 _blend, _blend_matrix = function("blend"), function("blend_matrix")
 _screw_blend, _screw_blend_matrix = function("screw_blend"), function("screw_blend_matrix")
 _accumulate = function("accumulate")
 _normalize, _normalize_matrix = function("normalize"), function("normalize_matrix")
 _dual_quaternion = function("dual_quaternion")
+_transform, _checked_transform = function("transform"), checked_function("transform")
+_rotor_matrix33 = function("rotor_matrix33")
 _similarity_normalize = function("similarity_normalize")
 _similarity_blend = function("similarity_blend")
 _similarity_parts = function("rotor_translation_scale")
 _similarity_of_motor = function("similarity_of_motor")
 
 
-def _empty(shape: tuple[int, ...], width: int, dtype: np.dtype[Any]) -> Array:
-    """An array ``(*shape, width)`` for a kernel to write into, see the top of this module."""
-    count = prod(shape)
-    if count < _BLOCK:
-        return np.empty((*shape, width), dtype)
-    rows = np.empty((width, -(-count // _BLOCK) * _BLOCK), dtype)[:, :count]
-    if len(shape) == 1:
-        return rows.T
-    return np.moveaxis(rows.reshape(width, *shape), 0, -1)
-
-
-def _spread(array: Array, shape: tuple[int, ...], trailing: int) -> Array:
-    """The batch `shape` of an array whose rows a kernel can step through, or one row for all."""
-    batch = array.shape[: array.ndim - trailing]
-    if batch == shape and (len(shape) < 2 or array.flags.c_contiguous):
-        return array
-    rest = array.shape[array.ndim - trailing :]
-    if prod(batch) == 1:
-        return array.reshape(rest)
-    spread = np.broadcast_to(array, (*shape, *rest))
-    return spread if len(shape) < 2 else spread.reshape(prod(shape), *rest)  # copied if need be
-
-
-def _expect_arrays(*given: object) -> None:
-    kinds = [type(one).__name__ for one in given if not isinstance(one, np.ndarray | np.generic)]
-    if kinds:
-        raise TypeError(f"expected NumPy arrays of float32 or float64, got {', '.join(kinds)}")
-
-
-def _batch(*given: Array) -> tuple[int, ...]:
-    """The batch that inputs ``(*, n)`` broadcast to."""
-    try:
-        shape = given[0].shape[:-1]
-        for other in given[1:]:
-            if other.shape[:-1] != shape:
-                shape = np.broadcast_shapes(shape, other.shape[:-1])
-    except AttributeError:
-        _expect_arrays(*given)
-        raise
-    return shape
-
-
-def checked_call(kernel: Callable[..., bool], width: int, *given: Array) -> tuple[Array, bool]:
-    """Apply a checked kernel to inputs ``(*, n)`` of one precision; and whether they are finite."""
-    shape = _batch(*given)
-    if not shape:
-        made = np.empty(width, given[0].dtype)
-        return made, kernel(*given, made)
-    made = _empty(shape, width, given[0].dtype)
-    return made, kernel(*[_spread(one, shape, 1) for one in given], made)
-
-
-def of_one(kernel: Callable[..., None], given: Array, width: int) -> Array:
-    """Apply a kernel of one input ``(*, n)``."""
-    shape = _batch(given)
-    if not shape:
-        made = np.empty(width, given.dtype)
-        kernel(given, made)
-        return made
-    made = _empty(shape, width, given.dtype)
-    kernel(_spread(given, shape, 1), made)
-    return made
-
-
-def of_two(kernel: Callable[..., None], a: Array, b: Array, width: int) -> Array:
-    """Apply a kernel of two inputs ``(*, n)`` whose batches broadcast."""
-    shape = _batch(a, b)
-    if not shape:
-        made = np.empty(width, a.dtype)
-        kernel(a, b, made)
-        return made
-    made = _empty(shape, width, a.dtype)
-    kernel(_spread(a, shape, 1), _spread(b, shape, 1), made)
-    return made
-
-
 def _of_fraction(
     kernel: Callable[..., None], a: Array, b: Array, fraction: Array | float, width: int
 ) -> Array:
     """Apply a kernel of two inputs ``(*, n)`` and a fraction ``(*)``."""
-    shape = _batch(a, b)
+    shape = batch_of(a, b)
     if not isinstance(fraction, float | int):
-        _expect_arrays(fraction)
+        expect_arrays(fraction)
         if fraction.shape == ():
             fraction = float(fraction)
         elif fraction.shape != shape:
             shape = np.broadcast_shapes(shape, fraction.shape)
-    made = _empty(shape, width, a.dtype)
-    part = float(fraction) if isinstance(fraction, float | int) else _spread(fraction, shape, 0)
-    kernel(_spread(a, shape, 1), _spread(b, shape, 1), part, made)
+    made = empty(shape, width, a.dtype)
+    part = float(fraction) if isinstance(fraction, float | int) else spread(fraction, shape, 0)
+    kernel(spread(a, shape, 1), spread(b, shape, 1), part, made)
     return made
 
 
@@ -168,15 +100,15 @@ def blend_many_matrix(motors: Array, weights: Array) -> Array:
 
 
 def _accumulated(motors: Array, weights: Array) -> Array:
-    _expect_arrays(motors, weights)
+    expect_arrays(motors, weights)
     shape = motors.shape[1:-1]
     total = np.zeros(8, motors.dtype)
-    other = _empty(shape, 8, motors.dtype)
-    spare = _empty(shape, 8, motors.dtype)
-    pivot = _spread(motors[0], shape, 1)
+    other = empty(shape, 8, motors.dtype)
+    spare = empty(shape, 8, motors.dtype)
+    pivot = spread(motors[0], shape, 1)
     for one, weight in zip(motors, weights, strict=True):
-        part = float(weight) if weight.shape == () else _spread(weight, shape, 0)
-        _accumulate(total, pivot, _spread(one, shape, 1), part, other)
+        part = float(weight) if weight.shape == () else spread(weight, shape, 0)
+        _accumulate(total, pivot, spread(one, shape, 1), part, other)
         total, other, spare = other, spare, other
     return total
 
@@ -221,7 +153,7 @@ def rotor_translation_scale(m: Array) -> tuple[Array, Array, Array]:
 
 def similarity_of_motor(m: Array, scale: Array) -> Array:
     """Similarities ``(*, 12)`` that grow by ``scale (*)`` and then move by motors ``(*, 8)``."""
-    _expect_arrays(scale)
+    expect_arrays(scale)
     return of_two(_similarity_of_motor, m, scale[..., None], 12)
 
 
@@ -254,6 +186,8 @@ class VersorKernels:
         self._apply, self._as_twist = function(f"{prefix}apply"), function(f"{prefix}as_twist")
         self._checked_apply = checked_function(f"{prefix}apply")
         self._checked_of_twist = checked_function(f"{prefix}of_twist")
+        self._add_weighted = function(f"{prefix}add_weighted")
+        self._add_local = function(f"{prefix}add_local")
 
     def compose(self, a: Array, b: Array) -> Array:
         """Geometric product ``a b``."""
@@ -265,11 +199,21 @@ class VersorKernels:
 
     def apply(self, m: Array, points: Array) -> Array:
         """Points ``(*, 3)`` moved."""
+        if m.size == self._size and points.size >= 3 * _BY_MATRIX:
+            return of_two(_transform, self._matrix(m), points, 3)
         return of_two(self._apply, m, points, 3)
 
     def checked_apply(self, m: Array, points: Array) -> tuple[Array, bool]:
         """The same, and whether all numbers given are finite."""
+        if m.size == self._size and points.size >= 3 * _BY_MATRIX:
+            return checked_call(_checked_transform, 3, self._matrix(m), points)
         return checked_call(self._checked_apply, 3, m, points)
+
+    def _matrix(self, m: Array) -> Array:
+        """The matrices ``(*, 12)``, by rows, of rotors."""
+        made = np.zeros((*m.shape[:-1], 3, 4), m.dtype)
+        made[..., :3] = of_one(_rotor_matrix33, m, 9).reshape(*m.shape[:-1], 3, 3)
+        return made.reshape(*m.shape[:-1], 12)
 
     def checked_of_twist(self, twist: Array) -> tuple[Array, bool]:
         """Versors of twists ``(*, d)``, and whether these are finite; see `exp`."""
@@ -326,6 +270,33 @@ class VersorKernels:
         """Twists from ``a`` to ``b``, seen from ``a``, which turn by at most π."""
         return of_two(self._local, a, b, self._twist_size)
 
+    def weighted_sum(self, m: Array, weights: Array) -> Array:
+        """Sums ``(*, n + 1)`` of versors ``(*, K, n)`` times weights ``(*, K)``.
+
+        Each is signed as it is beside the first. The last number is how long the terms are
+        together, by their largest rotor coefficient.
+        """
+        return self._summed(self._add_weighted, m[..., 0, :], m, weights, self._size + 1)
+
+    def weighted_local(self, middle: Array, m: Array, weights: Array) -> Array:
+        """Sums of `local` from ``(*, n)`` to versors ``(*, K, n)``, times weights ``(*, K)``."""
+        return self._summed(self._add_local, middle, m, weights, self._twist_size)
+
+    def _summed(
+        self, kernel: Callable[..., None], first: Array, m: Array, weights: Array, width: int
+    ) -> Array:
+        """What a kernel adds up, one of K after the other; weights have the batch of the result."""
+        shape = weights.shape[:-1]
+        beside = spread(first, shape, 1)
+        total = np.zeros(width, m.dtype)
+        made, spare = empty(shape, width, m.dtype), empty(shape, width, m.dtype)
+        for k in range(weights.shape[-1]):
+            one = spread(m[..., k, :], shape, 1)
+            weight = spread(weights[..., k], shape, 0)
+            kernel(spread(total, shape, 1), beside, one, weight, made)
+            total, made, spare = made, spare, made
+        return total
+
     def _square(self, rows: Array) -> Array:
         return rows.reshape(*rows.shape[:-1], self._twist_size, self._twist_size)
 
@@ -351,7 +322,10 @@ class PoseKernels(VersorKernels):
 
     def matrix34(self, m: Array) -> Array:
         """Matrices ``(*, 3, 4)``."""
-        return _matrices(of_one(self._matrix34, m, 12), 3)
+        return _matrices(self._matrix(m), 3)
+
+    def _matrix(self, m: Array) -> Array:
+        return of_one(self._matrix34, m, 12)
 
     def matrix44(self, m: Array) -> Array:
         """Homogeneous matrices ``(*, 4, 4)``."""

@@ -13,12 +13,12 @@ from math import nan
 import numpy as np
 
 from motorcade.ga.kernels.backend import checked_function, function
-from motorcade.ga.kernels.batches import Array, checked_call, of_one, of_two
+from motorcade.ga.kernels.calls import Array, checked_call, of_one, of_two
 
 _translation, _motor_scale = function("translation"), function("motor_scale")
 _matrix33 = function("rotor_matrix33")
 _tait_bryan, _proper_euler = function("rotor_tait_bryan"), function("rotor_proper_euler")
-_of_euler = checked_function("rotor_of_euler")
+_of_euler, _motor_of_euler = checked_function("rotor_of_euler"), checked_function("motor_of_euler")
 _motor_of, _similarity_of = checked_function("motor_of"), checked_function("similarity_of")
 _similarity_of_motor = checked_function("similarity_of_motor")
 _of_quaternion = checked_function("rotor_of_quaternion")
@@ -62,6 +62,11 @@ def rotor_matrix(r: Array) -> Array:
 def rotor_of_euler(angles: Array, axes: Array) -> tuple[Array, bool]:
     """Rotors of intrinsic angles ``(*, 3)`` about three axes ``(9,)``; whether all are finite."""
     return checked_call(_of_euler, 4, angles, axes)
+
+
+def motor_of_euler(angles: Array, axes: Array, t: Array) -> tuple[Array, bool]:
+    """Motors that turn by such angles, then move by ``(*, 3)``; whether all given is finite."""
+    return checked_call(_motor_of_euler, 8, angles, axes, t)
 
 
 def euler_of_rotor(r: Array, sequence: Array, proper: bool) -> Array:

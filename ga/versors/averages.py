@@ -73,10 +73,8 @@ def blend(versors: V, weights: ArrayLike) -> V:
     """
     share = _checked_weights("blend", versors, weights)
     given = np.asarray(versors.coefficients, dtype=np.float64)
-    against = np.sum(given[..., :1, :4] * given[..., :4], axis=-1) < 0.0
-    signed = np.where(against, -1.0, 1.0) * share
-    total: FloatArray = np.einsum("...k,...kc->...c", signed, given)
-    bulk = np.einsum("...k,...k->...", np.abs(share), np.max(np.abs(given[..., :4]), axis=-1))
+    summed = type(versors)._kernels.weighted_sum(given, share)
+    total, bulk = summed[..., :-1], summed[..., -1]
     left = np.max(np.abs(total[..., :4]), axis=-1)
     lost = int(np.count_nonzero(left <= _CANCELLED[versors.dtype] * bulk))
     if lost:
@@ -114,14 +112,13 @@ def mean(versors: V, weights: ArrayLike | None = None, tolerance: float = 1e-12)
     share = _shares(versors, weights)
     kind = type(versors)
     given = np.asarray(versors.coefficients, dtype=np.float64)
-    everyone = kind._trusted(np.broadcast_to(given, (*share.shape, given.shape[-1])))
+    everyone = np.broadcast_to(given, (*share.shape, given.shape[-1]))
     heaviest = np.argmax(share, axis=-1)[..., None, None]
-    middle = kind._trusted(np.take_along_axis(everyone.coefficients, heaviest, axis=-2)[..., 0, :])
-    allowed = tolerance * _rounding_scale(everyone.coefficients)
+    middle = kind._trusted(np.take_along_axis(everyone, heaviest, axis=-2)[..., 0, :])
+    allowed = tolerance * _rounding_scale(everyone)
     largest = np.inf
     for _ in range(_MAX_STEPS):
-        twists = middle.reshape(*middle.shape, 1).local(everyone)
-        step = np.einsum("...k,...kc->...c", share, twists)
+        step = kind._kernels.weighted_local(middle.coefficients, everyone, share)
         middle = middle.retract(step)
         length = 0.5 * np.max(np.abs(step), axis=-1)  # a twist is twice its logarithm
         if np.all(length <= allowed):

@@ -22,12 +22,12 @@ from motorcade.ga.arrays import (
     given_floats,
 )
 from motorcade.ga.kernels import MOTORS, ROTORS, parts
+from motorcade.ga.versors.euler_angles import sequence_operands
 from motorcade.ga.versors.rotor import (
     MATRIX_TOLERANCE,
     Rotor,
     check_quaternions,
     check_rotation,
-    coefficients_of_euler,
     euler_of_coefficients,
 )
 from motorcade.ga.versors.versor import Versor
@@ -140,12 +140,7 @@ class Motor(Versor):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, shapes that do not broadcast.
         """
-        return cls._of_parts(rotor.coefficients, translation_m)
-
-    @classmethod
-    def _of_parts(cls, rotor: FloatArray, translation_m: ArrayLike) -> Motor:
-        """The same of a rotor's coefficients."""
-        r, t = _of_one_precision(rotor, translation_m)
+        r, t = _of_one_precision(rotor.coefficients, translation_m)
         made, finite = parts.motor_of(r, t)
         if not finite:
             checked_floats(translation_m, "Motor translation_m", (3,))
@@ -229,7 +224,14 @@ class Motor(Versor):
         Raises:
             ValueError: an unknown sequence, wrong last dimension, NaN or infinity.
         """
-        return cls._of_parts(coefficients_of_euler(angles_rad, sequence), translation_m)
+        operands = sequence_operands(sequence)
+        given = given_floats(angles_rad, "angles_rad", (3,))
+        angles, t = _of_one_precision(given, translation_m)
+        made, finite = parts.motor_of_euler(angles, operands.axes[angles.dtype], t)
+        if not finite:
+            checked_floats(angles_rad, "angles_rad", (3,))
+            checked_floats(translation_m, "Motor translation_m", (3,))
+        return cls._trusted(made)
 
     def as_euler_translation(self, sequence: str = "xyz") -> tuple[FloatArray, FloatArray]:
         """Intrinsic Euler angles ``(*, 3)`` (see `Rotor.as_euler`) and translations ``(*, 3)``."""
@@ -261,7 +263,7 @@ def _study(coefficients: FloatArray) -> FloatArray:
 
 
 def _of_one_precision(rotor: FloatArray, translation_m: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Rotors or quaternions ``(*, 4)``, and translations ``(*, 3)`` whose batch goes with them."""
+    """Rotors, quaternions or angles ``(*, n)``, and translations whose batch goes with them."""
     t = given_floats(translation_m, "Motor translation_m", (3,))
     if t.shape[:-1] != rotor.shape[:-1]:
         broadcast_batch("Motor rotor and translation_m", rotor.shape[:-1], t.shape[:-1])

@@ -47,6 +47,12 @@ def _matrix44(precision: Precision, m: Numbers) -> list[Numbers]:
     return [[*matrix_rows(m, unit=True), 0.0, 0.0, 0.0, 1.0]]
 
 
+def _transform(precision: Precision, m: Numbers, x: Numbers) -> list[Numbers]:
+    """Points moved by 3×4 matrices, given by rows."""
+    rows = [m[4 * i : 4 * i + 4] for i in range(3)]
+    return [[row[3] + row[0] * x[0] + row[1] * x[1] + row[2] * x[2] for row in rows]]
+
+
 def _dual_quaternion(precision: Precision, m: Numbers) -> list[Numbers]:
     # Hamilton's i, j, k are -e23, -e31, -e12, and his ε times them e1∞ …, in this order.
     """Unit Hamilton dual quaternion: real wxyz, dual wxyz."""
@@ -60,6 +66,7 @@ KERNELS = (
     Kernel("apply", "products", (_M, _POINTS), (_MOVED,), _apply),
     Kernel("matrix34", "conversions", (_M,), (_ROWS,), _matrix34),
     Kernel("matrix44", "conversions", (_M,), (on.components("out", 4, 4),), _matrix44),
+    Kernel("transform", "conversions", (on.components("m", 3, 4), _POINTS), (_MOVED,), _transform),
     Kernel(
         "dual_quaternion",
         "conversions",

@@ -19,6 +19,7 @@ from motorcade.ga.kernels.definitions import (
     skinning,
 )
 from motorcade.ga.kernels.definitions import elements as on
+from motorcade.ga.kernels.definitions.averages import average_kernels
 from motorcade.ga.kernels.definitions.motors import MOTORS, ROTORS
 from motorcade.ga.kernels.definitions.parts import euler
 from motorcade.ga.kernels.definitions.parts import motors as motor_parts
@@ -52,6 +53,7 @@ KERNELS = (
     *motor_parts.KERNELS,
     *similarity_parts.KERNELS,
     *(kernel for kind in (MOTORS, ROTORS, SIMILARITIES) for kernel in twist_kernels(kind)),
+    *(kernel for kind in (MOTORS, ROTORS, SIMILARITIES) for kernel in average_kernels(kind)),
 )
 
 # The name in C++, and the kernels that it stands for.

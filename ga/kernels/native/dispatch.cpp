@@ -26,20 +26,26 @@ template <typename Real> Entry<Real> entry(const motorcade_kernel &kernel);
 template <> Entry<float> entry<float>(const motorcade_kernel &kernel) { return kernel.single; }
 template <> Entry<double> entry<double>(const motorcade_kernel &kernel) { return kernel.real; }
 
+// Whether all rows are finite, true where that is not asked.
 template <typename Real>
-void gather(const Rows &from, std::size_t start, std::size_t count, std::size_t width, Real *to,
-            std::size_t step) {
+bool gather(const Rows &from, std::size_t start, std::size_t count, std::size_t width, Real *to,
+            std::size_t step, bool checked) {
     const char *row = from.first + static_cast<std::ptrdiff_t>(start) * from.row_stride;
-    const bool rows_follow = from.component_stride == sizeof(Real) &&
-                             from.row_stride == static_cast<std::ptrdiff_t>(width * sizeof(Real));
-    if (rows_follow) split_rows(reinterpret_cast<const Real *>(row), count, width, to, step);
+    constexpr std::ptrdiff_t size = sizeof(Real);
+    const bool by_rows = from.component_stride == size && from.row_stride % size == 0;
+    bool finite = true;
+    if (by_rows)
+        finite = split_rows(reinterpret_cast<const Real *>(row), from.row_stride / size, count,
+                            width, to, step, checked);
     for (std::size_t j = 0; j < width; ++j) {
         const char *at = row + static_cast<std::ptrdiff_t>(j) * from.component_stride;
-        for (std::size_t i = 0; i < count && !rows_follow; ++i, at += from.row_stride)
+        for (std::size_t i = 0; i < count && !by_rows; ++i, at += from.row_stride)
             to[j * step + i] = *reinterpret_cast<const Real *>(at);
+        if (checked && !by_rows) finite &= all_finite(to + j * step, count);
         // The rest of the last block repeats a number that is harmless to compute with.
         for (std::size_t i = count; i % LANES; ++i) to[j * step + i] = to[j * step];
     }
+    return finite;
 }
 
 template <typename Real>
@@ -107,13 +113,14 @@ template <typename Real> struct Stretch {
         bool finite = true;
         for (int k = 0; k < all; ++k) {
             const bool one_for_all = k < inputs && operands[k].count == 1;
-            if (direct[k])
-                at[k] = reinterpret_cast<Real *>(operands[k].first) + from;
-            else if (k < inputs && !one_for_all)
-                gather(operands[k], from, count, width(k), at[k], tile);
-            if (checked && k < inputs && !one_for_all)
-                for (std::size_t j = 0; j < width(k); ++j)
-                    finite &= all_finite(at[k] + static_cast<std::ptrdiff_t>(j) * steps[k], count);
+            if (!direct[k]) {
+                if (k < inputs && !one_for_all)
+                    finite &= gather(operands[k], from, count, width(k), at[k], tile, checked);
+                continue;
+            }
+            at[k] = reinterpret_cast<Real *>(operands[k].first) + from;
+            for (std::size_t j = 0; checked && k < inputs && j < width(k); ++j)
+                finite &= all_finite(at[k] + static_cast<std::ptrdiff_t>(j) * steps[k], count);
         }
         entry<Real>(kernel)(at, steps, at + inputs, steps + inputs, (count + LANES - 1) / LANES);
         for (int k = inputs; k < all; ++k)

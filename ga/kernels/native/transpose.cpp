@@ -16,10 +16,12 @@ namespace motorcade {
 namespace {
 
 template <typename Real>
-MOTORCADE_INLINE void plain(const Real *rows, std::size_t first, std::size_t count,
-                            std::size_t width, Real *to, std::size_t step) {
+MOTORCADE_INLINE void plain(const Real *rows, std::ptrdiff_t apart, std::size_t first,
+                            std::size_t count, std::size_t width, Real *to, std::size_t step) {
     for (std::size_t j = 0; j < width; ++j)
-        for (std::size_t i = first; i < count; ++i) to[j * step + i] = rows[i * width + j];
+        for (std::size_t i = first; i < count; ++i)
+            to[j * step + i] =
+                rows[static_cast<std::ptrdiff_t>(i) * apart + static_cast<std::ptrdiff_t>(j)];
 }
 
 #if defined(__GNUC__) && (defined(__clang__) || __GNUC__ >= 12)
@@ -37,15 +39,20 @@ MOTORCADE_INLINE void store(Real *at, const typename Four<Real>::type &given) {
     std::memcpy(at, &given, sizeof given);
 }
 
+// Looks for numbers that are not finite on its way, as `finite` below does.
 template <typename Real>
-MOTORCADE_INLINE std::size_t threes(const Real *rows, std::size_t count, Real *to,
-                                    std::size_t step) {
+MOTORCADE_INLINE std::size_t threes(const Real *rows, std::size_t count, Real *to, std::size_t step,
+                                    bool &finite) {
     std::size_t i = 0;
+    typename Four<Real>::type lost_a = {}, lost_b = {}, lost_c = {};
     for (; i + 4 <= count; i += 4) {
         typename Four<Real>::type a, b, c;  // x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3
         load<Real>(a, rows + 3 * i);
         load<Real>(b, rows + 3 * i + 4);
         load<Real>(c, rows + 3 * i + 8);
+        lost_a += Real(0) * a;
+        lost_b += Real(0) * b;
+        lost_c += Real(0) * c;
         const auto x = __builtin_shufflevector(a, b, 0, 3, 6, 6);
         const auto y = __builtin_shufflevector(a, b, 1, 4, 7, 7);
         const auto z = __builtin_shufflevector(a, b, 2, 5, 5, 5);
@@ -53,20 +60,22 @@ MOTORCADE_INLINE std::size_t threes(const Real *rows, std::size_t count, Real *t
         store<Real>(to + step + i, __builtin_shufflevector(y, c, 0, 1, 2, 6));
         store<Real>(to + 2 * step + i, __builtin_shufflevector(z, c, 0, 1, 4, 7));
     }
+    lost_a += lost_b + lost_c;
+    for (int k = 0; k < 4; ++k) finite = finite && lost_a[k] == Real(0);
     return i;
 }
 
 template <typename Real>
-MOTORCADE_INLINE std::size_t fours(const Real *rows, std::size_t count, std::size_t width, Real *to,
-                                   std::size_t step) {
+MOTORCADE_INLINE std::size_t fours(const Real *rows, std::ptrdiff_t apart, std::size_t count,
+                                   std::size_t width, Real *to, std::size_t step) {
     std::size_t i = 0;
-    for (; i + 4 <= count; i += 4) {
+    for (; i + 4 <= count; i += 4, rows += 4 * apart) {
         for (std::size_t j = 0; j < width; j += 4) {
             typename Four<Real>::type a, b, c, d;
-            load<Real>(a, rows + i * width + j);
-            load<Real>(b, rows + (i + 1) * width + j);
-            load<Real>(c, rows + (i + 2) * width + j);
-            load<Real>(d, rows + (i + 3) * width + j);
+            load<Real>(a, rows + j);
+            load<Real>(b, rows + apart + j);
+            load<Real>(c, rows + 2 * apart + j);
+            load<Real>(d, rows + 3 * apart + j);
             const auto ab = __builtin_shufflevector(a, b, 0, 4, 1, 5);
             const auto cd = __builtin_shufflevector(c, d, 0, 4, 1, 5);
             const auto ba = __builtin_shufflevector(a, b, 2, 6, 3, 7);
@@ -81,20 +90,17 @@ MOTORCADE_INLINE std::size_t fours(const Real *rows, std::size_t count, std::siz
 }
 
 template <typename Real>
-MOTORCADE_INLINE void split(const Real *rows, std::size_t count, std::size_t width, Real *to,
-                            std::size_t step) {
-    std::size_t done = 0;
-    if (width == 3)
-        done = threes(rows, count, to, step);
-    else if (width % 4 == 0 && width <= 16)
-        done = fours(rows, count, width, to, step);
-    plain(rows, done, count, width, to, step);
+MOTORCADE_INLINE std::size_t most(const Real *rows, std::ptrdiff_t apart, std::size_t count,
+                                  std::size_t width, Real *to, std::size_t step, bool &finite) {
+    if (width == 3 && apart == 3) return threes(rows, count, to, step, finite);
+    if (width % 4 != 0 || width > 16) return 0;
+    return fours(rows, apart, count, width, to, step);
 }
 #else
 template <typename Real>
-MOTORCADE_INLINE void split(const Real *rows, std::size_t count, std::size_t width, Real *to,
-                            std::size_t step) {
-    plain(rows, 0, count, width, to, step);
+MOTORCADE_INLINE std::size_t most(const Real *, std::ptrdiff_t, std::size_t, std::size_t, Real *,
+                                  std::size_t, bool &) {
+    return 0;
 }
 #endif
 
@@ -111,18 +117,30 @@ template <typename Real> MOTORCADE_INLINE bool finite(const Real *numbers, std::
     return total == Real(0);
 }
 
+template <typename Real>
+MOTORCADE_INLINE bool split(const Real *rows, std::ptrdiff_t apart, std::size_t count,
+                            std::size_t width, Real *to, std::size_t step, bool checked) {
+    bool all = true;
+    const std::size_t done = most(rows, apart, count, width, to, step, all);
+    plain(rows, apart, done, count, width, to, step);
+    if (!checked) return true;
+    const std::size_t seen = width == 3 ? done : 0;
+    for (std::size_t j = 0; j < width; ++j) all &= finite(to + j * step + seen, count - seen);
+    return all;
+}
+
 }  // namespace
 
 MOTORCADE_SIMD
-void split_rows(const float *rows, std::size_t count, std::size_t width, float *to,
-                std::size_t step) {
-    split(rows, count, width, to, step);
+bool split_rows(const float *rows, std::ptrdiff_t apart, std::size_t count, std::size_t width,
+                float *to, std::size_t step, bool checked) {
+    return split(rows, apart, count, width, to, step, checked);
 }
 
 MOTORCADE_SIMD
-void split_rows(const double *rows, std::size_t count, std::size_t width, double *to,
-                std::size_t step) {
-    split(rows, count, width, to, step);
+bool split_rows(const double *rows, std::ptrdiff_t apart, std::size_t count, std::size_t width,
+                double *to, std::size_t step, bool checked) {
+    return split(rows, apart, count, width, to, step, checked);
 }
 
 MOTORCADE_SIMD

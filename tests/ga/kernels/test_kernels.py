@@ -62,6 +62,8 @@ def inputs_of(name: str, motors: np.ndarray, rng: np.random.Generator) -> list[n
                 known = [one for one in known if one.proper == ("proper" in name)]
             listed = [one.axes if width == 9 else one.frame for one in known]
             made.append(np.array([one[rows.dtype] for one in listed])[np.arange(len(rows)) % 6])
+        elif width == 13:
+            made.append(np.concatenate([rows, others[:, :5]], axis=-1))
         elif width in (7, 12):
             scale = np.resize(SCALES[:: -1 if made else 1], len(rows)).astype(rows.dtype)
             grown = kernels.similarity_of_motor(source, scale)
@@ -196,6 +198,39 @@ def test_batches_broadcast_as_arrays_do(
     assert_close(kernels.MOTORS.interpolate(a, b, fraction), witness.reshape(*shape, 8))
     pairs = np.broadcast_shapes(first, second)
     assert kernels.MOTORS.compose(a, b).shape == (*pairs, 8)
+
+
+@pytest.mark.parametrize("dtype", DTYPES)
+@pytest.mark.parametrize("kind", ["ROTORS", "MOTORS", "SIMILARITIES"])
+def test_one_versor_moves_many_points_as_it_moves_each(
+    kind: str, dtype: Any, rng: np.random.Generator
+) -> None:
+    """Many go through its matrix, few do not."""
+    verbs = getattr(kernels, kind)
+    versor = verbs.exp(rng.standard_normal((1, verbs._twist_size)).astype(dtype))
+    points = (10 * rng.standard_normal((40, 50, 3))).astype(dtype)
+    alone = np.stack([verbs.apply(versor[0], some) for some in points])
+    for one in (versor, versor[0]):
+        moved = verbs.apply(one, points)
+        assert_close(moved, alone, 10.0)
+        checked, finite = verbs.checked_apply(one, points)
+        assert finite
+        np.testing.assert_array_equal(checked, moved)
+
+
+@pytest.mark.parametrize("dtype", DTYPES)
+@pytest.mark.parametrize("count", [1024, 1025, 4096, 100_000])
+def test_components_of_long_results_begin_on_a_cache_line(
+    count: int, dtype: Any, rng: np.random.Generator
+) -> None:
+    for shape in ((count,), (count, 1), (1, count)):
+        made = kernels.MOTORS.exp(rng.standard_normal((*shape, 6)).astype(dtype))
+        assert made.shape == (*shape, 8)
+        columns = np.moveaxis(made, -1, 0).reshape(8, count)
+        assert np.shares_memory(columns, made)
+        places = {column.__array_interface__["data"][0] % 64 for column in columns}
+        assert places == {0}
+        assert columns.strides[0] // 64 % 2 == 1
 
 
 def test_results_do_not_depend_on_the_place_in_the_batch(rng: np.random.Generator) -> None:

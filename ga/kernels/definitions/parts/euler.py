@@ -17,6 +17,7 @@ from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.kernels.definitions import elements as on
 from motorcade.ga.kernels.definitions.functions import cosine_sinc, polynomial, select
+from motorcade.ga.kernels.definitions.parts.motors import joined
 from motorcade.ga.kernels.definitions.parts.rotors import conjugate
 
 Numbers = list[Any]
@@ -64,6 +65,13 @@ def _of_euler(precision: Precision, angles: Numbers, axes: Numbers) -> list[Numb
         longest = select(ca.fabs(x) > ca.fabs(longest), x, longest)
     sign = select(longest < 0, -1, 1)
     return [[sign * x for x in made]]
+
+
+def _motor_of_euler(
+    precision: Precision, angles: Numbers, axes: Numbers, t: Numbers
+) -> list[Numbers]:
+    """Motor of three turns about three axes, the first outermost, then of a translation."""
+    return [joined(_of_euler(precision, angles, axes)[0], t)]
 
 
 class _Turned:
@@ -125,6 +133,13 @@ _GROUP = "euler_angles"
 
 KERNELS = (
     Kernel("rotor_of_euler", _GROUP, (_ANGLES, _AXES), (on.ROTOR.operand("out"),), _of_euler),
+    Kernel(
+        "motor_of_euler",
+        _GROUP,
+        (_ANGLES, _AXES, on.VECTOR.operand("t")),
+        (on.MOTOR.operand("out"),),
+        _motor_of_euler,
+    ),
     Kernel("rotor_tait_bryan", _GROUP, (_R, _SEQUENCE), (_READ,), _tait_bryan),
     Kernel("rotor_proper_euler", _GROUP, (_R, _SEQUENCE), (_READ,), _proper),
 )

@@ -1,4 +1,4 @@
-/* Kernels of the group conversions: matrix34, matrix44, dual_quaternion.
+/* Kernels of the group conversions: matrix34, matrix44, transform, dual_quaternion.
  * Written by `python -m motorcade.ga.codegen` from ga/kernels/definitions; edit those. */
 
 #include "support.h"
@@ -168,6 +168,55 @@ void motorcade_matrix44_f64(MOTORCADE_ARGUMENTS(double))
         out_at[13 * out_step + i] = 0.0;
         out_at[14 * out_step + i] = 0.0;
         out_at[15 * out_step + i] = 1.0;
+    }
+}
+
+/* transform: Points moved by 3×4 matrices, given by rows
+ * in m: m00 m01 m02 m03 m10 m11 m12 m13 m20 m21 m22 m23
+ * in x: x y z
+ * out out: x y z */
+
+MOTORCADE_SIMD
+void motorcade_transform_f32(MOTORCADE_ARGUMENTS(float))
+{
+    const float *restrict m_at = inputs[0];
+    const ptrdiff_t m_step = input_steps[0];
+    const float *restrict x_at = inputs[1];
+    const ptrdiff_t x_step = input_steps[1];
+    float *restrict out_at = outputs[0];
+    const ptrdiff_t out_step = output_steps[0];
+    MOTORCADE_INDEPENDENT
+    for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {
+        const float m0 = m_at[i], m1 = m_at[m_step + i], m2 = m_at[2 * m_step + i];
+        const float m3 = m_at[3 * m_step + i], m4 = m_at[4 * m_step + i], m5 = m_at[5 * m_step + i];
+        const float m6 = m_at[6 * m_step + i], m7 = m_at[7 * m_step + i], m8 = m_at[8 * m_step + i];
+        const float m9 = m_at[9 * m_step + i], m10 = m_at[10 * m_step + i], m11 = m_at[11 * m_step + i];
+        const float x0 = x_at[i], x1 = x_at[x_step + i], x2 = x_at[2 * x_step + i];
+        out_at[i] = m3 + m0 * x0 + m1 * x1 + m2 * x2;
+        out_at[out_step + i] = m7 + x0 * m4 + x1 * m5 + x2 * m6;
+        out_at[2 * out_step + i] = m11 + x0 * m8 + x1 * m9 + x2 * m10;
+    }
+}
+
+MOTORCADE_SIMD
+void motorcade_transform_f64(MOTORCADE_ARGUMENTS(double))
+{
+    const double *restrict m_at = inputs[0];
+    const ptrdiff_t m_step = input_steps[0];
+    const double *restrict x_at = inputs[1];
+    const ptrdiff_t x_step = input_steps[1];
+    double *restrict out_at = outputs[0];
+    const ptrdiff_t out_step = output_steps[0];
+    MOTORCADE_INDEPENDENT
+    for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {
+        const double m0 = m_at[i], m1 = m_at[m_step + i], m2 = m_at[2 * m_step + i];
+        const double m3 = m_at[3 * m_step + i], m4 = m_at[4 * m_step + i], m5 = m_at[5 * m_step + i];
+        const double m6 = m_at[6 * m_step + i], m7 = m_at[7 * m_step + i], m8 = m_at[8 * m_step + i];
+        const double m9 = m_at[9 * m_step + i], m10 = m_at[10 * m_step + i], m11 = m_at[11 * m_step + i];
+        const double x0 = x_at[i], x1 = x_at[x_step + i], x2 = x_at[2 * x_step + i];
+        out_at[i] = m3 + m0 * x0 + m1 * x1 + m2 * x2;
+        out_at[out_step + i] = m7 + x0 * m4 + x1 * m5 + x2 * m6;
+        out_at[2 * out_step + i] = m11 + x0 * m8 + x1 * m9 + x2 * m10;
     }
 }
 

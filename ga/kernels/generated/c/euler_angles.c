@@ -1,4 +1,5 @@
-/* Kernels of the group euler_angles: rotor_of_euler, rotor_tait_bryan, rotor_proper_euler.
+/* Kernels of the group euler_angles: rotor_of_euler, motor_of_euler, rotor_tait_bryan,
+ * rotor_proper_euler.
  * Written by `python -m motorcade.ga.codegen` from ga/kernels/definitions; edit those. */
 
 #include "support.h"
@@ -198,6 +199,233 @@ void motorcade_rotor_of_euler_f64(MOTORCADE_ARGUMENTS(double))
         out_at[out_step + i] = t58 * t63;
         out_at[2 * out_step + i] = -(t60 * t63);
         out_at[3 * out_step + i] = t62 * t63;
+    }
+}
+
+/* motor_of_euler: Motor of three turns about three axes, the first outermost, then of a translation
+ * in angles: first middle third
+ * in axes: ax ay az bx by bz cx cy cz
+ * in t: x y z
+ * out out: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞ */
+
+MOTORCADE_SIMD
+void motorcade_motor_of_euler_f32(MOTORCADE_ARGUMENTS(float))
+{
+    const float *restrict angles_at = inputs[0];
+    const ptrdiff_t angles_step = input_steps[0];
+    const float *restrict axes_at = inputs[1];
+    const ptrdiff_t axes_step = input_steps[1];
+    const float *restrict t_at = inputs[2];
+    const ptrdiff_t t_step = input_steps[2];
+    float *restrict out_at = outputs[0];
+    const ptrdiff_t out_step = output_steps[0];
+    MOTORCADE_INDEPENDENT
+    for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {
+        const float angles0 = angles_at[i], angles1 = angles_at[angles_step + i], angles2 = angles_at[2 * angles_step + i];
+        const float axes0 = axes_at[i], axes1 = axes_at[axes_step + i], axes2 = axes_at[2 * axes_step + i];
+        const float axes3 = axes_at[3 * axes_step + i], axes4 = axes_at[4 * axes_step + i], axes5 = axes_at[5 * axes_step + i];
+        const float axes6 = axes_at[6 * axes_step + i], axes7 = axes_at[7 * axes_step + i], axes8 = axes_at[8 * axes_step + i];
+        const float t0 = t_at[i], t1 = t_at[t_step + i], t2 = t_at[2 * t_step + i];
+        const float t3 = 0.5f * angles0;
+        const float t4 = fabsf(t3);
+        const float t5 = floorf(0.5f + 0.31830987f * t4);
+        const float t6 = 1.0f - 2.0f * (t5 - floorf(0.5f * t5) * 2.0f);
+        const float t7 = t4 - t5 * 3.140625f - t5 * 0.0009675026f - t5 * 1.5099067e-07f - t5 *
+            5.126688e-12f;
+        const float t8 = t7 * t7;
+        const float t9 = t8 * (t8 * (t8 * (-2.6050063e-07f * t8 + 2.4760076e-05f) + -0.001388836f) +
+            0.041666634f);
+        const float t10 = t6 * (t8 * (t9 + -0.5f) + 1.0f);
+        const float t11 = 0.5f * angles1;
+        const float t12 = fabsf(t11);
+        const float t13 = floorf(0.5f + 0.31830987f * t12);
+        const float t14 = 1.0f - 2.0f * (t13 - 2.0f * floorf(0.5f * t13));
+        const float t15 = t12 - 3.140625f * t13 - 0.0009675026f * t13 - 1.5099067e-07f * t13 -
+            5.126688e-12f * t13;
+        const float t16 = t15 * t15;
+        const float t17 = 0.041666634f + t16 * (-0.001388836f + t16 * (2.4760076e-05f +
+            -2.6050063e-07f * t16));
+        const float t18 = t14 * (1.0f + t16 * (-0.5f + t16 * t17));
+        const float t19 = t8 * (t8 * (t8 * (t8 * 2.6050482e-06f + -0.00019808991f) + 0.00833305f) +
+            -0.16666658f);
+        const float t20 = t19 + 1.0f;
+        const float t21 = t3 * ((t5 < 0.5f) ? t20 : t20 * (t6 * t7) / largerf(1.0f, t4));
+        const float t22 = t21 * axes2;
+        const float t23 = t16 * (-0.16666658f + t16 * (0.00833305f + t16 * (-0.00019808991f + t16 *
+            2.6050482e-06f)));
+        const float t24 = 1.0f + t23;
+        const float t25 = t11 * ((t13 < 0.5f) ? t24 : t24 * (t14 * t15) / largerf(1.0f, t12));
+        const float t26 = t25 * axes5;
+        const float t27 = t21 * axes1;
+        const float t28 = t25 * axes4;
+        const float t29 = t21 * axes0;
+        const float t30 = t25 * axes3;
+        const float t31 = t10 * t18 - t22 * t26 - t27 * t28 - t29 * t30;
+        const float t32 = 0.5f * angles2;
+        const float t33 = fabsf(t32);
+        const float t34 = floorf(0.5f + 0.31830987f * t33);
+        const float t35 = 1.0f - 2.0f * (t34 - 2.0f * floorf(0.5f * t34));
+        const float t36 = t33 - 3.140625f * t34 - 0.0009675026f * t34 - 1.5099067e-07f * t34 -
+            5.126688e-12f * t34;
+        const float t37 = t36 * t36;
+        const float t38 = 0.041666634f + t37 * (-0.001388836f + t37 * (2.4760076e-05f +
+            -2.6050063e-07f * t37));
+        const float t39 = t35 * (1.0f + t37 * (-0.5f + t37 * t38));
+        const float t40 = t27 * t30 - (t10 * t26 + t18 * t22 + t28 * t29);
+        const float t41 = t37 * (-0.16666658f + t37 * (0.00833305f + t37 * (-0.00019808991f +
+            2.6050482e-06f * t37)));
+        const float t42 = 1.0f + t41;
+        const float t43 = t32 * ((t34 < 0.5f) ? t42 : t42 * (t35 * t36) / largerf(1.0f, t33));
+        const float t44 = t43 * axes8;
+        const float t45 = t10 * t28 + t22 * t30 + t18 * t27 - t26 * t29;
+        const float t46 = t43 * axes7;
+        const float t47 = t22 * t28 - (t10 * t30 + t26 * t27 + t18 * t29);
+        const float t48 = t43 * axes6;
+        const float t49 = t31 * t39 + t40 * t44 - t45 * t46 + t47 * t48;
+        const float t50 = t39 * t47 - (t31 * t48 + t44 * t45);
+        const float t51 = t40 * t46;
+        const float t52 = t50 - t51;
+        const float t53 = ((fabsf(t49) < fabsf(t52)) ? t51 - t50 : t49);
+        const float t54 = t31 * t46 - t40 * t48 + t39 * t45 + t44 * t47;
+        const float t55 = ((fabsf(t53) < fabsf(t54)) ? t54 : t53);
+        const float t56 = t39 * t40 - t31 * t44 + t46 * t47 + t45 * t48;
+        const float t57 = ((((fabsf(t55) < fabsf(t56)) ? -t56 : t55) < 0.0f) ? -1.0f : 1.0f);
+        const float t58 = t49 * t57;
+        const float t59 = t52 * t57;
+        const float t60 = t54 * t57;
+        const float t61 = t56 * t57;
+        const float t62 = -0.5f * t0;
+        const float t63 = -0.5f * t1;
+        const float t64 = -0.5f * t2;
+        out_at[i] = t58;
+        out_at[out_step + i] = t59;
+        out_at[2 * out_step + i] = -t60;
+        out_at[3 * out_step + i] = t61;
+        out_at[4 * out_step + i] = t58 * t62 - t61 * t63 - t60 * t64;
+        out_at[5 * out_step + i] = t61 * t62 + t58 * t63 - t59 * t64;
+        out_at[6 * out_step + i] = t60 * t62 + t59 * t63 + t58 * t64;
+        out_at[7 * out_step + i] = t59 * t62 + t61 * t64 - t60 * t63;
+    }
+}
+
+MOTORCADE_SIMD
+void motorcade_motor_of_euler_f64(MOTORCADE_ARGUMENTS(double))
+{
+    const double *restrict angles_at = inputs[0];
+    const ptrdiff_t angles_step = input_steps[0];
+    const double *restrict axes_at = inputs[1];
+    const ptrdiff_t axes_step = input_steps[1];
+    const double *restrict t_at = inputs[2];
+    const ptrdiff_t t_step = input_steps[2];
+    double *restrict out_at = outputs[0];
+    const ptrdiff_t out_step = output_steps[0];
+    MOTORCADE_INDEPENDENT
+    for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {
+        const double angles0 = angles_at[i], angles1 = angles_at[angles_step + i], angles2 = angles_at[2 * angles_step + i];
+        const double axes0 = axes_at[i], axes1 = axes_at[axes_step + i], axes2 = axes_at[2 * axes_step + i];
+        const double axes3 = axes_at[3 * axes_step + i], axes4 = axes_at[4 * axes_step + i], axes5 = axes_at[5 * axes_step + i];
+        const double axes6 = axes_at[6 * axes_step + i], axes7 = axes_at[7 * axes_step + i], axes8 = axes_at[8 * axes_step + i];
+        const double t0 = t_at[i], t1 = t_at[t_step + i], t2 = t_at[2 * t_step + i];
+        const double t3 = 0.5 * angles0;
+        const double t4 = fabs(t3);
+        const double t5 = floor(0.5 + 0.3183098861837907 * t4);
+        const double t6 = 1.0 - 2.0 * (t5 - floor(0.5 * t5) * 2.0);
+        const double t7 = t4 - t5 * 3.1415926218032837 - t5 * 3.1786509424591713e-08 - t5 *
+            1.2246467202362698e-16;
+        const double t8 = t7 - t5 * 7.891108333126411e-24;
+        const double t9 = t8 * t8;
+        const double t10 = t9 * (t9 * (4.608909074888812e-14 * t9 + -1.146289561457958e-11) +
+            2.0876561604575935e-09);
+        const double t11 = t9 * (t9 * (t10 + -2.7557316386461366e-07) + 2.4801587277366174e-05) +
+            -0.0013888888888772708;
+        const double t12 = t6 * (1.0 + t9 * (t9 * (t9 * t11 + 0.041666666666663875) +
+            -0.4999999999999997));
+        const double t13 = 0.5 * angles1;
+        const double t14 = fabs(t13);
+        const double t15 = floor(0.5 + 0.3183098861837907 * t14);
+        const double t16 = 1.0 - 2.0 * (t15 - 2.0 * floor(0.5 * t15));
+        const double t17 = t14 - 3.1415926218032837 * t15 - 3.1786509424591713e-08 * t15 -
+            1.2246467202362698e-16 * t15;
+        const double t18 = t17 - 7.891108333126411e-24 * t15;
+        const double t19 = t18 * t18;
+        const double t20 = 2.0876561604575935e-09 + t19 * (-1.146289561457958e-11 +
+            4.608909074888812e-14 * t19);
+        const double t21 = -0.0013888888888772708 + t19 * (2.4801587277366174e-05 + t19 *
+            (-2.7557316386461366e-07 + t19 * t20));
+        const double t22 = t16 * (1.0 + t19 * (-0.4999999999999997 + t19 * (0.041666666666663875 +
+            t19 * t21)));
+        const double t23 = t9 * (t9 * (t9 * 2.721539074015491e-15 + -7.643023238169083e-13) +
+            1.6058940754212953e-10);
+        const double t24 = t9 * (t9 * (t23 + -2.505210688815946e-08) + 2.755731921120387e-06) +
+            -0.00019841269841208527;
+        const double t25 = 1.0 + t9 * (t9 * (t9 * t24 + 0.008333333333333186) +
+            -0.16666666666666666);
+        const double t26 = t3 * ((t5 < 0.5) ? t25 : t25 * (t6 * t8) / larger(1.0, t4));
+        const double t27 = t26 * axes2;
+        const double t28 = 1.6058940754212953e-10 + t19 * (-7.643023238169083e-13 + t19 *
+            2.721539074015491e-15);
+        const double t29 = -0.00019841269841208527 + t19 * (2.755731921120387e-06 + t19 *
+            (-2.505210688815946e-08 + t19 * t28));
+        const double t30 = 1.0 + t19 * (-0.16666666666666666 + t19 * (0.008333333333333186 + t19 *
+            t29));
+        const double t31 = t13 * ((t15 < 0.5) ? t30 : t30 * (t16 * t18) / larger(1.0, t14));
+        const double t32 = t31 * axes5;
+        const double t33 = t26 * axes1;
+        const double t34 = t31 * axes4;
+        const double t35 = t26 * axes0;
+        const double t36 = t31 * axes3;
+        const double t37 = t12 * t22 - t27 * t32 - t33 * t34 - t35 * t36;
+        const double t38 = 0.5 * angles2;
+        const double t39 = fabs(t38);
+        const double t40 = floor(0.5 + 0.3183098861837907 * t39);
+        const double t41 = 1.0 - 2.0 * (t40 - 2.0 * floor(0.5 * t40));
+        const double t42 = t39 - 3.1415926218032837 * t40 - 3.1786509424591713e-08 * t40 -
+            1.2246467202362698e-16 * t40;
+        const double t43 = t42 - 7.891108333126411e-24 * t40;
+        const double t44 = t43 * t43;
+        const double t45 = 2.0876561604575935e-09 + t44 * (-1.146289561457958e-11 +
+            4.608909074888812e-14 * t44);
+        const double t46 = -0.0013888888888772708 + t44 * (2.4801587277366174e-05 + t44 *
+            (-2.7557316386461366e-07 + t44 * t45));
+        const double t47 = t41 * (1.0 + t44 * (-0.4999999999999997 + t44 * (0.041666666666663875 +
+            t44 * t46)));
+        const double t48 = t33 * t36 - (t12 * t32 + t22 * t27 + t34 * t35);
+        const double t49 = 1.6058940754212953e-10 + t44 * (-7.643023238169083e-13 +
+            2.721539074015491e-15 * t44);
+        const double t50 = -0.00019841269841208527 + t44 * (2.755731921120387e-06 + t44 *
+            (-2.505210688815946e-08 + t44 * t49));
+        const double t51 = 1.0 + t44 * (-0.16666666666666666 + t44 * (0.008333333333333186 + t44 *
+            t50));
+        const double t52 = t38 * ((t40 < 0.5) ? t51 : t51 * (t41 * t43) / larger(1.0, t39));
+        const double t53 = t52 * axes8;
+        const double t54 = t12 * t34 + t27 * t36 + t22 * t33 - t32 * t35;
+        const double t55 = t52 * axes7;
+        const double t56 = t27 * t34 - (t12 * t36 + t32 * t33 + t22 * t35);
+        const double t57 = t52 * axes6;
+        const double t58 = t37 * t47 + t48 * t53 - t54 * t55 + t56 * t57;
+        const double t59 = t47 * t56 - (t37 * t57 + t53 * t54);
+        const double t60 = t48 * t55;
+        const double t61 = t59 - t60;
+        const double t62 = ((fabs(t58) < fabs(t61)) ? t60 - t59 : t58);
+        const double t63 = t37 * t55 - t48 * t57 + t47 * t54 + t53 * t56;
+        const double t64 = ((fabs(t62) < fabs(t63)) ? t63 : t62);
+        const double t65 = t47 * t48 - t37 * t53 + t55 * t56 + t54 * t57;
+        const double t66 = ((((fabs(t64) < fabs(t65)) ? -t65 : t64) < 0.0) ? -1.0 : 1.0);
+        const double t67 = t58 * t66;
+        const double t68 = t61 * t66;
+        const double t69 = t63 * t66;
+        const double t70 = t65 * t66;
+        const double t71 = -0.5 * t0;
+        const double t72 = -0.5 * t1;
+        const double t73 = -0.5 * t2;
+        out_at[i] = t67;
+        out_at[out_step + i] = t68;
+        out_at[2 * out_step + i] = -t69;
+        out_at[3 * out_step + i] = t70;
+        out_at[4 * out_step + i] = t67 * t71 - t70 * t72 - t69 * t73;
+        out_at[5 * out_step + i] = t70 * t71 + t67 * t72 - t68 * t73;
+        out_at[6 * out_step + i] = t69 * t71 + t68 * t72 + t67 * t73;
+        out_at[7 * out_step + i] = t68 * t71 + t70 * t73 - t69 * t72;
     }
 }
 

@@ -22,6 +22,8 @@ void motorcade_matrix34_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_matrix34_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_matrix44_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_matrix44_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_transform_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_transform_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_dual_quaternion_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_dual_quaternion_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_blend_f32(MOTORCADE_ARGUMENTS(float));
@@ -102,6 +104,8 @@ void motorcade_rotor_normalize_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_rotor_normalize_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_rotor_of_euler_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_rotor_of_euler_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_motor_of_euler_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_motor_of_euler_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_rotor_tait_bryan_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_rotor_tait_bryan_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_rotor_proper_euler_f32(MOTORCADE_ARGUMENTS(float));
@@ -172,6 +176,18 @@ void motorcade_similarity_of_twist_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_similarity_of_twist_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_similarity_as_twist_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_similarity_as_twist_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_add_weighted_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_add_weighted_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_add_local_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_add_local_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_add_weighted_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_add_weighted_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_add_local_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_add_local_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_add_weighted_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_add_weighted_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_add_local_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_add_local_f64(MOTORCADE_ARGUMENTS(double));
 
 const struct motorcade_kernel motorcade_kernels[] = {
     {"compose", 2, 1, {8, 8, 8},
@@ -194,6 +210,8 @@ const struct motorcade_kernel motorcade_kernels[] = {
      motorcade_matrix34_f32, motorcade_matrix34_f64},
     {"matrix44", 1, 1, {8, 16},
      motorcade_matrix44_f32, motorcade_matrix44_f64},
+    {"transform", 2, 1, {12, 3, 3},
+     motorcade_transform_f32, motorcade_transform_f64},
     {"dual_quaternion", 1, 1, {8, 8},
      motorcade_dual_quaternion_f32, motorcade_dual_quaternion_f64},
     {"blend", 3, 1, {8, 8, 1, 8},
@@ -274,6 +292,8 @@ const struct motorcade_kernel motorcade_kernels[] = {
      motorcade_rotor_normalize_f32, motorcade_rotor_normalize_f64},
     {"rotor_of_euler", 2, 1, {3, 9, 4},
      motorcade_rotor_of_euler_f32, motorcade_rotor_of_euler_f64},
+    {"motor_of_euler", 3, 1, {3, 9, 3, 8},
+     motorcade_motor_of_euler_f32, motorcade_motor_of_euler_f64},
     {"rotor_tait_bryan", 2, 1, {4, 10, 3},
      motorcade_rotor_tait_bryan_f32, motorcade_rotor_tait_bryan_f64},
     {"rotor_proper_euler", 2, 1, {4, 10, 3},
@@ -344,6 +364,18 @@ const struct motorcade_kernel motorcade_kernels[] = {
      motorcade_similarity_of_twist_f32, motorcade_similarity_of_twist_f64},
     {"similarity_as_twist", 1, 1, {12, 7},
      motorcade_similarity_as_twist_f32, motorcade_similarity_as_twist_f64},
+    {"add_weighted", 4, 1, {9, 8, 8, 1, 9},
+     motorcade_add_weighted_f32, motorcade_add_weighted_f64},
+    {"add_local", 4, 1, {6, 8, 8, 1, 6},
+     motorcade_add_local_f32, motorcade_add_local_f64},
+    {"rotor_add_weighted", 4, 1, {5, 4, 4, 1, 5},
+     motorcade_rotor_add_weighted_f32, motorcade_rotor_add_weighted_f64},
+    {"rotor_add_local", 4, 1, {3, 4, 4, 1, 3},
+     motorcade_rotor_add_local_f32, motorcade_rotor_add_local_f64},
+    {"similarity_add_weighted", 4, 1, {13, 12, 12, 1, 13},
+     motorcade_similarity_add_weighted_f32, motorcade_similarity_add_weighted_f64},
+    {"similarity_add_local", 4, 1, {7, 12, 12, 1, 7},
+     motorcade_similarity_add_local_f32, motorcade_similarity_add_local_f64},
 };
 const size_t motorcade_kernel_count =
     sizeof motorcade_kernels / sizeof motorcade_kernels[0];

@@ -1,4 +1,4 @@
-"""Kernels of the group conversions: matrix34, matrix44, dual_quaternion.
+"""Kernels of the group conversions: matrix34, matrix44, transform, dual_quaternion.
 
 Written by ``python -m motorcade.ga.codegen`` from ga/kernels/definitions; edit those.
 """
@@ -134,6 +134,28 @@ def matrix44_f64(m: Any) -> tuple[Any, ...]:
         0.0,
         0.0,
         1.0,
+    )
+
+
+def transform_f32(m: Any, x: Any) -> tuple[Any, ...]:
+    """Points moved by 3×4 matrices, given by rows"""
+    m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11 = (m[..., i] for i in range(12))
+    x0, x1, x2 = (x[..., i] for i in range(3))
+    return (
+        m3 + m0 * x0 + m1 * x1 + m2 * x2,
+        m7 + x0 * m4 + x1 * m5 + x2 * m6,
+        m11 + x0 * m8 + x1 * m9 + x2 * m10,
+    )
+
+
+def transform_f64(m: Any, x: Any) -> tuple[Any, ...]:
+    """Points moved by 3×4 matrices, given by rows"""
+    m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11 = (m[..., i] for i in range(12))
+    x0, x1, x2 = (x[..., i] for i in range(3))
+    return (
+        m3 + m0 * x0 + m1 * x1 + m2 * x2,
+        m7 + x0 * m4 + x1 * m5 + x2 * m6,
+        m11 + x0 * m8 + x1 * m9 + x2 * m10,
     )
 
 
