@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from tests.ga.kernels.accuracy_conversions import conversion_errors
 from tests.ga.kernels.accuracy_motors import largest_errors
 from tests.ga.kernels.accuracy_similarities import similarity_errors
 
@@ -13,7 +14,8 @@ __all__ = ["accuracy_table", "bench_accuracy"]
 def bench_accuracy() -> dict[str, dict[str, float]]:
     """Largest normwise error of every kernel over hard samples, by precision."""
     return {
-        dtype: largest_errors(dtype) | similarity_errors(dtype) for dtype in ("float32", "float64")
+        dtype: largest_errors(dtype) | similarity_errors(dtype) | conversion_errors(dtype)
+        for dtype in ("float32", "float64")
     }
 
 

@@ -2,6 +2,8 @@
 
 import pytest
 
+from motorcade.ga.kernels.generated.python import KERNELS
+from tests.ga.kernels.accuracy_conversions import conversion_errors
 from tests.ga.kernels.accuracy_motors import largest_errors
 from tests.ga.kernels.accuracy_similarities import similarity_errors
 
@@ -22,3 +24,20 @@ def test_errors_of_similarities_stay_small_too(dtype: str, bound: float, seed: i
     errors = similarity_errors(dtype, seed)
     assert len(errors) == 8
     assert max(errors.values()) <= bound, errors
+
+
+@pytest.mark.parametrize(("dtype", "bound"), [("float32", 6e-7), ("float64", 2e-15)])
+@pytest.mark.parametrize("seed", range(3))
+def test_errors_of_conversions_and_averages_stay_small(dtype: str, bound: float, seed: int) -> None:
+    errors = conversion_errors(dtype, seed)
+    assert max(errors.values()) <= bound, errors
+
+
+def test_kernels_that_convert_move_or_average_are_all_compared() -> None:
+    groups = {
+        "averages", "conversions", "euler_angles", "motor_conversions", "rotor_averages",
+        "rotor_conversions", "rotor_twists", "similarity_averages", "similarity_parts",
+        "similarity_twists", "twists",
+    }  # fmt: skip
+    of_groups = {name for name, (group, _, _) in KERNELS.items() if group in groups}
+    assert of_groups <= conversion_errors("float64").keys()
