@@ -258,8 +258,7 @@ class Similarity(Versor):
             ValueError: wrong last dimension, NaN or infinity, a scale beyond float64.
         """
         name = "Similarity.from_twist(twist)"
-        with np.errstate(over="ignore", invalid="ignore"):  # as the NumPy kernels would warn
-            made = cls._of_twist(twist, name)
+        made = cls._of_twist(twist, name)
         # The square of one is quicker to look at than all its numbers.
         small = made.ndim == 1 and float(made.dot(made)) < np.inf
         if not small and not np.isfinite(made).all():

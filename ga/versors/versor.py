@@ -105,7 +105,7 @@ class Versor(CoefficientBatch, ShownAsSum):
     def _trusted(cls, coefficients: FloatArray) -> Self:
         """Wrap coefficients that a kernel has just made; they are frozen in place, not copied."""
         made = object.__new__(cls)
-        object.__setattr__(made, "coefficients", sealed(coefficients))
+        made.__dict__["coefficients"] = sealed(coefficients)  # sooner than by __setattr__
         return made
 
     @classmethod
