@@ -8,6 +8,7 @@
 #include <dlfcn.h>
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -161,6 +162,11 @@ std::size_t apart(std::size_t rows, std::size_t size) {
     return (rows > 1024 ? lines | 1 : lines) * LINE;
 }
 
+// How many bytes the next line of the cache is away, where there are vectors to store in lines.
+std::size_t to_line(const char *first) {
+    return (LINE - reinterpret_cast<std::uintptr_t>(first) % LINE) % LINE;
+}
+
 nb::object strides_of(const Call &call, bool width, std::size_t step) {
     const int dimensions = call.shape.dimensions;
     nb::object made = nb::steal(PyTuple_New(dimensions + (width ? 1 : 0)));
@@ -194,11 +200,14 @@ nb::object output_array(const Call &call, const Operand &operand, std::vector<Ta
         return made;
     }
     const std::size_t step = apart(rows, size);
-    nb::object block = empty(nb::steal(PyLong_FromSize_t(width * step / size)), call.type());
+    nb::object block =
+        empty(nb::steal(PyLong_FromSize_t((width * step + LINE) / size)), call.type());
     char *first = data_of(block);
+    const std::size_t start = to_line(first);
     for (std::size_t k = 0; k < width; ++k)
-        targets.push_back({first + k * step, static_cast<std::ptrdiff_t>(size)});
-    return view(call, block, 0, lengths_of(call.shape, true, width), strides_of(call, true, step));
+        targets.push_back({first + start + k * step, static_cast<std::ptrdiff_t>(size)});
+    return view(call, block, start, lengths_of(call.shape, true, width),
+                strides_of(call, true, step));
 }
 
 // One array a component in a batch, all in one block where they are long: several blocks of that
@@ -209,13 +218,15 @@ void output_components(const Call &call, std::size_t count, const nb::object &ma
     const nb::object lengths = lengths_of(call.shape, false, 0);
     const bool together = rows >= TOGETHER && count > 0;
     nb::object block, strides;
+    std::size_t start = 0;
     if (together) {
-        block = empty(nb::steal(PyLong_FromSize_t(count * step / size)), call.type());
+        block = empty(nb::steal(PyLong_FromSize_t((count * step + LINE) / size)), call.type());
+        start = to_line(data_of(block));
         strides = strides_of(call, false, 0);
     }
     for (std::size_t k = 0; k < count; ++k) {
-        nb::object array =
-            together ? view(call, block, k * step, lengths, strides) : empty(lengths, call.type());
+        nb::object array = together ? view(call, block, start + k * step, lengths, strides)
+                                    : empty(lengths, call.type());
         targets.push_back({rows ? data_of(array) : nullptr, static_cast<std::ptrdiff_t>(size)});
         PyTuple_SET_ITEM(made.ptr(), static_cast<Py_ssize_t>(k), array.release().ptr());
     }

@@ -55,6 +55,37 @@ def test_motors_move_points_as_the_kernel_does(compiled: Path, rng: np.random.Ge
     )
 
 
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize("count", [1100, 5001])
+def test_long_results_begin_on_a_cache_line(
+    compiled: Path, dtype: str, count: int, rng: np.random.Generator
+) -> None:
+    function = compile_function(moved, m=MOTOR, p=POINT)
+    motors, point = rng.normal(size=(8, count)).astype(dtype), np.ones(5, dtype)
+    made = function.arrays(motors.T, point)
+    assert function.backend(dtype) == "c"
+    assert {made[:, k].__array_interface__["data"][0] % 64 for k in range(5)} == {0}
+    columns = dict(zip(MOTOR.split(), motors, strict=True))
+    whole = function(CGA3.multivector(columns), CGA3.multivector(dict.fromkeys(POINT.split(), 1.0)))
+    assert isinstance(whole, Multivector)
+    for k, blade in enumerate(function.program.tape.outputs[0].components):
+        np.testing.assert_allclose(whole[blade], made[:, k], rtol=TOLERANCE[dtype], atol=1e-4)
+        if count >= 4096:
+            assert whole[blade].__array_interface__["data"][0] % 64 == 0
+
+
+@pytest.mark.parametrize("precision", PRECISIONS, ids=lambda p: p.numpy)
+def test_one_row_is_computed_by_numpy_as_many_are(precision: Any, rng: np.random.Generator) -> None:
+    way = by_numpy(compile_function(moved, m=MOTOR, p=POINT))
+    motors, points = (rng.normal(size=(20, n)).astype(precision.numpy) for n in (8, 5))
+    many = way.arrays(precision, (motors, points))
+    for k in range(20):
+        one = way.arrays(precision, (motors[k], points[k]))
+        for own, all_rows in zip(one, many, strict=True):
+            assert own.dtype == precision.numpy
+            np.testing.assert_array_equal(own, all_rows[k])
+
+
 def test_arrays_and_multivectors_are_one_function(compiled: Path, rng: np.random.Generator) -> None:
     function = compile_function(moved, m=MOTOR, p=POINT)
     motors, points = Motor.random(rng, (3, 7)).coefficients, point_of(rng.normal(size=(7, 3)))
