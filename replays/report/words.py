@@ -174,7 +174,11 @@ def _how_good(findings: Findings) -> list[Tile]:
 
 
 def _shake(findings: Findings) -> list[Tile]:
-    """How much what is drawn shakes from picture to picture: before, and after smoothing."""
+    """How much far things would shake in the picture, frame by frame: before and after smoothing.
+
+    It is the camera's turning alone that moves them. What stands near moves with the camera's
+    place as well, which the plot of the character's spot shows (`before_after.steadiness`).
+    """
     figures, times_ns = findings.errors.figures, findings.camera_poses.frame_times_ns
     first = next(iter(findings.smoothed.trajectories))
     ends = [figures.get(name, {}).get("angular_jitter_rad_s2") for name in ("measured", first)]
@@ -184,13 +188,15 @@ def _shake(findings: Findings) -> list[Tile]:
         return []
     if camera is None:
         before, after = (plainly(float(np.rad2deg(one)), 0.01) for one in known)
-        return [Tile(f"{before} → {after} °/s²", "shake, measured → smoothed")]
-    # What a jitter of the angular acceleration moves a picture's content by, over a frame's time.
+        return [
+            Tile(f"{before} → {after} °/s²", "the camera's turning shakes, measured → smoothed")
+        ]
+    # What a jitter of the angular acceleration moves far things by, over a frame's time.
     step_s = 1e-9 * float(np.median(np.diff(times_ns)))
     before, after = (plainly(one * step_s**2 * camera.fx, 0.01) for one in known)
     if before == after:
-        return [Tile(f"{before} px", "shake from picture to picture")]
-    label = "shake from picture to picture, measured → smoothed"
+        return [Tile(f"{before} px", "far things shake from picture to picture")]
+    label = "far things shake from picture to picture, measured → smoothed"
     return [Tile(f"{before} → {after} px", label)]
 
 
