@@ -16,6 +16,7 @@ from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.recording import Odometry, Recording
+from motorcade.replays.stages.camera import metres
 from motorcade.replays.stages.camera.metres import NoMetres, in_metres
 from motorcade.replays.stages.inertial.convergence import convergence
 from motorcade.replays.stages.inertial.fused import fused
@@ -321,6 +322,22 @@ def test_an_imu_tells_metres_where_it_was_carried_and_says_why_not(stream: ImuSt
     ).stream
     with pytest.raises(NoMetres, match="tell"):
         in_metres(replace(one, imu=at_rest), mapped(still))
+
+
+def test_metres_that_the_imu_contradicts_are_none(
+    stream: ImuStream, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A map that drifts may give a scale that is far off, and called sure."""
+    one = replace(with_imu(stream), camera=CAMERA)
+    found = in_metres(one, mapped(path()))
+    told = found.made.measurements
+    places = 30.0 * told.trajectory.motors.translation_m
+    grown = Motor.from_rotor_translation(told.trajectory.motors.rotor, places)
+    wrong = PoseMeasurements(Trajectory(told.trajectory.time_ns, grown), told.covariance)
+    made = replace(found.made, measurements=wrong)
+    monkeypatch.setattr(metres, "metric_map", lambda *given: made)
+    with pytest.raises(NoMetres, match=r"poses of the path .* contradict it"):
+        in_metres(one, mapped(path()))
 
 
 def test_a_path_answered_later_is_nearer_to_that_of_the_whole(stream: ImuStream) -> None:
