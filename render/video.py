@@ -87,12 +87,12 @@ def write_video(
         part.replace(path)
 
 
-def open_video(path: Path) -> InputContainer:
+def open_video(path: Path, *, edited: bool = True) -> InputContainer:
     """Open a video that others made; close it, or use it as a context manager.
 
     Nothing but the file is opened: it must be a container of video itself (MP4, Matroska, AVI,
     MPEG), as playlists name other files, pipes and addresses. Pictures of more than `MAX_PIXELS`
-    are not decoded.
+    are not decoded. Where `edited` is False, pictures are there that an MP4's edit list cuts away.
 
     Raises:
         FileError: what the door refuses (`ga.files.admit_file`).
@@ -102,6 +102,8 @@ def open_video(path: Path) -> InputContainer:
 
     admit_file(path, MAX_FILE_BYTES)
     limits = {"protocol_whitelist": "file", "format_whitelist": _CONTAINERS}
+    if not edited:
+        limits["ignore_editlist"] = "1"
     container = av.open(
         str(path.resolve()), options=limits, metadata_errors="replace", timeout=TIME_LIMIT_S
     )

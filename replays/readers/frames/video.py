@@ -24,11 +24,12 @@ from av.video.stream import VideoStream
 
 from motorcade.ga.arrays import IntArray
 from motorcade.render.video import MAX_FILE_BYTES, MAX_PIXELS, open_video
-from motorcade.replays.errors import one_line, refusal
+from motorcade.replays.errors import refusal
 from motorcade.replays.files.door import open_bounded, refused
 from motorcade.replays.readers.frames.decoded import DecodedFrames
 from motorcade.replays.readers.frames.files import FRAME_LIMIT
 from motorcade.replays.readers.frames.held import another_size
+from motorcade.replays.readers.frames.whole import refuse_cut
 from motorcade.replays.readers.gpmf import read_telemetry
 from motorcade.replays.recording import ImageArray, Recording
 from motorcade.tracking.cameras.orientation import AS_STORED, PictureOrientation
@@ -42,7 +43,10 @@ _ORIENTATIONS = tuple(
     PictureOrientation(turns, mirrored) for mirrored in (False, True) for turns in range(4)
 )
 
-SUFFIXES = (".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg", ".ts")
+SUFFIXES = (
+    *(".mp4", ".m4v", ".mov", ".qt", ".3gp", ".3g2", ".lrv"),  # of one kind: ISO 14496-12
+    *(".mkv", ".webm", ".avi", ".mpg", ".mpeg", ".ts", ".mts", ".m2ts"),
+)
 
 
 def recognise(root: Path) -> bool:
@@ -74,6 +78,7 @@ class VideoFrames(DecodedFrames):
         stored_size: width and height as coded.
         orientation: how the coded pictures are to be shown.
         size: width and height as shown.
+        pixel_aspect: width of a pixel over its height, as stored; 1 for nearly all cameras.
 
     Raises:
         RecordingError: not a video, truncated, without stamps, with equal stamps, or to be shown
@@ -83,7 +88,7 @@ class VideoFrames(DecodedFrames):
     def __init__(self, path: Path) -> None:
         self._path = path
         self._pts, self._keys, time_base, self.stored_size = _scan(path)
-        self.orientation = _first_looked_at(path)
+        self.orientation, self.pixel_aspect = _first_looked_at(path)
         self.size = self.orientation.size(self.stored_size)
         # Exact in Python's integers; a float would lose nanoseconds after some weeks.
         stamps = [round(int(pts) * time_base * 10**9) for pts in self._pts]
@@ -194,7 +199,7 @@ class _Decoder:
 def _scan(path: Path) -> tuple[IntArray, IntArray, Fraction, tuple[int, int]]:
     """Read all packets: pts in the order shown, indices of keyframes, time base, size."""
     try:
-        _refuse_cut_boxes(path)
+        refuse_cut(path)
         with refused(), open_video(path) as container:
             if not container.streams.video:
                 raise refusal(path, "expected a video stream, got none")
@@ -202,7 +207,9 @@ def _scan(path: Path) -> tuple[IntArray, IntArray, Fraction, tuple[int, int]]:
             if stream.codec_context is None:  # whatever the stubs say
                 raise refusal(path, "expected a video of a known coding, got another")
             width, height = stream.codec_context.width, stream.codec_context.height
-            shown, stated = _shown_packets(path, container, stream), stream.frames
+            shown = _shown_packets(path, container, stream)
+            # An AVI counts pictures that were dropped as well.
+            stated = stream.frames if "mov" in container.format.name else 0
             time_base = stream.time_base
     except (FFmpegError, OSError) as fault:
         reason = getattr(fault, "strerror", None) or fault
@@ -211,7 +218,7 @@ def _scan(path: Path) -> tuple[IntArray, IntArray, Fraction, tuple[int, int]]:
         ) from fault
     if not (width > 0 and height > 0 and width * height <= MAX_PIXELS) or time_base is None:
         raise refusal(path, f"expected at most {MAX_PIXELS} pixels, got {width} x {height}")
-    if not shown or len(shown) < stated:
+    if not shown or (len(shown) < stated and _stored_pictures(path) < stated):
         raise refusal(
             path,
             f"the video is truncated: expected {stated or 'some'} pictures, got {len(shown)}",
@@ -222,11 +229,18 @@ def _scan(path: Path) -> tuple[IntArray, IntArray, Fraction, tuple[int, int]]:
     return pts, keys, time_base, (width, height)
 
 
-def _first_looked_at(path: Path) -> PictureOrientation:
-    """How the pictures are to be shown, by the first; says where reading takes colour away."""
+def _stored_pictures(path: Path) -> int:
+    """How many pictures a file holds, those that its edit list cuts away included."""
+    with refused(), open_video(path, edited=False) as container:
+        return sum(one.size > 0 for one in container.demux(video=0))
+
+
+def _first_looked_at(path: Path) -> tuple[PictureOrientation, Fraction]:
+    """How the pictures are to be shown, by the first; says where reading takes something away."""
     try:
         with refused(), open_video(path) as container:
             frame = next(container.decode(video=0))
+            aspect = container.streams.video[0].sample_aspect_ratio
     except (FFmpegError, OSError, StopIteration) as fault:
         raise refusal(
             path,
@@ -234,6 +248,14 @@ def _first_looked_at(path: Path) -> PictureOrientation:
             field="frame 0",
             advice="copy the file again",
         ) from fault
+    if frame.interlaced_frame:
+        _LOG.warning(
+            "%s: its frames are interlaced, two fields taken one after the other: where the camera "
+            "moves, poses and lens may be off by a pixel and more; turn fields into frames first: "
+            "ffmpeg -i %s -vf bwdif OUT.mp4",
+            path,
+            path.name,
+        )
     bits = max(component.bits for component in frame.format.components)
     if bits > 8:
         transfer = _HDR.get(int(frame.color_trc))
@@ -244,7 +266,7 @@ def _first_looked_at(path: Path) -> PictureOrientation:
             "" if transfer is None else f" ({transfer}, high dynamic range)",
             "" if transfer is None else "; light that is estimated from them is rough",
         )
-    return _orientation(path, frame)
+    return _orientation(path, frame), Fraction(aspect or 1)
 
 
 def _orientation(path: Path, frame: VideoFrame) -> PictureOrientation:
@@ -270,30 +292,6 @@ def _orientation(path: Path, frame: VideoFrame) -> PictureOrientation:
             advice="encode the video again turned: ffmpeg -i IN OUT does it",
         )
     return near[0]
-
-
-def _refuse_cut_boxes(path: Path) -> None:
-    """Walk the outermost boxes of an MP4 or MOV file: each must end inside the file."""
-    end = path.stat().st_size
-    at = 0
-    with open_bounded(path, MAX_FILE_BYTES) as file:
-        while at + 8 <= end:
-            file.seek(at)
-            header = file.read(16)
-            if at == 0 and header[4:8] != b"ftyp":
-                return
-            size = int.from_bytes(header[:4], "big")
-            if size == 1:
-                size = int.from_bytes(header[8:], "big")
-            elif size == 0:
-                return
-            if size < 8 or at + size > end:
-                box = one_line(header[4:8])
-                problem = (
-                    f"the video is truncated: its box {box} of {size} bytes at {at} is not whole"
-                )
-                raise refusal(path, problem, advice="copy the file again")
-            at += size
 
 
 def _shown_packets(

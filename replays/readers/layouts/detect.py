@@ -8,6 +8,7 @@ from typing import Protocol
 
 from motorcade.replays.errors import refusal
 from motorcade.replays.readers.frames import video
+from motorcade.replays.readers.frames.pictures import SUFFIXES as PICTURES
 from motorcade.replays.readers.layouts import euroc, kitti, loose_pictures, seven_scenes, tum_rgbd
 from motorcade.replays.readers.ros import recording as ros
 from motorcade.replays.readers.tagslam import corners as tagslam_corners
@@ -34,6 +35,11 @@ _LAYOUTS: tuple[tuple[Callable[[Path], bool], LayoutReader, str], ...] = (
 )
 
 
+_STILLS = (*PICTURES, ".heic", ".heif", ".tif", ".tiff", ".webp", ".dng")
+_OTHER_VIDEOS = (".gif", ".wmv", ".asf", ".flv", ".f4v", ".ogv", ".mxf")
+"""Films that FFmpeg converts and that are not read here."""
+
+
 def find_layout(root: Path) -> LayoutReader | None:
     """The reader for a folder or file; None where no layout is recognised."""
     return next((read for recognise, read, _ in _LAYOUTS if recognise(root)), None)
@@ -56,6 +62,7 @@ def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
         return loose_pictures.read(root)
     if root.is_dir() and not any(root.iterdir()):
         raise refusal(root, "expected a recording, got an empty folder")
+    _refuse_other_pictures(root)
     looked_for = ", ".join(what for _, _, what in _LAYOUTS)
     raise refusal(
         root,
@@ -64,3 +71,26 @@ def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
         if root.is_dir()
         else f"`motorcade inspect {root}` says whether it holds poses or readings",
     )
+
+
+def _refuse_other_pictures(root: Path) -> None:
+    """Say what to do with a file that holds pictures, but no video that is read here.
+
+    Raises:
+        RecordingError: such a file.
+    """
+    kind = root.suffix.lower() if root.is_file() else ""
+    if kind in _STILLS:
+        raise refusal(
+            root,
+            "expected a recording, got one picture, which tells no path",
+            advice="give the video, or a folder with pictures of one place in the order of their "
+            "names",
+        )
+    if kind in _OTHER_VIDEOS:
+        raise refusal(
+            root,
+            f"expected a video in one of {' '.join(video.SUFFIXES)}, got {kind}",
+            advice="give the video that it was made of, or convert it: "
+            f"ffmpeg -i {root.name} -pix_fmt yuv420p {root.stem}.mp4",
+        )

@@ -37,10 +37,15 @@ def _stored() -> np.ndarray:
     return picture
 
 
-def _write(path: Path, matrix: list[int] | None, pix_fmt: str = "yuv420p") -> Path:
+def _write(
+    path: Path,
+    matrix: list[int] | None,
+    pix_fmt: str = "yuv420p",
+    more: dict[str, str] | None = None,
+) -> Path:
     codec = "libx264" if pix_fmt == "yuv420p" else "libx265"
     with av.open(str(path), "w") as container:
-        stream = container.add_stream(codec, rate=30, options={"crf": "4"})
+        stream = container.add_stream(codec, rate=30, options={"crf": "4", **(more or {})})
         stream.width, stream.height, stream.pix_fmt = WIDTH, HEIGHT, pix_fmt
         if matrix is not None:
             stream.set_display_matrix(matrix)
@@ -87,6 +92,14 @@ def test_more_than_eight_bits_are_said(tmp_path: Path, caplog: pytest.LogCapture
     frames = VideoFrames(_write(tmp_path / "hdr.mp4", None, "yuv420p10le"))
     assert "10 bits a colour (HLG, high dynamic range): they are read with 8" in caplog.text
     assert frames[0].image().dtype == np.uint8
+
+
+def test_fields_are_told_from_frames(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    VideoFrames(_write(tmp_path / "frames.mp4", None))
+    assert not caplog.records
+    VideoFrames(_write(tmp_path / "fields.mp4", None, more={"x264-params": "tff=1"}))
+    assert "its frames are interlaced" in caplog.text
+    assert "ffmpeg -i fields.mp4 -vf bwdif" in caplog.text
 
 
 def _opened(folder: Path, video: Path, camera: str, more: str = "") -> Camera:

@@ -1,6 +1,7 @@
 """Videos: the container's stamps, pictures equal to a plain pass, whatever the order asked for."""
 
 import pickle
+from fractions import Fraction
 from pathlib import Path
 
 import av
@@ -9,6 +10,7 @@ import pytest
 
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.readers.frames.video import VideoFrames
+from motorcade.replays.readers.frames.whole import refuse_cut
 from motorcade.replays.readers.opening import open_recording
 
 
@@ -118,8 +120,67 @@ def test_fewer_pictures_than_the_index_promises_are_refused(
 
     plain = video._shown_packets
     monkeypatch.setattr(video, "_shown_packets", lambda *given: plain(*given)[:50])
+    assert len(VideoFrames(video_file)) == 50  # as where an edit list cuts the others away
+    monkeypatch.setattr(video, "_stored_pictures", lambda path: 50)
     with pytest.raises(RecordingError, match="truncated: expected 60 pictures, got 50"):
         open_recording(video_file)
+
+
+def test_a_clip_trimmed_by_an_edit_list_holds_what_is_shown(tmp_path: Path) -> None:
+    """As phones trim: all pictures stay in the file, from the keyframe on, and some are hidden."""
+    path = tmp_path / "trimmed.mp4"
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=30, options={"crf": "0", "g": "12"})
+        stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv444p"
+        for index in range(-7, 20):
+            image = np.full((48, 64, 3), 100 + 4 * index, np.uint8)
+            frame = av.VideoFrame.from_ndarray(image, format="rgb24")
+            frame.pts, frame.time_base = index, Fraction(1, 30)
+            container.mux(stream.encode(frame))
+        container.mux(stream.encode(None))
+    frames = open_recording(path).frames
+    assert frames.time_ns.tolist() == [round(1e9 * index / 30) for index in range(20)]
+    assert [int(frames[index].image()[0, 0, 0]) for index in (0, 19)] == [100, 176]
+
+
+@pytest.mark.parametrize(
+    ("name", "codec", "box"),
+    [
+        ("clip.mkv", "libx264", "Segment"),
+        ("clip.webm", "libvpx-vp9", "Segment"),
+        ("clip.avi", "mjpeg", "RIFF"),
+    ],
+)
+def test_a_cut_file_is_refused_where_readers_would_show_its_beginning(
+    tmp_path: Path, name: str, codec: str, box: str
+) -> None:
+    path = tmp_path / name
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream(codec, rate=30)
+        stream.width, stream.height = 64, 48
+        stream.pix_fmt = "yuvj420p" if codec == "mjpeg" else "yuv420p"
+        for index in range(30):
+            image = np.full((48, 64, 3), 4 * index, np.uint8)
+            frame = av.VideoFrame.from_ndarray(image, format="rgb24")
+            frame.pts, frame.time_base = index, Fraction(1, 30)
+            container.mux(stream.encode(frame))
+        container.mux(stream.encode(None))
+    assert len(open_recording(path).frames) == 30
+    data = path.read_bytes()
+    path.write_bytes(data[: len(data) * 2 // 3])
+    with pytest.raises(RecordingError, match=f"{name}: the video is truncated: its box '?{box}"):
+        open_recording(path)
+
+
+def test_a_matroska_file_of_untold_length_passes(tmp_path: Path) -> None:
+    path = tmp_path / "live.webm"
+    unknown = b"\x1a\x45\xdf\xa3\x80\x18\x53\x80\x67\x01" + 7 * b"\xff"
+    for data in (unknown, unknown[:4], unknown[:6], unknown[:9]):
+        path.write_bytes(data)
+        refuse_cut(path)
+    path.write_bytes(unknown[:9] + b"\x82" + b"x")
+    with pytest.raises(RecordingError, match="box Segment of 2 bytes at 5 is not whole"):
+        refuse_cut(path)
 
 
 def test_a_file_that_is_no_video_is_refused(tmp_path: Path) -> None:
