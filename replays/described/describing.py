@@ -31,6 +31,7 @@ from motorcade.replays.described.values import (
 from motorcade.replays.engine.progress import working
 from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.readers.frames.files import PictureFrames
+from motorcade.replays.readers.frames.video import VideoFrames
 from motorcade.replays.readers.layouts import loose_pictures
 from motorcade.replays.readers.manifest.section import board_toml, camera_toml, markers_toml
 from motorcade.replays.recording import Recording
@@ -41,6 +42,8 @@ from motorcade.tracking.targets import FoundTarget, find_target, seen_board, see
 
 _ENOUGH_SHARE = 0.4
 """Of the pictures: a target seen in fewer is no good to track by."""
+_SQUARE = 0.005
+"""What rounding leaves of a pixel's width over its height."""
 _SAY_CAMERA = (
     "say how wide the pictures see (--set described.fov_deg=65), or describe it in a manifest: "
     "[camera] with fx, fy, cx, cy as `motorcade calibrate` finds them"
@@ -131,6 +134,7 @@ class _Describing:
         fov_deg: float | None,
     ) -> FoundCamera:
         """The camera: told by its view, or found."""
+        self._refuse_oblong_pixels()
         size = sample.size
         self.stated = stated_lens(self.recording, size)
         if fov_deg is not None:
@@ -155,8 +159,31 @@ class _Describing:
             readout = f"readout_s = {readout_s!r}\n"
             said = f"{1e3 * readout_s:.1f} ms from a picture's first row to its last"
             self._assume("rolling shutter", said, source, "readout_s under [camera]")
-        self._tables.append(camera_toml(found.camera) + readout)
+        self._tables.append(camera_toml(found.camera, self._turned_deg()) + readout)
         return found
+
+    def _refuse_oblong_pixels(self) -> None:
+        """Cameras are found for square pixels alone.
+
+        Raises:
+            ValueError: a video that is to be shown wider or narrower than it is stored.
+        """
+        frames = self.recording.frames
+        if not isinstance(frames, VideoFrames) or abs(frames.pixel_aspect - 1) < _SQUARE:
+            return
+        name, wide = frames.path.name, float(frames.pixel_aspect)
+        raise ValueError(
+            f"{self.recording.name}: expected square pixels, got ones that are shown {wide:.3g} "
+            f"times as wide as high: make them square first: ffmpeg -i {name} -vf "
+            "scale=iw*sar:ih,setsar=1 square.mp4"
+        )
+
+    def _turned_deg(self) -> int:
+        """By how much the pictures are turned to be shown: the camera is of those shown."""
+        frames = self.recording.frames
+        if not isinstance(frames, VideoFrames | PictureFrames):
+            return 0
+        return frames.orientation.degrees
 
     def _camera_of_motion(self, size: tuple[int, int]) -> FoundCamera:
         """The camera by the turns that a gyroscope counted, or by how the scene moves.

@@ -99,12 +99,13 @@ def sampled_pictures(frames: FrameSequence) -> SampledPictures:
     """Three neighbouring frames at each of some places that are spread over a recording.
 
     Neighbours tell how fast the camera moved; places, what it saw. Of large pictures fewer are
-    taken, so that all of them fit into a quarter of a GiB.
+    taken, so that all of them fit into a quarter of a GiB; of a few frames every one is a place.
     """
     first = frames[0].gray()
     places = int(np.clip(_MOST_BYTES / (_NEIGHBOURS * first.size), _FEWEST_PLACES, _MOST_PLACES))
     last = len(frames) - 1
-    middles = np.unique(np.linspace(min(1, last), max(last - 1, 0), places).astype(int))
+    ends = (0, last) if last < _FEWEST_PLACES else (1, last - 1)
+    middles = np.unique(np.linspace(*ends, places).astype(int))
     beside = (middles[:, None] + np.arange(_NEIGHBOURS) - _NEIGHBOURS // 2).ravel()
     rows = np.unique(np.clip(beside, 0, last))
     pictures = tuple(frames[int(row)].gray() for row in rows)

@@ -137,8 +137,8 @@ def _reduced(pictures: Iterable[GrayImage], size: tuple[int, int], time_ns: IntA
         kept.append(np.asarray(reduced, np.uint8))
     if len(kept) < _FEWEST_VIEWS or len(time_ns) < len(kept):
         raise SelfCalibrationError(
-            f"pictures: expected {_FEWEST_VIEWS} and a stamp each, got {len(kept)} with "
-            f"{len(time_ns)}"
+            f"pictures: expected at least {_FEWEST_VIEWS} frames and a stamp each, got "
+            f"{len(kept)} with {len(time_ns)}"
         )
     return _Frames(time_ns[: len(kept)], kept, (small[0] * step, small[1] * step))
 

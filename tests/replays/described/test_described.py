@@ -2,8 +2,10 @@
 
 import json
 import tomllib
+from fractions import Fraction
 from pathlib import Path
 
+import av
 import cv2
 import numpy as np
 import pytest
@@ -21,6 +23,7 @@ from motorcade.replays.described.telemetry import (
     check_axes,
     seen_turns,
 )
+from motorcade.replays.described.values import sampled_pictures
 from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.recording import Recording
 from motorcade.replays.synthetic_room import write_recording
@@ -128,6 +131,48 @@ def test_a_folder_of_pictures_says_its_rate_and_where_they_lie(tmp_path: Path) -
     again = open_recording(tmp_path / "set", path)
     assert len(again.frames) == 4
     assert again.duration_s == pytest.approx(0.3)
+
+
+def turned_clip(path: Path, turned_deg: int = 0, pixel_aspect: Fraction | None = None) -> Path:
+    """Four pictures of texture, to be shown turned, or wider than they are stored."""
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=30)
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+        if pixel_aspect is not None:
+            stream.codec_context.sample_aspect_ratio = pixel_aspect
+        if turned_deg:
+            stream.set_display_matrix([-65536, 0, 0, 0, -65536, 0, 0, 0, 1 << 30])
+        rng = np.random.default_rng(2)
+        for index in range(4):
+            picture = rng.integers(0, 255, (64, 96, 3), dtype=np.uint8)
+            frame = av.VideoFrame.from_ndarray(picture, format="rgb24").reformat(format="yuv420p")
+            frame.pts, frame.time_base = index, Fraction(1, 30)
+            container.mux(stream.encode(frame))
+        container.mux(stream.encode(None))
+    return path
+
+
+def test_a_camera_that_was_found_is_said_to_be_of_the_pictures_as_shown(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    clip = turned_clip(tmp_path / "clip.mp4", turned_deg=180)
+    found = described(open_recording(clip), target="none", fov_deg=60.0)
+    (tmp_path / "manifest.toml").write_text(found.manifest(""))
+    assert tomllib.loads(found.tables)["camera"]["rotation_deg"] == 180
+    camera = open_recording(clip, tmp_path / "manifest.toml").camera
+    assert camera is not None
+    assert not caplog.records  # nothing about it is taken for granted
+
+
+def test_oblong_pixels_are_refused_with_what_makes_them_square(tmp_path: Path) -> None:
+    clip = turned_clip(tmp_path / "tape.mp4", pixel_aspect=Fraction(4, 3))
+    with pytest.raises(ValueError, match=r"1\.33 times as wide .* -i tape\.mp4 -vf scale=iw\*sar"):
+        described(open_recording(clip), target="none")
+
+
+def test_of_a_few_pictures_every_one_is_looked_at(tmp_path: Path) -> None:
+    sample = sampled_pictures(open_recording(turned_clip(tmp_path / "clip.mp4")).frames)
+    assert sample.places == (0, 1, 2, 3)
 
 
 def turning_frames(folder: Path, imu_R_camera: np.ndarray) -> tuple[Recording, ImuStream]:
