@@ -63,6 +63,13 @@ def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
     if root.is_dir() and not any(root.iterdir()):
         raise refusal(root, "expected a recording, got an empty folder")
     _refuse_other_pictures(root)
+    few = loose_pictures.too_few(root)
+    if few:
+        raise refusal(
+            root,
+            f"expected {loose_pictures.FEWEST} pictures or more, got {few}: they tell no path",
+            advice="`motorcade detect` finds markers in single pictures",
+        )
     looked_for = ", ".join(what for _, _, what in _LAYOUTS)
     raise refusal(
         root,

@@ -11,7 +11,7 @@ from motorcade.replays.recording import Recording
 
 LAYOUT = "pictures"
 RATE_HZ = 30.0
-_FEWEST = 3
+FEWEST = 3
 
 
 def recognise(root: Path) -> bool:
@@ -30,6 +30,14 @@ def read(root: Path) -> Recording:
     return Recording(root.resolve().name, root, LAYOUT, frames)
 
 
+def too_few(root: Path) -> int:
+    """How many pictures a folder without other folders holds, where those are too few; else 0."""
+    if not root.is_dir() or any(one.is_dir() for one in root.iterdir()):
+        return 0
+    count = sum(one.suffix.lower() in SUFFIXES for one in root.iterdir())
+    return count if count < FEWEST else 0
+
+
 def _folder(root: Path) -> Path | None:
     """The folder of pictures; None where there is none, or several."""
     if _enough(root):
@@ -40,4 +48,4 @@ def _folder(root: Path) -> Path | None:
 
 def _enough(folder: Path) -> bool:
     found = (one for one in folder.iterdir() if one.suffix.lower() in SUFFIXES)
-    return sum(1 for _, _ in zip(found, range(_FEWEST), strict=False)) == _FEWEST
+    return sum(1 for _, _ in zip(found, range(FEWEST), strict=False)) == FEWEST

@@ -405,3 +405,10 @@ def test_pictures_that_are_no_video_are_refused_with_what_to_do(
     path.write_bytes(b"GIF89a")
     with pytest.raises(RecordingError, match=told):
         open_recording(path)
+
+
+def test_a_folder_of_too_few_pictures_is_told_so(tmp_path: Path) -> None:
+    cv2.imwrite(str(tmp_path / "one.png"), np.zeros((48, 64), np.uint8))
+    (tmp_path / "README.md").write_text("one picture")
+    with pytest.raises(RecordingError, match="expected 3 pictures or more, got 1: they tell no"):
+        open_recording(tmp_path)
