@@ -4,8 +4,9 @@
 
 For each recording below `MOTORCADE_DATA`: the focal length found against the one told, the jitter
 and the registration of the measured path with and without the manifest (lengths carried over to
-metres by the size that the manifest tells), and what was assumed; or the one line that says what
-is missing. Ends with 1 where a figure is more than a tenth off and nothing was said of it.
+metres by the size that the manifest tells, or, of SLAM's maps, to the other's by how far the camera
+went), and what was assumed; or the one line that says what is missing. Ends with 1 where a figure
+is more than a tenth off and nothing was said of it.
 """
 
 from __future__ import annotations
@@ -20,7 +21,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from motorcade.replays import open_recording
+import numpy as np
+
+from motorcade.replays import open_recording, read_trajectory
 from motorcade.replays.errors import one_line
 from motorcade.replays.pipeline import Job, run_job
 from motorcade.tracking import CharucoBoard, Checkerboard, MarkerGrid
@@ -41,7 +44,10 @@ class Given:
 
 @dataclass(frozen=True)
 class Found:
-    """What a run gave; figures are None where it has none."""
+    """What a run gave; figures are None where it has none.
+
+    `reach` is the RMS of the places about their mean, in the unit of the path.
+    """
 
     focal_px: float | None
     registration_px: float | None
@@ -49,6 +55,7 @@ class Found:
     origin: str
     assumed: tuple[str, ...]
     seconds: float
+    reach: float = 1.0
 
 
 def recordings(data: Path) -> Iterator[Given]:
@@ -87,7 +94,16 @@ def run(given: Given, manifest: Path | None, out: Path, until: str) -> Found | s
         str(log["chosen"].get("tracked", "")),
         tuple(log.get("assumed", ())),
         time.perf_counter() - start,
+        reach(out / "trajectories" / "camera_poses_motor.tum"),
     )
+
+
+def reach(path: Path) -> float:
+    """RMS of the places of a trajectory about their mean; 1 where there is none."""
+    if not path.exists():
+        return 1.0
+    places = read_trajectory(path).motors.translation_m
+    return float(np.sqrt(((places - places.mean(axis=0)) ** 2).sum(axis=-1).mean()))
 
 
 def unit_m(given: Given) -> float:
@@ -104,6 +120,8 @@ def compared(given: Given, alone: Found, told: Found) -> tuple[list[str], bool]:
     """Cells of the table, and whether all figures agree to a tenth."""
     sizeless = any(one.startswith("size:") for one in alone.assumed)
     scale = unit_m(given) if sizeless else 1.0
+    if alone.origin == told.origin == "slam_poses" and alone.reach > 0.0:
+        scale = told.reach / alone.reach
     if alone.jitter is not None:
         alone = replace(alone, jitter=scale * alone.jitter)
     cells, agree = [], True
