@@ -80,6 +80,7 @@ def described(
     if fov_deg is not None and not 1.0 <= fov_deg <= 170.0:
         raise ValueError(f"described.fov_deg: expected 1 to 170 degrees, got {fov_deg:g}")
     made = _Describing(recording)
+    made.refuse_oblong_pixels()
     made.frames(rate_hz)
     with working("looking for boards and markers"):
         sample = sampled_pictures(recording.frames)
@@ -134,7 +135,6 @@ class _Describing:
         fov_deg: float | None,
     ) -> FoundCamera:
         """The camera: told by its view, or found."""
-        self._refuse_oblong_pixels()
         size = sample.size
         self.stated = stated_lens(self.recording, size)
         if fov_deg is not None:
@@ -162,7 +162,7 @@ class _Describing:
         self._tables.append(camera_toml(found.camera, self._turned_deg()) + readout)
         return found
 
-    def _refuse_oblong_pixels(self) -> None:
+    def refuse_oblong_pixels(self) -> None:
         """Cameras are found for square pixels alone.
 
         Raises:

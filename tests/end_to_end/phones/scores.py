@@ -33,7 +33,7 @@ from motorcade.tracking.rolling import as_read
 from tests.end_to_end.phones.cases import Case
 from tests.end_to_end.phones.films import faults_of_film, read_video
 
-__all__ = ["Score", "run_command", "score"]
+__all__ = ["Score", "run_command", "score", "scored"]
 
 Truth = Mapping[str, NDArray[np.float64]]
 FOCAL_SHARE, REGISTRATION_PX, COVERED_SHARE = 0.01, 0.5, 0.9
@@ -114,6 +114,11 @@ def score(clip: Path, case: Case, out: Path, until: str = "overlay") -> Score:
     seconds = time.perf_counter() - start
     if status:
         return Score(case.name, case.bears, seconds, refused=f"({status}) {last}")
+    return scored(clip, case, out, until, seconds)
+
+
+def scored(clip: Path, case: Case, out: Path, until: str, seconds: float) -> Score:
+    """What a run left, held against the truth that lies beside its clip."""
     truth = np.load(clip.with_suffix(".truth.npz"))
     log = json.loads((out / "run.json").read_text())
     table = tomllib.loads((out / "manifest.toml").read_text())["camera"]
