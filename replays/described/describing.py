@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from shlex import quote
 from typing import Literal
 
 import numpy as np
@@ -174,8 +175,8 @@ class _Describing:
         name, wide = frames.path.name, float(frames.pixel_aspect)
         raise ValueError(
             f"{self.recording.name}: expected square pixels, got ones that are shown {wide:.3g} "
-            f"times as wide as high: make them square first: ffmpeg -i {name} -vf "
-            "scale=iw*sar:ih,setsar=1 square.mp4"
+            f"times as wide as high: make them square first: ffmpeg -i {quote(name)} "
+            "-vf 'scale=trunc(iw*sar/2)*2:ih,setsar=1' square.mp4"
         )
 
     def _turned_deg(self) -> int:

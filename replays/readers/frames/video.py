@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import logging
+import shlex
 import threading
 from collections.abc import Iterator
 from fractions import Fraction
@@ -254,7 +255,7 @@ def _first_looked_at(path: Path) -> tuple[PictureOrientation, Fraction]:
             "moves, poses and lens may be off by a pixel and more; turn fields into frames first: "
             "ffmpeg -i %s -vf bwdif OUT.mp4",
             path,
-            path.name,
+            shlex.quote(path.name),
         )
     bits = max(component.bits for component in frame.format.components)
     if bits > 8:

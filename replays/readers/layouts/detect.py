@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from shlex import quote
 from typing import Protocol
 
 from motorcade.replays.errors import refusal
@@ -99,5 +100,6 @@ def _refuse_other_pictures(root: Path) -> None:
             root,
             f"expected a video in one of {' '.join(video.SUFFIXES)}, got {kind}",
             advice="give the video that it was made of, or convert it: "
-            f"ffmpeg -i {root.name} -pix_fmt yuv420p {root.stem}.mp4",
+            f"ffmpeg -i {quote(root.name)} -vf 'crop=trunc(iw/2)*2:trunc(ih/2)*2' "
+            f"-pix_fmt yuv420p {quote(root.stem + '.mp4')}",
         )

@@ -394,7 +394,7 @@ def test_a_truncated_picture_is_found_by_the_check_and_when_read(make: Make) -> 
     [
         ("shot.jpg", "got one picture, which tells no path; give the video"),
         ("shot.HEIC", "got one picture"),
-        ("moving.gif", r"got \.gif; .* ffmpeg -i moving\.gif -pix_fmt yuv420p moving\.mp4"),
+        ("my film.gif", r"got \.gif; .* ffmpeg -i 'my film\.gif' -vf .* 'my film\.mp4'"),
         ("old.WMV", r"got \.wmv"),
     ],
 )

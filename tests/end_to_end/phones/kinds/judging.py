@@ -61,7 +61,8 @@ class Judged:
             last = self.said[-1] if self.said else "nothing"
             return f"| {name} | {verdict} | ({self.status}) {last} | | | | {seconds} |"
         row = self.score.line().split(" | ")
-        doubts = "".join(f"\n    {one}" for one in (*self.doubts, self.score.camera))
+        told = dict.fromkeys((*self.doubts, self.score.camera))
+        doubts = "".join(f"\n    {one}" for one in told)
         return " | ".join([f"| {name}", verdict, *row[2:-1], f"{seconds} |"]) + doubts
 
 

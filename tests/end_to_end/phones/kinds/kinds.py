@@ -216,7 +216,7 @@ KINDS = (
     Kind(
         "moving_gif",
         must="refused",
-        why="GIF",
+        why="ffmpeg -i moving_gif.gif",
         coded=Coded(".gif", "gif", "rgb8", {}, sound=""),
         rows=_first(20),
     ),
