@@ -387,28 +387,3 @@ def test_a_truncated_picture_is_found_by_the_check_and_when_read(make: Make) -> 
     for act in (recording.check, recording.frames[3].image):
         with pytest.raises(RecordingError, match=f"{path.name}, frame 3: the picture is truncated"):
             act()
-
-
-@pytest.mark.parametrize(
-    ("name", "told"),
-    [
-        ("shot.jpg", "got one picture, which tells no path; give the video"),
-        ("shot.HEIC", "got one picture"),
-        ("my film.gif", r"got \.gif; .* ffmpeg -i 'my film\.gif' -vf .* 'my film\.mp4'"),
-        ("old.WMV", r"got \.wmv"),
-    ],
-)
-def test_pictures_that_are_no_video_are_refused_with_what_to_do(
-    tmp_path: Path, name: str, told: str
-) -> None:
-    path = tmp_path / name
-    path.write_bytes(b"GIF89a")
-    with pytest.raises(RecordingError, match=told):
-        open_recording(path)
-
-
-def test_a_folder_of_too_few_pictures_is_told_so(tmp_path: Path) -> None:
-    cv2.imwrite(str(tmp_path / "one.png"), np.zeros((48, 64), np.uint8))
-    (tmp_path / "README.md").write_text("one picture")
-    with pytest.raises(RecordingError, match="expected 3 pictures or more, got 1: they tell no"):
-        open_recording(tmp_path)
