@@ -60,6 +60,7 @@ def read_video(path: Path) -> Video:
         turned = bool(frame.rotation)
     with av.open(str(path)) as file:
         packets = [one for one in file.demux() if one.size and one.pts is not None]
+        packets = [one for one in packets if not one.is_discard]  # which an edit list hides
         base: Fraction = file.streams.video[0].time_base or Fraction(1)
         shown = sorted(one.pts for one in packets if one.stream.type == "video")
         start = shown[0] * base

@@ -140,7 +140,12 @@ KINDS = (
         woven=True,
     ),
     Kind("edit_list", "loose", coded=Coded(skipped=20)),
-    Kind("amr_3gp", coded=Coded(".3gp", sound="libopencore_amrnb", sound_hz=8000)),
+    Kind(
+        "amr_3gp",
+        must="told",
+        why="sound of .* is left out",
+        coded=Coded(".3gp", sound="libopencore_amrnb", sound_hz=8000),
+    ),
     Kind("transport_stream", coded=Coded(".mts")),
     Kind("no_sound", coded=Coded(sound="")),
     Kind(
