@@ -175,20 +175,32 @@ class _Decoder:
 
     def __init__(self, path: Path, pts: IntArray, key: int) -> None:
         self._pts = pts
+        self._start(path, key)
+        # The index of an AVI that dropped pictures leads past the keyframe: then all is decoded.
+        if key > 0 and self._read() > key:
+            self.close()
+            self._start(path, 0)
+
+    def _start(self, path: Path, key: int) -> None:
         self._container = open_video(path)
         stream = self._container.streams.video[0]
         stream.thread_type = "AUTO"
         if key > 0:
-            self._container.seek(int(pts[key]), stream=stream)
+            self._container.seek(int(self._pts[key]), stream=stream)
         self._frames = self._container.decode(stream)
         self._frame: VideoFrame | None = None
         self.at = key - 1
 
+    def _read(self) -> int:
+        """Decode the next picture; its place, or the first that is later, in the order shown."""
+        self._frame = next(self._frames)
+        self.at = int(np.searchsorted(self._pts, self._frame.pts or 0))
+        return self.at
+
     def image(self, index: int) -> ImageArray:
         """Decode on up to this picture, RGB."""
         while self._frame is None or self.at < index:
-            self._frame = next(self._frames)
-            self.at = int(np.searchsorted(self._pts, self._frame.pts or 0))
+            self._read()
         if self.at != index or self._frame.pts != self._pts[index]:
             raise ValueError(f"expected pts {self._pts[index]}, got {self._frame.pts}")
         return np.asarray(self._frame.to_ndarray(format="rgb24"), dtype=np.uint8)

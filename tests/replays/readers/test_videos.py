@@ -172,6 +172,28 @@ def test_a_cut_file_is_refused_where_readers_would_show_its_beginning(
         open_recording(path)
 
 
+def test_an_avi_that_dropped_pictures_is_read_in_any_order(tmp_path: Path) -> None:
+    path = tmp_path / "dropped.avi"  # whose sound lies behind all pictures, too
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("mjpeg", rate=30)
+        sound = container.add_stream("pcm_s16le", rate=48_000, layout="mono")
+        stream.width, stream.height, stream.pix_fmt = 64, 48, "yuvj420p"
+        stream.codec_context.time_base = Fraction(1, 600)
+        for index in range(40):
+            image = np.full((48, 64, 3), 5 * index, np.uint8)
+            frame = av.VideoFrame.from_ndarray(image, format="rgb24")
+            frame.pts, frame.time_base = 20 * index, Fraction(1, 600)
+            container.mux(stream.encode(frame))
+        container.mux(stream.encode(None))
+        heard = av.AudioFrame.from_ndarray(np.zeros((1, 64_000), np.int16), "s16", "mono")
+        heard.sample_rate = 48_000
+        container.mux(sound.encode(heard))
+    frames = VideoFrames(path)
+    assert len(frames) == 40
+    for index in (30, 7, 8, 39, 0):
+        assert abs(int(frames[index].image()[0, 0, 0]) - 5 * index) <= 3
+
+
 def test_a_matroska_file_of_untold_length_passes(tmp_path: Path) -> None:
     path = tmp_path / "live.webm"
     unknown = b"\x1a\x45\xdf\xa3\x80\x18\x53\x80\x67\x01" + 7 * b"\xff"
