@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 __all__ = ["Video", "faults_of_film", "read_video"]
 
 _NEAR_S = 1e-4
+_PACKET_S = 0.02
 _ALIKE = 0.5
 _SMALL = (96, 96)
 
@@ -112,11 +113,17 @@ def faults_of_film(clip: Video, film: Video) -> list[str]:
     return faults + _faults_of_sound(clip, film)
 
 
+def _while_shown(video: Video) -> list[list[tuple[str, float]]]:
+    """Sound by track, without what ends before the first picture."""
+    tracks = [track for _, track in video.sound]
+    return [[one for one in track if one[1] > -_PACKET_S] for track in tracks]
+
+
 def _faults_of_sound(clip: Video, film: Video) -> list[str]:
     if [name for name, _ in clip.sound] != [name for name, _ in film.sound]:
         return [f"{len(film.sound)} tracks of sound of {len(clip.sound)}"]
     faults = []
-    for (_, told), (_, heard) in zip(clip.sound, film.sound, strict=True):
+    for told, heard in zip(_while_shown(clip), _while_shown(film), strict=True):
         if [one for one, _ in told] != [one for one, _ in heard]:
             faults.append(f"sound: packets differ ({len(heard)} of {len(told)})")
         elif (

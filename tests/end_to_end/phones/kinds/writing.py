@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+import av
 import cv2
 import numpy as np
 
@@ -24,7 +25,8 @@ def write_kind(clips: Path, folder: Path, kind: Kind) -> Path:
     time_s = times(truth["time_s"], rows, kind)
     pictures = _pictures(source, kind, rows.tolist())
     encode(path, _woven(pictures) if kind.woven else pictures, time_s, kind.coded)
-    kept = of_frames(truth, rows[kind.coded.skipped :], time_s[kind.coded.skipped :])
+    shown_s = time_s[kind.coded.skipped :] + _start_s(path)
+    kept = of_frames(truth, rows[kind.coded.skipped :], shown_s)
     if kind.crop:
         kept = cropped(kept, *kind.crop[:2])
     kept = scaled(kept, kind.scale)
@@ -34,6 +36,15 @@ def write_kind(clips: Path, folder: Path, kind: Kind) -> Path:
     if kind.damage is not None:
         kind.damage(path)
     return path
+
+
+def _start_s(path: Path) -> float:
+    """The stamp of the first picture: streams do not begin at 0."""
+    if path.suffix not in (".ts", ".mts"):
+        return 0.0
+    with av.open(str(path)) as file:
+        frame = next(file.decode(video=0))
+    return float(frame.pts * frame.time_base)  # type: ignore[operator]
 
 
 def _size(source: Path, kind: Kind) -> tuple[int, int]:
