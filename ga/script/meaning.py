@@ -134,8 +134,8 @@ def with_algebra(script: Script, name: str) -> Script:
 
     >>> from motorcade.ga.script import evaluate, parse
     >>> from motorcade.ga.script.meaning import with_algebra
-    >>> evaluate(with_algebra(parse("?square = e4*e4;"), "sta"))["square"]["1"]
-    -1.0
+    >>> evaluate(with_algebra(parse("?square = e4*e4;"), "sta"))["square"]
+    -1
     """
     if not name.endswith(".toml"):
         try:
