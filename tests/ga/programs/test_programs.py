@@ -5,8 +5,11 @@ import pytest
 pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is not installed")
 pytest.importorskip("clifford", reason="the witness clifford is not installed")
 
+from motorcade.ga.codegen import programs
+from motorcade.ga.codegen.runtime.interpret import run_tape
 from tests.ga.gaalop.__main__ import MISSING, differences
 from tests.ga.gaalop.scripts import difference, directly
+from tests.ga.gaalop.targets import named
 from tests.ga.programs.__main__ import TOO_LARGE
 from tests.ga.programs.grammar import VOLUMES, grammar_cases
 from tests.ga.programs.random_scripts import ALGEBRAS, random_cases
@@ -28,6 +31,19 @@ def test_scripts_of_the_whole_language_evaluate_to_what_a_second_reading_compute
     assert {case.text: difference(case, directly(case)) for case in cases} == dict.fromkeys(
         (case.text for case in cases), ""
     )
+
+
+@pytest.mark.parametrize("name", list(VOLUMES))
+def test_scripts_that_are_recorded_without_casadi_compute_the_same(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(programs, "find_spec", lambda module: None)
+    for case in grammar_cases(name, 8, 4):
+        program = programs.compile_script(case.script, "made", case.algebra)
+        rows = run_tape(program.tape, {(key, 0): value for key, value in case.given.items()})
+        outputs = [operand.name for operand in program.tape.outputs]
+        made = named(program, dict(zip(outputs, rows, strict=True)))
+        assert difference(case, made) == "", case.text
 
 
 @pytest.mark.slow
