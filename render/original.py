@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 log = logging.getLogger("motorcade.overlay")
 
+_NANOSECOND_S = Fraction(1, 10**9)
+"""To which a film's start is rounded."""
 BT_709, UNSPECIFIED, LIMITED, FULL = 1, 2, 1, 2
 _CONVERTED = {1: 1, 2: 5, 4: 4, 5: 5, 6: 5, 7: 7, 9: 9}
 """Matrices by their number in ITU-T H.273, and as what pictures are converted with them: those that
@@ -125,7 +127,7 @@ class CopiedSound:
             if packet.size == 0 or packet.dts is None or packet.time_base is None:
                 continue  # the end of a track
             starts_s = packet.dts * packet.time_base - self._start_s
-            if starts_s < 0 <= packet.dts:
+            if starts_s <= -_NANOSECOND_S and packet.dts >= 0:
                 continue  # before the film; what is below zero in the original fills a decoder
             if float(starts_s) >= time_s:
                 self._next = packet

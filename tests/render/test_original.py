@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from motorcade.render import read_frames, write_video
+from motorcade.render.original import CopiedSound
 from motorcade.render.video import read_original
 
 CLOCK = Fraction(1, 600)  # a phone's
@@ -95,6 +96,16 @@ def test_sound_is_copied_packet_by_packet_and_in_step(tmp_path: Path, sound: str
     assert [data for _, data in after] == [data for _, data in before]
     apart = np.subtract([at for at, _ in after], [at for at, _ in before])
     assert np.abs(apart).max() <= 1.0 / 44_100
+
+
+def test_sound_that_begins_with_the_first_picture_is_kept(tmp_path: Path) -> None:
+    """A film's start is in whole nanoseconds, and may be rounded to after the sound's."""
+    source = _write(tmp_path / "clip.mp4")
+    begins = [Fraction(1024 * k, 44_100) for k in range(20)]
+    late_ns = next(round(one * 10**9) for one in begins if round(one * 10**9) > one * 10**9)
+    with av.open(str(source)) as taken, av.open(str(tmp_path / "film.mp4"), "w") as film:
+        sound = CopiedSound(taken, film, late_ns)
+        assert 0 in [packet.dts for packet in sound.until(1.0)]
 
 
 def test_sound_stays_in_step_where_the_video_starts_late(tmp_path: Path) -> None:
