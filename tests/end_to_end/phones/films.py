@@ -82,9 +82,14 @@ def read_video(path: Path) -> Video:
 
 
 def _digests(name: str, heard: list[tuple[bytes, float]]) -> tuple[tuple[str, float], ...]:
-    """Digest and time of each packet; of plain samples, which have no packets, of all at once."""
+    """Digest and time of each packet; of plain samples, which have no packets, of all at once.
+
+    AAC of a stream has a header a packet (ADTS, ISO 14496-3), which files leave out.
+    """
     if name.startswith("pcm_") and heard:
         heard = [(b"".join(data for data, _ in heard), heard[0][1])]
+    if name == "aac":
+        heard = [(data[7:] if data[:1] == b"\xff" else data, late) for data, late in heard]
     return tuple((hashlib.sha256(data).hexdigest(), late) for data, late in heard)
 
 
