@@ -212,7 +212,8 @@ def bench_registration() -> dict[str, Any]:
     if recording.truth is not None:
         paths["reference"] = recording.truth
     jitters = {name: jitter_px(path, camera, np.array(ABOVE_M)) for name, path in paths.items()}
-    least = {ratio: least_slide_px(raw, camera, np.array(ABOVE_M), ratio) for ratio in RATIOS}
+    point_m = np.array(ABOVE_M)
+    least = [(ratio, least_slide_px(raw, camera, point_m, ratio)) for ratio in RATIOS]
     return {"corners": corners, "jitter_px": jitters, "steadied": steadied, "least_px": least}
 
 
@@ -263,7 +264,7 @@ def registration_lines(found: Mapping[str, Any]) -> Iterator[str]:
             f"  steadied view, {name:<8} jitters {row['jitter_share']:.2f} of as tracked, drawn "
             f"corners {row['corner_rms_px']:.3f} px RMS from the real ones"
         )
-    for ratio, pixels in found["least_px"].items():
+    for ratio, pixels in found["least_px"]:
         yield (
             f"  on footage as it is, what jitters {ratio:.2f} of as tracked slides {pixels:.2f} px "
             "or more, whatever the filter"
