@@ -64,6 +64,7 @@ def perform(
     lasts_s: float,
     rate_hz: float = 60.0,
     look_at: LookTarget | None = None,
+    most_s: float = np.inf,
 ) -> Performance:
     """Make a timeline into poses with planted feet.
 
@@ -72,6 +73,7 @@ def perform(
         lasts_s: until when, or until all of the errand is done where that is later.
         rate_hz: frames a second.
         look_at: what neck, head and eyes turn to, as far as they can.
+        most_s: it ends by then, done or not: nobody sees what comes after footage ends.
 
     Raises:
         ValueError: a time or rate that is not positive, or something to look at for a character
@@ -79,8 +81,11 @@ def perform(
     """
     checked_positive(lasts_s, "perform(lasts_s)")
     checked_positive(rate_hz, "perform(rate_hz)")
+    if not most_s > 0.0:
+        raise ValueError(f"perform(most_s): expected a number above 0, got {most_s}")
     actor = timeline.actor
-    time_s = np.arange(int(np.ceil(max(lasts_s, timeline.done_s) * rate_hz)) + 1) / rate_hz
+    end_s = min(max(lasts_s, timeline.done_s), most_s)
+    time_s = np.arange(int(np.ceil(end_s * rate_hz)) + 1) / rate_hz
     way = timeline.at(time_s)
     poses, stances = _unplanted(timeline, time_s, way)
     own = Motor.from_rotor_translation(way.rotor, way.translation_m / actor.scale)

@@ -123,7 +123,8 @@ def played(
     camera: LookTarget,
     lasts_s: float,
 ) -> tuple[tuple[PlayedPart, ...], float]:
-    """What everybody of a cast does on a plane, and the least distance between two bodies.
+    """What everybody of a cast does on a plane, and the least distance between two bodies,
+    both until the recording ends.
 
     Args:
         cast: as it was asked for.
@@ -149,7 +150,8 @@ def played(
     made = []
     for member, timeline in zip(cast.members, crowd.timelines, strict=True):
         lasting = max(min(lasts_s, timeline.done_s + LONGEST_IDLE_S), 0.1)
-        made.append(perform(timeline, lasting, look_at=_look_at(member, camera)))
+        seen_s = max(lasts_s, 0.1)
+        made.append(perform(timeline, lasting, look_at=_look_at(member, camera), most_s=seen_s))
     apart_m = closest_m(list(zip(actors, made, strict=True)))
     if np.isfinite(apart_m):
         log.info("cast: bodies are %.3g m apart or more", apart_m)

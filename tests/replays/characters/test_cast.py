@@ -72,7 +72,7 @@ def test_every_key_is_read_and_acted() -> None:
     assert guide.gaits == ("walk", "jog")
     assert guide.layers[0].joints == "right_arm"
     parts, apart_m = played(
-        asked, Motor.identity(), 0.1, LookTarget([0.0], [[0.1, -0.6, 0.3]]), 4.0
+        asked, Motor.identity(), 0.1, LookTarget([0.0], [[0.1, -0.6, 0.3]]), 12.0
     )
     assert [part.name for part in parts] == ["guide", "visitor"]
     assert apart_m >= 0.02
