@@ -53,6 +53,7 @@ from motorcade.replays.stages.view.placed import SCENE_SAYS, placed
 from motorcade.tracking import TrackingError
 
 log = logging.getLogger("motorcade.pipeline")
+stage_log = logging.getLogger("motorcade.graph")
 
 NOTHING = FILE_KNOBS["placed.scene"]
 
@@ -146,6 +147,7 @@ def run_job(job: Job) -> dict[str, Any]:
     graph, cache = pipeline_graph(), job.cache or job.out / ".cache"
     with off_record():  # the recording's digest and settings cover all that is read of it
         recording = open_recording(job.recording, job.manifest)
+    stage_log.info("%s", recording.summary)
     told = parse_knobs(parted(job.settings)[0], description_graph())
     knobs = parse_knobs(job.all_settings(recording), graph)
     if "placed" in graph.needed(job.until):

@@ -163,6 +163,7 @@ class Recording:
         truth: world_T_camera. Its stamps need not be the frames' own, nor cover all of them.
         settings: knobs of the pipeline that suit this recording, each "stage.knob=value".
         damaged: what is said of each picture that was left out because it is damaged.
+        doubts: what of all this is not sure, a clause each; what a run closes with.
 
     Raises:
         RecordingError: no frames, or a pose that is not a single one.
@@ -196,6 +197,7 @@ class Recording:
     truth: Trajectory | None = None
     settings: tuple[str, ...] = ()
     damaged: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
     baseline_m: float | None = None
     odometry: Odometry | None = None
     readout_s: float = 0.0
@@ -235,6 +237,27 @@ class Recording:
         """Seconds from the first frame's stamp to the last one's."""
         time_ns = self.frames.time_ns
         return float(time_ns[-1] - time_ns[0]) * 1e-9
+
+    @property
+    def summary(self) -> str:
+        """What it holds, in one line."""
+        frames = self.frames
+        size = getattr(frames, "size", None)
+        text = f"{self.name}: {len(frames)} pictures"
+        if size is not None:
+            text += f" of {size[0]} x {size[1]}"
+        if self.duration_s > 0.0:
+            text += f" in {self.duration_s:.1f} s"
+        known: dict[str, object] = {
+            "a camera": self.camera,
+            "a board": self.board,
+            "markers": self.markers,
+            "an IMU": self.imu,
+            "odometry": self.odometry,
+            "ground truth": self.truth,
+        }
+        named = ", ".join(name for name, value in known.items() if value is not None)
+        return f"{text}, with {named}" if named else f"{text}, of which nothing else is told"
 
     def check(self) -> None:
         """Check every picture (existence, size, end markers) and that the streams overlap.
@@ -297,6 +320,8 @@ class Recording:
                 array = value.coefficients if isinstance(value, Motor) else np.asarray(value)
                 yield f"slam map {name}", _bytes(array)
         yield "damaged", repr(self.damaged).encode()
+        if self.doubts:
+            yield "doubts", repr(self.doubts).encode()
         if self.baseline_m is not None:
             yield "baseline", repr(self.baseline_m).encode()
         if not self.metric:

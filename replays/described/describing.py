@@ -109,6 +109,7 @@ class _Describing:
     def __init__(self, recording: Recording) -> None:
         self.recording = recording
         self.assumed: list[Assumption] = []
+        self.doubts: list[str] = []
         self._tables: list[str] = []
         self._settings: list[str] = []
         self._seen_turns: SeenTurns | None = None
@@ -116,7 +117,8 @@ class _Describing:
 
     def description(self) -> Description:
         """All of it."""
-        return Description("\n".join(self._tables), tuple(self._settings), tuple(self.assumed))
+        tables = "\n".join(self._tables)
+        return Description(tables, tuple(self._settings), tuple(self.assumed), tuple(self.doubts))
 
     def frames(self, rate_hz: float) -> None:
         """Which pictures are the frames, and how fast they follow one another."""
@@ -149,8 +151,9 @@ class _Describing:
                 found = self._as_stated(target, problem, why)
         else:
             found = self._camera_of_motion(size)
-        doubts = "".join(f"; {one}" for one in found.doubts)
-        self._assume("camera", found.said + doubts, found.source, "described.fov_deg=65")
+        self.doubts += found.doubts
+        said = "; ".join((found.said, *found.doubts))
+        self._assume("camera", said, found.source, "described.fov_deg=65")
         # A sensor reads the rows that it stores, from the first on.
         readout_s, source = float(np.dot(found.shutter_s, self.recording.rows_run)), found.source
         if readout_s <= 0.0 and self.stated is not None:

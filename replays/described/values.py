@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import tomllib
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,6 +49,7 @@ class Description:
         tables: text of a TOML file, whose files are named relative to the recording.
         settings: knobs that stand before the tables.
         assumed: in the order in which it was found out.
+        doubts: what of it is not sure, a clause each.
 
     >>> from motorcade.replays.described.values import Description
     >>> print(Description("[camera]\nfov_deg = 65.0\n", ("tracked.by=slam",), ()).manifest(""))
@@ -60,13 +63,18 @@ class Description:
     tables: str
     settings: tuple[str, ...]
     assumed: tuple[Assumption, ...]
+    doubts: tuple[str, ...] = ()
 
     def manifest(self, given: str) -> str:
-        """The text of a manifest, after that of the one that was given, if any."""
+        """The text of a manifest that says all this beside what the given one says, if any."""
         said = "".join(f"# {one}\n" for one in self.assumed)
-        quoted = ", ".join(f'"{one}"' for one in self.settings)
-        settings = f"settings = [{quoted}]\n" if quoted and not given else ""
-        return "\n".join(one for one in (said, given, settings, self.tables) if one)
+        stated = tomllib.loads(given)
+        lists = "".join(  # before all tables; TOML reads such strings as JSON does
+            f"{key} = {json.dumps(texts, ensure_ascii=False)}\n"
+            for key, texts in (("settings", self.settings), ("doubts", self.doubts))
+            if texts and key not in stated
+        )
+        return "\n".join(text for text in (said, lists, given, self.tables) if text)
 
 
 @dataclass(frozen=True, eq=False)

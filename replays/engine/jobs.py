@@ -28,7 +28,7 @@ from motorcade.replays.engine.artifacts import (
 )
 from motorcade.replays.engine.executors import outcomes
 from motorcade.replays.engine.kept import holds
-from motorcade.replays.engine.progress import track_jobs
+from motorcade.replays.engine.progress import track
 from motorcade.replays.engine.provenance import code_digest
 
 log = logging.getLogger("motorcade.jobs")
@@ -99,7 +99,7 @@ def run_jobs(
     failures: dict[JobType, str] = {}
     running = outcomes(functools.partial(_kept, function), list(waiting.items()), executor)
     try:
-        for (job, folder), fault in track_jobs(running, what, len(waiting)):
+        for (job, folder), fault in track(running, what, len(waiting)):
             if fault is not None:
                 failures[job] = " ".join(str(fault).split()) or type(fault).__name__
                 log.warning("%s: %s", folder.name, failures[job])

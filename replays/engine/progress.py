@@ -1,9 +1,9 @@
-"""Progress of what takes more than a second: bars on a terminal, and a line a stage everywhere.
+"""Progress of what takes more than a second: bars on a terminal, lines where there is none.
 
-Loops show a bar with their rate and the time that remains; what is one long step shows for how long
-it has been running. Bars are for a terminal, and for one process at a time: those of several would
-write over each other. Loops that take minutes say the same in lines where there is no terminal.
-Lines stay, and go above the bars.
+On a terminal loops show a bar with their rate and the time that remains; what is one long step
+shows for how long it has been running. Elsewhere, as through a pipe, a line says the same whenever
+five seconds have passed without one, so that nobody waits without a word. Bars and lines come from
+one process at a time: those of several would write over each other.
 """
 
 from __future__ import annotations
@@ -20,9 +20,34 @@ from typing import TypeVar
 Item = TypeVar("Item")
 
 DELAY_S = 1.0
+LINE_EVERY_S = 5.0
 _TICK_S = 0.5
-LINE_EVERY_S = 10.0
 _asked_for = True
+
+
+class _Lines:
+    """Lines on standard error, no more than one in `LINE_EVERY_S`, whoever writes them."""
+
+    def __init__(self) -> None:
+        self.steps: list[str] = []  # that run now, the innermost last: it alone says so
+        self._last_s = time.monotonic()
+        self._lock = threading.Lock()
+
+    def begin(self) -> None:
+        """Something else was just said, or something begins: the wait starts anew."""
+        self._last_s = time.monotonic()
+
+    def say(self, text: str, patience: float = 1.0) -> None:
+        """Write a line if the last was so many times `LINE_EVERY_S` ago."""
+        with self._lock:
+            now = time.monotonic()
+            if now - self._last_s < patience * LINE_EVERY_S:
+                return
+            self._last_s = now
+        print(text, file=sys.stderr, flush=True)
+
+
+_lines = _Lines()
 
 
 def show_progress(shown: bool) -> None:
@@ -32,31 +57,24 @@ def show_progress(shown: bool) -> None:
 
 
 def track(items: Iterable[Item], what: str, total: int) -> Iterator[Item]:
-    """Yield `items`, showing how far along the loop is."""
-    if not _shown():
+    """Yield `items`, showing how far along the loop is, and the time that remains at its rate."""
+    if not _heard():
         yield from items
-        return
-    from tqdm import tqdm
+    elif _shown():
+        from tqdm import tqdm
 
-    yield from tqdm(items, desc=what, total=total, leave=False, delay=DELAY_S)
+        yield from tqdm(items, desc=what, total=total, leave=False, delay=DELAY_S)
+    else:
+        start = time.monotonic()
+        for done, item in enumerate(items, 1):
+            if done < total:
+                _lines.say(_share(what, done, total, time.monotonic() - start))
+            yield item
 
 
-def track_jobs(items: Iterable[Item], what: str, total: int) -> Iterator[Item]:
-    """As `track`; where there is no terminal, a line on standard error every ten seconds.
-
-    A line tells how many are done, and the time that remains at the rate so far.
-    """
-    if not _asked_for or _shown() or multiprocessing.parent_process() is not None:
-        yield from track(items, what, total)
-        return
-    start = last = time.monotonic()
-    for done, item in enumerate(items, 1):
-        now = time.monotonic()
-        if now - last >= LINE_EVERY_S and done < total:
-            last, left_s = now, (now - start) / done * (total - done)
-            share = f"{done} of {total} {what}, {100 * done // total} %"
-            print(f"{share}, {_clock(left_s)} left", file=sys.stderr, flush=True)
-        yield item
+def _share(what: str, done: int, total: int, passed_s: float) -> str:
+    left = _clock(passed_s / done * (total - done))
+    return f"{what}: {done} of {total}, {100 * done // total} %, {left} left"
 
 
 def _clock(seconds: float) -> str:
@@ -87,17 +105,25 @@ def reading(what: str, size: int) -> Iterator[Callable[[int], None]]:
 @contextmanager
 def working(what: str) -> Iterator[None]:
     """Within the block, show for how long it has been running."""
-    if not _shown():
+    if not _heard():
         yield
         return
-    from tqdm import tqdm
+    over, start = threading.Event(), time.monotonic()
+    bar = None
+    if _shown():
+        from tqdm import tqdm
 
-    over = threading.Event()
-    bar = tqdm(desc=what, bar_format="{desc}: {elapsed}", leave=False, delay=DELAY_S)
+        bar = tqdm(desc=what, bar_format="{desc}: {elapsed}", leave=False, delay=DELAY_S)
+    else:
+        _lines.begin()
+    _lines.steps.append(what)
 
     def tick() -> None:
         while not over.wait(_TICK_S):
-            bar.update()
+            if bar is not None:
+                bar.update()
+            elif _lines.steps[-1] == what:  # a loop inside tells more: it goes first
+                _lines.say(f"{what}: {time.monotonic() - start:.0f} s so far", 1.2)
 
     ticker = threading.Thread(target=tick, daemon=True)
     ticker.start()
@@ -106,7 +132,9 @@ def working(what: str) -> Iterator[None]:
     finally:
         over.set()
         ticker.join()
-        bar.close()
+        _lines.steps.remove(what)
+        if bar is not None:
+            bar.close()
 
 
 @contextmanager
@@ -135,5 +163,11 @@ def log_stages(recording: str = "") -> Iterator[logging.Logger]:
         stages.removeFilter(named)
 
 
+def _heard() -> bool:
+    """Whether this process says how far it is, in bars or in lines."""
+    return _asked_for and multiprocessing.parent_process() is None
+
+
 def _shown() -> bool:
-    return _asked_for and sys.stderr.isatty() and multiprocessing.parent_process() is None
+    """Whether it does so in bars."""
+    return _heard() and sys.stderr.isatty()

@@ -14,6 +14,7 @@ from motorcade.ga import kernels
 from motorcade.replays.pages import page_environment
 from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.report.before_after import Stills, steadiness
+from motorcade.replays.report.film import FilmView
 from motorcade.replays.report.findings import Findings, told_paths
 from motorcade.replays.report.pictures import sections
 from motorcade.replays.report.summary import LEFT_AS_IT_WAS, heading, shown_columns, shown_value
@@ -37,7 +38,7 @@ NO_VIDEO = (
 NO_PICTURES = "the recording holds corners of markers and no pictures to draw into"
 
 
-def page(findings: Findings, viewer: Viewer, stills: Stills | None) -> str:
+def page(findings: Findings, viewer: Viewer, stills: Stills | None, film: FilmView | None) -> str:
     """The whole page as HTML text, with what `viewer` has inside and the stills of the film."""
     template = page_environment(TEMPLATE.parent).get_template(TEMPLATE.name)
     told = told_paths(findings)
@@ -50,7 +51,7 @@ def page(findings: Findings, viewer: Viewer, stills: Stills | None) -> str:
         viewer=viewer,
         shape=_shape(findings),
         film_caption=_film_caption(findings),
-        tiles=tiles(findings),
+        tiles=tiles(findings, film),
         mend=to_mend(findings, _why_no_film(findings)),
         steps=next_steps(findings),
         stills=None if stills is None else _stills(stills),

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from motorcade.replays.report.film import FilmView
 from motorcade.replays.report.findings import Findings
 
 COLUMNS = {
@@ -35,9 +36,9 @@ LEFT_AS_IT_WAS = (
 )
 
 
-def summarise(findings: Findings) -> dict[str, Any]:
+def summarise(findings: Findings, film: FilmView | None) -> dict[str, Any]:
     """The report's figures as a JSON-ready tree."""
-    film, start = findings.overlay, findings.convergence
+    start, drawn = findings.convergence, findings.overlay
     tree = {
         "recording": findings.recording.name,
         "camera_poses": _camera_poses(findings),
@@ -63,12 +64,17 @@ def summarise(findings: Findings) -> dict[str, Any]:
             {"start_s": span[0], "end_s": span[1], "fused_worst_m": findings.worst_m("fused", span)}
             for span in findings.unmeasured_spans_s()
         ],
-        "overlay": film
+        "overlay": (drawn and film)
         and {
             "frames": film.frames,
-            "frames_with_character": film.frames_with_character,
+            "frames_with_character": drawn.frames_with_character,
+            "frames_in_view": film.in_view,
+            "figure_height_px": film.height_px,
+            "figure_height_share": film.height_share,
             "stands_on": film.stands_on,
+            "in_words": film.sentence,
         },
+        "doubts": list(findings.recording.doubts),
         "cast": _cast(findings),
     }
     cleaned: dict[str, Any] = without_nan(tree)

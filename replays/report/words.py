@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from motorcade.replays.report.film import FilmView
 from motorcade.replays.report.findings import Findings, map_unit
 
 MOST_NAMED = 3
@@ -81,10 +82,7 @@ def lead(findings: Findings) -> str:
     share = f"in all {frames} pictures" if measured == frames else f"in {measured} of {frames}"
     lasting = 1e-9 * float(times_ns[-1] - times_ns[0])
     fused = FUSED_WITH.get(findings.fused.by, "")
-    return (
-        f"The camera's path over {lasting:.1f} s, {FOUND_BY[poses.origin]} {share}{fused}. "
-        f"The character stands on {findings.placed.stands_on}."
-    )
+    return f"The camera's path over {lasting:.1f} s, {FOUND_BY[poses.origin]} {share}{fused}."
 
 
 def headline(findings: Findings) -> str:
@@ -115,8 +113,15 @@ def _imu(findings: Findings) -> str:
     return text
 
 
-def verdict(findings: Findings) -> Tile:
-    """The first tile: whether the result can be relied on, and what speaks against it."""
+def verdict(findings: Findings, film: FilmView | None) -> Tile:
+    """The first tile: what the film shows, whether it can be relied on, what speaks against it."""
+    tile = _verdict(findings)
+    shown = f"{capital(film.sentence)}. " if film else ""
+    unsure = f" Not sure: {'; '.join(findings.recording.doubts)}." * bool(findings.recording.doubts)
+    return replace(tile, label=f"{shown}{tile.label}{unsure}".strip())
+
+
+def _verdict(findings: Findings) -> Tile:
     found = findings.integrity
     if found.doubts:
         reasons = "; ".join(check.summary for check in found.checks if not check.passed)
@@ -146,10 +151,10 @@ def capital(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def tiles(findings: Findings) -> list[Tile]:
-    """What stands large at the top: the verdict, what a stage made worse, how good it is."""
+def tiles(findings: Findings, film: FilmView | None) -> list[Tile]:
+    """What stands large at the top: the film and its verdict, what got worse, how good it is."""
     worse = [Tile("Worse", f"{capital(one)}.", wrong=True) for one in findings.errors.stages.worse]
-    return [verdict(findings), *worse, *_how_good(findings)]
+    return [verdict(findings, film), *worse, *_how_good(findings)]
 
 
 def _how_good(findings: Findings) -> list[Tile]:

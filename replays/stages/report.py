@@ -7,6 +7,7 @@ import json
 from motorcade.replays.engine.artifacts import new_file
 from motorcade.replays.recording import Recording
 from motorcade.replays.report.before_after import steps_between, stills
+from motorcade.replays.report.film import film_of
 from motorcade.replays.report.findings import Findings
 from motorcade.replays.report.page import page
 from motorcade.replays.report.summary import summarise
@@ -50,7 +51,8 @@ def report(
         placed=placed,
         overlay=overlay,
     )
-    summary = summarise(findings)
+    film = film_of(findings)
+    summary = summarise(findings, film)
     marker_map = None if marker_poses is None else marker_poses.marker_map
     run = LookedAt(findings, marker_map, headline(findings))
     frames = 0 if overlay is None else overlay.frames
@@ -60,7 +62,7 @@ def report(
     written = ReportFiles(
         new_file("report.html"), new_file("report.json"), viewer.footage, viewer.file
     )
-    written.page.write_text(page(findings, viewer, shown), encoding="utf-8")
+    written.page.write_text(page(findings, viewer, shown, film), encoding="utf-8")
     text = json.dumps(summary, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
     written.summary.write_text(text, encoding="utf-8")
     return written

@@ -10,7 +10,7 @@ from typing import Any
 from motorcade.ga.unfinished import unfinished
 from motorcade.render.scene import ImageArray
 from motorcade.render.video import read_frames
-from motorcade.replays.engine.progress import track_jobs
+from motorcade.replays.engine.progress import track
 from motorcade.replays.export import read_run
 from motorcade.replays.files.atomic import copy_file, write_bytes
 from motorcade.replays.report.findings import Findings
@@ -98,7 +98,7 @@ def _small(run: LookedAt, clips: dict[str, Path]) -> dict[str, Path]:
     path = clips["footage"].with_name(clips["footage"].name.replace("footage", "small"))
     stamps, (width, height) = run.recording.frames.time_ns, _size_of(run, "small")["size"]
     pictures = (picture for _, picture in read_frames(clips["footage"]))
-    told = track_jobs(pictures, "small pictures copied", len(stamps))
+    told = track(pictures, "small pictures copied", len(stamps))
     write_film(path, told, stamps, (width, height))
     return {"small": path} if path.stat().st_size <= INSIDE_BYTES else {}
 
@@ -121,7 +121,7 @@ def _films(run: LookedAt, number: int, place: Path) -> dict[str, Path]:
     paths = {}
     for name, pictures in made.items():
         paths[name] = place / f"{name}-{number}.mp4"
-        copied = track_jobs(pictures, f"pictures of the {name} copied", len(stamps))
+        copied = track(pictures, f"pictures of the {name} copied", len(stamps))
         write_film(paths[name], copied, stamps)
     return paths
 

@@ -183,8 +183,8 @@ def doubts(summary: Mapping[str, Any]) -> list[str]:
 def result(summary: Mapping[str, Any], out: Path) -> str:
     """What came of a run in one line.
 
-    Whether it is doubtful and why, the poses, their distance from the ground truth, what a stage
-    made worse, where to look.
+    Whether it is doubtful and why, what the film shows, the poses, their distance from the ground
+    truth, what a stage made worse, what is not sure, where to look.
     """
     from motorcade.replays.report.summary import shown_value
 
@@ -193,17 +193,20 @@ def result(summary: Mapping[str, Any], out: Path) -> str:
         doubtful = f"{summary['integrity']['verdict'].upper()}: {doubtful}; "
         if summary["integrity"]["drawn"] == "measured":
             doubtful += "the character stands along the measured path; "
-    worse = "".join(f"; {one}" for one in summary.get("stage_comparison", {}).get("worse", ()))
+    worse = "".join(f"; {text}" for text in summary.get("stage_comparison", {}).get("worse", ()))
+    if summary.get("doubts"):
+        worse += f"; not sure: {', '.join(summary['doubts'])}"
     poses = summary.get("camera_poses")
     if poses is None:
         return f"{doubtful}done as far as {summary['until']}{worse}; look into {out}"
-    told = (
-        doubtful
-        + f"{poses['measured']} of {poses['frames']} frames have a pose ({poses['origin']})"
+    film = f"{summary['overlay']['in_words']}; " if summary.get("overlay") else ""
+    text = (
+        f"{doubtful}{film}{poses['measured']} of {poses['frames']} frames have a pose "
+        f"({poses['origin']})"
     )
     smoothed = next(row for path, row in summary["errors"].items() if path not in UNSMOOTHED)
     off_m, off_deg = smoothed.get("ape_rmse_m"), smoothed.get("rotation_rmse_deg")
     if off_m is not None:
         off = f"{shown_value('ape_rmse_m', off_m)} mm, {shown_value('rotation_rmse_deg', off_deg)}°"
-        told += f", smoothed {off} from the ground truth (RMSE)"
-    return f"{told}{worse}; open {out / 'report.html'}"
+        text += f", smoothed {off} from the ground truth (RMSE)"
+    return f"{text}{worse}; open {out / 'report.html'}"

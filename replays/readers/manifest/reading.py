@@ -62,6 +62,7 @@ LOCAL_NAME = "motorcade.toml"
 _TOP = (
     "name",
     "settings",
+    "doubts",
     "frames",
     "camera",
     "depth_camera",
@@ -109,6 +110,8 @@ class _Manifest:
             made = replace(made, name=self.top.text("name"))
         if "settings" in self.top:
             made = replace(made, settings=tuple(map(self._setting, self.top.texts("settings"))))
+        if "doubts" in self.top:
+            made = replace(made, doubts=tuple(self.top.texts("doubts")))
         made = self._with_camera(made)
         if "depth_camera" in self.top:
             made = self._with_depth_camera(made)

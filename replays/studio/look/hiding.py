@@ -16,7 +16,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.render import Performer
 from motorcade.render.light import Prints
 from motorcade.render.scene import DepthArray
-from motorcade.replays.engine.progress import track_jobs
+from motorcade.replays.engine.progress import track
 from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.recording import Recording
 from motorcade.replays.studio.look.packing import packed, text
@@ -89,7 +89,7 @@ def _depth(
     size = (max(1, int(share * camera.height)), max(1, int(share * camera.width)))
     behind_m = _farthest_m(figures, drawn, time_ns)
     small = np.zeros((len(time_ns), *size), dtype=np.float16)
-    for k, frame in enumerate(track_jobs(recording.frames, "pictures of depth", len(time_ns))):
+    for k, frame in enumerate(track(recording.frames, "pictures of depth", len(time_ns))):
         depth_m = frame.depth_m()
         if depth_m is not None and behind_m[k] > 0.0:
             small[k] = _nearer(depth_m, size, behind_m[k])

@@ -1,4 +1,4 @@
-"""Progress: bars with rate and remaining time on a terminal, lines of jobs elsewhere."""
+"""Progress: bars with rate and remaining time on a terminal, lines elsewhere."""
 
 import io
 import logging
@@ -28,6 +28,15 @@ def shown(monkeypatch: pytest.MonkeyPatch) -> Terminal:
     return made
 
 
+class Clock:
+    """Time that passes when a test says so."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.now_s = 100.0
+        monkeypatch.setattr(progress.time, "monotonic", lambda: self.now_s)
+        progress._lines.begin()
+
+
 def slowly(count: int) -> list[int]:
     return [time.sleep(0.03) or k for k in progress.track(range(count), "walking", count)]
 
@@ -48,13 +57,27 @@ def test_a_loop_tells_its_rate_and_what_remains(monkeypatch: pytest.MonkeyPatch)
     assert "<00:00" in told
 
 
-def test_jobs_tell_in_lines_what_remains_where_there_is_no_terminal(
+def test_a_loop_tells_in_lines_what_remains_where_there_is_no_terminal(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    clock = iter([0.0, 4.0, 12.0, 13.0, 25.0])
-    monkeypatch.setattr(progress.time, "monotonic", lambda: next(clock))
-    assert list(progress.track_jobs(iter("abcd"), "cells", 4)) == list("abcd")
-    assert capsys.readouterr().err == "2 of 4 cells, 50 %, 0:12 left\n"
+    clock = Clock(monkeypatch)
+    for letter in progress.track("abcd", "cells", 4):
+        clock.now_s += {"a": 2.0, "b": 4.0, "c": 1.0, "d": 6.0}[letter]
+    assert capsys.readouterr().err == "cells: 3 of 4, 75 %, 0:02 left\n"
+
+
+def test_nobody_waits_long_without_a_line_whoever_writes_it(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(progress, "_TICK_S", 0.01)
+    monkeypatch.setattr(progress, "LINE_EVERY_S", 0.2)
+    with progress.working("thinking"):
+        slowly(20)  # a loop inside, with lines of its own
+        time.sleep(0.5)
+    told = capsys.readouterr().err.splitlines()
+    assert any(line.startswith("walking: ") for line in told[:3])
+    assert told[-1] == "thinking: 1 s so far"
+    assert 3 <= len(told) <= 6
 
 
 def test_a_long_step_tells_that_it_runs(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -82,7 +105,7 @@ def test_long_tables_tell_how_much_is_read(monkeypatch: pytest.MonkeyPatch, tmp_
     assert "long.txt:" in terminal.getvalue()
 
 
-def test_nothing_is_said_where_there_is_no_terminal(
+def test_what_is_quick_says_nothing_where_there_is_no_terminal(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(progress, "DELAY_S", 0.0)

@@ -124,8 +124,11 @@ def test_the_first_tile_says_whether_the_result_can_be_relied_on(
     )
     failed = [check.name for check in checks if not check.passed]
     drawn_is: Any = "measured" if failed else "smoothed"
-    found: Any = SimpleNamespace(integrity=Integrity(checks, {}, path, drawn_is))
-    tile = verdict(found)
+    recording = SimpleNamespace(doubts=())
+    found: Any = SimpleNamespace(
+        integrity=Integrity(checks, {}, path, drawn_is), recording=recording
+    )
+    tile = verdict(found, None)
     assert tile.value == value
     assert tile.wrong == bool(failed)
     told = "; ".join(f"{name} is off" for name in failed)
