@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -101,7 +102,9 @@ def module(
     lines += [f'__all__ = ["{program.name}"]', "", ""]
     lines += [*call(f"def {program.name}", parameters, ":"), f'    """{summary}"""']
     lines += [f"    {line}" for line in body]
-    return {f"{program.name}.py": "\n".join(lines) + "\n"}
+    text = "\n".join(lines) + "\n"
+    ast.parse(text)  # what is handed out is Python, whatever names and lengths did to its lines
+    return {f"{program.name}.py": text}
 
 
 def assignments(body: Iterable[Statement], lead: int = 8) -> list[str]:
@@ -118,8 +121,11 @@ def assignments(body: Iterable[Statement], lead: int = 8) -> list[str]:
 
 
 def listed(line: str) -> list[str]:
-    """A line that has a list in brackets."""
-    return wrapped(line, WIDTH - 8)
+    """A statement with a list, as lines that break within its brackets only: else it would end."""
+    before, bracket, rest = line.partition("[")
+    inside, closing, after = rest.rpartition("]")
+    kept = before.replace(" ", "\0") + bracket + inside + closing + after.replace(" ", "\0")
+    return [part.replace("\0", " ") for part in wrapped(kept, WIDTH - 8)]
 
 
 def nested_results(program: Program, results: Sequence[Sequence[str]]) -> list[str]:
