@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Self, SupportsFloat, SupportsIndex, cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -84,6 +84,9 @@ def given_floats(value: ArrayLike, name: str, trailing: tuple[int, ...]) -> Floa
 
 
 def _numbers(value: ArrayLike, name: str) -> NDArray[Any]:
+    if isinstance(value, CoefficientBatch):  # a rotor's are not those of a quaternion
+        problem = f"{name}: expected numbers, got a {type(value).__name__}"
+        raise ValueError(f"{problem}, which as_… converts; its own are its coefficients")
     try:
         given = np.asarray(value)
     except ValueError as ragged:
@@ -202,9 +205,17 @@ class CoefficientBatch(ABC):
         """Batch shape, without the dimension of coefficients."""
         return self.coefficients.shape[:-1]
 
-    def reshape(self, *shape: int) -> Self:
-        """The same values in another batch shape; one dimension may be -1."""
-        return self._like(self.coefficients.reshape(*shape, self._size))
+    def __array__(
+        self, dtype: DTypeLike | None = None, copy: bool | None = None
+    ) -> NDArray[np.floating[Any]]:
+        """The coefficients ``(*, n)``, for NumPy's functions."""
+        return np.array(self.coefficients, dtype, copy=copy)
+
+    def reshape(self, *shape: int | tuple[int, ...]) -> Self:
+        """The same values in another batch shape, as numbers or a tuple; one of them may be -1."""
+        batch = shape[0] if len(shape) == 1 and isinstance(shape[0], tuple) else shape
+        whole = (*cast(tuple[int, ...], batch), self._size)
+        return self._like(self.coefficients.reshape(whole))
 
     @classmethod
     def stack(cls, values: Sequence[Self]) -> Self:

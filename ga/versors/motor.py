@@ -23,6 +23,7 @@ from motorcade.ga.arrays import (
 )
 from motorcade.ga.kernels import MOTORS, ROTORS, parts
 from motorcade.ga.versors.euler_angles import sequence_operands
+from motorcade.ga.versors.operators import Operators
 from motorcade.ga.versors.rotor import (
     MATRIX_TOLERANCE,
     Rotor,
@@ -103,6 +104,14 @@ class Motor(Versor):
         """Orientations drawn uniformly, translations normal with deviation `extent_m` an axis."""
         rotor = Rotor.random(rng, shape)
         return cls.from_rotor_translation(rotor, extent_m * rng.standard_normal((*shape, 3)))
+
+    @classmethod
+    def _promoted(cls, versor: Operators) -> Motor:
+        if isinstance(versor, Rotor):
+            return cls._trusted(
+                np.pad(versor.coefficients, [*[(0, 0)] * len(versor.shape), (0, 4)])
+            )
+        return super()._promoted(versor)
 
     @property
     def rigid(self) -> Motor:

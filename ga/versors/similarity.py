@@ -27,6 +27,7 @@ from motorcade.ga.arrays import (
 )
 from motorcade.ga.kernels import SIMILARITIES, parts
 from motorcade.ga.versors.motor import Motor, check_bottom_row
+from motorcade.ga.versors.operators import Operators
 from motorcade.ga.versors.rotor import MATRIX_TOLERANCE, Rotor, check_rotation
 from motorcade.ga.versors.versor import Versor
 
@@ -146,6 +147,11 @@ class Similarity(Versor):
         """
         motor = Motor.random(rng, shape, extent_m)
         return cls.from_motor_scale(motor, np.exp(log_scale * rng.standard_normal(shape)))
+
+    @classmethod
+    def _promoted(cls, versor: Operators) -> Similarity:
+        motor = versor if isinstance(versor, Motor) else Motor._promoted(versor)
+        return cls.from_motor_scale(motor)
 
     def _parts(self) -> tuple[Rotor, FloatArray, FloatArray]:
         rotor, translation_m, scale = kernels.rotor_translation_scale(self.coefficients)

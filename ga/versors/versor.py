@@ -30,7 +30,6 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from motorcade.ga.arrays import (
     UNIT_TOLERANCE,
-    CoefficientBatch,
     FloatArray,
     broadcast_batch,
     checked_floats,
@@ -39,7 +38,7 @@ from motorcade.ga.arrays import (
     sealed,
 )
 from motorcade.ga.kernels.batches import VersorKernels
-from motorcade.ga.notation.shown import ShownAsSum
+from motorcade.ga.versors.operators import Operators
 
 # Below this sine of half the angle the long way round has lost its axis.
 _LONG_WAY_SINE = 1e-7
@@ -47,7 +46,7 @@ _UNIT_TOLERANCE_SINGLE = 1e-5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Versor(CoefficientBatch, ShownAsSum):
+class Versor(Operators):
     """Unit versors, batch in the leading dimensions of `coefficients`.
 
     Raises:
@@ -163,16 +162,6 @@ class Versor(CoefficientBatch, ShownAsSum):
         close: NDArray[np.bool_] = apart <= atol + rtol * np.max(np.abs(b), axis=-1)
         return close
 
-    def __eq__(self, other: object) -> bool:
-        raise TypeError(
-            f"{type(self).__name__}: == is not defined, as S and -S are one motion and numbers "
-            "round; isclose compares motions, coefficients compare as arrays"
-        )
-
-    def __hash__(self) -> int:
-        # Not None: dataclasses take that for a sign of values that change, and refuse defaults.
-        raise TypeError(f"unhashable type: {type(self).__name__}")
-
     def _check_partner(self, other: Self, name: str) -> None:
         """Another versor of this type and precision, whose batch goes with this one."""
         if type(other) is not type(self):
@@ -279,6 +268,9 @@ class Versor(CoefficientBatch, ShownAsSum):
         return self._trusted(
             self._kernels.interpolate(self.coefficients, other.coefficients, steps, short_way)
         )
+
+    def _power(self, fraction: ArrayLike) -> Self:
+        return self.identity(dtype=self.dtype).interpolate(self, fraction)
 
     def _fractions(self, fraction: Any, name: str) -> FloatArray:
         """Checked fractions in this precision."""

@@ -1,6 +1,8 @@
 """What a NumPy user expects of versors: precision, comparison, coefficients that stay put."""
 
+import itertools
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -137,10 +139,84 @@ def test_isclose_refuses_what_cannot_be_compared(kind: type[Versor]) -> None:
         one.isclose(kind.identity((2,)))
 
 
-def test_equality_and_hashes_are_refused(kind: type[Versor]) -> None:
-    one = kind.identity()
-    for compare in (lambda: one == one, lambda: one != kind.identity(), lambda: one == 3):
-        with pytest.raises(TypeError, match="isclose compares motions"):
-            compare()
-    with pytest.raises(TypeError, match="unhashable"):
-        hash(one)
+def test_equality_is_of_values_and_hashes_agree_with_it(kind: type[Versor]) -> None:
+    rng = np.random.default_rng(5)
+    single, batch = kind.random(rng), kind.random(rng, (3,))
+    for versor in (single, batch):
+        same = kind(versor.coefficients.copy())
+        assert versor == same
+        assert hash(versor) == hash(same)
+        assert versor != versor.astype(np.float32)
+        assert versor != kind.random(rng, versor.shape)
+    assert single != batch[:1]
+    assert kind.identity() == kind(kind.identity().coefficients * [1.0, *[-1.0] * (kind._size - 1)])
+    there_and_back = -kind.identity()
+    assert hash(kind.identity()) == hash(-there_and_back)
+
+
+def test_versors_live_among_strangers(kind: type[Versor]) -> None:
+    rng = np.random.default_rng(6)
+    versor, other = kind.random(rng), kind.random(rng)
+    assert (versor == None) is False  # noqa: E711 (what careless code does)
+    assert (versor == 3.0) is False
+    assert versor in [None, "a", other, versor]
+    assert other not in [versor, None]
+    assert {versor: "one", other: "another"}[kind(versor.coefficients)] == "one"
+
+    @dataclass(frozen=True)
+    class Named:
+        name: str
+        pose: Versor
+
+    assert Named("a", versor) == Named("a", versor)
+    assert Named("a", versor) != Named("a", other)
+
+
+def test_numpy_sees_the_coefficients(kind: type[Versor]) -> None:
+    versors = kind.random(np.random.default_rng(7), (4,))
+    np.testing.assert_array_equal(np.asarray(versors), versors.coefficients)
+    np.testing.assert_array_equal(np.stack([versors, versors])[1], versors.coefficients)
+    np.testing.assert_array_equal(np.concatenate([versors, versors])[4:], versors.coefficients)
+    assert np.asarray(versors, np.float32).dtype == np.float32
+    assert versors.reshape((2, 2)).shape == versors.reshape(2, -1).shape == (2, 2)
+
+
+def test_coefficients_are_taken_for_nothing_else(kind: type[Versor]) -> None:
+    versor = kind.identity()
+    for call in (versor.apply, kind, Rotor.from_quaternion, Rotor.from_rotation_vector):
+        with pytest.raises(ValueError, match=f"expected numbers, got a {kind.__name__}"):
+            call(versor)
+
+
+def test_operators_say_what_the_verbs_say(kind: type[Versor]) -> None:
+    rng = np.random.default_rng(8)
+    a, b = kind.random(rng, (5,)), kind.random(rng, (5,))
+    assert a * b == a @ b
+    assert ~a == a.inverse()
+    assert np.all((-a).isclose(a))
+    np.testing.assert_array_equal((-a).coefficients, -a.coefficients)
+    half = a**0.5
+    assert np.all((half @ half).isclose(a, atol=1e-12))
+    assert np.all((a**-1).isclose(~a, atol=1e-12))
+    assert np.all((a**0).isclose(kind.identity()))
+
+
+def test_types_that_hold_less_are_promoted() -> None:
+    rng = np.random.default_rng(9)
+    points = rng.normal(size=(7, 3))
+    kinds = (Rotor, Motor, Similarity)
+    for first, second in itertools.product(kinds, kinds):
+        a, b = first.random(rng, (7,)), second.random(rng, (7,))
+        composed = a @ b
+        assert type(composed) is max(first, second, key=lambda one: one._size)
+        np.testing.assert_allclose(composed.apply(points), a.apply(b.apply(points)), atol=1e-12)
+    with pytest.raises(TypeError):
+        Rotor.identity() @ np.eye(3)
+
+
+def test_formats_write_the_sum_of_blades() -> None:
+    moved = Motor.from_translation([1.0, 2.0, 3.0])
+    assert f"{moved:.1f}".endswith("-0.5 e1^einf -1.0 e2^einf -1.5 e3^einf +0.0 e1^e2^e3^einf")
+    assert f"{moved:.3f}".startswith("+1.000 +0.000 e2^e3 ")
+    assert f"{moved}" == repr(moved)
+    assert f"{Motor.identity((2,)):.3f}" == "Motor(shape=(2,))"

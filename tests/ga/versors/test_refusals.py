@@ -88,21 +88,19 @@ def test_batches_that_do_not_broadcast_are_refused(
         three.interpolate(three, np.zeros(2))
 
 
-def test_rotors_and_motors_do_not_mix(rng: np.random.Generator) -> None:
+def test_arrays_and_motors_do_not_mix(rng: np.random.Generator) -> None:
     with pytest.raises(TypeError):
-        Rotor.random(rng) @ Motor.random(rng)
+        Motor.random(rng) @ np.eye(4)
     with pytest.raises(TypeError):
         np.eye(4) @ Motor.random(rng)
 
 
-def test_two_types_of_versor_have_nothing_between(
+def test_two_types_of_versor_have_no_path_between(
     kind: type[Versor], rng: np.random.Generator
 ) -> None:
     for other in {Rotor, Motor, Similarity} - {kind}:
         for shape in ((), (3,)):
             one, two = kind.random(rng, shape), other.random(rng, shape)
-            with pytest.raises(TypeError):
-                one @ two
             with pytest.raises((TypeError, ValueError), match="expected"):
                 one.interpolate(two, 0.5)
 
