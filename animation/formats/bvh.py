@@ -7,6 +7,7 @@ Source: Meredith and Maddock, Motion Capture File Formats Explained (2001).
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -124,12 +125,17 @@ def read_bvh(path: Path) -> Rig:
     if len(words) > 40 * MAX_NODES:
         raise expected("HIERARCHY", f"at most {MAX_NODES} joints", "more")
     tree = _Hierarchy(words)
-    times, values = _frames(body, sum(map(len, tree.channels)))
-    return _rig(tree, times, values, path.stem[:200])
+    width = sum(map(len, tree.channels))
+    times, values, beyond = _frames(body, width)
+    rig = _rig(tree, times, values, path.stem[:200])
+    if not beyond:
+        return rig
+    rows = f"{beyond / max(width, 1):g} rows more than its {len(times)} frames"
+    return replace(rig, notices=(f"the file holds {rows}, which are left out",))
 
 
-def _frames(body: str, width: int) -> tuple[FloatArray, FloatArray]:
-    """Times (F,) and channel values (F, C)."""
+def _frames(body: str, width: int) -> tuple[FloatArray, FloatArray, int]:
+    """Times (F,), channel values (F, C), and how many numbers stand behind those of the frames."""
     words = body.split(None, 6)
     if len(words) < 5 or words[0] != "Frames:" or words[2:4] != ["Frame", "Time:"]:
         raise expected("MOTION", "Frames: and Frame Time:", " ".join(words[:4]))
@@ -143,8 +149,8 @@ def _frames(body: str, width: int) -> tuple[FloatArray, FloatArray]:
     values = numbers_in(rest, "MOTION")
     if len(values) < frames * width:
         raise expected("MOTION", f"{frames} frames of {width} numbers", f"{len(values)} numbers")
-    values = values[: frames * width]
-    return np.linspace(0.0, (frames - 1) * step, frames), values.reshape(frames, width)
+    beyond, values = len(values) - frames * width, values[: frames * width]
+    return np.linspace(0.0, (frames - 1) * step, frames), values.reshape(frames, width), beyond
 
 
 def _rig(tree: _Hierarchy, times: FloatArray, values: FloatArray, name: str) -> Rig:

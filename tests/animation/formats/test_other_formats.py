@@ -166,6 +166,19 @@ def test_files_of_bvh_that_end_early_are_refused(write: Write, end: str) -> None
         read_motion(write("cut.bvh", f"HIERARCHY\n{end}\nMOTION\nFrames: 1".encode()))
 
 
+def test_rows_of_bvh_beyond_its_frames_are_told(write: Write) -> None:
+    whole = samples.BVH.decode()
+    last = whole.rstrip().splitlines()[-1]
+    longer = write("longer.bvh", f"{whole.rstrip()}\n{last}\n".encode())
+    found = read_motion(longer, unit_m=1.0)
+    told = [notice for notice in found.notices if "left out" in notice]
+    assert len(told) == 1
+    assert "1 rows more than its" in told[0]
+    plain = read_motion(write("plain.bvh", samples.BVH), unit_m=1.0)
+    assert not any("left out" in notice for notice in plain.notices)
+    np.testing.assert_array_equal(found.clips[0].time_s, plain.clips[0].time_s)
+
+
 def test_bvh_knows_names_of_many_words_and_joints_that_do_not_turn(write: Write) -> None:
     data = bvh(
         ("JOINT Head", "JOINT  My  Head"),
