@@ -43,6 +43,8 @@ def describe(recording: Recording) -> dict[str, Any]:
     frames = recording.frames
     if isinstance(frames, PictureFrames | VideoFrames) and frames.orientation != AS_STORED:
         about["shown_turned_deg"] = frames.orientation.degrees
+    if isinstance(frames, VideoFrames) and frames.notes:
+        about["notes"] = list(frames.notes)
     about |= _depth(recording)
     if recording.board is not None:
         about["board"] = recording.board.name
@@ -67,13 +69,18 @@ def describe_whole(path: Path, manifest: Path | None = None) -> dict[str, Any]:
     Raises:
         RecordingError: as `open_recording`.
     """
-    recording = open_recording(path, manifest)
+    recording = _without_damage(open_recording(path, manifest))
     with tempfile.TemporaryDirectory() as cache:
         try:
             opened = open_described(recording, manifest, Path(cache), {})
         except StageError as fault:  # its pictures tell too little: that is worth telling, too
             return describe(recording) | {"not_found": str(fault)}
-    return describe(opened.recording) | summary(opened)
+    return describe(_without_damage(opened.recording)) | summary(opened)
+
+
+def _without_damage(recording: Recording) -> Recording:
+    """Of a video, which is read whole for that: only then the count of its frames is certain."""
+    return recording.intact() if isinstance(recording.frames, VideoFrames) else recording
 
 
 def _depth(recording: Recording) -> dict[str, Any]:

@@ -141,7 +141,7 @@ def _video(path: Path) -> Iterator[_Read]:
     ) -> Callable[[tuple[int, int] | None], tuple[ImageArray, PictureOrientation]]:
         return lambda _: (frame.gray(), frames.orientation)
 
-    frames = VideoFrames(path)
+    frames, _ = VideoFrames(path).intact(None)
     count = min(len(frames), _MOST_FRAMES)
     for index in np.unique(np.linspace(0, len(frames) - 1, count).astype(int)):
         yield f"{path}, frame {index}", reader(frames[int(index)])

@@ -97,7 +97,10 @@ def headline(findings: Findings) -> str:
         text += f" Skipped: {'; '.join(poses.skipped)}."
     damaged = findings.recording.damaged
     if damaged:
-        text += f" {len(damaged)} damaged pictures were left out: {'; '.join(damaged[:MOST_NAMED])}"
+        # A video says how many in a line of its own.
+        several = findings.recording.layout != "video"
+        text += f" {len(damaged)} damaged pictures were left" if several else " Left"
+        text += f" out: {'; '.join(damaged[:MOST_NAMED])}"
         text += " and others." if len(damaged) > MOST_NAMED else "."
     return text
 

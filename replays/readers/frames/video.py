@@ -1,8 +1,8 @@
-"""Video files as frame sequences: the container's own stamps, decoded lazily and in order.
+"""Video files as frame sequences: upright pictures with their stamps, decoded lazily and in order.
 
-Opening reads the packets' stamps only. Pictures asked for in order are decoded in one pass; going
-back or far ahead seeks to the nearest keyframe first. Stamps are `pts · time_base`, to the
-nanosecond. Pictures come upright, as the display matrix says, and with 8 bits a colour.
+Pictures asked for in order are decoded in one pass; going back or far ahead seeks to the nearest
+keyframe first. Which there are, and when, says `packets`. Pictures come upright, as the display
+matrix says, and with 8 bits a colour.
 """
 
 from __future__ import annotations
@@ -11,26 +11,34 @@ import hashlib
 import logging
 import shlex
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, lru_cache
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from av.container import InputContainer
 from av.error import FFmpegError
+from av.packet import Packet
 from av.video.frame import VideoFrame
-from av.video.stream import VideoStream
 
-from motorcade.ga.arrays import IntArray
-from motorcade.render.video import MAX_FILE_BYTES, MAX_PIXELS, open_video
+from motorcade.ga.files import admit_file
+from motorcade.render.video import MAX_FILE_BYTES
 from motorcade.replays.errors import refusal
 from motorcade.replays.files.door import open_bounded, refused
 from motorcade.replays.readers.frames.decoded import DecodedFrames
-from motorcade.replays.readers.frames.files import FRAME_LIMIT
 from motorcade.replays.readers.frames.held import another_size
-from motorcade.replays.readers.frames.whole import refuse_cut
+from motorcade.replays.readers.frames.packets import (
+    ShownPictures,
+    Stored,
+    decoded,
+    look_through,
+    open_stream,
+    scan,
+    stored_packets,
+)
 from motorcade.replays.readers.gpmf import read_telemetry
 from motorcade.replays.recording import ImageArray, Recording
 from motorcade.tracking.cameras.orientation import AS_STORED, PictureOrientation
@@ -44,6 +52,8 @@ _ORIENTATIONS = tuple(
     PictureOrientation(turns, mirrored) for mirrored in (False, True) for turns in range(4)
 )
 
+_WHOLE_SHARE = 10
+"""A video is refused of which less than one picture in so many is whole."""
 SUFFIXES = (
     *(".mp4", ".m4v", ".mov", ".qt", ".3gp", ".3g2", ".lrv"),  # of one kind: ISO 14496-12
     *(".mkv", ".webm", ".avi", ".mpg", ".mpeg", ".ts", ".mts", ".m2ts"),
@@ -61,7 +71,7 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
     Without a manifest nothing is known of its camera, nor of how that sits on the IMU.
 
     Raises:
-        RecordingError: not a video, truncated, without stamps, or with damaged telemetry.
+        RecordingError: not a video, nothing in it that can be decoded, or damaged telemetry.
     """
     frames = VideoFrames(root)
     return Recording(
@@ -72,8 +82,12 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
 class VideoFrames(DecodedFrames):
     """Pictures of the first video stream of a file, upright, in the order they are shown.
 
+    Stamps are the container's; see `packets` for those that it does not store. Opening decodes no
+    more than that takes; `intact` decodes all, and leaves damaged pictures out.
+
     Args:
         path: the file.
+        pictures: what was read of it already.
 
     Attributes:
         stored_size: width and height as coded.
@@ -82,39 +96,57 @@ class VideoFrames(DecodedFrames):
         pixel_aspect: width of a pixel over its height, as stored; 1 for nearly all cameras.
 
     Raises:
-        RecordingError: not a video, truncated, without stamps, with equal stamps, or to be shown
-            turned by anything but quarter turns.
+        RecordingError: not a video, nothing in it that can be decoded, or to be shown turned by
+            anything but quarter turns.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, pictures: ShownPictures | None = None) -> None:
         self._path = path
-        self._pts, self._keys, time_base, self.stored_size = _scan(path)
-        self.orientation, self.pixel_aspect = _first_looked_at(path)
+        with refused():
+            admit_file(path, MAX_FILE_BYTES)
+        if pictures is None:
+            about = path.stat()
+            pictures = scan(path, about.st_mtime_ns, about.st_size)
+        self._pictures, self.stored_size = pictures, pictures.size
+        self.orientation, self.pixel_aspect = _first_looked_at(path, pictures)
         self.size = self.orientation.size(self.stored_size)
-        # Exact in Python's integers; a float would lose nanoseconds after some weeks.
-        stamps = [round(int(pts) * time_base * 10**9) for pts in self._pts]
-        if max(map(abs, stamps)) >= 2**62:
-            raise refusal(path, "expected stamps within 146 years, got larger ones")
-        self._time_ns = np.array(stamps, dtype=np.int64)
+        count = len(pictures.packets)
+        self._places = np.array([k for k in range(count) if k not in pictures.damaged], np.int64)
+        if _WHOLE_SHARE * len(self._places) < count + pictures.lost:
+            raise refusal(path, self._left_out(), advice="copy the file again")
+        self._time_ns = pictures.time_ns[self._places]
         self._time_ns.setflags(write=False)
-        stalls = np.flatnonzero(np.diff(self._time_ns) <= 0)
-        if stalls.size:
-            problem = "expected stamps that increase, got equal ones"
-            raise refusal(path, problem, field=f"frame {stalls[0] + 1}")
         self._decoder: _Decoder | None = None
         self._lock = threading.Lock()
 
-    def __reduce__(self) -> tuple[type[VideoFrames], tuple[Path]]:
+    def __reduce__(self) -> tuple[type[VideoFrames], tuple[Path, ShownPictures]]:
         """Reopen the file in another process: a decoder cannot be sent."""
-        return VideoFrames, (self._path,)
+        return VideoFrames, (self._path, self._pictures)
 
     @property
     def path(self) -> Path:
         """The file."""
         return self._path
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was taken for granted of stamps and of the file's end, and what is left out."""
+        said = self._left_out()
+        return (*self._pictures.notes, *([f"left out: {said}"] if said else []))
+
+    def _left_out(self) -> str:
+        """How many pictures are damaged, and when; empty where none is known to be."""
+        pictures = self._pictures
+        count = len(pictures.damaged) + pictures.lost
+        if not count:
+            return ""
+        times = [f"{1e-9 * pictures.time_ns[place]:.3f}" for place in sorted(pictures.damaged)[:3]]
+        when = f" (at {', '.join(times)} s{', …' if count > len(times) else ''})" if times else ""
+        total = len(pictures.packets) + pictures.lost
+        return f"{count} of {total} pictures {'is' if count == 1 else 'are'} damaged{when}"
+
     def check(self, camera: Camera | None) -> None:
-        """Compare the stream's size with the camera's; opening has looked for the file's end.
+        """Compare the stream's size with the camera's.
 
         Raises:
             RecordingError: another size.
@@ -123,9 +155,18 @@ class VideoFrames(DecodedFrames):
             raise refusal(self._path, another_size((camera.width, camera.height), self.size))
 
     def intact(self, camera: Camera | None) -> tuple[VideoFrames, tuple[str, ...]]:
-        """All of it; raises as `check`."""
+        """Without damaged pictures, for which all are decoded; what is said of them, if any are.
+
+        Raises:
+            RecordingError: as `check`, or hardly a picture is whole.
+        """
         self.check(camera)
-        return self, ()
+        pictures = self._pictures
+        if not pictures.looked:
+            pictures = look_through(self._path, pictures)
+        whole = self if pictures is self._pictures else VideoFrames(self._path, pictures)
+        said = whole._left_out()
+        return whole, (f"{self._path.name}: {said}",) if said else ()
 
     def content(self) -> Iterator[bytes]:
         """Digest of the file's bytes, which are read once."""
@@ -139,7 +180,7 @@ class VideoFrames(DecodedFrames):
     def _image(self, index: int) -> ImageArray:
         with self._lock:
             try:
-                picture = self._decoder_for(index).image(index)
+                picture = self._picture(int(self._places[index]))
                 if picture.shape[1::-1] != self.stored_size:
                     size = self.stored_size
                     raise ValueError(f"expected {size} pixels, got {picture.shape[1::-1]}")
@@ -150,19 +191,29 @@ class VideoFrames(DecodedFrames):
                     self._path,
                     f"the picture cannot be decoded: {fault or 'the stream ends before it'}",
                     field=f"frame {index}",
-                    advice="copy the file again",
+                    advice="leave it out, as `intact` does",
                 ) from fault
 
-    def _decoder_for(self, index: int) -> _Decoder:
-        """The running decoder if going on is the shortest way, or a new one from a keyframe."""
-        place = int(np.searchsorted(self._keys, index, side="right")) - 1
-        key = int(self._keys[place]) if place >= 0 else 0
-        running = self._decoder
-        if running is not None and key - 1 <= running.at <= index:
-            return running
-        self._stop()
-        self._decoder = _Decoder(self._path, self._pts, key)
-        return self._decoder
+    def _picture(self, place: int) -> ImageArray:
+        """The picture at a place of the order shown: the running decoder's, if it is before that.
+
+        Else a new one starts at a keyframe, or at the start where seeking leads astray: indices of
+        AVI files count pictures that were dropped, and some keyframes need what is before them.
+        """
+        keys = self._pictures.keys
+        after = int(np.searchsorted(keys, place, side="right"))
+        key = int(keys[after - 1]) if after else 0
+        if self._decoder is None or not key - 1 <= self._decoder.at <= place:
+            self._stop()
+            self._decoder = _Decoder(self._path, self._pictures, key)
+        frame = self._decoder.advance(place)
+        if (frame is None or frame.is_corrupt) and self._decoder.sought:
+            self._stop()
+            self._decoder = _Decoder(self._path, self._pictures, 0)
+            frame = self._decoder.advance(place)
+        if frame is None:
+            raise ValueError("its packet holds none that can be shown")
+        return np.asarray(frame.to_ndarray(format="rgb24"), dtype=np.uint8)
 
     def _stop(self) -> None:
         if self._decoder is not None:
@@ -173,94 +224,73 @@ class VideoFrames(DecodedFrames):
 class _Decoder:
     """A running pass over the stream from a keyframe on, and the picture it stands on."""
 
-    def __init__(self, path: Path, pts: IntArray, key: int) -> None:
-        self._pts = pts
-        self._start(path, key)
-        # The index of an AVI that dropped pictures leads past the keyframe: then all is decoded.
-        if key > 0 and self._read() > key:
-            self.close()
-            self._start(path, 0)
-
-    def _start(self, path: Path, key: int) -> None:
-        self._container = open_video(path)
-        stream = self._container.streams.video[0]
-        stream.thread_type = "AUTO"
-        if key > 0:
-            self._container.seek(int(self._pts[key]), stream=stream)
-        self._frames = self._container.decode(stream)
+    def __init__(self, path: Path, pictures: ShownPictures, key: int) -> None:
+        self._order = pictures.packets
+        self._place_of = {int(one): place for place, one in enumerate(self._order)}
+        self._container, stream = open_stream(path)
+        stream.thread_type = pictures.threads
+        packets, number = stored_packets(self._container, stream), 0
+        self.sought = key > 0
+        if self.sought:
+            wanted = int(self._order[key])
+            pts, dts, _ = pictures.stored[wanted]
+            to = dts if pts is None else pts
+            with suppress(FFmpegError):
+                self._container.seek(0 if to is None else to, stream=stream)
+            packets, number = _from_known(packets, pictures.stored, wanted)
+        self._frames = decoded(packets, stream, number)
         self._frame: VideoFrame | None = None
         self.at = key - 1
 
-    def _read(self) -> int:
-        """Decode the next picture; its place, or the first that is later, in the order shown."""
-        self._frame = next(self._frames)
-        self.at = int(np.searchsorted(self._pts, self._frame.pts or 0))
-        return self.at
-
-    def image(self, index: int) -> ImageArray:
-        """Decode on up to this picture, RGB."""
-        while self._frame is None or self.at < index:
-            self._read()
-        if self.at != index or self._frame.pts != self._pts[index]:
-            raise ValueError(f"expected pts {self._pts[index]}, got {self._frame.pts}")
-        return np.asarray(self._frame.to_ndarray(format="rgb24"), dtype=np.uint8)
+    def advance(self, place: int) -> VideoFrame | None:
+        """Decode on up to this picture; None where it does not come."""
+        while self.at < place:
+            number, frame = next(self._frames, (-1, self._frame))
+            if frame is self._frame:  # the end
+                return None
+            if frame is None:
+                continue
+            follows = self.at + 1 < len(self._order) and self._order[self.at + 1] == number
+            at = self.at + 1 if follows else self._place_of.get(number, -1)
+            if at > self.at:
+                self._frame, self.at = frame, at
+        return self._frame if self.at == place else None
 
     def close(self) -> None:
         self._container.close()
 
 
-def _scan(path: Path) -> tuple[IntArray, IntArray, Fraction, tuple[int, int]]:
-    """Read all packets: pts in the order shown, indices of keyframes, time base, size."""
-    try:
-        refuse_cut(path)
-        with refused(), open_video(path) as container:
-            if not container.streams.video:
-                raise refusal(path, "expected a video stream, got none")
-            stream = container.streams.video[0]
-            if stream.codec_context is None:  # whatever the stubs say
-                raise refusal(path, "expected a video of a known coding, got another")
-            width, height = stream.codec_context.width, stream.codec_context.height
-            shown = _shown_packets(path, container, stream)
-            # An AVI counts pictures that were dropped as well.
-            stated = stream.frames if "mov" in container.format.name else 0
-            time_base = stream.time_base
-    except (FFmpegError, OSError) as fault:
-        reason = getattr(fault, "strerror", None) or fault
-        raise refusal(
-            path, f"cannot be read as a video: {reason}", advice="is the copy complete?"
-        ) from fault
-    if not (width > 0 and height > 0 and width * height <= MAX_PIXELS) or time_base is None:
-        raise refusal(path, f"expected at most {MAX_PIXELS} pixels, got {width} x {height}")
-    if not shown or (len(shown) < stated and _stored_pictures(path) < stated):
-        raise refusal(
-            path,
-            f"the video is truncated: expected {stated or 'some'} pictures, got {len(shown)}",
-            advice="copy the file again",
-        )
-    pts = np.array([place for place, _ in shown], dtype=np.int64)
-    keys = np.flatnonzero([is_key for _, is_key in shown]).astype(np.int64)
-    return pts, keys, time_base, (width, height)
+def _from_known(
+    packets: Iterator[Packet], stored: Sequence[Stored], wanted: int
+) -> tuple[Iterator[Packet], int]:
+    """Packets after seeking and the number of the first, no later than `wanted`; none else."""
+    first = next(packets, None)
+    if first is None:
+        return iter(()), 0
+    about = first.pts, first.dts, first.size
+    numbers = [number for number, one in enumerate(stored) if one == about]
+    if len(numbers) != 1 or numbers[0] > wanted:
+        return iter(()), 0
+    return chain([first], packets), numbers[0]
 
 
-def _stored_pictures(path: Path) -> int:
-    """How many pictures a file holds, those that its edit list cuts away included."""
-    with refused(), open_video(path, edited=False) as container:
-        return sum(one.size > 0 for one in container.demux(video=0))
-
-
-def _first_looked_at(path: Path) -> tuple[PictureOrientation, Fraction]:
-    """How the pictures are to be shown, by the first; says where reading takes something away."""
-    try:
-        with refused(), open_video(path) as container:
-            frame = next(container.decode(video=0))
-            aspect = container.streams.video[0].sample_aspect_ratio
-    except (FFmpegError, OSError, StopIteration) as fault:
+@lru_cache(maxsize=4)
+def _first_looked_at(path: Path, pictures: ShownPictures) -> tuple[PictureOrientation, Fraction]:
+    """How the pictures are to be shown, by the first; says what is assumed, and what is lost."""
+    for note in pictures.notes:
+        _LOG.warning("%s: %s", path, note)
+    container, stream = open_stream(path)
+    with container:
+        frames = (one for _, one in decoded(stored_packets(container, stream), stream, 0))
+        frame = next((one for one in frames if one is not None), None)
+        aspect = stream.sample_aspect_ratio
+    if frame is None:
         raise refusal(
             path,
-            f"the picture cannot be decoded: {fault or 'the stream ends before it'}",
+            "none of its pictures can be decoded",
             field="frame 0",
             advice="copy the file again",
-        ) from fault
+        )
     if frame.interlaced_frame:
         _LOG.warning(
             "%s: its frames are interlaced, two fields taken one after the other: where the camera "
@@ -305,24 +335,3 @@ def _orientation(path: Path, frame: VideoFrame) -> PictureOrientation:
             advice="encode the video again turned: ffmpeg -i IN OUT does it",
         )
     return near[0]
-
-
-def _shown_packets(
-    path: Path, container: InputContainer, stream: VideoStream
-) -> list[tuple[int, bool]]:
-    """Stamp of each packet that is shown, and whether it is a keyframe, in the order shown."""
-    shown: list[tuple[int, bool]] = []
-    for packet in container.demux(stream):
-        if packet.size == 0 or packet.is_discard:
-            continue
-        if packet.pts is None:
-            raise refusal(
-                path,
-                "expected a stamp for each picture, got none",
-                field=f"frame {len(shown)}",
-                advice="put the stream into an MP4 or Matroska file",
-            )
-        shown.append((packet.pts, packet.is_keyframe))
-        if len(shown) > FRAME_LIMIT:
-            raise refusal(path, f"expected at most {FRAME_LIMIT} pictures, got more")
-    return sorted(shown)

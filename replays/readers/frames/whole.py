@@ -1,6 +1,6 @@
-"""Whether a video file is as long as its own outermost boxes say, so that a cut copy is refused.
+"""Whether a video file is as long as its own outermost boxes say, so that a cut copy is named.
 
-Readers make the best of a cut file: they show what is there, and say nothing. Looked at are the
+Players make the best of a cut file: they show what is there, and say nothing. Looked at are the
 boxes of MP4 and MOV (ISO 14496-12), the segment of Matroska and WebM (RFC 9559), and the first
 RIFF chunk of AVI. Files of which the length is not told, such as streams, pass.
 """
@@ -11,17 +11,16 @@ from pathlib import Path
 from typing import BinaryIO
 
 from motorcade.render.video import MAX_FILE_BYTES
-from motorcade.replays.errors import RecordingError, one_line, refusal
+from motorcade.replays.errors import one_line
 from motorcade.replays.files.door import open_bounded
 
 _EBML, _SEGMENT = b"\x1a\x45\xdf\xa3", b"\x18\x53\x80\x67"
 
 
-def refuse_cut(path: Path) -> None:
-    """Refuse a file that ends before its outermost boxes do.
+def said_of_cut(path: Path) -> str:
+    """What is said of a file that ends before its outermost boxes do; empty of a whole one.
 
     Raises:
-        RecordingError: such a file; the box is named.
         OSError: it cannot be read.
     """
     end = path.stat().st_size
@@ -29,16 +28,17 @@ def refuse_cut(path: Path) -> None:
         start = file.read(12)
         file.seek(0)
         if start[4:8] == b"ftyp":
-            _check_boxes(path, file, end)
-        elif start[:4] == _EBML:
-            _check_segment(path, file, end)
-        elif start[:4] == b"RIFF" and start[8:12] == b"AVI ":
+            return _cut_box(file, end)
+        if start[:4] == _EBML:
+            return _cut_segment(file, end)
+        if start[:4] == b"RIFF" and start[8:12] == b"AVI ":
             size = int.from_bytes(start[4:8], "little")
             if size + 8 > end:  # 0 where recording was never ended, which tells nothing
-                raise _cut(path, "RIFF", size, 0)
+                return _cut("RIFF", size, 0)
+    return ""
 
 
-def _check_boxes(path: Path, file: BinaryIO, end: int) -> None:
+def _cut_box(file: BinaryIO, end: int) -> str:
     """Walk the outermost boxes of an MP4 or MOV file."""
     at = 0
     while at + 8 <= end:
@@ -48,25 +48,27 @@ def _check_boxes(path: Path, file: BinaryIO, end: int) -> None:
         if size == 1:
             size = int.from_bytes(header[8:], "big")
         elif size == 0:
-            return
+            break
         if size < 8 or at + size > end:
-            raise _cut(path, one_line(header[4:8]), size, at)
+            return _cut(one_line(header[4:8]), size, at)
         at += size
+    return ""
 
 
-def _check_segment(path: Path, file: BinaryIO, end: int) -> None:
+def _cut_segment(file: BinaryIO, end: int) -> str:
     """Look at the length of a Matroska file's segment, which holds all of it but the header."""
     file.seek(len(_EBML))
     header = _length(file)
     if header is None:
-        return
+        return ""
     at = file.tell() + header
     file.seek(at)
     if file.read(len(_SEGMENT)) != _SEGMENT:
-        return
+        return ""
     size = _length(file)
     if size is not None and file.tell() + size > end:
-        raise _cut(path, "Segment", size, at)
+        return _cut("Segment", size, at)
+    return ""
 
 
 def _length(file: BinaryIO) -> int | None:
@@ -80,6 +82,5 @@ def _length(file: BinaryIO) -> int | None:
     return None if size == (1 << bits) - 1 else size
 
 
-def _cut(path: Path, box: str, size: int, at: int) -> RecordingError:
-    problem = f"the video is truncated: its box {box} of {size} bytes at {at} is not whole"
-    return refusal(path, problem, advice="copy the file again")
+def _cut(box: str, size: int, at: int) -> str:
+    return f"the video is truncated: its box {box} of {size} bytes at {at} is not whole"

@@ -196,15 +196,15 @@ KINDS = (
     Kind("cut_mp4", must="refused", why="truncated|not complete", damage=damages.halved),
     Kind(
         "cut_faststart",
-        must="refused",
+        must="told",
         why="truncated",
         coded=Coded(muxing={"movflags": "faststart"}),
         damage=damages.halved,
     ),
-    Kind("cut_mkv", must="refused", why="truncated", coded=_MKV, damage=damages.halved),
+    Kind("cut_mkv", must="told", why="truncated", coded=_MKV, damage=damages.halved),
     Kind(
         "cut_webm",
-        must="refused",
+        must="told",
         why="truncated",
         damage=damages.halved,
         coded=Coded(".webm", "libvpx-vp9", options=_VP9, sound="libopus"),
