@@ -8,14 +8,15 @@ where pictures are shown in another order, or damaged ones. Where stored stamps 
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from av.codec.context import ThreadType
@@ -36,8 +37,9 @@ from motorcade.replays.readers.frames.whole import said_of_cut
 
 _ASSUMED_HZ = Fraction(25)  # as FFmpeg takes it where neither stamps nor a rate are stored
 _HIDDEN = 0x10  # of VP8's first byte: clear in a picture that is for reference only (RFC 6386, 9.1)
-Stored = tuple[int | None, int | None, int]
-"""What the container says of a packet: pts, dts, and its size in bytes."""
+_GUESSED = int(Flags.gen_pts.value)  # stamps that FFmpeg would make up of those that follow
+Stored = tuple[int | None, int | None, int, bool]
+"""What the container says of a packet: pts, dts, its size in bytes, and whether a keyframe."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,18 +85,16 @@ def open_stream(path: Path) -> tuple[InputContainer, VideoStream]:
     """
     with refused():
         container = open_video(path)
-    container.flags &= ~Flags.gen_pts.value
-    if not container.streams.video:
+    container.flags &= ~_GUESSED
+    stream: Any = next(iter(container.streams.video), None)
+    if stream is None or stream.codec_context is None:
         container.close()
-        raise refusal(path, "expected a video stream, got none")
-    stream = container.streams.video[0]
-    if stream.codec_context is None:  # whatever the stubs say
-        container.close()
-        raise refusal(path, "expected a video of a known coding, got another")
+        known = "stream, got none" if stream is None else "of a known coding, got another"
+        raise refusal(path, f"expected a video {known}")
     return container, stream
 
 
-def stored_packets(container: InputContainer, stream: VideoStream) -> Iterator[Packet]:
+def stored_packets(container: InputContainer, stream: VideoStream) -> Iterator[Packet[VideoStream]]:
     """Packets that hold something, to where the file ends or cannot be read on."""
     with suppress(InvalidDataError, EndError):
         for packet in container.demux(stream):
@@ -103,7 +103,7 @@ def stored_packets(container: InputContainer, stream: VideoStream) -> Iterator[P
 
 
 def decoded(
-    packets: Iterator[Packet], stream: VideoStream, number: int
+    packets: Iterator[Packet[VideoStream]], stream: VideoStream, number: int
 ) -> Iterator[tuple[int, VideoFrame | None]]:
     """Pictures as they are shown, each with the number of its packet, the first of which is given.
 
@@ -142,7 +142,7 @@ def scan(path: Path, changed_ns: int, size: int) -> ShownPictures:
         with container:
             context, base = stream.codec_context, stream.time_base
             width, height = context.width, context.height
-            stored, hidden, keys = _read_packets(path, container, stream)
+            stored, hidden = _read_packets(path, container, stream)
             stated = stream.frames if "mov" in container.format.name else 0
             reordered = bool(context.has_b_frames)
     except (FFmpegError, OSError) as fault:
@@ -169,27 +169,24 @@ def scan(path: Path, changed_ns: int, size: int) -> ShownPictures:
     time_ns = _nanoseconds(path, sorted(told), base)
     if np.any(np.diff(time_ns) <= 0):
         raise refusal(path, "expected stamps a nanosecond apart, got finer ones")
-    places = np.flatnonzero(np.isin(packets, np.array(sorted(keys), np.int64)))
+    places = np.flatnonzero([stored[number][3] for number in packets])
     return ShownPictures(stored, hidden, packets, time_ns, places, (width, height), notes=notes)
 
 
 def _read_packets(
     path: Path, container: InputContainer, stream: VideoStream
-) -> tuple[list[Stored], frozenset[int], set[int]]:
-    """What is stored of all packets; the numbers of those that are hidden, and of keyframes."""
+) -> tuple[list[Stored], frozenset[int]]:
+    """What is stored of all packets, and the numbers of those that are hidden."""
     stored: list[Stored] = []
     hidden: list[int] = []
-    keys: set[int] = set()
     hiding = stream.codec_context.name in ("vp8", "libvpx")
     for number, packet in enumerate(stored_packets(container, stream)):
         if number >= FRAME_LIMIT:
             raise refusal(path, f"expected at most {FRAME_LIMIT} pictures, got more")
-        stored.append((packet.pts, packet.dts, packet.size))
-        if packet.is_keyframe:
-            keys.add(number)
+        stored.append((packet.pts, packet.dts, packet.size, packet.is_keyframe))
         if packet.is_discard or (hiding and not memoryview(packet)[0] & _HIDDEN):
             hidden.append(number)
-    return stored, frozenset(hidden), keys
+    return stored, frozenset(hidden)
 
 
 def _unedited(path: Path) -> int:
@@ -216,21 +213,19 @@ def _decode_all(path: Path, before: ShownPictures, threads: ThreadType) -> Shown
     dts: list[int | None] = []
     keys: list[int] = []
     damaged: set[int] = set()
-    failed = 0
+    torn: set[int] = set()
     container, stream = open_stream(path)
     with container:
         stream.thread_type = threads
         base, rate = stream.time_base, stream.guessed_rate or stream.average_rate
         read = track(stored_packets(container, stream), "looking for damage", len(before.stored))
-        for number, frame in decoded(iter(read), stream, 0):
-            if frame is None:
-                failed += 1
-                continue
-            if not 0 <= number < len(before.stored):
+        for number, frame in decoded(_noting_torn(read, torn), stream, 0):
+            if frame is None or not 0 <= number < len(before.stored):
                 continue
             if frame.key_frame:
                 keys.append(len(packets))
-            if frame.is_corrupt or (frame.width, frame.height) != before.size:
+            bad = frame.is_corrupt or number in torn
+            if bad or (frame.width, frame.height) != before.size:
                 damaged.add(len(packets))
             packets.append(number)
             dts.append(frame.dts)
@@ -241,7 +236,9 @@ def _decode_all(path: Path, before: ShownPictures, threads: ThreadType) -> Shown
             field="frame 0",
             advice="copy the file again",
         )
-    damaged.update(range(keys[0]) if keys else ())
+    # An edit list may hide the keyframe that the first ones refer to.
+    if keys and not any(before.stored[number][3] for number in before.hidden):
+        damaged.update(range(keys[0]))
     stored = [before.stored[number][0] for number in packets]
     best = _best_stamps(stored, dts)
     step_ns = round(10**9 / (rate or _ASSUMED_HZ))
@@ -257,19 +254,39 @@ def _decode_all(path: Path, before: ShownPictures, threads: ThreadType) -> Shown
             f"{1e9 / step_ns:.4g} a second where nothing else tells",
         )
     missing = set(range(len(before.stored))).difference(before.hidden, packets)
-    early = sum(number < packets[0] for number in missing) if keys[:1] == [0] else 0
+    faults = sorted(missing.union(packets[place] for place in damaged))
     return ShownPictures(
         before.stored,
         before.hidden,
         np.array(packets, np.int64),
         np.array(time_ns, np.int64),
-        np.array(keys, np.int64),
+        np.array(_clean_keys(keys, packets, faults), np.int64),
         before.size,
         frozenset(damaged),
-        max(early, min(failed, len(missing))),
+        len(missing),
         notes,
         looked=True,
     )
+
+
+def _noting_torn(
+    packets: Iterable[Packet[VideoStream]], torn: set[int]
+) -> Iterator[Packet[VideoStream]]:
+    """Packets, with the numbers of those that the container knows to be incomplete added."""
+    for number, packet in enumerate(packets):
+        if packet.is_corrupt:
+            torn.add(number)
+        yield packet
+
+
+def _clean_keys(keys: list[int], packets: list[int], faults: list[int]) -> list[int]:
+    """Keyframes without a fault before the next: what is concealed depends on what came before."""
+    ends = [*(packets[key] for key in keys[1:]), 1 + max(packets)]
+    return [
+        key
+        for key, end in zip(keys, ends, strict=True)
+        if bisect_left(faults, packets[key]) == bisect_left(faults, end)
+    ]
 
 
 def _nanoseconds(path: Path, stamps: Sequence[int], base: Fraction) -> IntArray:

@@ -23,6 +23,7 @@ import numpy as np
 from av.error import FFmpegError
 from av.packet import Packet
 from av.video.frame import VideoFrame
+from av.video.stream import VideoStream
 
 from motorcade.ga.files import admit_file
 from motorcade.render.video import MAX_FILE_BYTES
@@ -143,7 +144,8 @@ class VideoFrames(DecodedFrames):
         times = [f"{1e-9 * pictures.time_ns[place]:.3f}" for place in sorted(pictures.damaged)[:3]]
         when = f" (at {', '.join(times)} s{', …' if count > len(times) else ''})" if times else ""
         total = len(pictures.packets) + pictures.lost
-        return f"{count} of {total} pictures {'is' if count == 1 else 'are'} damaged{when}"
+        said = f"{count} of {total} pictures {'is' if count == 1 else 'are'} damaged{when}"
+        return f"{said}; others before the next keyframe may show traces of that"
 
     def check(self, camera: Camera | None) -> None:
         """Compare the stream's size with the camera's.
@@ -233,7 +235,7 @@ class _Decoder:
         self.sought = key > 0
         if self.sought:
             wanted = int(self._order[key])
-            pts, dts, _ = pictures.stored[wanted]
+            pts, dts, *_ = pictures.stored[wanted]
             to = dts if pts is None else pts
             with suppress(FFmpegError):
                 self._container.seek(0 if to is None else to, stream=stream)
@@ -245,10 +247,10 @@ class _Decoder:
     def advance(self, place: int) -> VideoFrame | None:
         """Decode on up to this picture; None where it does not come."""
         while self.at < place:
-            number, frame = next(self._frames, (-1, self._frame))
-            if frame is self._frame:  # the end
-                return None
+            number, frame = next(self._frames, (-1, None))
             if frame is None:
+                if number < 0:  # the end
+                    return None
                 continue
             follows = self.at + 1 < len(self._order) and self._order[self.at + 1] == number
             at = self.at + 1 if follows else self._place_of.get(number, -1)
@@ -261,13 +263,13 @@ class _Decoder:
 
 
 def _from_known(
-    packets: Iterator[Packet], stored: Sequence[Stored], wanted: int
-) -> tuple[Iterator[Packet], int]:
+    packets: Iterator[Packet[VideoStream]], stored: Sequence[Stored], wanted: int
+) -> tuple[Iterator[Packet[VideoStream]], int]:
     """Packets after seeking and the number of the first, no later than `wanted`; none else."""
     first = next(packets, None)
     if first is None:
         return iter(()), 0
-    about = first.pts, first.dts, first.size
+    about = first.pts, first.dts, first.size, first.is_keyframe
     numbers = [number for number, one in enumerate(stored) if one == about]
     if len(numbers) != 1 or numbers[0] > wanted:
         return iter(()), 0
