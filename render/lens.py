@@ -81,34 +81,24 @@ def window_of(extent: Extent) -> Window:
 
 
 WIDEST = 3.0
-"""The pinhole picture may be this many times as wide or tall as the distorted one."""
+"""The pinhole picture is at most this many times as wide or tall as the distorted one."""
 STEP = 8
 """Every so many pixels a lens is asked which part of one picture shows in the other."""
 ROWS = 16
 """Pixels of so many rows are undistorted at once: their numbers stay in the processor's cache."""
-
-
-def can_be_drawn_for(camera: Camera | None) -> bool:
-    """Whether `LensWarp` can distort pictures as the lens of a camera does."""
-    if camera is None:
-        return False
-    try:
-        LensWarp(camera)
-    except ValueError:
-        return False
-    return True
+_NOWHERE = -1e4  # pixels outside of any picture: what is looked for there is empty
 
 
 class LensWarp:
     """From pictures of `pinhole` to those of `camera`; a camera without distortion changes nothing.
 
+    Nothing is drawn into pixels that the lens gives no ray, or one so far from the axis that a
+    pinhole picture would be more than `WIDEST` times as large: there footage stays as it is.
+
     Attributes:
         camera: whose pictures are wanted.
         pinhole: that draws; same focal lengths, of a size of its own.
-
-    Raises:
-        ValueError: a lens so wide that a pinhole picture would be more than `WIDEST` times as
-            large, or that gives some pixels no ray.
+        drawable: share of the camera's pixels into which can be drawn.
 
     >>> from motorcade.render import LensWarp
     >>> from motorcade.tracking.cameras.camera import Camera
@@ -118,18 +108,15 @@ class LensWarp:
     """
 
     def __init__(self, camera: Camera) -> None:
-        self.camera, self.pinhole = camera, camera
+        self.camera, self.pinhole, self.drawable = camera, camera, 1.0
         if camera.model == "pinhole":
             return
         source = _sources(camera)
-        low, high = source.reshape(-1, 2).min(axis=0), source.reshape(-1, 2).max(axis=0)
-        size = high - low + 3.0
-        if not np.all(size < WIDEST * np.array([camera.width, camera.height])):
-            raise ValueError(
-                f"LensWarp(camera): expected a lens whose undistorted picture is at most "
-                f"{WIDEST:g} times as large as {camera.width} x {camera.height}, got "
-                f"{size[0]:.0f} x {size[1]:.0f}; undistort the footage instead"
-            )
+        far = np.abs(source - (camera.cx, camera.cy)) / (camera.width, camera.height)
+        within = np.all(far < 0.5 * WIDEST, axis=-1)
+        self.drawable = float(np.mean(within))
+        near = source[within] if within.any() else np.array([[camera.cx, camera.cy]])
+        low, high = near.min(axis=0), near.max(axis=0)
         # A border of one pixel on each side, for the bilinear filter.
         left, top = math.floor(low[0]) - 1, math.floor(low[1]) - 1
         self.pinhole = Camera(
@@ -140,11 +127,12 @@ class LensWarp:
             camera.cx - left,
             camera.cy - top,
         )
-        self._source = (source - (left, top)).astype(np.float32)
+        source = np.where(within[..., None], source - (left, top), np.nan).astype(np.float32)
+        self._some = source[::STEP, ::STEP]
+        steps = [np.abs(np.diff(self._some, axis=k)) for k in (0, 1)]
+        self._reach = 2.0 * max(np.nanmax(step, initial=STEP) for step in steps) + 1.0
+        self._source = np.nan_to_num(source, nan=_NOWHERE)
         self._whole, self._fraction = cv2.convertMaps(self._source, None, cv2.CV_16SC2)
-        self._some = self._source[::STEP, ::STEP]
-        steps = [np.abs(np.diff(self._some, axis=k)).max(initial=STEP) for k in (0, 1)]
-        self._reach = 2.0 * max(steps) + 1.0
 
     def shown(self, drawn: Extent) -> Window:
         """Where `camera`'s picture can show a part of `pinhole`'s, and a little around it.
@@ -171,6 +159,9 @@ class LensWarp:
             first = np.array([columns.start, rows.start])
             return first, np.array([columns.stop, rows.stop]) - 1
         seen = self._source[shown][::STEP, ::STEP].reshape(-1, 2)
+        seen = seen[seen[:, 0] > _NOWHERE]
+        if not len(seen):
+            return np.zeros(2, np.int64), np.zeros(2, np.int64)
         high = np.array([self.pinhole.width, self.pinhole.height]) - 1
         low = np.clip(np.floor(seen.min(axis=0) - self._reach), 0, high)
         last = np.clip(np.ceil(seen.max(axis=0) + self._reach), 0, high)

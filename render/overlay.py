@@ -79,7 +79,7 @@ def render_overlay(
     Raises:
         RenderUnavailable: this machine has no OpenGL.
         ValueError: a frame of another size, light from below ground, a direction and a lighting
-            both, a lens too wide to draw for, or an unknown renderer.
+            both, or an unknown renderer.
     """
     yield from render_performers(
         frames,
@@ -142,6 +142,12 @@ def render_performers(
     light = lighting or _usual_light(first, world_T_camera, light_direction)
     stage = FilmStage(camera, performers, light, look, prints, matching)
     pinhole, rng = stage.lens.pinhole, np.random.default_rng(0)
+    if stage.lens.drawable < 1.0:
+        log.warning(
+            "overlay: the lens as described has no use for %.1f %% of the picture (its terms fold "
+            "back there, or it sees too far aside): nothing is drawn there, the footage stays",
+            100.0 * (1.0 - stage.lens.drawable),
+        )
     posed, seen = 0, False
     with new_renderer(renderer, pinhole.width, pinhole.height) as drawing:
         drawing.show([figure.surface for figure in stage.figures], stage.lighting)

@@ -118,9 +118,6 @@ class FilmStage:
         look: of the shadows; None for the usual one.
         prints: that may hide figures.
         matching: how what is drawn is fitted to the footage; None for not at all.
-
-    Raises:
-        ValueError: a lens too wide to draw for.
     """
 
     def __init__(

@@ -58,10 +58,33 @@ def test_a_camera_without_distortion_changes_nothing() -> None:
     assert lens.layer(layer) is layer
 
 
-def test_a_lens_too_wide_for_a_pinhole_is_refused() -> None:
-    fisheye = Camera(200, 200, 64.0, 64.0, 99.5, 99.5, "equidistant", (0.0, 0.0, 0.0, 0.0))
-    with pytest.raises(ValueError, match="undistort the footage instead"):
-        LensWarp(fisheye)
+@pytest.mark.parametrize(
+    "camera",
+    [
+        Camera(200, 160, 64.0, 64.0, 99.5, 79.5, "equidistant", (0.0, 0.0, 0.0, 0.0)),
+        Camera(200, 160, 120.0, 120.0, 99.5, 79.5, "radtan", (-0.5, 0.0)),
+    ],
+    ids=["too wide", "folds"],
+)
+def test_pixels_without_a_use_are_never_drawn_into_and_all_others_are(camera: Camera) -> None:
+    lens = LensWarp(camera)
+    size = lens.pinhole.height, lens.pinhole.width
+    assert size[0] <= 3 * camera.height + 4 and size[1] <= 3 * camera.width + 4
+    full = Layer(np.full((*size, 4), 255, np.uint8), np.ones(size, np.float32))
+    shown = lens.layer(full)
+    y, x = np.mgrid[: camera.height, : camera.width]
+    seen = camera.undistort(np.stack([x, y], axis=-1))
+    far = np.abs(seen - (camera.cx, camera.cy)) / (camera.width, camera.height)
+    usable = np.all(far < 1.5, axis=-1)
+    assert 0.3 < np.mean(usable) < 0.99
+    assert lens.drawable == np.mean(usable)
+    np.testing.assert_array_equal(shown.rgba[..., 3], np.where(usable, 255, 0))
+    np.testing.assert_array_equal(shown.depth_m, np.where(usable, 1.0, 0.0))
+    window = lens.shown((np.zeros(2, int), np.array(size[::-1]) - 1))
+    assert np.count_nonzero(usable[window]) == np.count_nonzero(usable)
+    corner = slice(0, 2), slice(0, 2)  # a window of such pixels alone
+    assert not usable[corner].any() and not lens.smooth(np.ones(size, np.float32), corner).any()
+    lens.drawn(corner)
 
 
 def test_twice_the_light_is_twice_the_light() -> None:

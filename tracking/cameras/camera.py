@@ -39,6 +39,9 @@ _COEFFICIENT_COUNTS: dict[str, tuple[int, ...]] = {
     "equidistant": (4,),
 }
 
+_MARGIN = 1.1
+"""A model is to be one-to-one so far beyond a picture's corners: its slope is nothing at a fold."""
+
 
 @dataclass(frozen=True)
 class Camera:
@@ -187,6 +190,26 @@ class Camera:
             ValueError: not ``(*, 2)`` or not finite.
         """
         return self.project(self.undistorted().unproject(pixels))
+
+    def folds(self) -> bool:
+        """Whether the lens model folds back in the picture, or within a tenth beyond its corners.
+
+        Radial terms that were fitted to the middle of pictures often do; pixels beyond the fold
+        have no ray. Told by the radial terms alone.
+
+        >>> from motorcade.tracking import Camera
+        >>> lens = "radtan", (-0.5, 0.0)  # grows up to a radius of 0.54 focal lengths
+        >>> [Camera(640, 480, f, f, 319.5, 239.5, *lens).folds() for f in (500.0, 1000.0)]
+        [True, False]
+        """
+        far_x, far_y = (
+            max(middle + 0.5, size - 0.5 - middle) / focal
+            for middle, size, focal in (
+                (self.cx, self.width, self.fx),
+                (self.cy, self.height, self.fy),
+            )
+        )
+        return _MARGIN * math.hypot(far_x, far_y) >= lenses.reach(self.model, self._coefficients)
 
     def undistorted(self) -> Camera:
         """The pinhole camera of the same size and matrix: what `undistort_image` shows."""

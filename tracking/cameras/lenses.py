@@ -8,6 +8,7 @@ OpenCV's rational form); equidistant ones k1 k2 k3 k4 (Kannala & Brandt 2006).
 from __future__ import annotations
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from motorcade.ga.arrays import FloatArray
 
@@ -60,6 +61,32 @@ def bearings(model: str, coefficients: FloatArray, plane: FloatArray) -> FloatAr
     rays = np.concatenate([ideal, np.ones_like(ideal[..., :1])], axis=-1)
     found: FloatArray = rays / np.linalg.norm(rays, axis=-1, keepdims=True)
     return found
+
+
+def reach(model: str, coefficients: FloatArray) -> float:
+    """Distorted radius up to which radii grow with the angle from the axis, by the radial terms.
+
+    Beyond it the model folds back, so pixels there have no ray; infinite where it never does.
+    """
+    if model == "pinhole":
+        return np.inf
+    if model == "equidistant":
+        return float(_distorted_angle(coefficients, np.array(_fold_rad(coefficients))))
+    k1, k2, _, _, *rest = coefficients
+    over, under = Polynomial([1.0, k1, k2, rest[0]]), Polynomial([1.0, *rest[1:]])
+    twice = Polynomial([0.0, 2.0])  # by the squared radius, in which both are polynomials
+    slope = over * under + twice * (over.deriv() * under - over * under.deriv())
+    square = min(_first_root(slope), _first_root(under))
+    if not np.isfinite(square):
+        return np.inf
+    return float(np.sqrt(square) * over(square) / max(under(square), _REAL))
+
+
+def _first_root(polynomial: Polynomial) -> float:
+    """The smallest root above zero; infinite without one."""
+    roots = polynomial.trim().roots()
+    real = roots.real[(np.abs(roots.imag) < _REAL) & (roots.real > 0.0)]
+    return float(real.min(initial=np.inf))
 
 
 def _perspective(points: FloatArray) -> FloatArray:
@@ -194,9 +221,8 @@ def _undistort_equidistant(coefficients: FloatArray, plane: FloatArray) -> Float
 def _fold_rad(coefficients: FloatArray) -> float:
     """Angle from the axis beyond which the picture would fold back, half a turn at most."""
     k1, k2, k3, k4 = coefficients
-    squares = np.roots([9.0 * k4, 7.0 * k3, 5.0 * k2, 3.0 * k1, 1.0])
-    real = squares.real[(np.abs(squares.imag) < _REAL) & (squares.real > 0.0)]
-    return float(np.sqrt(min(real.min(initial=np.inf), np.pi**2)))
+    square = _first_root(Polynomial([1.0, 3.0 * k1, 5.0 * k2, 7.0 * k3, 9.0 * k4]))
+    return float(np.sqrt(min(square, np.pi**2)))
 
 
 def _equidistant_angle(

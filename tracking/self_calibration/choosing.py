@@ -70,8 +70,10 @@ def choose_lens(seen: BodySightings, start: BodyState, *, readout: bool) -> Chos
                 fit(part, state, readout=readout) for part, state in zip(parts, tried, strict=True)
             ]
             tried = [one.state for one in fits]
+            if any(one.camera(seen.size).folds() for one in fits):
+                raise SelfCalibrationError(f"{kind.name}: folds back within the picture")
             error = [_predicted_px(parts[1 - k], tried[1 - k], fits[k]) for k in (0, 1)]
-        except SelfCalibrationError:  # a lens that folds back before the other half's corners
+        except SelfCalibrationError:  # a lens that folds back
             if kind is KINDS[0]:
                 raise
             errors.append(np.inf)

@@ -21,7 +21,7 @@ from motorcade.render import (
     write_video,
 )
 from motorcade.render.composite import Matching
-from motorcade.render.lens import can_be_drawn_for, warped
+from motorcade.render.lens import warped
 from motorcade.render.light import (
     ExposureMeter,
     Prints,
@@ -67,7 +67,7 @@ def overlay(
     representation: str | None = None,
     renderer: RendererName = "fast",
     light: Literal["fixed", "estimated"] = "estimated",
-    lens: Literal["auto", "undistort", "distort"] = "auto",
+    lens: Literal["distort", "undistort"] = "distort",
     view: Literal["footage", "steady", "live"] = "footage",
     gain: float = 1.0,
     exposure_s: float = 0.0,
@@ -80,8 +80,8 @@ def overlay(
     `light=estimated` takes sun and ambient light from frames with depth; without depth it takes
     brightness and colour from board or markers, else from the pictures' mean, and the direction
     from shadows, faces and shading where they tell it; what is drawn follows the exposure.
-    `lens=distort` leaves the footage as it was taken and distorts what is drawn as the lens does,
-    `undistort` undistorts the footage; "auto" does the latter for lenses too wide to draw for.
+    The footage stays as it was taken, and what is drawn is distorted as the lens does;
+    `lens=undistort` undistorts the footage instead.
     `view=steady` turns each picture, footage and all, so that the figure moves evenly in it, and
     `view=live` does so by the past alone: what is drawn shakes less and slides no more (the footage
     is then undistorted, and its edge repeated where the picture reaches beyond it).
@@ -111,11 +111,7 @@ def overlay(
         path = as_read(path, recording.camera, around, recording.shutter_s)
     start = time.perf_counter()
     recording = as_found(recording, camera_poses.camera, camera_poses.depth_camera)
-    distorted = lens == "distort" or (lens == "auto" and can_be_drawn_for(recording.camera))
-    if view != "footage":
-        if lens == "distort":
-            raise ValueError(f"overlay.lens: expected auto or undistort with view={view}")
-        distorted = False
+    distorted = lens == "distort" and view == "footage"
     footage = _Footage(recording, distorted)
     lighting, lit_by, meter = None, "a fixed light", None
     marker_map = None if marker_poses is None else marker_poses.marker_map
