@@ -158,8 +158,8 @@ class BodyReprojection:
 
     def _prior(self) -> tuple[FloatArray, FloatArray]:
         """How far the numbers are from what is expected, and the weight of that."""
-        mean, information = self._state.kind.prior(self._seen.size)
-        away = np.concatenate([self._state.numbers - mean, self._state.readout_s])
+        away, information = self._state.kind.prior(self._state.numbers, self._seen.size)
+        away = np.concatenate([away, self._state.readout_s])
         both = np.concatenate([information, np.full(2, _READOUT_SIGMA_S**-2.0)])
         return away, both * self._free.noise_px**2
 
@@ -180,6 +180,23 @@ class BodyReprojection:
         filled = np.zeros((len(seen.px), 2, -(-len(free) // _WIDTH) * _WIDTH))
         filled[..., : len(free)] = every
         return filled
+
+    @property
+    def by_all_shared(self) -> FloatArray:
+        """Derivative ``(N, 2, p)`` by the free numbers, and by the bodies but the first if free."""
+        by_free = self.by_shared[..., : len(self.free_numbers)]
+        if not self._free.bodies:
+            return by_free
+        seen, (_, by_body) = self._seen, self._body_pairs()
+        others = np.zeros((len(by_body), 2, self._body_width + _WIDTH))
+        columns = _WIDTH * seen.body[:, None] + np.arange(_WIDTH)
+        others[np.arange(len(by_body))[:, None], :, columns] = by_body.swapaxes(-1, -2)
+        return np.concatenate([by_free, others[..., _WIDTH:]], axis=-1)
+
+    def expected_of(self, count: int) -> FloatArray:
+        """Information of what is expected of the first of `count` parameters that views share."""
+        expected = self._expected[self.free_numbers]
+        return np.append(expected, np.zeros(count - len(expected)))
 
     @cached_property
     def by_view(self) -> FloatArray:

@@ -1,8 +1,9 @@
 """Which lens model a clip bears, how sure the focal length is, and what a reader must be told.
 
 Every second stretch of the clip is fitted, the other is predicted: the simplest lens whose
-prediction is as good as the best wins. The two halves' focal lengths show what the residuals
-cannot: errors that neighbouring corners and pictures have in common.
+prediction is as good as the best within its scatter wins, of those that are told as far as the
+picture's corners. How sure the focal length is follows from errors that corners have in common
+(`certainty`), and from how far the lenses differ that predict no worse.
 """
 
 from __future__ import annotations
@@ -13,8 +14,10 @@ import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.self_calibration.bodies import BodySightings, BodyState
+from motorcade.tracking.self_calibration.certainty import error_inflation, stretches
 from motorcade.tracking.self_calibration.fitting import BodyFit, fit
-from motorcade.tracking.self_calibration.lens import KINDS, LensKind
+from motorcade.tracking.self_calibration.homographies import LEAST_FOCAL, MOST_FOCAL
+from motorcade.tracking.self_calibration.lens import FOCAL_SPREAD, KINDS, LensKind
 from motorcade.tracking.self_calibration.result import (
     Basis,
     ReadoutAxis,
@@ -26,12 +29,17 @@ from motorcade.tracking.self_calibration.result import (
 WORST_FOCAL = 0.05
 """Relative standard deviation of a focal length beyond which none is given."""
 _DOUBTFUL_FOCAL = 0.01
+_LEANT_ON = 0.3  # of the usual cameras' spread: from there on they are part of the answer
 _AS_GOOD = 1.02  # a simpler lens may predict so much worse than the best
-_STRETCHES = 8
-_LEAST_TURN_DEG = 5.0
+_SCATTERS = 2.0
+_TOLD_BEND = 0.05
+"""Standard deviation, as a share of the distance from the middle, to which terms must tell where
+the picture's corners lie: lenses are that near to having no terms."""
+_HEAD_ON_DEG = 15.0
 _READOUT_SIGMA_S = 0.002
 _BREATHING_BINS, _BREATHING_LEAST, _BREATHING_SIGMAS = 8, 0.01, 4.0
 _BREATHING_ROUNDS = 3
+_BREATHING_SPREAD = 0.03  # of the focal length: what autofocus does to lenses
 _POOR_RMS_PX = 1.5
 _FAR_ENOUGH = 0.55  # of the way from the middle to a corner: beyond the short side
 
@@ -42,62 +50,102 @@ class ChosenFit:
 
     Fields:
         fit: of all views; reason: why this lens.
-        halves: ``(2,)`` focal lengths of the two halves of the clip.
+        alike: by how much corners that err alike make its errors larger (`error_inflation`).
+        spread: relative standard deviation of the focal length over lenses that predict no worse.
     """
 
     fit: BodyFit
     reason: str
-    halves: FloatArray
+    alike: float
+    spread: float
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of the lens's numbers and the readout, for corners that err alike."""
+        return self.alike**2 * self.fit.covariance
+
+
+@dataclass(frozen=True, eq=False)
+class _Tried:
+    """A lens model on a clip; `errors` of unseen stretches, log px; `fault` why it is no choice."""
+
+    chosen: ChosenFit
+    errors: FloatArray
+    fault: str
 
 
 def choose_lens(seen: BodySightings, start: BodyState, *, readout: bool) -> ChosenFit:
-    """Fit the lens models in turn, and all views with the one that predicts best.
+    """Fit the lens models in turn, and choose the simplest of those that predict best.
+
+    A model that folds back in the picture, or whose terms do not tell where its corners lie, is not
+    taken: it was seen too near the middle.
 
     Args:
         seen: at least four views.
         start: a state near, of the kind of lens that starts.
         readout: whether a rolling shutter is looked for.
     """
-    halves = _halves(len(seen.time_s))
-    parts = [seen.only(half) for half in halves]
-    states = [_of_views(start, half) for half in halves]
-    errors: list[float] = []
-    focal: list[FloatArray] = []
+    tried: list[_Tried] = []
     for kind in KINDS:
-        tried = [_as_kind(state, kind) for state in states]
         try:
-            fits = [
-                fit(part, state, readout=readout) for part, state in zip(parts, tried, strict=True)
-            ]
-            tried = [one.state for one in fits]
-            if any(one.camera(seen.size).folds() for one in fits):
-                raise SelfCalibrationError(f"{kind.name}: folds back within the picture")
-            error = [_predicted_px(parts[1 - k], tried[1 - k], fits[k]) for k in (0, 1)]
-        except SelfCalibrationError:  # a lens that folds back
+            tried.append(_try_lens(seen, _as_kind(start, kind), readout=readout))
+        except SelfCalibrationError:  # corners beyond where it folds back
             if kind is KINDS[0]:
                 raise
-            errors.append(np.inf)
-            focal.append(focal[-1])
-            continue
-        states = tried
-        focal.append(np.array([one.state.numbers[0] for one in fits]))
-        errors.append(float(np.mean(error)))
-    best = min(errors)
-    chosen = next(k for k, error in enumerate(errors) if error <= _AS_GOOD * best)
-    kind = KINDS[chosen]
-    whole = fit(seen, _as_kind(_with_lens(start, states[0]), kind), readout=readout)
-    listed = ", ".join(f"{one.name} {error:.3f}" for one, error in zip(KINDS, errors, strict=True))
-    return ChosenFit(
-        whole,
-        f"{kind.name}: the simplest that predicts unseen frames best ({listed} px)",
-        focal[chosen],
+    fit_ones = [one for one in tried if not one.fault]
+    best = min(fit_ones, key=lambda one: float(one.errors.mean()))
+    chosen = next(one for one in fit_ones if _predicts_as(one, best))
+    rivals = [one.chosen.fit.state.numbers[0] for one in tried if _predicts_as(one, chosen)]
+    focal = chosen.chosen.fit.state.numbers[0]
+    listed = ", ".join(
+        f"{one.chosen.fit.state.kind.name} {np.exp(one.errors.mean()):.3f}{one.fault}"
+        for one in tried
+    )
+    name = chosen.chosen.fit.state.kind.name
+    return replace(
+        chosen.chosen,
+        reason=f"{name}: the simplest that predicts unseen frames best ({listed} px)",
+        spread=0.5 * float(np.abs(np.array(rivals) / focal - 1.0).max()),
     )
 
 
-def _halves(views: int) -> list[IntArray]:
-    """Every second of `_STRETCHES` stretches of neighbouring views, and the others."""
-    which = np.arange(views) * min(_STRETCHES, views) // views % 2
-    return [np.flatnonzero(which == one) for one in (0, 1)]
+def _try_lens(seen: BodySightings, start: BodyState, *, readout: bool) -> _Tried:
+    chosen = weighed_fit(seen, start, readout=readout)
+    state, alike = chosen.fit.state, chosen.alike
+    stretch = stretches(len(seen.time_s))
+    errors = np.zeros(stretch[-1] + 1)
+    for one in (0, 1):
+        views, others = np.flatnonzero(stretch % 2 == one), np.flatnonzero(stretch % 2 != one)
+        near = _of_views(state, others)
+        known = fit(seen.only(others), near, readout=readout, alike=alike)
+        predicted = _predicted_px(seen.only(views), _of_views(state, views), known)
+        for number in range(one, len(errors), 2):
+            errors[number] = np.log(np.median(predicted[stretch[views] == number]))
+    bend = np.pad(state.kind.bend(state.numbers, seen.size), (0, len(chosen.covariance)))
+    bend = bend[: len(chosen.covariance)]
+    if chosen.fit.camera(seen.size).folds():
+        fault = " (folds back in the picture)"
+    elif float(bend @ chosen.covariance @ bend) > _TOLD_BEND**2:
+        fault = " (does not tell the corners)"
+    else:
+        fault = ""
+    return _Tried(chosen, errors, fault)
+
+
+def weighed_fit(seen: BodySightings, start: BodyState, *, readout: bool) -> ChosenFit:
+    """All views fitted, what is expected of lenses weighed by how much corners tell together."""
+    found, alike = fit(seen, start, readout=readout), 1.0
+    for _ in range(2):
+        alike = error_inflation(seen, found)
+        found = fit(seen, found.state, readout=readout, alike=alike)
+    return ChosenFit(found, "", alike, 0.0)
+
+
+def _predicts_as(one: _Tried, other: _Tried) -> bool:
+    """Whether it predicts as well as another, or better, within the scatter over stretches."""
+    worse = one.errors - other.errors
+    scatter = float(worse.std(ddof=1)) / np.sqrt(len(worse))
+    return bool(worse.mean() <= max(np.log(_AS_GOOD), _SCATTERS * scatter))
 
 
 def _of_views(state: BodyState, views: IntArray) -> BodyState:
@@ -111,39 +159,28 @@ def _as_kind(state: BodyState, kind: LensKind) -> BodyState:
     return replace(state, kind=kind, numbers=numbers)
 
 
-def _with_lens(state: BodyState, like: BodyState) -> BodyState:
-    return replace(state, kind=like.kind, numbers=like.numbers, readout_s=like.readout_s)
-
-
-def _predicted_px(seen: BodySightings, near: BodyState, known: BodyFit) -> float:
-    """Error of views with a lens and bodies from other views, their poses alone fitted."""
-    start = _with_lens(replace(near, world_T_body=known.state.world_T_body), known.state)
+def _predicted_px(seen: BodySightings, near: BodyState, known: BodyFit) -> FloatArray:
+    """Median error ``(V,)`` of views with a lens and bodies from others, their poses fitted."""
+    start = replace(known.state, world_T_camera=near.world_T_camera)
     found = fit(seen, start, lens=False, bodies=False)
-    return float(np.sqrt(np.median((found.residuals_px**2).sum(axis=-1))))
+    size = np.linalg.norm(found.residuals_px, axis=-1)
+    return np.array([np.median(part) for part in np.split(size, seen.starts[1:])])
 
 
 def calibration_of(chosen: ChosenFit, seen: BodySightings, basis: Basis) -> SelfCalibration:
     """What is given: camera, its doubts and what else the fit tells.
 
     Raises:
-        SelfCalibrationError: views from which the focal length does not follow.
+        SelfCalibrationError: views from which no camera's focal length follows.
     """
-    found, breathing = _with_breathing(chosen.fit, seen)
+    chosen, breathing = _with_breathing(chosen, seen)
+    found = chosen.fit
     focal = float(found.state.numbers[0])
-    formal = float(np.sqrt(found.covariance[0, 0])) / focal
-    between = float(abs(np.diff(chosen.halves)[0])) / (2.0 * focal)
-    sigma = max(formal, between)
-    turn_deg = largest_turn_deg(found.state)
-    if turn_deg < _LEAST_TURN_DEG:
+    sigma = float(np.hypot(np.sqrt(chosen.covariance[0, 0]) / focal, chosen.spread))
+    if not LEAST_FOCAL <= focal / max(seen.size) <= MOST_FOCAL:
         raise SelfCalibrationError(
-            f"{basis}: expected it at different angles, got {turn_deg:.1f} degrees between any "
-            "two frames at most; the focal length does not follow from parallel views: walk "
-            "around it, or tilt it by 30 degrees and more"
-        )
-    if not sigma <= WORST_FOCAL:
-        raise SelfCalibrationError(
-            f"{basis}: expected frames that fix the focal length to {WORST_FOCAL:.0%}, got "
-            f"{focal:.0f} pixels +- {sigma:.1%}; film it nearer, and from more sides"
+            f"{basis}: expected a focal length of {LEAST_FOCAL:g} to {MOST_FOCAL:g} long sides of "
+            f"the picture, got {focal / max(seen.size):.2g}: no camera sees it like that"
         )
     return SelfCalibration(
         found.camera(seen.size),
@@ -152,77 +189,76 @@ def calibration_of(chosen: ChosenFit, seen: BodySightings, basis: Basis) -> Self
         chosen.reason,
         found.rms_px,
         len(seen.time_s),
-        _readout(found),
+        _readout(chosen),
         breathing,
         (*_doubts(found, sigma, breathing, basis), *_reach(seen)),
     )
 
 
-def largest_turn_deg(state: BodyState) -> float:
-    """The largest angle between the directions from which any two views see the first body."""
+def largest_tilt_deg(state: BodyState) -> float:
+    """The largest angle between the lens's axis and the normal of the first body, in any view."""
     normals = state.world_T_camera.rotor.inverse().apply([0.0, 0.0, 1.0])
-    return float(np.degrees(np.arccos(np.clip(normals @ normals.T, -1.0, 1.0).min())))
+    return float(np.degrees(np.arccos(np.clip(np.abs(normals[:, 2]), 0.0, 1.0)).max()))
 
 
-def _readout(found: BodyFit) -> ShutterReadout | None:
+def _readout(chosen: ChosenFit) -> ShutterReadout | None:
     """The shutter's, along the axis that shows it; None where neither is sure."""
-    lens = len(found.state.numbers)
-    if len(found.covariance) < lens + 2:
+    state = chosen.fit.state
+    sigmas = np.sqrt(np.diag(chosen.covariance)[len(state.numbers) :])
+    if not len(sigmas):
         return None
-    sigmas = np.sqrt(np.diag(found.covariance)[lens:])
-    axis = int(np.argmax(np.abs(found.state.readout_s)))
-    seconds, sigma = float(found.state.readout_s[axis]), float(sigmas[axis])
+    axis = int(np.argmax(np.abs(state.readout_s)))
+    seconds, sigma = float(state.readout_s[axis]), float(sigmas[axis])
     if sigma > _READOUT_SIGMA_S:
         return None
     names: tuple[tuple[ReadoutAxis, ReadoutAxis], ...] = (("right", "left"), ("down", "up"))
     return ShutterReadout(abs(seconds), sigma, names[axis][int(seconds < 0.0)])
 
 
-def _with_breathing(found: BodyFit, seen: BodySightings) -> tuple[BodyFit, float]:
+def _with_breathing(chosen: ChosenFit, seen: BodySightings) -> tuple[ChosenFit, float]:
     """The fit where the focal length may change over the clip, if it does, and by which share.
 
     One focal length for all is not their mean: distances make up for what it lacks. So corners are
-    brought to where the mean focal length shows them, and all is fitted again, in turns.
+    brought to where the mean focal length shows them, and all is fitted again, in turns. Whether it
+    changed is then asked of what that fit is sure of: a part of the clip that shows a print head on
+    tells no focal length apart from a distance.
     """
-    share = _breathing(found, seen)
-    if not share:
-        return found, 0.0
-    change, even = np.zeros(len(seen.time_s)), found
+    if len(seen.time_s) < 2 * _BREATHING_BINS:
+        return chosen, 0.0
+    even, alike, readout = chosen.fit, chosen.alike, bool(np.any(chosen.fit.state.readout_s))
+    change = np.zeros(len(seen.time_s))
     for _ in range(_BREATHING_ROUNDS):
-        centres, means, _ = _by_bins(even, seen)
+        centres, means, sigma = _by_bins(even, seen, alike)
+        spread = _BREATHING_SPREAD * even.state.numbers[0]
+        means *= spread**2 / (spread**2 + sigma**2)
         change += np.interp(seen.time_s, centres, means)
         lasting = np.linspace(seen.time_s[0], seen.time_s[-1], 64)
         change -= np.interp(lasting, seen.time_s, change).mean()
+        high, low = int(np.argmax(change)), int(np.argmin(change))
+        if change[high] - change[low] < _BREATHING_LEAST * even.state.numbers[0]:
+            return chosen, 0.0
         focal, middle = even.state.numbers[0], even.state.numbers[1:3]
         ratio = (focal / (focal + change))[seen.view][:, None]
         at_mean = replace(seen, px=middle + (seen.px - middle) * ratio)
-        readout = len(found.covariance) > len(found.state.numbers)
-        even = fit(at_mean, even.state, readout=readout)
-    return even, float(np.ptp(change) / even.state.numbers[0])
+        even = fit(at_mean, even.state, readout=readout, alike=alike)
+        alike = error_inflation(at_mean, even)
+    _, _, sigma = _by_bins(even, seen, alike)
+    ends = np.interp(seen.time_s[[high, low]], centres, sigma)
+    if float(np.ptp(change)) < _BREATHING_SIGMAS * float(np.hypot(*ends)):
+        return chosen, 0.0
+    share = float(np.ptp(change) / even.state.numbers[0])
+    return replace(chosen, fit=even, alike=alike), share
 
 
-def _by_bins(found: BodyFit, seen: BodySightings) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _by_bins(
+    found: BodyFit, seen: BodySightings, alike: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Times, and mean change of the focal length and its standard deviation, by part of a clip."""
     bins = np.arange(len(seen.time_s)) * _BREATHING_BINS // len(seen.time_s)
     weight = found.focal_sigma**-2.0
     total, count = np.bincount(bins, weight, _BREATHING_BINS), np.bincount(bins)
     means = np.bincount(bins, weight * found.focal_by_view, _BREATHING_BINS) / total
-    # Neighbouring pictures err alike: within a bin the scatter says how much.
-    scatter = np.bincount(bins, weight * (found.focal_by_view - means[bins]) ** 2, _BREATHING_BINS)
-    sigma = np.sqrt(np.maximum(scatter / total, 1.0 / total) / np.sqrt(count))
-    return np.bincount(bins, seen.time_s, _BREATHING_BINS) / count, means, sigma
-
-
-def _breathing(found: BodyFit, seen: BodySightings) -> float:
-    """Relative change of the focal length over the clip where it is beyond doubt, else 0."""
-    if len(seen.time_s) < 2 * _BREATHING_BINS:
-        return 0.0
-    _, means, sigma = _by_bins(found, seen)
-    high, low = int(np.argmax(means)), int(np.argmin(means))
-    change = float(means[high] - means[low])
-    share = change / float(found.state.numbers[0])
-    sure = change > _BREATHING_SIGMAS * float(np.hypot(sigma[high], sigma[low]))
-    return share if sure and share > _BREATHING_LEAST else 0.0
+    return np.bincount(bins, seen.time_s, _BREATHING_BINS) / count, means, alike * total**-0.5
 
 
 def _reach(seen: BodySightings) -> tuple[str, ...]:
@@ -241,9 +277,13 @@ def _reach(seen: BodySightings) -> tuple[str, ...]:
 def _doubts(found: BodyFit, sigma: float, breathing: float, basis: Basis) -> tuple[str, ...]:
     doubts = []
     if sigma > _DOUBTFUL_FOCAL:
-        doubts.append(
-            f"the focal length is known to {sigma:.1%} only: film it nearer, and from more sides"
-        )
+        tilt_deg = largest_tilt_deg(found.state)
+        why = "film it nearer, and from more sides"
+        if basis == "board" and tilt_deg < _HEAD_ON_DEG:
+            why = f"it is seen head on, to {tilt_deg:.0f} degrees: film it from more sides"
+        if sigma > _LEANT_ON * FOCAL_SPREAD:
+            why += "; what cameras usually have was taken into account"
+        doubts.append(f"the focal length is known to {sigma:.1%} only: {why}")
     if breathing:
         doubts.append(
             f"the focal length changes by {breathing:.1%} over the clip (autofocus breathing, or "

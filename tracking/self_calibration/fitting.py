@@ -39,6 +39,7 @@ class BodyFit:
         residuals_px: ``(N, 2)`` reprojection minus corner.
         covariance: ``(p, p)`` of the lens's numbers and the readout, for independent corners.
         sigma_px: noise of a coordinate.
+        evaluation: the problem there.
         focal_by_view: ``(V,)`` change of the focal length that each view alone asks for, and
         focal_sigma: ``(V,)`` its standard deviation, pixels.
     """
@@ -47,6 +48,7 @@ class BodyFit:
     residuals_px: FloatArray
     covariance: FloatArray
     sigma_px: float
+    evaluation: BodyReprojection
     focal_by_view: FloatArray
     focal_sigma: FloatArray
 
@@ -67,15 +69,23 @@ def fit(
     lens: bool = True,
     readout: bool = False,
     bodies: bool = True,
+    alike: float = 1.0,
 ) -> BodyFit:
     """Minimise the reprojection error over the views and what else is free.
+
+    Args:
+        seen: corners.
+        start: a state that is near.
+        lens, readout, bodies: whether they are free.
+        alike: by how much corners that err alike make errors larger than their noise says: so much
+            less they weigh against what is expected of the lens (`certainty.error_inflation`).
 
     Raises:
         SelfCalibrationError: a start from which some corner has no image.
     """
     state, noise_px = start, _noise_px(seen, start)
     for _ in range(_ROUNDS):
-        free = Freedom(lens, readout, bodies, _LIMIT * noise_px, noise_px)
+        free = Freedom(lens, readout, bodies, _LIMIT * noise_px, alike * noise_px)
         evaluate = partial(
             BodyReprojection, seen, velocities(seen.time_s, state.world_T_camera), free
         )
@@ -126,12 +136,12 @@ def _fitted(state: BodyState, at: BodyReprojection, noise_px: float) -> BodyFit:
     equations, free = at.equations, at.free_numbers
     if not len(free):
         nothing = np.zeros(len(equations.blocks))
-        return BodyFit(state, at.residuals_px, np.zeros((0, 0)), noise_px, nothing, nothing)
+        return BodyFit(state, at.residuals_px, np.zeros((0, 0)), noise_px, at, nothing, nothing)
     inverse = np.linalg.inv(equations.reduced_information)
     covariance = np.asarray(noise_px**2 * inverse[: len(free), : len(free)], np.float64)
     by_view, information = _focal_alone(at, equations.blocks)
     sigma = np.asarray(noise_px / np.sqrt(information), np.float64)
-    return BodyFit(state, at.residuals_px, covariance, noise_px, by_view, sigma)
+    return BodyFit(state, at.residuals_px, covariance, noise_px, at, by_view, sigma)
 
 
 def _focal_alone(at: BodyReprojection, blocks: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -17,6 +17,9 @@ from motorcade.tracking.cameras.camera import Camera, CameraModel
 CENTRE_SHARE = 0.02
 """Standard deviation, in long sides, of a lens's centre about the picture's before it is measured:
 pictures are cut from the middle of the sensor, to a per cent or two."""
+USUAL_FOCAL, FOCAL_SPREAD = 0.8, 0.35
+"""Focal lengths of cameras, in long sides: log-normal about a phone's, so wide that action cameras
+and short telephotos are two of its standard deviations off. It speaks where corners hardly do."""
 _TERM = 1.0
 _PLAIN = 3  # focal length and centre stand before the lens's terms
 
@@ -49,15 +52,27 @@ class LensKind:
         numbers[:kept] = like[:kept]
         return numbers
 
-    def prior(self, size: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
-        """What is expected of the numbers, and the information of that: centre and terms."""
+    def prior(self, numbers: FloatArray, size: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
+        """How far numbers are from what is expected of them, and the information of that.
+
+        The logarithm of the focal length is expected to be a usual camera's, the centre to be the
+        picture's, the terms to be small.
+        """
         width, height = size
-        mean = np.zeros(_PLAIN + self.terms)
-        mean[1:3] = 0.5 * (width - 1), 0.5 * (height - 1)
-        information = np.full(len(mean), _TERM**-2)
-        information[0] = 0.0
+        away = numbers.astype(np.float64)
+        away[0] *= np.log(numbers[0] / (USUAL_FOCAL * max(size)))
+        away[1:3] -= 0.5 * (width - 1), 0.5 * (height - 1)
+        information = np.full(len(away), _TERM**-2)
+        information[0] = (FOCAL_SPREAD * numbers[0]) ** -2.0
         information[1:3] = (CENTRE_SHARE * max(size)) ** -2.0
-        return mean, information
+        return away, information
+
+    def bend(self, numbers: FloatArray, size: tuple[int, int]) -> FloatArray:
+        """Derivative ``(3 + terms,)`` by the numbers of how far, as a share of its distance from
+        the middle, the terms move the picture's corner.
+        """
+        corner = 0.5 * float(np.hypot(*size)) / numbers[0]
+        return np.append(np.zeros(_PLAIN), corner ** (2.0 * np.arange(1, self.terms + 1)))
 
     def by_numbers(self, camera: Camera, in_camera: FloatArray, px: FloatArray) -> FloatArray:
         """Derivative ``(n, 2, 3 + terms)`` of pixels by the numbers, in which models are linear.

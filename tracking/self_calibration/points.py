@@ -107,8 +107,8 @@ class _Reprojection:
         size = np.linalg.norm(self.residuals_px, axis=-1)
         loss, weight = huber_cauchy(size, limit, outlier)
         self._weight = np.where(before, weight, 0.0)
-        mean, information = state.kind.prior(seen.size)
-        self._away, self._expected = state.numbers - mean, information * noise_px**2
+        self._away, information = state.kind.prior(state.numbers, seen.size)
+        self._expected = information * noise_px**2
         cost = float(loss.sum() + 0.5 * (self._expected * self._away**2).sum())
         self.cost = cost if np.isfinite(cost) else np.inf
 
