@@ -149,6 +149,8 @@ class Recording:
             "pictures", "video" or "synthetic".
         frames: the pictures.
         camera: intrinsics, of the upright pictures' size.
+        focal_sigma: relative standard deviation of the camera's focal length where it was found in
+            these pictures; 0 where somebody stated the camera.
         readout_s: from the first row of a picture, as it is stored, to the last, whose middle row
             is read at the stamp (rolling shutter); 0 for a global one. See `shutter_s`.
         baseline_m: how far to its right the camera of the frames' right pictures stands.
@@ -202,6 +204,7 @@ class Recording:
     odometry: Odometry | None = None
     readout_s: float = 0.0
     metric: bool = True
+    focal_sigma: float = 0.0
 
     def __post_init__(self) -> None:
         if len(self.frames) == 0:
@@ -212,6 +215,9 @@ class Recording:
         if not 0.0 <= self.readout_s <= LONGEST_READOUT_S:
             problem = f"expected seconds from 0 to {LONGEST_READOUT_S:g}, got {self.readout_s}"
             raise refusal(self.root, problem, field="readout_s")
+        if not 0.0 <= self.focal_sigma < np.inf:
+            problem = f"expected a share of 0 or more, got {self.focal_sigma}"
+            raise refusal(self.root, problem, field="focal_sigma")
         for name in ("imu_T_camera", "world_T_board"):
             motor = getattr(self, name)
             if motor is not None and motor.shape != ():
@@ -329,6 +335,8 @@ class Recording:
         yield "frame stamps", _bytes(self.frames.time_ns)
         if self.readout_s:
             yield "readout", repr(self.readout_s).encode()
+        if self.focal_sigma:
+            yield "focal sigma", repr(self.focal_sigma).encode()
         if self.imu is not None:
             yield "imu stamps", _bytes(self.imu.time_ns)
             yield "angular rate", _bytes(self.imu.angular_rate_rad_s)

@@ -39,6 +39,7 @@ class FoundCamera:
         shutter_s: ``(2,)`` of its read-out, from left to right and from top to bottom; 0 where
             nothing is known of it.
         doubts: what may be wrong with it.
+        sigma: relative standard deviation of its focal length; 0 where it was told.
     """
 
     camera: Camera
@@ -47,6 +48,7 @@ class FoundCamera:
     target: FoundTarget | None
     shutter_s: tuple[float, float] = (0.0, 0.0)
     doubts: tuple[str, ...] = ()
+    sigma: float = 0.0
 
 
 def camera_by_view(size: tuple[int, int], fov_deg: float) -> Camera:
@@ -92,7 +94,8 @@ def _said(made: SelfCalibration, by: str, target: FoundTarget | None = None) -> 
         f"{100.0 * made.sigma_focal:.2g} %, {made.rms_px:.2g} px RMS over {made.views} frames"
     )
     source = f"self-calibration by {by}"
-    return FoundCamera(made.camera, said, source, target, _shutter_s(made), made.doubts)
+    shutter_s = _shutter_s(made)
+    return FoundCamera(made.camera, said, source, target, shutter_s, made.doubts, made.sigma_focal)
 
 
 def _shutter_s(made: SelfCalibration) -> tuple[float, float]:

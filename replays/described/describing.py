@@ -163,6 +163,8 @@ class _Describing:
             readout = f"readout_s = {readout_s!r}\n"
             said = f"{1e3 * readout_s:.1f} ms from a picture's first row to its last"
             self._assume("rolling shutter", said, source, "readout_s under [camera]")
+        if found.sigma:
+            readout += f"focal_sigma = {found.sigma!r}\n"
         self._tables.append(camera_toml(found.camera, self._turned_deg()) + readout)
         return found
 
@@ -208,7 +210,9 @@ class _Describing:
         said += f"over {turned.pairs} pairs of frames"
         doubts = ("how the lens bends is not known",)
         source = "the turns that the gyroscope counted"
-        return self._checked(FoundCamera(turned.camera, said, source, None, doubts=doubts))
+        return self._checked(
+            FoundCamera(turned.camera, said, source, None, doubts=doubts, sigma=turned.sigma)
+        )
 
     def _as_stated(self, target: FoundTarget | None, problem: str, why: ValueError) -> FoundCamera:
         """The lens that the file states, where pictures do not tell one.

@@ -69,7 +69,8 @@ def test_a_camera_without_distortion_changes_nothing() -> None:
 def test_pixels_without_a_use_are_never_drawn_into_and_all_others_are(camera: Camera) -> None:
     lens = LensWarp(camera)
     size = lens.pinhole.height, lens.pinhole.width
-    assert size[0] <= 3 * camera.height + 4 and size[1] <= 3 * camera.width + 4
+    assert size[0] <= 3 * camera.height + 4
+    assert size[1] <= 3 * camera.width + 4
     full = Layer(np.full((*size, 4), 255, np.uint8), np.ones(size, np.float32))
     shown = lens.layer(full)
     y, x = np.mgrid[: camera.height, : camera.width]
@@ -83,7 +84,8 @@ def test_pixels_without_a_use_are_never_drawn_into_and_all_others_are(camera: Ca
     window = lens.shown((np.zeros(2, int), np.array(size[::-1]) - 1))
     assert np.count_nonzero(usable[window]) == np.count_nonzero(usable)
     corner = slice(0, 2), slice(0, 2)  # a window of such pixels alone
-    assert not usable[corner].any() and not lens.smooth(np.ones(size, np.float32), corner).any()
+    assert not usable[corner].any()
+    assert not lens.smooth(np.ones(size, np.float32), corner).any()
     lens.drawn(corner)
 
 

@@ -76,15 +76,36 @@ def self_calibrate_board(
     few = np.asarray(shown)[spread_runs(len(shown), _MOST_VIEWS)]
     kept = [(int(k), view) for k in few if (view := views[int(k)]) is not None]
     focal = focal_from_planes([(view.points_m, view.corners_px) for _, view in kept], size)
+    seen, start = board_sightings(kept, stamps, size, focal)
+    return calibration_of(choose_lens(seen, start, readout=True), seen, "board")
+
+
+def board_sightings(
+    views: Sequence[tuple[int, BoardCorners]],
+    time_ns: IntArray,
+    size: tuple[int, int],
+    focal: float,
+) -> tuple[BodySightings, BodyState]:
+    """A board in the views that some pose explains, and where a fit of them begins.
+
+    Args:
+        views: rows of `time_ns`, rising, and what they show of the board.
+        time_ns: stamps of all frames.
+        size: width and height of the pictures.
+        focal: of a camera without distortion, pixels, near the right one.
+
+    Raises:
+        SelfCalibrationError: fewer views than a fit takes.
+    """
     camera = PINHOLE.camera(start_numbers(focal, size), size)
-    posed = [(row, view, *_posed(view, camera)) for row, view in kept]
+    posed = [(row, view, *_posed(view, camera)) for row, view in views]
     errors = np.array([error for *_, error in posed])
     good = errors <= _BAD_VIEW * np.median(errors)
     kept_views = [one for one, fine in zip(posed, good, strict=True) if fine]
     if len(kept_views) < LEAST_VIEWS or not np.isfinite(errors[good]).all():
         raise SelfCalibrationError("views: expected corners that some camera explains, got none")
     every = max(1, sum(len(view) for _, view, *_ in kept_views) // _MOST_CORNERS + 1)
-    seen = _sightings(kept_views, stamps, size, every)
+    seen = _sightings(kept_views, time_ns, size, every)
     start = BodyState(
         PINHOLE,
         start_numbers(focal, size),
@@ -92,7 +113,7 @@ def self_calibrate_board(
         Motor.stack([pose for *_, pose, _ in kept_views]),
         Motor.identity((1,)),
     )
-    return calibration_of(choose_lens(seen, start, readout=True), seen, "board")
+    return seen, start
 
 
 def _posed(view: BoardCorners, camera: Camera) -> tuple[Motor, float]:

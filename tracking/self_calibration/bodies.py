@@ -10,7 +10,7 @@ Sources: Triggs et al. 2000 (bundle adjustment); Zhang 2000 (a camera from plane
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -23,6 +23,8 @@ from motorcade.tracking.self_calibration.lens import LensKind
 
 _READOUT_SIGMA_S = 0.03
 """No sensor reads a picture for longer than its frame at 30 Hz lasts."""
+_SAG = 0.01
+"""Standard deviation of how far a print's rim lies off its middle's plane, over its half width."""
 _NEIGHBOUR_S = 0.11
 _WIDTH = 6
 LEAST_VIEWS = 5
@@ -66,6 +68,14 @@ class BodySightings:
         return np.searchsorted(self.view, np.arange(len(self.time_s)))
 
     @cached_property
+    def sag(self) -> FloatArray:
+        """``(N, 3)`` heights of three ways to bend a print whose rim is one half width off."""
+        low, high = self.points[:, :2].min(axis=0), self.points[:, :2].max(axis=0)
+        half = 0.5 * float((high - low).max())
+        x, y = ((self.points[:, :2] - 0.5 * (low + high)) / half).T
+        return half * np.stack([x * x, x * y, y * y], axis=-1)
+
+    @cached_property
     def line(self) -> FloatArray:
         """``(N, 2)`` where in the picture a corner lies, across and down: -1/2 to 1/2."""
         return (self.px + 0.5) / self.size - 0.5
@@ -81,6 +91,8 @@ class BodyState:
         readout_s: ``(2,)`` seconds from left edge to right, and from upper to lower.
         world_T_camera: Motor ``(V,)``.
         world_T_body: Motor ``(B,)``; the first is the world.
+        bent: ``(3,)`` how a lone body is bent, see `BodySightings.sag`: no print lies quite flat,
+            and one that is taken to tells a wrong focal length.
     """
 
     kind: LensKind
@@ -88,6 +100,12 @@ class BodyState:
     readout_s: FloatArray
     world_T_camera: Motor
     world_T_body: Motor
+    bent: FloatArray = field(default_factory=lambda: np.zeros(3))
+
+    @property
+    def shared(self) -> FloatArray:
+        """All numbers: of the lens, the read-out's two, and how a body is bent."""
+        return np.concatenate([self.numbers, self.readout_s, self.bent])
 
 
 def velocities(time_s: FloatArray, world_T_camera: Motor) -> FloatArray:
@@ -113,7 +131,8 @@ class Freedom:
     """What may move beside the views, and how far corners count in full.
 
     Fields:
-        lens: its numbers; readout: of the shutter; bodies: all but the first.
+        lens: its numbers; readout: of the shutter; bodies: all but the first, or how a lone one
+            is bent.
         limit_px: beyond it a corner counts less (Huber).
         noise_px: of a corner, against which what is expected of the lens is weighed.
     """
@@ -123,6 +142,12 @@ class Freedom:
     bodies: bool
     limit_px: float
     noise_px: float
+
+    def of(self, state: BodyState) -> IntArray:
+        """Which of a state's shared numbers move."""
+        bent = self.bodies and state.world_T_body.shape[0] == 1
+        groups = [self.lens] * len(state.numbers) + [self.readout] * 2 + [bent] * len(state.bent)
+        return np.flatnonzero(groups)
 
 
 class BodyReprojection:
@@ -139,6 +164,7 @@ class BodyReprojection:
         camera_T_body = state.world_T_camera.inverse()[seen.view] @ state.world_T_body[seen.body]
         self._camera_R_body = camera_T_body.rotor.as_matrix()
         still = camera_T_body.apply(seen.points)
+        still = still + self._camera_R_body[:, :, 2] * (seen.sag @ state.bent)[:, None]
         turn, shift = velocity[seen.view, :3], velocity[seen.view, 3:]
         late_s = (seen.line @ state.readout_s)[:, None]
         moves = np.cross(still, turn) - shift
@@ -159,15 +185,15 @@ class BodyReprojection:
     def _prior(self) -> tuple[FloatArray, FloatArray]:
         """How far the numbers are from what is expected, and the weight of that."""
         away, information = self._state.kind.prior(self._state.numbers, self._seen.size)
-        away = np.concatenate([away, self._state.readout_s])
-        both = np.concatenate([information, np.full(2, _READOUT_SIGMA_S**-2.0)])
+        away = np.concatenate([away, self._state.readout_s, self._state.bent])
+        others = np.full(2, _READOUT_SIGMA_S**-2.0), np.full(3, _SAG**-2.0)
+        both = np.concatenate([information, *others])
         return away, both * self._free.noise_px**2
 
     @cached_property
     def free_numbers(self) -> IntArray:
-        """Which of the lens's numbers and the readout's two move."""
-        lens = len(self._state.numbers)
-        return np.flatnonzero([self._free.lens] * lens + [self._free.readout] * 2)
+        """Which of the shared numbers move."""
+        return self._free.of(self._state)
 
     @cached_property
     def by_shared(self) -> FloatArray:
@@ -176,7 +202,9 @@ class BodyReprojection:
         by_lens = self._state.kind.by_numbers(self._camera, self._in_camera, self._pixels)
         by_time = np.einsum("nij,nj->ni", self._by_point, self._by_time)
         by_readout = by_time[:, :, None] * seen.line[:, None, :]
-        every = np.concatenate([by_lens, by_readout], axis=-1)[..., free]
+        by_height = np.einsum("nij,nj->ni", self._by_point, self._camera_R_body[:, :, 2])
+        by_bend = by_height[:, :, None] * seen.sag[:, None, :]
+        every = np.concatenate([by_lens, by_readout, by_bend], axis=-1)[..., free]
         filled = np.zeros((len(seen.px), 2, -(-len(free) // _WIDTH) * _WIDTH))
         filled[..., : len(free)] = every
         return filled

@@ -29,6 +29,8 @@ from motorcade.tracking.self_calibration.result import (
 WORST_FOCAL = 0.05
 """Relative standard deviation of a focal length beyond which none is given."""
 _DOUBTFUL_FOCAL = 0.01
+_SURE_FOCAL = 0.001
+"""No clip tells it better: focus and stabilisation move it, and pixels are as square as that."""
 _LEANT_ON = 0.3  # of the usual cameras' spread: from there on they are part of the answer
 _AS_GOOD = 1.02  # a simpler lens may predict so much worse than the best
 _SCATTERS = 2.0
@@ -61,7 +63,7 @@ class ChosenFit:
 
     @property
     def covariance(self) -> FloatArray:
-        """Covariance of the lens's numbers and the readout, for corners that err alike."""
+        """Covariance of the numbers that views share, for corners that err alike."""
         return self.alike**2 * self.fit.covariance
 
 
@@ -88,7 +90,7 @@ def choose_lens(seen: BodySightings, start: BodyState, *, readout: bool) -> Chos
     tried: list[_Tried] = []
     for kind in KINDS:
         try:
-            tried.append(_try_lens(seen, _as_kind(start, kind), readout=readout))
+            tried.append(_try_lens(seen, as_kind(start, kind), readout=readout))
         except SelfCalibrationError:  # corners beyond where it folds back
             if kind is KINDS[0]:
                 raise
@@ -152,7 +154,7 @@ def _of_views(state: BodyState, views: IntArray) -> BodyState:
     return replace(state, world_T_camera=state.world_T_camera[views])
 
 
-def _as_kind(state: BodyState, kind: LensKind) -> BodyState:
+def as_kind(state: BodyState, kind: LensKind) -> BodyState:
     """The same with another lens model; terms of another model begin at zero."""
     same = state.kind.model == kind.model or state.kind.model == "pinhole"
     numbers = kind.start(state.numbers, state.kind.terms if same else 0)
@@ -176,7 +178,8 @@ def calibration_of(chosen: ChosenFit, seen: BodySightings, basis: Basis) -> Self
     chosen, breathing = _with_breathing(chosen, seen)
     found = chosen.fit
     focal = float(found.state.numbers[0])
-    sigma = float(np.hypot(np.sqrt(chosen.covariance[0, 0]) / focal, chosen.spread))
+    formal = float(np.sqrt(chosen.covariance[0, 0])) / focal
+    sigma = float(np.linalg.norm([formal, chosen.spread, _SURE_FOCAL]))
     if not LEAST_FOCAL <= focal / max(seen.size) <= MOST_FOCAL:
         raise SelfCalibrationError(
             f"{basis}: expected a focal length of {LEAST_FOCAL:g} to {MOST_FOCAL:g} long sides of "
@@ -204,7 +207,7 @@ def largest_tilt_deg(state: BodyState) -> float:
 def _readout(chosen: ChosenFit) -> ShutterReadout | None:
     """The shutter's, along the axis that shows it; None where neither is sure."""
     state = chosen.fit.state
-    sigmas = np.sqrt(np.diag(chosen.covariance)[len(state.numbers) :])
+    sigmas = np.sqrt(np.diag(chosen.covariance)[len(state.numbers) :][:2])
     if not len(sigmas):
         return None
     axis = int(np.argmax(np.abs(state.readout_s)))
@@ -247,7 +250,9 @@ def _with_breathing(chosen: ChosenFit, seen: BodySightings) -> tuple[ChosenFit, 
     if float(np.ptp(change)) < _BREATHING_SIGMAS * float(np.hypot(*ends)):
         return chosen, 0.0
     share = float(np.ptp(change) / even.state.numbers[0])
-    return replace(chosen, fit=even, alike=alike), share
+    # No frame has the mean: what is said of it covers theirs.
+    spread = float(np.hypot(chosen.spread, change.std() / even.state.numbers[0]))
+    return replace(chosen, fit=even, alike=alike, spread=spread), share
 
 
 def _by_bins(

@@ -37,7 +37,8 @@ class BodyFit:
     Fields:
         state: where it ended.
         residuals_px: ``(N, 2)`` reprojection minus corner.
-        covariance: ``(p, p)`` of the lens's numbers and the readout, for independent corners.
+        covariance: ``(p, p)`` of the free ones of the state's shared numbers, for independent
+            corners.
         sigma_px: noise of a coordinate.
         evaluation: the problem there.
         focal_by_view: ``(V,)`` change of the focal length that each view alone asks for, and
@@ -76,7 +77,9 @@ def fit(
     Args:
         seen: corners.
         start: a state that is near.
-        lens, readout, bodies: whether they are free.
+        lens: whether its numbers are free.
+        readout: whether the shutter's is.
+        bodies: whether all but the first are, or how a lone one is bent.
         alike: by how much corners that err alike make errors larger than their noise says: so much
             less they weigh against what is expected of the lens (`certainty.error_inflation`).
 
@@ -101,18 +104,18 @@ def fit(
 
 def _retract(free: Freedom, state: BodyState, step: tuple[FloatArray, FloatArray]) -> BodyState:
     groups, views = step
-    lens = len(state.numbers)
-    moved = np.flatnonzero([free.lens] * lens + [free.readout] * 2)
+    lens, moved = len(state.numbers), free.of(state)
     wide = -(-len(moved) // 6)
-    numbers = np.concatenate([state.numbers, state.readout_s])
-    numbers[moved] += groups[:wide].ravel()[: len(moved)]
+    shared = state.shared
+    shared[moved] += groups[:wide].ravel()[: len(moved)]
     bodies = state.world_T_body
     if free.bodies and bodies.shape[0] > 1:
         bodies = bodies.retract(np.concatenate([np.zeros((1, 6)), groups[wide:]]))
     return replace(
         state,
-        numbers=numbers[:lens],
-        readout_s=numbers[lens:],
+        numbers=shared[:lens],
+        readout_s=shared[lens : lens + 2],
+        bent=shared[lens + 2 :],
         world_T_camera=state.world_T_camera.retract(views),
         world_T_body=bodies,
     )

@@ -240,6 +240,8 @@ class _Manifest:
             made = replace(made, readout_s=section.number("readout_s", 0.0, LONGEST_READOUT_S))
             if made.camera is not None and section.holds_only("readout_s"):
                 return made
+        if "focal_sigma" in section:
+            made = replace(made, focal_sigma=section.number("focal_sigma", 0.0, 1.0))
         if not isinstance(frames, VideoFrames | PictureFrames):
             raise section.fault("", "this recording's camera cannot be replaced")
         stated = "width" in section or "height" in section

@@ -237,6 +237,7 @@ CAMERA_KEYS = (
     "distortion_file",
     "rotation_deg",
     "readout_s",
+    "focal_sigma",
 )
 
 

@@ -7,17 +7,22 @@ from itertools import islice
 import numpy as np
 
 from motorcade.replays.recording import Recording
-from motorcade.tracking import Board, BoardTrack, CalibrationError, Camera, Checkerboard, calibrate
+from motorcade.tracking import Board, BoardTrack, Camera, Checkerboard, SelfCalibrationError
 from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.boards.checkerboard import extent_in_picture, extent_seen
 from motorcade.tracking.boards.corners import BoardCorners
-from motorcade.tracking.cameras.calibrate import spread_views
+from motorcade.tracking.self_calibration.boards import board_sightings
+from motorcade.tracking.self_calibration.bodies import spread_runs
+from motorcade.tracking.self_calibration.choosing import as_kind, weighed_fit
+from motorcade.tracking.self_calibration.fitting import fit
+from motorcade.tracking.self_calibration.lens import KINDS
 
 _PICTURES = 3
-_VIEWS = 20
+_VIEWS = 90
+_TERMS = next(kind for kind in KINDS if kind.name == "radtan with k1 k2")
 _FOCAL_SHARE = 0.02
 """A focal length wrong by so much puts a corner of the picture several pixels off."""
-_SIGMAS = 5.0
+_SIGMAS = 3.0
 _WORSE_PX, _TIMES = 0.2, 1.5
 
 
@@ -29,7 +34,7 @@ def audited_board(
     if isinstance(board, Checkerboard):
         findings.append(_extent(recording, board, tracked))
     if recording.camera is not None:
-        findings.append(_camera(recording.camera, board, tracked))
+        findings.append(_camera(recording.camera, board, tracked, recording.focal_sigma))
     return tuple(findings)
 
 
@@ -61,30 +66,51 @@ def _extent(recording: Recording, board: Checkerboard, tracked: BoardTrack) -> A
     return AuditFinding("board_corners", "contradicted", off, "corners", summary, advice)
 
 
-def _camera(camera: Camera, board: Board, tracked: BoardTrack) -> AuditFinding:
-    """The stated camera against one that is calibrated from the same corners."""
-    name = "camera_on_board"
-    views = [
-        BoardCorners(one.ids, one.corners_px, board.points_m[one.ids])
-        for one in tracked.observations
+def _camera(camera: Camera, board: Board, tracked: BoardTrack, found_sigma: float) -> AuditFinding:
+    """The camera against what the same corners say, its own lens and read-out being taken.
+
+    Corners are brought to where its focal length alone shows them; fitted with a free focal length,
+    and with free terms, they say by how much they want both otherwise.
+
+    Args:
+        camera: that the board was tracked with.
+        board: that was tracked.
+        tracked: where.
+        found_sigma: of the camera's focal length where it was found in these pictures, relative; 0
+            where it was stated.
+    """
+    name, focal = "camera_on_board", float(np.sqrt(camera.fx * camera.fy))
+    size = camera.width, camera.height
+    some = [tracked.observations[row] for row in spread_runs(len(tracked.observations), _VIEWS)]
+    flat = [
+        focal * camera.unproject(one.corners_px)[:, :2] + 0.5 * np.array(size) - 0.5 for one in some
     ]
-    views = [view for view in views if view.spanning]
+    views = [
+        (row, view)
+        for row, (one, px) in enumerate(zip(some, flat, strict=True))
+        if np.isfinite(px).all()
+        and (view := BoardCorners(one.ids, px, board.points_m[one.ids])).spanning
+    ]
     try:
-        chosen = [views[row] for row in spread_views(views, _VIEWS)] if views else []
-        found = calibrate(chosen, (camera.width, camera.height), camera.model)
-    except CalibrationError as why:
+        seen, start = board_sightings(views, np.array([one.time_ns for one in some]), size, focal)
+        held, free = (fit(seen, start, readout=True, lens=one) for one in (False, True))
+        loose = weighed_fit(seen, start, readout=True)
+        bent = fit(seen, as_kind(free.state, _TERMS), readout=True)
+    except SelfCalibrationError as why:
         summary = f"the board's views do not tell the camera ({why})"
         return AuditFinding(name, "unknown", None, "share", summary)
-    ratio = np.array([found.camera.fx / camera.fx, found.camera.fy / camera.fy]) - 1.0
-    off = float(np.max(np.abs(ratio)))
-    sigma = float(np.max(found.deviation[:2]) / camera.fx)
-    stated_px = float(np.nanmedian(tracked.error_px))
-    seen = (
-        f"the board's views say fx {found.camera.fx:.1f} px where {camera.fx:.1f} is stated, off "
-        f"by {100.0 * off:.1f} %; they fit to {found.rmse_px:.2f} px, {stated_px:.2f} as stated"
+    ratio = float(loose.fit.state.numbers[0]) / focal
+    sigma = float(np.sqrt(loose.covariance[0, 0])) / focal
+    off = abs(ratio - 1.0)
+    given = f"{camera.fx:.1f} is stated"
+    if found_sigma:
+        given = f"{camera.fx:.1f} ± {found_sigma * camera.fx:.1f} was found"
+    told = (
+        f"the board's views say fx {ratio * camera.fx:.1f} ± {sigma * camera.fx:.1f} px where "
+        f"{given}, off by {off:.1%}; they fit to {bent.rms_px:.2f} px, {held.rms_px:.2f} as it is"
     )
-    worse = stated_px > max(_TIMES * found.rmse_px, found.rmse_px + _WORSE_PX)
-    if (off > _FOCAL_SHARE and off > _SIGMAS * sigma) or worse:
+    worse = held.rms_px > max(_TIMES * bent.rms_px, bent.rms_px + _WORSE_PX)
+    if (off > _FOCAL_SHARE and off > _SIGMAS * np.hypot(sigma, found_sigma)) or worse:
         advice = "calibrate the camera, or state its focal length and distortion as they are"
-        return AuditFinding(name, "contradicted", off, "share", seen, advice)
-    return AuditFinding(name, "consistent", off, "share", seen)
+        return AuditFinding(name, "contradicted", off, "share", told, advice)
+    return AuditFinding(name, "consistent", off, "share", told)
