@@ -26,8 +26,6 @@ from motorcade.tracking.self_calibration.result import (
     ShutterReadout,
 )
 
-WORST_FOCAL = 0.05
-"""Relative standard deviation of a focal length beyond which none is given."""
 _DOUBTFUL_FOCAL = 0.01
 _SURE_FOCAL = 0.001
 """No clip tells it better: focus and stabilisation move it, and pixels are as square as that."""

@@ -29,8 +29,7 @@ from motorcade.tracking.markers.corner_stream import checked_stamps
 from motorcade.tracking.native._flow import Pyramid
 from motorcade.tracking.pictures import track_corners
 from motorcade.tracking.self_calibration.bodies import velocities
-from motorcade.tracking.self_calibration.choosing import WORST_FOCAL
-from motorcade.tracking.self_calibration.lens import KINDS, start_numbers
+from motorcade.tracking.self_calibration.lens import FOCAL_SPREAD, KINDS, LensKind, start_numbers
 from motorcade.tracking.self_calibration.points import (
     PointFit,
     PointSightings,
@@ -47,6 +46,9 @@ from motorcade.tracking.slam.slam import VisualSlam
 _STARTS = (0.72, 0.45, 1.1, 1.7)
 """Focal lengths to start from, in long sides: a phone's main, wide and long cameras."""
 _KIND = next(kind for kind in KINDS if kind.name == "radtan with k1 k2")
+_SIMPLER: tuple[LensKind, ...] = tuple(
+    kind for name in ("radtan with k1", "pinhole") for kind in KINDS if kind.name == name
+)
 _LONG_SIDE = 960  # pictures are tracked at this size: finer ones cost time and tell little more
 _MOST_FRAMES = 450
 _MOST_VIEWS = 40
@@ -205,7 +207,7 @@ def _first_map(frames: _Frames) -> tuple[SlamResult, Camera] | None:
         if result is None:
             continue
         seen, state = _of_map(frames, result, camera)
-        freed = fit_points(seen, state).state
+        freed = _unfolded(frames, seen, fit_points(seen, state)).state
         camera = freed.kind.camera(freed.numbers, frames.small)
         again = _mapped(frames, camera)
         if again is not None:
@@ -308,16 +310,17 @@ def _checked(frames: _Frames, seen: PointSightings, found: PointFit) -> SelfCali
             f"{_LEAST_PARALLAX_DEG:g} degrees and more, got {parallax:.1f} in the middle: go "
             "farther sideways, or nearer"
         )
+    found = _unfolded(frames, seen, found)
     numbers, views = found.state.numbers, int(found.state.world_T_camera.shape[0])
     halves = [fit_points(*_half(seen, found.state, one)).state.numbers[0] for one in (0, 1)]
     formal = float(np.sqrt(found.covariance[0, 0])) / numbers[0]
     sigma = max(formal, abs(halves[0] - halves[1]) / (2.0 * numbers[0]))
-    if not sigma <= WORST_FOCAL:
+    if not sigma <= FOCAL_SPREAD:
         raise SelfCalibrationError(
-            f"pictures: expected a motion that fixes the focal length to {WORST_FOCAL:.0%}, got "
-            f"{numbers[0] * frames.scale:.0f} pixels +- {sigma:.1%}: a flat scene, or a camera "
-            "that goes straight ahead, does not tell it; move sideways past things at different "
-            "depths, and turn while you do"
+            f"pictures: expected a motion that tells the focal length, got "
+            f"{numbers[0] * frames.scale:.0f} pixels +- {sigma:.0%}, no better than a guess: a "
+            "flat scene, or a camera that goes straight ahead, does not tell it; move sideways "
+            "past things at different depths, and turn while you do"
         )
     inside = np.linalg.norm(found.residuals_px, axis=-1) < 6.0 * found.noise_px
     rms = float(np.sqrt((found.residuals_px[inside] ** 2).sum(axis=-1).mean()))
@@ -333,6 +336,17 @@ def _checked(frames: _Frames, seen: PointSightings, found: PointFit) -> SelfCali
         views,
         doubts=tuple(doubts),
     )
+
+
+def _unfolded(frames: _Frames, seen: PointSightings, found: PointFit) -> PointFit:
+    """The same; where its terms fold back in the picture, the fit with as many as do not."""
+    for kind in (_KIND, *_SIMPLER):
+        if kind.terms < found.state.kind.terms:
+            numbers = kind.start(found.state.numbers, kind.terms)
+            found = fit_points(seen, replace(found.state, kind=kind, numbers=numbers))
+        if not _full_size(found, frames).folds():
+            break
+    return found
 
 
 def _half(seen: PointSightings, state: PointState, one: int) -> tuple[PointSightings, PointState]:
