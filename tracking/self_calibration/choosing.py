@@ -39,6 +39,7 @@ _HEAD_ON_DEG = 15.0
 _READOUT_SIGMA_S = 0.002
 _BREATHING_BINS, _BREATHING_LEAST, _BREATHING_SIGMAS = 8, 0.01, 4.0
 _BREATHING_ROUNDS = 3
+_LEFT_ALIKE = 0.5  # of the errors in common: what breathing explains leaves no more
 _BREATHING_SPREAD = 0.03  # of the focal length: what autofocus does to lenses
 _POOR_RMS_PX = 1.5
 _FAR_ENOUGH = 0.55  # of the way from the middle to a corner: beyond the short side
@@ -222,7 +223,7 @@ def _with_breathing(chosen: ChosenFit, seen: BodySightings) -> tuple[ChosenFit, 
     One focal length for all is not their mean: distances make up for what it lacks. So corners are
     brought to where the mean focal length shows them, and all is fitted again, in turns. Whether it
     changed is then asked of what that fit is sure of: a part of the clip that shows a print head on
-    tells no focal length apart from a distance.
+    tells no focal length apart from a distance. And it must explain what errors had in common.
     """
     if len(seen.time_s) < 2 * _BREATHING_BINS:
         return chosen, 0.0
@@ -245,7 +246,8 @@ def _with_breathing(chosen: ChosenFit, seen: BodySightings) -> tuple[ChosenFit, 
         alike = error_inflation(at_mean, even)
     _, _, sigma = _by_bins(even, seen, alike)
     ends = np.interp(seen.time_s[[high, low]], centres, sigma)
-    if float(np.ptp(change)) < _BREATHING_SIGMAS * float(np.hypot(*ends)):
+    sure = float(np.ptp(change)) > _BREATHING_SIGMAS * float(np.hypot(*ends))
+    if not sure or alike > _LEFT_ALIKE * chosen.alike:
         return chosen, 0.0
     share = float(np.ptp(change) / even.state.numbers[0])
     # No frame has the mean: what is said of it covers theirs.
