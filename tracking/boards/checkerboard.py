@@ -28,7 +28,7 @@ from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, check_count, check_length, checked_gray
 from motorcade.tracking.measurements import MarkerObservation
 
-_QUICK = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_FAST_CHECK
+QUICK = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_FAST_CHECK
 _CLEAR_SHARE = 0.45
 
 
@@ -90,7 +90,7 @@ class Checkerboard(SquaresBoard):
             ValueError: not a grey uint8 picture.
         """
         size = (self.columns, self.rows)
-        found, raw = cv2.findChessboardCorners(checked_gray(image), size, flags=_QUICK)
+        found, raw = cv2.findChessboardCorners(checked_gray(image), size, flags=QUICK)
         if not found:
             found, raw = cv2.findChessboardCornersSB(image, size, flags=0)
         if not found:

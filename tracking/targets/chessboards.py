@@ -1,11 +1,12 @@
-"""How many inner corners a checkerboard has, by counting them in several pictures.
+"""How many inner corners a checkerboard has, by what several pictures and two detectors say.
 
-Each picture gives the largest grid of saddles that OpenCV grows from what it finds (Duda & Frese
-2018). A board that lies partly outside, or behind something, gives a smaller one; so the largest
-grid is taken that a fair share of the pictures agrees on, and it must be found again by its size.
-What lies beside a print may lend it a line of corners by chance: then more pictures count the print
-without it, and the print is found by its own size even where the larger grid was counted, as no
-part of a larger board would be.
+OpenCV's sector-based detector (Duda & Frese 2018) needs no size: what it finds is grown or trimmed
+to where the board ends (`targets.grids`), and a picture in which that is on all sides votes for its
+size. Every size with votes is then asked of the product's own detector, which must find it by its
+size in pictures of its own. The best supported is taken, the others are told.
+
+Where no picture shows the end on all sides, the largest extent is taken that most pictures do not
+deny, and said to be the least that the board is.
 """
 
 from __future__ import annotations
@@ -14,18 +15,19 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from motorcade.tracking.boards.checkerboard import Checkerboard
 from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.pictures import shrunk
+from motorcade.tracking.targets.grids import SeenGrid, grown_grid, seed_grid
 
 _LONGEST_PX = 1280
-_FEWEST = 3
-_MOST = 60
 _LEAST_SHARE = 0.2
 _MOST_ASKED = 6
+_MOST_SIZES = 4
+_MOST_SOUGHT = 2
+_MOSTLY = 0.8
 
 
 @dataclass(frozen=True)
@@ -34,18 +36,22 @@ class CountedBoard:
 
     Fields:
         columns, rows: inner corners, the longer way first.
-        pictures: rising indices of those that show all of it.
+        pictures: rising indices of those that show all of them.
+        others: sizes that a fair share of the pictures shows instead.
+        ends: whether some pictures show where it ends on all sides; without, it may be larger.
 
     >>> from motorcade.tracking import Checkerboard
     >>> from motorcade.tracking.targets import checkerboard_seen
     >>> picture, _ = Checkerboard(7, 5, 0.03).draw(pixels_per_m=1500.0)
     >>> checkerboard_seen([picture, picture])
-    CountedBoard(columns=7, rows=5, pictures=(0, 1))
+    CountedBoard(columns=7, rows=5, pictures=(0, 1), others=(), ends=True)
     """
 
     columns: int
     rows: int
     pictures: tuple[int, ...]
+    others: tuple[tuple[int, int], ...] = ()
+    ends: bool = True
 
     @property
     def board(self) -> Checkerboard:
@@ -63,42 +69,66 @@ def checkerboard_seen(pictures: Sequence[GrayImage]) -> CountedBoard | None:
     Raises:
         ValueError: not grey uint8 pictures.
     """
-    sizes = [_counted(shrunk(checked_gray(one), _LONGEST_PX)) for one in pictures]
-    votes = Counter(size for size in sizes if size is not None)
-    least = max(1 if len(pictures) < 3 else 2, _LEAST_SHARE * votes.total())
-    agreed = [size for size, count in votes.items() if size is not None and count >= least]
-    for size in sorted(agreed, key=lambda one: (-_area(one), -votes[one])):
-        shown = tuple(index for index, one in enumerate(sizes) if one == size)
-        some = [shrunk(pictures[index], _LONGEST_PX) for index in _spread(shown)]
-        own = _times_found(size, some)
-        others = (one for one in agreed if votes[one] > votes[size] and _area(one) < _area(size))
-        if any(_times_found(one, some) >= max(own, 1) for one in others):
-            continue
-        return CountedBoard(*size, shown) if 2 * own >= len(some) else None
+    small = [shrunk(checked_gray(image), _LONGEST_PX) for image in pictures]
+    grids = [grown_grid(image, seed_grid(image)) for image in small]
+    for size in _sought(grids):
+        grids = [_better(grid, image, size) for grid, image in zip(grids, small, strict=True)]
+    shown = [grid for grid in grids if grid is not None]
+    least = max(1 if len(pictures) < 3 else 2, _LEAST_SHARE * len(shown))
+    votes = Counter(grid.size for grid in shown if grid.whole)
+    agreed = [size for size, count in votes.most_common(_MOST_SIZES) if count >= least]
+    sure = [size for size in agreed if _confirmed(size, grids, small)]
+    if sure:
+        return CountedBoard(*sure[0], _showing(sure[0], grids), tuple(sure[1:]))
+    for size in _extents(shown):
+        rows = _showing(size, grids)
+        fitting = sum(_fits(grid, size) for grid in shown)
+        if fitting >= _MOSTLY * len(shown) and len(rows) >= min(least, 2):
+            return CountedBoard(*size, rows, ends=False)
     return None
 
 
-def _area(size: tuple[int, int]) -> int:
-    return size[0] * size[1]
+def _sought(grids: Sequence[SeenGrid | None]) -> list[tuple[int, int]]:
+    """Sizes for the second detector: the boards seen whole most often, or the largest extent."""
+    shown = [grid for grid in grids if grid is not None]
+    whole = Counter(grid.size for grid in shown if grid.whole)
+    return [size for size, _ in whole.most_common(_MOST_SOUGHT)] or _extents(shown)[:1]
 
 
-def _spread(rows: Sequence[int]) -> list[int]:
-    """A few of them, from the first to the last."""
-    places = np.linspace(0, len(rows) - 1, min(len(rows), _MOST_ASKED))
-    return [rows[round(one)] for one in places.tolist()]
+def _extents(shown: Sequence[SeenGrid]) -> list[tuple[int, int]]:
+    """All sizes of grids, the largest first."""
+    return sorted({grid.size for grid in shown}, key=lambda size: (-size[0] * size[1], size))
 
 
-def _times_found(size: tuple[int, int], pictures: Sequence[GrayImage]) -> int:
-    """In how many pictures a board of a size is found whole."""
+def _better(grid: SeenGrid | None, image: GrayImage, size: tuple[int, int]) -> SeenGrid | None:
+    """A grid, or what the detector by contours finds of a size, where that tells more."""
+    if grid is not None and grid.whole:
+        return grid
+    other = grown_grid(image, seed_grid(image, size))
+    return max((grid, other), key=lambda one: (one.whole, one.seen.sum()) if one else (False, 0))
+
+
+def _showing(size: tuple[int, int], grids: Sequence[SeenGrid | None]) -> tuple[int, ...]:
+    """The pictures whose grid has this size, whether it ends there or not."""
+    return tuple(row for row, grid in enumerate(grids) if grid is not None and grid.size == size)
+
+
+def _confirmed(
+    size: tuple[int, int], grids: Sequence[SeenGrid | None], pictures: Sequence[GrayImage]
+) -> bool:
+    """Whether a board of a size is found by it, in half of some pictures that show so many."""
+    shown = _showing(size, grids)
+    places = np.unique(np.linspace(0, len(shown) - 1, min(len(shown), _MOST_ASKED)).astype(int))
     board = Checkerboard(*size, 1.0)
-    return sum(board.detect(one) is not None for one in pictures)
+    found = sum(board.detect(pictures[shown[place]]) is not None for place in places)
+    return 2 * found >= len(places)
 
 
-def _counted(gray: GrayImage) -> tuple[int, int] | None:
-    """Inner corners of the largest grid of one picture, the longer way first."""
-    flags = cv2.CALIB_CB_LARGER | cv2.CALIB_CB_NORMALIZE_IMAGE
-    found, _, grid = cv2.findChessboardCornersSBWithMeta(gray, (_FEWEST, _FEWEST), flags)[:3]
-    if not found or grid is None:
-        return None
-    rows, columns = sorted(grid.shape[:2])
-    return (columns, rows) if rows >= _FEWEST and columns <= _MOST else None
+def _fits(grid: SeenGrid, size: tuple[int, int]) -> bool:
+    """Whether a board of a size may be what a grid shows."""
+    (rows, columns), (top, right, bottom, left) = grid.seen.shape, grid.ended
+    return any(
+        (rows == down if top and bottom else rows <= down)
+        and (columns == across if left and right else columns <= across)
+        for across, down in (size, size[::-1])
+    )

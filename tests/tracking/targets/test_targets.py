@@ -18,7 +18,6 @@ from motorcade.tracking.targets import (
     SeenMarkers,
     board_of_markers,
     checkerboard_seen,
-    chessboards,
     families_seen,
     find_target,
 )
@@ -116,17 +115,6 @@ def test_a_board_that_is_partly_hidden_is_counted_where_it_is_whole(
     counted = checkerboard_seen(shown)
     assert counted is not None
     assert (counted.columns, counted.rows, counted.pictures) == (8, 5, (0, 1))
-
-
-def test_a_line_of_corners_that_lies_beside_a_print_by_chance_is_not_counted(
-    straight_camera: Camera, render, look_at, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    shown = pictures_of(Checkerboard(9, 6, 0.03), straight_camera, render, look_at)
-    sizes = iter([(9, 6), (10, 6), (9, 6), (9, 6), (10, 6)])
-    monkeypatch.setattr(chessboards, "_counted", lambda picture: next(sizes))
-    counted = checkerboard_seen([*shown, shown[0]])
-    assert counted is not None
-    assert (counted.columns, counted.rows, counted.pictures) == (9, 6, (0, 2, 3))
 
 
 PHOTOGRAPHS = {  # what of them is known otherwise: AprilTag's own reference, or nothing to find

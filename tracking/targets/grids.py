@@ -1,0 +1,171 @@
+"""Grids of checkerboard corners in one picture: where a board ends, and where only the view ends.
+
+A detector's grid is a seed. Lines of it that are no saddles are dropped: a line printed beside a
+board, or a screen's edge, has the colours in turn on one side only. Then it grows by extrapolated
+lines as long as most of their corners are saddles, which carries it through glare. Each side then
+either ends (a ring of squares in turn, and no saddles behind it) or is open: it leaves the picture,
+or something hides it. A grid that ends on all sides is a whole board, and tells its size; any other
+tells the least that it is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga.arrays import FloatArray
+from motorcade.tracking.boards.checkerboard import QUICK
+from motorcade.tracking.checks import GrayImage
+from motorcade.tracking.pictures import grey_levels
+
+_FEWEST, _MOST = 3, 60
+_PROBE = 0.3
+"""Of a square: how far from a corner, along both sides, the four colours are compared."""
+_RING = 0.75
+"""Of a square: how far beyond its innermost corners an outer square must still have its colour."""
+_DRAWN = 0.25
+"""Of a square: how far a saddle may lie from where its neighbours say."""
+_LEAST_LEVELS = 4.0
+_LEAST_SHARE = 0.1
+_WINDOW_PX = (2, 11)
+_STOP = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 20, 1e-2)
+_QUARTERS = 4
+_MOSTLY = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class SeenGrid:
+    """Corners of a checkerboard in a picture.
+
+    Fields:
+        corners_px: ``(rows, columns, 2)``.
+        seen: ``(rows, columns)`` which of them look like corners; the others are extrapolated.
+        ended: whether the board ends at the top, right, bottom and left of the grid.
+    """
+
+    corners_px: FloatArray
+    seen: NDArray[np.bool_]
+    ended: tuple[bool, bool, bool, bool]
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Columns and rows, the longer way first."""
+        rows, columns = sorted(self.seen.shape)
+        return columns, rows
+
+    @property
+    def whole(self) -> bool:
+        """Whether it ends on all sides."""
+        return all(self.ended)
+
+
+def seed_grid(gray: GrayImage, size: tuple[int, int] | None = None) -> FloatArray | None:
+    """Corners ``(rows, columns, 2)`` as OpenCV finds them, None where it finds none.
+
+    Without a size the largest grid that its sector-based detector grows (Duda & Frese 2018); with
+    one, columns and rows, what its detector by contours finds of it.
+    """
+    if size is not None:
+        found, corners = cv2.findChessboardCorners(gray, size, flags=QUICK)
+        return np.asarray(corners, np.float64).reshape(*size[::-1], 2) if found else None
+    flags = cv2.CALIB_CB_LARGER | cv2.CALIB_CB_NORMALIZE_IMAGE
+    found, corners, grid = cv2.findChessboardCornersSBWithMeta(gray, (_FEWEST, _FEWEST), flags)[:3]
+    if not found or grid is None or max(grid.shape[:2]) > _MOST:
+        return None
+    return np.asarray(corners, np.float64).reshape(*grid.shape[:2], 2)
+
+
+def grown_grid(gray: GrayImage, seed_px: FloatArray | None) -> SeenGrid | None:
+    """Drop a grid's lines that are no saddles, and add those that are; None where nothing stays.
+
+    Args:
+        gray: the picture.
+        seed_px: ``(rows, columns, 2)`` corners in it, at least 3 by 3, or None.
+    """
+    if seed_px is None:
+        return None
+    image = cv2.blur(gray, (3, 3))
+    contrast = _contrast(image, seed_px)
+    least = max(_LEAST_LEVELS, _LEAST_SHARE * float(np.median(contrast)))
+    grid, seen = _trimmed(seed_px, contrast >= least)
+    if min(seen.shape) < _FEWEST or seen.mean() < _MOSTLY:
+        return None
+    ended = []
+    for _ in range(_QUARTERS):  # each side is the top one once: turned, it is the one at the right
+        ends = None
+        while ends is None and len(grid) <= _MOST:
+            line, good, inside = _next_line(image, grid, least)
+            if good.sum() >= max(2.0, _MOSTLY * inside.sum()):
+                grid = np.concatenate([line[None], grid])
+                seen = np.concatenate([good[None], seen])
+            else:
+                ends = bool(inside.mean() > _MOSTLY) and _ringed(image, grid, seen[0], least)
+        ended.append(bool(ends))
+        grid, seen = np.rot90(grid), np.rot90(seen)
+    return SeenGrid(grid, seen, (ended[0], ended[1], ended[2], ended[3]))
+
+
+def _trimmed(grid: FloatArray, seen: NDArray[np.bool_]) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Without outer lines of which less than half are saddles."""
+    left = _QUARTERS
+    while left and min(seen.shape) >= _FEWEST:
+        if seen[0].mean() < _MOSTLY:
+            grid, seen, left = grid[1:], seen[1:], _QUARTERS
+        else:
+            grid, seen, left = np.rot90(grid), np.rot90(seen), left - 1
+    return grid, seen
+
+
+def _next_line(
+    image: GrayImage, grid: FloatArray, least: float
+) -> tuple[FloatArray, NDArray[np.bool_], NDArray[np.bool_]]:
+    """The line before the first of a grid: corners ``(columns, 2)``, which look it, which can."""
+    guess = 3.0 * grid[0] - 3.0 * grid[1] + grid[2]  # keeps perspective and distortion
+    sides = np.linalg.norm(guess - grid[0], axis=-1)
+    reach = np.ceil(_PROBE * sides)[:, None]
+    limit = np.array(image.shape[::-1]) - 1.0
+    inside = ((guess >= reach) & (guess <= limit - reach)).all(axis=-1)
+    line = guess.copy()
+    if inside.any():
+        window = int(np.clip(0.35 * np.median(sides), *_WINDOW_PX))
+        start = np.ascontiguousarray(guess[inside][:, None], np.float32)
+        line[inside] = cv2.cornerSubPix(image, start, (window, window), (-1, -1), _STOP)[:, 0]
+    near = inside & (np.linalg.norm(line - guess, axis=-1) <= _DRAWN * sides)
+    line = np.where(near[:, None], line, guess)
+    contrast = _contrast(image, np.concatenate([line[None], grid]))[0]
+    return line, near & (contrast >= least), inside
+
+
+def _ringed(image: GrayImage, grid: FloatArray, seen: NDArray[np.bool_], least: float) -> bool:
+    """Whether whole squares lie beyond the first line of a grid, their colours in turn."""
+    out = grid[0] - grid[1]
+    middles = 0.5 * (grid[0, 1:] + grid[0, :-1])
+    beyond = 0.5 * (out[1:] + out[:-1])
+    step = grey_levels(image, middles + _RING * beyond) - grey_levels(image, middles - 0.5 * beyond)
+    turned = step * (-1.0) ** np.arange(len(step))
+    turned *= np.sign(np.median(turned))
+    asked = seen[1:] & seen[:-1]
+    return bool(np.count_nonzero((turned >= least)[asked]) > _MOSTLY * np.count_nonzero(asked))
+
+
+def _contrast(image: GrayImage, grid: FloatArray) -> FloatArray:
+    """Levels ``(rows, columns)`` by which the white squares at each corner outshine the black.
+
+    The darker of the two whites against the lighter of the two blacks, the colours in turn from
+    corner to corner as most of the grid has them; below zero where there is no saddle.
+    """
+    down, across = np.gradient(grid, axis=(0, 1))
+    ways = np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [1.0, -1.0]])
+    probes = grid[:, :, None] + _PROBE * (
+        ways[:, :1] * down[:, :, None] + ways[:, 1:] * across[:, :, None]
+    )
+    levels = grey_levels(image, probes)
+    one, other = levels[..., 0::2], levels[..., 1::2]
+    falling = other.min(axis=-1) - one.max(axis=-1)
+    rising = one.min(axis=-1) - other.max(axis=-1)
+    even = np.indices(falling.shape).sum(axis=0) % 2 == 0
+    first, second = np.where(even, falling, rising), np.where(even, rising, falling)
+    return first if np.median(first) > np.median(second) else second
