@@ -28,6 +28,8 @@ _RING = 0.75
 """Of a square: how far beyond its innermost corners an outer square must still have its colour."""
 _DRAWN = 0.25
 """Of a square: how far a saddle may lie from where its neighbours say."""
+_BENT = 0.03
+"""Of a square, RMS for each corner along the longer side: more than lenses bend a plane."""
 _LEAST_LEVELS = 4.0
 _LEAST_SHARE = 0.1
 _WINDOW_PX = (2, 11)
@@ -105,7 +107,19 @@ def grown_grid(gray: GrayImage, seed_px: FloatArray | None) -> SeenGrid | None:
                 ends = bool(inside.mean() > _MOSTLY) and _ringed(image, grid, seen[0], least)
         ended.append(bool(ends))
         grid, seen = np.rot90(grid), np.rot90(seen)
+    if not _plane(grid, seen):
+        return None
     return SeenGrid(grid, seen, (ended[0], ended[1], ended[2], ended[3]))
+
+
+def _plane(grid: FloatArray, seen: NDArray[np.bool_]) -> bool:
+    """Whether corners are a plane's, as far as a lens leaves its lines straight."""
+    squares = np.stack(np.indices(seen.shape)[::-1], axis=-1)[seen].astype(np.float64)
+    to_squares, _ = cv2.findHomography(grid[seen], squares, 0)
+    if to_squares is None:
+        return False
+    off = cv2.perspectiveTransform(grid[seen][None], to_squares)[0] - squares
+    return bool(np.sqrt((off**2).sum(axis=-1).mean()) <= _BENT * max(seen.shape))
 
 
 def _trimmed(grid: FloatArray, seen: NDArray[np.bool_]) -> tuple[FloatArray, NDArray[np.bool_]]:
