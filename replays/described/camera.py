@@ -9,6 +9,7 @@ from motorcade.replays.described.values import SampledPictures
 from motorcade.replays.engine.progress import track
 from motorcade.replays.recording import FrameSequence
 from motorcade.tracking import (
+    Checkerboard,
     Detection,
     MarkerGrid,
     SelfCalibration,
@@ -20,6 +21,7 @@ from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.targets import (
     FoundTarget,
     SeenMarkers,
+    corners_in_view,
     regapped,
     seen_markers,
 )
@@ -73,7 +75,11 @@ def camera_by_target(target: FoundTarget, sample: SampledPictures) -> FoundCamer
     board = target.board
     if board is None:
         raise ValueError("target: expected a board or markers, got neither")
-    views = [board.detect(one) for one in sample.pictures]
+    views = [board.detect(image) for image in sample.pictures]
+    if isinstance(board, Checkerboard):
+        for row in sample.places:
+            # A whole board's neighbours tell of the shutter; a part of one only of the lens.
+            views[row] = views[row] or corners_in_view(board, sample.pictures[row])
     made = self_calibrate_board(views, sample.size, sample.time_ns)
     return _said(made, "the board in view", target)
 

@@ -37,6 +37,7 @@ from motorcade.replays.readers.layouts import loose_pictures
 from motorcade.replays.readers.manifest.section import board_toml, camera_toml, markers_toml
 from motorcade.replays.recording import Recording
 from motorcade.tracking import CharucoBoard, Checkerboard, MarkerGrid
+from motorcade.tracking.boards.names import board_in_units
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, check_length
 from motorcade.tracking.targets import FoundTarget, find_target, seen_board, seen_markers
@@ -61,6 +62,7 @@ def described(
     recording: Recording,
     *,
     target: Literal["auto", "none"] = "auto",
+    board: str | None = None,
     size_m: float | None = None,
     fov_deg: float | None = None,
     rate_hz: float = loose_pictures.RATE_HZ,
@@ -70,8 +72,9 @@ def described(
     Boards and markers are looked for in pictures spread over it, unless the recording names some or
     `target=none` says that there are none. Without `size_m`, the side of a square or of a marker's
     black square in metres, lengths are counted in those. The camera is found by them, or by the
-    motion where there are none; `fov_deg` says instead how wide the pictures see along their
-    longer side. `rate_hz` is that of pictures without times.
+    motion where there are none; `board` names the board in view, as `boards.board_named` does, or
+    `checkerboard_8x6` without the size of its squares; `fov_deg` says instead how wide the pictures
+    see along their longer side. `rate_hz` is that of pictures without times.
 
     Raises:
         ValueError: a size that is not above zero, or pictures from which no camera follows.
@@ -86,11 +89,14 @@ def described(
     with working("looking for boards and markers"):
         sample = sampled_pictures(recording.frames)
         told = _told(recording, sample.spread)
-        found = told or (None if target == "none" else find_target(sample.spread))
+        named = None if board is None else _named(recording, board, sample.spread)
+        found = told or named or (None if target == "none" else find_target(sample.spread))
     with working("finding the camera"):
         camera = made.camera(sample, found, fov_deg)
     if told is None:
-        made.target(camera.target, size_m)
+        unit_m = None if board is None else board_in_units(board)[1]
+        source = f"its name, {board}" if board else "counting in pictures spread over the recording"
+        made.target(named or camera.target, unit_m if size_m is None else size_m, source)
     made.telemetry(camera.camera)
     made.up(camera.target)
     return made.description()
@@ -101,6 +107,30 @@ def _told(recording: Recording, pictures: tuple[GrayImage, ...]) -> FoundTarget 
     if recording.board is not None:
         return seen_board(recording.board, pictures)
     return seen_markers(recording.markers.family, pictures) if recording.markers else None
+
+
+def _named(recording: Recording, name: str, pictures: tuple[GrayImage, ...]) -> FoundTarget:
+    """Where the board of a name is seen.
+
+    Raises:
+        ValueError: no name of a board, one beside a manifest's, or a board that is not seen.
+    """
+    board, _ = board_in_units(name)
+    if recording.board is not None or recording.markers is not None:
+        problem = "expected no board's name beside a manifest's [board] or [markers]"
+        raise ValueError(f"{recording.name}: described.board: {problem}, got {name}; say it once")
+    found = seen_board(board, pictures)
+    if len(found.pictures) >= _ENOUGH_SHARE * found.searched:
+        return found
+    counted = find_target(pictures)
+    seen = f"{name} is in {len(found.pictures)} of {found.searched} pictures"
+    other = "" if counted is None else f"; they show {counted.summary}"
+    if not found.pictures:
+        raise ValueError(
+            f"{recording.name}: described.board: expected a board that is in view, but {seen}"
+            f"{other}; leave --board out, or name the one in view"
+        )
+    return replace(found, doubt=f"{seen}{other}")
 
 
 class _Describing:
@@ -148,9 +178,13 @@ class _Describing:
                 found = self._checked(camera_by_target(target, sample))
             except ValueError as why:
                 problem = f"{self.recording.name}: {target.summary}, do not tell its camera: {why}"
-                found = self._as_stated(target, problem, why)
+                if len(target.pictures) < _ENOUGH_SHARE * target.searched:
+                    found = replace(self._camera_of_motion(size, problem), target=target)
+                else:
+                    found = self._as_stated(target, problem, why)
         else:
-            found = self._camera_of_motion(size)
+            problem = f"{self.recording.name}: no camera known, no board or markers in its pictures"
+            found = self._camera_of_motion(size, problem)
         self.doubts += found.doubts
         said = "; ".join((found.said, *found.doubts))
         self._assume("camera", said, found.source, "described.fov_deg=65")
@@ -191,8 +225,10 @@ class _Describing:
             return 0
         return frames.orientation.degrees
 
-    def _camera_of_motion(self, size: tuple[int, int]) -> FoundCamera:
+    def _camera_of_motion(self, size: tuple[int, int], problem: str) -> FoundCamera:
         """The camera by the turns that a gyroscope counted, or by how the scene moves.
+
+        `problem` says why no target tells it.
 
         Raises:
             ValueError: neither tells it.
@@ -203,8 +239,7 @@ class _Describing:
             try:
                 return self._checked(camera_by_motion(self.recording.frames, size))
             except ValueError as why:
-                problem = f"{self.recording.name}: no camera known, no board or markers in its"
-                problem += f" pictures, and their motion does not tell it: {why}"
+                problem += f", and their motion does not tell it: {why}"
                 return self._as_stated(None, problem, why)
         said = f"pinhole, focal length {turned.camera.fx:.0f} px ± {100.0 * turned.sigma:.2g} %, "
         said += f"over {turned.pairs} pairs of frames"
@@ -243,7 +278,7 @@ class _Describing:
             self._seen_turns = seen_turns(self.recording.frames, imu)
         return self._seen_turns
 
-    def target(self, target: FoundTarget | None, size_m: float | None) -> None:
+    def target(self, target: FoundTarget | None, size_m: float | None, source: str) -> None:
         """The board or the markers, and their size."""
         if target is None:
             self._assume(
@@ -253,7 +288,8 @@ class _Describing:
                 "[board] or [markers] in a manifest",
             )
             return
-        source = "counting in pictures spread over the recording"
+        if target.doubt:
+            self.doubts.append(target.doubt)
         self._assume("target", target.summary, source, "described.target=none")
         length = 1.0 if size_m is None else size_m
         table = _target_toml(target, length)

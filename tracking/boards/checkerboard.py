@@ -103,15 +103,26 @@ class Checkerboard(SquaresBoard):
         """Of the numberings that the colours allow, the one nearest to the expected pixels."""
         distances = [
             np.linalg.norm(expected_px[turn[corners.ids]] - corners.corners_px, axis=-1).mean()
-            for turn in self._turns
+            for turn in self.turns
         ]
-        turned = self._turns[int(np.argmin(distances))][corners.ids]
+        turned = self.turns[int(np.argmin(distances))][corners.ids]
         order = np.argsort(turned)
         ids = turned[order]
         return BoardCorners(ids, corners.corners_px[order], self.points_m[ids])
 
+    def coloured_alike(self, image: GrayImage, corners: BoardCorners) -> bool:
+        """Whether most corners have the colours about them that their numbers say."""
+        signal = contrast(
+            image,
+            corners.points_m[:, :2],
+            corners.corners_px,
+            self._black_up_left(corners.ids),
+            0.5 * _CLEAR_SHARE * self.square_m,
+        )
+        return bool(np.median(signal) > 0.0)
+
     @cached_property
-    def _turns(self) -> list[IntArray]:
+    def turns(self) -> list[IntArray]:
         """Renumberings ``new_id = turn[old_id]`` under which the print looks the same."""
         grid = np.arange(self.columns * self.rows).reshape(self.rows, self.columns)
         even_sum = (self.columns + self.rows) % 2 == 0
@@ -133,15 +144,9 @@ class Checkerboard(SquaresBoard):
         for quarter in quarters:
             turned = np.rot90(grid, quarter)
             corners = turned.reshape(-1, 2)
-            signal = contrast(
-                image,
-                self.points_m[:, :2],
-                corners,
-                self._black_up_left(ids),
-                0.5 * _CLEAR_SHARE * self.square_m,
-            )
+            coloured = self.coloured_alike(image, BoardCorners(ids, corners, self.points_m))
             rightward = float((turned[:, -1] - turned[:, 0])[:, 0].mean())
-            if np.median(signal) > 0.0 and (best is None or rightward > best[0]):
+            if coloured and (best is None or rightward > best[0]):
                 best = (rightward, corners)
         return None if best is None else BoardCorners(ids, best[1], self.points_m)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 from motorcade.tracking.boards.charuco import CharucoBoard
 from motorcade.tracking.boards.checkerboard import Checkerboard
@@ -46,6 +47,34 @@ def board_named(name: str) -> Board:
         family, marker, side = found.groups()
         return SingleMarker(family, int(marker), _metres(side))
     raise ValueError(f"board: expected a name such as {', '.join(BOARD_NAMES)}, got {name!r}")
+
+
+def board_in_units(name: str) -> tuple[Board, float | None]:
+    """The board that a name says in units of its square or marker, and how many metres these are.
+
+    A checkerboard's name may say nothing of lengths: ``checkerboard_8x6``.
+
+    Raises:
+        ValueError: as `board_named`; or a single marker, which is no board to look for.
+
+    >>> from motorcade.tracking.boards.names import board_in_units
+    >>> board_in_units("checkerboard_8x6")
+    (Checkerboard(columns=8, rows=6, square_m=1.0), None)
+    >>> board_in_units("tag36h11_6x4_30mm_gap_9mm")[1]
+    0.03
+    """
+    if found := re.fullmatch(f"checkerboard_{_GRID}", name):
+        return Checkerboard(int(found[1]), int(found[2]), 1.0), None
+    board = board_named(name)
+    if isinstance(board, Checkerboard):
+        return replace(board, square_m=1.0), board.square_m
+    if isinstance(board, CharucoBoard):
+        unit_m = board.square_m
+        return replace(board, square_m=1.0, marker_m=board.marker_m / unit_m), unit_m
+    if isinstance(board, MarkerGrid):
+        unit_m = board.marker_m
+        return replace(board, marker_m=1.0, gap_m=board.gap_m / unit_m), unit_m
+    raise ValueError(f"board: expected a checkerboard, a ChArUco board or a grid, got {name!r}")
 
 
 def _metres(millimetres: str) -> float:

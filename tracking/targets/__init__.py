@@ -11,6 +11,7 @@ from motorcade.tracking.targets.finding import (
     seen_markers,
 )
 from motorcade.tracking.targets.layouts import SeenMarkers, board_of_markers, regapped
+from motorcade.tracking.targets.placing import corners_in_view
 
 __all__ = [
     "CountedBoard",
@@ -19,6 +20,7 @@ __all__ = [
     "SeenMarkers",
     "board_of_markers",
     "checkerboard_seen",
+    "corners_in_view",
     "families_seen",
     "find_target",
     "regapped",

@@ -58,6 +58,21 @@ class CountedBoard:
         """The board with squares of length 1."""
         return Checkerboard(self.columns, self.rows, 1.0)
 
+    @property
+    def doubt(self) -> str:
+        """Why the count may be wrong, and how to say it; empty where nothing speaks against it."""
+        if self.others:
+            sizes = [f"{columns} x {rows}" for columns, rows in self.others]
+            why, columns, rows = f"other pictures show {', '.join(sizes)}", *self.others[0]
+        elif not self.ends:
+            why, columns, rows = "no picture shows all its sides", self.columns + 1, self.rows
+        else:
+            return ""
+        count = f"the board is counted as {self.columns} x {self.rows}"
+        return (
+            f"{count}, but {why}: if it is another, name it: --board checkerboard_{columns}x{rows}"
+        )
+
 
 def checkerboard_seen(pictures: Sequence[GrayImage]) -> CountedBoard | None:
     """Count the inner corners of the checkerboard that pictures show; None where they show none.

@@ -36,6 +36,7 @@ class FoundTarget:
         markers: those of each picture searched, sharp ones alone; ids that stand twice left out.
         pictures: rising indices of the pictures that show it.
         searched: how many were looked at.
+        doubt: why it may be another; empty where nothing speaks against it.
 
     >>> from motorcade.tracking import Checkerboard
     >>> from motorcade.tracking.targets import find_target
@@ -50,6 +51,7 @@ class FoundTarget:
     markers: tuple[SeenMarkers, ...]
     pictures: tuple[int, ...]
     searched: int
+    doubt: str = ""
 
     @property
     def unit(self) -> str:
@@ -106,7 +108,8 @@ def find_target(pictures: Sequence[GrayImage]) -> FoundTarget | None:
     if counted is None or (marked and len(marked.pictures) >= len(counted.pictures)):
         return marked
     nothing = (_markers_of(()),) * len(pictures)
-    return FoundTarget(counted.board, None, (), nothing, counted.pictures, len(pictures))
+    shown, doubt = counted.pictures, counted.doubt
+    return FoundTarget(counted.board, None, (), nothing, shown, len(pictures), doubt)
 
 
 def seen_board(board: Board, pictures: Sequence[GrayImage]) -> FoundTarget:

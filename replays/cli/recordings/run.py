@@ -41,6 +41,12 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--manifest", type=Path, metavar="FILE", help="TOML description of the recording"
     )
+    parser.add_argument(
+        "--board",
+        metavar="NAME",
+        help="the board in view where nothing describes it, such as checkerboard_9x6 (inner "
+        "corners) or checkerboard_9x6_25mm",
+    )
     add_run_options(parser, out=Path("out"))
     add_executor(parser, "local", "of several recordings: ")
 
@@ -83,6 +89,7 @@ def run_recordings(arguments: argparse.Namespace) -> None:
     if arguments.strict:
         require_integrity(arguments.until)
     _refuse_equal_names(arguments.recordings)
+    board = () if arguments.board is None else (f"described.board={arguments.board}",)
     jobs = [
         Job(
             recording=path,
@@ -90,7 +97,7 @@ def run_recordings(arguments: argparse.Namespace) -> None:
             out=arguments.out / _name(path) if len(arguments.recordings) > 1 else arguments.out,
             cache=arguments.cache,
             until=arguments.until,
-            settings=tuple(arguments.settings),
+            settings=(*board, *arguments.settings),
             scene=arguments.scene,
         )
         for path in arguments.recordings

@@ -27,7 +27,7 @@ from motorcade.replays.described.values import sampled_pictures
 from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.recording import Recording
 from motorcade.replays.synthetic_room import write_recording
-from motorcade.tracking import MarkerGrid
+from motorcade.tracking import Checkerboard, MarkerGrid
 
 FOCAL_PX = 510.0  # of the room's camera, which is not told here
 
@@ -217,3 +217,28 @@ def test_a_gyroscope_tells_the_focal_length(tmp_path: Path) -> None:
     true_px = camera_by_view((320, 240), 60.0).fx
     assert found.camera.fx == pytest.approx(true_px, rel=0.02)
     assert abs(found.camera.fx / true_px - 1.0) < 4.0 * found.sigma + 0.005
+
+
+def test_a_board_that_is_named_is_taken_in_its_own_units(clip: Path, tmp_path: Path) -> None:
+    options = ["--board", "tag36h11_3x2_80mm_gap_20mm", "--set", "described.fov_deg=65"]
+    until = ["--until", "camera_poses", "--out", str(tmp_path / "out")]
+    assert main(["run", str(clip), *options, *until]) == 0
+    board = tomllib.loads((tmp_path / "out" / "manifest.toml").read_text())["board"]
+    assert (board["marker_m"], board["gap_m"]) == (0.08, pytest.approx(0.02))
+    assert "metric" not in board
+
+
+def test_a_board_that_no_picture_shows_is_refused_with_the_one_that_is_counted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "boards"
+    folder.mkdir()
+    picture, _ = Checkerboard(7, 5, 0.03).draw(pixels_per_m=1000.0)
+    for number in range(4):
+        cv2.imwrite(str(folder / f"{number}.png"), picture)
+    options = ["--board", "checkerboard_9x6", "--out", str(tmp_path / "out")]
+    assert main(["run", str(folder), *options]) == 1
+    error = capsys.readouterr().err
+    assert "checkerboard_9x6 is in 0 of 4 pictures; they show a checkerboard of 7 x 5" in error
+    assert main(["run", str(folder), "--board", "9x6", "--out", str(tmp_path / "out")]) == 1
+    assert "expected a name such as checkerboard_9x6" in capsys.readouterr().err
