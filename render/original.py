@@ -87,7 +87,8 @@ class OriginalVideo:
 class CopiedSound:
     """The sound of a video on its way into a film.
 
-    What sounds before the film starts is left out, to a packet.
+    What sounds before the film starts is left out, to a packet. Where packets' stamps repeat, as of
+    AVI files that store several a chunk, they are counted by how long each sounds.
 
     Args:
         container: the video, open.
@@ -114,7 +115,8 @@ class CopiedSound:
                     fault,
                 )
         chosen = [container.streams[index] for index in self._tracks]
-        self._packets = container.demux(chosen) if chosen else iter(())
+        packets = container.demux(chosen) if chosen else iter(())
+        self._packets = _counted(packets)
         self._next: Any = None
 
     def until(self, time_s: float) -> Iterator[Any]:
@@ -124,8 +126,6 @@ class CopiedSound:
             self._next = None
             if packet is None:
                 return
-            if packet.size == 0 or packet.dts is None or packet.time_base is None:
-                continue  # the end of a track
             starts_s = packet.dts * packet.time_base - self._start_s
             if starts_s <= -_NANOSECOND_S and packet.dts >= 0:
                 continue  # before the film; what is below zero in the original fills a decoder
@@ -137,3 +137,26 @@ class CopiedSound:
             packet.dts -= shift
             packet.pts = None if packet.pts is None else packet.pts - shift
             yield packet
+
+
+def _counted(packets: Iterator[Any]) -> Iterator[Any]:
+    """The packets of tracks that have stamps; of a track where these repeat, stamps by counting."""
+    first: dict[int, Fraction] = {}
+    last: dict[int, int] = {}
+    sounded: dict[int, Fraction] = {}  # ticks since a track's first packet
+    repeat: set[int] = set()
+    for packet in packets:
+        if packet.size == 0 or packet.dts is None or packet.time_base is None:
+            continue  # the end of a track
+        track, context = packet.stream_index, packet.stream.codec_context
+        ticks = Fraction(packet.duration or 0)
+        if context.frame_size and context.sample_rate:
+            ticks = Fraction(context.frame_size, context.sample_rate) / packet.time_base
+        start = first.setdefault(track, Fraction(packet.dts)) + sounded.get(track, Fraction(0))
+        sounded[track] = sounded.get(track, Fraction(0)) + ticks
+        if packet.dts <= last.get(track, packet.dts - 1):
+            repeat.add(track)
+        if track in repeat:
+            packet.dts = packet.pts = max(round(start), last[track] + 1)
+        last[track] = packet.dts
+        yield packet

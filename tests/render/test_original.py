@@ -5,15 +5,18 @@ witnesses.
 import json
 import shutil
 import subprocess
+from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import av
 import numpy as np
 import pytest
 
 from motorcade.render import read_frames, write_video
-from motorcade.render.original import CopiedSound
+from motorcade.render.original import CopiedSound, _counted
 from motorcade.render.video import read_original
 
 CLOCK = Fraction(1, 600)  # a phone's
@@ -179,3 +182,32 @@ def test_only_mp4_keeps_what_the_original_had(tmp_path: Path) -> None:
     original = read_original(_write(tmp_path / "clip.mp4"))
     with pytest.raises(ValueError, match=r"write_video\(original\): expected a film in \.mp4"):
         write_video(tmp_path / "film.mkv", [_picture(0)], np.array([0]), original)
+
+
+def packets(dts: list[int], time_base: Fraction, frame_size: int) -> Iterator[Any]:
+    """Packets of one track of 44.1 kHz with these stamps."""
+    context = SimpleNamespace(frame_size=frame_size, sample_rate=44_100)
+    for stamp in dts:
+        yield SimpleNamespace(
+            size=300,
+            dts=stamp,
+            pts=stamp,
+            duration=1,
+            time_base=time_base,
+            stream_index=1,
+            stream=SimpleNamespace(codec_context=context),
+        )
+
+
+def test_sound_whose_stamps_repeat_is_counted_by_how_long_it_sounds() -> None:
+    """As an AVI gives AAC that stands several packets a chunk."""
+    a_frame = Fraction(1024, 44_100)
+    counted = _counted(packets([0, 0, 0, 0, 1, 1, 1, 2], a_frame, 1024))
+    assert [packet.dts for packet in counted] == list(range(8))
+    fine = _counted(packets([7, 7, 7, 8, 8], Fraction(1, 1000), 1024))
+    assert [packet.dts for packet in fine] == [7, 30, 53, 77, 100]
+
+
+@pytest.mark.parametrize("stamps", [[0, 1, 2, 3], [0, 23, 46, 70, 300, 323]])
+def test_sound_whose_stamps_rise_keeps_them(stamps: list[int]) -> None:
+    assert [one.dts for one in _counted(packets(stamps, Fraction(1, 1000), 1024))] == stamps
