@@ -26,7 +26,7 @@ _LONGEST_PX = 1280
 _LEAST_SHARE = 0.2
 _MOST_ASKED = 6
 _MOST_SIZES = 4
-_MOST_SOUGHT = 2
+_MOST_SECOND = 2
 _MOSTLY = 0.8
 
 
@@ -86,7 +86,7 @@ def checkerboard_seen(pictures: Sequence[GrayImage]) -> CountedBoard | None:
     """
     small = [shrunk(checked_gray(image), _LONGEST_PX) for image in pictures]
     grids = [grown_grid(image, seed_grid(image)) for image in small]
-    for size in _sought(grids):
+    for size in _for_second(grids):
         grids = [_better(grid, image, size) for grid, image in zip(grids, small, strict=True)]
     shown = [grid for grid in grids if grid is not None]
     least = max(1 if len(pictures) < 3 else 2, _LEAST_SHARE * len(shown))
@@ -103,11 +103,11 @@ def checkerboard_seen(pictures: Sequence[GrayImage]) -> CountedBoard | None:
     return None
 
 
-def _sought(grids: Sequence[SeenGrid | None]) -> list[tuple[int, int]]:
+def _for_second(grids: Sequence[SeenGrid | None]) -> list[tuple[int, int]]:
     """Sizes for the second detector: the boards seen whole most often, or the largest extent."""
     shown = [grid for grid in grids if grid is not None]
     whole = Counter(grid.size for grid in shown if grid.whole)
-    return [size for size, _ in whole.most_common(_MOST_SOUGHT)] or _extents(shown)[:1]
+    return [size for size, _ in whole.most_common(_MOST_SECOND)] or _extents(shown)[:1]
 
 
 def _extents(shown: Sequence[SeenGrid]) -> list[tuple[int, int]]:
