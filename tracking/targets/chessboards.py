@@ -120,7 +120,9 @@ def _better(grid: SeenGrid | None, image: GrayImage, size: tuple[int, int]) -> S
     if grid is not None and grid.whole:
         return grid
     other = grown_grid(image, seed_grid(image, size))
-    return max((grid, other), key=lambda one: (one.whole, one.seen.sum()) if one else (False, 0))
+    return max(
+        (grid, other), key=lambda seen: (seen.whole, seen.seen.sum()) if seen else (False, 0)
+    )
 
 
 def _showing(size: tuple[int, int], grids: Sequence[SeenGrid | None]) -> tuple[int, ...]:

@@ -114,7 +114,7 @@ def grown_grid(gray: GrayImage, seed_px: FloatArray | None) -> SeenGrid | None:
 
 def _plane(grid: FloatArray, seen: NDArray[np.bool_]) -> bool:
     """Whether corners are a plane's, as far as a lens leaves its lines straight."""
-    squares = np.stack(np.indices(seen.shape)[::-1], axis=-1)[seen].astype(np.float64)
+    squares = np.argwhere(seen)[:, ::-1].astype(np.float64)
     to_squares, _ = cv2.findHomography(grid[seen], squares, 0)
     if to_squares is None:
         return False
@@ -171,15 +171,16 @@ def _contrast(image: GrayImage, grid: FloatArray) -> FloatArray:
     The darker of the two whites against the lighter of the two blacks, the colours in turn from
     corner to corner as most of the grid has them; below zero where there is no saddle.
     """
-    down, across = np.gradient(grid, axis=(0, 1))
+    down, across = (np.asarray(step) for step in np.gradient(grid, axis=(0, 1)))
     ways = np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [1.0, -1.0]])
     probes = grid[:, :, None] + _PROBE * (
         ways[:, :1] * down[:, :, None] + ways[:, 1:] * across[:, :, None]
     )
     levels = grey_levels(image, probes)
-    one, other = levels[..., 0::2], levels[..., 1::2]
-    falling = other.min(axis=-1) - one.max(axis=-1)
-    rising = one.min(axis=-1) - other.max(axis=-1)
+    fallen, risen = levels[..., 0::2], levels[..., 1::2]  # along the one diagonal, the other
+    falling = risen.min(axis=-1) - fallen.max(axis=-1)
+    rising = fallen.min(axis=-1) - risen.max(axis=-1)
     even = np.indices(falling.shape).sum(axis=0) % 2 == 0
     first, second = np.where(even, falling, rising), np.where(even, rising, falling)
-    return first if np.median(first) > np.median(second) else second
+    signed: FloatArray = first if np.median(first) > np.median(second) else second
+    return signed
