@@ -20,6 +20,10 @@ log = logging.getLogger("motorcade.overlay")
 
 _NANOSECOND_S = Fraction(1, 10**9)
 """To which a film's start is rounded."""
+_LEAST_TICKS = 1000
+"""A second on a film's clock: an AVI's counts pictures, which lie closer where some are mended."""
+_SOUND_HZ = 48_000
+"""To which sound is moved with the pictures."""
 BT_709, UNSPECIFIED, LIMITED, FULL = 1, 2, 1, 2
 _CONVERTED = {1: 1, 2: 5, 4: 4, 5: 5, 6: 5, 7: 7, 9: 9}
 """Matrices by their number in ITU-T H.273, and as what pictures are converted with them: those that
@@ -72,7 +76,8 @@ class OriginalVideo:
         stream = next(iter(container.streams.video), None)
         if stream is None or stream.time_base is None:
             raise OSError(f"{path}: expected a video stream with a clock, got none")
-        clock = Fraction(1, stream.time_base.denominator)
+        ticks = stream.time_base.denominator
+        clock = Fraction(1, ticks * max(1, -(-_LEAST_TICKS // ticks)))
         context: Any = stream.codec_context
         told = context.colorspace, context.color_primaries, context.color_trc
         matrix, primaries, transfer = map(int, told)
@@ -132,10 +137,15 @@ class CopiedSound:
             if float(starts_s) >= time_s:
                 self._next = packet
                 return
-            shift = round(self._start_s / packet.time_base)
+            finer = max(1, int(packet.time_base * _SOUND_HZ))  # an AVI's clock counts packets
+            fine = packet.time_base / finer
+            shift = round(self._start_s / fine)
+            dts, pts, lasts = packet.dts, packet.pts, packet.duration
             packet.stream = self._tracks[packet.stream_index]
-            packet.dts -= shift
-            packet.pts = None if packet.pts is None else packet.pts - shift
+            packet.time_base = Fraction(fine.numerator, fine.denominator)
+            packet.dts = finer * dts - shift
+            packet.pts = None if pts is None else finer * pts - shift
+            packet.duration = None if lasts is None else finer * lasts
             yield packet
 
 

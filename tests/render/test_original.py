@@ -130,6 +130,24 @@ def test_sound_stays_in_step_where_the_video_starts_late(tmp_path: Path) -> None
     assert max(abs(at - (heard[data] - 3.0)) for at, data in kept) < 2e-3  # Matroska counts in ms
 
 
+def test_sound_of_an_avi_moves_by_less_than_a_packet(tmp_path: Path) -> None:
+    """Its clock counts packets of 26 ms, and its first picture is shown after two others."""
+    source, kept = _write(tmp_path / "clip.mp4", sound="mp3"), tmp_path / "clip.avi"
+    with av.open(str(source)) as taken, av.open(str(kept), "w") as file:
+        track = file.add_stream_from_template(taken.streams.audio[0])
+        for packet in taken.demux(audio=0):
+            if packet.size:
+                packet.stream = track
+                file.mux(packet)
+    before = {data: at for at, data in _packets(kept, "audio")}
+    with av.open(str(kept)) as taken, av.open(str(tmp_path / "film.mp4"), "w") as film:
+        for packet in CopiedSound(taken, film, 66_666_667).until(10.0):
+            film.mux(packet)
+    after = _packets(tmp_path / "film.mp4", "audio")
+    assert len(after) > 10
+    assert max(abs(before[data] - at - 0.0666667) for at, data in after) < 1e-3
+
+
 @pytest.mark.parametrize("name", CODINGS)
 def test_colours_are_coded_as_in_the_original(tmp_path: Path, name: str) -> None:
     source = _write(tmp_path / "clip.mp4", CODINGS[name])

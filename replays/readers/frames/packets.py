@@ -36,8 +36,9 @@ from motorcade.replays.readers.frames.files import FRAME_LIMIT
 from motorcade.replays.readers.frames.whole import said_of_cut
 
 _ASSUMED_HZ = Fraction(25)  # as FFmpeg takes it where neither stamps nor a rate are stored
+_LEAST_APART_NS = 1_000_000  # between stamps that are counted: ticks of a film's clock
 _HIDDEN = 0x10  # of VP8's first byte: clear in a picture that is for reference only (RFC 6386, 9.1)
-_GUESSED = int(Flags.gen_pts.value)  # stamps that FFmpeg would make up of those that follow
+_GUESSED: Any = Flags.gen_pts.value  # stamps that FFmpeg would make up of those that follow
 Stored = tuple[int | None, int | None, int, bool]
 """What the container says of a packet: pts, dts, its size in bytes, and whether a keyframe."""
 
@@ -321,12 +322,14 @@ def _increasing(told: dict[int, int], count: int, step_ns: int) -> tuple[list[in
     Those between two that are kept are spread evenly, those before and after all are `step_ns`
     apart.
     """
-    ends: list[int] = []  # the least last stamp of a chain of each length, less a ns a picture
+    apart_ns = min(_LEAST_APART_NS, step_ns)
+    ends: list[int] = []  # the least last stamp of a chain of each length, less what is between
     tails: list[int] = []
     before: dict[int, int] = {}
     for at, stamp in told.items():
-        length = bisect_right(ends, stamp - at)
-        ends[length : length + 1], tails[length : length + 1] = [stamp - at], [at]
+        spare = stamp - apart_ns * at
+        length = bisect_right(ends, spare)
+        ends[length : length + 1], tails[length : length + 1] = [spare], [at]
         before[at] = tails[length - 1] if length else -1
     at, kept = tails[-1] if tails else -1, []
     while at >= 0:
