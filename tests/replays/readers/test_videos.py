@@ -218,3 +218,20 @@ def test_a_file_that_is_no_video_is_refused(tmp_path: Path) -> None:
         path.write_bytes(content)
         with pytest.raises(RecordingError, match="cannot be read as a video"):
             open_recording(path)
+
+
+def test_of_broken_stamps_the_most_that_increase_are_kept() -> None:
+    from motorcade.replays.readers.frames.packets import _increasing
+
+    step, far = 40_000_000, 10**15
+    even = [step * k for k in range(8)]
+    for told, counted in (
+        (even, 0),
+        ([*even[:3], far, *even[4:]], 1),  # one leaps ahead
+        ([far, far + step, *even[2:]], 2),  # a clock that was set back
+        ([*even[:6], even[5], even[5]], 2),  # a clock that stands
+        ([None, None, *even[2:7], None], 3),
+    ):
+        known = {at: one for at, one in enumerate(told) if one is not None}
+        assert _increasing(known, 8, step) == (even, counted)
+    assert _increasing({}, 3, step) == (even[:3], 3)
