@@ -209,7 +209,7 @@ class VideoFrames(DecodedFrames):
             self._stop()
             self._decoder = _Decoder(self._path, self._pictures, key)
         frame = self._decoder.advance(place)
-        if (frame is None or frame.is_corrupt) and self._decoder.sought:
+        if (frame is None or frame.is_corrupt) and self._decoder.seeks:
             self._stop()
             self._decoder = _Decoder(self._path, self._pictures, 0)
             frame = self._decoder.advance(place)
@@ -232,8 +232,8 @@ class _Decoder:
         self._container, stream = open_stream(path)
         stream.thread_type = pictures.threads
         packets, number = stored_packets(self._container, stream), 0
-        self.sought = key > 0
-        if self.sought:
+        self.seeks = key > 0
+        if self.seeks:
             wanted = int(self._order[key])
             pts, dts, *_ = pictures.stored[wanted]
             to = dts if pts is None else pts

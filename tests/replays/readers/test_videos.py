@@ -229,9 +229,11 @@ def test_of_broken_stamps_the_most_that_increase_are_kept() -> None:
         (even, 0),
         ([*even[:3], far, *even[4:]], 1),  # one leaps ahead
         ([far, far + step, *even[2:]], 2),  # a clock that was set back
-        ([*even[:6], even[5], even[5]], 2),  # a clock that stands
         ([None, None, *even[2:7], None], 3),
     ):
         known = {at: one for at, one in enumerate(told) if one is not None}
         assert _increasing(known, 8, step) == (even, counted)
+    stands, counted = _increasing(dict(enumerate([*even[:6], even[5], even[5]])), 8, step)
+    assert (stands[:5], stands[7], counted) == (even[:5], even[5], 2)  # spread between two
+    assert np.all(np.diff(stands) > 0)
     assert _increasing({}, 3, step) == (even[:3], 3)

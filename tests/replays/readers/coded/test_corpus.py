@@ -44,8 +44,8 @@ def _check(folder: Path, case: Case) -> None:
         assert 2 <= len(frames) <= 24
         assert frames.notes or case.coding in ("vp8", "vp9", "hevc", "mjpeg", "ffv1", "mpeg4_b")
         return
-    # OpenCV stops at the packet that is cut, where FFmpeg's own programs show what is before it; and
-    # it may lack a decoder of AV1.
+    # OpenCV stops at the packet that is cut, where FFmpeg's programs show all that is before it;
+    # and it may lack a decoder of AV1.
     slack = 2 if case.fault == "cut" else 0
     assert 0 <= len(frames) + len(left_out) - count <= slack or not count
     numbers = [number_of(image) for image in as_stored]
