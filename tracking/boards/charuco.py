@@ -1,7 +1,7 @@
 """ChArUco boards: a checkerboard whose white squares hold markers, so part of it is enough.
 
 The board is OpenCV's since 4.6: the printed top-left square is black, markers are numbered row by
-row. Corners are the inner corners of the squares, row by row; the frame's origin is the first.
+row. Before, boards with an even number of rows had a white one there (`legacy`). Corners are the inner corners of the squares, row by row; the frame's origin is the first.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from functools import cache, cached_property
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.boards.corners import BoardCorners, Pattern
 from motorcade.tracking.boards.squares import SquaresBoard
 from motorcade.tracking.cameras.camera import Camera
@@ -29,6 +30,8 @@ class CharucoBoard(SquaresBoard):
         columns, rows: squares across and down (inner corners are one fewer each way).
         square_m: side of a square.
         marker_m: side of a marker's black square, smaller than `square_m`.
+        legacy: whether the printed top-left square is white and holds a marker although the
+            number of rows is even, as OpenCV printed before 4.6. No difference for odd numbers.
 
     Raises:
         ValueError: a family that OpenCV does not know or one with too few markers, fewer than 3
@@ -46,6 +49,7 @@ class CharucoBoard(SquaresBoard):
     rows: int
     square_m: float
     marker_m: float
+    legacy: bool = False
 
     def __post_init__(self) -> None:
         check_count(self.columns, "CharucoBoard.columns", 3)
@@ -69,12 +73,21 @@ class CharucoBoard(SquaresBoard):
         """For example ``charuco_aruco_4x4_50_7x5_40mm_30mm``."""
         return (
             f"charuco_{self.family}_{self.columns}x{self.rows}"
-            f"_{self.square_m * 1e3:g}mm_{self.marker_m * 1e3:g}mm"
+            f"_{self.square_m * 1e3:g}mm_{self.marker_m * 1e3:g}mm" + "_legacy" * self.legacy
         )
 
     @property
     def _inner(self) -> tuple[int, int]:
         return self.columns - 1, self.rows - 1
+
+    @property
+    def _white_first(self) -> bool:
+        """Whether the printed top-left square is white."""
+        return self.legacy and self.rows % 2 == 0
+
+    def _black_up_left(self, ids: IntArray) -> NDArray[np.bool_]:
+        black: NDArray[np.bool_] = super()._black_up_left(ids) != self._white_first
+        return black
 
     @property
     def _clear_m(self) -> float:
@@ -89,7 +102,7 @@ class CharucoBoard(SquaresBoard):
         marker = 0
         for row in range(self.rows):
             for column in range(self.columns):
-                if (row + column) % 2 == 1:
+                if (row + column + self._white_first) % 2 == 1:
                     square = np.pad(marker_cells(self.family, marker), 1, constant_values=True)
                     top, left = row * cells, column * cells
                     white[top : top + cells, left : left + cells] = square
@@ -139,4 +152,5 @@ def _detector(board: CharucoBoard) -> cv2.aruco.CharucoDetector:
     printed = cv2.aruco.CharucoBoard(
         (board.columns, board.rows), board.square_m, board.marker_m, used
     )
+    printed.setLegacyPattern(board.legacy)
     return cv2.aruco.CharucoDetector(printed)

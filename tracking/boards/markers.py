@@ -9,6 +9,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
@@ -99,18 +100,22 @@ class _MarkerBoard(Board):
 
 @dataclass(frozen=True)
 class MarkerGrid(_MarkerBoard):
-    """Markers in rows and columns, ids rising row by row from the printed top left.
+    """Markers in rows and columns, ids rising row by row; the origin is the printed top left.
 
     Args:
         family: one of `families.FAMILIES`.
         columns, rows: markers across and down.
         marker_m: side of a marker, between its corners.
         gap_m: between the sides of neighbours; where bits stand outside of the side, room for them.
-        first_id: id of the top-left marker.
+        first_id: the lowest id, at the left.
+        order: whether ids rise from the top row "down", or from the bottom row "up" as Kalibr's.
+        turned_deg: by how much each marker is turned clockwise in its place: 0, 90, 180 or 270.
+        corner_squares: whether black squares fill the crossings of the gaps, as on Kalibr's
+            AprilGrid.
 
     Raises:
-        ValueError: an unknown family, counts below 1, lengths not above zero, more markers
-            than the family has, or prints that overlap.
+        ValueError: an unknown family, order or turn, counts below 1, lengths not above zero, more
+            markers than the family has, or prints that overlap.
 
     >>> from motorcade.tracking import MarkerGrid
     >>> board = MarkerGrid("tag36h11", columns=3, rows=2, marker_m=0.03, gap_m=0.009)
@@ -125,8 +130,16 @@ class MarkerGrid(_MarkerBoard):
     marker_m: float
     gap_m: float
     first_id: int = 0
+    order: Literal["down", "up"] = "down"
+    turned_deg: int = 0
+    corner_squares: bool = False
 
     def __post_init__(self) -> None:
+        if self.order not in ("down", "up") or self.turned_deg not in (0, 90, 180, 270):
+            raise ValueError(
+                "MarkerGrid: expected order down or up, and turned_deg 0, 90, 180 or 270, "
+                f"got {self.order!r} and {self.turned_deg!r}"
+            )
         check_count(self.columns, "MarkerGrid.columns", 1)
         check_count(self.rows, "MarkerGrid.rows", 1)
         check_length(self.marker_m, "MarkerGrid.marker_m")
@@ -151,6 +164,9 @@ class MarkerGrid(_MarkerBoard):
         return (
             f"{self.family}_{self.columns}x{self.rows}_{self.marker_m * 1e3:g}mm"
             f"_gap_{self.gap_m * 1e3:g}mm_from_{self.first_id}"
+            + "_up" * (self.order == "up")
+            + f"_turned_{self.turned_deg}" * (self.turned_deg > 0)
+            + "_squares" * self.corner_squares
         )
 
     @property
@@ -161,18 +177,35 @@ class MarkerGrid(_MarkerBoard):
 
     @property
     def marker_ids(self) -> IntArray:
-        """Ids ``(columns * rows,)``, row by row."""
-        return self.first_id + np.arange(self.columns * self.rows)
+        """Ids ``(columns * rows,)``, row by row as printed."""
+        ids = self.first_id + np.arange(self.columns * self.rows).reshape(self.rows, -1)
+        return (ids[::-1] if self.order == "up" else ids).ravel()
+
+    @cached_property
+    def points_m(self) -> FloatArray:
+        """Corners ``(4 m, 3)``: four a marker, clockwise from its own printed top-left one."""
+        upright = _MarkerBoard.points_m.func(self).reshape(-1, 4, 3)
+        points = np.roll(upright, -(self.turned_deg // 90), axis=1).reshape(-1, 3)
+        points.setflags(write=False)
+        return points
 
     @cached_property
     def pattern(self) -> Pattern:
         """Bits and gaps as cells; the quiet zone is two bits wide."""
         cells = layout(self.family).cells
-        white = np.ones((self.rows * (cells + 1) - 1, self.columns * (cells + 1) - 1), bool)
+        white = np.ones((self.rows * (cells + 1) + 1, self.columns * (cells + 1) + 1), bool)
+        white[:: cells + 1, :: cells + 1] = not self.corner_squares
         for index, marker in enumerate(self.marker_ids):
-            top, left = (part * (cells + 1) for part in divmod(index, self.columns))
-            white[top : top + cells, left : left + cells] = marker_cells(self.family, int(marker))
-        return Pattern(white, self._edges(self.columns), self._edges(self.rows), 2.0 * self._cell_m)
+            top, left = (1 + part * (cells + 1) for part in divmod(index, self.columns))
+            printed = np.rot90(marker_cells(self.family, int(marker)), -(self.turned_deg // 90))
+            white[top : top + cells, left : left + cells] = printed
+        x_edges, y_edges = (
+            np.concatenate([[-self.gap_m], edges, [edges[-1] + self.gap_m]])
+            for edges in (self._edges(self.columns), self._edges(self.rows))
+        )
+        if not self.corner_squares:
+            white, x_edges, y_edges = white[1:-1, 1:-1], x_edges[1:-1], y_edges[1:-1]
+        return Pattern(white, x_edges, y_edges, 2.0 * self._cell_m)
 
     @property
     def _cell_m(self) -> float:

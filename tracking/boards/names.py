@@ -21,6 +21,7 @@ BOARD_NAMES = (
 
 _FAMILY = f"({'|'.join(sorted(FAMILIES, key=len, reverse=True))})"
 _GRID, _MM = r"(\d{1,3})x(\d{1,3})", r"(\d+(?:\.\d+)?)mm"
+_PRINT = r"(_up)?(?:_turned_(90|180|270))?(_squares)?"
 
 
 def board_named(name: str) -> Board:
@@ -36,13 +37,25 @@ def board_named(name: str) -> Board:
     if found := re.fullmatch(f"checkerboard_{_GRID}_{_MM}", name):
         columns, rows, square = found.groups()
         return Checkerboard(int(columns), int(rows), _metres(square))
-    if found := re.fullmatch(f"charuco_{_FAMILY}_{_GRID}_{_MM}_{_MM}", name):
-        family, columns, rows, square, marker = found.groups()
-        return CharucoBoard(family, int(columns), int(rows), _metres(square), _metres(marker))
-    if found := re.fullmatch(rf"{_FAMILY}_{_GRID}_{_MM}_gap_{_MM}(?:_from_(\d{{1,4}}))?", name):
-        family, columns, rows, side, gap, first = found.groups()
-        first_id = int(first or 0)
-        return MarkerGrid(family, int(columns), int(rows), _metres(side), _metres(gap), first_id)
+    if found := re.fullmatch(f"charuco_{_FAMILY}_{_GRID}_{_MM}_{_MM}(_legacy)?", name):
+        family, *counts, square, marker, legacy = found.groups()
+        columns, rows = map(int, counts)
+        return CharucoBoard(family, columns, rows, _metres(square), _metres(marker), bool(legacy))
+    if found := re.fullmatch(
+        rf"{_FAMILY}_{_GRID}_{_MM}_gap_{_MM}(?:_from_(\d{{1,4}}))?{_PRINT}", name
+    ):
+        family, columns, rows, side, gap, first, up, turned, squares = found.groups()
+        return MarkerGrid(
+            family,
+            int(columns),
+            int(rows),
+            _metres(side),
+            _metres(gap),
+            int(first or 0),
+            "up" if up else "down",
+            int(turned or 0),
+            bool(squares),
+        )
     if found := re.fullmatch(rf"{_FAMILY}_id_(\d{{1,4}})_{_MM}", name):
         family, marker, side = found.groups()
         return SingleMarker(family, int(marker), _metres(side))

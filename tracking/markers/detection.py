@@ -25,6 +25,7 @@ from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.markers.edges import refine_quads
 from motorcade.tracking.markers.families import (
     APRILTAG_FAMILIES,
+    KALIBR_FAMILY,
     border_share,
     check_family,
     dictionary,
@@ -46,6 +47,7 @@ _MOST_SIDE_PX = 32767
 _REACH_PX = 2
 # Quads of one id whose corners are nearer than this are one quad, found twice.
 _SAME_QUAD_PX = 1.5
+_PIXEL_ROUND = np.ones((3, 3), np.uint8)
 
 
 def backend_for(family: str) -> Backend:
@@ -76,17 +78,29 @@ def _find_opencv(image: GrayImage, family: str) -> Quads:
 
 
 def _find_loops(image: GrayImage, family: str) -> Quads:
+    return _decoded(image, _loops(image, family), family)
+
+
+def _loops(image: GrayImage, family: str) -> FloatArray:
+    """Quads ``(m, 4, 2)`` that may be markers of a family."""
     if max(image.shape) > _MOST_SIDE_PX:
         raise ValueError(
             f"image: expected at most {_MOST_SIDE_PX} pixels a side, got {image.shape[::-1]}"
         )
     shape = layout(family)
-    whole = np.ascontiguousarray(image)
+    # Kalibr prints small squares that touch its tags' corners; white grown by a pixel parts them.
+    grown = cv2.dilate(image, _PIXEL_ROUND) if family == KALIBR_FAMILY else image
+    whole = np.ascontiguousarray(grown)
     quads = [
         find_quads(whole, shape.white_inside, float(shape.side_cells), reach)
         for reach in (0, _REACH_PX)
     ]
-    found = decode_quads(image, np.concatenate(quads).astype(np.float64), family)
+    return np.concatenate(quads).astype(np.float64)
+
+
+def _decoded(image: GrayImage, loops: FloatArray, family: str) -> Quads:
+    """Markers among quads ``(m, 4, 2)``, each once."""
+    found = decode_quads(image, loops, family)
     kept: list[int] = []
     for row, corners in enumerate(found.corners_px):
         twins = [one for one in kept if found.ids[one] == found.ids[row]]
@@ -165,13 +179,30 @@ def detect_markers(
 
     Returns:
         detections by rising id, then from left to right. An id may stand there more than once,
-        where it is printed more than once.
+        where it is printed more than once. Where ``tag36h11`` is asked for and the picture shows
+        Kalibr's print of it (`families.KALIBR_FAMILY`), detections of that family.
 
     Raises:
         ValueError: not a grey uint8 picture, an unknown family, or one that the backend lacks.
     """
     gray = checked_gray(image)
-    quads = find_markers(gray, family, backend or backend_for(family))
+    if f"{family}_border2" != KALIBR_FAMILY or backend is not None:
+        return _detected(
+            gray, find_markers(gray, family, backend or backend_for(family)), family, camera
+        )
+    loops = _loops(gray, family)
+    found = _detected(gray, _decoded(gray, loops, family), family, camera)
+    clear = any(one.wrong_cells == 0 for one in found)
+    if clear or len(decode_quads(gray, loops, KALIBR_FAMILY).ids) == 0:
+        return found
+    wide = _detected(gray, find_markers(gray, KALIBR_FAMILY, "loops"), KALIBR_FAMILY, camera)
+    return wide if len(wide) > len(found) else found
+
+
+def _detected(
+    gray: GrayImage, quads: Quads, family: str, camera: Camera | None
+) -> tuple[Detection, ...]:
+    """The quads that look like their prints, refined."""
     if len(quads.ids) == 0:
         return ()
     places, sharp = refine_quads(

@@ -41,8 +41,10 @@ _PREDEFINED = {name: f"DICT_APRILTAG_{name[3:]}" for name in _OFFICIAL_TOP_ROW} 
 _PREDEFINED |= {"aruco_original": "DICT_ARUCO_ORIGINAL", "aruco_mip_36h12": "DICT_ARUCO_MIP_36h12"}
 OPENCV_FAMILIES: tuple[str, ...] = tuple(_PREDEFINED)
 """Families that OpenCV knows: black squares, all bits inside; ChArUco boards are made of these."""
-APRILTAG_FAMILIES: tuple[str, ...] = (*_OFFICIAL_TOP_ROW, *NEWER_FAMILIES)
-FAMILIES: tuple[str, ...] = (*_PREDEFINED, *NEWER_FAMILIES)
+KALIBR_FAMILY = "tag36h11_border2"
+"""AprilTags in a black border two cells wide, as Kalibr prints them."""
+APRILTAG_FAMILIES: tuple[str, ...] = (*_OFFICIAL_TOP_ROW, *NEWER_FAMILIES, KALIBR_FAMILY)
+FAMILIES: tuple[str, ...] = (*_PREDEFINED, *NEWER_FAMILIES, KALIBR_FAMILY)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,22 +90,25 @@ def layout(family: str) -> FamilyLayout:
     Raises:
         ValueError: an unknown family.
     """
+    if family == KALIBR_FAMILY:
+        return _opencv_layout(family.partition("_")[0], border=2)
     return _newer_layout(family) if family in NEWER_FAMILIES else _opencv_layout(family)
 
 
-def _opencv_layout(family: str) -> FamilyLayout:
+def _opencv_layout(family: str, border: int = 1) -> FamilyLayout:
     book = dictionary(family)
     size = int(book.markerSize)
     prints = np.stack([_stored_bits(book, marker) for marker in range(len(book.bytesList))])
     rows, columns = np.divmod(np.arange(size * size), size)
+    cells = size + 2 * border
     return FamilyLayout(
-        cells=size + 2,
+        cells=cells,
         margin=0,
         white_inside=False,
-        blank=np.zeros((size + 2, size + 2), bool),
-        known=np.ones((size + 2, size + 2), bool),
-        bit_rows=rows + 1,
-        bit_columns=columns + 1,
+        blank=np.zeros((cells, cells), bool),
+        known=np.ones((cells, cells), bool),
+        bit_rows=rows + border,
+        bit_columns=columns + border,
         words=words_of(prints.reshape(len(prints), -1)),
         most_wrong=_MOST_WRONG
         if family in APRILTAG_FAMILIES

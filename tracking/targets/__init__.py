@@ -10,8 +10,14 @@ from motorcade.tracking.targets.finding import (
     seen_board,
     seen_markers,
 )
-from motorcade.tracking.targets.layouts import SeenMarkers, board_of_markers, regapped
+from motorcade.tracking.targets.layouts import (
+    SeenMarkers,
+    board_of_markers,
+    layout_fits,
+    regapped,
+)
 from motorcade.tracking.targets.placing import corners_in_view
+from motorcade.tracking.targets.stated import compare_layout
 
 __all__ = [
     "CountedBoard",
@@ -20,9 +26,11 @@ __all__ = [
     "SeenMarkers",
     "board_of_markers",
     "checkerboard_seen",
+    "compare_layout",
     "corners_in_view",
     "families_seen",
     "find_target",
+    "layout_fits",
     "regapped",
     "seen_board",
     "seen_markers",

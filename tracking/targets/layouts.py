@@ -1,16 +1,17 @@
 """How markers stand on a board: grids and ChArUco boards, told from ids and corners alone.
 
-A guess of the layout (how many columns, and where the first row begins) says where each id stands.
-The plane homography of a picture from these places to the markers' centres then maps the markers'
-own corners back, where they must be upright squares of one size in the middle of their cells. A
-wrong guess leaves them askew. What no guess explains is no board known here: its markers stand
-anywhere, and are mapped.
+A guess of the layout (how many columns, where the first row begins, whether rows run down or up)
+says where each id stands. The plane homography of a picture from these places to the markers'
+centres then maps the markers' own corners back, where they must be squares of one size in the
+middle of their cells, all turned alike. A wrong guess leaves them askew. What no guess explains is
+no board known here: its markers stand anywhere, and are mapped.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import cv2
 import numpy as np
@@ -46,23 +47,82 @@ class SeenMarkers:
 
 @dataclass(frozen=True)
 class _Guess:
-    """A layout: columns, the id of its first marker, whether it is a ChArUco board."""
+    """A layout: columns, the id of its first marker, what kind of board, and its variant.
+
+    A variant of a grid has ids that rise upwards, one of a ChArUco board a white first square.
+    """
 
     columns: int
     first_id: int
     charuco: bool
+    variant: bool = False
 
     def cells(self, ids: IntArray) -> FloatArray:
-        """Column and row ``(m, 2)`` at which ids stand."""
+        """Column and row ``(m, 2)`` at which ids stand; rows of upward grids are negative."""
         if not self.charuco:
             row, column = np.divmod(ids - self.first_id, self.columns)
+            row = -row if self.variant else row
             return np.stack([column, row], axis=-1).astype(np.float64)
         pair, place = np.divmod(ids, self.columns)  # two rows of squares hold `columns` markers
-        above = self.columns // 2
+        above = (self.columns + self.variant) // 2
         lower = place >= above
         row = 2 * pair + lower
-        column = np.where(lower, 2 * (place - above), 2 * place + 1)
+        column = 2 * np.where(lower, place - above, place) + (lower == self.variant)
         return np.stack([column, row], axis=-1).astype(np.float64)
+
+    @classmethod
+    def of(cls, board: MarkerGrid | CharucoBoard) -> _Guess:
+        """The layout of a board."""
+        if isinstance(board, MarkerGrid):
+            return cls(board.columns, board.first_id, charuco=False, variant=board.order == "up")
+        return cls(board.columns, 0, charuco=True, variant=board.legacy and board.rows % 2 == 0)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """How a picture's markers stand in the cells of a layout.
+
+    Fields:
+        askew: RMS of how far they are from squares within their cells, in sides; infinite where
+            the cells lie on a line, or no homography maps them.
+        side: of a marker, in pitches of the cells.
+        turned_deg: clockwise, of all markers in their cells.
+        side_px: of a marker in the picture.
+    """
+
+    askew: float
+    side: float = 0.0
+    turned_deg: int = 0
+    side_px: float = 0.0
+
+    @property
+    def good(self) -> bool:
+        """Whether the layout explains the picture."""
+        return self.askew <= _ASKEW
+
+
+def layout_fits(
+    board: MarkerGrid | CharucoBoard, seen: Sequence[SeenMarkers], camera: Camera | None = None
+) -> list[Fit]:
+    """How the layout of a board fits each picture that tells; straightened where a camera is given.
+
+    >>> import numpy as np
+    >>> from motorcade.tracking import MarkerGrid
+    >>> from motorcade.tracking.targets import SeenMarkers, layout_fits
+    >>> board = MarkerGrid("tag36h11", 4, 3, marker_m=0.06, gap_m=0.03)
+    >>> corners = 900.0 * board.points_m[:, :2].reshape(-1, 4, 2) * [1.0, -1.0]
+    >>> [fit] = layout_fits(board, [SeenMarkers(board.marker_ids, corners)])
+    >>> fit.good, round(fit.side, 3), fit.turned_deg
+    (True, 0.667, 0)
+    """
+    guess, fits = _Guess.of(board), []
+    for one in _telling(seen):
+        corners = one.corners_px
+        if camera is not None:
+            corners = camera.undistort(corners.reshape(-1, 2)).reshape(-1, 4, 2)
+        whole = np.isfinite(corners).all(axis=(1, 2))
+        fits.append(_fit(guess, SeenMarkers(one.ids[whole], corners[whole])))
+    return [fit for fit in fits if np.isfinite(fit.side_px) and fit.side_px > 0.0]
 
 
 def board_of_markers(family: str, seen: Sequence[SeenMarkers]) -> MarkerGrid | CharucoBoard | None:
@@ -91,13 +151,19 @@ def board_of_markers(family: str, seen: Sequence[SeenMarkers]) -> MarkerGrid | C
     if not rich:
         return None
     ids = np.unique(np.concatenate([one.ids for one in rich]))
-    guesses = [one for one in _guesses(family, ids) if _fits(one, rich[0])]
-    fitting = [one for one in guesses if all(_fits(one, other) for other in rich)]
+    guesses = [one for one in _guesses(family, ids) if _fit(one, rich[0]).good]
+    fitting = [one for one in guesses if all(_fit(one, other).good for other in rich)]
     if not fitting:
         return None
     best = min(fitting, key=lambda one: (one.columns, one.first_id > 0, -one.first_id))
-    share = float(np.median([_askew(best, other)[1] for other in rich]))
-    return _made(family, best, ids, share)
+    fits = [_fit(best, other) for other in rich]
+    share = float(np.median([fit.side for fit in fits]))
+    turned = fits[0].turned_deg
+    return (
+        _made(family, best, ids, share, turned)
+        if {turned} == {one.turned_deg for one in fits}
+        else None
+    )
 
 
 def regapped(board: MarkerGrid, seen: Sequence[SeenMarkers], camera: Camera) -> MarkerGrid:
@@ -118,15 +184,10 @@ def regapped(board: MarkerGrid, seen: Sequence[SeenMarkers], camera: Camera) -> 
     >>> round(regapped(MarkerGrid("tag36h11", 4, 3, 1.0, 0.35), seen, camera).gap_m, 6)
     0.4
     """
-    guess = _Guess(board.columns, board.first_id, charuco=False)
-    rich = [one for one in seen if len(one.ids) >= _FEWEST_MARKERS]
-    straight = [SeenMarkers(one.ids, camera.undistort(one.corners_px)) for one in rich]
-    found = [_askew(guess, one) for one in straight if np.isfinite(one.corners_px).all()]
-    sides = [(side, off) for off, side in found if np.isfinite(off)]
-    if not sides:
+    shares = [fit.side for fit in layout_fits(board, seen, camera) if np.isfinite(fit.askew)]
+    if not shares:
         return board
-    share = float(np.median([side for side, _ in sides]))
-    return replace(board, gap_m=board.marker_m * max(1.0 / share - 1.0, 0.0))
+    return replace(board, gap_m=board.marker_m * max(1.0 / float(np.median(shares)) - 1.0, 0.0))
 
 
 def _telling(seen: Sequence[SeenMarkers]) -> list[SeenMarkers]:
@@ -146,36 +207,38 @@ def _guesses(family: str, ids: IntArray) -> Iterator[_Guess]:
     span = int(ids[-1]) - first + 1
     for columns in range(1, min(_MOST_COLUMNS, span) + 1):
         for place in range(min(columns, first + 1)):
-            yield _Guess(columns, first - place, charuco=False)
+            for upwards in (False, True):
+                yield _Guess(columns, first - place, charuco=False, variant=upwards)
     if family in OPENCV_FAMILIES:
         for columns in range(3, _MOST_COLUMNS + 1):
-            yield _Guess(columns, 0, charuco=True)
+            for white_first in (False, True):
+                yield _Guess(columns, 0, charuco=True, variant=white_first)
 
 
-def _fits(guess: _Guess, seen: SeenMarkers) -> bool:
-    return _askew(guess, seen)[0] <= _ASKEW
-
-
-def _askew(guess: _Guess, seen: SeenMarkers) -> tuple[float, float]:
-    """How far markers are from upright squares within their cells, RMS in sides; and the side.
-
-    Infinite where the cells lie on a line, or no homography maps them.
-    """
+def _fit(guess: _Guess, seen: SeenMarkers) -> Fit:
+    sides_px = np.linalg.norm(np.diff(seen.corners_px, axis=1), axis=-1)
+    side_px = float(np.median(sides_px)) if len(seen.ids) >= _FEWEST_MARKERS else np.nan
+    none = Fit(np.inf, side_px=side_px)
+    if not np.isfinite(side_px):
+        return none
     cells = guess.cells(seen.ids) * (1.0, -1.0)
-    centres = _crossings(seen.corners_px)
     spread = np.linalg.svd(cells - cells.mean(axis=0), compute_uv=False)
     if spread[1] < 0.5:
-        return np.inf, 0.0
-    to_cells, _ = cv2.findHomography(centres, cells, 0)
+        return Fit(np.inf)
+    to_cells, _ = cv2.findHomography(_crossings(seen.corners_px), cells, 0)
     if to_cells is None or not np.isfinite(to_cells).all():
-        return np.inf, 0.0
+        return none
     corners = cv2.perspectiveTransform(seen.corners_px.reshape(-1, 1, 2), to_cells)
     inside = corners.reshape(-1, 4, 2) - cells[:, None]
-    side = float((inside * _CORNERS).sum() / (len(cells) * (_CORNERS**2).sum()))
+    turned = [np.roll(_CORNERS, -quarter, axis=0) for quarter in range(4)]
+    sums = [float((inside * one).sum()) for one in turned]
+    quarter = int(np.argmax(sums))
+    side = sums[quarter] / (len(cells) * (_CORNERS**2).sum())
     if not 0.05 < side < 1.0:
-        return np.inf, 0.0
-    off = np.sqrt((((inside - side * _CORNERS) / side) ** 2).sum(axis=-1).mean(axis=-1))
-    return (float(np.median(off)) if off.max() <= _ASKEW_ANYWHERE else np.inf), side
+        return none
+    off = np.sqrt((((inside - side * turned[quarter]) / side) ** 2).sum(axis=-1).mean(axis=-1))
+    askew = float(np.median(off)) if off.max() <= _ASKEW_ANYWHERE else np.inf
+    return Fit(askew, side, 90 * quarter, side_px)
 
 
 def _crossings(corners_px: FloatArray) -> FloatArray:
@@ -188,16 +251,19 @@ def _crossings(corners_px: FloatArray) -> FloatArray:
 
 
 def _made(
-    family: str, guess: _Guess, ids: IntArray, share: float
+    family: str, guess: _Guess, ids: IntArray, share: float, turned_deg: int
 ) -> MarkerGrid | CharucoBoard | None:
     """The board of a guess; None where it would hold more markers than the family."""
     cells = guess.cells(ids)
-    rows = int(cells[:, 1].max()) + 1
+    rows = int(np.abs(cells[:, 1]).max()) + 1
     try:
         if guess.charuco:
-            return CharucoBoard(family, guess.columns, max(rows, 3), 1.0, share)
-        gap = 1.0 / share - 1.0
+            rows = max(rows + rows % 2 if guess.variant else rows, 3)
+            board = CharucoBoard(family, guess.columns, rows, 1.0, share, guess.variant)
+            return board if turned_deg == 0 else None
         margin = layout(family).margin / layout(family).side_cells
-        return MarkerGrid(family, guess.columns, rows, 1.0, max(gap, 2.0 * margin), guess.first_id)
+        gap = max(1.0 / share - 1.0, 2.0 * margin)
+        order: Literal["down", "up"] = "up" if guess.variant else "down"
+        return MarkerGrid(family, guess.columns, rows, 1.0, gap, guess.first_id, order, turned_deg)
     except ValueError:
         return None

@@ -10,6 +10,7 @@ import math
 import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Literal
 
 from motorcade.ga.names import did_you_mean
 from motorcade.replays.errors import RecordingError, one_line, refusal
@@ -32,6 +33,7 @@ from motorcade.tracking.boards import (
 )
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers import FAMILIES
+from motorcade.tracking.markers.families import KALIBR_FAMILY
 from motorcade.tracking.markers.marker_map import MarkerMap
 
 TOML_LIMIT = 2**16
@@ -163,12 +165,17 @@ class Section:
 
 BOARD_KEYS = {
     "checkerboard": ("columns", "rows", "square_m"),
-    "marker_grid": ("family", "columns", "rows", "marker_m", "gap_m", "first_id"),
+    "marker_grid": (
+        *("family", "columns", "rows", "marker_m", "gap_m", "first_id"),
+        *("order", "turned_deg", "corner_squares"),
+    ),
+    "aprilgrid": ("columns", "rows", "marker_m", "gap_m", "first_id"),
     "marker": ("family", "marker_id", "side_m"),
-    "charuco": ("family", "columns", "rows", "square_m", "marker_m"),
+    "charuco": ("family", "columns", "rows", "square_m", "marker_m", "legacy"),
 }
 
 
+BOARD_DEFAULTS = {"order": "down", "turned_deg": 0, "corner_squares": False, "legacy": False}
 _BOARD_COMMON = ("type", "world_T_board", "metric")
 
 
@@ -213,14 +220,22 @@ def _make_board(kind: str, section: Section) -> Board:
 
     if kind == "checkerboard":
         return Checkerboard(count("columns"), count("rows"), length("square_m"))
-    family = section.text("family", tuple(FAMILIES))
+    kalibr = kind == "aprilgrid"
+    family = KALIBR_FAMILY if kalibr else section.text("family", tuple(FAMILIES))
     if kind == "marker":
         return SingleMarker(family, section.whole("marker_id"), length("side_m"))
     columns, rows, marker_m = count("columns"), count("rows"), length("marker_m")
     if kind == "charuco":
-        return CharucoBoard(family, columns, rows, length("square_m"), marker_m)
-    first_id = section.whole("first_id") if "first_id" in section else 0
-    return MarkerGrid(family, columns, rows, marker_m, length("gap_m"), first_id)
+        legacy = section.truth("legacy", otherwise=False)
+        return CharucoBoard(family, columns, rows, length("square_m"), marker_m, legacy)
+    first_id, turned_deg = (
+        section.whole(key) if key in section else 0 for key in ("first_id", "turned_deg")
+    )
+    upwards = kalibr or ("order" in section and section.text("order", ("down", "up")) == "up")
+    order: Literal["down", "up"] = "up" if upwards else "down"
+    squares = section.truth("corner_squares", otherwise=kalibr)
+    gap_m = length("gap_m")
+    return MarkerGrid(family, columns, rows, marker_m, gap_m, first_id, order, turned_deg, squares)
 
 
 CAMERA_KEYS = (
@@ -366,7 +381,9 @@ def board_toml(board: Board) -> str:
     lines = ["[board]", f'type = "{kind}"']
     for key in BOARD_KEYS[kind]:
         value = getattr(board, key)
-        lines.append(f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value!r}")
+        if value != BOARD_DEFAULTS.get(key):
+            shown = f'"{value}"' if isinstance(value, str) else str(value).lower()
+            lines.append(f"{key} = {shown}")
     return "\n".join(lines) + "\n"
 
 

@@ -1,12 +1,15 @@
 """Stage `board_poses`: camera poses by a board in view.
 
 If the board in the pictures looks unlike the one described, the log says so; nothing is corrected.
+What is stated of a board's markers is compared with the pictures before anything is tracked.
 """
 
 from __future__ import annotations
 
 import logging
 import time
+
+import numpy as np
 
 from motorcade.ga.lookahead import ahead
 from motorcade.replays.engine.progress import track
@@ -15,13 +18,16 @@ from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.board_audit import audited_board
 from motorcade.replays.stages.camera.offered import camera_of, require_pictures
 from motorcade.replays.values.board_poses import BoardPoses
-from motorcade.tracking import Board, PoseMeasurements, track_board
+from motorcade.tracking import Board, PoseMeasurements, TrackingError, track_board
 from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.rolling import unrolled_track
+from motorcade.tracking.targets.stated import compare_layout, name_target
 
 log = logging.getLogger("motorcade.camera_poses")
 
 _LARGEST_M = 5.0
+_SAMPLE = 8
+"""Pictures, spread over the recording, in which a board's layout is looked at."""
 _SIZELESS = ", whose size is not known: lengths have no unit"
 
 
@@ -56,15 +62,26 @@ def board_poses(recording: Recording) -> BoardPoses:
     if recording.metric:
         warn_of_size(board)
     start = time.perf_counter()
+    sample = [
+        frames[k].gray() for k in np.unique(np.linspace(0, len(frames) - 1, _SAMPLE, dtype=int))
+    ]
+    layout = compare_layout(board, sample, camera)
+    before = () if layout is None else (layout,)
+    warn_of_contradictions(before)
     pictures = ahead(
         lambda frame: (frame.time_ns, frame.gray()), track(frames, "tracking", len(frames))
     )
-    tracked = track_board(pictures, camera, board)
+    try:
+        tracked = track_board(pictures, camera, board)
+    except TrackingError as fault:
+        reasons = [one.sentence for one in before if not one.passed] or [name_target(sample)]
+        raise TrackingError("; ".join([str(fault), *filter(None, reasons)])) from fault
     if recording.readout_s:
         tracked = unrolled_track(tracked, board, camera, recording.shutter_s)
     seconds = time.perf_counter() - start
     audit = audited_board(recording, board, tracked)
     warn_of_contradictions(audit)
+    audit = (*before, *audit)
     on_board = tracked.measurements
     in_world = on_board.trajectory.transformed_by(left=recording.world_T_board)
     return BoardPoses(
