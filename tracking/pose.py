@@ -115,6 +115,11 @@ def planar_candidates(corners: BoardCorners, camera: Camera) -> PlanarCandidates
         nudged = rays[:, :2] * (1.0 + nudge * np.linspace(-1.0, 1.0, len(rays))[:, None])
         again = _ippe(corners, camera, nudged, camera_T_view)
         found = min(found, again, key=lambda one: float(one.error_px[0]))
+    seen = np.isfinite(found.error_px)
+    if not seen[0]:
+        raise TrackingError("corners: expected a pose with every corner before the camera")
+    if not seen[1]:  # no picture at all from there: it explains nothing
+        return PlanarCandidates(found.world_T_camera[[0, 0]], found.error_px[[0, 0]])
     return found
 
 

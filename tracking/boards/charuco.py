@@ -1,7 +1,8 @@
 """ChArUco boards: a checkerboard whose white squares hold markers, so part of it is enough.
 
 The board is OpenCV's since 4.6: the printed top-left square is black, markers are numbered row by
-row. Before, boards with an even number of rows had a white one there (`legacy`). Corners are the inner corners of the squares, row by row; the frame's origin is the first.
+row. Before, boards with an even number of rows had a white one there (`legacy`). Corners are the
+inner corners of the squares, row by row; the frame's origin is the first.
 """
 
 from __future__ import annotations

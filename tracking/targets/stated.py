@@ -27,7 +27,7 @@ from motorcade.tracking.targets.layouts import (
 
 NAME = "board_layout"
 _PITCH_SHARE, _EDGE_PX = 0.02, 1.0
-"""What bright or blurred edges take off a marker's side, and printing: a share of it, and pixels."""
+"""What printing, and bright or blurred edges, take off a side: a share of it, and pixels."""
 _MOST = 0.5
 """Of the pictures: so many must deny a layout."""
 
@@ -146,7 +146,7 @@ def _details(board: MarkerGrid | CharucoBoard, fits: Sequence[Fit]) -> AuditFind
         return AuditFinding(NAME, "consistent", abs(off), "sides", summary)
     if isinstance(board, CharucoBoard):
         side_mm = 1e3 * board.square_m / float(np.median(ratios))
-        summary = f"you say markers of {1e3 * side_m:g} mm; beside the squares they are of {side_mm:.1f} mm"
+        summary = f"you say markers of {1e3 * side_m:g} mm; the squares say {side_mm:.1f} mm"
         return AuditFinding(NAME, "doubtful", abs(off), "sides", summary, "measure both anew")
     summary = f"you say a gap of {1e3 * board.gap_m:g} mm; the tags stand {gap_mm:.1f} mm apart"
     advice = f"say gap_m = {1e-3 * gap_mm:.4f}"

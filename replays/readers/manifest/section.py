@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
-from typing import Literal
 
 from motorcade.ga.names import did_you_mean
 from motorcade.replays.errors import RecordingError, one_line, refusal
@@ -163,20 +163,22 @@ class Section:
         raise self.fault(key, f"{expected}, got {one_line(value)}")
 
 
+_OPTIONAL = ("first_id", "order", "turned_deg", "corner_squares", "legacy")
 BOARD_KEYS = {
     "checkerboard": ("columns", "rows", "square_m"),
-    "marker_grid": (
-        *("family", "columns", "rows", "marker_m", "gap_m", "first_id"),
-        *("order", "turned_deg", "corner_squares"),
-    ),
+    "marker_grid": ("family", "columns", "rows", "marker_m", "gap_m", *_OPTIONAL[:4]),
     "aprilgrid": ("columns", "rows", "marker_m", "gap_m", "first_id"),
     "marker": ("family", "marker_id", "side_m"),
     "charuco": ("family", "columns", "rows", "square_m", "marker_m", "legacy"),
 }
-
-
-BOARD_DEFAULTS = {"order": "down", "turned_deg": 0, "corner_squares": False, "legacy": False}
 _BOARD_COMMON = ("type", "world_T_board", "metric")
+_BOARDS: dict[str, Callable[..., Board]] = {
+    "checkerboard": Checkerboard,
+    "marker_grid": MarkerGrid,
+    "aprilgrid": partial(MarkerGrid, KALIBR_FAMILY, order="up", corner_squares=True),
+    "marker": SingleMarker,
+    "charuco": CharucoBoard,
+}
 
 
 def read_board(text: str) -> Board:
@@ -204,38 +206,24 @@ def section_board(path: Path, table: object) -> Board:
     kind = Section(path, "board", table, every).text("type", tuple(BOARD_KEYS))
     section = Section(path, "board", table, (*_BOARD_COMMON, *BOARD_KEYS[kind]))
     try:
-        return _make_board(kind, section)
+        keys = [key for key in BOARD_KEYS[kind] if key in section or key not in _OPTIONAL]
+        return _BOARDS[kind](**{key: _board_value(section, key) for key in keys})
     except RecordingError:
         raise
     except ValueError as fault:
         raise section.fault(kind, str(fault)) from fault
 
 
-def _make_board(kind: str, section: Section) -> Board:
-    def count(key: str) -> int:
+def _board_value(section: Section, key: str) -> object:
+    if key in ("columns", "rows"):
         return section.whole(key, 0, 1000)
-
-    def length(key: str) -> float:
+    if key.endswith("_m"):
         return section.number(key, 1e-6, 1e3)
-
-    if kind == "checkerboard":
-        return Checkerboard(count("columns"), count("rows"), length("square_m"))
-    kalibr = kind == "aprilgrid"
-    family = KALIBR_FAMILY if kalibr else section.text("family", tuple(FAMILIES))
-    if kind == "marker":
-        return SingleMarker(family, section.whole("marker_id"), length("side_m"))
-    columns, rows, marker_m = count("columns"), count("rows"), length("marker_m")
-    if kind == "charuco":
-        legacy = section.truth("legacy", otherwise=False)
-        return CharucoBoard(family, columns, rows, length("square_m"), marker_m, legacy)
-    first_id, turned_deg = (
-        section.whole(key) if key in section else 0 for key in ("first_id", "turned_deg")
-    )
-    upwards = kalibr or ("order" in section and section.text("order", ("down", "up")) == "up")
-    order: Literal["down", "up"] = "up" if upwards else "down"
-    squares = section.truth("corner_squares", otherwise=kalibr)
-    gap_m = length("gap_m")
-    return MarkerGrid(family, columns, rows, marker_m, gap_m, first_id, order, turned_deg, squares)
+    if key in ("family", "order"):
+        return section.text(key, tuple(FAMILIES) if key == "family" else ("down", "up"))
+    if key in ("corner_squares", "legacy"):
+        return section.truth(key, otherwise=False)
+    return section.whole(key)
 
 
 CAMERA_KEYS = (
@@ -367,21 +355,13 @@ def camera_toml(camera: Camera, rotation_deg: int = 0) -> str:
     return "\n".join(lines) + "\n"
 
 
-_BOARD_KINDS = {
-    Checkerboard: "checkerboard",
-    MarkerGrid: "marker_grid",
-    SingleMarker: "marker",
-    CharucoBoard: "charuco",
-}
-
-
 def board_toml(board: Board) -> str:
     """Write a board as the `[board]` table that `read_board` and manifests read."""
-    kind = _BOARD_KINDS[type(board)]
+    kind = next(kind for kind, made in _BOARDS.items() if made is type(board))
     lines = ["[board]", f'type = "{kind}"']
     for key in BOARD_KEYS[kind]:
         value = getattr(board, key)
-        if value != BOARD_DEFAULTS.get(key):
+        if key not in _OPTIONAL[1:] or value != getattr(type(board), key):  # its default
             shown = f'"{value}"' if isinstance(value, str) else str(value).lower()
             lines.append(f"{key} = {shown}")
     return "\n".join(lines) + "\n"
