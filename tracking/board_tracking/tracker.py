@@ -48,6 +48,8 @@ _CONTINUITY_NS = 500_000_000
 # corners of the last search is left; or at once where the error is above both limits.
 _RETRY_FRAMES = 5
 _GOOD_SHARE = 0.75
+# What keeps fewer corners from one frame to the next is no board, but what happens to look so.
+_LEAST_SHARE = 0.5
 _GOOD_ERROR_PX = 1.0
 _WORSE_FACTOR = 2.0
 # An outlier lies this far off, and this many times the median error; RANSAC allows more.
@@ -265,6 +267,8 @@ class BoardTracker:
             return tracked, "tracked"
         found = self._detected(image)
         self._since_search = 0
+        if tracked is not None and self._left_share(tracked) < _LEAST_SHARE:
+            tracked = None
         if tracked is not None and (found is None or len(found.corners) < len(tracked.corners)):
             return tracked, "tracked"
         if found is not None:
@@ -272,10 +276,14 @@ class BoardTracker:
         return found, "detected"
 
     def _search_due(self, tracked: _Fit) -> bool:
-        if self._since_search >= self.redetect_every:
+        if self._since_search >= self.redetect_every or self._left_share(tracked) < _GOOD_SHARE:
             return True
         few = len(tracked.corners) < _GOOD_SHARE * self._search_count
         return few and self._since_search >= _RETRY_FRAMES
+
+    def _left_share(self, tracked: _Fit) -> float:
+        """How many corners are left of those in the frame before."""
+        return len(tracked.corners) / len(self._fit.corners) if self._fit else 1.0
 
     def _worst_error_px(self) -> float:
         return max(_GOOD_ERROR_PX, _WORSE_FACTOR * self._search_error_px)
@@ -300,9 +308,14 @@ class BoardTracker:
         corners = before.at(np.where(found[:, None], px, before.corners_px)).keep(found)
         if not corners.spanning:
             return None
-        return self._completed(
+        fit = self._completed(
             image, self._solved(self.board.refine_corners(image, corners, self.camera))
         )
+        if fit is None:
+            return None
+        camera_T_world = fit.pose.world_T_camera.inverse()
+        project = lambda points: self.camera.project(camera_T_world.apply(points))  # noqa: E731
+        return fit if self.board.confirms(image, fit.corners, project) else None
 
     def _completed(self, image: GrayImage, fit: _Fit | None) -> _Fit | None:
         """The fit with corners that were missed, refined from where the pose expects them."""

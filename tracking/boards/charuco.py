@@ -12,9 +12,8 @@ from functools import cache, cached_property
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.boards.corners import BoardCorners, Pattern
 from motorcade.tracking.boards.squares import SquaresBoard
 from motorcade.tracking.cameras.camera import Camera
@@ -85,10 +84,6 @@ class CharucoBoard(SquaresBoard):
     def _white_first(self) -> bool:
         """Whether the printed top-left square is white."""
         return self.legacy and self.rows % 2 == 0
-
-    def _black_up_left(self, ids: IntArray) -> NDArray[np.bool_]:
-        black: NDArray[np.bool_] = super()._black_up_left(ids) != self._white_first
-        return black
 
     @property
     def _clear_m(self) -> float:

@@ -15,6 +15,7 @@ the top-left pixel, 0 is black.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -185,6 +186,18 @@ class Board(ABC):
 
         Corners that do not look like the print are left out. With a camera, edges that its lens
         bends are undistorted before lines are fitted to them.
+        """
+
+    @abstractmethod
+    def confirms(
+        self, image: GrayImage, corners: BoardCorners, project: Callable[[FloatArray], FloatArray]
+    ) -> bool:
+        """Whether corners that were tracked are numbered rightly, as far as this picture tells.
+
+        Args:
+            image: grey picture.
+            corners: as tracked.
+            project: points ``(n, 3)`` of the board to pixels ``(n, 2)``, by the pose of the corners.
         """
 
     def aligned(self, corners: BoardCorners, expected_px: FloatArray) -> BoardCorners:

@@ -7,6 +7,7 @@ sides (see `markers.detection`).
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -17,7 +18,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.boards.corners import Board, BoardCorners, Pattern
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, check_count, check_length
-from motorcade.tracking.markers.detection import detect_markers
+from motorcade.tracking.markers.detection import detect_markers, readable
 from motorcade.tracking.markers.edges import refine_quads
 from motorcade.tracking.markers.families import (
     border_share,
@@ -26,6 +27,7 @@ from motorcade.tracking.markers.families import (
     marker_cells,
     marker_points_m,
 )
+from motorcade.tracking.markers.reading import read_markers
 
 
 class _MarkerBoard(Board):
@@ -80,6 +82,15 @@ class _MarkerBoard(Board):
         corners_px = np.concatenate([seen[marker] for marker in self.marker_ids[present]])
         return BoardCorners(corner_ids, corners_px, self.points_m[corner_ids])
 
+    def confirms(
+        self, image: GrayImage, corners: BoardCorners, project: Callable[[FloatArray], FloatArray]
+    ) -> bool:
+        """Whether most markers that were tracked read as the ids that they were taken for."""
+        whole = self._whole(corners)
+        ids = self.marker_ids[whole.ids[::4] // 4]
+        reading = read_markers(image, whole.corners_px.reshape(-1, 4, 2), self.family, ids)
+        return bool(2 * np.count_nonzero(readable(reading)) >= len(ids))
+
     def refine_corners(
         self, image: GrayImage, corners: BoardCorners, camera: Camera | None = None
     ) -> BoardCorners:
@@ -87,8 +98,7 @@ class _MarkerBoard(Board):
 
         Markers that have lost a corner, or whose sides do not show, are left out.
         """
-        marker, count = np.unique(corners.ids // 4, return_counts=True)
-        whole = corners.keep(np.isin(corners.ids // 4, marker[count == 4]))
+        whole = self._whole(corners)
         if len(whole) == 0:
             return whole
         quads = whole.corners_px.reshape(-1, 4, 2)
@@ -97,10 +107,17 @@ class _MarkerBoard(Board):
         )
         return whole.at(sharp.reshape(-1, 2)).keep(np.repeat(good, 4))
 
+    def _whole(self, corners: BoardCorners) -> BoardCorners:
+        """The corners of markers of which all four are there."""
+        marker, count = np.unique(corners.ids // 4, return_counts=True)
+        return corners.keep(np.isin(corners.ids // 4, marker[count == 4]))
+
 
 @dataclass(frozen=True)
 class MarkerGrid(_MarkerBoard):
-    """Markers in rows and columns, ids rising row by row; the origin is the printed top left.
+    """Markers in rows and columns, ids rising row by row from the corner that is the origin.
+
+    That is the printed top left; where ids rise upwards, the printed bottom left, as in Kalibr.
 
     Args:
         family: one of `families.FAMILIES`.
@@ -200,12 +217,17 @@ class MarkerGrid(_MarkerBoard):
             printed = np.rot90(marker_cells(self.family, int(marker)), -(self.turned_deg // 90))
             white[top : top + cells, left : left + cells] = printed
         x_edges, y_edges = (
-            np.concatenate([[-self.gap_m], edges, [edges[-1] + self.gap_m]])
-            for edges in (self._edges(self.columns), self._edges(self.rows))
+            np.concatenate([[edges[0] - self.gap_m], edges, [edges[-1] + self.gap_m]])
+            for edges in (self._edges(self.columns), self._edges(self.rows) - self._origin_down_m)
         )
         if not self.corner_squares:
             white, x_edges, y_edges = white[1:-1, 1:-1], x_edges[1:-1], y_edges[1:-1]
         return Pattern(white, x_edges, y_edges, 2.0 * self._cell_m)
+
+    @property
+    def _origin_down_m(self) -> float:
+        """How far below the topmost markers' sides the origin lies."""
+        return self.size_m[1] if self.order == "up" else 0.0
 
     @property
     def _cell_m(self) -> float:
@@ -226,7 +248,8 @@ class MarkerGrid(_MarkerBoard):
     @property
     def _first_corners_m(self) -> FloatArray:
         row, column = np.divmod(np.arange(self.columns * self.rows), self.columns)
-        return np.stack([column, -row], axis=-1) * (self.marker_m + self.gap_m)
+        first = np.stack([column, -row], axis=-1) * (self.marker_m + self.gap_m)
+        return first + (0.0, self._origin_down_m)
 
     @property
     def _side_m(self) -> float:

@@ -10,6 +10,7 @@ exact for saddles under symmetric blur.
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable
 from functools import cached_property
 from typing import cast
 
@@ -29,6 +30,8 @@ _RIGHT, _UP = np.eye(2)
 _WINDOW_PX = (2, 11)
 _STOP = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 40, 1e-3)
 _LEAST_CONTRAST = 1.0 / 3.0
+_GOES_ON = 3
+"""Corners on a line beyond a board's edge that are no chance."""
 
 
 def refine_saddles(
@@ -178,6 +181,38 @@ class SquaresBoard(Board):
         )
         return corners.at(refined_px).keep(good)
 
+    def confirms(
+        self, image: GrayImage, corners: BoardCorners, project: Callable[[FloatArray], FloatArray]
+    ) -> bool:
+        """Whether the board ends where the corners' numbers say, in the picture.
+
+        A grid explains a board's corners as well from whole squares beside its place; then lines
+        of corners go on beyond its edge on one side, and are missing on the other.
+        """
+        if len(corners) == len(self.points_m):
+            return True
+        across, down = self._inner
+        row, column = np.divmod(np.arange((across + 2) * (down + 2)), across + 2) - np.array(
+            [[1], [1]]
+        )
+        sides = np.stack([column < 0, column == across, row < 0, row == down])
+        around = sides.sum(axis=0) == 1
+        points = np.stack([column, -row, np.zeros_like(row)], axis=-1)[around] * self.square_m
+        points = np.concatenate([points, corners.points_m])
+        px = project(points)
+        if not np.isfinite(px).all():
+            return True
+        seen = np.rint(points[:, :2] / self.square_m).astype(np.int64)
+        black = (seen.sum(axis=1) % 2 == 0) != self._white_first
+        _, good = refine_saddles(image, points[:, :2], px, black, self._clear_m)
+        beyond = sides[:, around] & good[: np.count_nonzero(around)]
+        return bool(beyond.sum(axis=1).max() < _GOES_ON)
+
+    @property
+    def _white_first(self) -> bool:
+        """Whether the square above and left of the first corner is white."""
+        return False
+
     def _black_up_left(self, ids: IntArray) -> NDArray[np.bool_]:
         row, column = np.divmod(ids, self._inner[0])
-        return cast("NDArray[np.bool_]", (row + column) % 2 == 0)
+        return cast("NDArray[np.bool_]", ((row + column) % 2 == 0) != self._white_first)

@@ -99,8 +99,9 @@ def test_texture_holds_no_family() -> None:
 def test_ids_in_no_order_make_up_no_board() -> None:
     print_ = MarkerGrid("tag36h11", 4, 3, 0.05, 0.02)
     corners = 2000.0 * print_.points_m[:, :2].reshape(-1, 4, 2) * [1.0, -1.0]
-    upwards = np.arange(12).reshape(3, 4)[::-1].ravel()  # rows count from the bottom
-    for ids in (upwards, np.random.default_rng(1).permutation(12)):
+    serpentine = np.arange(12).reshape(3, 4)
+    serpentine[1] = serpentine[1, ::-1]
+    for ids in (serpentine.ravel(), np.random.default_rng(1).permutation(12)):
         order = np.argsort(ids)
         assert board_of_markers("tag36h11", [SeenMarkers(ids[order], corners[order])]) is None
 
