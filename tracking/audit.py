@@ -9,7 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from motorcade.tracking.cameras.camera import Camera
 
 Verdict = Literal["consistent", "unknown", "doubtful", "contradicted"]
 """From best to worst; `unknown` where the recording cannot tell."""
@@ -53,6 +56,15 @@ class AuditFinding:
     def sentence(self) -> str:
         """What was found, and what to do."""
         return f"{self.summary}; {self.advice}" if self.advice and not self.passed else self.summary
+
+
+def scatter_px(camera: Camera) -> float:
+    """Most that a corner is off where camera and print are as stated, pixels: fixed beforehand.
+
+    Corner finders are right to a tenth of a pixel, prints and lens models to a thousandth of what
+    they measure; a pixel of 640 is seen by nobody, and leaves room for what blur adds.
+    """
+    return max(1.0, max(camera.width, camera.height) / 640.0)
 
 
 def worst(findings: Iterable[AuditFinding]) -> Verdict:

@@ -197,7 +197,7 @@ class Board(ABC):
         Args:
             image: grey picture.
             corners: as tracked.
-            project: points ``(n, 3)`` of the board to pixels ``(n, 2)``, by the pose of the corners.
+            project: points ``(n, 3)`` of the board to pixels ``(n, 2)``, by the corners' pose.
         """
 
     def aligned(self, corners: BoardCorners, expected_px: FloatArray) -> BoardCorners:

@@ -248,8 +248,8 @@ class MarkerGrid(_MarkerBoard):
     @property
     def _first_corners_m(self) -> FloatArray:
         row, column = np.divmod(np.arange(self.columns * self.rows), self.columns)
-        first = np.stack([column, -row], axis=-1) * (self.marker_m + self.gap_m)
-        return first + (0.0, self._origin_down_m)
+        pitch_m = self.marker_m + self.gap_m
+        return np.stack([column * pitch_m, self._origin_down_m - row * pitch_m], axis=-1)
 
     @property
     def _side_m(self) -> float:

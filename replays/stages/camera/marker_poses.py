@@ -22,9 +22,11 @@ from motorcade.replays.stages.camera.offered import camera_of
 from motorcade.replays.values.marker_poses import MarkerPoses
 from motorcade.replays.values.sighted_points import SightedPoints
 from motorcade.tracking import Detection, PoseMeasurements, TrackingError, detect_markers
+from motorcade.tracking.audit import AuditFinding, scatter_px
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import Sightings
 from motorcade.tracking.markers.mapping import MappedRecording, map_markers, track_rig
+from motorcade.tracking.markers.mapping.moving import moving_markers, without
 from motorcade.tracking.markers.marker_map import MarkerMap
 from motorcade.tracking.markers.photometric import (
     PhotometricUnavailable,
@@ -53,7 +55,8 @@ def marker_poses(
     needs torch and kornia (the extra `photometric`), and pays on small markers and for steadiness
     (`make bench SUITE=tracking` says how much), at 30 to 150 ms a marker on one core.
 
-    `moving` names markers that do not stand still: they neither map nor track.
+    `moving` names markers that do not stand still: they neither map nor track. Others that do
+    not are looked for where corners do not agree, left aside and named.
 
     Raises:
         NotOffered: no camera known, or neither recorded corners nor a family to look for.
@@ -74,6 +77,15 @@ def marker_poses(
         raise TrackingError("frames: expected some that show a marker, got none")
     known = None if recording.markers is None else recording.markers.marker_map
     found = _mapped(known, streams, seen)
+    audit: tuple[AuditFinding, ...] = ()
+    if seen.posed is None:
+        limit_px = scatter_px(next(iter(streams.values())).camera)
+        restless = moving_markers(streams, found, lambda part: _mapped(known, part, seen), limit_px)
+        if restless:
+            before_px = float(np.median(found.frame_error_px))
+            streams = without(streams, restless)
+            found = _mapped(known, streams, seen)
+            audit = (_restless(restless, before_px, float(np.median(found.frame_error_px))),)
     if recording.readout_s and len(streams) == 1 and seen.posed is None:
         path = _of_camera(found, _ONLY).trajectory
         shutter_s = recording.shutter_s
@@ -95,10 +107,25 @@ def marker_poses(
         "markers",
         summary,
         metric=recording.metric,
+        audit=audit,
         seconds=time.perf_counter() - start,
         marker_map=found.marker_map,
         sighted=_sighted(next(iter(streams.values())), found.marker_map),
     )
+
+
+def _restless(markers: tuple[int, ...], before_px: float, left_px: float) -> AuditFinding:
+    """The finding on markers that were left aside since they do not stand still."""
+    several = len(markers) > 1
+    ids = " and ".join(map(str, markers))
+    summary = (
+        f"{'markers' if several else 'marker'} {ids} {'do' if several else 'does'} not stand still "
+        f"beside the others, and {'are' if several else 'is'} left aside: the others are met to "
+        f"{left_px:.2f} px without, {before_px:.2f} px with"
+    )
+    advice = f"say marker_poses.moving={','.join(map(str, markers))}"
+    off = before_px / max(left_px, 1e-9)
+    return AuditFinding("moving_markers", "contradicted", off, "times", summary, advice)
 
 
 def _by_scene(
