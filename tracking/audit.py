@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 Verdict = Literal["consistent", "unknown", "doubtful", "contradicted"]
 """From best to worst; `unknown` where the recording cannot tell."""
+_OFF_CENTRE, _LIKE = 0.5, 0.1
+"""Share of half a picture that no lens's axis is off; share that a factor of sizes may be off."""
 _ORDER: tuple[Verdict, ...] = ("consistent", "unknown", "doubtful", "contradicted")
 
 
@@ -65,6 +67,33 @@ def scatter_px(camera: Camera) -> float:
     they measure; a pixel of 640 is seen by nobody, and leaves room for what blur adds.
     """
     return max(1.0, max(camera.width, camera.height) / 640.0)
+
+
+def centre_finding(camera: Camera) -> AuditFinding | None:
+    """Doubt a principal point far off the picture's middle; None where it lies about there.
+
+    >>> from motorcade.tracking import Camera
+    >>> from motorcade.tracking.audit import centre_finding
+    >>> halved = Camera(640, 480, 1000.0, 1000.0, 640.0, 480.0)  # intrinsics of 1280 x 960
+    >>> centre_finding(halved).advice
+    'divide fx, fy, cx and cy by 2: they look like those of pictures 2 times as large'
+    """
+    ratios = (2.0 * camera.cx + 1.0) / camera.width, (2.0 * camera.cy + 1.0) / camera.height
+    off = max(abs(ratio - 1.0) for ratio in ratios)
+    if off <= _OFF_CENTRE:
+        return None
+    summary = (
+        f"the camera's centre ({camera.cx:g}, {camera.cy:g}) lies far from the middle of pictures "
+        f"of {camera.width} x {camera.height}"
+    )
+    factor = round(2.0 * sum(ratios) / 2.0) / 2.0
+    advice = "state the intrinsics of these pictures, cx and cy in their pixels"
+    if factor > 0.0 and all(abs(ratio / factor - 1.0) <= _LIKE for ratio in ratios):
+        larger = f"{factor:g} times as large" if factor > 1.0 else f"{factor:g} times their size"
+        advice = (
+            f"divide fx, fy, cx and cy by {factor:g}: they look like those of pictures {larger}"
+        )
+    return AuditFinding("camera_centre", "doubtful", off, "share", summary, advice)
 
 
 def worst(findings: Iterable[AuditFinding]) -> Verdict:

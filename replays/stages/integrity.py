@@ -2,8 +2,9 @@
 
 It gathers what measuring the poses found of what it was told (`CameraPoses.audit`), and adds checks
 of its own. None of these needs a ground truth, and none has a constant that was chosen on a
-recording: a frame or a measurement fails by the probability of the filter's gate, or by a pixel; so
-many may fail as ordinary data hold outliers, and chance adds to them. What all stages believe alike
+recording, or that follows from what it judges: a frame or a measurement fails by the probability of
+the filter's gate, or by what a corner can scatter in a picture of this size; so many may fail as
+ordinary data hold outliers, and chance adds to them. What all stages believe alike
 is not seen: a wrong size of the board's squares scales the whole world, and the pictures with it.
 """
 
@@ -18,23 +19,20 @@ from motorcade.fusion.metrics import most_by_chance, normalised_squared
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.recording import Recording
+from motorcade.replays.stages.camera.offered import camera_of
 from motorcade.replays.values.board_poses import BoardPoses
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.imu import UsedImu
 from motorcade.replays.values.integrity import Integrity
 from motorcade.replays.values.paths import FusedPath, SmoothedPaths
 from motorcade.tracking import registration_px
-from motorcade.tracking.audit import AuditFinding, Verdict
+from motorcade.tracking.audit import AuditFinding, Verdict, centre_finding, scatter_px
 
 CONTAMINATION = 0.1
 """Share of outliers that ordinary data hold at most: 1 to 10 % are the rule (F. R. Hampel,
 E. M. Ronchetti, P. J. Rousseeuw and W. A. Stahel, Robust Statistics, 1986, section 1.2c)."""
 UNCOVERED = 0.5
 """Share of the frames that may lack a pose: beyond it, more of a path is bridged than measured."""
-VISIBLE_PX = 1.0
-"""Below this nobody sees that something drawn does not stand still in the footage."""
-SIGMAS = 3.0
-"""Registration counts as worse beyond so many times that of the measured poses."""
 FREEDOM = 6
 """Of a pose."""
 _SMOOTH_LESS = "smooth less (smoothed.window_s, smoothed.parameters)"
@@ -55,11 +53,11 @@ def integrity(
     measured poses that the filter's gate would not let pass; without a filter there are none to
     judge. Then the pictures decide, where poses were measured in them.
     Registration: frames in which what is drawn along the first smoothed path lies off the corners
-    of board or markers, or off the points of SLAM's map, by more than a pixel and three times as
-    far as along the measured poses. Elsewhere agreement: measured poses that the smoothed path
-    misses by more than the gate allows them. Of these three a tenth may fail, and what chance adds
-    to that. The measured path is drawn along where the smoothed one fails in the pictures more
-    often than it does, or misses most of the measured poses.
+    of board or markers, or off the points of SLAM's map, by more than they can scatter
+    (`scatter_px`), whatever the measured poses leave. Elsewhere agreement: measured poses that the
+    smoothed path misses by more than the gate allows them. Of these three a tenth may fail, and
+    what chance adds to that. The measured path is drawn along where the smoothed one fails in the
+    pictures more often than it does, or misses most of the measured poses.
     """
     measured = camera_poses.measurements.trajectory
     name, path = next(iter(smoothed.trajectories.items()))
@@ -71,13 +69,16 @@ def integrity(
     paths = {"measured": measured, "fused": fused.trajectory} | smoothed.trajectories
     registration = _registered_px(paths, recording, camera_poses, board_poses)
     if registration:
-        limit_px = _limit_px(registration["measured"])
+        sighted = camera_poses.sighted
+        limit_px = scatter_px(camera_of(recording) if sighted is None else sighted.camera)
         checks.append(_registration_check(registration, name, limit_px))
         kept = _off(registration[name], limit_px) > _off(registration["measured"], limit_px)
     else:
         checks.append(_agreement(camera_poses, path))
         kept = (checks[-1].figure or 0.0) > UNCOVERED
     kept = kept and not checks[-1].passed
+    centre = None if recording.camera is None else centre_finding(recording.camera)
+    checks += [] if centre is None else [centre]
     return Integrity(
         (*checks, *camera_poses.audit),
         registration,
@@ -135,6 +136,11 @@ def _registration_check(
         f"{_shown(_median(registration['measured']))} px along the measured poses"
     )
     advice = f"{_SMOOTH_LESS}, or look at what the filter made of the poses"
+    if _off(registration["measured"], limit_px) > allowed:
+        advice = (
+            "the measured poses do not explain the pictures: look at the camera, at the board or "
+            "markers as stated, at blur, and at what moves"
+        )
     return _counted("registration", off, len(found), allowed, summary, advice)
 
 
@@ -190,12 +196,6 @@ def _registered_px(
 def _shown(number: float) -> str:
     """Three digits, or all before the point."""
     return f"{number:,.0f}" if number >= 100.0 else f"{number:.3g}"
-
-
-def _limit_px(measured: FloatArray) -> float:
-    """How far off counts as a failure, by how well the measured poses register."""
-    usual = SIGMAS * _median(measured)
-    return max(VISIBLE_PX, usual) if np.isfinite(usual) else VISIBLE_PX
 
 
 def _median(registration: FloatArray) -> float:

@@ -20,7 +20,7 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.archives import load_arrays, save_arrays
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.tracking.board_tracking.tracker import BoardFrame, BoardTracker
-from motorcade.tracking.boards import Board, GrayImage
+from motorcade.tracking.boards import Board, Checkerboard, GrayImage
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.measurements import MarkerObservation, PoseMeasurements
 from motorcade.tracking.pose import TrackingError
@@ -217,6 +217,24 @@ def _collected(stamps: list[int], states: list[str], seen: list[BoardFrame]) -> 
         measurements=PoseMeasurements(trajectory, np.stack([frame.covariance for frame in seen])),
         error_px=np.array([frame.error_px for frame in seen]),
     )
+
+
+def guessed_turns(board: Checkerboard, board_track: BoardTrack) -> int:
+    """In how many frames a board that looks the same turned jumps so far that either turn fits.
+
+    Its numbering is the one whose corners lie nearest to where they were; that tells nothing where
+    another one's lie less than twice as far. Always 0 for boards that look the same one way alone.
+    """
+    shown = board_track.observations
+    if len(board.turns) == 1:
+        return 0
+    whole = np.full((len(shown), len(board.points_m), 2), np.nan)
+    for row, one in enumerate(shown):
+        whole[row, one.ids] = one.corners_px
+    steps = [np.linalg.norm(whole[1:, turn] - whole[:-1], axis=-1) for turn in board.turns]
+    both = np.isfinite(steps).all(axis=0)
+    apart = [np.where(both, step, 0.0).sum(axis=-1) for step in steps]
+    return int(np.count_nonzero(2.0 * apart[0] > np.min(apart[1:], axis=0)))
 
 
 def registration_px(

@@ -311,23 +311,53 @@ def picture_glob(root: Path, pattern: str) -> tuple[Path, ...]:
     return tuple(found)
 
 
+_NUMBERED = re.compile(r"(.*?)([0-9]{1,18})([^0-9]*)")
+_MOST_CAMERAS = 8
+
+
 def numbered(paths: Sequence[Path]) -> list[int] | None:
     """The last number in each file name, or None where the names differ in something else."""
-    parts = [re.fullmatch(r"(.*?)([0-9]{1,18})([^0-9]*)", path.name) for path in paths]
-    if any(part is None for part in parts):
-        return None
-    found = [part for part in parts if part is not None]
-    if len({(part[1], part[3]) for part in found}) != 1:
-        return None
-    return [int(part[2]) for part in found]
+    patterns = _patterns(paths)
+    return next(iter(patterns.values())) if len(patterns) == 1 else None
+
+
+def _patterns(paths: Sequence[Path]) -> dict[str, list[int]]:
+    """The last numbers of file names, by what else the names are; none where one has no number."""
+    found: dict[str, list[int]] = {}
+    for path in paths:
+        part = _NUMBERED.fullmatch(path.name)
+        if part is None:
+            return {}
+        found.setdefault(f"{part[1]}*{part[3]}", []).append(int(part[2]))
+    return found
+
+
+def _refuse_several(paths: Sequence[Path]) -> None:
+    """Refuse pictures of several cameras: names of a few patterns that count alike."""
+    patterns = _patterns(paths)
+    if not 2 <= len(patterns) <= _MOST_CAMERAS:
+        return
+    numbers = [set(one) for one in patterns.values()]
+    common, every = set.intersection(*numbers), set.union(*numbers)
+    even = len(set(np.diff(sorted(every)).tolist())) == 1
+    if even and 2 * len(common) > len(every):
+        listed = " and ".join(patterns)
+        raise refusal(
+            paths[0].parent,
+            f"expected the pictures of one camera, got {len(patterns)} series that count alike: "
+            f"{listed}",
+            advice=f'say which: [frames] images = "{next(iter(patterns))}"',
+        )
 
 
 def refuse_gaps(paths: Sequence[Path], advice: str) -> None:
     """Refuse numbered pictures of which one is missing: stamps made from a rate would be wrong.
 
     Raises:
-        RecordingError: the numbers do not run in equal steps; the first missing one is named.
+        RecordingError: the numbers do not run in equal steps (the first missing one is named), or
+            the names are of several series that count alike, as several cameras' are.
     """
+    _refuse_several(paths)
     numbers = numbered(paths)
     if numbers is None or len(numbers) < 2:
         return

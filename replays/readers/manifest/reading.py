@@ -51,6 +51,7 @@ from motorcade.replays.readers.manifest.slam import SLAM_KEYS, section_slam
 from motorcade.replays.readers.manifest.truth import TRUTH_KEYS, read_truth
 from motorcade.replays.readers.tables import UNITS
 from motorcade.replays.recording import FrameSequence, Recording
+from motorcade.tracking.audit import centre_finding
 from motorcade.tracking.boards import Board
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.cameras.orientation import AS_STORED, camera_T_turned
@@ -247,6 +248,9 @@ class _Manifest:
         stated = "width" in section or "height" in section
         size = None if stated else _size(frames)
         camera, turns = self._upright(section, self._camera(section, size), frames)
+        doubt = centre_finding(camera)
+        if doubt is not None:
+            _LOG.warning("%s: [camera]: %s", self.path, doubt.sentence)
         if turns:
             self.stated_T_upright = camera_T_turned(turns)
         if isinstance(frames, VideoFrames):

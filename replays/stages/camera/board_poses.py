@@ -18,8 +18,16 @@ from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.board_audit import audited_board
 from motorcade.replays.stages.camera.offered import camera_of, require_pictures
 from motorcade.replays.values.board_poses import BoardPoses
-from motorcade.tracking import Board, PoseMeasurements, TrackingError, track_board
+from motorcade.tracking import (
+    Board,
+    BoardTrack,
+    Checkerboard,
+    PoseMeasurements,
+    TrackingError,
+    track_board,
+)
 from motorcade.tracking.audit import AuditFinding
+from motorcade.tracking.board_tracking.track import guessed_turns
 from motorcade.tracking.rolling import unrolled_track
 from motorcade.tracking.targets.stated import compare_layout, name_target
 
@@ -45,6 +53,19 @@ def warn_of_contradictions(audit: tuple[AuditFinding, ...]) -> None:
     for one in audit:
         if one.verdict == "contradicted":
             log.warning("camera_poses: %s; %s", one.summary, one.advice)
+
+
+def _turned(board: Board, tracked: BoardTrack) -> tuple[AuditFinding, ...]:
+    """Doubt where a board that looks the same turned round was lost from sight between frames."""
+    guessed = guessed_turns(board, tracked) if isinstance(board, Checkerboard) else 0
+    if not guessed:
+        return ()
+    summary = (
+        f"the board looks the same turned round, and jumps {guessed} times so far from one frame "
+        "to the next that its turn is a guess"
+    )
+    advice = "give the frames in their order and at a higher rate, or print a board of odd by even"
+    return (AuditFinding("board_turns", "doubtful", float(guessed), "frames", summary, advice),)
 
 
 def board_poses(recording: Recording) -> BoardPoses:
@@ -81,7 +102,7 @@ def board_poses(recording: Recording) -> BoardPoses:
     seconds = time.perf_counter() - start
     audit = audited_board(recording, board, tracked)
     warn_of_contradictions(audit)
-    audit = (*before, *audit)
+    audit = (*before, *audit, *_turned(board, tracked))
     on_board = tracked.measurements
     in_world = on_board.trajectory.transformed_by(left=recording.world_T_board)
     return BoardPoses(

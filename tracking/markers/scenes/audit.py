@@ -33,6 +33,8 @@ _SECOND_AXIS = 0.02
 """Share of the turning about its main axis that there must be about another one."""
 _OFF_RAD = np.radians(10.0)
 """No extrinsics are stated so badly; a sign, an order of axes or an inverse is off by more."""
+_ORDER_RAD = 0.5 * np.pi
+"""By how much another order of axes is off: what does not tell so much tells nothing."""
 _DEVIATIONS = 6.0
 _SIZE_SHARE = 0.03
 """A print is off by less than this, and so is a size that was measured with a ruler."""
@@ -122,11 +124,15 @@ def odometry_finding(name: str, found: HandEye | None) -> AuditFinding:
         f"the odometry of {name} turns as its stated pose says to {stated:.1f}°, as the inverse "
         f"would to {inverse:.1f}°"
     )
-    if found.stated_rad <= max(_OFF_RAD, _DEVIATIONS * found.sigma_rad):
+    reach_rad = max(_OFF_RAD, _DEVIATIONS * found.sigma_rad)
+    if found.stated_rad <= _OFF_RAD and reach_rad < _ORDER_RAD:
         return AuditFinding(what, "consistent", float(stated), "deg", told)
+    if found.stated_rad <= reach_rad:
+        told += f", and either is told to ± {np.rad2deg(found.sigma_rad):.0f}° alone"
+        return AuditFinding(what, "unknown", float(stated), "deg", told)
     vector = ", ".join(f"{one:.3f}" for one in found.body_R_odometry)
     mend = f"the odometry is left out; its rotation on the body is the vector ({vector}) rad"
-    if found.inverse_rad <= max(_OFF_RAD, _DEVIATIONS * found.sigma_rad):
+    if found.inverse_rad <= reach_rad:
         mend = "the odometry is left out; give the inverse"
     return AuditFinding(what, "contradicted", float(stated), "deg", told, mend)
 
