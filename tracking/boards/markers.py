@@ -34,6 +34,7 @@ class _MarkerBoard(Board):
     """What grids and single markers share; markers are numbered from the printed top left."""
 
     family: str
+    turned_deg: int = 0
 
     @property
     @abstractmethod
@@ -56,9 +57,10 @@ class _MarkerBoard(Board):
 
     @cached_property
     def points_m(self) -> FloatArray:
-        """Corners ``(4 m, 3)``: four a marker, clockwise from its printed top-left one."""
+        """Corners ``(4 m, 3)``: four a marker, clockwise from its own printed top-left one."""
         first = np.pad(self._first_corners_m, ((0, 0), (0, 1)))
-        points = (first[:, None] + marker_points_m(self._side_m)).reshape(-1, 3)
+        corners = np.roll(marker_points_m(self._side_m), -(self.turned_deg // 90), axis=0)
+        points = (first[:, None] + corners).reshape(-1, 3)
         points.setflags(write=False)
         return points
 
@@ -197,14 +199,6 @@ class MarkerGrid(_MarkerBoard):
         """Ids ``(columns * rows,)``, row by row as printed."""
         ids = self.first_id + np.arange(self.columns * self.rows).reshape(self.rows, -1)
         return (ids[::-1] if self.order == "up" else ids).ravel()
-
-    @cached_property
-    def points_m(self) -> FloatArray:
-        """Corners ``(4 m, 3)``: four a marker, clockwise from its own printed top-left one."""
-        upright = _MarkerBoard.points_m.func(self).reshape(-1, 4, 3)
-        points = np.roll(upright, -(self.turned_deg // 90), axis=1).reshape(-1, 3)
-        points.setflags(write=False)
-        return points
 
     @cached_property
     def pattern(self) -> Pattern:

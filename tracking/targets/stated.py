@@ -7,7 +7,6 @@ here are tried, and the one that does names the key that is wrong.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
 
 import numpy as np
 
@@ -94,35 +93,38 @@ def _otherwise(
     if other is None:
         summary = "the markers stand otherwise than stated, and in no grid known here"
         advice = "state the board as it is printed, or its markers as loose ones ([markers])"
-    elif isinstance(stated, MarkerGrid) and isinstance(other, MarkerGrid):
-        summary, advice = _otherwise_grid(stated, other)
-    elif isinstance(stated, CharucoBoard) and isinstance(other, CharucoBoard):
-        counts = f"{other.columns} by {other.rows}, not {stated.columns} by {stated.rows}"
-        legacy = other.legacy != (stated.legacy and stated.rows % 2 == 0)
-        summary = "the board is a legacy ChArUco board" if other.legacy else "it is no legacy one"
-        advice = f"say legacy = {str(other.legacy).lower()}"
-        if not legacy or other.columns != stated.columns:
-            summary, advice = f"the board has squares {counts}", "say columns and rows so"
-    else:
+    elif type(other) is not type(stated):
         kind = "marker_grid" if isinstance(other, MarkerGrid) else "charuco"
         summary = f"the markers stand as those of a {kind}, {other.columns} by {other.rows}"
         advice = f'say type = "{kind}"'
+    elif other.columns != stated.columns:
+        counts = f"{other.columns} by {other.rows}, not {stated.columns} by {stated.rows}"
+        summary, advice = f"the board stands {counts}", _keys(stated, other)
+    elif isinstance(other, CharucoBoard):
+        summary = f"the board is {'a legacy ChArUco board' if other.legacy else 'no legacy one'}"
+        advice = _keys(stated, other)
+    elif isinstance(stated, MarkerGrid) and other.order == stated.order:
+        summary = f"ids count from {other.first_id}, not from {stated.first_id}"
+        advice = _keys(stated, other)
+    else:
+        way = ("upwards from the bottom row", "downwards from the top row")
+        own, others = way if other.order == "up" else way[::-1]
+        summary = f"ids run {own}, not {others.split()[0]}"
+        advice = _keys(stated, other)
     return AuditFinding(NAME, "contradicted", wrong, "share", summary, advice)
 
 
-def _otherwise_grid(stated: MarkerGrid, other: MarkerGrid) -> tuple[str, str]:
-    if (other.columns, other.order) == (stated.columns, stated.order):
-        summary = f"ids count from {other.first_id}, not from {stated.first_id}"
-        return summary, f"say first_id = {other.first_id}"
-    if other.columns == stated.columns:
-        way = {"up": "upwards from the bottom row", "down": "downwards from the top row"}
-        summary = f"ids run {way[other.order]}, not {way[stated.order].split()[0]}"
-        return summary, f'say order = "{other.order}"'
-    counts = f"{other.columns} by {other.rows}, not {stated.columns} by {stated.rows}"
-    advice = f"say columns = {other.columns} and rows = {other.rows}"
-    if other.order != stated.order:
-        advice += f', order = "{other.order}"'
-    return f"the markers stand {counts}", advice
+def _keys(stated: MarkerGrid | CharucoBoard, other: MarkerGrid | CharucoBoard) -> str:
+    """The keys of a manifest that would state the other board."""
+    keys = ("columns", "rows") if stated.columns != other.columns else ()
+    differing = [
+        key
+        for key in (*keys, "first_id", "order", "turned_deg", "legacy")
+        if getattr(stated, key, None) != getattr(other, key, None)
+    ]
+    values = [getattr(other, key) for key in differing]
+    shown = [f'"{one}"' if isinstance(one, str) else str(one).lower() for one in values]
+    return "say " + ", ".join(f"{key} = {one}" for key, one in zip(differing, shown, strict=True))
 
 
 def _details(board: MarkerGrid | CharucoBoard, fits: Sequence[Fit]) -> AuditFinding:
@@ -130,11 +132,10 @@ def _details(board: MarkerGrid | CharucoBoard, fits: Sequence[Fit]) -> AuditFind
     sides = [fit.turned_deg for fit in fits]
     turned = max(set(sides), key=sides.count)
     stated_deg = board.turned_deg if isinstance(board, MarkerGrid) else 0
-    verdict: Literal["contradicted", "consistent"] = "contradicted"
     if turned != stated_deg:
-        summary = f"tags are turned by {turned}° in their places"
-        summary += f", not by {stated_deg}°" if stated_deg else ""
-        return AuditFinding(NAME, verdict, turned, "deg", summary, f"say turned_deg = {turned}")
+        summary = f"tags are turned by {turned}° in their places, not by {stated_deg}°"
+        advice = f"say turned_deg = {turned}"
+        return AuditFinding(NAME, "contradicted", turned, "deg", summary, advice)
     side_m = board.marker_m
     pitch_m = side_m + board.gap_m if isinstance(board, MarkerGrid) else board.square_m
     ratios = np.array([1.0 / fit.side for fit in fits])
@@ -150,4 +151,4 @@ def _details(board: MarkerGrid | CharucoBoard, fits: Sequence[Fit]) -> AuditFind
         return AuditFinding(NAME, "doubtful", abs(off), "sides", summary, "measure both anew")
     summary = f"you say a gap of {1e3 * board.gap_m:g} mm; the tags stand {gap_mm:.1f} mm apart"
     advice = f"say gap_m = {1e-3 * gap_mm:.4f}"
-    return AuditFinding(NAME, verdict, abs(off), "sides", summary, advice)
+    return AuditFinding(NAME, "contradicted", abs(off), "sides", summary, advice)

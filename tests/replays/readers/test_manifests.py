@@ -17,7 +17,7 @@ from motorcade.replays.pipeline import pipeline_graph
 from motorcade.replays.readers.manifest import section
 from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.recording import Recording
-from motorcade.tracking.boards import CharucoBoard, Checkerboard, MarkerGrid, SingleMarker
+from motorcade.tracking.boards import Board, CharucoBoard, Checkerboard, MarkerGrid, SingleMarker
 from tests.replays.readers.bag_poses import write_poses
 
 Make = Callable[..., Any]
@@ -117,10 +117,26 @@ def test_stamps_come_from_a_file_in_any_unit(make: Make) -> None:
             "marker_m=0.03\n",
             CharucoBoard("aruco_4x4_50", 7, 5, 0.04, 0.03),
         ),
+        (
+            '[board]\ntype="charuco"\nfamily="aruco_4x4_50"\ncolumns=7\nrows=6\nsquare_m=0.04\n'
+            "marker_m=0.03\nlegacy=true\n",
+            CharucoBoard("aruco_4x4_50", 7, 6, 0.04, 0.03, legacy=True),
+        ),
+        (
+            '[board]\ntype="marker_grid"\nfamily="tag36h11"\ncolumns=4\nrows=3\nmarker_m=0.05\n'
+            'gap_m=0.02\norder="up"\nturned_deg=180\n',
+            MarkerGrid("tag36h11", 4, 3, 0.05, 0.02, 0, "up", 180),
+        ),
+        (
+            '[board]\ntype="aprilgrid"\ncolumns=6\nrows=6\nmarker_m=0.088\ngap_m=0.0264\n',
+            MarkerGrid("tag36h11_border2", 6, 6, 0.088, 0.0264, 0, "up", 0, True),
+        ),
     ],
 )
-def test_every_board_can_be_described(make: Make, table: str, board: object) -> None:
-    assert described(make("folder").root, FRAMES, table).board == board
+def test_every_board_can_be_described(make: Make, table: str, board: Board) -> None:
+    root = make("folder").root
+    assert described(root, FRAMES, table).board == board
+    assert described(root, FRAMES, section.board_toml(board)).board == board
 
 
 class TestTruth:

@@ -190,6 +190,19 @@ def test_a_gap_in_the_numbers_is_refused_by_name() -> None:
     refuse_gaps([Path(f"{i}.jpg") for i in (0, 5, 10, 15)], "copy it again")
 
 
+def test_series_of_several_cameras_are_refused_by_their_patterns() -> None:
+    def names(*patterns: str) -> list[Path]:
+        return [Path(one.format(k)) for k in range(6) for one in patterns]
+
+    with pytest.raises(RecordingError, match=r"cam0_\*\.png and cam1_\*\.png; say which"):
+        refuse_gaps(names("cam0_{:04d}.png", "cam1_{:04d}.png"), "copy it again")
+    with pytest.raises(RecordingError, match=r"\*\.png and \*\.jpg; say which"):
+        refuse_gaps(names("{:04d}.png", "{:04d}.jpg")[:-1], "copy it again")
+    refuse_gaps([Path("IMG_1.jpg"), Path("IMG_2.jpg"), Path("DSC_7.jpg")], "copy it again")
+    seconds = [Path(f"12-{minute}-{second:02d}.jpg") for minute in (30, 31) for second in range(40)]
+    refuse_gaps([one for one in seconds if one.name > "12-30-25"][:50], "copy it again")
+
+
 @pytest.mark.parametrize("name", ["/etc/passwd", "../a.png", "a/../../b", "", "a\\b", "a\0b", "."])
 def test_names_that_lead_outside_are_refused(tmp_path: Path, name: str) -> None:
     with pytest.raises(RecordingError, match="line 4: expected a file name inside"):

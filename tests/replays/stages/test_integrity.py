@@ -24,7 +24,7 @@ from motorcade.replays.synthetic_room.furniture import BOARD, world_T_board
 from motorcade.replays.synthetic_room.recording import CAMERA, IMU_T_CAMERA, HandheldPath
 from motorcade.replays.values.board_poses import BoardPoses
 from motorcade.replays.values.integrity import Integrity
-from motorcade.tracking import BoardTrack, PoseMeasurements, registration_px
+from motorcade.tracking import BoardTrack, Camera, PoseMeasurements, registration_px
 from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.measurements import MarkerObservation
 from tests.replays.stages.stamps import Stamps
@@ -212,6 +212,32 @@ def test_a_tracked_path_with_many_outliers_is_doubted_and_one_with_few_is_not(se
 def test_pictures_deny_outliers_where_no_imu_does(seed: int) -> None:
     found, _ = judged(outliers(with_imu(given(seed), None), 0.3))
     assert failed(found) == {"registration"}
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_no_limit_grows_with_what_it_judges(seed: int) -> None:
+    """Corners that the poses miss by pixels in all frames alike: the board is another one."""
+    one = with_imu(given(seed), None)
+    rng = np.random.default_rng(seed)
+    off = 3.0 * rng.standard_normal((len(BOARD.points_m), 2))
+    track = one.poses.track
+    missed = tuple(replace(seen, corners_px=seen.corners_px + off) for seen in track.observations)
+    wrong_board = replace(one.poses, track=replace(track, observations=missed))
+    found, _ = judged(replace(one, poses=wrong_board))
+    assert failed(found) == {"registration"}
+    assert "the measured poses do not explain the pictures" in found.doubts[0]
+
+
+def test_intrinsics_of_pictures_twice_as_large_are_doubted() -> None:
+    one = with_imu(given(0), None)
+    found, _ = judged(replace(one, recording=replace(one.recording, camera=doubled(CAMERA))))
+    assert "camera_centre" in failed(found)
+    assert any("divide fx, fy, cx and cy by 2" in doubt for doubt in found.doubts)
+
+
+def doubled(camera: Camera) -> Camera:
+    fx, fy, cx, cy = (2.0 * one for one in (camera.fx, camera.fy, camera.cx, camera.cy))
+    return replace(camera, fx=fx, fy=fy, cx=cx, cy=cy)
 
 
 def scaled(one: Given, factor: float) -> Given:

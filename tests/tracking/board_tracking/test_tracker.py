@@ -22,6 +22,7 @@ from motorcade.tracking import (
     TrackingError,
     track_board,
 )
+from motorcade.tracking.board_tracking.track import guessed_turns
 from motorcade.tracking.measurements import MarkerObservation
 
 STEP_NS = 33_333_333
@@ -111,6 +112,34 @@ def test_what_is_covered_is_lost_and_comes_back(straight_camera, sequence) -> No
     )
     moved, _ = errors(track.measurements.trajectory.poses[3], poses[6])
     assert moved < 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("board", [CHECKERS, BOARDS[2][0], BOARDS[4][0]], ids=lambda b: b.name)
+def test_frames_in_any_order_are_measured_as_those_in_theirs(
+    board: Board, straight_camera, sequence
+) -> None:
+    poses, pictures = sequence(board, straight_camera, 40)
+    for seed in range(4):
+        order = np.random.default_rng(seed).permutation(40)
+        track = track_board(stamped([pictures[row] for row in order]), straight_camera, board)
+        seen = order[track.states != "lost"]
+        moved, _ = errors(
+            track.measurements.trajectory.poses, Motor.stack([poses[k] for k in seen])
+        )
+        assert moved.max() < 4.0
+        assert len(seen) >= 38
+
+
+def test_a_board_that_looks_the_same_turned_is_doubted_where_it_jumps(
+    straight_camera, render, look_at
+) -> None:
+    board = Checkerboard(5, 5, 0.04)
+    rolls = [0.0, 4.0, 8.0, 95.0, 99.0]
+    shown = [render(board, straight_camera, look_at(board, 0.5, 20.0, 30.0, r)) for r in rolls]
+    jumps = track_board(stamped(shown), straight_camera, board)
+    assert guessed_turns(board, jumps) == 1
+    assert guessed_turns(board, track_board(stamped(shown[:3]), straight_camera, board)) == 0
 
 
 @pytest.mark.parametrize("board", [CHECKERS, BOARDS[2][0], BOARDS[4][0]], ids=lambda b: b.name)

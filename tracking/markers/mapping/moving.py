@@ -12,15 +12,16 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.mapping.estimate import MappedRecording
 from motorcade.tracking.pose import TrackingError
 
 Streams = Mapping[str, CornerStream]
 Remap = Callable[[Streams], MappedRecording]
-_FRAMES = 60
+_FRAMES = 40
 """That trial maps are made of, evenly over the recording."""
 _CANDIDATES = 8
 """Markers whose corners are missed the most, that are tried in turn."""
@@ -71,7 +72,7 @@ def without(streams: Streams, markers: Sequence[int]) -> dict[str, CornerStream]
     }
 
 
-def _kept(stream: CornerStream, rows: IntArray) -> CornerStream:
+def _kept(stream: CornerStream, rows: NDArray[np.bool_]) -> CornerStream:
     return replace(
         stream,
         frame=stream.frame[rows],
