@@ -20,6 +20,7 @@ from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.offered import camera_of
+from motorcade.replays.stages.camera.sensor_audit import DEPTH_ON_COLOUR_PX
 from motorcade.replays.values.board_poses import BoardPoses
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.imu import UsedImu
@@ -71,6 +72,8 @@ def integrity(
     if registration:
         sighted = camera_poses.sighted
         limit_px = scatter_px(camera_of(recording) if sighted is None else sighted.camera)
+        if camera_poses.origin == "slam" and recording.frames[0].read_depth is not None:
+            limit_px = max(limit_px, DEPTH_ON_COLOUR_PX)  # its points stand where depth puts them
         checks.append(_registration_check(registration, name, limit_px))
         kept = _off(registration[name], limit_px) > _off(registration["measured"], limit_px)
     else:

@@ -79,7 +79,7 @@ class _Guess:
 
 
 @dataclass(frozen=True)
-class Fit:
+class LayoutFit:
     """How a picture's markers stand in the cells of a layout.
 
     Fields:
@@ -103,7 +103,7 @@ class Fit:
 
 def layout_fits(
     board: MarkerGrid | CharucoBoard, seen: Sequence[SeenMarkers], camera: Camera | None = None
-) -> list[Fit]:
+) -> list[LayoutFit]:
     """How the layout of a board fits each picture that tells; straightened where a camera is given.
 
     >>> import numpy as np
@@ -215,16 +215,16 @@ def _guesses(family: str, ids: IntArray) -> Iterator[_Guess]:
                 yield _Guess(columns, 0, charuco=True, variant=white_first)
 
 
-def _fit(guess: _Guess, seen: SeenMarkers) -> Fit:
+def _fit(guess: _Guess, seen: SeenMarkers) -> LayoutFit:
     sides_px = np.linalg.norm(np.diff(seen.corners_px, axis=1), axis=-1)
     side_px = float(np.median(sides_px)) if len(seen.ids) >= _FEWEST_MARKERS else np.nan
-    none = Fit(np.inf, side_px=side_px)
+    none = LayoutFit(np.inf, side_px=side_px)
     if not np.isfinite(side_px):
         return none
     cells = guess.cells(seen.ids) * (1.0, -1.0)
     spread = np.linalg.svd(cells - cells.mean(axis=0), compute_uv=False)
     if spread[1] < 0.5:
-        return Fit(np.inf)
+        return LayoutFit(np.inf)
     to_cells, _ = cv2.findHomography(_crossings(seen.corners_px), cells, 0)
     if to_cells is None or not np.isfinite(to_cells).all():
         return none
@@ -238,7 +238,7 @@ def _fit(guess: _Guess, seen: SeenMarkers) -> Fit:
         return none
     off = np.sqrt((((inside - side * turned[quarter]) / side) ** 2).sum(axis=-1).mean(axis=-1))
     askew = float(np.median(off)) if off.max() <= _ASKEW_ANYWHERE else np.inf
-    return Fit(askew, side, 90 * quarter, side_px)
+    return LayoutFit(askew, side, 90 * quarter, side_px)
 
 
 def _crossings(corners_px: FloatArray) -> FloatArray:

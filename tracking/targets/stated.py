@@ -18,7 +18,7 @@ from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.targets.finding import find_target, seen_markers
 from motorcade.tracking.targets.layouts import (
-    Fit,
+    LayoutFit,
     SeenMarkers,
     board_of_markers,
     layout_fits,
@@ -127,7 +127,7 @@ def _keys(stated: MarkerGrid | CharucoBoard, other: MarkerGrid | CharucoBoard) -
     return "say " + ", ".join(f"{key} = {one}" for key, one in zip(differing, shown, strict=True))
 
 
-def _details(board: MarkerGrid | CharucoBoard, fits: Sequence[Fit]) -> AuditFinding:
+def _details(board: MarkerGrid | CharucoBoard, fits: Sequence[LayoutFit]) -> AuditFinding:
     """The finding on turns and gaps, where the order is as stated."""
     sides = [fit.turned_deg for fit in fits]
     turned = max(set(sides), key=sides.count)

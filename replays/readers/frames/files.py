@@ -312,7 +312,7 @@ def picture_glob(root: Path, pattern: str) -> tuple[Path, ...]:
 
 
 _NUMBERED = re.compile(r"(.*?)([0-9]{1,18})([^0-9]*)")
-_MOST_CAMERAS = 8
+_SERIES = 8
 
 
 def numbered(paths: Sequence[Path]) -> list[int] | None:
@@ -335,7 +335,7 @@ def _patterns(paths: Sequence[Path]) -> dict[str, list[int]]:
 def _refuse_several(paths: Sequence[Path]) -> None:
     """Refuse pictures of several cameras: names of a few patterns that count alike."""
     patterns = _patterns(paths)
-    if not 2 <= len(patterns) <= _MOST_CAMERAS:
+    if not 2 <= len(patterns) <= _SERIES:
         return
     numbers = [set(one) for one in patterns.values()]
     common, every = set.intersection(*numbers), set.union(*numbers)

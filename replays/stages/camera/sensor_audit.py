@@ -25,7 +25,7 @@ from motorcade.tracking.pictures import track_corners
 from motorcade.tracking.slam.features import find_corners
 
 _FRAMES = 12
-_OFF_PX = 4.5
+DEPTH_ON_COLOUR_PX = 4.5
 """A structured-light sensor compares windows of 9 pixels: its edges are off by half of one."""
 _CLEARLY_PX = 6.0
 _ZOOMED = 0.02
@@ -57,14 +57,14 @@ def audited_depth(
         summary = "edges of depth and of colour do not tell whether they fit"
         found = AuditFinding("depth_on_colour", "unknown", None, "px", summary)
         return None, (*findings, found)
-    if stated.px <= _OFF_PX:
+    if stated.px <= DEPTH_ON_COLOUR_PX:
         summary = f"depth lies on colour to {stated.px:.1f} px"
         found = AuditFinding("depth_on_colour", "consistent", stated.px, "px", summary)
         return None, (*findings, found)
     corrected = _corrected(recording, stated)
     anew = as_found(recording, None, corrected)
     again = edge_offset(grays, [_registered(anew, number) for number in numbers])
-    mended = np.isfinite(again.px) and again.px <= _OFF_PX
+    mended = np.isfinite(again.px) and again.px <= DEPTH_ON_COLOUR_PX
     verdict: Verdict = "contradicted" if stated.px > _CLEARLY_PX else "doubtful"
     summary = (
         f"depth lies {stated.px:.1f} px off colour: it has to move {stated.right_px:.1f} px right "

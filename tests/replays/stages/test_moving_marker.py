@@ -178,9 +178,13 @@ def test_a_marker_that_is_said_to_move_does_no_harm_to_the_map() -> None:
     frames.time_ns = TIME_NS[::3]
     loose = LooseMarkers("tag36h11", SIDE_M)
     recording = Recording("wall", Path("wall"), "images", frames, CAMERA, markers=loose)
-    clean, moving = marker_poses(recording, moving=(ID,)), marker_poses(recording)
-    assert clean.marker_map.marker_ids.tolist() == [1, 2, 3]
-    assert np.median(clean.reprojection_px) < 0.3
-    assert np.median(moving.reprojection_px) > 1.0
+    clean, unsaid = marker_poses(recording, moving=(ID,)), marker_poses(recording)
+    for one in (clean, unsaid):  # it is found where nobody said so, and named
+        assert one.marker_map.marker_ids.tolist() == [1, 2, 3]
+        assert np.median(one.reprojection_px) < 0.3
+    assert clean.audit == ()
+    (named,) = unsaid.audit
+    assert named.verdict == "contradicted"
+    assert named.sentence.endswith(f"say marker_poses.moving={ID}")
     with pytest.raises(ValueError, match="wall: refine=photometric takes all markers"):
         marker_poses(recording, refine="photometric", moving=(ID,))

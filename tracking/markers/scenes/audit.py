@@ -125,7 +125,7 @@ def odometry_finding(name: str, found: HandEye | None) -> AuditFinding:
         f"would to {inverse:.1f}°"
     )
     reach_rad = max(_OFF_RAD, _DEVIATIONS * found.sigma_rad)
-    if found.stated_rad <= _OFF_RAD and reach_rad < _ORDER_RAD:
+    if found.stated_rad <= _OFF_RAD and _SIGMAS * found.sigma_rad < _ORDER_RAD:
         return AuditFinding(what, "consistent", float(stated), "deg", told)
     if found.stated_rad <= reach_rad:
         told += f", and either is told to ± {np.rad2deg(found.sigma_rad):.0f}° alone"
