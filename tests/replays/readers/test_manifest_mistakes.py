@@ -50,6 +50,7 @@ MISTAKES = {
     "view and fx": (FRAMES + CAMERA + "fov_deg = 60\n", "expected either fov_deg or fx, got both"),
     "view": (FRAMES + "[camera]\nfov_deg = 180\n", "fov_deg: expected a number from 1 to 170"),
     "readout": (FRAMES + CAMERA + "readout_s = 15\n", "readout_s: expected a number from 0 to 0.2"),
+    "focal sigma": (FRAMES + CAMERA + "focal_sigma = 2\n", "focal_sigma: expected a number from 0"),
     "readout alone": (FRAMES + "[camera]\nreadout_s = 0.01\n", "fx: the key is missing"),
     "no fx": (FRAMES + CAMERA.replace("fx", "cx", 1), "expected TOML|fx"),
     "model": (
