@@ -263,7 +263,8 @@ def _by_bins(
     weight = found.focal_sigma**-2.0
     total, count = np.bincount(bins, weight, _BREATHING_BINS), np.bincount(bins)
     means = np.bincount(bins, weight * found.focal_by_view, _BREATHING_BINS) / total
-    return np.bincount(bins, seen.time_s, _BREATHING_BINS) / count, means, alike * total**-0.5
+    sigma = np.asarray(alike / np.sqrt(total), np.float64)
+    return np.bincount(bins, seen.time_s, _BREATHING_BINS) / count, means, sigma
 
 
 def _reach(seen: BodySightings) -> tuple[str, ...]:

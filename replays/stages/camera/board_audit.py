@@ -93,23 +93,25 @@ def _camera(camera: Camera, board: Board, tracked: BoardTrack, found_sigma: floa
     ]
     try:
         seen, start = board_sightings(views, np.array([one.time_ns for one in some]), size, focal)
-        held, free = (fit(seen, start, readout=True, lens=one) for one in (False, True))
-        loose = weighed_fit(seen, start, readout=True)
-        bent = fit(seen, as_kind(free.state, _TERMS), readout=True)
+        held = fit(seen, start, readout=True, lens=False)
+        free = weighed_fit(seen, start, readout=True)
+        bent = weighed_fit(seen, as_kind(free.fit.state, _TERMS), readout=True)
     except SelfCalibrationError as why:
         summary = f"the board's views do not tell the camera ({why})"
         return AuditFinding(name, "unknown", None, "share", summary)
-    ratio = float(loose.fit.state.numbers[0]) / focal
-    sigma = float(np.sqrt(loose.covariance[0, 0])) / focal
+    best_px = bent.fit.rms_px
+    worse = held.rms_px > max(_TIMES * best_px, best_px + _WORSE_PX)
+    best = bent if worse else free
+    ratio = float(best.fit.state.numbers[0]) / focal
+    sigma = float(np.sqrt(best.covariance[0, 0])) / focal
     off = abs(ratio - 1.0)
     given = f"{camera.fx:.1f} is stated"
     if found_sigma:
         given = f"{camera.fx:.1f} ± {found_sigma * camera.fx:.1f} was found"
     told = (
         f"the board's views say fx {ratio * camera.fx:.1f} ± {sigma * camera.fx:.1f} px where "
-        f"{given}, off by {off:.1%}; they fit to {bent.rms_px:.2f} px, {held.rms_px:.2f} as it is"
+        f"{given}, off by {off:.1%}; they fit to {best_px:.2f} px, {held.rms_px:.2f} as it is"
     )
-    worse = held.rms_px > max(_TIMES * bent.rms_px, bent.rms_px + _WORSE_PX)
     if (off > _FOCAL_SHARE and off > _SIGMAS * np.hypot(sigma, found_sigma)) or worse:
         advice = "calibrate the camera, or state its focal length and distortion as they are"
         return AuditFinding(name, "contradicted", off, "share", told, advice)
