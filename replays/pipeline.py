@@ -3,7 +3,8 @@
 board_poses ─────┐
 marker_poses ────┤
 slam_poses ──────┼ tracked ─ camera_poses ┬─ fused ─ smoothed ─ integrity ┬─ errors ────────┬ report
-simulated_poses ─┘                   imu ─┘                               └ placed ─ overlay┄┘
+simulated_poses ─┤                   imu ─┘                               └ placed ─ overlay┄┘
+turning_poses ───┘
 """
 
 from __future__ import annotations
@@ -41,6 +42,7 @@ from motorcade.replays.stages.camera.camera_poses import camera_poses
 from motorcade.replays.stages.camera.marker_poses import marker_poses
 from motorcade.replays.stages.camera.simulated_poses import simulated_poses
 from motorcade.replays.stages.camera.slam_poses import slam_poses
+from motorcade.replays.stages.camera.turning_poses import turning_poses
 from motorcade.replays.stages.errors import errors
 from motorcade.replays.stages.inertial.convergence import convergence
 from motorcade.replays.stages.inertial.fused import fused
@@ -51,6 +53,7 @@ from motorcade.replays.stages.smoothed import smoothed
 from motorcade.replays.stages.view.overlay import overlay
 from motorcade.replays.stages.view.placed import SCENE_SAYS, placed
 from motorcade.tracking import TrackingError
+from motorcade.tracking.shots import find_shots
 
 log = logging.getLogger("motorcade.pipeline")
 stage_log = logging.getLogger("motorcade.graph")
@@ -64,9 +67,10 @@ TRACKED = first_of(
     markers=marker_poses,
     slam=slam_poses,
     simulated=simulated_poses,
+    turning=turning_poses,
 )
 STAGES = (
-    TRACKED,  # where the camera was, in one of four ways
+    TRACKED,  # where the camera was, in one of five ways
     camera_poses,  # the same, less blackouts
     imu,  # the recorded inertial stream, where there is one
     fused,  # one path between frames and through blackouts
@@ -123,6 +127,21 @@ def pipeline_graph() -> Graph:
     ['method', 'order', 'parameters', 'representations', 'window_s']
     """
     return Graph(STAGES, {"recording": Recording})
+
+
+def shot_job(job: Job, number: int, out: Path) -> Job:
+    """The job for one shot of its recording, counted from 1."""
+    if number < 1:
+        raise ValueError(f"--shot: expected a number from 1 on, got {number}")
+    return replace(job, out=out, settings=(*job.settings, f"described.shot={number}"))
+
+
+def shot_jobs(job: Job) -> list[Job]:
+    """A job for each shot of its recording, in folders of their own."""
+    with off_record():
+        frames = open_recording(job.recording, job.manifest).intact().frames
+        shots = find_shots(frame.gray() for frame in frames).shots
+    return [shot_job(job, row, job.out / f"shot-{row}") for row in range(1, len(shots) + 1)]
 
 
 def require_integrity(until: str) -> None:

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
+from motorcade.replays.described.stated import StatedLens
 from motorcade.replays.described.values import SampledPictures
 from motorcade.replays.engine.progress import track
-from motorcade.replays.recording import FrameSequence
+from motorcade.replays.recording import FrameSequence, Recording
+from motorcade.replays.stages.camera.turning_poses import turning_poses
 from motorcade.tracking import (
     Checkerboard,
     Detection,
     MarkerGrid,
     SelfCalibration,
+    TrackingError,
     self_calibrate_board,
     self_calibrate_motion,
     self_calibrate_tags,
 )
 from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.self_calibration.lens import USUAL_FOCAL
+from motorcade.tracking.self_calibration.usual import doubt_of, view_deg, with_prior
+from motorcade.tracking.shots import CameraMotion
 from motorcade.tracking.targets import (
     FoundTarget,
     SeenMarkers,
@@ -57,6 +64,29 @@ def camera_by_view(size: tuple[int, int], fov_deg: float) -> Camera:
     """A lens without distortion that sees `fov_deg` along the longer side of its pictures."""
     focal = 0.5 * max(size) / math.tan(math.radians(0.5 * fov_deg))
     return Camera(*size, focal, focal, 0.5 * (size[0] - 1), 0.5 * (size[1] - 1))
+
+
+def camera_of_fixed_place(
+    motion: CameraMotion, size: tuple[int, int], stated: StatedLens | None
+) -> FoundCamera:
+    """The camera of a shot in which it stays at its place: stated, by its turns, or a usual one."""
+    if stated is not None and stated.camera is not None:
+        return FoundCamera(stated.camera, stated.said, "the file's own notes", None)
+    focal, sigma = with_prior(motion.focal, motion.focal_sigma)
+    said = f"a lens without distortion that sees {view_deg(focal):.0f} degrees"
+    told = math.isfinite(motion.focal_sigma)
+    source = "how the picture turns, and what is usual" if told else "what is usual"
+    camera = camera_by_view(size, view_deg(focal))
+    return FoundCamera(camera, said, source, None, doubts=(doubt_of(focal, sigma),), sigma=sigma)
+
+
+def _explained_by_rotation(recording: Recording, size: tuple[int, int]) -> bool:
+    """Whether attitudes alone put corners where they are seen, in nearly every frame."""
+    with suppress(TrackingError):
+        camera = camera_by_view(size, view_deg(USUAL_FOCAL))
+        poses = turning_poses(replace(recording, camera=camera))
+        return len(poses.measurements) > 0.9 * len(recording.frames)
+    return False
 
 
 def camera_by_target(target: FoundTarget, sample: SampledPictures) -> FoundCamera:

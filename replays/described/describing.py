@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from shlex import quote
 from typing import Literal
 
 import numpy as np
@@ -14,7 +13,10 @@ from motorcade.replays.described.camera import (
     camera_by_motion,
     camera_by_target,
     camera_by_view,
+    camera_of_fixed_place,
+    explained_by_rotation,
 )
+from motorcade.replays.described.shots import ChosenShot, refuse_oblong_pixels
 from motorcade.replays.described.stated import AGREES_SHARE, StatedLens, stated_lens
 from motorcade.replays.described.telemetry import (
     GOPRO_IMU_R_CAMERA,
@@ -27,7 +29,6 @@ from motorcade.replays.described.values import (
     Assumption,
     Description,
     SampledPictures,
-    sampled_pictures,
 )
 from motorcade.replays.engine.progress import working
 from motorcade.replays.readers.frames.corners import CornerFrames
@@ -35,21 +36,24 @@ from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.readers.frames.video import VideoFrames
 from motorcade.replays.readers.layouts import loose_pictures
 from motorcade.replays.readers.manifest.section import board_toml, camera_toml, markers_toml
-from motorcade.replays.recording import Recording
-from motorcade.tracking import CharucoBoard, Checkerboard, MarkerGrid
+from motorcade.replays.recording import FrameSequence, Recording
+from motorcade.tracking import (
+    CharucoBoard,
+    Checkerboard,
+    MarkerGrid,
+    SelfCalibrationError,
+)
 from motorcade.tracking.boards.names import board_in_units
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, check_length
+from motorcade.tracking.self_calibration.result import OnlyTurnsError
+from motorcade.tracking.shots import CameraMotion
 from motorcade.tracking.targets import FoundTarget, find_target, seen_board, seen_markers
 
 _ENOUGH_SHARE = 0.4
 """Of the pictures: a target seen in fewer is no good to track by."""
-_SQUARE = 0.005
-"""What rounding leaves of a pixel's width over its height."""
-_SAY_CAMERA = (
-    "say how wide the pictures see (--set described.fov_deg=65), or describe it in a manifest: "
-    "[camera] with fx, fy, cx, cy as `motorcade calibrate` finds them"
-)
+_BY_TURNING = 0.1
+"""Relative deviation of a focal length that turning alone tells."""
 
 
 def lacks_description(recording: Recording) -> bool:
@@ -66,6 +70,7 @@ def described(
     size_m: float | None = None,
     fov_deg: float | None = None,
     rate_hz: float = loose_pictures.RATE_HZ,
+    shot: int = 0,
 ) -> Description:
     """Find out what a recording does not tell, and write it as a manifest.
 
@@ -74,20 +79,24 @@ def described(
     black square in metres, lengths are counted in those. The camera is found by them, or by the
     motion where there are none; `board` names the board in view, as `boards.board_named` does, or
     `checkerboard_8x6` without the size of its squares; `fov_deg` says instead how wide the pictures
-    see along their longer side. `rate_hz` is that of pictures without times.
+    see along their longer side. `rate_hz` is that of pictures without times. Of a
+    recording with cuts its longest shot is taken, or number `shot`, counted from 1.
 
     Raises:
-        ValueError: a size that is not above zero, or pictures from which no camera follows.
+        ValueError: a size that is not above zero, a shot that is not there, or pictures from which
+            no camera follows.
     """
     if size_m is not None:
         check_length(size_m, "described.size_m")
     if fov_deg is not None and not 1.0 <= fov_deg <= 170.0:
         raise ValueError(f"described.fov_deg: expected 1 to 170 degrees, got {fov_deg:g}")
-    made = _Describing(recording)
-    made.refuse_oblong_pixels()
-    made.frames(rate_hz)
+    if shot < 0:
+        raise ValueError(f"described.shot: expected a number from 1 on, or 0, got {shot}")
+    chosen = ChosenShot(recording, shot, lenient=fov_deg is not None)
+    made, sample = _Describing(chosen.recording, chosen.shot.motion), chosen.sample
+    refuse_oblong_pixels(chosen.recording)
+    made.frames(rate_hz, chosen, recording.frames)
     with working("looking for boards and markers"):
-        sample = sampled_pictures(recording.frames)
         told = _told(recording, sample.spread)
         named = None if board is None else _named(recording, board, sample.spread)
         found = told or named or (None if target == "none" else find_target(sample.spread))
@@ -136,8 +145,9 @@ def _named(recording: Recording, name: str, pictures: tuple[GrayImage, ...]) -> 
 class _Describing:
     """A manifest on its way, and what was assumed so far."""
 
-    def __init__(self, recording: Recording) -> None:
-        self.recording = recording
+    def __init__(self, recording: Recording, motion: CameraMotion) -> None:
+        self.recording, self.motion = recording, motion
+        self._span = ""
         self.assumed: list[Assumption] = []
         self.doubts: list[str] = []
         self._tables: list[str] = []
@@ -148,16 +158,23 @@ class _Describing:
     def description(self) -> Description:
         """All of it."""
         tables = "\n".join(self._tables)
-        return Description(tables, tuple(self._settings), tuple(self.assumed), tuple(self.doubts))
+        lists = tuple(self._settings), tuple(self.assumed), tuple(self.doubts)
+        return Description(tables, *lists, self._span)
 
-    def frames(self, rate_hz: float) -> None:
+    def frames(self, rate_hz: float, chosen: ChosenShot, all_frames: FrameSequence) -> None:
         """Which pictures are the frames, and how fast they follow one another."""
-        frames, root = self.recording.frames, self.recording.root
+        self._span = chosen.span_toml(1e-9 * all_frames.time_ns)
+        if not chosen.shots.whole:
+            source = "comparing each picture with those before it"
+            self._assume("shots", chosen.said, source, "--shot 2")
+        frames, root = all_frames, self.recording.root
         if self.recording.layout != loose_pictures.LAYOUT or not isinstance(frames, PictureFrames):
             return
         folder = frames.files[0].parent.relative_to(root)
         lines = ["[frames]"] if folder.parts == () else ["[frames]", f'images = "{folder}/*.*"']
         self._tables.append("\n".join([*lines, f"rate_hz = {rate_hz!r}"]) + "\n")
+        self._tables[-1] += chosen.span_toml(np.arange(len(frames)) / rate_hz)
+        self._span = ""
         said = f"{len(frames)} pictures in the order of their names, {rate_hz:g} a second"
         self._assume("times", said, "pictures that hold no times", "described.rate_hz=30")
 
@@ -177,14 +194,18 @@ class _Describing:
             try:
                 found = self._checked(camera_by_target(target, sample))
             except ValueError as why:
-                problem = f"{self.recording.name}: {target.summary}, do not tell its camera: {why}"
                 if len(target.pictures) < _ENOUGH_SHARE * target.searched:
+                    problem = (
+                        f"{self.recording.name}: {target.summary}, do not tell its camera: {why}"
+                    )
                     found = replace(self._camera_of_motion(size, problem), target=target)
                 else:
-                    found = self._as_stated(target, problem, why)
+                    found = self._as_stated(target, size, why)
         else:
             problem = f"{self.recording.name}: no camera known, no board or markers in its pictures"
             found = self._camera_of_motion(size, problem)
+        if target is None:
+            self._tracked_without_target()
         self.doubts += found.doubts
         said = "; ".join((found.said, *found.doubts))
         self._assume("camera", said, found.source, "described.fov_deg=65")
@@ -201,22 +222,6 @@ class _Describing:
             readout += f"focal_sigma = {found.sigma!r}\n"
         self._tables.append(camera_toml(found.camera, self._turned_deg()) + readout)
         return found
-
-    def refuse_oblong_pixels(self) -> None:
-        """Cameras are found for square pixels alone.
-
-        Raises:
-            ValueError: a video that is to be shown wider or narrower than it is stored.
-        """
-        frames = self.recording.frames
-        if not isinstance(frames, VideoFrames) or abs(frames.pixel_aspect - 1) < _SQUARE:
-            return
-        name, wide = frames.path.name, float(frames.pixel_aspect)
-        raise ValueError(
-            f"{self.recording.name}: expected square pixels, got ones that are shown {wide:.3g} "
-            f"times as wide as high: make them square first: ffmpeg -i {quote(name)} "
-            "-vf 'scale=trunc(iw*sar/2)*2:ih,setsar=1' square.mp4"
-        )
 
     def _turned_deg(self) -> int:
         """By how much the pictures are turned to be shown: the camera is of those shown."""
@@ -236,11 +241,23 @@ class _Describing:
         imu = self.recording.imu
         turned = None if imu is None else camera_by_turning(self._turns(imu), size)
         if turned is None:
+            if self._stays:
+                return camera_of_fixed_place(self.motion, size, self.stated)
             try:
                 return self._checked(camera_by_motion(self.recording.frames, size))
-            except ValueError as why:
-                problem += f", and their motion does not tell it: {why}"
-                return self._as_stated(None, problem, why)
+            except OnlyTurnsError as why:
+                self.motion = CameraMotion("turns", 0.0, why.focal, _BY_TURNING)
+                return camera_of_fixed_place(self.motion, size, self.stated)
+            except SelfCalibrationError as why:
+                if explained_by_rotation(self.recording, size):
+                    self.motion = CameraMotion("turns")
+                    return camera_of_fixed_place(self.motion, size, self.stated)
+                if self.stated is not None and self.stated.camera is not None:
+                    doubt = f"the pictures do not tell it ({why})"
+                    found = camera_of_fixed_place(self.motion, size, self.stated)
+                    return replace(found, doubts=(doubt,))
+                problem += f", in which {self.motion}, and no path follows: {why}"
+                raise ValueError(problem) from why
         said = f"pinhole, focal length {turned.camera.fx:.0f} px ± {100.0 * turned.sigma:.2g} %, "
         said += f"over {turned.pairs} pairs of frames"
         doubts = ("how the lens bends is not known",)
@@ -249,15 +266,29 @@ class _Describing:
             FoundCamera(turned.camera, said, source, None, doubts=doubts, sigma=turned.sigma)
         )
 
-    def _as_stated(self, target: FoundTarget | None, problem: str, why: ValueError) -> FoundCamera:
-        """The lens that the file states, where pictures do not tell one.
+    @property
+    def _stays(self) -> bool:
+        """Whether the camera stays at its place, so that there is no path to be found."""
+        return self.motion.kind in ("stands", "turns")
 
-        Raises:
-            ValueError: `problem`, where it states none.
-        """
+    def _tracked_without_target(self) -> None:
+        """How the poses are found where no print is in view."""
+        if self.motion.kind == "zooms":
+            self.doubts.append("the lens zooms, which is taken for a camera that moves")
+        if self._stays:
+            self._settings.append("tracked.by=turning")
+        if self.motion.kind == "stands":
+            self._settings.append("turning_poses.held=true")
+
+    def _as_stated(
+        self, target: FoundTarget, size: tuple[int, int], why: ValueError
+    ) -> FoundCamera:
+        """The lens that the file states, or a usual one, where the target does not tell it."""
         stated = self.stated
         if stated is None or stated.camera is None:
-            raise ValueError(f"{problem}; {_SAY_CAMERA}") from why
+            found = camera_of_fixed_place(CameraMotion("unknown"), size, None)
+            doubts = (*found.doubts, f"{target.summary}, do not tell it: {why}")
+            return replace(found, target=target, doubts=doubts)
         doubts = (f"good to look at, not to measure with: the pictures do not tell it ({why})",)
         return FoundCamera(
             stated.camera, stated.said, "the file's own notes", target, doubts=doubts
@@ -281,12 +312,11 @@ class _Describing:
     def target(self, target: FoundTarget | None, size_m: float | None, source: str) -> None:
         """The board or the markers, and their size."""
         if target is None:
-            self._assume(
-                "tracking",
-                "visual SLAM, whose lengths have a unit only where an IMU tells it",
-                "neither board nor markers in the pictures",
-                "[board] or [markers] in a manifest",
-            )
+            how = "visual SLAM, whose lengths have a unit only where an IMU tells it"
+            if self._stays:
+                how = f"attitudes alone, without lengths, since {self.motion}"
+            source, override = "neither board nor markers in the pictures", "tracked.by=slam"
+            self._assume("tracking", how, source, override)
             return
         if target.doubt:
             self.doubts.append(target.doubt)
@@ -337,6 +367,8 @@ class _Describing:
             self._assume("up", "against gravity", "the telemetry", "placed.on=floor")
         else:
             said = "out of the plane that faces the first picture's up"
+            if target is None and self._stays:
+                said = "the first picture's own"
             self._assume("up", said, "nothing that measured gravity", "placed.on=floor")
 
     def _assume(self, what: str, said: str, source: str, override: str) -> None:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -50,6 +53,7 @@ class Description:
         settings: knobs that stand before the tables.
         assumed: in the order in which it was found out.
         doubts: what of it is not sure, a clause each.
+        span: keys of `[frames]` that take a part of the recording; empty for all of it.
 
     >>> from motorcade.replays.described.values import Description
     >>> print(Description("[camera]\nfov_deg = 65.0\n", ("tracked.by=slam",), ()).manifest(""))
@@ -64,6 +68,7 @@ class Description:
     settings: tuple[str, ...]
     assumed: tuple[Assumption, ...]
     doubts: tuple[str, ...] = ()
+    span: str = ""
 
     def manifest(self, given: str) -> str:
         """The text of a manifest that says all this beside what the given one says, if any."""
@@ -74,7 +79,12 @@ class Description:
             for key, texts in (("settings", self.settings), ("doubts", self.doubts))
             if texts and key not in stated
         )
-        return "\n".join(text for text in (said, lists, given, self.tables) if text)
+        span = ""
+        if self.span and "frames" in stated:
+            given = re.sub(r"(?m)^\s*\[frames\].*$", rf"\g<0>\n{self.span}", given, count=1)
+        elif self.span:
+            span = f"[frames]\n{self.span}"
+        return "\n".join(text for text in (said, lists, given, span, self.tables) if text)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,19 +113,26 @@ class SampledPictures:
         return tuple(self.pictures[row] for row in self.places)
 
 
-def sampled_pictures(frames: FrameSequence) -> SampledPictures:
+def sampled_pictures(
+    frames: FrameSequence, kept: Mapping[int, GrayImage] = MappingProxyType({})
+) -> SampledPictures:
     """Three neighbouring frames at each of some places that are spread over a recording.
 
     Neighbours tell how fast the camera moved; places, what it saw. Of large pictures fewer are
     taken, so that all of them fit into a quarter of a GiB; of a few frames every one is a place.
+    `kept` are pictures that were read already, by their rows.
     """
-    first = frames[0].gray()
-    places = int(np.clip(_MOST_BYTES / (_NEIGHBOURS * first.size), _FEWEST_PLACES, _MOST_PLACES))
-    last = len(frames) - 1
+    rows, places = sample_rows(len(frames), kept[0].size if kept else frames[0].gray().size)
+    pictures = tuple(kept[row] if row in kept else frames[row].gray() for row in rows.tolist())
+    return SampledPictures(pictures, np.asarray(frames.time_ns[rows]), places)
+
+
+def sample_rows(count: int, pixels: int) -> tuple[IntArray, tuple[int, ...]]:
+    """Rows of the frames that a sample takes, and which of these stand for a place each."""
+    places = int(np.clip(_MOST_BYTES / (_NEIGHBOURS * pixels), _FEWEST_PLACES, _MOST_PLACES))
+    last = count - 1
     ends = (0, last) if last < _FEWEST_PLACES else (1, last - 1)
     middles = np.unique(np.linspace(*ends, places).astype(int))
     beside = (middles[:, None] + np.arange(_NEIGHBOURS) - _NEIGHBOURS // 2).ravel()
     rows = np.unique(np.clip(beside, 0, last))
-    pictures = tuple(frames[int(row)].gray() for row in rows)
-    at = tuple(int(row) for row in np.searchsorted(rows, middles))
-    return SampledPictures(pictures, np.asarray(frames.time_ns[rows]), at)
+    return rows, tuple(int(row) for row in np.searchsorted(rows, middles))

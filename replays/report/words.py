@@ -22,6 +22,7 @@ FOUND_BY = {
     "markers": "measured by the markers in view",
     "slam": "found from the pictures alone",
     "simulated": "simulated from the ground truth",
+    "turning": "found from the pictures alone, of a camera that stays at its place",
 }
 FUSED_WITH = {"imu": " and made one path with the IMU", "odometry": " and the odometry"}
 VERDICTS = {

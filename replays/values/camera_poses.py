@@ -17,7 +17,7 @@ from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.depth.cameras import DepthCamera
 from motorcade.tracking.frame_history import SlamHistory
 
-PoseOrigin = Literal["board", "markers", "slam", "simulated"]
+PoseOrigin = Literal["board", "markers", "slam", "simulated", "turning"]
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,8 +5,10 @@ then frees the lens, and SLAM runs again with what was found. Last, the map's po
 in many frames between the keyframes, and all is fitted once more, at the end by halves of the
 frames too, which shows how sure the focal length is.
 
-Where the camera only turns there is a focal length but no path; where the scene is flat or the
-camera only goes ahead, focal length and depth can hardly be told apart: such clips are refused.
+Where the camera only turns there is a focal length but no path: such clips are refused. Where the
+scene is flat or the camera only goes ahead, focal length and depth can hardly be told apart: what
+was found is then drawn towards what is usual, and of some focal lengths the one taken with which
+SLAM keeps most frames.
 
 Sources: Hartley & Zisserman 2003, ch. 19; Pollefeys et al. 1999 (a metric camera from its motion);
 Wu 2014 (what a free focal length and k1 cannot tell).
@@ -26,20 +28,32 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.markers.corner_stream import checked_stamps
-from motorcade.tracking.native._flow import Pyramid
 from motorcade.tracking.pictures import track_corners
 from motorcade.tracking.self_calibration.bodies import velocities
-from motorcade.tracking.self_calibration.lens import FOCAL_SPREAD, KINDS, LensKind, start_numbers
+from motorcade.tracking.self_calibration.lens import KINDS, USUAL_FOCAL, LensKind
 from motorcade.tracking.self_calibration.points import (
     PointFit,
     PointSightings,
     PointState,
     fit_points,
+    parallax_deg,
 )
-from motorcade.tracking.self_calibration.result import SelfCalibration, SelfCalibrationError
+from motorcade.tracking.self_calibration.result import (
+    SelfCalibration,
+    SelfCalibrationError,
+)
 from motorcade.tracking.self_calibration.shutter import fit_with_shutter
+from motorcade.tracking.self_calibration.turning import (
+    FEWEST_CORNERS,
+    middle_camera,
+    refuse_turning,
+)
+from motorcade.tracking.self_calibration.usual import (
+    doubt_of,
+    view_deg,
+    with_prior,
+)
 from motorcade.tracking.slam.features import find_corners
-from motorcade.tracking.slam.initialise import flow_beyond_rotation_px
 from motorcade.tracking.slam.results import SlamResult
 from motorcade.tracking.slam.slam import VisualSlam
 
@@ -52,12 +66,11 @@ _SIMPLER: tuple[LensKind, ...] = tuple(
 _LONG_SIDE = 960  # pictures are tracked at this size: finer ones cost time and tell little more
 _MOST_FRAMES = 450
 _MOST_VIEWS = 40
-_TRACKED_SHARE = 0.6
+_TRACKED_SHARE, _LEAST_TRACKED = 0.6, 0.4
+_PLACES = 6
 _FEWEST_VIEWS, _FEWEST_POINTS = 4, 60
 _LEAST_PARALLAX_DEG = 2.0
-_TURN_PX, _TURN_SHARE = 1.0, 0.06
-_DOUBTFUL_FOCAL = 0.01
-_FEWEST_CORNERS = 80
+_TOLD_FOCAL, _DOUBTFUL_FOCAL = 0.1, 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,23 +117,30 @@ def self_calibrate_motion(
     pictures: expected 80 corners to follow, got 0: the scene is too plain to tell the camera from
     """
     frames = _reduced(pictures, size, checked_stamps(np.asarray(time_ns), "time_ns"))
-    corners = len(find_corners(frames.pictures[0], 4 * _FEWEST_CORNERS))
-    if corners < _FEWEST_CORNERS:
+    some = np.unique(np.linspace(0, len(frames.pictures) - 1, _PLACES).astype(int))
+    corners = max(len(find_corners(frames.pictures[row], 4 * FEWEST_CORNERS)) for row in some)
+    if corners < FEWEST_CORNERS:
         raise SelfCalibrationError(
-            f"pictures: expected {_FEWEST_CORNERS} corners to follow, got {corners}: the scene is "
+            f"pictures: expected {FEWEST_CORNERS} corners to follow, got {corners}: the scene is "
             "too plain to tell the camera from"
         )
-    _refuse_turning(frames)
+    refuse_turning(frames.pictures, frames.size)
     mapped = _first_map(frames)
     if mapped is None:
-        raise SelfCalibrationError(
-            "pictures: expected a motion that visual SLAM can follow, got none with any focal "
-            "length; move sideways past things at different depths, slowly"
-        )
+        return _guessed(frames, USUAL_FOCAL, np.inf, "no focal length lets SLAM keep most frames")
     result, camera = mapped
-    seen, start, velocity = _densified(frames, result, camera)
+    try:
+        seen, start, velocity = _densified(frames, result, camera)
+    except SelfCalibrationError as why:
+        return _guessed(frames, camera.fx / max(frames.small), np.inf, str(why))
     straight, found, readout = fit_with_shutter(seen, start, velocity)
-    return replace(_checked(frames, straight, found), readout=readout)
+    parallax, focal = parallax_deg(straight, found.state), float(found.state.numbers[0])
+    found = _unfolded(frames, straight, found)
+    sigma = _focal_sigma(straight, found)
+    if parallax < _LEAST_PARALLAX_DEG or not sigma <= _TOLD_FOCAL:
+        why = f"things are seen from directions that differ by {parallax:.1f} degrees in the middle"
+        return _guessed(frames, focal / max(frames.small), max(sigma, _TOLD_FOCAL), why)
+    return replace(_checked(frames, found, sigma), readout=readout)
 
 
 def _reduced(pictures: Iterable[GrayImage], size: tuple[int, int], time_ns: IntArray) -> _Frames:
@@ -145,64 +165,10 @@ def _reduced(pictures: Iterable[GrayImage], size: tuple[int, int], time_ns: IntA
     return _Frames(time_ns[: len(kept)], kept, (small[0] * step, small[1] * step))
 
 
-def _middle(size: tuple[int, int], share: float) -> Camera:
-    return KINDS[0].camera(start_numbers(share * max(size), size), size)
-
-
-def _refuse_turning(frames: _Frames) -> None:
-    """Refuse a clip in which every motion of the corners is a turn about the lens."""
-    least: list[tuple[float, float, float]] = []
-    for first_px, px in _followed(frames):
-        flow = float(np.median(np.linalg.norm(px - first_px, axis=-1)))
-        shares = np.geomspace(0.35, 2.5, 24)
-        left = [
-            flow_beyond_rotation_px(first_px, px, _middle(frames.small, share)) for share in shares
-        ]
-        best = int(np.argmin(left))
-        least.append((left[best], flow, shares[best]))
-    if not least:
-        raise SelfCalibrationError(
-            "pictures: expected corners that move through the picture, got none: the camera "
-            "stands still, or moves too fast to be followed"
-        )
-    beyond, moved, told = np.array(least).T
-    if np.all(beyond < np.maximum(_TURN_PX, _TURN_SHARE * moved)):
-        focal = float(np.median(told)) * max(frames.size)
-        raise SelfCalibrationError(
-            "pictures: expected a camera that changes its place, got one that only turns (a focal "
-            f"length of about {focal:.0f} pixels explains all motion); no path and no depth "
-            "follow from that: move sideways past things at different depths"
-        )
-
-
-def _followed(frames: _Frames) -> list[tuple[FloatArray, FloatArray]]:
-    """Corners of some frames, and where they are when they have moved far."""
-    far = 0.12 * max(frames.small)
-    found = []
-    for first in np.linspace(0, len(frames.pictures) - 2, 6).astype(int):
-        start = find_corners(frames.pictures[first], 300).px
-        rows, px = np.arange(len(start)), start
-        motion, before = np.zeros_like(px), Pyramid(frames.pictures[first])
-        for picture in frames.pictures[first + 1 :]:
-            after = Pyramid(picture)
-            there, good = track_corners(before, after, px, px + motion)
-            motion, before = (there - px)[good], after
-            rows, px = rows[good], there[good]
-            if len(px) < _FEWEST_CORNERS:
-                break
-            if np.median(np.linalg.norm(px - start[rows], axis=-1)) > far:
-                break
-        if len(px) >= _FEWEST_CORNERS // 2:
-            moved = float(np.median(np.linalg.norm(px - start[rows], axis=-1)))
-            if moved > 0.25 * far:
-                found.append((start[rows], px))
-    return found
-
-
 def _first_map(frames: _Frames) -> tuple[SlamResult, Camera] | None:
     """A map by SLAM, and the camera it was made with: once with a guess, once with what it told."""
     for share in _STARTS:
-        camera = _middle(frames.small, share)
+        camera = middle_camera(frames.small, share)
         result = _mapped(frames, camera)
         if result is None:
             continue
@@ -215,7 +181,7 @@ def _first_map(frames: _Frames) -> tuple[SlamResult, Camera] | None:
     return None
 
 
-def _mapped(frames: _Frames, camera: Camera) -> SlamResult | None:
+def _mapped(frames: _Frames, camera: Camera, least: float = _TRACKED_SHARE) -> SlamResult | None:
     """SLAM over all frames; None where it follows too few of them."""
     slam = VisualSlam(camera)
     for stamp, picture in zip(frames.time_ns.tolist(), frames.pictures, strict=True):
@@ -223,7 +189,7 @@ def _mapped(frames: _Frames, camera: Camera) -> SlamResult | None:
     result = slam.finish()
     if result.trajectory is None or len(result.map.points) < _FEWEST_POINTS:
         return None
-    enough = len(result.trajectory) >= _TRACKED_SHARE * len(frames.pictures)
+    enough = len(result.trajectory) >= least * len(frames.pictures)
     return result if enough and len(result.map.time_ns) >= 2 else None
 
 
@@ -301,27 +267,58 @@ def _often_seen(
     return kept, replace(state, points=state.points[points])
 
 
-def _checked(frames: _Frames, seen: PointSightings, found: PointFit) -> SelfCalibration:
-    """The camera in the pictures' own pixels, if it follows from what was seen."""
-    parallax = _parallax_deg(seen, found.state)
-    if parallax < _LEAST_PARALLAX_DEG:
-        raise SelfCalibrationError(
-            "pictures: expected things seen from directions that differ by "
-            f"{_LEAST_PARALLAX_DEG:g} degrees and more, got {parallax:.1f} in the middle: go "
-            "farther sideways, or nearer"
-        )
-    found = _unfolded(frames, seen, found)
-    numbers, views = found.state.numbers, int(found.state.world_T_camera.shape[0])
+def _focal_sigma(seen: PointSightings, found: PointFit) -> float:
+    """Relative standard deviation of the focal length, by the residuals and by halves."""
+    numbers = found.state.numbers
     halves = [fit_points(*_half(seen, found.state, one)).state.numbers[0] for one in (0, 1)]
     formal = float(np.sqrt(found.covariance[0, 0])) / numbers[0]
-    sigma = max(formal, abs(halves[0] - halves[1]) / (2.0 * numbers[0]))
-    if not sigma <= FOCAL_SPREAD:
+    return max(formal, abs(halves[0] - halves[1]) / (2.0 * float(numbers[0])))
+
+
+def _guessed(frames: _Frames, focal: float, sigma: float, why: str) -> SelfCalibration:
+    """The lens without distortion, of some focal lengths, with which SLAM keeps most frames.
+
+    Args:
+        frames: as they are tracked.
+        focal: what motion says, in longer sides, and
+        sigma: how sure that is.
+        why: it is not surer.
+
+    Raises:
+        SelfCalibrationError: with none of them it keeps enough.
+    """
+    usual, spread = with_prior(focal, sigma)
+    tried: list[tuple[int, float]] = []
+    for share in (usual, usual * np.exp(spread), usual * np.exp(-spread)):
+        result = _mapped(frames, middle_camera(frames.small, share), _LEAST_TRACKED)
+        path = None if result is None else result.trajectory
+        tried.append((0 if path is None else len(path), share))
+        if tried[-1][0] > 0.95 * len(frames.pictures):
+            break
+    kept, share = max(tried, key=lambda row: row[0])
+    if not kept:
+        views = ", ".join(f"{view_deg(share):.0f}" for _, share in tried)
         raise SelfCalibrationError(
-            f"pictures: expected a motion that tells the focal length, got "
-            f"{numbers[0] * frames.scale:.0f} pixels +- {sigma:.0%}, no better than a guess: a "
-            "flat scene, or a camera that goes straight ahead, does not tell it; move sideways "
-            "past things at different depths, and turn while you do"
+            f"pictures: expected a motion that visual SLAM can follow, got one of which it keeps "
+            f"fewer than {_LEAST_TRACKED:.0%} of {len(frames.pictures)} frames, whether the lens "
+            f"sees {views} degrees; move sideways past things at different depths, slowly"
         )
+    doubts = (
+        f"{doubt_of(share, spread)} ({why})",
+        *(
+            []
+            if kept > 0.95 * len(frames.pictures)
+            else [f"SLAM keeps {kept} of the first {len(frames.pictures)} frames"]
+        ),
+    )
+    reason = "pinhole: motion does not tell more"
+    camera = middle_camera(frames.size, share)
+    return SelfCalibration(camera, "motion", float(spread), reason, 0.0, kept, doubts=doubts)
+
+
+def _checked(frames: _Frames, found: PointFit, sigma: float) -> SelfCalibration:
+    """The camera in the pictures' own pixels."""
+    views = int(found.state.world_T_camera.shape[0])
     inside = np.linalg.norm(found.residuals_px, axis=-1) < 6.0 * found.noise_px
     rms = float(np.sqrt((found.residuals_px[inside] ** 2).sum(axis=-1).mean()))
     doubts = ["found from the scene's motion alone: a printed board or tag tells the lens better"]
@@ -361,16 +358,3 @@ def _full_size(found: PointFit, frames: _Frames) -> Camera:
     numbers[0] *= scale
     numbers[1:3] = scale * (numbers[1:3] + 0.5) - 0.5
     return found.state.kind.camera(numbers, frames.size)
-
-
-def _parallax_deg(seen: PointSightings, state: PointState) -> float:
-    """Median over the points of the largest angle between directions that they were seen from."""
-    towards = state.points[seen.point] - state.world_T_camera.translation_m[seen.view]
-    towards /= np.linalg.norm(towards, axis=-1, keepdims=True)
-    order = np.argsort(seen.point, kind="stable")
-    first = np.searchsorted(seen.point[order], np.arange(len(state.points)))
-    reference = towards[order][first]
-    angle = np.arccos(np.clip((towards * reference[seen.point]).sum(axis=-1), -1.0, 1.0))
-    largest = np.zeros(len(state.points))
-    np.maximum.at(largest, seen.point, angle)
-    return float(np.degrees(np.median(largest)))

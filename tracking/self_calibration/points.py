@@ -212,3 +212,16 @@ def _retract(state: PointState, step: tuple[FloatArray, FloatArray]) -> PointSta
         world_T_camera=state.world_T_camera.retract(poses),
         points=state.points + points,
     )
+
+
+def parallax_deg(seen: PointSightings, state: PointState) -> float:
+    """Median over the points of the largest angle between directions that they were seen from."""
+    towards = state.points[seen.point] - state.world_T_camera.translation_m[seen.view]
+    towards /= np.linalg.norm(towards, axis=-1, keepdims=True)
+    order = np.argsort(seen.point, kind="stable")
+    first = np.searchsorted(seen.point[order], np.arange(len(state.points)))
+    reference = towards[order][first]
+    angle = np.arccos(np.clip((towards * reference[seen.point]).sum(axis=-1), -1.0, 1.0))
+    largest = np.zeros(len(state.points))
+    np.maximum.at(largest, seen.point, angle)
+    return float(np.degrees(np.median(largest)))

@@ -24,6 +24,18 @@ class SelfCalibrationError(ValueError):
     """
 
 
+class OnlyTurnsError(SelfCalibrationError):
+    """A clip in which the camera changes its direction and not its place.
+
+    Attributes:
+        focal: the focal length, in longer sides of the picture, that explains most of it.
+    """
+
+    def __init__(self, message: str, focal: float) -> None:
+        super().__init__(message)
+        self.focal = focal
+
+
 @dataclass(frozen=True)
 class ShutterReadout:
     """How a rolling shutter reads a picture.

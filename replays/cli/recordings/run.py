@@ -47,6 +47,13 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         help="the board in view where nothing describes it, such as checkerboard_9x6 (inner "
         "corners) or checkerboard_9x6_25mm",
     )
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument(
+        "--shot", type=int, metavar="N", help="run shot N of a clip with cuts (the longest)"
+    )
+    which.add_argument(
+        "--all-shots", action="store_true", help="run every shot, each into OUT/shot-N"
+    )
     add_run_options(parser, out=Path("out"))
     add_executor(parser, "local", "of several recordings: ")
 
@@ -83,7 +90,7 @@ def add_strict(parser: argparse.ArgumentParser) -> None:
 def run_recordings(arguments: argparse.Namespace) -> None:
     """Run one recording here, or several by the executor asked for."""
     from motorcade.replays.engine.executors import check_executor, outcomes
-    from motorcade.replays.pipeline import Job, require_integrity
+    from motorcade.replays.pipeline import Job, require_integrity, shot_job, shot_jobs
 
     check_executor(arguments.executor)
     if arguments.strict:
@@ -102,6 +109,10 @@ def run_recordings(arguments: argparse.Namespace) -> None:
         )
         for path in arguments.recordings
     ]
+    if arguments.shot is not None:
+        jobs = [shot_job(job, arguments.shot, job.out) for job in jobs]
+    if arguments.all_shots:
+        jobs = [shot for job in jobs for shot in shot_jobs(job)]
     if len(jobs) == 1:
         run_one(jobs[0], as_json=arguments.json, strict=arguments.strict)
         return
@@ -111,9 +122,10 @@ def run_recordings(arguments: argparse.Namespace) -> None:
         if isinstance(outcome, BaseException):
             print(f"motorcade: {job.recording}: {one_line(outcome)}", file=sys.stderr)
             continue
-        done[str(job.recording)] = outcome
+        name = f"{job.recording}, {job.out.name}" if arguments.all_shots else str(job.recording)
+        done[name] = outcome
         if not arguments.json:
-            print(f"{job.recording}:")
+            print(f"{name}:")
             print_summary(outcome, job.out, as_json=False)
     if arguments.json:
         print(json.dumps(done, indent=2))

@@ -30,6 +30,7 @@ from motorcade.replays.readers.frames.files import (
     refuse_gaps,
 )
 from motorcade.replays.readers.frames.held import upright_camera
+from motorcade.replays.readers.frames.span import frames_between
 from motorcade.replays.readers.frames.video import VideoFrames
 from motorcade.replays.readers.gpmf import read_telemetry
 from motorcade.replays.readers.layouts.detect import find_layout, read_layout
@@ -74,7 +75,12 @@ _TOP = (
     "stereo",
     "slam",
 )
-FRAMES_KEYS = ("images", "video", "rate_hz", "stamps", "stamps_unit", "depth", "depth_units_per_m")
+_SPAN_KEYS = ("start_s", "end_s")
+FRAMES_KEYS = (
+    *("images", "video", "rate_hz", "stamps", "stamps_unit", "depth", "depth_units_per_m"),
+    *_SPAN_KEYS,
+)
+_FARTHEST_S = 9e9
 STEREO_KEYS = ("right", "baseline_m")
 DEPTH_CAMERA_KEYS = (*CAMERA_KEYS, "colour_T_depth")
 
@@ -177,7 +183,8 @@ class _Manifest:
     def _base(self) -> Recording:
         """What the frames table or the folder's own layout gives."""
         if "frames" in self.top:
-            frames = self._frames(self._section("frames", FRAMES_KEYS))
+            section = self._section("frames", FRAMES_KEYS)
+            frames = _within(section, self._frames(section))
             name = self.root.resolve().stem
             if isinstance(frames, VideoFrames):
                 telemetry = read_telemetry(frames.path)
@@ -194,7 +201,7 @@ class _Manifest:
     def _frames(self, section: Section) -> FrameSequence:
         section.only_one("images", "video")
         if "video" in section or ("images" not in section and self.root.is_file()):
-            for key in set(FRAMES_KEYS) - {"video"}:
+            for key in set(FRAMES_KEYS) - {"video", *_SPAN_KEYS}:
                 if key in section:
                     raise section.fault(key, "not for a video, which brings its own stamps")
             return VideoFrames(self._file(section, "video") if "video" in section else self.root)
@@ -344,3 +351,18 @@ class _Manifest:
 def _size(frames: VideoFrames | PictureFrames) -> tuple[int, int]:
     """Width and height of the pictures as shown."""
     return frames.size if isinstance(frames, VideoFrames) else frames.first_size()
+
+
+def _within(section: Section, frames: FrameSequence) -> FrameSequence:
+    """The frames between the times that the table names."""
+    if not any(key in section for key in _SPAN_KEYS):
+        return frames
+    ends = (-_FARTHEST_S, _FARTHEST_S)
+    start_s, end_s = (
+        section.number(key, *ends) if key in section else end
+        for key, end in zip(_SPAN_KEYS, ends, strict=True)
+    )
+    try:
+        return frames_between(frames, round(1e9 * start_s), round(1e9 * end_s))
+    except ValueError as fault:
+        raise section.fault("start_s", str(fault)) from fault

@@ -15,6 +15,7 @@ from motorcade.replays.stages.view.ground import (
     ground_on_plane,
     known_marker,
 )
+from motorcade.replays.stages.view.level_ground import level_ground
 from motorcade.replays.stages.view.moving_marker import find_marker
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.marker_poses import MarkerPoses
@@ -65,6 +66,8 @@ class Grounds:
         if ground is None and on in ("board", "plane"):
             lacking = "no board is known" if on == "board" else "no plane that faces up was found"
             raise ValueError(f"{recording.name}: placed.on={on}, but {lacking}")
+        if ground is None and camera_poses.origin == "turning" and recording.camera is not None:
+            ground = level_ground(recording.camera, self.seen_from, floor_m)
         if ground is None:
             ground = ground_on_floor(recording, camera_poses, self.seen_from, floor_m)
         return ground, None

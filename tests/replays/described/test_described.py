@@ -113,10 +113,11 @@ def test_pictures_that_tell_nothing_are_refused_with_what_to_do(
         cv2.imwrite(str(folder / f"{number}.png"), np.full((120, 160), 90, np.uint8))
     assert main(["run", str(folder), "--out", str(tmp_path / "out")]) == 1
     error = capsys.readouterr().err
-    assert "no camera known" in error
-    assert "--set described.fov_deg=65" in error
+    assert "expected pictures with something to see" in error
+    assert "0-5 plain" in error
+    assert "described.fov_deg" not in error  # no view makes a path of them
     assert main(["inspect", str(folder)]) == 0
-    assert "no camera known" in capsys.readouterr().out
+    assert "with something to see" in capsys.readouterr().out
 
 
 def test_a_folder_of_pictures_says_its_rate_and_where_they_lie(tmp_path: Path) -> None:
