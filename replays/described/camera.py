@@ -80,7 +80,7 @@ def camera_of_fixed_place(
     return FoundCamera(camera, said, source, None, doubts=(doubt_of(focal, sigma),), sigma=sigma)
 
 
-def _explained_by_rotation(recording: Recording, size: tuple[int, int]) -> bool:
+def explained_by_rotation(recording: Recording, size: tuple[int, int]) -> bool:
     """Whether attitudes alone put corners where they are seen, in nearly every frame."""
     with suppress(TrackingError):
         camera = camera_by_view(size, view_deg(USUAL_FOCAL))

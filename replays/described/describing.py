@@ -173,7 +173,7 @@ class _Describing:
         folder = frames.files[0].parent.relative_to(root)
         lines = ["[frames]"] if folder.parts == () else ["[frames]", f'images = "{folder}/*.*"']
         self._tables.append("\n".join([*lines, f"rate_hz = {rate_hz!r}"]) + "\n")
-        self._tables[-1] += chosen.span_toml(np.arange(len(frames)) / rate_hz)
+        self._tables[-1] += chosen.span_toml(np.arange(len(frames)) * (1.0 / rate_hz))
         self._span = ""
         said = f"{len(frames)} pictures in the order of their names, {rate_hz:g} a second"
         self._assume("times", said, "pictures that hold no times", "described.rate_hz=30")

@@ -6,10 +6,11 @@ import logging
 from collections.abc import Iterator
 from dataclasses import replace
 from shlex import quote
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from motorcade.ga.arrays import FloatArray
 from motorcade.replays.described.values import SampledPictures, sample_rows, sampled_pictures
 from motorcade.replays.engine.progress import track
 from motorcade.replays.readers.frames.files import PictureFrames
@@ -82,7 +83,7 @@ class ChosenShot:
             text += ", --all-shots all"
         return text
 
-    def span_toml(self, time_s: FloatArray) -> str:
+    def span_toml(self, time_s: NDArray[np.floating[Any]]) -> str:
         """Keys of a manifest's `[frames]` that take these of all frames, whose stamps are given.
 
         Empty if they are all.

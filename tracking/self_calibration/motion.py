@@ -138,8 +138,8 @@ def self_calibrate_motion(
     found = _unfolded(frames, straight, found)
     sigma = _focal_sigma(straight, found)
     if parallax < _LEAST_PARALLAX_DEG or not sigma <= _TOLD_FOCAL:
-        why = f"things are seen from directions that differ by {parallax:.1f} degrees in the middle"
-        return _guessed(frames, focal / max(frames.small), max(sigma, _TOLD_FOCAL), why)
+        angle = f"things are seen from directions {parallax:.1f} degrees apart in the middle"
+        return _guessed(frames, focal / max(frames.small), max(sigma, _TOLD_FOCAL), angle)
     return replace(_checked(frames, found, sigma), readout=readout)
 
 
@@ -270,8 +270,8 @@ def _often_seen(
 def _focal_sigma(seen: PointSightings, found: PointFit) -> float:
     """Relative standard deviation of the focal length, by the residuals and by halves."""
     numbers = found.state.numbers
-    halves = [fit_points(*_half(seen, found.state, one)).state.numbers[0] for one in (0, 1)]
-    formal = float(np.sqrt(found.covariance[0, 0])) / numbers[0]
+    halves = [float(fit_points(*_half(seen, found.state, one)).state.numbers[0]) for one in (0, 1)]
+    formal = float(np.sqrt(found.covariance[0, 0]) / numbers[0])
     return max(formal, abs(halves[0] - halves[1]) / (2.0 * float(numbers[0])))
 
 

@@ -43,10 +43,12 @@ def frames_between(frames: FrameSequence, start_ns: int, end_ns: int) -> FrameSe
     if not isinstance(frames, PictureFrames):
         raise ValueError("expected a video or pictures in files, got frames that have no parts")
     kept = slice(int(rows[0]), int(rows[-1]) + 1)
-    lists = (frames.files, frames.depth_files, frames.right_files)
-    files, depth, right = (some[kept] for some in lists)
     return replace(
-        frames, files=files, time_ns=frames.time_ns[kept], depth_files=depth, right_files=right
+        frames,
+        files=frames.files[kept],
+        time_ns=frames.time_ns[kept],
+        depth_files=frames.depth_files[kept],
+        right_files=frames.right_files[kept],
     )
 
 
