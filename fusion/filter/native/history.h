@@ -10,7 +10,7 @@ namespace motorcade::filter {
 // Does events [from, to) again, from the nearest state kept before them.
 template <std::size_t N> void Timeline<N>::replay(std::size_t from, std::size_t to) {
     std::size_t first = 0;
-    if (from == 0) {
+    if (from <= begin_) {
         started_ = false;
     } else {
         std::size_t kept = from - 1;

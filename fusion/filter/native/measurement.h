@@ -48,9 +48,10 @@ struct Known {
 };
 
 // Where a prediction was given up: whether the pose is taken from what was measured there, as on a
-// map that was relocated, and variances added (turn, position, velocity, both biases).
+// map that was relocated, and variances added (turn, position, velocity, both biases). Where all is
+// begun anew, nothing of what was known before holds.
 struct Doubt {
-    bool relocated = false;
+    bool relocated = false, anew = false;
     double added[5] = {};
 };
 

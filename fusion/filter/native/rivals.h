@@ -25,6 +25,9 @@ constexpr std::size_t most_rivals = 6;
 // How long the IMU alone may carry a prediction that was given up, as it may over gaps.
 constexpr std::int64_t longest_bridge_ns = 10'000'000'000;
 
+// Of starts that are tried; each costs a pass over the whole.
+constexpr std::size_t most_starts = 6;
+
 // How long measurements may agree on something else before it is no burst: as cameras are blind.
 constexpr std::int64_t longest_burst_ns = 2'000'000'000;
 
@@ -49,12 +52,17 @@ template <std::size_t N> struct Rival {
 // A measurement was believed or denied: what follows for the prediction.
 template <std::size_t N> void Timeline<N>::consider(std::size_t index) {
     const Event &event = events_[index];
-    if (!event.measures()) return;
+    if (!event.measures() || index < begin_) return;
     if (former_ && event.time_ns - events_[former_->birth].time_ns > longest_bridge_ns)
         former_.reset();
     if (event.factor == 0.0) {
         if (event.relative) return;
-        if (denied_++ == 0) doubted_ns_ = event.time_ns;
+        if (denied_++ == 0) {
+            doubted_ns_ = event.time_ns;
+            const bool early = doubted_ns_ - events_.front().time_ns <= longest_bridge_ns;
+            if (early && begin_ == 0 && event.from_pose() && starts_.size() < most_starts)
+                starts_.push_back(index);
+        }
         return challenge(index);
     }
     if (!event.placed) return;  // any map agrees with that
@@ -193,21 +201,22 @@ template <std::size_t N> void Timeline<N>::give_up(const Rival<N> &winner) {
     const Event &first = events_[winner.birth];
     const std::int64_t now_ns = events_[next_ - 1].time_ns;
     std::size_t from = winner.birth;
-    undecide(never_right && own_birth_ > 0 ? own_birth_ : winner.birth);
+    undecide(never_right && own_birth_ > begin_ ? own_birth_ : winner.birth);
     if (winner.returned) {
         from = former_->birth;
         take_for_wrong(from, winner.birth);
         own_birth_ = former_->base, own_hits_ = former_->hits + winner.hits;
         former_.reset();
-    } else if (never_right && own_birth_ == 0 && !forgotten_) {
-        from = 0;
-        judge_before(winner);
+    } else if (never_right && own_birth_ == begin_ && !forgotten_) {
+        from = begin_;
+        events_[winner.birth].given = 1.0;
+        judge_before(winner.track, winner.birth);
         own_hits_ = winner.hits;
     } else if (!never_right && strained(first)) {
         events_[winner.birth].given = std::max(1.0, first.nis / settings_.gate[first.size]);
         own_hits_ += winner.hits;
     } else {
-        if (never_right && own_birth_ > 0) {
+        if (never_right && own_birth_ > begin_) {
             from = own_birth_;
             events_[from].doubt.reset();
             events_[from].given = undecided;
@@ -241,15 +250,22 @@ template <std::size_t N> void Timeline<N>::doubt_last_jump(std::size_t since) {
 
 // The same at the start: backward from the first relocation, by the state that all made of it.
 template <std::size_t N> bool Timeline<N>::doubt_first_jump(std::size_t jump, Track<N> after) {
+    if (!bridged_back(jump, begin_, after)) return false;
+    restart(after.at);
+    undo_jump(jump, begin_, jump);
+    return true;
+}
+
+// Whether the IMU alone leads from the state after an event back to an earlier one, as well as poses
+// would; the state becomes that there.
+template <std::size_t N>
+bool Timeline<N>::bridged_back(std::size_t from, std::size_t to, Track<N> &after) {
     along(after, [&] {
         turn_round();
-        retreat_to(events_.front().time_ns);
+        retreat_to(events_[to].time_ns);
         turn_round();
     });
-    if (!bridged(after.covariance, events_[jump])) return false;
-    restart(after.at);
-    undo_jump(jump, 0, jump);
-    return true;
+    return bridged(after.covariance, events_[from]);
 }
 
 template <std::size_t N>
@@ -287,20 +303,16 @@ void Timeline<N>::undo_jump(std::size_t jump, std::size_t from, std::size_t to) 
     replay(from, next_);
 }
 
-// What was measured before the winner's birth, judged by it against the flow of time: rate and
+// What was measured before a track's birth, judged by it against the flow of time: rate and
 // velocity change their signs, force does not, and the same transitions hold.
-template <std::size_t N> void Timeline<N>::judge_before(const Rival<N> &winner) {
-    Track<N> track = winner.track;
+template <std::size_t N> void Timeline<N>::judge_before(Track<N> track, std::size_t birth) {
     along(track, [&] {
-        for (std::size_t k = winner.birth + 1; k-- > 0;) {
+        for (std::size_t k = birth + 1; k-- > begin_;) {
             Event &event = events_[k];
             turn_round();
             retreat_to(event.time_ns);
             turn_round();
-            if (k == winner.birth)
-                event.given = 1.0;
-            else if (event.measures() && !event.relative)
-                event.given = believed(event);
+            if (k < birth && event.measures() && !event.relative) event.given = believed(event);
         }
         restart(now_);
     });

@@ -13,6 +13,7 @@ namespace motorcade::filter {
 
 // Weights settle within two or three rounds; those of a few that stand at the gate may alternate.
 constexpr std::size_t most_rounds = 5;
+constexpr double most_cost = 1e3;  // of a prediction that is no number
 // A weight that halves or doubles is worth another round.
 constexpr double tolerance = 2.0;
 constexpr std::size_t none = static_cast<std::size_t>(-1);  // of the events
@@ -21,38 +22,174 @@ template <std::size_t N> class Smoother : public Timeline<N> {
 public:
     using Timeline<N>::Timeline;
 
-    // Rewrites what the sink holds for the moments passed so far, each measurement weighed by what
-    // all others say of it: again, with the weights that came out, until they stay.
+    // Rewrites what the sink holds for the moments passed so far. Where the prediction was given up
+    // near the start, the path may as well begin at any of the poses that it denied there.
     void smooth() {
         this->doubt_last_jump(0);
+        const Account first = weigh_all();
+        if (this->given_up_.empty() || this->starts_.empty()) return;
+        const auto given_up = this->given_up_;
+        Account best = first;
+        for (const std::size_t start : std::vector(this->starts_)) {
+            this->begin_at(start);
+            Account other = weigh_all();
+            Track<N> after = other.first;
+            other.bridged = this->bridged_back(start, 0, after);
+            if (better(other, best)) best = std::move(other);
+        }
+        if (!extended(best, first)) remake(first);
+        this->given_up_ = given_up;
+    }
+
+protected:
+    // What a pass was made from, so that it can be made again, and how well each measurement is
+    // predicted by all others.
+    struct Account {
+        std::size_t begin = 0, since = 0;  // of the events; before `since` all is taken for wrong
+        std::optional<State> begun;
+        std::vector<double> given, cost;
+        std::vector<bool> believed;
+        bool bridged = false;  // the IMU alone leads from where it begins to the first pose
+        std::vector<std::pair<std::size_t, Doubt>> doubts;
+        Track<N> first;
+    };
+
+    // Each measurement weighed by what all others say of it: again, with the weights that came out,
+    // until they stay or predict worse than those before did.
+    Account weigh_all() {
+        Account best;
+        std::size_t since = this->begin_;
         for (std::size_t round = 1;; ++round) {
             jump_ = 0;
             backward();
             this->thorough_ = false;
-            if (round == most_rounds) return;
-            if (jump_ != 0 && this->doubt_first_jump(jump_, jumped_)) continue;
-            if (judge_again(0, 0) == none) return;
-            this->replay(0, this->next_);
+            Account now = account(since);
+            if (round > 1 && loses(now, best, since)) {
+                remake(best);
+                return best;
+            }
+            best = std::move(now);
+            if (round == most_rounds) return best;
+            if (jump_ != 0 && this->doubt_first_jump(jump_, jumped_)) {
+                since = jump_;
+                continue;
+            }
+            if (judge_again(this->begin_, this->begin_) == none) return best;
+            this->replay(this->begin_, this->next_);
         }
     }
 
-protected:
+    // Takes an account over and adds what came before it: by the IMU alone, with the poses that
+    // agree, or where that tells too little as on another map. False where it then predicts worse.
+    bool extended(const Account &best, const Account &first) {
+        if (best.begin == 0) return false;
+        restore(best);
+        this->begin_ = 0;
+        if (best.bridged) {
+            this->judge_before(best.first, best.begin);
+        } else {
+            this->begun_ = first.begun;
+            for (std::size_t k = 0; k < best.begin; ++k) this->events_[k].given = first.given[k];
+            auto anew = std::make_unique<Doubt>();
+            anew->anew = true;
+            this->events_[best.begin].doubt = std::move(anew);
+        }
+        this->replay(0, this->next_);
+        return !loses(weigh_all(), best, best.since);
+    }
+
+    void remake(const Account &account) {
+        restore(account);
+        backward();
+        this->thorough_ = false;
+    }
+
+    Account account(std::size_t since) const {
+        Account made;
+        made.begin = this->begin_, made.since = since, made.first = first_, made.begun = this->begun_;
+        for (std::size_t k = 0; k < this->next_; ++k) {
+            const Event &event = this->events_[k];
+            made.given.push_back(event.given);
+            made.cost.push_back(!event.measures() ? 0.0 : k < since ? refused() : cost(event));
+            made.believed.push_back(event.measures() && event.factor > 0.0);
+            if (event.doubt) made.doubts.emplace_back(k, *event.doubt);
+        }
+        return made;
+    }
+
+    void restore(const Account &account) {
+        this->begin_ = account.begin;
+        this->begun_ = account.begun;
+        for (std::size_t k = 0; k < this->next_; ++k) {
+            this->events_[k].given = account.given[k];
+            this->events_[k].doubt.reset();
+        }
+        for (const auto &[index, doubt] : account.doubts)
+            this->events_[index].doubt = std::make_unique<Doubt>(doubt);
+        this->replay(this->begin_, this->next_);
+    }
+
+    // What a prediction costs that is off by a normalised square: as little of a gross one as of a
+    // Student's distribution, so that no unit of the noise is needed.
+    static double cost(double square, double freedom) {
+        return std::isfinite(square) ? std::log1p(std::max(0.0, square) / freedom) : most_cost;
+    }
+    static double cost(const Event &event) {
+        return cost(event.left_out[0], static_cast<double>(freedom(event)));
+    }
+    // Of a pose that is taken for wrong.
+    double refused() const {
+        return cost(this->settings_.most_noise * this->settings_.gate[6], 6.0);
+    }
+
+    // By how much the one predicts better what was measured from an event on.
+    static double gain(const Account &one, const Account &other, std::size_t from) {
+        double sum = 0.0;
+        for (std::size_t k = from; k < one.cost.size(); ++k) sum += other.cost[k] - one.cost[k];
+        return sum;
+    }
+
+    // Whether the one explains fewer measurements from an event on, and predicts them worse.
+    bool loses(const Account &one, const Account &other, std::size_t from) const {
+        const auto explained = [from](const Account &by) {
+            return std::count(by.believed.begin() + static_cast<std::ptrdiff_t>(from),
+                              by.believed.end(), true);
+        };
+        return explained(one) < explained(other) && gain(other, one, from) > refused();
+    }
+
+    // Whether a later start is to be preferred: never with more jumps of the map; with as many,
+    // where all is predicted better although poses before it count as wrong; with fewer, where those
+    // after it are, or are no worse where what came before them is known without.
+    bool better(const Account &one, const Account &other) const {
+        if (one.doubts.size() > other.doubts.size()) return false;
+        if (one.doubts.size() == other.doubts.size())
+            return gain(one, other, other.since) > refused();
+        const std::size_t since = std::max(one.since, other.since);
+        return one.bridged ? !loses(one, other, since) : gain(one, other, since) > refused();
+    }
+
     // Between states that were kept all is made again first. The state ends where it started.
     void backward() {
         Matrix<N> curvature;
         double gradient[N] = {};
         this->thorough_ = true;
-        for (std::size_t end = this->next_; end > 0;) {
-            std::size_t kept = end > 1 ? end - 2 : 0;
+        const std::size_t begin = this->begin_;
+        for (std::size_t end = this->next_; end > begin;) {
+            std::size_t kept = end > begin + 1 ? end - 2 : begin;
             while (!this->events_[kept].known) --kept;
-            const std::size_t first = end > 1 ? kept + 1 : 0;
-            if (first > 0 || this->begun_) this->replay(first, end);
+            const std::size_t first = end > begin + 1 ? kept + 1 : begin;
+            if (first > begin || this->begun_) this->replay(first, end);
             for (std::size_t i = end; i-- > first;) {
                 Event &event = this->events_[i];
                 if (event.kind == Kind::output) rewrite(event, gradient, curvature);
-                if (event.doubt) keep_jump(i, gradient, curvature);
+                if (event.doubt) jump_ = i, jumped_ = smoothed(event, gradient, curvature);
                 look_back(i, gradient, curvature);
-                if (i > 0) step_back(this->events_[i - 1], event.time_ns, gradient, curvature);
+                if (event.doubt && event.doubt->anew) {
+                    curvature = Matrix<N>();
+                    std::fill_n(gradient, N, 0.0);
+                }
+                if (i > begin) step_back(this->events_[i - 1], event.time_ns, gradient, curvature);
                 event.known.reset();
                 event.linear.reset();
             }
@@ -63,7 +200,7 @@ protected:
     // What an event says of itself by all that came later, and of what came before it.
     void look_back(std::size_t index, double *gradient, Matrix<N> &curvature) {
         Event &event = this->events_[index];
-        if (index == 0) start_from(event, gradient);
+        if (index == this->begin_) first_ = smoothed(event, gradient, curvature);
         const bool took = event.factor > 0.0 && event.linear;
         if (took && event.bent) before_step(event, gradient, curvature);
         if (event.measures()) event.left_out = left_out(event, gradient, curvature);
@@ -150,12 +287,14 @@ protected:
         correct<N>(this->now_, error);
     }
 
-    // The state that all measurements make the first one, should it be needed to begin anew.
-    void start_from(const Event &event, const double *gradient) {
-        Matrix<N> p;
-        unpack(event.known->covariance, p);
-        correct_by(event, gradient, p);
-        first_smoothed_ = this->now_;
+    // The state after an event, by all that was measured.
+    Track<N> smoothed(const Event &event, const double *gradient, const Matrix<N> &curvature) {
+        Track<N> made;
+        unpack(event.known->covariance, made.covariance);
+        correct_by(event, gradient, made.covariance);
+        shrink(made.covariance, curvature);
+        made.at = this->now_, made.time_ns = event.time_ns;
+        return made;
     }
 
     // How far a measurement is from what all others say, as a normalised square: by its own noise,
@@ -169,7 +308,7 @@ protected:
         const double most = this->settings_.most_noise;
         double by[widest][widest], pull[widest] = {};
         if (!event.linear) {
-            if (&event != &this->events_.front()) return {nan_d, nan_d};  // not predicted
+            if (&event != &this->events_[this->begin_]) return {nan_d, nan_d};  // not predicted
             // The pose that all started from, which was no news.
             for (std::size_t a = 0; a < 6; ++a) {
                 pull[a] = gradient[a];
@@ -262,25 +401,15 @@ protected:
             if (other && changed == none) changed = k;
             event.given = factor;
         }
-        if (changed != none && first == 0) this->restart(first_smoothed_);
+        if (changed != none && first == this->begin_) this->restart(first_.at);
         return changed;
     }
 
     static std::size_t freedom(const Event &event) { return event.size > 0 ? event.size : 6; }
 
-    // The state after a jump, by all that was measured since.
-    void keep_jump(std::size_t index, const double *gradient, const Matrix<N> &curvature) {
-        const Event &event = this->events_[index];
-        jump_ = index;
-        unpack(event.known->covariance, jumped_.covariance);
-        correct_by(event, gradient, jumped_.covariance);
-        shrink(jumped_.covariance, curvature);
-        jumped_.at = this->now_, jumped_.time_ns = event.time_ns;
-    }
-
-    State first_smoothed_;
+    Track<N> first_;        // the first state, should it be needed to begin anew
     std::size_t jump_ = 0;  // the first event at which the prediction was given up, if any
-    Track<N> jumped_;
+    Track<N> jumped_;       // the state after it
 
     std::vector<Transition> steps_;  // of one interval, kept for its memory
 };

@@ -21,16 +21,31 @@ template <std::size_t N> void Timeline<N>::start(Event &event) {
     if (!begun_) {
         from_pose(event);
         lean();
+        event.placed = true;
         event.factor = 1.0;
         event.nis = std::nan("");
         return;
     }
-    now_ = *begun_;
+    begin_wide([&] { now_ = *begun_; });
+    measure(event);
+}
+
+template <std::size_t N> template <class Do> void Timeline<N>::begin_wide(Do &&state) {
+    state();
     p_ = Matrix<N>();
     for (std::size_t k = 0; k < 6; ++k)
         p_.row[k][k] = k < 3 ? wide_rad * wide_rad : wide_m * wide_m;
     unknown_at_start();
-    measure(event);
+}
+
+// Everything from an event on is done anew, as if nothing had been measured before.
+template <std::size_t N> void Timeline<N>::begin_at(std::size_t index) {
+    for (Event &event : events_) event.doubt.reset(), event.given = undecided;
+    rivals_.clear(), former_.reset(), begun_.reset();
+    explained_ = own_hits_ = denied_ = 0;
+    started_ = false;
+    begin_ = own_birth_ = next_ = index;
+    catch_up();
 }
 
 template <std::size_t N> void Timeline<N>::from_pose(const Event &event) {
@@ -82,6 +97,7 @@ template <std::size_t N> void Timeline<N>::lean() {
 // velocity turns along: errors, which stand on the right, know nothing of that.
 template <std::size_t N> void Timeline<N>::make_room(const Event &event, const Doubt &doubt) {
     static constexpr double one[8] = {1.0};
+    if (doubt.anew) return begin_wide([&] { from_pose(event); });
     if (doubt.relocated) {
         const double *imu_T_camera = event.kind == Kind::camera_pose ? now_.imu_T_camera : one;
         double spread[36], pose[8], from[9], to[9], own[3] = {};

@@ -183,8 +183,11 @@ protected:
     // See history.h.
     void replay(std::size_t from, std::size_t to);
     void doubt_last_jump(std::size_t since);
+    bool bridged_back(std::size_t from, std::size_t to, Track<N> &after);
     bool doubt_first_jump(std::size_t jump, Track<N> after);
-    void restart(const State &at) { begun_ = std::make_unique<State>(at); }
+    void restart(const State &at) { begun_ = at; }
+    void begin_at(std::size_t index);
+    void judge_before(Track<N> track, std::size_t birth);
     void put(std::size_t row, const Matrix<N> &p) const;
     void reconsider();
     virtual void settle_before(std::int64_t) {}  // see window.h
@@ -210,7 +213,10 @@ protected:
     std::deque<Event> events_;
     std::size_t next_ = 0;  // of the events, the first that waits
     bool started_ = false;
-    std::unique_ptr<State> begun_;  // where the path starts, if not at the first pose
+    std::optional<State> begun_;    // where the path starts, if not at the first pose
+    std::size_t begin_ = 0;         // the event before which nothing is, while a start is tried
+    std::vector<std::size_t> starts_;  // where it was denied near the start; may be the true one
+    std::vector<std::array<std::int64_t, 2>> given_up_;
     bool thorough_ = false;         // every event keeps all that a backward pass needs
     std::size_t due_ = 0;           // of the events, the first that is not settled
 
@@ -279,6 +285,7 @@ private:
 
     void process(std::size_t index) {
         Event &event = events_[index];
+        if (index < begin_) return;
         if (!started_) {
             start(event);
         } else {
@@ -297,7 +304,7 @@ private:
 
     void keep(Event &event, std::size_t index) {
         const bool live = settings_.check_every != 0 && event.kind != Kind::output;
-        if (!thorough_ && !live && index % stride != 0) {
+        if (!thorough_ && !live && (index - begin_) % stride != 0) {
             event.known.reset();
             return;
         }
@@ -315,6 +322,7 @@ private:
     // See start.h.
     void start(Event &event);
     void from_pose(const Event &event);
+    template <class Do> void begin_wide(Do &&state);
     void unknown_at_start();
     double start_sigma(std::size_t k) const;
     void lean();
@@ -328,7 +336,6 @@ private:
     double believed(const Event &event, double gates = 1.0);
     void spawn(std::size_t index);
     void give_up(const Rival<N> &rival);
-    void judge_before(const Rival<N> &rival);
     bool bridged(const Matrix<N> &covariance, const Event &event) const;
     bool imu_suffices(const Event &event) const;
     void undo_jump(std::size_t jump, std::size_t from, std::size_t to);
@@ -351,7 +358,6 @@ private:
     std::size_t own_birth_ = 0, own_hits_ = 0;  // of the prediction since it was last given up
     std::size_t denied_ = 0;                    // in a row, the first of them at `doubted_ns_`
     std::int64_t doubted_ns_ = 0;
-    std::vector<std::array<std::int64_t, 2>> given_up_;
     std::size_t unchecked_ = 0;
     bool forgotten_ = false;
 };

@@ -16,6 +16,7 @@ from motorcade.tracking.measurements import PoseMeasurements
 from tests.bench.data import data_folder
 from tests.bench.fusion.disturbed import DISTURBANCES, disturbed_figures
 from tests.bench.fusion.recorded import flight
+from tests.bench.fusion.wrong_spans import MOST_RATIO, WrongSpan
 from tests.fusion.conftest import Run
 
 
@@ -55,6 +56,36 @@ def test_what_is_wrong_leaves_no_trace(record: Callable[..., Run], rng, how: str
     assert np.max(apart_m(found, without(run, wrong))) < 0.02
     error = absolute_translation_m(found.trajectory.motors, run.camera.at(found.trajectory.time_ns))
     assert np.max(error) < 0.1
+
+
+@pytest.mark.parametrize(
+    ("first", "count", "shift_m", "turn_deg"),
+    [
+        (0, 9, 1.0, 0.0),
+        (0, 16, 2.0, 6.0),
+        (0, 25, 6.5, 40.0),
+        (0, 45, 0.3, 30.0),
+        (70, 30, 2.0, 60.0),
+    ],
+)
+def test_a_span_wrong_together_leaves_no_trace_outside_it(
+    record: Callable[..., Run], rng, first: int, count: int, shift_m: float, turn_deg: float
+):
+    """Smoothed, the error outside is that of the right poses alone, wherever the span stands."""
+    run = record(rng, 10.0)
+    axes = rng.standard_normal((2, 3)) / np.sqrt(3.0)
+    turn = tuple((np.deg2rad(turn_deg) * axes[1]).tolist())
+    span = WrongSpan(first, count, tuple((shift_m * axes[0]).tolist()), turn)
+    wrong = span.among(len(run.measurements))
+    found = replace(run, measurements=span.moved(run.measurements)).fuse()
+    right = without(run, wrong)
+    errors = []
+    for fused in (found, right):
+        stamps = run.measurements.trajectory.time_ns[~wrong]
+        kept = fused.trajectory[np.isin(fused.trajectory.time_ns, stamps)]
+        error_m = absolute_translation_m(kept.motors, run.camera.at(kept.time_ns))
+        errors.append(np.sqrt(np.mean(np.square(error_m))))
+    assert errors[0] <= MOST_RATIO * errors[1]
 
 
 @pytest.mark.parametrize("how", [name for name in DISTURBANCES if name.startswith("start")])
