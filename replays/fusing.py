@@ -54,6 +54,7 @@ class FusingOptions:
         gate: probability that a good pose passes.
         online: every pose of what came before it alone.
         lag_s: every pose of what came up to so much after it; None: of all.
+        least_accepted: share of the poses below which there is no result.
 
     Raises:
         ValueError: a deviation or factor that is not above zero; a lag below it, or with `online`.
@@ -80,6 +81,7 @@ class FusingOptions:
     gate: float = 0.9999
     online: bool = False
     lag_s: float | None = None
+    least_accepted: float = 0.5
 
     def __post_init__(self) -> None:
         for name in ("noise_factor", "walk_factor", "sigma_m", "sigma_rad"):
@@ -140,6 +142,7 @@ class FusedPoses:
             "gyro_bias_rad_s": found.gyro_bias_rad_s.mean(axis=0).tolist(),
             "accel_bias_m_s2": found.accel_bias_m_s2.mean(axis=0).tolist(),
             "doubts": list(found.doubts),
+            "health": found.health.as_dict(),
             "noise": None if self.noise is None else self.noise.as_dict(),
         }
 
@@ -160,7 +163,8 @@ def fuse_poses(
 
     Raises:
         ValueError: streams that do not overlap, fewer than 16 poses where their noise is to be
-            estimated, or motion that does not tell what is to be estimated.
+            estimated, motion that does not tell what is to be estimated, or more poses that the
+            IMU contradicts than `least_accepted` leaves room for.
 
     >>> import numpy as np
     >>> from motorcade.fusion import ADIS16448, ContinuousPath
@@ -204,6 +208,13 @@ def fuse_poses(
         lag_s=chosen.ahead_s,
         state_covariances=False,
     )
+    accepted = found.accepted[np.isfinite(found.nis)]
+    if np.mean(accepted) < chosen.least_accepted:
+        raise ValueError(
+            f"{np.count_nonzero(~accepted)} of {len(accepted)} poses were refused (up to "
+            f"{1.0 - chosen.least_accepted:.0%} may be), so that the path is not to be believed: "
+            f"{_cause(found)}"
+        )
     back = level.level_T_world.inverse()
     found = replace(
         found,
@@ -223,6 +234,14 @@ def fuse_poses(
         len(poses),
         told,
     )
+
+
+def _cause(found: Fused) -> str:
+    """The worst that is known of it, and what to do."""
+    causes = [one for one in found.health.findings if one.fault != "measurements_refused"]
+    if causes:
+        return causes[0].summary
+    return "check whether both are of one recording, and the noise that is stated of either"
 
 
 def _measurements(

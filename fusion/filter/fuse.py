@@ -109,9 +109,7 @@ def fuse(
         state_covariances=state_covariances,
     )
     given = measurements.trajectory, imu, imu_T_camera, time_offset_s, chosen
-    accepted = found.accepted[np.isfinite(found.nis)]
-    outcome = accepted, found.gyro_bias_rad_s, found.accel_bias_m_s2
-    return replace(found, health=fused_health(*given, outcome))
+    return replace(found, health=fused_health(*given, found))
 
 
 def fuse_unjudged(

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.filter.doubts import path_doubts
 from motorcade.fusion.filter.sourced import Judgement
 from motorcade.fusion.health.stamps import check_stamps
 from motorcade.fusion.health.verdict import Health
@@ -128,8 +127,9 @@ class Fused:
         given_up_ns: ``(K, 2)`` first and last stamps of spans in which a filter that runs live is
             wrong, as it knows afterwards: until it finds that the start was, that the map was
             relocated, or that what it took for a relocated map was not.
-        health: whether IMU and poses belong together as stated, and what is wrong where not; it
-            is written to the log besides.
+        health: the verdict: whether IMU and poses belong together as stated, what is wrong where
+            not, and what the covariances do not cover. Where it `failed`, more poses were refused
+            than accepted, and nothing here is to be believed. It is written to the log besides.
 
     Examples:
         >>> import numpy as np
@@ -166,8 +166,8 @@ class Fused:
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """What the covariances do not cover, a line each; none on most paths."""
-        return path_doubts(self.trajectory.time_ns, self.covariance, self.state_covariance)
+        """What `health` has found, a line each, worst first; none on most paths."""
+        return tuple(one.summary for one in self.health.findings)
 
     @classmethod
     def joined(cls, parts: Sequence[Fused]) -> Fused:

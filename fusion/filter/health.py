@@ -5,15 +5,14 @@ from __future__ import annotations
 import logging
 
 import numpy as np
-from numpy.typing import NDArray
 
+from motorcade.fusion.filter.fused import Fused
 from motorcade.fusion.filter.settings import FilterSettings
 from motorcade.fusion.health.check import check_health
-from motorcade.fusion.health.outcome import with_outcome
+from motorcade.fusion.health.outcome import covariance_findings, with_outcome
 from motorcade.fusion.health.verdict import Health
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor, Trajectory
-from motorcade.ga.arrays import FloatArray
 
 log = logging.getLogger("motorcade.fuse")
 
@@ -24,12 +23,9 @@ def fused_health(
     imu_T_camera: Motor,
     time_offset_s: float,
     settings: FilterSettings,
-    outcome: tuple[NDArray[np.bool_], FloatArray, FloatArray],
+    found: Fused,
 ) -> Health:
-    """Test the inputs, then the outcome, and log what is wrong; see `check_health`.
-
-    `outcome` is what `with_outcome` takes: which poses were accepted, and the biases.
-    """
+    """Test the inputs, then the outcome, and log what is wrong; see `check_health`."""
     of_inputs = check_health(
         camera,
         imu,
@@ -40,7 +36,13 @@ def fused_health(
         extrinsics_sigma_rad=settings.extrinsics_sigma_rad,
         time_offset_sigma_s=settings.time_offset_sigma_s,
     )
-    health = with_outcome(of_inputs, *outcome)
+    covered = covariance_findings(
+        found.trajectory.time_ns, found.covariance, found.state_covariance
+    )
+    accepted = found.accepted[np.isfinite(found.nis)]
+    biases = found.gyro_bias_rad_s, found.accel_bias_m_s2
+    health = with_outcome(of_inputs, accepted, *biases, covered)
     for one in health.findings:
-        log.warning("%s", one.summary)
+        if one.fault != "deviations_modelled":
+            log.warning("%s", one.summary)
     return health

@@ -3,29 +3,34 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 FaultName = Literal[
+    "measurements_refused",
+    "stamp_unit",
+    "unrelated",
     "rate_unit",
-    "rate_sign",
-    "rate_axes",
-    "rate_bias",
-    "rate_unexplained",
     "force_unit",
-    "force_sign",
-    "force_axes",
-    "force_bias",
-    "force_unexplained",
-    "gravity",
-    "lean",
-    "axes",
     "extrinsics_inverted",
     "extrinsics_turned",
-    "stamp_unit",
+    "rate_axes",
+    "force_axes",
+    "rate_sign",
+    "force_sign",
     "delay",
-    "unrelated",
-    "measurements_refused",
+    "axes",
+    "gravity",
+    "lean",
+    "attitude_unknown",
+    "rate_unexplained",
+    "force_unexplained",
+    "rate_bias",
+    "force_bias",
+    "deviations_modelled",
 ]
+"""Worst first: the first says that the path is wrong, the last only what deviations leave out."""
+
+_ORDER: tuple[FaultName, ...] = get_args(FaultName)
 
 
 @dataclass(frozen=True)
@@ -54,7 +59,7 @@ class Health:
     """What a check of an IMU beside a path has found.
 
     Fields:
-        findings: what is wrong; empty where nothing is.
+        findings: what is wrong, worst first; empty where nothing is.
         unknown: what the motion does not tell, one line each: no fault, but no proof either.
 
     Examples:
@@ -66,10 +71,19 @@ class Health:
     findings: tuple[HealthFinding, ...] = ()
     unknown: tuple[str, ...] = ()
 
+    def __post_init__(self) -> None:
+        ordered = sorted(self.findings, key=lambda one: _ORDER.index(one.fault))
+        object.__setattr__(self, "findings", tuple(ordered))
+
     @property
     def sound(self) -> bool:
-        """Whether nothing was found."""
-        return not self.findings
+        """Whether nothing was found but what deviations leave out."""
+        return not set(self.faults) - {"deviations_modelled"}
+
+    @property
+    def failed(self) -> bool:
+        """Whether more poses were refused than accepted: no path then, only an opinion."""
+        return "measurements_refused" in self.faults
 
     @property
     def faults(self) -> tuple[FaultName, ...]:
@@ -89,6 +103,7 @@ class Health:
         """Ready for JSON."""
         return {
             "sound": self.sound,
+            "failed": self.failed,
             "findings": [asdict(one) for one in self.findings],
             "unknown": list(self.unknown),
         }

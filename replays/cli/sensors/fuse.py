@@ -123,6 +123,13 @@ def _add_doubts(parser: argparse.ArgumentParser) -> None:
         "--extrinsics-sigma-m", type=float, help="of extrinsics' place, estimated then (0)"
     )
     group.add_argument(
+        "--least-accepted",
+        type=float,
+        default=0.5,
+        metavar="SHARE",
+        help="of the poses: where fewer agree with the IMU there is no result; 0: always one (0.5)",
+    )
+    group.add_argument(
         "--gate", type=float, default=0.9999, help="probability that a good pose passes (0.9999)"
     )
 
@@ -150,10 +157,10 @@ def fuse(arguments: argparse.Namespace) -> None:
     if found.noise is not None:
         print(found.noise.summary)
     for key, value in figures.items():
-        if key not in ("noise", "doubts"):
+        if key not in ("noise", "doubts", "health"):
             print(f"{key:>28}  {shown(value)}")
-    for line in found.fused.doubts:
-        print(line)
+    if found.fused.doubts:
+        print(found.fused.health.summary)
     if arguments.json is not None:
         write_bytes(arguments.json, (json.dumps(figures, indent=2) + "\n").encode())
 
@@ -186,6 +193,7 @@ def _options(arguments: argparse.Namespace, rig: ImuCalibration | None) -> Fusin
         extrinsics_sigma_rad=radians(arguments.extrinsics_sigma_deg),
         extrinsics_sigma_m=arguments.extrinsics_sigma_m,
         gate=arguments.gate,
+        least_accepted=arguments.least_accepted,
         online=arguments.online,
         lag_s=arguments.lag,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -344,3 +345,24 @@ def _chain(folder: Path, more: str = "") -> Path:
         f"  resolution: [640, 480]\n{more}"
     )
     return chain
+
+
+def test_a_path_that_most_poses_deny_is_no_result(
+    files: Files, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Unless it is asked for: then the worst stands first in the closing line."""
+    rng = np.random.default_rng(23)
+    gross = rng.uniform(-2.0, 2.0, (len(files.measured), 6)) * np.repeat([1.0, 2.0], 3)
+    wild = files.measured.trajectory.transformed_by(right=Motor.from_twist(gross))
+    write_trajectory(wild, tmp_path / "wild.tum")
+    given = ["fuse", tmp_path / "wild.tum", files.imu, "-o", tmp_path / "out.tum"]
+    given += ["--sigma-m", SIGMA_M, "--sigma-deg", 0.3]
+    line = refused(capsys, *given)
+    assert re.search(r"\d+ of 240 poses were refused \(up to 50% may be\)", line), line
+    assert not (tmp_path / "out.tum").exists()
+    asked = [*given, "--least-accepted", 0, "--json", tmp_path / "out.json"]
+    assert main([str(one) for one in asked]) == 0
+    assert "poses were refused" in capsys.readouterr().out.splitlines()[-1].split(";")[0]
+    told = json.loads((tmp_path / "out.json").read_text())
+    assert told["health"]["failed"]
+    assert told["doubts"] == [one["summary"] for one in told["health"]["findings"]]
