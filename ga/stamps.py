@@ -150,6 +150,27 @@ def stamps_at_rate(time_ns: IntArray, rate_hz: float, name: str) -> IntArray:
     )
 
 
+def inside_gaps(stamps_ns: IntArray, time_ns: IntArray, max_gap_s: float) -> NDArray[np.bool_]:
+    """Which stamps ``(M,)`` lie between two of ``(N,)`` that are farther apart than so much.
+
+    Raises:
+        ValueError: a gap that is not above 0.
+
+    >>> import numpy as np
+    >>> inside_gaps(10**9 * np.array([0, 1, 3, 5]), 10**9 * np.array([0, 1, 5]), 1.0)
+    array([False, False,  True, False])
+    """
+    if not max_gap_s > 0.0:
+        raise ValueError(f"max_gap_s: expected seconds above 0, got {max_gap_s}")
+    after = np.searchsorted(time_ns, stamps_ns)
+    between = (after > 0) & (after < len(time_ns))
+    after = np.clip(after, 1, max(1, len(time_ns) - 1))
+    if len(time_ns) < 2:
+        return np.zeros(len(stamps_ns), dtype=np.bool_)
+    wide: NDArray[np.bool_] = (time_ns[after] - time_ns[after - 1]) * 1e-9 > max_gap_s
+    return wide & between & (time_ns[after] != stamps_ns)
+
+
 def check_count(count: float, name: str, poses: int | None = None) -> None:
     """Refuse more even samples than may be made from so many poses; None: from a formula.
 

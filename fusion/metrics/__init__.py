@@ -40,7 +40,13 @@ from motorcade.fusion.metrics.jitter import (
 )
 from motorcade.fusion.metrics.lag import angular_rate_lag_s, position_lag_s
 from motorcade.fusion.metrics.matching import Matched, match
-from motorcade.fusion.metrics.poses.alignment import Align, Alignment, align, alignment_of
+from motorcade.fusion.metrics.poses.alignment import (
+    Align,
+    Alignment,
+    align,
+    align_heading,
+    alignment_of,
+)
 from motorcade.fusion.metrics.poses.association import Pairs, associate, cropped
 from motorcade.fusion.metrics.poses.deltas import Delta
 from motorcade.fusion.metrics.poses.drift import KITTI_LENGTHS_M, Drift, drift_by_length
@@ -80,6 +86,7 @@ __all__ = [
     "absolute_translation_m",
     "accelerations",
     "align",
+    "align_heading",
     "alignment_of",
     "angular_rate_lag_s",
     "associate",

@@ -65,10 +65,11 @@ class Evaluation:
     """Figures of one estimate against one reference, after the alignment named in `align`.
 
     Fields:
-        align: "none", "se3", "sim3", "scale", "origin" or "scaled_origin".
+        align: "none", "se3", "sim3", "yaw", "scale", "origin" or "scaled_origin".
         pairs: how many poses were compared.
         scale: the factor that the alignment put on the estimate.
         ape_m: distance between positions.
+        ape_axes_rmse_m: its root mean squares along x, y and z of the reference's world.
         rotation_deg: angle between orientations.
         rotation_constant_deg: the part of it that one turn of the world, or of what moves, takes
             away, whichever leaves less: an alignment by few positions, or extrinsics, not an error
@@ -114,6 +115,7 @@ class Evaluation:
     pairs: int
     scale: float
     ape_m: Statistics
+    ape_axes_rmse_m: tuple[float, float, float]
     rotation_deg: Statistics
     rotation_constant_deg: float
     rotation_rest_deg: Statistics
@@ -154,6 +156,8 @@ class Evaluation:
             found = getattr(self, name)
             for statistic in Statistics.names():
                 flat[f"{error}_{statistic}_{unit}"] = getattr(found, statistic, None)
+        for axis, rmse_m in zip("xyz", self.ape_axes_rmse_m, strict=True):
+            flat[f"ape_{axis}_rmse_m"] = rmse_m
         for statistic in Statistics.names():
             flat[f"log_scale_{statistic}"] = getattr(self.log_scale, statistic, None)
         flat["rotation_constant_deg"] = self.rotation_constant_deg
@@ -275,6 +279,7 @@ def evaluate_matched(
         pairs=len(matched.pairs),
         scale=matched.alignment.scale,
         ape_m=Statistics.of(absolute_errors(ours, true, "trans_part")),
+        ape_axes_rmse_m=_by_axis(ours, true),
         rotation_deg=Statistics.of(absolute_errors(ours, true, "angle_deg")),
         rotation_constant_deg=degrees(constant_rad),
         rotation_rest_deg=Statistics.of(np.rad2deg(rest_rad)),
@@ -300,6 +305,11 @@ def evaluate_matched(
         relations=_by_relation(ours, true, relations, others),
         drift=_drift(ours, true, drift_lengths_m),
     )
+
+
+def _by_axis(ours: Motor, true: Motor) -> tuple[float, float, float]:
+    x, y, z = np.sqrt(np.mean((ours.translation_m - true.translation_m) ** 2, axis=0)).tolist()
+    return x, y, z
 
 
 def _relative(

@@ -68,6 +68,7 @@ def match(
     start_s: float | None = None,
     end_s: float | None = None,
     interpolate: bool = False,
+    max_gap_s: float | None = None,
     n_to_align: int | None = None,
     plane: Plane | None = None,
 ) -> Matched:
@@ -82,6 +83,7 @@ def match(
         start_s: where the part of the reference that is compared begins, by its clock.
         end_s: where it ends.
         interpolate: take the longer trajectory at the stamps of the shorter one.
+        max_gap_s: over how much time poses may be interpolated; see `associate`.
         n_to_align: how many pairs, counted from the first, are aligned (all).
         plane: project both after alignment; see `projected`.
 
@@ -101,7 +103,8 @@ def match(
     if windowed:
         reference = cropped(reference, start_s, end_s)
     ours, true = without_scale(estimate), without_scale(reference)
-    pairs = associate(ours, true, max_difference_s, offset_s=offset_s, interpolate=interpolate)
+    how = {"offset_s": offset_s, "interpolate": interpolate, "max_gap_s": max_gap_s}
+    pairs = associate(ours, true, max_difference_s, **how)
     alignment = alignment_of(pairs, align, n_to_align)
     log_scale = _log_scale(estimate, reference, pairs, alignment.scale)
     ours = alignment.apply_to(_by_offset(ours, checked_offset_ns(offset_s)))

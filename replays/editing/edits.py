@@ -14,6 +14,7 @@ from motorcade.fusion.metrics import Align, Plane, alignment_of, associate, crop
 from motorcade.fusion.metrics.poses.association import checked_offset_ns
 from motorcade.fusion.metrics.poses.projection import folded, projected
 from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga.stamps import GAP_STEPS, inside_gaps
 from motorcade.ga.trajectory_edits import (
     downsampled,
     inverted,
@@ -41,6 +42,8 @@ class TrajectoryEdits:
         merge: make one trajectory of all, by their stamps.
         offset_s: what is added to the stamps.
         resample_hz: poses at even stamps instead; gaps of more than ten seconds stay.
+        max_gap_s: of resampling: leave out what lies between poses that are farther apart. Without
+            it the log says how many poses lie in gaps.
         resample_as: poses at this trajectory's stamps instead, where there are poses around them.
         align: how each is brought into the reference's world (`fusion.metrics.alignment_of`).
         n_to_align: of how many pairs, from the first (all).
@@ -70,6 +73,7 @@ class TrajectoryEdits:
     offset_s: float = 0.0
     resample_hz: float | None = None
     resample_as: Trajectory | None = None
+    max_gap_s: float | None = None
     align: Align = "none"
     n_to_align: int | None = None
     max_difference_s: float = 0.01
@@ -131,6 +135,8 @@ def _check(edits: TrajectoryEdits, reference: Trajectory | None) -> None:
         raise ValueError(f"{asked}: expected a reference, got none")
     if edits.resample_hz is not None and edits.resample_as is not None:
         raise ValueError("resample: expected a rate or another's stamps, got both")
+    if edits.max_gap_s is not None and edits.resample_hz is None and edits.resample_as is None:
+        raise ValueError("max_gap_s: expected resample_hz or resample_as, got neither")
     if edits.propagate and not isinstance(edits.right, Motor):
         raise ValueError("propagate: expected a rigid right transform, got none")
     if edits.interpolate and not edits.paired and edits.align == "none":
@@ -177,10 +183,13 @@ def _placed(
 ) -> Trajectory:
     """Stamps, then the world, then the plane."""
     path = shifted(path, checked_offset_ns(edits.offset_s))
+    measured = path
     if edits.resample_hz is not None:
         path = path.at_rate(edits.resample_hz)
     if edits.resample_as is not None:
         path = _resampled(path, edits.resample_as)
+    if path is not measured:
+        path = _outside_gaps(name, path, measured, edits.max_gap_s)
     if reference is not None and (edits.align != "none" or edits.paired):
         path = _aligned(path, edits, reference)
     path = path.transformed_by(left=edits.left).rigid
@@ -199,6 +208,27 @@ def _resampled(path: Trajectory, other: Trajectory) -> Trajectory:
             f"from {other.time_ns[0]} to {other.time_ns[-1]} ns"
         )
     return path.resampled(other.time_ns[inside])
+
+
+def _outside_gaps(
+    name: str, path: Trajectory, measured: Trajectory, max_gap_s: float | None
+) -> Trajectory:
+    """What is not invented in a gap; all, and a word, where nobody says how long one may be."""
+    usual_s = float(np.median(np.diff(measured.time_ns))) * 1e-9 if len(measured) > 1 else 1.0
+    longest_s = GAP_STEPS * usual_s if max_gap_s is None else max_gap_s
+    bad = inside_gaps(path.time_ns, measured.time_ns, longest_s)
+    if not np.any(bad):
+        return path
+    said = f"{name}: {np.count_nonzero(bad)} of {len(path)} poses lie in gaps of more than"
+    if max_gap_s is None:
+        _LOG.warning(
+            "%s %.3g s, where nothing was measured; max_gap_s (--max-gap-s) leaves them out",
+            said,
+            longest_s,
+        )
+        return path
+    _LOG.warning("%s %g s and are left out", said, longest_s)
+    return path[~bad]
 
 
 def _aligned(path: Trajectory, edits: TrajectoryEdits, reference: Trajectory) -> Trajectory:

@@ -5,18 +5,22 @@ format     one row                                                              
 =========  ==========================================================================  ===========
 ``tum``    ``stamp tx ty tz qx qy qz qw``, white space between                         s
 ``euroc``  ``stamp, px, py, pz, qw, qx, qy, qz`` and any more columns, commas between  ns
-``kitti``  the twelve numbers of a 3 by 4 matrix, row by row                           none
+``kitti``  the twelve numbers of a 3 by 4 matrix, row by row; before them the frame's  none
+           number, where a column more says it
 =========  ==========================================================================  ===========
 
 In a comma file whose header names its columns, these may stand in any order and unit (see
-`readers.columns`). Metres; poses are ``parent_T_child``. Text rounds, so a quaternion whose norm is
-within 0.01 of 1 is normalised and a matrix block that is within 0.01 of orthonormal (largest
-element of ``R^T R - 1``) is replaced by the nearest rotation; what lies further off is refused.
+`readers.columns`); where none does, ending and stamps say whose order it is. Metres; poses are
+``parent_T_child``. Text rounds, so a quaternion whose norm is within 0.01 of 1 is normalised and a
+matrix block that is within 0.01 of orthonormal (largest element of ``R^T R - 1``) is replaced by
+the nearest rotation; what lies further off is refused.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import logging
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal, cast, get_args
 
@@ -28,7 +32,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import did_you_mean
 from motorcade.replays.errors import refusal
 from motorcade.replays.files.atomic import write_bytes
-from motorcade.replays.readers.columns import POSITION, QUATERNION, read_columns
+from motorcade.replays.readers.columns import POSITION, QUATERNION, opening_rows, read_columns
 from motorcade.replays.readers.ros.naming import split_bag_name
 from motorcade.replays.readers.tables import (
     REACH_M,
@@ -40,6 +44,8 @@ from motorcade.replays.readers.tables import (
 )
 
 TrajectoryFormat = Literal["tum", "euroc", "kitti"]
+_MOST_FRAMES = 1e9
+_LOG = logging.getLogger("motorcade.replays")
 # A similarity that differs by rounding from a rigid motion is one.
 _SCALE_TOLERANCE = 1e-12
 _TUM = ("tx", "ty", "tz", "qx", "qy", "qz", "qw")
@@ -61,6 +67,7 @@ def read_trajectory(
     *,
     rate_hz: float | None = None,
     times: Path | str | None = None,
+    first_row: int | None = None,
     parent: str | None = None,
     child: str | None = None,
 ) -> Trajectory:
@@ -72,6 +79,7 @@ def read_trajectory(
         fmt: its format; by default found from its first row of numbers.
         rate_hz: for KITTI files, poses per second; the first stamp is 0.
         times: for KITTI files instead, a file with one stamp in seconds a row.
+        first_row: for KITTI files, which of these stamps the first pose has (0).
         parent: name of the frame that poses map to; by default world, or what a bag calls it.
         child: name of the frame that moves; by default camera, or what a bag calls it.
 
@@ -87,14 +95,17 @@ def read_trajectory(
 
         _refuse_stamps(file, "a bag", rate_hz, times)
         return read_bag_trajectory(*named, parent, child)
+    stated = fmt is not None
     fmt = trajectory_format(file) if fmt is None else _known(fmt)
     parent, child = parent or "world", child or "camera"
     if fmt == "kitti":
-        return _read_kitti(file, rate_hz, times, parent, child)
+        return _read_kitti(file, rate_hz, times, first_row, parent, child)
     _refuse_stamps(file, fmt, rate_hz, times)
     if fmt == "euroc":
-        table = read_columns(file, (POSITION, QUATERNION))
-        wxyz = table.values[:, 3:]
+        last = not stated and _scalar_last(file)
+        ordered = replace(QUATERNION, axes="xyzw" if last else "wxyz")
+        table = read_columns(file, (POSITION, ordered))
+        wxyz = table.values[:, [6, 3, 4, 5] if last else [3, 4, 5, 6]]
     else:
         table = read_table(file, _TUM, unit="s", header=True)
         table = table.rows(in_order(file, table.lines, table.time_ns))
@@ -144,15 +155,37 @@ def trajectory_format(path: Path) -> TrajectoryFormat:
             continue
         if text.count(b",") >= 7:
             return "euroc"
-        if b"," not in text and len(row) in (8, 12):
+        if b"," not in text and len(row) in (8, 12, 13):
             return "tum" if len(row) == 8 else "kitti"
         raise refusal(
             path,
-            "expected a trajectory (TUM: 8 columns, KITTI: 12, EuRoC: 8 or more with commas), "
+            "expected a trajectory (TUM: 8 columns, KITTI: 12 or 13, EuRoC: 8 or more, commas), "
             f"got {len(text.split(b',' if b',' in text else None))} columns",
             line=line,
         )
     raise refusal(path, "expected a trajectory, got no row of numbers")
+
+
+def _scalar_last(path: Path) -> bool:
+    """Whether a file with commas, whose header does not name them, has TUM's order: qw last.
+
+    The ending says so; where it does not, eight columns with stamps in seconds are TUM's. What
+    contradicts the ending is said in the log.
+    """
+    header, rows = opening_rows(path, 1 + len(_TUM))
+    if header is not None or any(len(row) != 1 + len(_TUM) for row in rows):
+        return False
+    by_stamps = any(b"." in row[0] and b"e" not in row[0].lower() for row in rows)
+    by_ending = {".tum": True, ".csv": False}.get(path.suffix.lower(), by_stamps)
+    if by_ending != by_stamps:
+        _LOG.warning(
+            "%s: quaternions are read with qw %s, as the ending says, though stamps are as in %s; "
+            "a first line #timestamp,tx,ty,tz,qx,qy,qz,qw (in the file's order) decides",
+            path,
+            "last" if by_ending else "first",
+            "EuRoC's files, where it is first" if by_ending else "TUM's files, where it is last",
+        )
+    return by_ending
 
 
 def read_times(path: Path, unit: str = "s") -> tuple[IntArray, IntArray]:
@@ -237,7 +270,12 @@ def _refuse_stamps(
 
 
 def _read_kitti(
-    path: Path, rate_hz: float | None, times: Path | str | None, parent: str, child: str
+    path: Path,
+    rate_hz: float | None,
+    times: Path | str | None,
+    first_row: int | None,
+    parent: str,
+    child: str,
 ) -> Trajectory:
     if (rate_hz is None) == (times is None):
         raise ValueError(
@@ -245,17 +283,55 @@ def _read_kitti(
             f"or --rate-hz HZ where poses come evenly (of a function: times, rate_hz); got "
             f"{'neither' if times is None else 'both'}"
         )
-    table = read_table(path, _MATRIX)
+    numbered = _columns(path) > len(_MATRIX)
+    table = read_table(path, ("frame", *_MATRIX) if numbered else _MATRIX)
+    rows = _frame_numbers(table) if numbered else np.arange(len(table)) + (first_row or 0)
     if times is not None:
         _, time_ns = read_times(Path(times))
-        if len(time_ns) != len(table):
+        counted = numbered or first_row is not None
+        if rows[-1] >= len(time_ns) or (not counted and len(time_ns) != len(table)):
             problem = f"expected {len(time_ns)} poses for the stamps of {times}, got {len(table)}"
-            raise refusal(path, problem)
+            raise refusal(path, problem if not counted else f"{problem} from row {rows[0]} on")
+        time_ns = time_ns[rows]
     elif rate_hz is not None:
-        time_ns = even_stamps(len(table), rate_hz)
-    matrices = table.values.reshape(-1, 3, 4)
+        time_ns = even_stamps(int(rows[-1]) + 1, rate_hz)[rows]
+    matrices = table.values[:, -len(_MATRIX) :].reshape(-1, 3, 4)
     poses = matrix_poses(table, matrices[:, :, :3], matrices[:, :, 3])
     return Trajectory(time_ns, poses, parent, child)
+
+
+def _columns(path: Path) -> int:
+    return len(next(data_rows(path, None))[1])
+
+
+def _frame_numbers(table: Table) -> IntArray:
+    frames = table.values[:, 0]
+    steps = np.diff(frames, prepend=-1.0)
+    bad = ~((steps > 0.0) & (frames == np.floor(frames)) & (frames < _MOST_FRAMES))
+    _refuse_rows(table, bad, frames, "expected rising numbers of frames from 0 on, got")
+    return frames.astype(np.int64)
+
+
+def check_rows(paths: Mapping[Path, Trajectory]) -> None:
+    """Refuse KITTI files that only their rows pair, where they have not as many.
+
+    Raises:
+        ValueError: such files.
+    """
+    counts = {path: len(one) for path, one in paths.items()}
+    bare = all(
+        split_bag_name(path) is None
+        and trajectory_format(path) == "kitti"
+        and _columns(path) == len(_MATRIX)
+        for path in counts
+    )
+    if bare and len(set(counts.values())) > 1:
+        said = " and ".join(f"{count} in {path}" for path, count in counts.items())
+        raise ValueError(
+            f"expected as many poses in KITTI files, whose rows are paired, got {said}; --rows "
+            "FROM says at which row of the reference an estimate begins (0: at its first), or a "
+            "first column the frame of each pose"
+        )
 
 
 def _known(fmt: str) -> TrajectoryFormat:

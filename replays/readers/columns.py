@@ -111,6 +111,11 @@ QUATERNION = Quantity(
 )
 
 
+def opening_rows(path: Path, wanted: int) -> tuple[list[bytes] | None, list[list[bytes]]]:
+    """Tokens of the header, if there is one of so many columns, and of the first rows below it."""
+    return _opening(path, wanted)[1:]
+
+
 def read_columns(path: Path, quantities: tuple[Quantity, ...]) -> Table:
     """Read a stamp and quantities by the file's header, in our units and in the order given.
 
@@ -152,7 +157,7 @@ def _opening(path: Path, wanted: int) -> tuple[int, list[bytes] | None, list[lis
         while len(rows) < _LOOKED_AT and (line := file.readline(LINE_LIMIT)):
             number += 1
             text = line.removeprefix(b"\xef\xbb\xbf").strip()
-            row = text.lstrip(b"#").split(b",")
+            row = text.lstrip(b"#, ").split(b"," if b"," in text else None)
             names = text.startswith(b"#") or (not rows and is_header(row))
             if not names and text:
                 rows.append(row)

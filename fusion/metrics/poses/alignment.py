@@ -1,4 +1,4 @@
-"""Bring an estimate into its reference's world: by positions, by scale, or by the first pose."""
+"""Bring an estimate into its reference's world: by positions, heading, scale, or the first pose."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from motorcade.fusion.metrics.poses.association import Pairs
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 
-Align = Literal["none", "se3", "sim3", "scale", "origin", "scaled_origin"]
+Align = Literal["none", "se3", "sim3", "yaw", "scale", "origin", "scaled_origin"]
 
-_FITTED: tuple[Align, ...] = ("se3", "sim3", "scale", "scaled_origin")
+_FITTED: tuple[Align, ...] = ("se3", "sim3", "yaw", "scale", "scaled_origin")
 # Ratio of variances across and along a path, below which it is a line with rounding errors.
 _STRAIGHT = 1e-14
 
@@ -97,12 +97,47 @@ def align(pairs: Pairs, with_scale: bool) -> Alignment:
     return Alignment(Rotor.from_matrix(rotation), translation, scale)
 
 
+def align_heading(pairs: Pairs) -> Alignment:
+    """Least-squares turn about the world's z, and translation: where gravity tells both worlds up.
+
+    Z. Zhang, D. Scaramuzza, A tutorial on quantitative trajectory evaluation for visual(-inertial)
+    odometry, IROS 2018. Orientations play no part.
+
+    Raises:
+        ValueError: fewer than two pairs, or positions above each other, which leave the turn free.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.metrics import align_heading, associate
+        >>> from motorcade.ga import Motor
+        >>> true = handheld(np.random.default_rng(0)).sampled(rate_hz=30.0, duration_s=2.0)
+        >>> map_T_world = Motor.from_euler_translation([0.0, 0.0, 0.5], [1.0, 2.0, 0.0])
+        >>> found = align_heading(associate(true.transformed_by(map_T_world), true))
+        >>> found.rotor.as_rotation_vector().round(6) + 0.0
+        array([ 0. ,  0. , -0.5])
+    """
+    source, target = pairs.estimate.translation_m, pairs.reference.translation_m
+    source_mean, target_mean = source.mean(axis=0), target.mean(axis=0)
+    (x, y), (u, v) = (source - source_mean).T[:2], (target - target_mean).T[:2]
+    along, across = float(x @ u + y @ v), float(x @ v - y @ u)
+    size = float(np.sqrt((x @ x + y @ y) * (u @ u + v @ v)))
+    if len(pairs) < 2 or np.hypot(along, across) <= np.finfo(np.float64).eps * max(1.0, size):
+        raise ValueError(
+            f"alignment: expected two or more positions beside each other, got {len(pairs)} that "
+            "leave the heading free; use align='origin' or 'none'"
+        )
+    turn = Rotor.from_rotation_vector(np.array([0.0, 0.0, np.arctan2(across, along)]))
+    return Alignment(turn, target_mean - turn.apply(source_mean), 1.0)
+
+
 def alignment_of(pairs: Pairs, how: Align, n_to_align: int | None = None) -> Alignment:
     """The alignment with a name.
 
     "none" leaves the estimate where it is. "se3" and "sim3" fit its positions, without and with
-    their scale; see `align`. "scale" takes the scale of that fit alone. "origin" moves the whole
-    estimate rigidly until the first pair agrees; "scaled_origin" does so after "scale".
+    their scale; see `align`. "yaw" turns about the vertical alone; see `align_heading`. "scale"
+    takes the scale of the similarity alone. "origin" moves the whole estimate rigidly until the
+    first pair agrees; "scaled_origin" does so after "scale".
 
     Args:
         pairs: poses that belong together.
@@ -139,6 +174,8 @@ def alignment_of(pairs: Pairs, how: Align, n_to_align: int | None = None) -> Ali
         pairs = pairs.first(n_to_align)
     if how in ("se3", "sim3"):
         return align(pairs, with_scale=how == "sim3")
+    if how == "yaw":
+        return align_heading(pairs)
     scale = align(pairs, with_scale=True).scale if how in ("scale", "scaled_origin") else 1.0
     if how in ("none", "scale"):
         return Alignment(Rotor.identity(), np.zeros(3), scale)

@@ -6,14 +6,17 @@ poses are interpolated as they are there. At today's stamps that rounds to 0.2 Â
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, fields
 
 import numpy as np
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.stamps import inside_gaps
 
 _NS_PER_S = 1_000_000_000
+_LOG = logging.getLogger("motorcade.metrics")
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +61,7 @@ def associate(
     *,
     offset_s: float = 0.0,
     interpolate: bool = False,
+    max_gap_s: float | None = None,
 ) -> Pairs:
     """Pair poses with the nearest stamps, as ``evo.core.sync`` does.
 
@@ -73,6 +77,8 @@ def associate(
         interpolate: pair the same poses, but take the longer trajectory at the stamps of the
             shorter one: positions on straight lines, rotations on great circles (slerp), the end
             poses beyond the ends.
+        max_gap_s: where poses are interpolated, those between which more time lies lead nowhere:
+            pairs there are left out, and the log says how many.
 
     Raises:
         ValueError: `max_difference_s` negative or not finite, `offset_s` not finite or beyond a
@@ -106,6 +112,17 @@ def associate(
             f"reference {reference.time_ns[0]} to {reference.time_ns[-1]} ns; if both begin at the "
             f"same moment, offset_s={apart_s:.9g} (--offset-s {apart_s:.9g}) says so"
         )
+    if interpolate and max_gap_s is not None:
+        asked_ns = short.time_ns[short_index] - (offset_ns if reference_leads else -offset_ns)
+        bad = inside_gaps(asked_ns, long.time_ns, max_gap_s)
+        short_index, long_index = short_index[~bad], long_index[~bad]
+        if not short_index.size:
+            raise ValueError(
+                f"max_gap_s: expected poses around some pair, got gaps over {max_gap_s} s"
+            )
+        if np.any(bad):
+            text = "%d pairs are left out: they lie in gaps of more than %g s"
+            _LOG.warning(text, np.count_nonzero(bad), max_gap_s)
     e, r = (long_index, short_index) if reference_leads else (short_index, long_index)
     ours, true, stamps = estimate.motors[e], reference.motors[r], estimate.time_ns[e] + offset_ns
     if interpolate:

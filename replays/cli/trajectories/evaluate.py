@@ -107,16 +107,29 @@ def _add_pairs_to(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="take the trajectory with more poses at the stamps of the other one",
     )
+    pairs.add_argument(
+        "--max-gap-s",
+        type=float,
+        metavar="S",
+        help="of --interpolate: leave out what lies in longer gaps (none is left out)",
+    )
+    pairs.add_argument(
+        "--rows",
+        type=int,
+        metavar="FROM",
+        help="of KITTI files: the reference's row (from 0) of the estimates' first pose",
+    )
 
 
 def _add_alignment_to(parser: argparse.ArgumentParser) -> None:
     alignment = parser.add_argument_group("alignment")
     alignment.add_argument(
         "--align",
-        choices=("none", "se3", "sim3", "scale", "origin", "scaled_origin"),
+        choices=("none", "se3", "sim3", "yaw", "scale", "origin", "scaled_origin"),
         default="none",
-        help="fit the estimate to the reference first: rigidly, with scale, by scale alone, or "
-        "by the first pose, as it is or scaled (none)",
+        help="fit the estimate to the reference first: rigidly, with scale, by heading and place "
+        "(where gravity tells both up), by scale alone, or by the first pose, as it is or scaled "
+        "(none)",
     )
     alignment.add_argument(
         "--n-to-align", type=int, metavar="N", help="fit the first N pairs only (all)"
@@ -174,7 +187,7 @@ def _add_relative_to(parser: argparse.ArgumentParser) -> None:
 def evaluate_files(arguments: argparse.Namespace) -> None:
     """Read all, evaluate, print a table."""
     from motorcade.replays.files.atomic import write_bytes
-    from motorcade.replays.files.trajectories import read_trajectory
+    from motorcade.replays.files.trajectories import check_rows, read_trajectory
 
     if arguments.plot is not None and arguments.plot.suffix != ".svg":
         raise ValueError(f"--plot: expected a name ending in .svg, got {arguments.plot}")
@@ -182,7 +195,9 @@ def evaluate_files(arguments: argparse.Namespace) -> None:
     reference = read_trajectory(arguments.reference, **stamps)
     matched: dict[str, Matched] = {}
     for name, path in zip(_names(arguments.estimates), arguments.estimates, strict=True):
-        estimate = read_trajectory(path, **stamps)
+        estimate = read_trajectory(path, **stamps, first_row=arguments.rows)
+        if arguments.rows is None:
+            check_rows({path: estimate, arguments.reference: reference})
         matched[name] = _matched(arguments, estimate, reference)
     delta = _delta(arguments)
     found = {name: _evaluated(one, delta, arguments) for name, one in matched.items()}
@@ -215,6 +230,7 @@ def _matched(arguments: argparse.Namespace, estimate: Trajectory, reference: Tra
         start_s=arguments.start_s,
         end_s=arguments.end_s,
         interpolate=arguments.interpolate,
+        max_gap_s=arguments.max_gap_s,
         n_to_align=arguments.n_to_align,
         plane=arguments.project,
     )

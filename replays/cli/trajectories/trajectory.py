@@ -87,6 +87,12 @@ def _add_edits(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--resample-as", type=Path, metavar="FILE", help="poses at this trajectory's stamps"
     )
+    group.add_argument(
+        "--max-gap-s",
+        type=float,
+        metavar="S",
+        help="of both: leave out poses in longer gaps (all stay, and gaps are said)",
+    )
 
 
 def _add_reference(parser: argparse.ArgumentParser) -> None:
@@ -96,7 +102,7 @@ def _add_reference(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--align",
-        choices=("none", "se3", "sim3", "scale", "origin", "scaled_origin"),
+        choices=("none", "se3", "sim3", "yaw", "scale", "origin", "scaled_origin"),
         default="none",
         help="bring each into the reference's world (none)",
     )
@@ -223,6 +229,7 @@ def _edits(arguments: argparse.Namespace) -> TrajectoryEdits:
         merge=arguments.merge,
         offset_s=arguments.offset_s,
         resample_hz=arguments.resample_hz,
+        max_gap_s=arguments.max_gap_s,
         resample_as=None if other is None else _one(other, arguments),
         align=arguments.align,
         n_to_align=arguments.n_to_align,

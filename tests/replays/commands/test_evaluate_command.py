@@ -112,7 +112,7 @@ def test_errors_and_a_picture_are_written_where_asked(walk: Path) -> None:
         (["--delta", "1.5"], "delta: expected a whole number of frames, got 1.5"),
         (["--delta", "200", "--delta-unit", "deg"], "delta: expected above 0 and at most 180 deg"),
         (["--delta-tolerance", "nan"], "delta tolerance: expected 0 or more"),
-        (["--n-to-align", "9"], "n_to_align: only se3, sim3, scale, scaled_origin are fitted"),
+        (["--n-to-align", "9"], "n_to_align: only se3, sim3, yaw, scale, scaled_origin are fitted"),
         (["--align", "se3", "--n-to-align", "-1"], "n_to_align: expected 3 or more pairs"),
         (["--start-s", "5", "--end-s", "4"], "expected a start before the end, got 5.0, 4.0"),
         (["--start-s", "1e9"], "expected poses from 1000000000.0 to inf s, got none"),
