@@ -139,7 +139,7 @@ def test_stamps_that_contradict_the_ending_are_said(
 ) -> None:
     rows = _rows(path, tmp_path)
     (tmp_path / "commas.csv").write_text(rows)
-    assert evaluate(read_trajectory(tmp_path / "commas.csv"), path).rotation_deg.max > 90.0
+    assert evaluate(read_trajectory(tmp_path / "commas.csv"), path).rotation_deg.max > 1.0
     assert "read with qw first, as the ending says" in caplog.text
     (tmp_path / "commas.csv").write_text("# timestamp tx ty tz qx qy qz qw\n" + rows)
     assert evaluate(read_trajectory(tmp_path / "commas.csv"), path).rotation_deg.max < 1e-6
