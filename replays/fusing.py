@@ -40,7 +40,8 @@ class FusingOptions:
 
     Fields:
         noise: the IMU's data sheet; None: ADIS16448's.
-        noise_factor, walk_factor: times its white densities and its bias walks; None: 10 and 1.
+        noise_factor, walk_factor: times its white densities and its bias walks; None: 10 and 1,
+            and densities that fit where the poses contradict these.
         learn_noise: learn the IMU's noise from the recording, starting from that.
         imu_T_camera: where the poses' frame sits on the IMU; None: the poses are the IMU's.
         offset_s: what the IMU's clock shows at an event minus what that of the poses does.
@@ -207,6 +208,7 @@ def fuse_poses(
         smoothed=not chosen.online,
         lag_s=chosen.ahead_s,
         state_covariances=False,
+        fits_noise=chosen.noise_factor is None and chosen.walk_factor is None and told is None,
     )
     accepted = found.accepted[np.isfinite(found.nis)]
     if np.mean(accepted) < chosen.least_accepted:

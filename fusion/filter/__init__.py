@@ -1,6 +1,7 @@
 """Filtering: poses fused with an IMU on the group of extended poses, live and over recordings."""
 
 from motorcade.fusion.filter.findings import LatencyCurve, LearntNoise, NoiseScore
+from motorcade.fusion.filter.fitting import fit_noise
 from motorcade.fusion.filter.fuse import fuse
 from motorcade.fusion.filter.fused import Fused
 from motorcade.fusion.filter.latency import latency_curve
@@ -20,6 +21,7 @@ __all__ = [
     "NoiseScore",
     "PoseFilter",
     "RestDetection",
+    "fit_noise",
     "fuse",
     "latency_curve",
     "learn_noise",

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from motorcade.fusion.filter.fused import Fused, by_stretch, covered, wanted_stamps
+from motorcade.fusion.filter.fitting import fit_noise
+from motorcade.fusion.filter.fused import Fused
 from motorcade.fusion.filter.health import fused_health
-from motorcade.fusion.filter.native._filter import Engine
-from motorcade.fusion.filter.pose_filter import KINDS
-from motorcade.fusion.filter.settings import FilterSettings, engine
-from motorcade.fusion.filter.sourced import checked_also, judgements, schedule
+from motorcade.fusion.filter.settings import FilterSettings
+from motorcade.fusion.filter.unjudged import fuse_unjudged
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.measurements.interface import Measurements
-from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.ga.stamps import checked_span_ns
+from motorcade.ga import Motor
+from motorcade.ga.arrays import IntArray
 from motorcade.tracking.measurements import PoseMeasurements
 
 
@@ -36,6 +33,7 @@ def fuse(
     lag_s: float = np.inf,
     time_offset_s: float = 0.0,
     state_covariances: bool = True,
+    fits_noise: bool = True,
 ) -> Fused:
     """Fuse measured camera poses with an IMU, by the code of `PoseFilter`.
 
@@ -52,7 +50,8 @@ def fuse(
             `FilterSettings` states; a gap of more than ten seconds splits the stream, and each
             stretch is fused for itself: stamps between them are left out.
         noise: the IMU's densities and bias walks. Those of a data sheet are too small for a
-            sensor in the hand or in flight; `learn_noise` finds what the recording tells of them.
+            sensor in the hand or in flight: where the recording shows that, densities that fit it
+            take their place (`fit_noise`); `learn_noise` finds walks besides, in longer time.
         imu_T_camera: pose of the camera on the IMU.
         stamps_ns: rising stamps of the IMU's clock at which the path is wanted, measured there or
             not; by default those of the measurements. Stamps before the first measurement or
@@ -71,6 +70,7 @@ def fuse(
         time_offset_s: what is added to the measurements' stamps to be the IMU's time; a first
             guess where `FilterSettings.time_offset_sigma_s` is above zero.
         state_covariances: without them the result's `state_covariance` has no rows.
+        fits_noise: whether densities may be fitted; the result's `noise` says what was used.
 
     Raises:
         ValueError: the IMU and the measurements do not overlap in time, or `stamps_ns` are no
@@ -95,7 +95,11 @@ def fuse(
         1.0°
         0.2°
     """
-    chosen = settings or FilterSettings()
+    chosen, lag_s = settings or FilterSettings(), checked_lag(lag_s, smoothed)
+    if fits_noise:
+        noise = fit_noise(
+            measurements, imu, noise, imu_T_camera, settings=chosen, time_offset_s=time_offset_s
+        )
     found = fuse_unjudged(
         measurements,
         imu,
@@ -104,38 +108,12 @@ def fuse(
         stamps_ns,
         also=also,
         settings=chosen,
-        lag_s=checked_lag(lag_s, smoothed),
+        lag_s=lag_s,
         time_offset_s=time_offset_s,
         state_covariances=state_covariances,
     )
     given = measurements.trajectory, imu, imu_T_camera, time_offset_s, chosen
-    return replace(found, health=fused_health(*given, found))
-
-
-def fuse_unjudged(
-    measurements: PoseMeasurements,
-    imu: ImuStream,
-    noise: ImuNoise,
-    imu_T_camera: Motor,
-    stamps_ns: IntArray | None = None,
-    *,
-    also: Sequence[Measurements] = (),
-    settings: FilterSettings | None = None,
-    lag_s: float = np.inf,
-    time_offset_s: float = 0.0,
-    state_covariances: bool = True,
-) -> Fused:
-    """What `fuse` does, for what fuses one recording many times: `health` is not looked into."""
-    chosen, kinds = settings or FilterSettings(), checked_also(also)
-    shift_ns = checked_span_ns(time_offset_s, "time_offset_s")
-
-    def one(given: PoseMeasurements, stream: ImuStream, stamps: IntArray | None) -> Fused:
-        return _fused(
-            given, stream, noise, imu_T_camera, stamps, kinds, chosen, lag_s, time_offset_s,
-            state_covariances,
-        )  # fmt: skip
-
-    return by_stretch(one, measurements, imu, stamps_ns, shift_ns)
+    return replace(found, health=fused_health(*given, found), noise=noise)
 
 
 def checked_lag(lag_s: float, smoothed: bool) -> float:
@@ -149,124 +127,3 @@ def checked_lag(lag_s: float, smoothed: bool) -> float:
     if not smoothed and 0.0 < lag_s < np.inf:
         raise ValueError(f"lag_s: expected none where nothing looks ahead, got {lag_s}")
     return lag_s if smoothed else 0.0
-
-
-def _fused(
-    measurements: PoseMeasurements,
-    imu: ImuStream,
-    noise: ImuNoise,
-    imu_T_camera: Motor,
-    stamps_ns: IntArray | None,
-    also: Sequence[Measurements],
-    chosen: FilterSettings,
-    ahead_s: float,
-    time_offset_s: float,
-    state_covariances: bool,
-) -> Fused:
-    """Fuse along one stretch of the stream."""
-    shift_ns = round(time_offset_s * 1e9)
-    used = covered(measurements, imu, shift_ns)
-    wanted = wanted_stamps(used.trajectory.time_ns + shift_ns, imu, stamps_ns)
-    relates = any(one.since_ns is not None for one in also)
-    smoothed = ahead_s > 0.0
-    lag_s = ahead_s if np.isfinite(ahead_s) else 0.0
-    run = engine(chosen, noise, imu_T_camera, time_offset_s, keeps_earlier=relates, lag_s=lag_s)
-    made = _Made.empty(len(wanted))
-    size = chosen.error_size
-    whole = np.zeros((len(wanted) if state_covariances else 0, size, size))
-    columns = [
-        np.ascontiguousarray(values)
-        for values in (imu.time_ns, imu.angular_rate_rad_s, imu.specific_force_m_s2)
-    ]
-    run.hold(*columns)
-    _schedule(run, used)
-    first_ns, last_ns = int(used.trajectory.time_ns[0]) + shift_ns, int(imu.time_ns[-1])
-    schedule(run, also, first_ns, last_ns)
-    run.outputs(
-        np.ascontiguousarray(wanted),
-        *made.arrays,
-        whole=whole if state_covariances else None,
-        final=smoothed and lag_s == 0.0,
-    )
-    run.play()
-    if smoothed:
-        run.smooth()
-    nis, accepted = _judged(run, used.trajectory.time_ns + shift_ns, wanted, live=not smoothed)
-    others = judgements(also, *run.judged(), live=not smoothed)
-    given_up_ns = run.doubted()[0]
-    del run  # which holds more than the result does
-    found = made.fused(wanted, measurements.trajectory, whole, nis, accepted, chosen.gravity_m_s2)
-    return replace(found, also=others, given_up_ns=given_up_ns)
-
-
-@dataclass(frozen=True, eq=False)
-class _Made:
-    """What the compiled filter fills, one row a stamp.
-
-    `others` are the rotor of gravity, the extrinsics and the time offset.
-    """
-
-    pose: FloatArray
-    velocity: FloatArray
-    bias: FloatArray
-    covariance: FloatArray
-    others: FloatArray
-
-    @classmethod
-    def empty(cls, count: int) -> _Made:
-        shapes = ((count, 8), (count, 3), (count, 6), (count, 6, 6), (count, 13))
-        return cls(*(np.zeros(shape) for shape in shapes))
-
-    @property
-    def arrays(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
-        return self.pose, self.velocity, self.bias, self.covariance, self.others
-
-    def fused(
-        self,
-        wanted: IntArray,
-        measured: Trajectory,
-        whole: FloatArray,
-        nis: FloatArray,
-        accepted: NDArray[np.bool_],
-        gravity_m_s2: float,
-    ) -> Fused:
-        """The result, seen from the camera."""
-        imu_T_camera = Motor.normalize(self.others[:, 4:12])
-        poses = Motor.normalize(self.pose) @ imu_T_camera
-        return Fused(
-            trajectory=Trajectory(wanted, poses, measured.parent, measured.child),
-            velocity_m_s=self.velocity,
-            gyro_bias_rad_s=self.bias[:, :3],
-            accel_bias_m_s2=self.bias[:, 3:],
-            covariance=self.covariance,
-            state_covariance=whole,
-            nis=nis,
-            accepted=accepted,
-            gravity_m_s2=Rotor(self.others[:, :4]).apply(np.array([0.0, 0.0, -gravity_m_s2])),
-            imu_T_camera=imu_T_camera,
-            time_offset_s=self.others[:, 12],
-        )
-
-
-def _schedule(run: Engine, measurements: PoseMeasurements) -> None:
-    path = measurements.trajectory
-    stamps, poses, covariances = (
-        np.ascontiguousarray(one)
-        for one in (path.time_ns, path.motors.coefficients, measurements.covariance)
-    )
-    noise = covariances.reshape(-1, 36)
-    run.schedule(KINDS["camera_pose"], stamps, poses, noise, None, None, -1)
-
-
-def _judged(
-    run: Engine, measured_ns: IntArray, wanted: IntArray, *, live: bool
-) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """By wanted stamp, the innovation of the measurement there and whether it was believed."""
-    about, values = run.judged()
-    nis, accepted = np.full(len(wanted), np.nan), np.ones(len(wanted), dtype=np.bool_)
-    real = (about[:, 2] == KINDS["camera_pose"]) & (about[:, 1] >= 0)
-    stamps, values = measured_ns[about[real, 1]], values[real, 2:] if live else values[real, :2]
-    row = np.minimum(np.searchsorted(wanted, stamps), len(wanted) - 1)
-    here = wanted[row] == stamps
-    nis[row[here]], accepted[row[here]] = values[here, 0], values[here, 1] > 0.0
-    return nis, accepted

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from motorcade.fusion.filter.sourced import Judgement
 from motorcade.fusion.health.stamps import check_stamps
 from motorcade.fusion.health.verdict import Health
+from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
@@ -130,6 +131,7 @@ class Fused:
         health: the verdict: whether IMU and poses belong together as stated, what is wrong where
             not, and what the covariances do not cover. Where it `failed`, more poses were refused
             than accepted, and nothing here is to be believed. It is written to the log besides.
+        noise: the IMU's as `fuse` used it: as stated, or fitted; None of what does not choose.
 
     Examples:
         >>> import numpy as np
@@ -163,6 +165,7 @@ class Fused:
     also: tuple[Judgement, ...] = ()
     given_up_ns: IntArray = field(default_factory=lambda: np.zeros((0, 2), dtype=np.int64))
     health: Health = field(default_factory=Health)
+    noise: ImuNoise | None = None
 
     @property
     def doubts(self) -> tuple[str, ...]:
@@ -176,7 +179,7 @@ class Fused:
         whole = {
             each.name: np.concatenate([getattr(one, each.name) for one in parts])
             for each in fields(cls)
-            if each.name not in ("trajectory", "imu_T_camera", "also", "health")
+            if each.name not in ("trajectory", "imu_T_camera", "also", "health", "noise")
         }
         poses = Motor.concatenate([one.trajectory.motors for one in parts])
         stamps = np.concatenate([one.trajectory.time_ns for one in parts])

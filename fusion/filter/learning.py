@@ -28,9 +28,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.filter.findings import DENSITIES_AND_WALKS, LearntNoise, NoiseScore
-from motorcade.fusion.filter.fuse import fuse_unjudged
 from motorcade.fusion.filter.fused import covered
 from motorcade.fusion.filter.settings import FilterSettings
+from motorcade.fusion.filter.unjudged import fuse_unjudged
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor
@@ -38,7 +38,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.stamps import checked_span_ns
 from motorcade.tracking.measurements import PoseMeasurements
 
-_TURN_NS = 2_000_000_000
+TURN_NS = 2_000_000_000
 """A turn of learning or of judging, and what is held out at once: as long as cameras are blind in
 practice, and as an IMU predicts to centimetres."""
 _PERIOD = 4
@@ -107,21 +107,21 @@ def learn_noise(
     """
     from scipy.optimize import minimize
 
-    used = _middle(covered(measurements, imu, checked_span_ns(time_offset_s, "time_offset_s")))
+    used = middle(covered(measurements, imu, checked_span_ns(time_offset_s, "time_offset_s")))
     chosen = settings or FilterSettings()
     stamps = used.trajectory.time_ns
-    turns = int((stamps[-1] - stamps[0]) // _TURN_NS)
+    turns = int((stamps[-1] - stamps[0]) // TURN_NS)
     if turns < _FEWEST_TURNS:
         return LearntNoise(
             noise,
             False,
-            f"the noise stays as it was: {_FEWEST_TURNS * _TURN_NS // 10**9} s of poses are needed "
+            f"the noise stays as it was: {_FEWEST_TURNS * TURN_NS // 10**9} s of poses are needed "
             f"to learn it, and there are {used.trajectory.duration_s:.0f}",
         )
-    trials = _Trials.of(used, imu, noise, imu_T_camera, chosen, time_offset_s)
+    trials = Trials.of(used, imu, noise, imu_T_camera, chosen, time_offset_s)
 
     def cost(logarithms: FloatArray) -> float:
-        likely = _by_turn(*trials.predicted(_scaled(noise, logarithms)))
+        likely = _by_turn(*trials.predicted(scaled(noise, logarithms)))
         return float(0.5 * np.sum((logarithms / _DOUBT) ** 2) - likely.sum())
 
     corners = np.vstack([np.zeros(4), _STEP * np.eye(4)])
@@ -136,8 +136,8 @@ def learn_noise(
             "fatol": 0.1,  # of a log likelihood, far below what decides anything
         },
     )
-    told = _as_far_as_told(lambda one: trials.predicted(_scaled(noise, one)), best.x)
-    found = _scaled(noise, told)
+    told = _as_far_as_told(lambda one: trials.predicted(scaled(noise, one)), best.x)
+    found = scaled(noise, told)
     given, made = (trials.predicted(one) for one in (noise, found))
     before, after = _score(*given), _score(*made)
     factors = tuple(zip(DENSITIES_AND_WALKS, np.exp(told).tolist(), strict=True))
@@ -153,7 +153,7 @@ def learn_noise(
     )  # fmt: skip
 
 
-def _by_turn(ahead: _Predictions, held: _Predictions) -> FloatArray:
+def _by_turn(ahead: Predictions, held: Predictions) -> FloatArray:
     """Log likelihood of each turn to learn from, and of what was held out in it."""
     turns = np.unique(ahead.of(1).turn)
     row = np.searchsorted(turns, ahead.of(1).turn)
@@ -166,7 +166,7 @@ def _by_turn(ahead: _Predictions, held: _Predictions) -> FloatArray:
     return both
 
 
-def _squares(held: _Predictions, parity: int) -> FloatArray:
+def _squares(held: Predictions, parity: int) -> FloatArray:
     """Mean square error of the positions held out in each turn."""
     spans = held.of(parity)
     _, row, count = np.unique(spans.turn, return_inverse=True, return_counts=True)
@@ -186,7 +186,7 @@ def _surely_above_zero(differences: FloatArray) -> bool:
 
 
 def _as_far_as_told(
-    predicted: Callable[[FloatArray], tuple[_Predictions, _Predictions]], found: FloatArray
+    predicted: Callable[[FloatArray], tuple[Predictions, Predictions]], found: FloatArray
 ) -> FloatArray:
     """Each figure as near to where it started as turns do not contradict, one after another.
 
@@ -239,24 +239,26 @@ def _summary(
     return f"the noise stays as it was, for {found} predicts no better where it was judged: {gain}"
 
 
-def _scaled(noise: ImuNoise, logarithms: FloatArray) -> ImuNoise:
+def scaled(noise: ImuNoise, logarithms: FloatArray) -> ImuNoise:
+    """Densities and walks times the exponentials of ``(4,)``, in the order of their names."""
     return ImuNoise(
         *(getattr(noise, name) * float(factor)
           for name, factor in zip(DENSITIES_AND_WALKS, np.exp(logarithms), strict=True))
     )  # fmt: skip
 
 
-def _middle(measurements: PoseMeasurements) -> PoseMeasurements:
+def middle(measurements: PoseMeasurements, longest_ns: int = _LONGEST_NS) -> PoseMeasurements:
+    """At most so much of a recording, from its middle."""
     stamps = measurements.trajectory.time_ns
-    start = (stamps[0] + stamps[-1] - _LONGEST_NS) // 2
-    inside = (stamps >= start) & (stamps <= start + _LONGEST_NS)
+    start = (stamps[0] + stamps[-1] - longest_ns) // 2
+    inside = (stamps >= start) & (stamps <= start + longest_ns)
     if inside.all():
         return measurements
     return PoseMeasurements(measurements.trajectory[inside], measurements.covariance[inside])
 
 
 @dataclass(frozen=True, eq=False)
-class _Predictions:
+class Predictions:
     """Normalised errors ``(M, 6)`` of predicted poses, their log densities, turns and twists."""
 
     normalised: FloatArray
@@ -265,7 +267,8 @@ class _Predictions:
     twist: FloatArray
 
     @classmethod
-    def from_twists(cls, twist: FloatArray, spread: FloatArray, turn: IntArray) -> _Predictions:
+    def from_twists(cls, twist: FloatArray, spread: FloatArray, turn: IntArray) -> Predictions:
+        """Errors ``(M, 6)`` with covariances ``(M, 6, 6)``."""
         root = np.linalg.cholesky(spread)
         normalised = np.linalg.solve(root, twist[..., None])[..., 0]
         size = np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1)
@@ -273,21 +276,24 @@ class _Predictions:
         return cls(normalised, densities, turn, twist)
 
     @classmethod
-    def joined(cls, parts: list[_Predictions]) -> _Predictions:
+    def joined(cls, parts: list[Predictions]) -> Predictions:
+        """One after another."""
         return cls(*(np.concatenate(one) for one in zip(*(vars(p).values() for p in parts),
                                                          strict=True)))  # fmt: skip
 
-    def of(self, parity: int) -> _Predictions:
+    def of(self, parity: int) -> Predictions:
+        """Those of every other turn: 1 to learn from, 0 to judge by."""
         rows = self.turn % 2 == parity
-        return _Predictions(*(one[rows] for one in vars(self).values()))
+        return Predictions(*(one[rows] for one in vars(self).values()))
 
     @property
     def nis_per_dimension(self) -> float:
+        """One where noise and covariances fit."""
         return float(np.mean(self.normalised**2))
 
 
 @dataclass(frozen=True, eq=False)
-class _Trials:
+class Trials:
     """A recording with the ways in which its poses are predicted."""
 
     measurements: PoseMeasurements
@@ -306,7 +312,8 @@ class _Trials:
         imu_T_camera: Motor,
         settings: FilterSettings,
         time_offset_s: float,
-    ) -> _Trials:
+    ) -> Trials:
+        """With the poses that the smoother believes."""
         whole = fuse_unjudged(
             measurements, imu, noise, imu_T_camera, settings=settings,
             time_offset_s=time_offset_s, state_covariances=False,
@@ -315,22 +322,22 @@ class _Trials:
         believed = np.isin(stamps, whole.trajectory.time_ns[whole.accepted])
         return cls(measurements, imu, imu_T_camera, settings, time_offset_s, believed)
 
-    def predicted(self, noise: ImuNoise) -> tuple[_Predictions, _Predictions]:
+    def predicted(self, noise: ImuNoise) -> tuple[Predictions, Predictions]:
         """The next poses, and those held out."""
         stamps = self.measurements.trajectory.time_ns
-        turn = (stamps - stamps[0]) // _TURN_NS
+        turn = (stamps - stamps[0]) // TURN_NS
         first = np.arange(len(stamps)) == 0
-        ahead = self._predicted(noise, ~first & self.believed, np.zeros_like(first), turn)
+        ahead = self.ahead(noise, ~first & self.believed, np.zeros_like(first), turn)
         held = []
         for phase in range(_PERIOD):
             out = (turn % _PERIOD == phase) & (turn >= _PERIOD - 1)
             if np.any(out & self.believed):
-                held.append(self._predicted(noise, out & self.believed, out, turn))
-        return ahead, _Predictions.joined(held)
+                held.append(self.ahead(noise, out & self.believed, out, turn))
+        return ahead, Predictions.joined(held)
 
-    def _predicted(
+    def ahead(
         self, noise: ImuNoise, rows: NDArray[np.bool_], out: NDArray[np.bool_], turn: IntArray
-    ) -> _Predictions:
+    ) -> Predictions:
         """Poses of some rows by what was measured before, less those held out."""
         path, covariance = self.measurements.trajectory, self.measurements.covariance
         known = PoseMeasurements(path[~out], covariance[~out])
@@ -342,10 +349,10 @@ class _Trials:
         )  # fmt: skip
         at = np.flatnonzero(np.isin(stamps, found.trajectory.time_ns) & rows)
         twist = found.trajectory.motors.local(path.motors[at])
-        return _Predictions.from_twists(twist, found.covariance + covariance[at], turn[at])
+        return Predictions.from_twists(twist, found.covariance + covariance[at], turn[at])
 
 
-def _score(ahead: _Predictions, held: _Predictions) -> NoiseScore:
+def _score(ahead: Predictions, held: Predictions) -> NoiseScore:
     """Of the turns that judge."""
     judged, spans, every = ahead.of(0), held.of(0), ahead.normalised
     metres, turned = np.linalg.norm(spans.twist[:, 3:], axis=1), spans.twist[:, :3]

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from motorcade.fusion.filter import FilterSettings, Fused, fuse
+from motorcade.fusion.filter import FilterSettings, Fused
 from motorcade.fusion.filter.fused import by_stretch, camera_covariance, covered, wanted_stamps
 from motorcade.fusion.filter.settings import MOST_NOISE
+from motorcade.fusion.filter.unjudged import fuse_unjudged
 from motorcade.fusion.graph.inertial import InertialGraph
 from motorcade.fusion.graph.smoothers import determined, smooth_all, smooth_with_lag
 from motorcade.fusion.graph.states import GraphStates
@@ -175,7 +176,7 @@ def filtered_start(
     """Where the filter sees the nodes by all kinds that do not relate two moments."""
     kinds = [one for one in graph.also if one.since_ns is None and not one.parameter_sigma.size]
     shared = graph.shared
-    found = fuse(
+    found = fuse_unjudged(
         measurements,
         imu,
         noise,

@@ -209,6 +209,7 @@ class InertialSlam:
             self._imu_T_camera,
             slam.time_ns,
             settings=self._settings,
+            fits_noise=False,
         )
         return InertialSlamResult(slam, self._start, self._metric_from_ns, given, fused, states)
 

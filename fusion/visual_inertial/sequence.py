@@ -118,7 +118,7 @@ def fuse_map(
     """
     made = metric_map(result, camera, imu, noise, imu_T_camera, readout_s)
     wanted = np.asarray(result.time_ns) if stamps_ns is None else stamps_ns
-    path = fuse(made.measurements, imu, noise, imu_T_camera, wanted)
+    path = fuse(made.measurements, imu, noise, imu_T_camera, wanted, fits_noise=False)
     return FusedMap(path, made.keyframes, made.start)
 
 

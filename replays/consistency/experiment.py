@@ -193,6 +193,7 @@ def _on_motors(simulated: Simulated, experiment: Experiment) -> Estimates:
             Motor.identity(),
             settings=experiment.settings(),
             smoothed=False,
+            fits_noise=False,
         )
         for measured, imu in simulated.recorded
     ]

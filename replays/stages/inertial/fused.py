@@ -5,13 +5,14 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
 
 from motorcade.fusion.filter import FilterSettings, Fused, fuse, latency_curve
 from motorcade.fusion.filter import learn_noise as noise_of
-from motorcade.fusion.filter.fuse import fuse_unjudged
+from motorcade.fusion.filter.unjudged import fuse_unjudged
 from motorcade.fusion.graph.odometry import fuse_odometry
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import checked_positive
@@ -277,7 +278,7 @@ def _by_imu(
         noise = learnt.noise
 
     def with_lag(lag_s: float, *, judged: bool = False) -> Fused:
-        return (fuse if judged else fuse_unjudged)(
+        return (partial(fuse, fits_noise=False) if judged else fuse_unjudged)(
             level.measurements,
             stream,
             noise,

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.filter import FilterSettings, Fused
-from motorcade.fusion.filter.fuse import fuse_unjudged
+from motorcade.fusion.filter.unjudged import fuse_unjudged
 from motorcade.fusion.metrics import absolute_translation_m
 from motorcade.ga import Motor, Trajectory
 from motorcade.tracking.measurements import PoseMeasurements

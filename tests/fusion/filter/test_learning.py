@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from motorcade.fusion.filter import fuse, learn_noise
+from motorcade.fusion.imu import ImuNoise
+from motorcade.fusion.metrics import absolute_translation_m
 from motorcade.ga import Motor
 from motorcade.tracking.measurements import PoseMeasurements
 from tests.bench.data import data_folder
 from tests.bench.fusion.learnt import learnt_figures
 from tests.bench.fusion.recorded import FLIGHTS, flight
+from tests.fusion.conftest import NOISE, Run
 
 
 def nees(fused, truth) -> float:
@@ -104,3 +108,35 @@ def test_flights_know_their_errors_with_noise_that_they_taught(name, seed):
     assert 0.6 < found["nees_after"] < 1.6
     assert found["gain"] >= 0.0
     assert found["error_ratio"] < 1.1
+
+
+@pytest.mark.parametrize("times", [1.0, 8.0])
+def test_noise_that_contradicts_the_poses_is_fitted_and_other_noise_stays(
+    record: Callable[..., Run], times: float
+) -> None:
+    """A data sheet's densities, eight times too small: as good then as with the right ones."""
+    rng = np.random.default_rng(71)
+    run = record(rng, 40.0)
+    stated = ImuNoise(
+        NOISE.gyro_density_rad_s_rthz / times,
+        NOISE.gyro_walk_rad_s2_rthz,
+        NOISE.accel_density_m_s2_rthz / times,
+        NOISE.accel_walk_m_s3_rthz,
+    )
+    found = fuse(run.measurements, run.imu, stated, run.imu_T_camera)
+    assert (found.noise == stated) == (times == 1.0)
+    right = fuse(run.measurements, run.imu, NOISE, run.imu_T_camera, fits_noise=False)
+    true = run.camera.at(found.trajectory.time_ns)
+    errors, best = (
+        np.sqrt(np.mean(absolute_translation_m(one.trajectory.motors, true) ** 2))
+        for one in (found, right)
+    )
+    assert errors < 1.1 * best
+    assert 0.5 < nees(found, run.camera) < 1.7
+
+
+def test_poses_that_say_too_little_noise_do_not_change_the_imus(record: Callable[..., Run]) -> None:
+    run = record(np.random.default_rng(72), 40.0)
+    given = run.measurements
+    modest = PoseMeasurements(given.trajectory, given.covariance / 9.0)
+    assert fuse(modest, run.imu, NOISE, run.imu_T_camera).noise == NOISE
