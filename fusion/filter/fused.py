@@ -188,6 +188,7 @@ class Fused:
             imu_T_camera=Motor.concatenate([one.imu_T_camera for one in parts]),
             also=tuple(map(Judgement.joined, zip(*(one.also for one in parts), strict=True))),
             health=Health(),
+            noise=parts[0].noise,
             **whole,
         )
 

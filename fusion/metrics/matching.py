@@ -103,8 +103,14 @@ def match(
     if windowed:
         reference = cropped(reference, start_s, end_s)
     ours, true = without_scale(estimate), without_scale(reference)
-    how = {"offset_s": offset_s, "interpolate": interpolate, "max_gap_s": max_gap_s}
-    pairs = associate(ours, true, max_difference_s, **how)
+    pairs = associate(
+        ours,
+        true,
+        max_difference_s,
+        offset_s=offset_s,
+        interpolate=interpolate,
+        max_gap_s=max_gap_s,
+    )
     alignment = alignment_of(pairs, align, n_to_align)
     log_scale = _log_scale(estimate, reference, pairs, alignment.scale)
     ours = alignment.apply_to(_by_offset(ours, checked_offset_ns(offset_s)))

@@ -256,8 +256,8 @@ template <std::size_t N> bool Timeline<N>::doubt_first_jump(std::size_t jump, Tr
     return true;
 }
 
-// Whether the IMU alone leads from the state after an event back to an earlier one, as well as poses
-// would; the state becomes that there.
+// Whether the IMU alone leads from the state after an event back to an earlier one, as well as
+// poses would; the state becomes that there.
 template <std::size_t N>
 bool Timeline<N>::bridged_back(std::size_t from, std::size_t to, Track<N> &after) {
     along(after, [&] {

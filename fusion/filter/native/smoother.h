@@ -7,13 +7,12 @@
 
 #pragma once
 
-#include "history.h"
+#include "hypothesis.h"
 
 namespace motorcade::filter {
 
 // Weights settle within two or three rounds; those of a few that stand at the gate may alternate.
 constexpr std::size_t most_rounds = 5;
-constexpr double most_cost = 1e3;  // of a prediction that is no number
 // A weight that halves or doubles is worth another round.
 constexpr double tolerance = 2.0;
 constexpr std::size_t none = static_cast<std::size_t>(-1);  // of the events
@@ -26,45 +25,33 @@ public:
     // near the start, the path may as well begin at any of the poses that it denied there.
     void smooth() {
         this->doubt_last_jump(0);
-        const Account first = weigh_all();
+        const Hypothesis<N> first = weigh_all();
         if (this->given_up_.empty() || this->starts_.empty()) return;
         const auto given_up = this->given_up_;
-        Account best = first;
+        Hypothesis<N> best = first;
         for (const std::size_t start : std::vector(this->starts_)) {
             this->begin_at(start);
-            Account other = weigh_all();
+            Hypothesis<N> other = weigh_all();
             Track<N> after = other.first;
             other.bridged = this->bridged_back(start, 0, after);
-            if (better(other, best)) best = std::move(other);
+            if (other.better(best, refused())) best = std::move(other);
         }
         if (!extended(best, first)) remake(first);
         this->given_up_ = given_up;
     }
 
 protected:
-    // What a pass was made from, so that it can be made again, and how well each measurement is
-    // predicted by all others.
-    struct Account {
-        std::size_t begin = 0, since = 0;  // of the events; before `since` all is taken for wrong
-        std::optional<State> begun;
-        std::vector<double> given, cost;
-        std::vector<bool> believed;
-        bool bridged = false;  // the IMU alone leads from where it begins to the first pose
-        std::vector<std::pair<std::size_t, Doubt>> doubts;
-        Track<N> first;
-    };
-
     // Each measurement weighed by what all others say of it: again, with the weights that came out,
     // until they stay or predict worse than those before did.
-    Account weigh_all() {
-        Account best;
+    Hypothesis<N> weigh_all() {
+        Hypothesis<N> best;
         std::size_t since = this->begin_;
         for (std::size_t round = 1;; ++round) {
             jump_ = 0;
             backward();
             this->thorough_ = false;
-            Account now = account(since);
-            if (round > 1 && loses(now, best, since)) {
+            Hypothesis<N> now = hypothesis(since);
+            if (round > 1 && now.loses(best, since, refused())) {
                 remake(best);
                 return best;
             }
@@ -79,9 +66,9 @@ protected:
         }
     }
 
-    // Takes an account over and adds what came before it: by the IMU alone, with the poses that
+    // Takes a hypothesis over and adds what came before it: by the IMU alone, with the poses that
     // agree, or where that tells too little as on another map. False where it then predicts worse.
-    bool extended(const Account &best, const Account &first) {
+    bool extended(const Hypothesis<N> &best, const Hypothesis<N> &first) {
         if (best.begin == 0) return false;
         restore(best);
         this->begin_ = 0;
@@ -95,78 +82,47 @@ protected:
             this->events_[best.begin].doubt = std::move(anew);
         }
         this->replay(0, this->next_);
-        return !loses(weigh_all(), best, best.since);
+        return !weigh_all().loses(best, best.since, refused());
     }
 
-    void remake(const Account &account) {
-        restore(account);
+    void remake(const Hypothesis<N> &given) {
+        restore(given);
         backward();
         this->thorough_ = false;
     }
 
-    Account account(std::size_t since) const {
-        Account made;
-        made.begin = this->begin_, made.since = since, made.first = first_, made.begun = this->begun_;
+    Hypothesis<N> hypothesis(std::size_t since) const {
+        Hypothesis<N> made;
+        made.begin = this->begin_, made.since = since, made.first = first_,
+        made.begun = this->begun_;
         for (std::size_t k = 0; k < this->next_; ++k) {
             const Event &event = this->events_[k];
             made.given.push_back(event.given);
-            made.cost.push_back(!event.measures() ? 0.0 : k < since ? refused() : cost(event));
+            made.cost.push_back(!event.measures() ? 0.0
+                                : k < since       ? refused()
+                                                  : prediction_cost(event.left_out[0],
+                                                                    static_cast<double>(freedom(event))));
             made.believed.push_back(event.measures() && event.factor > 0.0);
             if (event.doubt) made.doubts.emplace_back(k, *event.doubt);
         }
         return made;
     }
 
-    void restore(const Account &account) {
-        this->begin_ = account.begin;
-        this->begun_ = account.begun;
+    void restore(const Hypothesis<N> &given) {
+        this->begin_ = given.begin;
+        this->begun_ = given.begun;
         for (std::size_t k = 0; k < this->next_; ++k) {
-            this->events_[k].given = account.given[k];
+            this->events_[k].given = given.given[k];
             this->events_[k].doubt.reset();
         }
-        for (const auto &[index, doubt] : account.doubts)
+        for (const auto &[index, doubt] : given.doubts)
             this->events_[index].doubt = std::make_unique<Doubt>(doubt);
         this->replay(this->begin_, this->next_);
     }
 
-    // What a prediction costs that is off by a normalised square: as little of a gross one as of a
-    // Student's distribution, so that no unit of the noise is needed.
-    static double cost(double square, double freedom) {
-        return std::isfinite(square) ? std::log1p(std::max(0.0, square) / freedom) : most_cost;
-    }
-    static double cost(const Event &event) {
-        return cost(event.left_out[0], static_cast<double>(freedom(event)));
-    }
     // Of a pose that is taken for wrong.
     double refused() const {
-        return cost(this->settings_.most_noise * this->settings_.gate[6], 6.0);
-    }
-
-    // By how much the one predicts better what was measured from an event on.
-    static double gain(const Account &one, const Account &other, std::size_t from) {
-        double sum = 0.0;
-        for (std::size_t k = from; k < one.cost.size(); ++k) sum += other.cost[k] - one.cost[k];
-        return sum;
-    }
-
-    // Whether the one explains fewer measurements from an event on, and predicts them worse.
-    bool loses(const Account &one, const Account &other, std::size_t from) const {
-        const auto explained = [from](const Account &by) {
-            return std::count(by.believed.begin() + static_cast<std::ptrdiff_t>(from),
-                              by.believed.end(), true);
-        };
-        return explained(one) < explained(other) && gain(other, one, from) > refused();
-    }
-
-    // Whether a later start is to be preferred: never with more jumps of the map; with as many,
-    // where all is predicted better although poses before it count as wrong; with fewer, where those
-    // after it are, or are no worse where what came before them is known without.
-    bool better(const Account &one, const Account &other) const {
-        if (one.doubts.size() > other.doubts.size()) return false;
-        if (one.doubts.size() == other.doubts.size())
-            return gain(one, other, other.since) > refused();
-        const std::size_t since = std::max(one.since, other.since);
-        return one.bridged ? !loses(one, other, since) : gain(one, other, since) > refused();
+        return prediction_cost(this->settings_.most_noise * this->settings_.gate[6], 6.0);
     }
 
     // Between states that were kept all is made again first. The state ends where it started.

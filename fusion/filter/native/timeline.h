@@ -213,12 +213,12 @@ protected:
     std::deque<Event> events_;
     std::size_t next_ = 0;  // of the events, the first that waits
     bool started_ = false;
-    std::optional<State> begun_;    // where the path starts, if not at the first pose
-    std::size_t begin_ = 0;         // the event before which nothing is, while a start is tried
+    std::optional<State> begun_;       // where the path starts, if not at the first pose
+    std::size_t begin_ = 0;            // the event before which nothing is, while a start is tried
     std::vector<std::size_t> starts_;  // where it was denied near the start; may be the true one
     std::vector<std::array<std::int64_t, 2>> given_up_;
-    bool thorough_ = false;         // every event keeps all that a backward pass needs
-    std::size_t due_ = 0;           // of the events, the first that is not settled
+    bool thorough_ = false;  // every event keeps all that a backward pass needs
+    std::size_t due_ = 0;    // of the events, the first that is not settled
 
 private:
     Reading reading(std::int64_t t) const {
