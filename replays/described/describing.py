@@ -366,7 +366,7 @@ class _Describing:
         elif any(one.startswith("[imu]") for one in self._tables):
             self._assume("up", "against gravity", "the telemetry", "placed.on=floor")
         else:
-            said = "out of the plane that faces the first picture's up"
+            said = "weighed from how the camera was held, surfaces and lines that it saw"
             if target is None and self._stays:
                 said = "the first picture's own"
             self._assume("up", said, "nothing that measured gravity", "placed.on=floor")

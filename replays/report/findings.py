@@ -63,6 +63,12 @@ class Findings:
         nis = self.fused.nis[np.isfinite(self.fused.nis)]
         return float(np.mean(nis)) / 6 if nis.size else None
 
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What is not sure of the recording, and of what the character stands on."""
+        standing = (self.placed.doubt,) if self.placed.doubt else ()
+        return (*self.recording.doubts, *standing)
+
     def unmeasured_spans_s(self) -> Spans:
         """Where a pose was looked for and none was found: from the last one before to the next one.
 

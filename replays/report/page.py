@@ -38,8 +38,17 @@ NO_VIDEO = (
 NO_PICTURES = "the recording holds corners of markers and no pictures to draw into"
 
 
-def page(findings: Findings, viewer: Viewer, stills: Stills | None, film: FilmView | None) -> str:
-    """The whole page as HTML text, with what `viewer` has inside and the stills of the film."""
+def page(
+    findings: Findings,
+    viewer: Viewer,
+    stills: Stills | None,
+    film: FilmView | None,
+    standing: bytes = b"",
+) -> str:
+    """The whole page as HTML text, with what `viewer` has inside and the stills of the film.
+
+    `standing` is the sheet of what there is to stand on, where pictures were kept.
+    """
     template = page_environment(TEMPLATE.parent).get_template(TEMPLATE.name)
     told = told_paths(findings)
     figures = {name: findings.errors.figures[name] for name in told}
@@ -55,6 +64,10 @@ def page(findings: Findings, viewer: Viewer, stills: Stills | None, film: FilmVi
         mend=to_mend(findings, _why_no_film(findings)),
         steps=next_steps(findings),
         stills=None if stills is None else _stills(stills),
+        standing={
+            "sheet": standing and _data_address("image/jpeg", standing),
+            "places": findings.placed.choices,
+        },
         steadiness=steadiness(findings),
         labels=told,
         errors_caption=errors_caption(findings) + _smoothing(findings),

@@ -74,7 +74,8 @@ def summarise(findings: Findings, film: FilmView | None) -> dict[str, Any]:
             "stands_on": film.stands_on,
             "in_words": film.sentence,
         },
-        "doubts": list(findings.recording.doubts),
+        "doubts": list(findings.doubts),
+        "choices": [place.name for place in findings.placed.choices],
         "cast": _cast(findings),
     }
     cleaned: dict[str, Any] = without_nan(tree)

@@ -121,7 +121,7 @@ def verdict(findings: Findings, film: FilmView | None) -> Tile:
     """The first tile: what the film shows, whether it can be relied on, what speaks against it."""
     tile = _verdict(findings)
     shown = f"{capital(film.sentence)}. " if film else ""
-    unsure = f" Not sure: {'; '.join(findings.recording.doubts)}." * bool(findings.recording.doubts)
+    unsure = f" Not sure: {'; '.join(findings.doubts)}." * bool(findings.doubts)
     return replace(tile, label=f"{shown}{tile.label}{unsure}".strip())
 
 

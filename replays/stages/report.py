@@ -10,6 +10,7 @@ from motorcade.replays.report.before_after import steps_between, stills
 from motorcade.replays.report.film import film_of
 from motorcade.replays.report.findings import Findings
 from motorcade.replays.report.page import page
+from motorcade.replays.report.standing import standing_sheet
 from motorcade.replays.report.summary import summarise
 from motorcade.replays.report.viewer import Kept, embedded
 from motorcade.replays.report.words import headline
@@ -59,10 +60,11 @@ def report(
     kept = Kept(max(1, steps_between(frames)))
     viewer = embedded(run, kept)
     shown = stills(overlay, kept.pictures, run.recording.camera) if overlay and frames > 1 else None
+    standing = standing_sheet(findings, kept.pictures)
     written = ReportFiles(
         new_file("report.html"), new_file("report.json"), viewer.footage, viewer.file
     )
-    written.page.write_text(page(findings, viewer, shown, film), encoding="utf-8")
+    written.page.write_text(page(findings, viewer, shown, film, standing), encoding="utf-8")
     text = json.dumps(summary, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
     written.summary.write_text(text, encoding="utf-8")
     return written

@@ -64,6 +64,21 @@ class PlayedPart:
 
 
 @dataclass(frozen=True, eq=False)
+class StandingPlace:
+    """Something that a character could stand on.
+
+    Fields:
+        name: in words.
+        doubt: what of it is a guess, in words; "" where nothing is.
+        corners_m: ``(k, 3)`` of as much of it as is known, in the world.
+    """
+
+    name: str
+    doubt: str
+    corners_m: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class PlacedCharacter:
     """A character by name, the clip it plays, where it stands in the world, and on what.
 
@@ -79,6 +94,8 @@ class PlacedCharacter:
         parts: of a cast or a scene, what all do, the one first that the other fields tell of.
         apart_m: the least distance between two bodies of it; None for one alone.
         up, front: axes of the character's file, where the user knows better than the file.
+        choices: what there is to stand on, by the numbers of `placed.floor` from 1 on.
+        doubt: what of it is a guess, in words; "" where nothing is.
     """
 
     character: str
@@ -92,6 +109,8 @@ class PlacedCharacter:
     apart_m: float | None = None
     up: str | None = None
     front: str | None = None
+    choices: tuple[StandingPlace, ...] = ()
+    doubt: str = ""
 
 
 @dataclass(frozen=True, eq=False)

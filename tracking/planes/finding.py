@@ -32,7 +32,7 @@ from motorcade.tracking.planes.plane import (
 )
 
 FEWEST = 12
-_INLIER = 3.0  # sigma
+INLIER = 3.0  # sigma
 _ASIDE = 6.0  # sigma: nearer points are not searched again, so that no plane is found twice
 _AGREEING = np.cos(np.deg2rad(25.0))
 _SAMPLES, _POOL, _NEAR = 300, 60, 6
@@ -145,10 +145,10 @@ def find_planes(
         if plane is None:
             break
         off = rest.residuals(plane.normal[None], np.array([plane.distance_m]))[0]
-        if np.count_nonzero(off < _INLIER) < least:
+        if np.count_nonzero(off < INLIER) < least:
             break
         found.append(plane)
-        members.append(left[off < _INLIER])
+        members.append(left[off < INLIER])
         left = left[off >= _ASIDE]
     order = np.argsort([-len(own) for own in members], kind="stable")
     labels = np.full(len(points), -1, dtype=np.int64)
@@ -177,7 +177,7 @@ def _dominant(cloud: _Cloud, eye: FloatArray, rng: np.random.Generator) -> Plane
         best = _refined(cloud, best, _FINAL_ROUNDS)
     if best is None:
         return None
-    inside = cloud.residuals(best[0][None], np.array([best[1]]))[0] < _INLIER
+    inside = cloud.residuals(best[0][None], np.array([best[1]]))[0] < INLIER
     own = cloud.part(inside)
     return fit_plane(own.points, own.sigma, towards_m=eye) if _usable(own) else None
 
@@ -201,7 +201,7 @@ def _sampled(points: FloatArray, rng: np.random.Generator) -> tuple[FloatArray, 
 
 def _score(residuals: FloatArray) -> FloatArray:
     """Truncated sums of squares ``(h,)``; lower is better."""
-    return np.asarray(np.sum(np.minimum(residuals, _INLIER) ** 2, axis=1))
+    return np.asarray(np.sum(np.minimum(residuals, INLIER) ** 2, axis=1))
 
 
 def _refined(
@@ -210,7 +210,7 @@ def _refined(
     """Fit to the points within reach, again and again; None where these fix no plane."""
     inside = None
     for _ in range(rounds):
-        now = cloud.residuals(form[0][None], np.array([form[1]]))[0] < _INLIER
+        now = cloud.residuals(form[0][None], np.array([form[1]]))[0] < INLIER
         if inside is not None and np.array_equal(now, inside):
             break
         inside = now

@@ -54,6 +54,9 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     which.add_argument(
         "--all-shots", action="store_true", help="run every shot, each into OUT/shot-N"
     )
+    parser.add_argument(
+        "--floor", type=int, metavar="N", help="stand on the N-th of what the report offers"
+    )
     add_run_options(parser, out=Path("out"))
     add_executor(parser, "local", "of several recordings: ")
 
@@ -97,6 +100,7 @@ def run_recordings(arguments: argparse.Namespace) -> None:
         require_integrity(arguments.until)
     _refuse_equal_names(arguments.recordings)
     board = () if arguments.board is None else (f"described.board={arguments.board}",)
+    floor = () if arguments.floor is None else (f"placed.floor={arguments.floor}",)
     jobs = [
         Job(
             recording=path,
@@ -104,7 +108,7 @@ def run_recordings(arguments: argparse.Namespace) -> None:
             out=arguments.out / _name(path) if len(arguments.recordings) > 1 else arguments.out,
             cache=arguments.cache,
             until=arguments.until,
-            settings=(*board, *arguments.settings),
+            settings=(*board, *arguments.settings, *floor),
             scene=arguments.scene,
         )
         for path in arguments.recordings

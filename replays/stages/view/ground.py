@@ -1,44 +1,29 @@
-"""What there is to stand on: the board, loose markers, a plane found in depth or map, a floor.
+"""What there is to stand on, as one value; boards, loose markers and the world's floor.
 
 Which way is up comes from gravity where there is an IMU, from the world where the poses were
-simulated in one that stands upright; else the picture's own up serves as a guess. What was taken
-is said in `Ground.name`.
+simulated in one that stands upright; else it is weighed (see `candidates`). What was taken is said
+in `Ground.name`, and what is a guess in `Ground.doubt`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from motorcade.animation.vectors import axes_along
-from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, frozen
 from motorcade.render.light import Prints
-from motorcade.replays.recording import Frame, Recording
-from motorcade.replays.stages.view.in_view import best_place
+from motorcade.replays.recording import Recording
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.tracking import Board, MarkerGrid, SingleMarker
-from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.marker_map import MarkerMap
-from motorcade.tracking.planes import (
-    Plane,
-    choose_floor,
-    choose_stage,
-    find_planes,
-    find_planes_in_depth,
-)
 
 FLOOR_HEIGHT_M = 1.75
 FARTHEST_M = 4.0
 """On a floor the character stands at most this far in front of the first camera."""
-_FRAMES_SEARCHED, _EVERY_PX = 5, 4
 _MOST_SAMPLES = 2000
-_FEWEST_POINTS = 50
-# Of the scene's depth: how far a point of a map may lie off a plane, a character's greatest and
-# least height where lengths have no unit; and how much of the heights may lie below a floor.
-_POINT_NOISE, _FREE_HEIGHT, _LEAST_FREE_HEIGHT, _FOOT = 0.01, 0.25, 0.05, 0.05
 _TILTED_WORLDS = ("seven_scenes",)
 
 
@@ -47,7 +32,9 @@ class Ground:
     """A plane to stand on, with where on it and how high unless the user says otherwise.
 
     `extent_m` ``(2, 2)`` is how far a board or marker reaches: its least x and y, then its
-    greatest; None where the ground has no edge that is known.
+    greatest; None where the ground has no edge that is known. `outline_m` ``(k, 2)`` is of a
+    surface that was found, `rank` what speaks for it (see `candidates`), and `doubt` says in words
+    what is a guess of it.
     """
 
     world_T_plane: Motor
@@ -55,6 +42,22 @@ class Ground:
     height_m: float
     name: str
     extent_m: FloatArray | None = None
+    outline_m: FloatArray | None = None
+    rank: float = 1.0
+    doubt: str = ""
+
+    @property
+    def corners_m(self) -> FloatArray:
+        """Corners ``(k, 3)`` of what is known of it, in the world; of a height's square else."""
+        if self.outline_m is not None:
+            flat = self.outline_m
+        elif self.extent_m is not None:
+            (left, down), (right, up) = self.extent_m
+            flat = np.array([[left, down], [right, down], [right, up], [left, up]])
+        else:
+            square = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
+            flat = np.array(self.position_m) + self.height_m * square
+        return self.world_T_plane.apply(np.pad(flat, ((0, 0), (0, 1))))
 
 
 def upward(
@@ -145,142 +148,26 @@ def prints_of(
     return Prints(marker_map.world_T_marker, side * [0.0, -1.0], side * [1.0, 0.0])
 
 
-def ground_on_plane(
-    recording: Recording, camera_poses: CameraPoses, path: Trajectory
-) -> Ground | None:
-    """The first plane to stand on that the depth of a few frames shows, or the map's points."""
-    up = upward(recording, camera_poses, path)
-    for frame in _with_depth(recording, path):
-        world_T_camera = path.motors_at(np.int64(frame.time_ns))
-        plane = _chosen(_planes_of(recording, frame, world_T_camera), world_T_camera, up)
-        if plane is not None:
-            where = f"m found in the depth of {frame.name}"
-            points = world_T_camera.apply(_points_of(recording, frame))
-            return _stage(plane, where, up, FLOOR_HEIGHT_M, recording.camera, path, points)
-    points = camera_poses.points
-    if len(points) < _FEWEST_POINTS:
-        return None
-    first = path.motors[0]
-    depth = _scene_depth(points, first)
-    found = find_planes(
-        points, _POINT_NOISE * depth, np.random.default_rng(0), seen_from_m=first.translation_m
-    )
-    plane = _chosen(found.planes, first, up)
-    if plane is None:
-        return None
-    highest = FLOOR_HEIGHT_M if camera_poses.metric else _FREE_HEIGHT * depth
-    if not camera_poses.metric:
-        # Whoever holds a camera is about as tall as it is high above what they stand on.
-        above = float(np.median((plane.world_T_plane.inverse() @ path.motors).translation_m[:, 2]))
-        highest = min(highest, max(above, _LEAST_FREE_HEIGHT * depth))
-    where = "m found in the map" if camera_poses.metric else "units found in the map"
-    return _stage(plane, where, up, highest, recording.camera, path, points)
-
-
-def ground_on_floor(
-    recording: Recording, camera_poses: CameraPoses, path: Trajectory, floor_m: float
-) -> Ground:
-    """The world's z = `floor_m`; in the world of SLAM, a level at the foot of what was mapped."""
-    first = path.motors[0]
-    points = camera_poses.points
-    if camera_poses.origin == "slam" and len(points):
-        known = upward(recording, camera_poses, path)
-        up = first.rotor.apply([0.0, -1.0, 0.0]) if known is None else known[0]
-        depth = _scene_depth(points, first)
-        height = float(np.quantile(points @ up, _FOOT))
-        plane = Motor.from_rotor_translation(_turned_up(up), (height + floor_m) * up)
-        name = f"a level at the foot of the map, {known[1] if known else _GUESS}"
-        tall = FLOOR_HEIGHT_M if camera_poses.metric else _FREE_HEIGHT * depth
-        farthest = FARTHEST_M if camera_poses.metric else depth
-        return Ground(plane, _where_it_looks(plane.inverse() @ first, farthest), tall, name)
+def ground_on_world(path: Trajectory, floor_m: float) -> Ground:
+    """The world's z = `floor_m`, where the first camera looks."""
     plane = Motor.from_translation([0.0, 0.0, floor_m])
-    position = _where_it_looks(plane.inverse() @ first, FARTHEST_M)
+    position = where_it_looks(plane.inverse() @ path.motors[0], FARTHEST_M)
     return Ground(plane, position, FLOOR_HEIGHT_M, f"the world's z = {floor_m:g} m")
 
 
-_GUESS = "up being the picture's"
-
-
-def _stage(
-    plane: Plane,
-    where: str,
-    up: tuple[FloatArray, str] | None,
-    highest_m: float,
-    camera: Camera | None,
-    path: Trajectory,
-    points: FloatArray,
-) -> Ground:
-    wide, tall = plane.size_m
-    how = _GUESS if up is None else up[1]
-    name = f"a plane of {wide:.2f} x {tall:.2f} {where}, {how}"
-    height_m = min(0.5 * min(wide, tall), highest_m)
-    place = (0.0, 0.0)
-    if camera is not None:
-        plane_T_world = plane.world_T_plane.inverse()
-        place = best_place(
-            plane.outline,
-            height_m,
-            camera,
-            plane_T_world @ path.motors,
-            plane_T_world.apply(points),
-            plane.rms_m,
-        )
-    return Ground(plane.world_T_plane, place, height_m, name)
-
-
-def _chosen(
-    planes: Sequence[Plane], world_T_camera: Motor, up: tuple[FloatArray, str] | None
-) -> Plane | None:
-    return choose_stage(planes, world_T_camera) if up is None else choose_floor(planes, up[0])
-
-
-def _with_depth(recording: Recording, path: Trajectory) -> Iterator[Frame]:
-    """A few frames that have depth and a pose, evenly over the recording."""
-    if recording.camera is None:
-        return
-    stamps = recording.frames.time_ns
-    posed = np.flatnonzero((stamps >= path.time_ns[0]) & (stamps <= path.time_ns[-1]))
-    step = max(1, len(posed) // _FRAMES_SEARCHED)
-    for index in posed[::step][:_FRAMES_SEARCHED]:
-        frame = recording.frames[int(index)]
-        if frame.read_depth is not None:
-            yield frame
-
-
-def _planes_of(recording: Recording, frame: Frame, world_T_camera: Motor) -> list[Plane]:
-    """The planes in one frame's depth, in the world."""
-    depth, camera = frame.depth_m(), recording.camera
-    if depth is None or camera is None:
-        return []
-    try:
-        found = find_planes_in_depth(depth, camera, np.random.default_rng(0))
-    except ValueError:  # hardly any depth in this frame: another may have more
-        return []
-    return [plane.transformed_by(world_T_camera) for plane in found.planes]
-
-
-def _points_of(recording: Recording, frame: Frame) -> FloatArray:
-    """Points ``(p, 3)`` of a frame's depth, thinned, in the camera's frame."""
-    depth, camera = frame.depth_m(), recording.camera
-    if depth is None or camera is None:
-        return np.zeros((0, 3))
-    y, x = np.mgrid[: depth.shape[0] : _EVERY_PX, : depth.shape[1] : _EVERY_PX].reshape(2, -1)
-    ahead = depth[y, x].astype(np.float64)
-    known = np.isfinite(ahead) & (ahead > 0.0)
-    rays = camera.unproject(np.stack([x[known], y[known]], axis=-1).astype(np.float64))
-    return np.asarray(rays / rays[:, 2:] * ahead[known, None])
-
-
-def _scene_depth(points: FloatArray, world_T_camera: Motor) -> float:
-    """Median distance of the points before a camera along its axis."""
-    ahead = world_T_camera.inverse().apply(points)[:, 2]
-    return float(np.median(ahead[ahead > 0.0])) if np.any(ahead > 0.0) else 1.0
-
-
-def _turned_up(up: FloatArray) -> Rotor:
-    """A frame whose z is `up`."""
-    x = np.cross(np.eye(3)[int(np.argmin(np.abs(up)))], up)
-    return axes_along(x, np.cross(up, x))
+def on_top_edge(ground: Ground, up: FloatArray) -> Ground:
+    """On the uppermost edge of a board or marker that stands upright, in its middle."""
+    assert ground.extent_m is not None  # boards and markers have one
+    low, high = ground.extent_m
+    local = ground.world_T_plane.inverse().rotor.apply(up)
+    axis = int(np.argmax(np.abs(local[:2]) * (high - low)[::-1]))
+    middle = 0.5 * (low + high)
+    middle[axis] = (high if local[axis] > 0.0 else low)[axis]
+    at_m = ground.world_T_plane.apply([*middle, 0.0])
+    face = ground.world_T_plane.rotor.apply([0.0, 0.0, 1.0])
+    along = np.cross(face, up)
+    world_T_edge = Motor.from_rotor_translation(axes_along(along, np.cross(up, along)), at_m)
+    return Ground(world_T_edge, (0.0, 0.0), ground.height_m, f"the top edge of {ground.name}")
 
 
 def _middle(board: Board) -> tuple[float, float]:
@@ -290,7 +177,7 @@ def _middle(board: Board) -> tuple[float, float]:
     return float(x), float(y)
 
 
-def _where_it_looks(floor_T_camera: Motor, farthest_m: float) -> tuple[float, float]:
+def where_it_looks(floor_T_camera: Motor, farthest_m: float) -> tuple[float, float]:
     """Where the optical axis meets the floor, or a few paces ahead if that is far or never."""
     centre = floor_T_camera.translation_m
     gaze = floor_T_camera.rotor.apply([0.0, 0.0, 1.0])

@@ -13,7 +13,11 @@ _CAMERAS, _STEPS, _INSIDE = 40, 15, 0.8
 # Of the character's height: what is higher than this, and nearer than this, is in its way; so many
 # points of a sensor may be wrong.
 _STEP, _ROOM, _STRAYS = 0.05, 0.2, 3
-_MARGIN, _LARGE_ENOUGH, _HEADLESS, _FROM_MIDDLE = 0.03, 0.25, 0.3, 0.05
+_MARGIN, _LARGE_ENOUGH, _HEADLESS, _FROM_MIDDLE = 0.03, 0.2, 0.3, 0.05
+# Seen from straight above, what a character is worth beside one seen from the side.
+_FORESHORTENED = 0.5
+# Half of a character's width, what is nearer than it by this factor hides it, of so many points.
+_HALF_WIDE, _NEARER, _HIDING = 0.15, 0.95, 1000
 
 
 def best_place(
@@ -26,10 +30,10 @@ def best_place(
 ) -> tuple[float, float]:
     """The place on a plane where the character is in view best, taken over the camera's path.
 
-    A frame counts fully where it shows the character whole and at least a quarter as tall as the
-    picture, less where it is smaller or only its feet are shown. Of places that are seen alike the
-    one nearest the plane's middle is taken. Places where something stands are skipped, unless
-    there are no others; what may stand between place and camera is not looked at.
+    A frame counts fully where it shows the character whole and at least a fifth as tall as the
+    picture, less where it is smaller, only its feet are shown, or points lie before it. Of places
+    that are seen alike the one nearest the plane's middle is taken. Places where something stands
+    are skipped, unless there are no others.
 
     Args:
         outline_m: ``(k, 2)`` convex, anticlockwise, about the origin of the plane's frame.
@@ -42,17 +46,8 @@ def best_place(
     Returns:
         x and y in the plane's frame; its origin where no place is in view.
     """
-    rows = np.unique(np.linspace(0, len(plane_T_camera) - 1, _CAMERAS).round().astype(int))
     places = _places(outline_m)
-    ends = np.stack([np.pad(places, ((0, 0), (0, 1)), constant_values=z) for z in (0.0, height_m)])
-    seen = plane_T_camera[rows].inverse().reshape(-1, 1, 1).apply(ends[None])
-    pinhole = camera.undistorted()
-    ahead = np.all(seen[..., 2] > 0.25 * height_m, axis=1)
-    pixels = pinhole.project(np.where(ahead[:, None, :, None], seen, [0.0, 0.0, 1.0]))
-    inside = _inside(pixels, pinhole) & ahead[:, None]
-    share = np.abs(pixels[:, 1, :, 1] - pixels[:, 0, :, 1]) / pinhole.height
-    worth = np.minimum(share / _LARGE_ENOUGH, 1.0) * inside[:, 0]
-    score = np.mean(np.where(inside[:, 1], worth, _HEADLESS * worth), axis=0)
+    score = share_seen(places, height_m, camera, plane_T_camera, points_m)
     if not score.any():
         return 0.0, 0.0
     free = _free(places, height_m, points_m, noise_m)
@@ -62,6 +57,67 @@ def best_place(
     score = score - _FROM_MIDDLE * np.linalg.norm(places, axis=1) / reach
     x, y = places[int(np.argmax(score))]
     return float(x), float(y)
+
+
+def share_seen(
+    places_m: FloatArray,
+    height_m: float,
+    camera: Camera,
+    plane_T_camera: Motor,
+    points_m: FloatArray,
+) -> FloatArray:
+    """How well ``(n,)`` a character on places ``(n, 2)`` is seen over the path: 1 in all frames.
+
+    Arguments as of `best_place`.
+    """
+    poses, pinhole = _some(plane_T_camera).inverse(), camera.undistorted()
+    ends = np.stack(
+        [np.pad(places_m, ((0, 0), (0, 1)), constant_values=z) for z in (0.0, height_m)]
+    )
+    seen = poses.reshape(-1, 1, 1).apply(ends[None])
+    ahead = np.all(seen[..., 2] > 0.25 * height_m, axis=1)
+    pixels = pinhole.project(np.where(ahead[:, None, :, None], seen, [0.0, 0.0, 1.0]))
+    inside = _inside(pixels, pinhole) & ahead[:, None]
+    tall = np.linalg.norm(pixels[:, 1] - pixels[:, 0], axis=-1)
+    # From above a character is short, and as near as it is.
+    wide = height_m * pinhole.fy / np.maximum(seen[:, 0, :, 2], 0.25 * height_m)
+    share = np.maximum(tall, _FORESHORTENED * wide) / pinhole.height
+    worth = np.minimum(share / _LARGE_ENOUGH, 1.0) * inside[:, 0]
+    worth = np.where(inside[:, 1], worth, _HEADLESS * worth)
+    near = poses.reshape(-1, 1).apply(points_m[None, :: 1 + len(points_m) // _HIDING])
+    for k, points in enumerate(near):
+        points = points[points[:, 2] > 0.0]
+        worth[k] *= _unhidden(pinhole.project(points), points[:, 2], pixels[k], seen[k, ..., 2])
+    return np.asarray(worth.mean(axis=0))
+
+
+def tall_at(place: tuple[float, float], camera: Camera, plane_T_camera: Motor) -> float:
+    """The height of a character that is a fifth as tall as the picture, if seen from the side."""
+    seen = _some(plane_T_camera).inverse().apply([*place, 0.0])[..., 2]
+    near = np.median(seen[seen > 0.0]) if np.any(seen > 0.0) else 0.0
+    return float(_LARGE_ENOUGH * camera.height * near / camera.fy)
+
+
+def _some(plane_T_camera: Motor) -> Motor:
+    """A few poses, evenly over the path."""
+    last = len(plane_T_camera) - 1
+    return plane_T_camera[np.unique(np.linspace(0, last, _CAMERAS).round().astype(int))]
+
+
+def _unhidden(
+    px: FloatArray, depth_m: FloatArray, ends_px: FloatArray, ends_m: FloatArray
+) -> FloatArray:
+    """1 for each place ``(n,)`` that hardly any point is before, less where things hide it.
+
+    Pixels ``(p, 2)`` and depths ``(p,)`` are of points ahead, ``(2, n, 2)`` and ``(2, n)`` of feet
+    and heads.
+    """
+    low, high = ends_px.min(axis=0), ends_px.max(axis=0)
+    aside = _HALF_WIDE * (high[:, 1] - low[:, 1])
+    nearer = depth_m[:, None] < _NEARER * ends_m.min(axis=0)
+    nearer &= (px[:, 1, None] > low[:, 1]) & (px[:, 1, None] < high[:, 1])
+    nearer &= np.abs(px[:, 0, None] - ends_px[0, :, 0]) < aside
+    return np.where(np.count_nonzero(nearer, axis=0) > _STRAYS, _HEADLESS, 1.0)
 
 
 def _places(outline_m: FloatArray) -> FloatArray:

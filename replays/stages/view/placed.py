@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -60,6 +61,7 @@ def placed(
     on: GroundKind = "auto",
     marker: int | None = None,
     floor_m: float = 0.0,
+    floor: int = 0,
     position_m: tuple[float, ...] = (),
     heading_deg: float | None = None,
     up: str | None = None,
@@ -81,20 +83,23 @@ def placed(
     keyframes, clips, layers and walks on anchors of their own. It says all but `on`, `marker` and
     `floor_m`, which tell the ground of what hangs on no anchor. `interpolation` joins all of its
     keyframes by motors, quaternions or Euler angles, whatever they say, to compare.
-    `on` "auto" takes the board or the marker seen most where the poses come from it, else the plane
-    where one is found (in depth, or among the points that SLAM mapped; the floor where gravity is
-    known, a plane that faces the picture's up where it is not), else the floor: z = `floor_m`, in
-    the world of SLAM a level `floor_m` above the foot of what was mapped. "marker" takes the marker
-    with the id `marker`, which may move: it is looked for in every frame, and where it is not seen
-    the character waits, and glides back once it is. Name it in
+    `on` "auto" takes the likeliest candidate: of the board or the marker seen most, where the poses
+    come from it, the face if it lies and the top edge if it stands upright; else of the planes that
+    are found in depth or among the points that SLAM mapped, and a level at the foot of these, the
+    one that is most probably level, a surface, and seen well. `floor` takes another by its number
+    in the report, from 1 on. "board" is its face however it stands, "plane" a plane alone, "floor"
+    z = `floor_m`, in the world of SLAM a level `floor_m` above the foot of what was mapped.
+    "marker" takes the marker with the id `marker`, which may move: it is looked for in every frame,
+    and where it is not seen the character waits, and glides back once it is. Name it in
     `marker_poses.moving` where loose markers are mapped. `position_m` (x, y) lies
     in the plane's own frame; without it the character stands in the middle of the board or marker,
     on a plane where it is in view best and longest, or on the floor where the first camera looks.
     `up` and `front` are axes of the character's file, such as z and -y, where its own are wrong.
     `heading_deg` turns from the plane's x towards its y; without it the character looks at the
     first camera. `height_m` is the character's; without it, half the shorter side of the board or
-    plane, a marker's side, and at most 1.75 m, or 1.75 m on a floor; where lengths have no unit, at
-    most as tall as the camera is high above the plane, nor than a quarter of the scene's depth.
+    plane, a marker's side, and at most 1.75 m, or 1.75 m on a floor; where lengths have no unit, as
+    tall as the camera is high above the plane, at most a quarter of the scene's depth, and a fifth
+    of the picture's height at least where there is room.
     Raises ValueError for a board or plane that is asked for and not there.
     """
     if position_m and len(position_m) != 2:
@@ -113,16 +118,21 @@ def placed(
     if (on == "marker") != (marker is not None):
         raise ValueError(f"placed.marker: expected an id with placed.on=marker, got {marker}")
     grounds = Grounds(recording, camera_poses, marker_poses, integrity.drawn)
-    ground, ground_motion = grounds.asked(on, marker, floor_m)
+    ground, ground_motion = grounds.asked(on, marker, floor_m, floor)
+    choices = grounds.choices(on)
     plane = ground.world_T_plane
     if str(scene) != NOTHING:
         read = read_scene(scene)
         folder = scene.absolute().parent
-        return _scene_on(BoundScene(read, folder, grounds, ground, interpolation))
+        return replace(
+            _scene_on(BoundScene(read, folder, grounds, ground, interpolation)), choices=choices
+        )
     if str(cast) != NOBODY:
         height = ground.height_m if height_m is None else height_m
         seen_from = integrity.drawn
-        return _cast_on(read_cast(cast), ground, ground_motion, height, seen_from, recording)
+        members = read_cast(cast)
+        played_on = _cast_on(members, ground, ground_motion, height, seen_from, recording)
+        return replace(played_on, choices=choices, doubt=ground.doubt)
     who = character_named(str(character), *axes)
     clip = clip or ("idle" if way is None else "walk")
     motion = clip_named(who, clip)
@@ -161,6 +171,8 @@ def placed(
         ground_motion,
         up=up,
         front=front,
+        choices=choices,
+        doubt=ground.doubt,
     )
 
 

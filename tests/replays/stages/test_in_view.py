@@ -5,7 +5,7 @@ import pytest
 
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.stages.view.in_view import best_place
+from motorcade.replays.stages.view.in_view import best_place, share_seen, tall_at
 from motorcade.tracking.cameras.camera import Camera
 
 CAMERA = Camera(320, 240, 300.0, 300.0, 159.5, 119.5)
@@ -68,3 +68,20 @@ def test_out_of_view_or_room_it_still_has_a_place(crowded: bool, rng: np.random.
     assert np.all(np.isfinite(found))
     if not crowded:
         assert found == (0.0, 0.0)
+
+
+def test_what_stands_before_a_place_is_looked_past(rng: np.random.Generator) -> None:
+    look = level(np.tile([-5.0, 0.0, 0.8], (5, 1)))
+    free = np.array(best_place(OUTLINE, HEIGHT_M, CAMERA, look, NOTHING, 0.0))
+    chair = np.array([-2.5, 0.0, 0.4]) + rng.uniform(-0.3, 0.3, (200, 3))
+    chair[:, 0] -= max(0.0, -2.0 - free[0])
+    hidden = share_seen(free[None], HEIGHT_M, CAMERA, look, chair)
+    other = np.array(best_place(OUTLINE, HEIGHT_M, CAMERA, look, chair, 0.01))
+    assert hidden[0] < 0.5
+    assert share_seen(other[None], HEIGHT_M, CAMERA, look, chair)[0] > 2.0 * hidden[0]
+    assert share_seen(free[None], HEIGHT_M, CAMERA, look, NOTHING)[0] > 0.9
+
+
+def test_a_fifth_of_the_picture() -> None:
+    look = level(np.tile([-5.0, 0.0, 0.8], (5, 1)))
+    assert tall_at((1.0, 0.0), CAMERA, look) == pytest.approx(0.2 * 240 * 6.0 / 300.0)

@@ -68,7 +68,7 @@ def test_with_depth_and_no_board_it_stands_on_a_plane_that_was_found(
     sole = made.placement.apply([0.0, 0.0, 0.0])
     assert sole[2] == pytest.approx(0.0, abs=0.005)
     assert "a plane of" in made.stands_on
-    assert "up being the picture's" in made.stands_on
+    assert "up being its normal" in made.stands_on
 
 
 def test_the_plane_is_found_however_the_world_is_turned(
@@ -138,7 +138,8 @@ def test_on_a_map_without_unit_the_size_follows_the_scene(
         points = unit * (ground + rng.normal(0.0, 0.003, ground.shape))
         given = poses(path, points=points, metric=False)
         made = placed(blind, given, path)
-        assert "units found in the map, up being the picture's" in made.stands_on
+        assert "units found in the map, up being its normal" in made.stands_on
+        assert made.doubt == ""
         assert made.placement.apply([0.0, 0.0, 0.0])[1] == pytest.approx(1.5 * unit, rel=0.01)
         up = made.placement.world_T_character.rotor.apply([0.0, 0.0, 1.0])
         assert up @ [0.0, -1.0, 0.0] > 0.999
@@ -171,7 +172,10 @@ def test_in_a_real_kitchen_it_stands_upright_on_the_table(data_dir: Path) -> Non
     recording = open_recording(data_dir / "replays" / "7scenes_redkitchen")
     truth = recording.truth
     assert isinstance(truth, Trajectory)
-    made = stood(recording, Integrity((), {}, truth, "smoothed"))
+    floor = stood(recording, Integrity((), {}, truth, "smoothed"))
+    made = stood(recording, Integrity((), {}, truth, "smoothed"), floor=2)
+    both = [one.placement.world_T_character.rotor.apply([0.0, 0.0, 1.0]) for one in (floor, made)]
+    assert both[0] @ both[1] > np.cos(np.deg2rad(3.0))
     first = truth.motors[0].inverse() @ made.placement.world_T_character
     up = first.rotor.apply([0.0, 0.0, 1.0])
     # The table as frame 0 sees it: 0.66 m from the lens, tilted by 29 degrees.
@@ -311,3 +315,22 @@ def test_depth_is_seen_as_the_poses_were_found_with_it(
     monkeypatch.setattr("motorcade.replays.stages.view.overlay.write_video", lambda *_: None)
     overlay(told_wrong, given, SmoothedPaths({"motor": path.drawn}, None, {}), path, found)
     np.testing.assert_allclose(hiding[0], frames[0].depth_m(), atol=1e-6)
+
+
+def test_another_candidate_is_taken_by_its_number(
+    looking_down: Recording, rng: np.random.Generator
+) -> None:
+    """A board that lies where it is seen, and what else there is to stand on."""
+    board = Checkerboard(columns=7, rows=5, square_m=0.03)
+    with_board = replace(looking_down, board=board)
+    path = drawn(looking_down)
+    best = stood(with_board, path, "board")
+    other = stood(with_board, path, "board", floor=2)
+    names = [one.name for one in best.choices]
+    assert (best.stands_on, other.stands_on) == (names[0], names[1])
+    assert all(one.corners_m.shape[1] == 3 for one in best.choices)
+    told = rf"placed\.floor: expected 1 to {len(names)}, got 99 \(1: "
+    with pytest.raises(ValueError, match=told):
+        stood(with_board, path, "board", floor=99)
+    with pytest.raises(ValueError, match=r"placed\.floor: expected 1 on, got -1"):
+        stood(with_board, path, "board", floor=-1)

@@ -124,10 +124,7 @@ def test_the_first_tile_says_whether_the_result_can_be_relied_on(
     )
     failed = [check.name for check in checks if not check.passed]
     drawn_is: Any = "measured" if failed else "smoothed"
-    recording = SimpleNamespace(doubts=())
-    found: Any = SimpleNamespace(
-        integrity=Integrity(checks, {}, path, drawn_is), recording=recording
-    )
+    found: Any = SimpleNamespace(integrity=Integrity(checks, {}, path, drawn_is), doubts=())
     tile = verdict(found, None)
     assert tile.value == value
     assert tile.wrong == bool(failed)

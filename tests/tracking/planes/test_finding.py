@@ -10,8 +10,6 @@ from motorcade.replays.readers.opening import open_recording
 from motorcade.tracking import Camera
 from motorcade.tracking.planes import (
     Plane,
-    choose_floor,
-    choose_stage,
     find_planes,
     find_planes_in_depth,
 )
@@ -124,8 +122,6 @@ def test_other_bad_input_is_refused(rng: np.random.Generator) -> None:
         find_planes_in_depth(np.full((48, 64), np.nan), camera, rng)
     with pytest.raises(ValueError, match="expected shape"):
         find_planes_in_depth(np.ones((48, 63)), camera, rng)
-    with pytest.raises(ValueError, match="up: expected one vector that is not zero"):
-        choose_floor((), [0.0, 0.0, 0.0])
 
 
 def test_planes_of_a_drawn_room_are_its_panels(rng: np.random.Generator) -> None:
@@ -152,28 +148,6 @@ def test_planes_of_a_drawn_room_are_its_panels(rng: np.random.Generator) -> None
                 tilt_deg(plane, normal) < degrees and abs(plane.distance_m - distance) < metres
                 for normal, distance in panels
             )
-        floor = choose_floor(planes, [0.0, 0.0, 1.0])
-        if floor is not None:
-            assert floor.normal[2] > 0.999
-
-
-def test_the_floor_is_the_lowest_large_level_plane() -> None:
-    def level(height_m: float, size_m: float, turn: float = 0.0) -> Plane:
-        half = 0.5 * size_m
-        outline = [[-half, -half], [half, -half], [half, half], [-half, half]]
-        pose = Motor.from_twist(np.array([0, 0, 0, 0, 0, height_m])) @ Motor.from_twist(
-            np.array([turn, 0, 0, 0, 0, 0])
-        )
-        return Plane(pose, np.array(outline), 10, 0.0, np.zeros((3, 3)))
-
-    floor, table, step, ceiling = level(0, 2), level(0.7, 1.5), level(-1, 0.3), level(-2, 3, np.pi)
-    wall = level(-3, 3, np.pi / 2)
-    up = [0.0, 0.0, 2.0]
-    assert choose_floor([table, step, ceiling, floor, wall], up) is floor
-    assert choose_floor([ceiling, wall], up) is None
-    looking_down = Motor.from_twist(np.array([np.deg2rad(-120.0), 0, 0, 0, 0, 1.5]))
-    assert choose_stage([table, step, ceiling, floor, wall], looking_down) is floor
-    assert choose_stage([ceiling], looking_down) is None
 
 
 @pytest.mark.parametrize("frame", [0, 60])
@@ -196,5 +170,3 @@ def test_floor_table_and_cupboards_of_a_real_kitchen(data_dir: Path, frame: int)
     assert len(upright) >= 2
     for wall in upright:
         assert abs(90.0 - tilt_deg(wall, floor.normal)) < 4.0
-    stage = choose_stage(found.planes, Motor.identity())
-    assert stage in (floor, table)

@@ -1,0 +1,324 @@
+"""What a character may stand on where no board or marker is: surfaces that were found, and a level.
+
+Each candidate has three shares that multiply to its rank: the probability that what it takes for up
+is up (`tracking.planes.estimate_up`), the probability that it is a surface (`belief_in`), and in
+how much of the film a character on it is seen well (`in_view`). All are offered, the best first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from motorcade.animation.vectors import axes_along
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray
+from motorcade.replays.readers.frames.corners import CornerFrames
+from motorcade.replays.recording import Frame, Recording
+from motorcade.replays.stages.view.ground import (
+    FARTHEST_M,
+    FLOOR_HEIGHT_M,
+    Ground,
+    upward,
+    where_it_looks,
+)
+from motorcade.replays.stages.view.in_view import best_place, share_seen, tall_at
+from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.tracking.planes import (
+    FlatSurface,
+    Plane,
+    Rays,
+    UpEstimate,
+    belief_in,
+    estimate_up,
+    find_planes,
+    find_planes_in_depth,
+    foot_level,
+    segment_rays,
+)
+
+MOST_CANDIDATES = 6
+SURE = 0.9
+"""What is less probable than this is doubted."""
+_FRAMES_SEARCHED, _EVERY_PX, _FEWEST_POINTS = 5, 4, 50
+_FRAMES_WITH_LINES = 8
+# Surfaces reach farther than the points that were found on them: lines so far out are theirs.
+_BEYOND = 2.0
+# Of the scene's depth: how far a point of a map may lie off a plane, a character's greatest and
+# least height where lengths have no unit.
+_POINT_NOISE, _FREE_HEIGHT, _LEAST_FREE_HEIGHT = 0.01, 0.25, 0.05
+# A plane in measured depth has the normals of its points behind it; below half, a plane is more
+# likely none; a level is a guess.
+_BELIEF_IN_DEPTH, _BELIEVED, _BELIEF_IN_LEVEL, _OFFERED = 0.9, 0.5, 0.3, 0.1
+# A doll is at most so many times as tall as one that is seen well.
+_LARGEST_SHARE = 2.0
+_LIKE_A_SURFACE = np.cos(np.deg2rad(8.0))
+# A level reaches as far as the points at its height; as thick as this, in their noise.
+_THICKNESS = 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class SeenScene:
+    """What of a recording tells what there is to stand on.
+
+    Fields:
+        recording: with the camera that was found.
+        path: `world_T_camera` along which it is drawn.
+        points: ``(p, 3)`` of depth or of the map, in the world.
+        planes: among them, with normals towards the camera.
+        beliefs: that each is a surface.
+        unit: of lengths: "m" or "units".
+        found_in: what the planes were found in, as words.
+        depth_m: how far away the points are in the median.
+        gravity: up and how it was measured, where it was.
+        has_level: whether there is a map, at whose foot a level can lie.
+    """
+
+    recording: Recording
+    path: Trajectory
+    points: FloatArray
+    planes: tuple[Plane, ...] = ()
+    beliefs: tuple[float, ...] = ()
+    unit: str = "m"
+    found_in: str = ""
+    depth_m: float = 1.0
+    gravity: tuple[FloatArray, str] | None = None
+    has_level: bool = False
+
+    @property
+    def surfaces(self) -> list[FlatSurface]:
+        """Those of the planes that are believed."""
+        pairs = zip(self.planes, self.beliefs, strict=True)
+        return [FlatSurface(plane.normal, belief) for plane, belief in pairs if belief >= _BELIEVED]
+
+
+def seen_scene(recording: Recording, camera_poses: CameraPoses, path: Trajectory) -> SeenScene:
+    """The planes that the depth of a few frames shows, or else those among the map's points."""
+    gravity, mapped = upward(recording, camera_poses, path), camera_poses.points
+    has_level = camera_poses.origin == "slam" and len(mapped) > 0
+    unit = "m" if camera_poses.metric else "units"
+    scene = SeenScene(recording, path, mapped, unit=unit, gravity=gravity, has_level=has_level)
+    for frame in _with_depth(recording, path):
+        world_T_camera = path.motors_at(np.int64(frame.time_ns))
+        planes = tuple(_planes_of(recording, frame, world_T_camera))
+        if planes:
+            points = world_T_camera.apply(_points_of(recording, frame))
+            return replace(
+                scene,
+                points=points,
+                planes=planes,
+                beliefs=(_BELIEF_IN_DEPTH,) * len(planes),
+                unit="m",
+                found_in=f"the depth of {frame.name}",
+                depth_m=_scene_depth(points, world_T_camera),
+            )
+    if len(mapped) < _FEWEST_POINTS:
+        return scene
+    first = path.motors[0]
+    depth_m = _scene_depth(mapped, first)
+    noise_m, rng = _POINT_NOISE * depth_m, np.random.default_rng(0)
+    planes = find_planes(mapped, noise_m, rng, seen_from_m=first.translation_m).planes
+    eyes = path.motors.translation_m[[0, len(path) // 2, -1]]
+    beliefs = tuple(belief_in(plane, mapped, noise_m, eyes) for plane in planes)
+    return replace(scene, planes=planes, beliefs=beliefs, found_in="the map", depth_m=depth_m)
+
+
+def weigh_up(scene: SeenScene) -> UpEstimate:
+    """Up by gravity, or else by how the camera was held and moved, the surfaces, and lines."""
+    return estimate_up(
+        scene.path.motors,
+        depth_m=scene.depth_m,
+        surfaces=scene.surfaces,
+        lines=None if scene.gravity is not None else _lines(scene),
+        gravity_up=None if scene.gravity is None else scene.gravity[0],
+    )
+
+
+def grounds_in(scene: SeenScene, up: UpEstimate, *, planes_only: bool = False) -> list[Ground]:
+    """Every surface as something to stand on, and a level at the foot of the map; best first."""
+    pairs = zip(scene.planes, scene.beliefs, strict=True)
+    grounds = [_on_plane(scene, *pair, up) for pair in pairs if pair[1] >= _OFFERED]
+    if scene.has_level and not planes_only:
+        grounds.append(foot_ground(scene, up))
+    return sorted(grounds, key=lambda ground: -ground.rank)[:MOST_CANDIDATES]
+
+
+def _on_plane(scene: SeenScene, plane: Plane, belief: float, up: UpEstimate) -> Ground:
+    wide, tall = plane.size_m
+    size = f"a plane of {wide:.2f} x {tall:.2f} {scene.unit} found in {scene.found_in}"
+    share = up.probability(plane.normal)
+    height_m = min(0.5 * min(wide, tall), _highest(scene, plane.world_T_plane))
+    doubts = []
+    if share < SURE:
+        wall = up.probability_across(plane.normal)
+        other = ", or a wall" if wall > 0.5 * (1.0 - share) else ""
+        doubts.append(f"that its normal is up is a guess ({100 * share:.0f} % sure){other}")
+    if belief < _BELIEVED:
+        doubts.append(f"it may be no surface ({100 * belief:.0f} % sure)")
+    how = "up being its normal" if scene.gravity is None else scene.gravity[1]
+    ground = Ground(
+        plane.world_T_plane, (0.0, 0.0), height_m, f"{size}, {how}", doubt="; ".join(doubts)
+    )
+    return _fitted(ground, scene, plane.outline, min(wide, tall), share * belief, plane.rms_m)
+
+
+def foot_ground(scene: SeenScene, up: UpEstimate, floor_m: float = 0.0) -> Ground:
+    """A level at the foot of what was mapped, `floor_m` above it."""
+    direction, how = scene.gravity or (
+        _as_surfaces(up.direction, scene),
+        "up being guessed from how the camera was held and moved, and from lines it saw",
+    )
+    doubt = "how high the ground lies is a guess"
+    if scene.gravity is None:
+        doubt = f"up is a guess ({100 * up.share:.0f} % sure), and {doubt}"
+    eyes = scene.path.motors.translation_m @ direction
+    foot = foot_level(scene.points, direction, float(np.median(eyes))) + floor_m
+    noise_m = _POINT_NOISE * scene.depth_m
+    near = scene.points[np.abs(scene.points @ direction - foot) < _THICKNESS * noise_m]
+    middle = near.mean(axis=0) if len(near) else np.zeros(3)
+    plane = Motor.from_rotor_translation(
+        _turned_up(direction), middle + (foot - middle @ direction) * direction
+    )
+    outline = plane.inverse().apply(near)[:, :2]
+    farthest_m = FARTHEST_M if scene.unit == "m" else scene.depth_m
+    position = where_it_looks(plane.inverse() @ scene.path.motors[0], farthest_m)
+    name = f"a level at the foot of the map, {how}"
+    ground = Ground(plane, position, _highest(scene, plane), name, doubt=doubt)
+    if np.linalg.matrix_rank(outline, tol=1e-9) < 2:
+        return ground
+    from scipy.spatial import ConvexHull
+
+    outline = outline[ConvexHull(outline).vertices]
+    return _fitted(ground, scene, outline, np.inf, up.share * _BELIEF_IN_LEVEL, noise_m)
+
+
+def _as_surfaces(up: FloatArray, scene: SeenScene) -> FloatArray:
+    """Up, or the normal of the believed surface that is turned nearly like it."""
+    cosines = [float(one.normal @ up) for one in scene.surfaces]
+    if not cosines or max(cosines) < _LIKE_A_SURFACE:
+        return up
+    return scene.surfaces[int(np.argmax(cosines))].normal
+
+
+def _fitted(
+    ground: Ground,
+    scene: SeenScene,
+    outline: FloatArray,
+    room_m: float,
+    share: float,
+    noise_m: float,
+) -> Ground:
+    """The ground with the place on it that is seen best, and a height that one sees.
+
+    Where lengths have no unit, a character is no speck as long as there is room for it.
+    """
+    camera = scene.recording.camera
+    if camera is None:
+        return ground
+    plane_T_world = ground.world_T_plane.inverse()
+    seen_from, points = plane_T_world @ scene.path.motors, plane_T_world.apply(scene.points)
+    height_m, place = ground.height_m, ground.position_m
+    for attempt in range(2):
+        place = best_place(outline, height_m, camera, seen_from, points, noise_m)
+        tall_m = tall_at(place, camera, seen_from)
+        if attempt or height_m == FLOOR_HEIGHT_M:
+            break
+        if scene.unit == "m":  # a doll, which the room there is allows; not out of the picture
+            height_m = min(height_m, _LARGEST_SHARE * tall_m)
+        else:
+            height_m = max(height_m, min(room_m, tall_m))
+    seen = share_seen(np.array([place]), height_m, camera, seen_from, points)
+    return replace(
+        ground,
+        position_m=place,
+        height_m=height_m,
+        outline_m=outline,
+        rank=share * float(seen[0]),
+    )
+
+
+def _highest(scene: SeenScene, world_T_plane: Motor) -> float:
+    """Greatest height of a character: a person's; without metres, by the scene and the camera."""
+    if scene.unit == "m":
+        return FLOOR_HEIGHT_M
+    # Whoever holds a camera is about as tall as it is high above what they stand on.
+    above = float(np.median((world_T_plane.inverse() @ scene.path.motors).translation_m[:, 2]))
+    return min(_FREE_HEIGHT * scene.depth_m, max(above, _LEAST_FREE_HEIGHT * scene.depth_m))
+
+
+def _lines(scene: SeenScene) -> FloatArray | None:
+    """Rays to the ends of segments in a few frames; those on believed surfaces tell nothing."""
+    recording, camera = scene.recording, scene.recording.camera
+    if camera is None or isinstance(recording.frames, CornerFrames):
+        return None
+    found = []
+    for frame in _spread(recording, scene.path, _FRAMES_WITH_LINES):
+        world_T_camera = scene.path.motors_at(np.int64(frame.time_ns))
+        rays = segment_rays(frame.gray(), camera, world_T_camera)
+        middle = rays.mean(axis=1)
+        middle /= np.linalg.norm(middle, axis=-1, keepdims=True)
+        looks = Rays(world_T_camera.translation_m, middle)
+        on = np.zeros(len(rays), dtype=bool)
+        for plane, belief in zip(scene.planes, scene.beliefs, strict=True):
+            meets = looks.hits(plane)
+            at = np.isfinite(meets).all(axis=-1)
+            inwards = plane.centre_m + (meets[at] - plane.centre_m) / _BEYOND
+            on[at] |= plane.holds(inwards) & (belief >= _BELIEVED)
+        found.append(rays[~on])
+    return np.concatenate(found) if found else None
+
+
+def _spread(recording: Recording, path: Trajectory, most: int) -> Iterator[Frame]:
+    """Frames that have a pose, evenly over the recording."""
+    stamps = recording.frames.time_ns
+    posed = np.flatnonzero((stamps >= path.time_ns[0]) & (stamps <= path.time_ns[-1]))
+    step = max(1, len(posed) // most)
+    for index in posed[::step][:most]:
+        yield recording.frames[int(index)]
+
+
+def _with_depth(recording: Recording, path: Trajectory) -> Iterator[Frame]:
+    """A few frames that have depth and a pose."""
+    if recording.camera is None:
+        return
+    for frame in _spread(recording, path, _FRAMES_SEARCHED):
+        if frame.read_depth is not None:
+            yield frame
+
+
+def _planes_of(recording: Recording, frame: Frame, world_T_camera: Motor) -> list[Plane]:
+    """The planes in one frame's depth, in the world."""
+    depth, camera = frame.depth_m(), recording.camera
+    if depth is None or camera is None:
+        return []
+    try:
+        found = find_planes_in_depth(depth, camera, np.random.default_rng(0))
+    except ValueError:  # hardly any depth in this frame: another may have more
+        return []
+    return [plane.transformed_by(world_T_camera) for plane in found.planes]
+
+
+def _points_of(recording: Recording, frame: Frame) -> FloatArray:
+    """Points ``(p, 3)`` of a frame's depth, thinned, in the camera's frame."""
+    depth, camera = frame.depth_m(), recording.camera
+    if depth is None or camera is None:
+        return np.zeros((0, 3))
+    y, x = np.mgrid[: depth.shape[0] : _EVERY_PX, : depth.shape[1] : _EVERY_PX].reshape(2, -1)
+    ahead = depth[y, x].astype(np.float64)
+    known = np.isfinite(ahead) & (ahead > 0.0)
+    rays = camera.unproject(np.stack([x[known], y[known]], axis=-1).astype(np.float64))
+    return np.asarray(rays / rays[:, 2:] * ahead[known, None])
+
+
+def _scene_depth(points: FloatArray, world_T_camera: Motor) -> float:
+    """Median distance of the points before a camera along its axis."""
+    ahead = world_T_camera.inverse().apply(points)[:, 2]
+    return float(np.median(ahead[ahead > 0.0])) if np.any(ahead > 0.0) else 1.0
+
+
+def _turned_up(up: FloatArray) -> Rotor:
+    """A frame whose z is `up`."""
+    x = np.cross(np.eye(3)[int(np.argmin(np.abs(up)))], up)
+    return axes_along(x, np.cross(up, x))

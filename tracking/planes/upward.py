@@ -1,0 +1,256 @@
+"""Which way is up, where nothing measured gravity: a density over all directions, and how sure.
+
+Every piece of evidence is a density over the sphere relative to a uniform one; they multiply, and
+each is a mixture with "tells nothing", so that none can rule out what the others say:
+
+- how a camera is held: hardly rolled, looking down at things as often as around. The x axes of
+  pictures taken upright lie in one level plane (Brown & Lowe 2007, section 5);
+- the path: a camera that is carried along moves level half of the time;
+- surfaces: of flat ones four in ten are level and seen from above, four in ten upright, of which
+  half are walls and half lean;
+- lines in the pictures, whose strongest vanishing point near up is up's half of the time
+  (Coughlan & Yuille 1999);
+- gravity, where it was measured.
+
+The answer is the direction with the most probability around it; what lies elsewhere is its doubt.
+Slopes, and pictures that are turned on purpose, mislead it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, frozen
+
+# Degrees. Steps of the sphere are 2 degrees apart.
+_DIRECTIONS = 10_000
+_ROLL, _LEVEL_PATH, _GRAVITY, _LINE = 6.0, 5.0, 3.0, 2.0
+_SURFACE, _LEANING, _FACING = 4.0, 15.0, 30.0
+_AROUND, _AROUND_SPREAD, _THINGS, _SOFT = 10.0, 12.0, (20.0, 90.0), 3.0
+# Of mixtures: a picture turned on purpose; a path that is level; surfaces that are level, upright
+# and ceilings; lines of a picture that are upright, and that its strongest direction is up.
+_TURNED, _WALKED, _FLOORS, _WALLS, _CEILINGS = 0.05, 0.5, 0.4, 0.4, 0.05
+_UPRIGHT_LINES, _LINES_TELL = 0.2, 0.5
+# Lines of many pictures are the same edges, and lenses bend them: they count by this power.
+_REPEATED = 0.3
+_NEAR, _SAME, _LEANS = 10.0, 8.0, 30.0
+_SHORTEST_PATH = 0.02
+_LIKELY = 4.0
+_TINY = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class FlatSurface:
+    """A flat thing in view, as far as it tells up.
+
+    Fields:
+        normal: ``(3,)`` unit, towards the camera.
+        belief: the probability that it is a surface at all.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor
+    >>> from motorcade.tracking.planes import FlatSurface, estimate_up
+    >>> table = FlatSurface(np.array([0.0, -0.1736, -0.9848]), belief=0.9)
+    >>> up = estimate_up(Motor.identity().reshape(1), depth_m=1.0, surfaces=[table])
+    >>> bool(up.direction @ table.normal > 0.99), up.share < 0.95  # a wall from below, else
+    (True, True)
+    """
+
+    normal: FloatArray
+    belief: float
+
+
+@dataclass(frozen=True, eq=False)
+class UpEstimate:
+    """Up, and how the probability of it is spread.
+
+    Fields:
+        direction: ``(3,)`` unit, where most probability lies.
+        share: of the probability within 10 degrees of it.
+        sigma_rad: root mean square angle of that part.
+        directions: ``(g, 3)`` all over the sphere.
+        mass: ``(g,)`` probability of each.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor, Rotor
+    >>> from motorcade.tracking.planes import estimate_up
+    >>> ahead = Motor.from_translation(np.linspace([0.0, 0.0, 0.0], [0.0, 0.0, 2.0], 20))
+    >>> up = estimate_up(ahead, depth_m=3.0)  # carried along the optical axis
+    >>> up.direction.round(1) + 0.0
+    array([ 0., -1.,  0.])
+    >>> 0.5 < up.share < 1.0
+    True
+    """
+
+    direction: FloatArray
+    share: float
+    sigma_rad: float
+    directions: FloatArray
+    mass: FloatArray
+
+    def probability(self, direction: FloatArray, within_deg: float = _NEAR) -> float:
+        """That up lies so near a direction ``(3,)``."""
+        return float(self.mass[self.directions @ direction > np.cos(np.deg2rad(within_deg))].sum())
+
+    def probability_across(self, normal: FloatArray, within_deg: float = _NEAR) -> float:
+        """That a surface with this normal ``(3,)`` stands upright."""
+        across = np.abs(self.directions @ normal) < np.sin(np.deg2rad(within_deg))
+        return float(self.mass[across].sum())
+
+    def across(self, normal: FloatArray) -> FloatArray:
+        """Up ``(3,)`` if a surface with this normal ``(3,)`` stands upright."""
+        facing = self.directions @ normal
+        mean = (self.mass * (np.abs(facing) < np.sin(np.deg2rad(_LEANS)))) @ self.directions
+        return np.asarray(mean / max(float(np.linalg.norm(mean)), _TINY))
+
+
+def estimate_up(
+    world_T_camera: Motor,
+    *,
+    depth_m: float,
+    surfaces: Sequence[FlatSurface] = (),
+    lines: FloatArray | None = None,
+    gravity_up: FloatArray | None = None,
+) -> UpEstimate:
+    """Weigh what tells up.
+
+    Args:
+        world_T_camera: Motor ``(N,)`` of pictures that are shown upright.
+        depth_m: how far what is seen lies, in the unit of the path.
+        surfaces: flat ones that were found.
+        lines: ``(s, 2, 3)`` unit rays to the ends of segments, in the world; or None. Those on a
+            surface lie in it whichever way up it is, and are better left out.
+        gravity_up: ``(3,)`` against gravity, where that was measured.
+
+    Raises:
+        ValueError: no pose.
+    """
+    if len(world_T_camera) == 0:
+        raise ValueError("estimate_up(world_T_camera): expected one or more poses, got none")
+    up = _sphere()
+    density = _held(up, world_T_camera) + _walked(up, world_T_camera.translation_m, depth_m)
+    for one in surfaces:
+        level_or_not = _of_surface(up, one.normal, _head_on(one.normal, world_T_camera))
+        density += np.log(1.0 - one.belief + one.belief * level_or_not)
+    if gravity_up is not None:
+        density += _spot(up @ gravity_up, _GRAVITY, log=True)
+    if lines is not None and len(lines):
+        density += _of_lines(up, density, lines)
+    mass = np.exp(density - density.max())
+    return _estimate(up, mass / mass.sum())
+
+
+def _estimate(up: FloatArray, mass: FloatArray) -> UpEstimate:
+    """The direction with most around it, of those that hold some themselves."""
+    some = np.flatnonzero(mass > 1e-3 * mass.max())
+    around = (up[some] @ up.T > np.cos(np.deg2rad(_SAME))) @ mass
+    best = up[some[int(np.argmax(around))]]
+    for _ in range(3):
+        near = up @ best > np.cos(np.deg2rad(_SAME))
+        best = mass[near] @ up[near]
+        best = best / np.linalg.norm(best)
+    near = up @ best > np.cos(np.deg2rad(_NEAR))
+    angle = np.arccos(np.clip(up[near] @ best, -1.0, 1.0))
+    share = float(mass[near].sum())
+    sigma = float(np.sqrt(mass[near] @ angle**2 / share))
+    return UpEstimate(frozen(best), share, sigma, up, frozen(mass))
+
+
+@lru_cache(maxsize=1)
+def _sphere() -> FloatArray:
+    """Directions ``(g, 3)`` evenly over the sphere: Fibonacci's spiral (Gonzalez 2010)."""
+    row = np.arange(_DIRECTIONS) + 0.5
+    z, turn = 1.0 - 2.0 * row / _DIRECTIONS, np.pi * (1.0 + np.sqrt(5.0)) * row
+    ring = np.sqrt(1.0 - z**2)
+    return frozen(np.stack([ring * np.cos(turn), ring * np.sin(turn), z], axis=-1))
+
+
+def _held(up: FloatArray, world_T_camera: Motor) -> FloatArray:
+    """Log density by roll and pitch, the mean over the pictures, which are one person's."""
+    few = np.unique(np.linspace(0, len(world_T_camera) - 1, 20).round().astype(int))
+    from scipy.special import ndtr
+
+    axes = world_T_camera[few].as_matrix()[:, :3, :3]
+    total = np.zeros(len(up))
+    for x, y, z in np.swapaxes(axes, 1, 2):
+        roll = np.rad2deg(np.arcsin(np.clip(up @ x, -1.0, 1.0)))
+        down = np.rad2deg(np.arctan2(-(up @ z), -(up @ y)))
+        upright = (1.0 - _TURNED) * _normal(roll, _ROLL) + _TURNED / 180.0
+        low, high = _THINGS
+        things = (ndtr((down - low) / _SOFT) - ndtr((down - high) / _SOFT)) / (high - low)
+        looking = 0.5 * things + 0.5 * _normal(down - _AROUND, _AROUND_SPREAD)
+        total += np.log(upright) + np.log(np.maximum(looking, 1e-6))
+    return np.asarray(total / len(few))
+
+
+def _walked(up: FloatArray, places_m: FloatArray, depth_m: float) -> FloatArray:
+    """Log density by how far the path climbs, against its length."""
+    away = places_m - places_m.mean(axis=0)
+    length = float(np.sqrt(np.mean(np.sum(away**2, axis=1))))
+    if length < _SHORTEST_PATH * depth_m:
+        return np.zeros(len(up))
+    climb = np.sqrt(np.mean((away @ up.T) ** 2, axis=0)) / length
+    climb_deg = np.rad2deg(np.arcsin(np.clip(climb, 0.0, 1.0)))
+    level = 2.0 * _normal(climb_deg, _LEVEL_PATH) * 90.0
+    return np.asarray(np.log(1.0 - _WALKED + _WALKED * level))
+
+
+def _head_on(normal: FloatArray, world_T_camera: Motor) -> float:
+    """How much likelier a wall is turned to the camera like this than in any way."""
+    x, _, z = world_T_camera.as_matrix()[:, :3, :3].mean(axis=0).T
+    aside = np.rad2deg(np.arctan2(normal @ x, -(normal @ z)))
+    return float(360.0 * _normal(aside, _FACING))
+
+
+def _of_surface(up: FloatArray, normal: FloatArray, head_on: float) -> FloatArray:
+    """Density of up where there is a flat surface: its normal, across it, or anywhere."""
+    facing = up @ normal
+    across = np.rad2deg(np.arcsin(np.clip(facing, -1.0, 1.0)))
+    built, leaned = (_normal(across, sigma) for sigma in (_SURFACE, _LEANING))
+    wall = head_on * (built + leaned) * np.rad2deg(1.0)
+    anywhere = 1.0 - _FLOORS - _WALLS - _CEILINGS
+    return np.asarray(
+        _FLOORS * _spot(facing, _SURFACE)
+        + _CEILINGS * _spot(-facing, _SURFACE)
+        + _WALLS * wall
+        + anywhere
+    )
+
+
+def _of_lines(up: FloatArray, density: FloatArray, lines: FloatArray) -> FloatArray:
+    """Log density by segments that point to or from up, among directions that are likely so far."""
+    likely = np.flatnonzero(density > density.max() - _LIKELY)
+    middle = lines.sum(axis=1)
+    middle /= np.linalg.norm(middle, axis=-1, keepdims=True)
+    across = np.cross(lines[:, 0], lines[:, 1])
+    across /= np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), _TINY)
+    beside = np.linalg.norm(np.cross(up[likely, None], middle[None]), axis=-1)
+    sine = np.abs(up[likely] @ across.T) / np.maximum(beside, _TINY)
+    off_deg = np.rad2deg(np.arcsin(np.clip(sine, 0.0, 1.0)))
+    ratio = np.where(beside > 0.25, 2.0 * _normal(off_deg, _LINE) * 90.0, 1.0)
+    told = _REPEATED * np.log(1.0 - _UPRIGHT_LINES + _UPRIGHT_LINES * ratio).sum(axis=1)
+    told = np.exp(told - told.max())
+    before = np.exp(density[likely] - density[likely].max())
+    told *= before.sum() / (before @ told)
+    result = np.full(len(up), np.log(1.0 - _LINES_TELL))
+    result[likely] = np.log(1.0 - _LINES_TELL + _LINES_TELL * told)
+    return result
+
+
+def _normal(value_deg: FloatArray, sigma_deg: float) -> FloatArray:
+    """A normal density a degree."""
+    return np.asarray(
+        np.exp(-0.5 * (value_deg / sigma_deg) ** 2) / (sigma_deg * np.sqrt(2.0 * np.pi))
+    )
+
+
+def _spot(cosine: FloatArray, sigma_deg: float, log: bool = False) -> FloatArray:
+    """Fisher's density about a direction, relative to a uniform one."""
+    concentration = 1.0 / np.deg2rad(sigma_deg) ** 2
+    exponent = np.log(2.0 * concentration) + concentration * (cosine - 1.0)
+    return np.asarray(exponent if log else np.exp(exponent))
