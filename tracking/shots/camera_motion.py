@@ -25,7 +25,7 @@ MotionKind = Literal["stands", "turns", "zooms", "moves", "unknown"]
 REST_PX, _SLIP_PX = 3.0, 0.4
 """Of a picture 320 px long: what a held camera moves, and what a rotation may leave over."""
 _SLIP_SHARE = 0.02
-_AT_REST, _FEWEST_AT_REST, _FAST = 0.6, 8, 4.0
+_AT_REST, _FEWEST_AT_REST, _FAST, _BORDER_AT_REST = 0.6, 8, 4.0, 0.3
 _EXPLAINED = 0.6
 _FLOW_SHARE = 0.03
 _ZOOM = 0.04
@@ -71,12 +71,15 @@ class Rest:
         rest: to 3 px: one that a hand holds.
         elsewhere: at another place.
         quarters: of the picture, in so many some are at rest.
+        border: share of all places near the picture's edge that are at rest: where a camera moves,
+            everything comes and goes there.
     """
 
     still: int = 0
     rest: int = 0
     elsewhere: int = 0
     quarters: int = 0
+    border: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +144,11 @@ def _stands(stretches: Sequence[TrackedCorners], unit: float) -> bool:
         return True
     longest = {each.first: each for each in stretches}.values()
     fast = [np.median(each.flow_px) > _FAST * REST_PX * unit for each in longest if len(each.px)]
-    return bool(np.mean(fast) > 0.5 and rest.sum() > _AT_REST * (rest + elsewhere).sum())
+    return bool(
+        np.mean(fast) > 0.5
+        and rest.sum() > _AT_REST * (rest + elsewhere).sum()
+        and np.mean([each.border for each in later]) > _BORDER_AT_REST
+    )
 
 
 def _by_rotation(

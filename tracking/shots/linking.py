@@ -28,7 +28,7 @@ _LEAST_OVERLAP, _LEAST_CORRELATION = 0.3, 0.55
 _BLUR_PX, _DETAIL_PX = 1.5, 10.0
 _LEAST_CONTRAST = 1.0
 _CELLS, _HALF_PX, _REACH_PX = 14, 7, 9
-_SURE, _UNLIKE, _FAINT = 0.8, 0.5, 2.5
+_SURE, _UNLIKE, _FAINT, _BORDER = 0.8, 0.5, 2.5, 0.2
 _BLOCKS, _FEWEST_BLOCKS, _TEXTURE = (16, 12), 20, 3.0
 _BLOCK_ALIKE, _ALIKE_SHARE = 0.7, 0.3
 """Of blocks of two scenes one in twenty is alike by chance."""
@@ -135,7 +135,8 @@ def rest_of(before: GrayImage, after: GrayImage) -> Rest:
     reach = _HALF_PX + _REACH_PX
     near, same = (slice(_REACH_PX - px, _REACH_PX + px + 1) for px in (int(REST_PX), 1))
     still, elsewhere, places = 0, 0, set()
-    for x, y in corners_all_over(before, _CELLS, reach).astype(int).tolist():
+    corners = corners_all_over(before, _CELLS, reach).astype(int)
+    for x, y in corners.tolist():
         patch = details[y - _HALF_PX : y + _HALF_PX + 1, x - _HALF_PX : x + _HALF_PX + 1]
         around = later[y - reach : y + reach + 1, x - reach : x + reach + 1]
         alike = cv2.matchTemplate(around, patch, cv2.TM_CCOEFF_NORMED)
@@ -146,4 +147,9 @@ def rest_of(before: GrayImage, after: GrayImage) -> Rest:
         elif best > _SURE and here < _UNLIKE:
             elsewhere += 1
     quarters = {(2 * x > width, 2 * y > height) for x, y in places}
-    return Rest(still, len(places), elsewhere, len(quarters))
+    beside = np.minimum(corners, [width - 1, height - 1] - corners) < _BORDER * np.array(
+        [width, height]
+    )
+    at_border = {(x, y) for x, y in corners[beside.any(axis=-1)].tolist()}
+    border = len(at_border & places) / max(len(at_border), 1)
+    return Rest(still, len(places), elsewhere, len(quarters), border)
