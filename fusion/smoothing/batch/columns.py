@@ -28,21 +28,16 @@ ORDERS = (1, 2, 3)
 # Logarithms of the process's variance from one value to the next over the noise's that are tried:
 # from splines as stiff as a thousand values to such as go through every one; then around the best.
 COARSE, FINE = np.arange(-28.0, 8.5, 3.0), np.array([-2.0, -1.0, 1.0, 2.0])
-# Values farther apart than this do not resolve what hands and vehicles do, and any model takes such
-# motion for noise: the spline then goes through every one.
-_UNRESOLVED_S = 0.125
-_EXACT = 14.0
-# Hands tremble at up to 12 Hz and wheels hop as fast: values farther apart than this fold such
-# motion back. Where the spline besides follows motion of fewer values a turn than that, too narrow
-# a band is left to tell noise in, and it goes through every value. The latter was set on KITTI's
-# roads; V1_02 and synthetic motions lose nothing by it.
-_FOLDED_S, _FEWEST_A_TURN = 1.0 / 24.0, 3.5
+# The spline then goes through every value.
+EXACT = 14.0
+# Bodies shake as fast as stamps resolve, and faster: what is folded back looks like noise, but does
+# not fill the band. So noise is told where it alone has this share of the band at least. Chosen on
+# V1_02 and synthetic motions.
+_NOISE_ALONE = 0.6
+_BAND, _FOLDS = np.pi * (np.arange(256) + 0.5) / 256, 2.0 * np.pi * np.arange(-2, 3)[:, None]
 # Predictions count as equal up to so many standard errors of their difference. Chosen on V1_02 and
 # synthetic motions.
 EQUAL = 1.0
-# Noise whose variance is less than a thousandth (e^-7) of what the process adds from one value to
-# the next is not seen beside it.
-_HIDDEN = 7.0
 NO_JUMPS: IntArray = np.empty(0, dtype=np.int64)
 
 
@@ -68,6 +63,20 @@ class ColumnModel:
     def density(self) -> float:
         """Of the process, in the column's unit over s^(order + 1) √Hz."""
         return self.ratio * self.noise
+
+    def told(self, interval_s: float) -> ColumnModel:
+        """The model where it leaves enough of the band to noise alone, else one through all values.
+
+        The share is that of the frequencies up to half the rate that the spline does not pass.
+        """
+        kept = float(np.exp(-interval_s / self.memory_s)) if self.memory_s > 0.0 else 0.0
+        errors = (1.0 - kept**2) / np.abs(1.0 - kept * np.exp(1j * _BAND)) ** 2
+        level = self.ratio**2 * interval_s ** (2 * self.order + 1)
+        motion = level * np.sum(np.abs(_BAND + _FOLDS) ** (-2.0 * (self.order + 1)), axis=0)
+        if np.mean(errors / (errors + motion)) >= _NOISE_ALONE:
+            return self
+        untold = "its motion takes up the band that would tell"
+        return replace(self, ratio=ratio_of(EXACT, self.order, interval_s), untold=untold)
 
     def smoother(self, smoothness: float, interval_s: float) -> ColumnModel:
         """The model that averages over ``2**smoothness`` times as long.
@@ -198,27 +207,19 @@ def chosen(
     made = []
     for column, noise in enumerate(np.full(columns, np.nan) if known is None else known):
         searched = not np.isfinite(noise)
-        resolved = interval_s <= _UNRESOLVED_S or not searched
-        coarse, fine = (COARSE, FINE) if resolved else (np.array([_EXACT]), FINE[:0])
         own = []
         for order in orders:
-            tried_first = [predicted(order, level) for level in coarse]
-            best = coarse[int(np.argmin([one.score(column, noise) for one in tried_first]))]
-            own += tried_first + [predicted(order, best + step) for step in fine]
+            tried_first = [predicted(order, level) for level in COARSE]
+            best = COARSE[int(np.argmin([one.score(column, noise) for one in tried_first]))]
+            own += tried_first + [predicted(order, best + step) for step in FINE]
         best_of_all = min(own, key=lambda one: one.score(column, noise))
         behind = standard_errors_behind(own, best_of_all, column, noise)
         equals = [one for one, by in zip(own, behind, strict=True) if by <= equal]
         taken = max(equals, key=lambda one: one.likelihood(column, noise))
-        untold = "" if resolved else "its stamps lie too far apart to tell"
-        folded = searched and resolved and interval_s > _FOLDED_S
-        if folded and taken.values_a_turn(interval_s) < _FEWEST_A_TURN:
-            taken, untold = predicted(taken.order, _EXACT), "it moves as fast as its stamps resolve"
-        elif searched and resolved and taken.ratio > ratio_of(_HIDDEN, taken.order, interval_s):
-            untold = "its motion hides it"
+        size = float(taken.noise[column] if searched else noise)
+        model = ColumnModel(taken.order, taken.ratio, size)
         rows = sum(len(one.weights) for one in stretches)
         density = -0.5 * rows * float(np.log(max(best_of_all.scores[column], 1e-300)))
-        size = float(taken.noise[column] if searched else noise)
-        model = ColumnModel(taken.order, taken.ratio, size, untold=untold)
         likelihood = max(one.likelihood(column, noise) for one in own)
         made.append(ChosenColumn(model, density, best_of_all, likelihood))
     return made
@@ -310,10 +311,6 @@ class Prediction:
         return -0.5 * (
             2.0 * rows * float(np.log(size)) + logarithms + float(squares[column]) / size**2
         )
-
-    def values_a_turn(self, interval_s: float) -> float:
-        """Of the fastest motion that the spline follows."""
-        return 2.0 * float(np.pi) / (_rate(self.order, self.ratio, interval_s) * interval_s)
 
 
 def told_noise(models: Sequence[ColumnModel]) -> float | None:

@@ -10,7 +10,6 @@ process of G. E. Uhlenbeck, L. S. Ornstein, On the theory of the Brownian motion
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -51,20 +50,13 @@ def with_lasting_errors(
     models = [one.model for one in found]
     for first, end in zip((0, *ends), (*ends, len(found)), strict=True):
         group = range(first, end)
-        # What goes through its values shows no errors that could last.
-        if not group or any(models[k].untold or np.isfinite(known[k]) for k in group):
+        if not group or np.any(np.isfinite(known[group.start : group.stop])):
             continue
         for k, lasting in _likeliest(stretches, found, group).items():
             behind = standard_errors_behind([lasting], found[k].best, k, np.nan)
             if behind[0] <= EQUAL:
                 noise = float(lasting.noise[k])
-                models[k] = replace(
-                    models[k],
-                    order=lasting.order,
-                    ratio=lasting.ratio,
-                    noise=noise,
-                    memory_s=lasting.memory_s,
-                )
+                models[k] = ColumnModel(lasting.order, lasting.ratio, noise, lasting.memory_s)
     return models
 
 

@@ -124,6 +124,12 @@ def chosen_models(
     models = [one.model for one in found]
     if known is not None:
         models = with_lasting_errors(stretches, found, measured.representation.ends, known)
+        interval_s = float(np.median(np.diff(stretches[0].time_s)))
+        searched = np.isnan(known)
+        models = [
+            model.told(interval_s) if search else model
+            for model, search in zip(models, searched, strict=True)
+        ]
     return AxisModels(tuple(models), float(sum(one.density for one in found)))
 
 
