@@ -35,7 +35,7 @@ from motorcade.fusion.smoothing.batch.per_axis import (
     tails_of,
     weights_of,
 )
-from motorcade.fusion.smoothing.batch.predicted import unresolved
+from motorcade.fusion.smoothing.batch.predicted import beside, judged_runs, unresolved
 from motorcade.fusion.smoothing.batch.start import PathStart, even_stamps
 from motorcade.fusion.smoothing.checks import in_double
 from motorcade.fusion.smoothing.knobs import SmootherKnobs
@@ -289,7 +289,7 @@ def smoothed_automatically(
         measured, _ = with_jumps(measured, path, start.weights, models)
         found = smoothed_per_axis(measured, path, start.weights, models, HEAVY_TAILS, FIRST_STEPS)
         found = _settled(measured, found, models, choice.tails)
-    return _told(trajectory, measured, _as_smooth_as_asked(measured, found, choice), choice)
+    return _told(start, trajectory, measured, _as_smooth_as_asked(measured, found, choice), choice)
 
 
 def auto(
@@ -380,17 +380,28 @@ def _as_smooth_as_asked(
 def _settled(
     measured: Measured, found: PerAxisPath, models: AxisModels, tails: float
 ) -> PerAxisPath:
-    weights = weights_of(found.squares, len(models.columns), tails)
+    weights = weights_of(found.squares, len(models.columns), tails) * measured.motion
     return smoothed_per_axis(measured, found.coordinates, weights, models, tails, _LAST_STEPS)
 
 
 def _told(
-    trajectory: Trajectory, measured: Measured, found: PerAxisPath, choice: SmootherChoice
+    start: PathStart,
+    trajectory: Trajectory,
+    measured: Measured,
+    found: PerAxisPath,
+    choice: SmootherChoice,
 ) -> AutomaticPath:
     if choice.raw:
         untold = np.full(found.spread.shape, np.nan)
         return AutomaticPath(trajectory, choice, np.ones(len(trajectory)), untold, NO_JUMPS)
     made = restored(measured.representation, found.coordinates, trajectory)
+    poses, kept = start.trajectory.poses.rigid, found.weights > 0.0
+    motion, jumps = judged_runs(trajectory.time_s, poses, kept)
+    stay = ~kept & (motion | beside(kept, np.union1d(jumps, measured.jumps)))
+    if np.any(stay):
+        coefficients = np.array(made.poses.coefficients)
+        coefficients[stay] = start.trajectory.poses.coefficients[stay]
+        made = Trajectory(made.time_ns, type(made.poses)(coefficients), made.parent, made.child)
     # By the noise that was chosen or known: what a path smoothed as asked for leaves is not noise.
     deviations = np.sqrt(found.spread) * [one.noise for one in choice.models]
     return AutomaticPath(made, choice, found.weights, deviations, measured.jumps)

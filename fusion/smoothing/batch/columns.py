@@ -28,12 +28,12 @@ ORDERS = (1, 2, 3)
 # Logarithms of the process's variance from one value to the next over the noise's that are tried:
 # from splines as stiff as a thousand values to such as go through every one; then around the best.
 COARSE, FINE = np.arange(-28.0, 8.5, 3.0), np.array([-2.0, -1.0, 1.0, 2.0])
-# The spline then goes through every value.
-EXACT = 14.0
+# With that logarithm a spline goes through every value.
+_EXACT = 14.0
 # Bodies shake as fast as stamps resolve, and faster: what is folded back looks like noise, but does
 # not fill the band. So noise is told where it alone has this share of the band at least. Chosen on
 # V1_02 and synthetic motions.
-_NOISE_ALONE = 0.6
+_NOISE_ALONE = 0.59
 _BAND, _FOLDS = np.pi * (np.arange(256) + 0.5) / 256, 2.0 * np.pi * np.arange(-2, 3)[:, None]
 # Predictions count as equal up to so many standard errors of their difference. Chosen on V1_02 and
 # synthetic motions.
@@ -75,8 +75,12 @@ class ColumnModel:
         motion = level * np.sum(np.abs(_BAND + _FOLDS) ** (-2.0 * (self.order + 1)), axis=0)
         if np.mean(errors / (errors + motion)) >= _NOISE_ALONE:
             return self
+        return self.through_all(interval_s)
+
+    def through_all(self, interval_s: float) -> ColumnModel:
+        """A model that goes through every value, whose noise is not told."""
         untold = "its motion takes up the band that would tell"
-        return replace(self, ratio=ratio_of(EXACT, self.order, interval_s), untold=untold)
+        return replace(self, ratio=ratio_of(_EXACT, self.order, interval_s), untold=untold)
 
     def smoother(self, smoothness: float, interval_s: float) -> ColumnModel:
         """The model that averages over ``2**smoothness`` times as long.

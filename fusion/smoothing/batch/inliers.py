@@ -58,20 +58,36 @@ def bridged(time_s: FloatArray, poses: Motor, kept: NDArray[np.bool_]) -> Motor:
     lost = np.flatnonzero(~kept)
     if lost.size == 0 or rows.size == 1:
         return poses[rows[np.zeros(len(kept), dtype=np.int64)]] if lost.size else poses
-    gap = np.clip(np.searchsorted(rows, lost) - 1, 0, len(rows) - 2)
+    coefficients = np.array(poses.coefficients)
+    coefficients[: rows[0]], coefficients[rows[-1] :] = coefficients[rows[[0, -1]]]
+    gaps, speed, missing = crossings(time_s, poses, kept)
+    lost = lost[(lost > rows[0]) & (lost < rows[-1])]
+    if lost.size:
+        gap = np.searchsorted(gaps[:, 1], lost)
+        before = gaps[gap, 0]
+        passed_s = (time_s[lost] - time_s[before])[:, None]
+        share = passed_s / (time_s[gaps[gap, 1]] - time_s[before])[:, None]
+        moved = Motor.from_twist(speed[gap] * passed_s) @ Motor.from_twist(missing[gap] * share)
+        coefficients[lost] = (poses[before] @ moved).coefficients
+    return Motor(coefficients)
+
+
+def crossings(
+    time_s: FloatArray, poses: Motor, kept: NDArray[np.bool_]
+) -> tuple[NDArray[np.int64], FloatArray, FloatArray]:
+    """Gaps between kept poses: both ends ``(G, 2)``, speed over them, and what it misses by.
+
+    The speed ``(G, 6)`` is the median of that at both sides, the other a twist ``(G, 6)``.
+    """
+    rows = np.flatnonzero(kept)
     span_s = np.diff(time_s[rows])
-    steps = (poses[rows[:-1]].inverse() @ poses[rows[1:]]).as_twist()
-    whole = np.flatnonzero(np.diff(rows) == 1)
+    gap, whole = (np.flatnonzero(one) for one in (np.diff(rows) > 1, np.diff(rows) == 1))
     speed = np.zeros((len(gap), 6))
-    if whole.size:
-        rates = steps[whole] / span_s[whole, None]
+    if whole.size and gap.size:
+        steps = (poses[rows[whole]].inverse() @ poses[rows[whole + 1]]).as_twist()
+        rates = steps / span_s[whole, None]
         around = np.searchsorted(whole, gap)[:, None] + np.arange(-_NEIGHBOURS, _NEIGHBOURS)
         speed = np.median(rates[np.clip(around, 0, len(whole) - 1)], axis=1)
-    before, after = poses[rows[gap]], poses[rows[gap + 1]]
-    passed_s = np.clip(time_s[lost] - time_s[rows[gap]], 0.0, span_s[gap])[:, None]
-    arrival = before @ Motor.from_twist(speed * span_s[gap, None])
-    missing = (arrival.inverse() @ after).as_twist() * passed_s / span_s[gap, None]
-    between = before @ Motor.from_twist(speed * passed_s) @ Motor.from_twist(missing)
-    coefficients = np.array(poses.coefficients)
-    coefficients[lost] = between.coefficients
-    return Motor(coefficients)
+    before, after = rows[gap], rows[gap + 1]
+    arrival = poses[before] @ Motor.from_twist(speed * span_s[gap, None])
+    return np.stack([before, after], axis=1), speed, (arrival.inverse() @ poses[after]).as_twist()

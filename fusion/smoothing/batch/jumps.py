@@ -77,6 +77,7 @@ def _more_jumps(
     found = (jump > least_saved) & (jump >= _largest_near(jump)) & (jump > _AHEAD * other)
     # Between two poses that count any row would do: the level changes with the later one.
     rows = kept[np.searchsorted(kept, np.flatnonzero(found))]
+    rows = rows[weights[rows - 1] > 0.0]  # over a run left out it is judged with the run
     edges = np.concatenate([[kept[0]], measured.jumps, [kept[-1] + 1]])
     places, borders = np.searchsorted(kept, rows), np.searchsorted(kept, edges)
     far = np.min(np.abs(places[:, None] - borders), axis=1, initial=len(kept))

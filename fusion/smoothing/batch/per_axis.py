@@ -64,13 +64,15 @@ _FEWEST_KEPT = 0.7
 class Measured:
     """Measured poses as coordinates ``(N, D)`` of a representation, at stamps ``(N,)``.
 
-    Before the rows `jumps` their level jumps; see `jumps`.
+    Before the rows `jumps` their level jumps; see `jumps`. Poses that are none of `motion` are left
+    out for good.
     """
 
     representation: Representation
     time_s: FloatArray
     coordinates: FloatArray
     jumps: IntArray
+    motion: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,14 +180,16 @@ def smoothed_per_axis(
             known &= variance <= np.var(column.values, where=weights > 0.0)
             np.subtract(column.values, summed[:, k], out=moved[:, k])
         squares[unsure & (weights == 0.0)] = np.inf
-        size = float(np.sum(np.mean(moved**2, axis=0) / np.maximum(noise, _ROUNDING) ** 2))
+        counted = weights > 0.0  # what lies between runs away where nothing holds it
+        square = np.mean(moved**2, axis=0, where=counted[:, None])
+        size = float(np.sum(square / np.maximum(noise, _ROUNDING) ** 2))
         if size > before:
             share *= 0.5
         before = size
         moved *= share
         _move(measured.representation, path, moved)
         _let_stand(path, known | (weights > 0.0))
-        used, weights = weights, weights_of(squares, axes, tails)
+        used, weights = weights, weights_of(squares, axes, tails) * measured.motion
         if np.count_nonzero(weights) < _FEWEST_KEPT * np.count_nonzero(used):
             # Not wrong poses but motion that the models do not have.
             weights = used

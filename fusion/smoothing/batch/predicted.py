@@ -9,10 +9,13 @@ for dependent data, Biometrika 81, 1994).
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.batch.inliers import bridged
+from motorcade.fusion.smoothing.batch.columns import NO_JUMPS
+from motorcade.fusion.smoothing.batch.inliers import bridged, crossings
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
@@ -22,6 +25,12 @@ _WRONG = 3.0
 # which tell the speed.
 _BESIDE, _BETWEEN = 6, 4
 _FEWEST = 2
+# Steps to both sides that a leap is judged by.
+_AROUND = 12
+# All but so few steps of good poses bend less than a leap does.
+_MOST = 0.99
+# What the path misses behind a run that it returns from, of how far off this lies.
+_RETURNED = 0.5
 # Where a larger share of the poses would be left out, they must differ from the others.
 _MANY = 0.1
 # By how much rougher than usual the path must then be where it goes over to them.
@@ -37,71 +46,164 @@ _ROUNDING = 1e-9
 Kept = NDArray[np.bool_]
 
 
-def with_unpredicted(time_s: FloatArray, poses: Motor, kept: Kept) -> Kept:
-    """The poses that are kept ``(N,)``, and those left out that the kept ones do not predict.
+def judged_runs(time_s: FloatArray, poses: Motor, kept: Kept) -> tuple[Kept, IntArray]:
+    """The poses ``(N,)`` that belong to the motion, and rows before which its level jumps.
+
+    Of a run of others, what the path leaps to and leaps back from is wrong, if it lies off where
+    the kept poses predict it by more than they err over good poses. Where the path leaps on, or
+    ends there, poses that agree with each other are a level of their own. All else is motion.
 
     Args:
         time_s: ``(N,)`` increasing.
         poses: as measured.
-        kept: which belong to the motion.
+        kept: which belong to one smooth chain.
     """
-    runs = np.flatnonzero(np.diff(np.concatenate([[0], ~kept, [0]]))).reshape(-1, 2)
-    rows = np.flatnonzero(kept)
-    if not len(runs) or not np.any(kept[1:] & kept[:-1]):
-        return kept
-    off = _off(poses, bridged(time_s, poses, kept))
-    speed = _off(poses[1:], poses[:-1]) / np.diff(time_s)[:, None]
-    fastest = _WRONG * _size(speed[kept[1:] & kept[:-1]])
-    usual_s = float(np.median(np.diff(time_s[rows])))
-    lengths = np.array([min(_length(time_s, run, usual_s), len(rows)) for run in runs])
-    made = kept.copy()
-    for length in np.unique(lengths):
-        own = runs[lengths == length]
-        stretches = np.arange(_BETWEEN, len(rows) - length - _BETWEEN + 1, length + _BETWEEN)
-        bridging, steps = _errors(time_s, poses, rows, stretches, int(length))
-        for first, last in own:
-            place = int(np.searchsorted(rows[stretches], first))
-            errors, judged = bridging, slice(first, last)
-            if first == 0 or last == len(kept):
-                # Nothing is bridged there: the step over to the run is judged as one.
-                errors = steps
-                judged = slice(last - 1, last) if first == 0 else slice(first, first + 1)
-            near = errors[max(place - _BESIDE, 0) : place + _BESIDE]
-            allowed = _WRONG * np.sqrt(np.mean(near**2, axis=0)) if len(near) >= _FEWEST else np.inf
-            inside = speed[first : last - 1]
-            if len(inside) and np.any(np.median(inside, axis=0) > fastest):
-                continue  # its poses do not agree with each other either
-            if not np.any(_size(off[judged]) > allowed):
-                made[first:last] = True
+    bent = _bends(time_s, poses)
+    made, leaps = np.ones_like(kept), []
+    usual = ~_widened(~kept)
+    most = np.quantile(bent[:-1][usual], _MOST, axis=0) if np.any(usual) else np.zeros(2)
+    for first, last in runs_of(~kept):
+        edges = _leaps(bent, usual, most, first, last)
+        if len(edges) > 1:
+            made[edges[0] : edges[-1]] = False
+            leaps.append(edges)
+    if not leaps or not np.any(made[1:] & made[:-1]):
+        return made if not leaps else kept, NO_JUMPS
+    jumps: list[int] = []
+    held_out = _HeldOut(time_s, poses, made)
+    for edges in leaps:
+        right, levels = held_out.judged(edges)
+        for begin, end in right:
+            made[begin:end] = True
+        jumps += levels
+    return made, np.array(jumps, dtype=np.int64)
+
+
+class _HeldOut:
+    """Runs that are held out, and how well the kept poses predict as many good ones."""
+
+    def __init__(self, time_s: FloatArray, poses: Motor, kept: Kept) -> None:
+        self.time_s, self.rows, self.count = time_s, np.flatnonzero(kept), len(kept)
+        self.good = poses[self.rows]
+        self.off = _off(poses, bridged(time_s, poses, kept))
+        gaps, _, missing = crossings(time_s, poses, kept)
+        self.missed = dict(zip(gaps[:, 0].tolist(), _parts(missing), strict=True))
+        self.errors: dict[int, tuple[IntArray, FloatArray, FloatArray]] = {}
+
+    def judged(self, edges: list[int]) -> tuple[list[tuple[int, int]], list[int]]:
+        """Parts of a run between leaps that are right, and rows of it before which levels jump."""
+        first, last = edges[0], edges[-1]
+        pieces, whole = list(pairwise(edges)), [(first, last)]
+        agreeing = [(begin, end) for begin, end in pieces if end - begin > 2]
+        if len(pieces) == 1 and last - first > 1:
+            agreeing = whole
+        if first == 0 or last == self.count:
+            return agreeing, [last if first == 0 else first] if agreeing else []
+        near = self._near(first, last)
+        if near is None:
+            return whole, []
+        bridging, misses = near
+        far, missed = _size(self.off[first:last]), self.missed[first - 1]
+        leapt = far > bridging
+        if len(pieces) == 1 and not np.any(leapt):
+            return whole, []
+        returns = not np.any(missed > misses)
+        if agreeing:  # of several that do not agree, each is wrong by itself
+            back = missed[leapt] / far[leapt]
+            returns = returns and bool(np.all(back < 1.0) and np.any(back < _RETURNED))
+        if agreeing == whole and not returns:
+            return whole, [first, last]
+        right = [one for one in agreeing if not np.any(_size(self.off[slice(*one)]) > bridging)]
+        return right, [] if returns else [last]
+
+    def _near(self, first: int, last: int) -> tuple[FloatArray, FloatArray] | None:
+        """Three deviations of bridging as many good poses beside a run, and of missing its end."""
+        length = self._length(first, last)
+        if length not in self.errors:
+            self.errors[length] = self._bridged(length)
+        starts, *errors = self.errors[length]
+        place = int(np.searchsorted(starts, first))
+        near = slice(max(place - _BESIDE, 0), place + _BESIDE)
+        if len(starts[near]) < _FEWEST:
+            return None
+        bridging, misses = (_WRONG * _size(one[near]) for one in errors)
+        return bridging, misses
+
+    def _length(self, first: int, last: int) -> int:
+        """Good poses in as long a time as a run and the gaps beside it take, in powers of √2."""
+        usual_s = float(np.median(np.diff(self.time_s[self.rows])))
+        span_s = self.time_s[last] - self.time_s[first - 1]
+        count = max(round(span_s / usual_s) - 1.0, 1.0)
+        longest = len(self.rows)
+        return min(int(np.ceil(2.0 ** (np.ceil(2.0 * np.log2(count)) / 2.0) - 1e-9)), longest)
+
+    def _bridged(self, length: int) -> tuple[IntArray, FloatArray, FloatArray]:
+        """Rows from which so many kept ones are left out, and errors ``(S, 2)`` of bridging them.
+
+        These are of the poses between, and of what the speed beside them misses the far end by.
+        """
+        rows, time_s = self.rows, self.time_s[self.rows]
+        starts = np.arange(_BETWEEN, len(rows) - length - _BETWEEN + 1, length + _BETWEEN)
+        inside = starts[:, None] + np.arange(length)
+        among = np.ones(len(rows), dtype=np.bool_)
+        among[inside] = False
+        off = _off(self.good, bridged(time_s, self.good, among))[inside]
+        return rows[starts], _size(off), _parts(crossings(time_s, self.good, among)[2])
+
+
+def runs_of(rows: Kept) -> IntArray:
+    """First and one past the last ``(R, 2)`` of the runs of rows that are set."""
+    return np.flatnonzero(np.diff(np.concatenate([[0], rows, [0]]))).reshape(-1, 2)
+
+
+def beside(kept: Kept, jumps: IntArray) -> Kept:
+    """Poses ``(N,)`` of runs that are left out next to a jump, which neither side tells."""
+    made = np.zeros_like(kept)
+    for first, last in runs_of(~kept):
+        made[first:last] = bool(np.any((jumps >= first) & (jumps <= last)))
     return made
 
 
-def _length(time_s: FloatArray, run: IntArray, usual_s: float) -> int:
-    """Good poses in as long a time as a run and the gaps beside it take, in powers of √2."""
-    first, last = max(int(run[0]) - 1, 0), min(int(run[1]), len(time_s) - 1)
-    count = max(round((time_s[last] - time_s[first]) / usual_s) - 1.0, 1.0)
-    return int(np.ceil(2.0 ** (np.ceil(2.0 * np.log2(count)) / 2.0) - 1e-9))
+def _bends(time_s: FloatArray, poses: Motor) -> FloatArray:
+    """By how much each step ``(N + 1, 2)`` differs from those beside it, in rad and m.
 
-
-def _errors(
-    time_s: FloatArray, poses: Motor, rows: IntArray, stretches: IntArray, length: int
-) -> tuple[FloatArray, FloatArray]:
-    """Errors ``(S, 2)`` over so many of the kept rows, from some of their places on.
-
-    These are of bridging them, and of standing still for the step before.
+    Row k is of the step before pose k. A turn, however fast, changes steps little by little; a leap
+    is unlike the steps on both its sides, and their mean. There is none beyond the ends.
     """
-    among = np.ones(len(rows), dtype=np.bool_)
-    inside = stretches[:, None] + np.arange(length)
-    among[inside] = False
-    good = poses[rows]
-    bridging = _off(good, bridged(time_s[rows], good, among))[inside]
-    return _size(bridging), _off(good[stretches], good[stretches - 1])
+    rates = (poses[:-1].inverse() @ poses[1:]).as_twist() / np.diff(time_s)[:, None]
+    padded = np.concatenate([rates[:1], rates, rates[-1:]])
+    before, after = rates - padded[:-2], rates - padded[2:]
+    before[0], after[-1] = after[0], before[-1]
+    least = np.min([_parts(one) for one in (before, after, 0.5 * (before + after))], axis=0)
+    return np.pad(least * float(np.median(np.diff(time_s))), ((1, 1), (0, 0)))
+
+
+def _leaps(bent: FloatArray, usual: Kept, most: FloatArray, first: int, last: int) -> list[int]:
+    """Rows before which the path leaps, of a run and the one behind it; with the path's ends.
+
+    A leap is a step that bends more than usual ones do beside the run and, but for few, anywhere.
+    """
+    beside = slice(max(first - _AROUND, 0), last + _AROUND)
+    near = bent[:-1][beside][usual[beside]]
+    least = np.maximum(np.median(near, axis=0) if len(near) else 0.0, most)
+    leaps = first + np.flatnonzero(np.any(bent[first : last + 1] > _WRONG * least, axis=1))
+    ends = {one for one in (0, len(usual)) if one in (first, last)}
+    return sorted(ends.union(leaps.tolist()))
+
+
+def _widened(rows: Kept) -> Kept:
+    """Rows with those next to them."""
+    return np.convolve(rows, np.ones(5), "same") > 0.5
 
 
 def _off(poses: Motor, predicted: Motor) -> FloatArray:
     """By how much each lies off, in rad and m ``(N, 2)``."""
-    apart = (predicted.inverse() @ poses).as_twist()
-    return np.stack([np.linalg.norm(apart[:, :3], axis=1), np.linalg.norm(apart[:, 3:], axis=1)], 1)
+    return _parts((predicted.inverse() @ poses).as_twist())
+
+
+def _parts(twists: FloatArray) -> FloatArray:
+    """Sizes ``(N, 2)`` of both parts of twists ``(N, 6)``."""
+    return np.asarray(np.linalg.norm(twists.reshape(-1, 2, 3), axis=2), dtype=np.float64)
 
 
 def _size(off: FloatArray) -> FloatArray:

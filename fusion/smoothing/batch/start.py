@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +12,12 @@ from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, inlier_pose
 from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
 from motorcade.fusion.smoothing.batch.noise import first_sizes
 from motorcade.fusion.smoothing.batch.per_axis import Measured, chosen_models
-from motorcade.fusion.smoothing.batch.predicted import with_unpredicted
+from motorcade.fusion.smoothing.batch.predicted import judged_runs
 from motorcade.fusion.smoothing.batch.problem import with_rigid
 from motorcade.fusion.smoothing.representations import REPRESENTATIONS, Representation
 from motorcade.fusion.smoothing.window import gaussian
 from motorcade.ga import Similarity, Trajectory
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 # Runs of a flat marker's other candidate are read with a loss so wide.
 _WIDTH = 3.5
@@ -41,11 +41,13 @@ class PathStart:
         weights: 1 where a pose belongs to the chain, or the chain does not tell where it should be
             (see `predicted`), else 0.
         mirrored: which poses were.
+        jumps: rows before which the level jumps, as the chain tells.
     """
 
     trajectory: Trajectory
     weights: FloatArray
     mirrored: NDArray[np.bool_]
+    jumps: IntArray = field(default_factory=lambda: NO_JUMPS)
 
     @classmethod
     def of(cls, trajectory: Trajectory) -> PathStart:
@@ -57,13 +59,13 @@ class PathStart:
             return cls(trajectory, kept.astype(np.float64), mirrored)
         sizes = cls(trajectory, kept.astype(np.float64), mirrored)._sizes()
         kept = inlier_poses(time_s, poses.rigid, *sizes[:2])
+        kept, jumps = judged_runs(time_s, poses.rigid, kept)
         rigid, mirrored = mirrored_back(time_s, poses.rigid, kept, sizes, _WIDTH)
         if np.any(mirrored):
             poses = with_rigid(poses, rigid)
-            kept = inlier_poses(time_s, rigid, *sizes[:2])
             trajectory = Trajectory(trajectory.time_ns, poses, trajectory.parent, trajectory.child)
-        kept = with_unpredicted(time_s, poses.rigid, kept)
-        return cls(trajectory, kept.astype(np.float64), mirrored)
+            kept, jumps = judged_runs(time_s, rigid, inlier_poses(time_s, rigid, *sizes[:2]))
+        return cls(trajectory, kept.astype(np.float64), mirrored, jumps)
 
     def _sizes(self) -> tuple[Sizes, Sizes, Sizes]:
         """Noise and white acceleration of rotation, translation and scale, the likeliest."""
@@ -105,7 +107,8 @@ class PathStart:
             representation,
             time_s - time_s[0],
             np.array(representation.continued(own, path)),
-            NO_JUMPS,
+            self.jumps,
+            self.weights > 0.0,
         )
 
 
