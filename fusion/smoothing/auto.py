@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.fusion.smoothing.batch.columns import (
     NO_JUMPS,
@@ -35,7 +36,7 @@ from motorcade.fusion.smoothing.batch.per_axis import (
     tails_of,
     weights_of,
 )
-from motorcade.fusion.smoothing.batch.predicted import beside, judged_runs, unresolved
+from motorcade.fusion.smoothing.batch.predicted import beside, near_good, unresolved
 from motorcade.fusion.smoothing.batch.start import PathStart, even_stamps
 from motorcade.fusion.smoothing.checks import in_double
 from motorcade.fusion.smoothing.knobs import SmootherKnobs
@@ -45,7 +46,7 @@ from motorcade.fusion.smoothing.representations import (
     representation_named,
     restored,
 )
-from motorcade.ga import Trajectory
+from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
 # Axes of the world, and of the body.
@@ -384,6 +385,27 @@ def _settled(
     return smoothed_per_axis(measured, found.coordinates, weights, models, tails, _LAST_STEPS)
 
 
+def _unpredicted(
+    start: PathStart, measured: Measured, found: PerAxisPath, choice: SmootherChoice
+) -> NDArray[np.bool_]:
+    """Poses left out ``(N,)`` that the others do not predict better than they predict good ones."""
+    lost = found.weights == 0.0
+    stay = beside(~lost, measured.jumps)
+    poses, models = start.trajectory.poses.rigid, AxisModels(choice.models, 0.0)
+
+    def predicted(path: PerAxisPath) -> Motor:
+        return restored(measured.representation, path.coordinates, start.trajectory).poses.rigid
+
+    def without(rows: NDArray[np.bool_]) -> Motor:
+        weights = np.where(rows, 0.0, found.weights)
+        return predicted(
+            smoothed_per_axis(measured, found.coordinates, weights, models, choice.tails, 1)
+        )
+
+    late = lost & measured.motion & ~stay
+    return stay | near_good(measured.time_s, poses, predicted(found), ~lost, late, without)
+
+
 def _told(
     start: PathStart,
     trajectory: Trajectory,
@@ -395,9 +417,7 @@ def _told(
         untold = np.full(found.spread.shape, np.nan)
         return AutomaticPath(trajectory, choice, np.ones(len(trajectory)), untold, NO_JUMPS)
     made = restored(measured.representation, found.coordinates, trajectory)
-    poses, kept = start.trajectory.poses.rigid, found.weights > 0.0
-    motion, jumps = judged_runs(trajectory.time_s, poses, kept)
-    stay = ~kept & (motion | beside(kept, np.union1d(jumps, measured.jumps)))
+    stay = _unpredicted(start, measured, found, choice)
     if np.any(stay):
         coefficients = np.array(made.poses.coefficients)
         coefficients[stay] = start.trajectory.poses.coefficients[stay]

@@ -24,6 +24,7 @@ from motorcade.fusion.smoothing.batch.per_axis import (
     developed,
     least,
 )
+from motorcade.fusion.smoothing.batch.predicted import FEWEST_AT_LEVEL
 from motorcade.ga.arrays import FloatArray, IntArray
 
 # A path without jumps is told to have one this rarely.
@@ -38,8 +39,6 @@ _AHEAD = 4.0 / 3.0
 _NEAR = 2
 # Poses to both sides that tell how large errors are there.
 _AROUND = 40
-# Poses at an end that may not be a level of their own.
-_FEWEST_AT_LEVEL = 6
 _ROUNDS = 5
 
 
@@ -81,7 +80,7 @@ def _more_jumps(
     edges = np.concatenate([[kept[0]], measured.jumps, [kept[-1] + 1]])
     places, borders = np.searchsorted(kept, rows), np.searchsorted(kept, edges)
     far = np.min(np.abs(places[:, None] - borders), axis=1, initial=len(kept))
-    return np.unique(rows[far >= _FEWEST_AT_LEVEL])
+    return np.unique(rows[far >= FEWEST_AT_LEVEL])
 
 
 def _savings(
@@ -119,7 +118,7 @@ def _size_around(single: FloatArray, kept: IntArray, axes: int) -> FloatArray:
     total = np.concatenate([[0.0], np.cumsum(single[kept])])
     places = np.searchsorted(kept, np.arange(len(single)))
     squares, rows = np.zeros((2, len(single)))
-    for first, last in ((-_AROUND, -_FEWEST_AT_LEVEL), (_FEWEST_AT_LEVEL, _AROUND)):
+    for first, last in ((-_AROUND, -FEWEST_AT_LEVEL), (FEWEST_AT_LEVEL, _AROUND)):
         begin, end = (np.clip(places + far, 0, len(kept)) for far in (first, last))
         squares += total[end] - total[begin]
         rows += end - begin

@@ -9,7 +9,9 @@ for dependent data, Biometrika 81, 1994).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,10 +29,14 @@ _BESIDE, _BETWEEN = 6, 4
 _FEWEST = 2
 # Steps to both sides that a leap is judged by.
 _AROUND = 12
+# Poses left out that lie no more than so many times as far off as good ones stay as measured.
+_AS_GOOD = 2.0
+# Poses at an end that may not be a level of their own.
+FEWEST_AT_LEVEL = 6
 # All but so few steps of good poses bend less than a leap does.
 _MOST = 0.99
 # What the path misses behind a run that it returns from, of how far off this lies.
-_RETURNED = 0.5
+_RETURNED = 0.7
 # Where a larger share of the poses would be left out, they must differ from the others.
 _MANY = 0.1
 # By how much rougher than usual the path must then be where it goes over to them.
@@ -46,8 +52,18 @@ _ROUNDING = 1e-9
 Kept = NDArray[np.bool_]
 
 
-def judged_runs(time_s: FloatArray, poses: Motor, kept: Kept) -> tuple[Kept, IntArray]:
-    """The poses ``(N,)`` that belong to the motion, and rows before which its level jumps.
+class JudgedRuns(NamedTuple):
+    """Poses ``(N,)`` that belong to the motion, rows before which its level jumps, and runs between
+    two such.
+    """
+
+    motion: Kept
+    jumps: IntArray
+    levels: Kept
+
+
+def judged_runs(time_s: FloatArray, poses: Motor, kept: Kept) -> JudgedRuns:
+    """Which poses belong to the motion, and where its level jumps.
 
     Of a run of others, what the path leaps to and leaps back from is wrong, if it lies off where
     the kept poses predict it by more than they err over good poses. Where the path leaps on, or
@@ -59,24 +75,68 @@ def judged_runs(time_s: FloatArray, poses: Motor, kept: Kept) -> tuple[Kept, Int
         kept: which belong to one smooth chain.
     """
     bent = _bends(time_s, poses)
-    made, leaps = np.ones_like(kept), []
     usual = ~_widened(~kept)
     most = np.quantile(bent[:-1][usual], _MOST, axis=0) if np.any(usual) else np.zeros(2)
-    for first, last in runs_of(~kept):
-        edges = _leaps(bent, usual, most, first, last)
-        if len(edges) > 1:
-            made[edges[0] : edges[-1]] = False
-            leaps.append(edges)
-    if not leaps or not np.any(made[1:] & made[:-1]):
-        return made if not leaps else kept, NO_JUMPS
-    jumps: list[int] = []
-    held_out = _HeldOut(time_s, poses, made)
+    while True:
+        made, leaps = np.ones_like(kept), []
+        for first, last in runs_of(~kept):
+            edges = _leaps(bent, ~_widened(~kept), most, first, last)
+            if len(edges) > 1:
+                made[edges[0] : edges[-1]] = False
+                leaps.append(edges)
+        if not leaps or not np.any(made[1:] & made[:-1]):
+            return JudgedRuns(made if not leaps else kept, NO_JUMPS, np.zeros_like(kept))
+        held_out = _HeldOut(time_s, poses, made)
+        right = [piece for edges in leaps for piece in held_out.right_among(edges)]
+        if not right:
+            break
+        kept = made.copy()
+        for first, last in right:
+            kept[first:last] = True
+    jumps, levels = list[int](), np.zeros_like(kept)
     for edges in leaps:
-        right, levels = held_out.judged(edges)
-        for begin, end in right:
-            made[begin:end] = True
-        jumps += levels
-    return made, np.array(jumps, dtype=np.int64)
+        stays, before = held_out.judged(edges)
+        for first, last in stays:
+            made[first:last] = True
+            levels[first:last] = len(before) == 2
+        jumps += before
+    return JudgedRuns(made, np.array(jumps, dtype=np.int64), levels)
+
+
+def near_good(
+    time_s: FloatArray,
+    poses: Motor,
+    path: Motor,
+    kept: Kept,
+    left_out: Kept,
+    without: Callable[[Kept], Motor],
+) -> Kept:
+    """Poses ``(N,)`` left out that lie no farther off a path than good ones where they are held out.
+
+    Args:
+        time_s: ``(N,)`` increasing.
+        poses: as measured.
+        path: smoothed.
+        kept: which poses count.
+        left_out: which of the others are asked for.
+        without: the path where some poses that count are left out too.
+    """
+    made, rows = np.zeros_like(kept), np.flatnonzero(kept)
+    runs = runs_of(left_out)
+    off = _off(poses, path)
+    lengths = np.ceil(2.0 ** (np.ceil(2.0 * np.log2(np.diff(runs, axis=1)[:, 0])) / 2.0) - 1e-9)
+    for length in np.unique(lengths).astype(np.int64):
+        starts = np.arange(_BETWEEN, len(rows) - length - _BETWEEN + 1, length + _BETWEEN)
+        inside = rows[starts[:, None] + np.arange(length)]
+        among = np.zeros_like(kept)
+        among[inside] = True
+        errors = _size(_off(poses, without(among))[inside])
+        for first, last in runs[lengths == length]:
+            place = int(np.searchsorted(rows[starts], first))
+            near = errors[max(place - _BESIDE, 0) : place + _BESIDE]
+            if len(near) < _FEWEST or not np.any(_size(off[first:last]) > _AS_GOOD * _size(near)):
+                made[first:last] = True
+    return made
 
 
 class _HeldOut:
@@ -90,34 +150,39 @@ class _HeldOut:
         self.missed = dict(zip(gaps[:, 0].tolist(), _parts(missing), strict=True))
         self.errors: dict[int, tuple[IntArray, FloatArray, FloatArray]] = {}
 
+    def right_among(self, edges: list[int]) -> list[tuple[int, int]]:
+        """Parts of a run between leaps that agree and lie where the kept poses predict them."""
+        near = self._near(edges[0], edges[-1])
+        if near is None or len(edges) == 2:
+            return []
+        return [
+            (begin, end)
+            for begin, end in pairwise(edges)
+            if end - begin > 2 and not np.any(_size(self.off[begin:end]) > near[0])
+        ]
+
     def judged(self, edges: list[int]) -> tuple[list[tuple[int, int]], list[int]]:
-        """Parts of a run between leaps that are right, and rows of it before which levels jump."""
+        """Parts of a run between leaps that are motion, and rows before which its level jumps."""
         first, last = edges[0], edges[-1]
-        pieces, whole = list(pairwise(edges)), [(first, last)]
-        agreeing = [(begin, end) for begin, end in pieces if end - begin > 2]
-        if len(pieces) == 1 and last - first > 1:
-            agreeing = whole
+        whole, agrees = [(first, last)], last - first > 1 and len(edges) == 2
         if first == 0 or last == self.count:
-            return agreeing, [last if first == 0 else first] if agreeing else []
+            levels = [one for one in pairwise(edges) if one[1] - one[0] >= FEWEST_AT_LEVEL]
+            return levels, [last if first == 0 else first] if levels else []
         near = self._near(first, last)
-        if near is None:
-            return whole, []
-        bridging, misses = near
         far, missed = _size(self.off[first:last]), self.missed[first - 1]
-        leapt = far > bridging
-        if len(pieces) == 1 and not np.any(leapt):
+        if near is None or (len(edges) == 2 and not np.any(far > near[0])):
             return whole, []
-        returns = not np.any(missed > misses)
-        if agreeing:  # of several that do not agree, each is wrong by itself
-            back = missed[leapt] / far[leapt]
-            returns = returns and bool(np.all(back < 1.0) and np.any(back < _RETURNED))
-        if agreeing == whole and not returns:
-            return whole, [first, last]
-        right = [one for one in agreeing if not np.any(_size(self.off[slice(*one)]) > bridging)]
-        return right, [] if returns else [last]
+        returns = not np.any(missed > near[1])
+        if agrees:  # poses that do not agree are wrong wherever the path goes on
+            returns = returns and bool(np.any((far > near[0]) & (missed < _RETURNED * far)))
+        if returns:
+            return [], []
+        return (whole, [first, last]) if agrees else ([], [last])
 
     def _near(self, first: int, last: int) -> tuple[FloatArray, FloatArray] | None:
         """Three deviations of bridging as many good poses beside a run, and of missing its end."""
+        if first == 0 or last == self.count:
+            return None
         length = self._length(first, last)
         if length not in self.errors:
             self.errors[length] = self._bridged(length)

@@ -59,13 +59,14 @@ class PathStart:
             return cls(trajectory, kept.astype(np.float64), mirrored)
         sizes = cls(trajectory, kept.astype(np.float64), mirrored)._sizes()
         kept = inlier_poses(time_s, poses.rigid, *sizes[:2])
-        kept, jumps = judged_runs(time_s, poses.rigid, kept)
-        rigid, mirrored = mirrored_back(time_s, poses.rigid, kept, sizes, _WIDTH)
+        judged = judged_runs(time_s, poses.rigid, kept)
+        wrong = judged.motion & ~judged.levels
+        rigid, mirrored = mirrored_back(time_s, poses.rigid, wrong, sizes, _WIDTH)
         if np.any(mirrored):
             poses = with_rigid(poses, rigid)
             trajectory = Trajectory(trajectory.time_ns, poses, trajectory.parent, trajectory.child)
-            kept, jumps = judged_runs(time_s, rigid, inlier_poses(time_s, rigid, *sizes[:2]))
-        return cls(trajectory, kept.astype(np.float64), mirrored, jumps)
+            judged = judged_runs(time_s, rigid, inlier_poses(time_s, rigid, *sizes[:2]))
+        return cls(trajectory, judged.motion.astype(np.float64), mirrored, judged.jumps)
 
     def _sizes(self) -> tuple[Sizes, Sizes, Sizes]:
         """Noise and white acceleration of rotation, translation and scale, the likeliest."""
