@@ -35,6 +35,7 @@ _AS_GOOD = 2.0
 FEWEST_AT_LEVEL = 6
 # All but so few steps of good poses bend less than a leap does.
 _MOST = 0.99
+_LEAPT = 2.0
 # What the path misses behind a run that it returns from, of how far off this lies.
 _RETURNED = 0.7
 # Where a larger share of the poses would be left out, they must differ from the others.
@@ -53,13 +54,13 @@ Kept = NDArray[np.bool_]
 
 
 class JudgedRuns(NamedTuple):
-    """Poses ``(N,)`` that belong to the motion, rows before which its level jumps, and runs between
-    two such.
+    """Poses ``(N,)`` that belong to the motion, rows before which its level jumps, and poses of it
+    that the path leaps to all the same.
     """
 
     motion: Kept
     jumps: IntArray
-    levels: Kept
+    doubtful: Kept
 
 
 def judged_runs(time_s: FloatArray, poses: Motor, kept: Kept) -> JudgedRuns:
@@ -77,15 +78,18 @@ def judged_runs(time_s: FloatArray, poses: Motor, kept: Kept) -> JudgedRuns:
     bent = _bends(time_s, poses)
     usual = ~_widened(~kept)
     most = np.quantile(bent[:-1][usual], _MOST, axis=0) if np.any(usual) else np.zeros(2)
+    doubtful = np.zeros_like(kept)
     while True:
         made, leaps = np.ones_like(kept), []
         for first, last in runs_of(~kept):
             edges = _leaps(bent, ~_widened(~kept), most, first, last)
+            if edges and first > 0 and last < len(kept):
+                doubtful[edges[0] : last] = len(edges) == 1
             if len(edges) > 1:
                 made[edges[0] : edges[-1]] = False
                 leaps.append(edges)
         if not leaps or not np.any(made[1:] & made[:-1]):
-            return JudgedRuns(made if not leaps else kept, NO_JUMPS, np.zeros_like(kept))
+            return JudgedRuns(made if not leaps else kept, NO_JUMPS, doubtful)
         held_out = _HeldOut(time_s, poses, made)
         right = [piece for edges in leaps for piece in held_out.right_among(edges)]
         if not right:
@@ -93,14 +97,14 @@ def judged_runs(time_s: FloatArray, poses: Motor, kept: Kept) -> JudgedRuns:
         kept = made.copy()
         for first, last in right:
             kept[first:last] = True
-    jumps, levels = list[int](), np.zeros_like(kept)
+    jumps = list[int]()
     for edges in leaps:
         stays, before = held_out.judged(edges)
         for first, last in stays:
             made[first:last] = True
-            levels[first:last] = len(before) == 2
+            doubtful[first:last] = first > 0 and last < len(kept)
         jumps += before
-    return JudgedRuns(made, np.array(jumps, dtype=np.int64), levels)
+    return JudgedRuns(made, np.array(jumps, dtype=np.int64), doubtful)
 
 
 def near_good(
@@ -164,10 +168,13 @@ class _HeldOut:
     def judged(self, edges: list[int]) -> tuple[list[tuple[int, int]], list[int]]:
         """Parts of a run between leaps that are motion, and rows before which its level jumps."""
         first, last = edges[0], edges[-1]
-        whole, agrees = [(first, last)], last - first > 1 and len(edges) == 2
+        whole, longest = [(first, last)], max(np.diff(edges))
+        agrees = longest > (1 if len(edges) == 2 else 2)
         if first == 0 or last == self.count:
             levels = [one for one in pairwise(edges) if one[1] - one[0] >= FEWEST_AT_LEVEL]
-            return levels, [last if first == 0 else first] if levels else []
+            if levels or not self._far_at_end(first, last):
+                return levels or whole, [last if first == 0 else first]
+            return [], []
         near = self._near(first, last)
         far, missed = _size(self.off[first:last]), self.missed[first - 1]
         if near is None or (len(edges) == 2 and not np.any(far > near[0])):
@@ -177,7 +184,15 @@ class _HeldOut:
             returns = returns and bool(np.any((far > near[0]) & (missed < _RETURNED * far)))
         if returns:
             return [], []
-        return (whole, [first, last]) if agrees else ([], [last])
+        return (whole, [first, last]) if agrees and len(edges) == 2 else ([], [last])
+
+    def _far_at_end(self, first: int, last: int) -> bool:
+        """Whether a run at an end lies off the pose next to it by more than it may have moved."""
+        border, next_to = (last, last - 1) if first == 0 else (first - 1, first)
+        place = int(np.searchsorted(self.rows, border))
+        near = slice(max(place - _AROUND, 0), place + _AROUND)
+        step = np.median(_off(self.good[near][1:], self.good[near][:-1]), axis=0)
+        return bool(np.any(self.off[next_to] > (last - first + 1.0) * step))
 
     def _near(self, first: int, last: int) -> tuple[FloatArray, FloatArray] | None:
         """Three deviations of bridging as many good poses beside a run, and of missing its end."""
@@ -233,13 +248,15 @@ def _bends(time_s: FloatArray, poses: Motor) -> FloatArray:
     """By how much each step ``(N + 1, 2)`` differs from those beside it, in rad and m.
 
     Row k is of the step before pose k. A turn, however fast, changes steps little by little; a leap
-    is unlike the steps on both its sides, and their mean. There is none beyond the ends.
+    is unlike what the steps on either side go on to, and unlike their mean. There is none beyond
+    the ends.
     """
     rates = (poses[:-1].inverse() @ poses[1:]).as_twist() / np.diff(time_s)[:, None]
-    padded = np.concatenate([rates[:1], rates, rates[-1:]])
-    before, after = rates - padded[:-2], rates - padded[2:]
+    before, after = np.pad(rates, ((2, 0), (0, 0)), "edge"), np.pad(rates, ((0, 2), (0, 0)), "edge")
+    before, after = 2.0 * before[1:-1] - before[:-2], 2.0 * after[1:-1] - after[2:]
     before[0], after[-1] = after[0], before[-1]
-    least = np.min([_parts(one) for one in (before, after, 0.5 * (before + after))], axis=0)
+    expected = before, after, 0.5 * (before + after)
+    least = np.min([_parts(rates - one) for one in expected], axis=0)
     return np.pad(least * float(np.median(np.diff(time_s))), ((1, 1), (0, 0)))
 
 
@@ -250,8 +267,8 @@ def _leaps(bent: FloatArray, usual: Kept, most: FloatArray, first: int, last: in
     """
     beside = slice(max(first - _AROUND, 0), last + _AROUND)
     near = bent[:-1][beside][usual[beside]]
-    least = np.maximum(np.median(near, axis=0) if len(near) else 0.0, most)
-    leaps = first + np.flatnonzero(np.any(bent[first : last + 1] > _WRONG * least, axis=1))
+    least = np.maximum(_WRONG * np.median(near, axis=0) if len(near) else 0.0, _LEAPT * most)
+    leaps = first + np.flatnonzero(np.any(bent[first : last + 1] > least, axis=1))
     ends = {one for one in (0, len(usual)) if one in (first, last)}
     return sorted(ends.union(leaps.tolist()))
 

@@ -60,8 +60,8 @@ class PathStart:
         sizes = cls(trajectory, kept.astype(np.float64), mirrored)._sizes()
         kept = inlier_poses(time_s, poses.rigid, *sizes[:2])
         judged = judged_runs(time_s, poses.rigid, kept)
-        wrong = judged.motion & ~judged.levels
-        rigid, mirrored = mirrored_back(time_s, poses.rigid, wrong, sizes, _WIDTH)
+        sure = judged.motion & ~judged.doubtful
+        rigid, mirrored = mirrored_back(time_s, poses.rigid, sure, sizes, _WIDTH)
         if np.any(mirrored):
             poses = with_rigid(poses, rigid)
             trajectory = Trajectory(trajectory.time_ns, poses, trajectory.parent, trajectory.child)
