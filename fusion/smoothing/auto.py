@@ -24,7 +24,7 @@ from motorcade.fusion.smoothing.batch.columns import (
 )
 from motorcade.fusion.smoothing.batch.first import FIRST_STEPS, first_path, in_better_axes
 from motorcade.fusion.smoothing.batch.jumps import with_jumps
-from motorcade.fusion.smoothing.batch.noise import FEWEST_POSES, warn_of_untold
+from motorcade.fusion.smoothing.batch.noise import FEWEST_POSES, warn_of_coarse
 from motorcade.fusion.smoothing.batch.per_axis import (
     HEAVY_TAILS,
     NORMAL_TAILS,
@@ -343,7 +343,7 @@ def _chosen(
         measured, found = in_better_axes(start, measured, found)
     known = knobs.known_noise(measured.representation, found.noise.size)
     models = chosen_models(measured, found.coordinates, found.weights, known=known)
-    warn_of_untold(models.columns, float(np.median(np.diff(measured.time_s))))
+    warn_of_coarse(float(np.median(np.diff(measured.time_s))))
     tails = tails_of(found.squares, found.weights, len(models.columns))
     found = _settled(measured, found, models, tails)
     noise = np.where(np.isnan(known), found.noise, known)

@@ -80,7 +80,8 @@ class ColumnModel:
     def through_all(self, interval_s: float) -> ColumnModel:
         """A model that goes through every value, whose noise is not told."""
         untold = "its motion takes up the band that would tell"
-        return replace(self, ratio=ratio_of(_EXACT, self.order, interval_s), untold=untold)
+        ratio = ratio_of(_EXACT, self.order, interval_s)
+        return replace(self, ratio=ratio, memory_s=0.0, untold=untold)
 
     def smoother(self, smoothness: float, interval_s: float) -> ColumnModel:
         """The model that averages over ``2**smoothness`` times as long.

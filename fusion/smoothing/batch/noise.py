@@ -11,14 +11,12 @@ likelier of the two models is taken. Rotation, translation and scale are searche
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import exp, log
 
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.batch.columns import ColumnModel
 from motorcade.fusion.smoothing.batch.inliers import Sizes, inlier_poses
 from motorcade.fusion.smoothing.causal import (
     ConstantAccelerationFilter,
@@ -32,8 +30,8 @@ from motorcade.ga.arrays import FloatArray
 _LOG = logging.getLogger("motorcade.smooth")
 
 FEWEST_POSES = 16
-# Stamps in milliseconds that are read as seconds lie at least so far apart, up to 1 kHz.
-_COARSE_S = 1.0
+# Stamps in milliseconds that are read as seconds lie at least so far apart, up to 100 Hz.
+_COARSE_S = 10.0
 # The likelihood is taken over so many poses at most, in a few stretches of the path.
 _STRETCHES, _STRETCH = 4, 1000
 _ROUNDS = 2
@@ -206,11 +204,10 @@ def _filter(order: int, sizes: list[Sizes], representation: str) -> KalmanFilter
     )
 
 
-def warn_of_untold(models: Sequence[ColumnModel], interval_s: float) -> None:
-    """Where no column tells its noise and poses lie far apart, stamps may be in another unit."""
-    if interval_s >= _COARSE_S and all(one.untold for one in models):
+def warn_of_coarse(interval_s: float) -> None:
+    """Where poses lie farther apart than those of any camera, stamps may be in another unit."""
+    if interval_s >= _COARSE_S:
         _LOG.warning(
-            "no axis tells its noise, and stamps lie %.3g s apart. Are they milliseconds? Seconds "
-            "are expected; divide by 1e3",
+            "stamps lie %.3g s apart. Are they milliseconds? Seconds are expected; divide by 1e3",
             interval_s,
         )

@@ -35,7 +35,6 @@ _AS_GOOD = 2.0
 FEWEST_AT_LEVEL = 6
 # All but so few steps of good poses bend less than a leap does.
 _MOST = 0.99
-_LEAPT = 2.0
 # What the path misses behind a run that it returns from, of how far off this lies.
 _RETURNED = 0.7
 # Where a larger share of the poses would be left out, they must differ from the others.
@@ -115,7 +114,7 @@ def near_good(
     left_out: Kept,
     without: Callable[[Kept], Motor],
 ) -> Kept:
-    """Poses ``(N,)`` left out that lie no farther off a path than good ones where they are held out.
+    """Poses ``(N,)`` left out that lie no farther off a path than good ones that are held out.
 
     Args:
         time_s: ``(N,)`` increasing.
@@ -171,24 +170,26 @@ class _HeldOut:
         whole, longest = [(first, last)], max(np.diff(edges))
         agrees = longest > (1 if len(edges) == 2 else 2)
         if first == 0 or last == self.count:
+            near_by = [one for one in pairwise(edges) if not self._far_at_end(first, last, *one)]
             levels = [one for one in pairwise(edges) if one[1] - one[0] >= FEWEST_AT_LEVEL]
-            if levels or not self._far_at_end(first, last):
-                return levels or whole, [last if first == 0 else first]
-            return [], []
+            if near_by or not levels:
+                return near_by, []
+            return levels, [last if first == 0 else first]
         near = self._near(first, last)
         far, missed = _size(self.off[first:last]), self.missed[first - 1]
         if near is None or (len(edges) == 2 and not np.any(far > near[0])):
             return whole, []
         returns = not np.any(missed > near[1])
         if agrees:  # poses that do not agree are wrong wherever the path goes on
+            far = _size(self.off[slice(*max(pairwise(edges), key=lambda one: one[1] - one[0]))])
             returns = returns and bool(np.any((far > near[0]) & (missed < _RETURNED * far)))
         if returns:
             return [], []
         return (whole, [first, last]) if agrees and len(edges) == 2 else ([], [last])
 
-    def _far_at_end(self, first: int, last: int) -> bool:
-        """Whether a run at an end lies off the pose next to it by more than it may have moved."""
-        border, next_to = (last, last - 1) if first == 0 else (first - 1, first)
+    def _far_at_end(self, first: int, last: int, begin: int, end: int) -> bool:
+        """Whether part of a run at an end lies off the pose next to it farther than it may move."""
+        border, next_to = (last, end - 1) if first == 0 else (first - 1, begin)
         place = int(np.searchsorted(self.rows, border))
         near = slice(max(place - _AROUND, 0), place + _AROUND)
         step = np.median(_off(self.good[near][1:], self.good[near][:-1]), axis=0)
@@ -252,11 +253,12 @@ def _bends(time_s: FloatArray, poses: Motor) -> FloatArray:
     the ends.
     """
     rates = (poses[:-1].inverse() @ poses[1:]).as_twist() / np.diff(time_s)[:, None]
-    before, after = np.pad(rates, ((2, 0), (0, 0)), "edge"), np.pad(rates, ((0, 2), (0, 0)), "edge")
-    before, after = 2.0 * before[1:-1] - before[:-2], 2.0 * after[1:-1] - after[2:]
-    before[0], after[-1] = after[0], before[-1]
-    expected = before, after, 0.5 * (before + after)
-    least = np.min([_parts(rates - one) for one in expected], axis=0)
+    ahead = np.pad(rates, ((2, 2), (0, 0)), "edge")
+    far, near = (ahead[:-4], ahead[4:]), (ahead[1:-3], ahead[3:-1])
+    slopes = [2.0 * one - other for one, other in zip(near, far, strict=True)]
+    expected = [near, slopes, [0.5 * (near[0] + near[1])] * 2]
+    least = np.min([[_parts(rates - one) for one in pair] for pair in expected], axis=(0, 1))
+    least[[0, -1]] = _parts(rates[[0, -1]] - rates[[1, -2]])
     return np.pad(least * float(np.median(np.diff(time_s))), ((1, 1), (0, 0)))
 
 
@@ -267,7 +269,7 @@ def _leaps(bent: FloatArray, usual: Kept, most: FloatArray, first: int, last: in
     """
     beside = slice(max(first - _AROUND, 0), last + _AROUND)
     near = bent[:-1][beside][usual[beside]]
-    least = np.maximum(_WRONG * np.median(near, axis=0) if len(near) else 0.0, _LEAPT * most)
+    least = _WRONG * np.maximum(np.median(near, axis=0) if len(near) else 0.0, most)
     leaps = first + np.flatnonzero(np.any(bent[first : last + 1] > least, axis=1))
     ends = {one for one in (0, len(usual)) if one in (first, last)}
     return sorted(ends.union(leaps.tolist()))

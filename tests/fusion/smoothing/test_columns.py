@@ -133,7 +133,9 @@ def test_an_axis_that_goes_through_its_values_leaves_no_pose_out(rng: np.random.
     rotor = REPRESENTATIONS["rotor"]
     path = rotor.coordinates(Motor.identity((200,)))
     noise = 0.01 * rng.standard_normal((200, 6)) * ([0.0] * 3 + [1.0] * 3)
-    measured = Measured(rotor, np.arange(200) / 20.0, rotor.retract(path, noise), NO_JUMPS)
+    measured = Measured(
+        rotor, np.arange(200) / 20.0, rotor.retract(path, noise), NO_JUMPS, np.ones(200, np.bool_)
+    )
     exact, stiff = ColumnModel(2, 1e6, 1e-6), ColumnModel(2, 1.0, 0.01)
     weights = np.ones(200)
     weights[90] = 0.0
@@ -159,7 +161,9 @@ def test_runs_left_out_of_long_paths_tell_nothing_of_the_models(
     weights[first : first + 1100] = 0.0
     rotor = REPRESENTATIONS["rotor"]
     path = rotor.coordinates(Motor.identity((6000,)))
-    measured = Measured(rotor, np.arange(6000) / 30.0, rotor.retract(path, noise), NO_JUMPS)
+    measured = Measured(
+        rotor, np.arange(6000) / 30.0, rotor.retract(path, noise), NO_JUMPS, weights > 0.0
+    )
     found = chosen_models(measured, path, weights, (1,))
     assert [one.noise for one in found.columns] == pytest.approx([0.01] * 6, rel=0.05)
 
@@ -188,5 +192,6 @@ def test_motion_that_stamps_do_not_resolve_is_left(seed: int) -> None:
     phases = rng.uniform(0.0, 2.0 * np.pi, len(rates_hz))
     motion = np.sin(2.0 * np.pi * time_s[:, None] * rates_hz + phases) @ sizes
     [(model, *_)] = chosen([ColumnStretch(time_s, motion[:, None], np.ones(1000))])
+    model = model.told(0.1)
     left = splined(time_s, motion, np.ones(1000), model.order, model.ratio).values
     assert np.std(left - motion) < 0.002 * np.std(motion)

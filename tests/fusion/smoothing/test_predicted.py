@@ -1,16 +1,21 @@
 """Poses are left out only where the others predict them, and no path comes out worse."""
 
-import numpy as np
+from pathlib import Path
 
+import numpy as np
+import pytest
+
+from motorcade.fusion.metrics.jitter import accelerations
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import smoothed_automatically
 from motorcade.fusion.smoothing.batch.inliers import inlier_poses
 from motorcade.fusion.smoothing.batch.noise import first_sizes
-from motorcade.fusion.smoothing.batch.predicted import unresolved, with_unpredicted
+from motorcade.fusion.smoothing.batch.predicted import judged_runs, unresolved
 from motorcade.fusion.smoothing.batch.start import PathStart
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
+from motorcade.replays.files.trajectories import read_trajectory
 
 RUN = slice(400, 430)
 
@@ -34,8 +39,20 @@ def test_a_run_is_left_out_where_the_others_predict_it(rng: np.random.Generator)
     off = np.where(kept, 0.0, 0.1)[:, None] * [1.0, 0.0, 0.0]
     for calm, told in ((MOTIONS["screw"].sampled(30.0, 599 / 30.0), True), (jerky(rng), False)):
         path = shifted(Gaussian(0.001, 0.001).apply(calm, rng), off)
-        found = with_unpredicted(path.time_s, path.motors, kept)
+        found = judged_runs(path.time_s, path.motors, kept).motion
         assert np.array_equal(found, kept if told else np.ones_like(kept))
+
+
+def test_a_run_that_the_path_does_not_return_from_is_a_level(rng: np.random.Generator) -> None:
+    kept = np.ones(600, dtype=np.bool_)
+    kept[RUN] = False
+    level = np.select([np.arange(600) < 400, kept], [0.0, -0.4], 0.5)[:, None] * [1.0, 0.0, 0.0]
+    path = shifted(
+        Gaussian(0.001, 0.001).apply(MOTIONS["screw"].sampled(30.0, 599 / 30.0), rng), level
+    )
+    found = judged_runs(path.time_s, path.motors, kept)
+    assert np.all(found.motion)
+    assert found.jumps.tolist() == [400, 430]
 
 
 def test_poses_of_a_jerky_path_are_not_called_wrong(rng: np.random.Generator) -> None:
@@ -62,3 +79,67 @@ def test_corrections_of_stiff_splines_do_not_outgrow_each_other() -> None:
     made = smoothed_automatically(noisy).trajectory
     off = (made.motors.translation_m - true.motors.translation_m) ** 2
     assert np.sqrt(np.mean(np.sum(off, axis=1))) < 4e-4  # of 1.8e-3
+
+
+def wrong_together(seed: int) -> tuple[Trajectory, Trajectory, FloatArray]:
+    """A measured path, the true one in its levels, and which poses are wrong (1).
+
+    Runs of wrong poses, jumps of level beside them or anywhere, and gaps, all in one.
+    """
+    rng = np.random.default_rng([35, seed])
+    name = str(rng.choice(["handheld", "walk_and_look", "tumble"]))
+    true, count = MOTIONS[name].sampled(20.0, 299 / 20.0), 300
+    noisy = Gaussian(0.002, np.deg2rad(0.1)).apply(true, rng)
+    wrong, twist, ends = np.zeros(count), np.zeros((count, 6)), [int(rng.integers(30, 270))]
+    for _ in range(2):
+        length = int(rng.integers(1, 13))
+        first = int(rng.integers(20, count - length - 20))
+        rows = 1 if rng.random() < 0.5 else length
+        twist[first : first + length] = rng.standard_normal((rows, 6)) * [0.5] * 6
+        wrong[first : first + length] = 1.0
+        ends.append(first + length)
+    level = (np.arange(count) >= rng.choice(ends))[:, None] * 0.3 * rng.standard_normal(6)
+    levels = Motor.from_twist(level)
+    measured = levels @ noisy.motors @ Motor.from_twist(twist)
+    kept = np.ones(count, dtype=np.bool_)
+    gap = int(rng.integers(20, 270))
+    kept[gap : gap + int(rng.integers(1, 10))] = False
+    return (
+        Trajectory(true.time_ns, measured)[kept],
+        Trajectory(true.time_ns, levels @ true.motors)[kept],
+        wrong[kept],
+    )
+
+
+def sizes_off(path: Trajectory, true: Trajectory) -> FloatArray:
+    """By how much each pose is off ``(N, 2)``, in rad and m."""
+    off = (true.motors.inverse() @ path.motors).as_twist().reshape(-1, 2, 3)
+    return np.asarray(np.linalg.norm(off, axis=2), dtype=np.float64)
+
+
+@pytest.mark.slow
+def test_runs_jumps_and_gaps_together_spoil_no_good_pose() -> None:
+    spoiled = 0
+    for seed in range(40):
+        measured, true, wrong = wrong_together(seed)
+        found = smoothed_automatically(measured).trajectory
+        before, after = (sizes_off(one, true)[wrong == 0.0] for one in (measured, found))
+        spoiled += bool(np.any(np.mean(after**2, axis=0) > 1.1 * np.mean(before**2, axis=0)))
+    assert spoiled <= 4
+
+
+def test_good_poses_of_a_flight_stay_where_nothing_bridges_them(data_dir: Path) -> None:
+    """A fast turn of good poses was left out, and a jump found behind it."""
+    raw = read_trajectory(data_dir / "cases" / "smooth_v102_first_400.tum")
+    true = read_trajectory(data_dir / "imu" / "V1_02_medium.csv").resampled(raw.time_ns)
+    found = smoothed_automatically(raw).trajectory
+
+    def figures(path: Trajectory) -> FloatArray:
+        steps = [one.motors[:-1].inverse() @ one.motors[1:] for one in (path, true)]
+        wrong = (steps[1].inverse() @ steps[0]).as_twist().reshape(-1, 2, 3)
+        jerks = zip(*(accelerations(raw.time_s, one.motors) for one in (path, true)), strict=True)
+        jitter = [np.sqrt(np.mean(np.sum((own - real) ** 2, axis=1))) for own, real in jerks]
+        return np.array([*np.sqrt(np.mean(np.sum(wrong**2, axis=2), axis=0)), *jitter])
+
+    assert np.all(figures(found) <= 1.0001 * figures(raw))
+    assert np.all(np.max(sizes_off(found, raw), axis=0) < [np.deg2rad(5.0), 0.2])

@@ -20,8 +20,9 @@ XYZ, DESK = "freiburg1_xyz-groundtruth.txt", "fr2_desk_groundtruth.txt"
 @pytest.mark.parametrize(
     ("estimate", "truth", "align", "jitter_ratios"),
     [
-        ("freiburg1_xyz-rgbdslam.txt", XYZ, "se3", (0.25, 0.9)),
-        ("fr2_desk_ORB.txt", DESK, "sim3", (0.25, 0.97)),
+        ("freiburg1_xyz-rgbdslam.txt", XYZ, "se3", (0.6, 0.98)),
+        # Its turns fill the band that would tell their noise.
+        ("fr2_desk_ORB.txt", DESK, "sim3", (0.25, 1.001)),
         # Keyframes at 5 Hz are left as they are.
         ("freiburg1_xyz-ORB_kf_mono.txt", XYZ, "sim3", (1.001, 1.001)),
     ],
