@@ -168,7 +168,8 @@ def inside_gaps(stamps_ns: IntArray, time_ns: IntArray, max_gap_s: float) -> NDA
     if len(time_ns) < 2:
         return np.zeros(len(stamps_ns), dtype=np.bool_)
     wide: NDArray[np.bool_] = (time_ns[after] - time_ns[after - 1]) * 1e-9 > max_gap_s
-    return wide & between & (time_ns[after] != stamps_ns)
+    inside: NDArray[np.bool_] = wide & between & (time_ns[after] != stamps_ns)
+    return inside
 
 
 def check_count(count: float, name: str, poses: int | None = None) -> None:
