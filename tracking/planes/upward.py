@@ -142,11 +142,14 @@ def estimate_up(
     if lines is not None and len(lines):
         density += _of_lines(up, density, lines)
     mass = np.exp(density - density.max())
-    return _estimate(up, mass / mass.sum())
+    return _estimate(up, mass / mass.sum(), surfaces)
 
 
-def _estimate(up: FloatArray, mass: FloatArray) -> UpEstimate:
-    """The direction with most around it, of those that hold some themselves."""
+def _estimate(up: FloatArray, mass: FloatArray, surfaces: Sequence[FlatSurface]) -> UpEstimate:
+    """The direction with most around it, of those that hold some themselves.
+
+    A surface that is turned nearly like it is level, and tells it better.
+    """
     some = np.flatnonzero(mass > 1e-3 * mass.max())
     around = (up[some] @ up.T > np.cos(np.deg2rad(_SAME))) @ mass
     best = up[some[int(np.argmax(around))]]
@@ -154,6 +157,11 @@ def _estimate(up: FloatArray, mass: FloatArray) -> UpEstimate:
         near = up @ best > np.cos(np.deg2rad(_SAME))
         best = mass[near] @ up[near]
         best = best / np.linalg.norm(best)
+    best = max(
+        (one.normal for one in surfaces if one.normal @ best > np.cos(np.deg2rad(_SAME))),
+        key=lambda normal: float(normal @ best),
+        default=best,
+    )
     near = up @ best > np.cos(np.deg2rad(_NEAR))
     angle = np.arccos(np.clip(up[near] @ best, -1.0, 1.0))
     share = float(mass[near].sum())

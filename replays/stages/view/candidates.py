@@ -26,6 +26,7 @@ from motorcade.replays.stages.view.ground import (
 )
 from motorcade.replays.stages.view.in_view import best_place, share_seen, tall_at
 from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.planes import (
     FlatSurface,
     Plane,
@@ -54,7 +55,6 @@ _POINT_NOISE, _FREE_HEIGHT, _LEAST_FREE_HEIGHT = 0.01, 0.25, 0.05
 _BELIEF_IN_DEPTH, _BELIEVED, _BELIEF_IN_LEVEL, _OFFERED = 0.9, 0.5, 0.3, 0.1
 # A doll is at most so many times as tall as one that is seen well.
 _LARGEST_SHARE = 2.0
-_LIKE_A_SURFACE = np.cos(np.deg2rad(8.0))
 # A level reaches as far as the points at its height; as thick as this, in their noise.
 _THICKNESS = 3.0
 
@@ -87,12 +87,6 @@ class SeenScene:
     gravity: tuple[FloatArray, str] | None = None
     has_level: bool = False
 
-    @property
-    def surfaces(self) -> list[FlatSurface]:
-        """Those of the planes that are believed."""
-        pairs = zip(self.planes, self.beliefs, strict=True)
-        return [FlatSurface(plane.normal, belief) for plane, belief in pairs if belief >= _BELIEVED]
-
 
 def seen_scene(recording: Recording, camera_poses: CameraPoses, path: Trajectory) -> SeenScene:
     """The planes that the depth of a few frames shows, or else those among the map's points."""
@@ -100,19 +94,18 @@ def seen_scene(recording: Recording, camera_poses: CameraPoses, path: Trajectory
     has_level = camera_poses.origin == "slam" and len(mapped) > 0
     unit = "m" if camera_poses.metric else "units"
     scene = SeenScene(recording, path, mapped, unit=unit, gravity=gravity, has_level=has_level)
-    for frame in _with_depth(recording, path):
+    for frame in _spread(recording, path, _FRAMES_SEARCHED):
         world_T_camera = path.motors_at(np.int64(frame.time_ns))
-        planes = tuple(_planes_of(recording, frame, world_T_camera))
+        planes, points = _seen_in_depth(recording.camera, frame)
         if planes:
-            points = world_T_camera.apply(_points_of(recording, frame))
             return replace(
                 scene,
-                points=points,
-                planes=planes,
+                points=world_T_camera.apply(points),
+                planes=tuple(plane.transformed_by(world_T_camera) for plane in planes),
                 beliefs=(_BELIEF_IN_DEPTH,) * len(planes),
                 unit="m",
                 found_in=f"the depth of {frame.name}",
-                depth_m=_scene_depth(points, world_T_camera),
+                depth_m=float(np.median(points[:, 2])),
             )
     if len(mapped) < _FEWEST_POINTS:
         return scene
@@ -130,7 +123,11 @@ def weigh_up(scene: SeenScene) -> UpEstimate:
     return estimate_up(
         scene.path.motors,
         depth_m=scene.depth_m,
-        surfaces=scene.surfaces,
+        surfaces=[
+            FlatSurface(plane.normal, belief)
+            for plane, belief in zip(scene.planes, scene.beliefs, strict=True)
+            if belief >= _BELIEVED
+        ],
         lines=None if scene.gravity is not None else _lines(scene),
         gravity_up=None if scene.gravity is None else scene.gravity[0],
     )
@@ -167,7 +164,7 @@ def _on_plane(scene: SeenScene, plane: Plane, belief: float, up: UpEstimate) -> 
 def foot_ground(scene: SeenScene, up: UpEstimate, floor_m: float = 0.0) -> Ground:
     """A level at the foot of what was mapped, `floor_m` above it."""
     direction, how = scene.gravity or (
-        _as_surfaces(up.direction, scene),
+        up.direction,
         "up being guessed from how the camera was held and moved, and from lines it saw",
     )
     doubt = "how high the ground lies is a guess"
@@ -192,14 +189,6 @@ def foot_ground(scene: SeenScene, up: UpEstimate, floor_m: float = 0.0) -> Groun
 
     outline = outline[ConvexHull(outline).vertices]
     return _fitted(ground, scene, outline, np.inf, up.share * _BELIEF_IN_LEVEL, noise_m)
-
-
-def _as_surfaces(up: FloatArray, scene: SeenScene) -> FloatArray:
-    """Up, or the normal of the believed surface that is turned nearly like it."""
-    cosines = [float(one.normal @ up) for one in scene.surfaces]
-    if not cosines or max(cosines) < _LIKE_A_SURFACE:
-        return up
-    return scene.surfaces[int(np.argmax(cosines))].normal
 
 
 def _fitted(
@@ -279,37 +268,21 @@ def _spread(recording: Recording, path: Trajectory, most: int) -> Iterator[Frame
         yield recording.frames[int(index)]
 
 
-def _with_depth(recording: Recording, path: Trajectory) -> Iterator[Frame]:
-    """A few frames that have depth and a pose."""
-    if recording.camera is None:
-        return
-    for frame in _spread(recording, path, _FRAMES_SEARCHED):
-        if frame.read_depth is not None:
-            yield frame
-
-
-def _planes_of(recording: Recording, frame: Frame, world_T_camera: Motor) -> list[Plane]:
-    """The planes in one frame's depth, in the world."""
-    depth, camera = frame.depth_m(), recording.camera
-    if depth is None or camera is None:
-        return []
+def _seen_in_depth(camera: Camera | None, frame: Frame) -> tuple[tuple[Plane, ...], FloatArray]:
+    """The planes in a frame's depth, and its points ``(p, 3)``, thinned, in the camera's frame."""
+    nothing: tuple[tuple[Plane, ...], FloatArray] = (), np.zeros((0, 3))
+    depth = None if camera is None or frame.read_depth is None else frame.depth_m()
+    if camera is None or depth is None:
+        return nothing
     try:
         found = find_planes_in_depth(depth, camera, np.random.default_rng(0))
     except ValueError:  # hardly any depth in this frame: another may have more
-        return []
-    return [plane.transformed_by(world_T_camera) for plane in found.planes]
-
-
-def _points_of(recording: Recording, frame: Frame) -> FloatArray:
-    """Points ``(p, 3)`` of a frame's depth, thinned, in the camera's frame."""
-    depth, camera = frame.depth_m(), recording.camera
-    if depth is None or camera is None:
-        return np.zeros((0, 3))
+        return nothing
     y, x = np.mgrid[: depth.shape[0] : _EVERY_PX, : depth.shape[1] : _EVERY_PX].reshape(2, -1)
     ahead = depth[y, x].astype(np.float64)
     known = np.isfinite(ahead) & (ahead > 0.0)
     rays = camera.unproject(np.stack([x[known], y[known]], axis=-1).astype(np.float64))
-    return np.asarray(rays / rays[:, 2:] * ahead[known, None])
+    return found.planes, np.asarray(rays / rays[:, 2:] * ahead[known, None])
 
 
 def _scene_depth(points: FloatArray, world_T_camera: Motor) -> float:
