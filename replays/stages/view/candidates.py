@@ -53,6 +53,8 @@ _POINT_NOISE, _FREE_HEIGHT, _LEAST_FREE_HEIGHT = 0.01, 0.25, 0.05
 # A plane in measured depth has the normals of its points behind it; below half, a plane is more
 # likely none; a level is a guess.
 _BELIEF_IN_DEPTH, _BELIEVED, _BELIEF_IN_LEVEL, _OFFERED = 0.9, 0.5, 0.3, 0.1
+# One sees that a figure leans by more.
+_VISIBLE_DEG = 5.0
 # A doll is at most so many times as tall as one that is seen well.
 _LARGEST_SHARE = 2.0
 # A level reaches as far as the points at its height; as thick as this, in their noise.
@@ -154,6 +156,9 @@ def _on_plane(scene: SeenScene, plane: Plane, belief: float, up: UpEstimate) -> 
         doubts.append(f"that its normal is up is a guess ({100 * share:.0f} % sure){other}")
     if belief < _BELIEVED:
         doubts.append(f"it may be no surface ({100 * belief:.0f} % sure)")
+    tilt_deg = np.rad2deg(np.arctan2(_POINT_NOISE * scene.depth_m, 0.5 * min(wide, tall)))
+    if tilt_deg > _VISIBLE_DEG and belief != _BELIEF_IN_DEPTH:
+        doubts.append(f"it is so narrow that it may be tilted by {tilt_deg:.0f} degrees")
     how = "up being its normal" if scene.gravity is None else scene.gravity[1]
     ground = Ground(
         plane.world_T_plane, (0.0, 0.0), height_m, f"{size}, {how}", doubt="; ".join(doubts)
