@@ -130,8 +130,8 @@ def test_a_steep_table_and_a_board_that_stands_upright() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20, 24))
 def test_thirty_drawn_scenes_are_stood_on_rightly_or_doubted(seed: int) -> None:
-    """At most one in thirty is wrong in silence; a board that leans may look as one that lies."""
+    """None is wrong in silence, and most are right without any picture to see lines in."""
     outcomes = [stood(scene) for scene in thirty(np.random.default_rng(seed))]
     silent = [one for one in outcomes if not one.right and not one.ground.doubt]
-    assert len(silent) <= 1, [one.name for one in silent]
+    assert not silent, [one.name for one in silent]
     assert sum(one.right for one in outcomes) >= 20
