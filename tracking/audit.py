@@ -60,6 +60,10 @@ class AuditFinding:
         return f"{self.summary}; {self.advice}" if self.advice and not self.passed else self.summary
 
 
+DEPTH_ON_COLOUR_PX = 4.5
+"""A structured-light sensor compares windows of 9 pixels: its edges are off by half of one."""
+
+
 def scatter_px(camera: Camera) -> float:
     """Most that a corner is off where camera and print are as stated, pixels: fixed beforehand.
 

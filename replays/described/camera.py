@@ -71,7 +71,8 @@ def camera_of_fixed_place(
 ) -> FoundCamera:
     """The camera of a shot in which it stays at its place: stated, by its turns, or a usual one."""
     if stated is not None and stated.camera is not None:
-        return FoundCamera(stated.camera, stated.said, "the file's own notes", None)
+        doubts = ("the lens is as the file states it: good to look at, not to measure with",)
+        return FoundCamera(stated.camera, stated.said, "the file's own notes", None, doubts=doubts)
     focal, sigma = with_prior(motion.focal, motion.focal_sigma)
     said = f"a lens without distortion that sees {view_deg(focal):.0f} degrees"
     told = math.isfinite(motion.focal_sigma)

@@ -48,7 +48,7 @@ def description_graph() -> Graph:
 
     >>> from motorcade.replays.described.opening import description_graph
     >>> sorted(description_graph().stages["described"].knobs)
-    ['board', 'fov_deg', 'rate_hz', 'size_m', 'target']
+    ['board', 'fov_deg', 'rate_hz', 'shot', 'size_m', 'target']
     """
     return Graph([described], {"recording": Recording})
 

@@ -66,6 +66,8 @@ def track(items: Iterable[Item], what: str, total: int) -> Iterator[Item]:
         yield from tqdm(items, desc=what, total=total, leave=False, delay=DELAY_S)
     else:
         start = time.monotonic()
+        if not _lines.steps:
+            _lines.begin()
         for done, item in enumerate(items, 1):
             if done < total:
                 _lines.say(_share(what, done, total, time.monotonic() - start))

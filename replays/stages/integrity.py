@@ -20,14 +20,19 @@ from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.offered import camera_of
-from motorcade.replays.stages.camera.sensor_audit import DEPTH_ON_COLOUR_PX
 from motorcade.replays.values.board_poses import BoardPoses
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.imu import UsedImu
 from motorcade.replays.values.integrity import Integrity
 from motorcade.replays.values.paths import FusedPath, SmoothedPaths
 from motorcade.tracking import registration_px
-from motorcade.tracking.audit import AuditFinding, Verdict, centre_finding, scatter_px
+from motorcade.tracking.audit import (
+    DEPTH_ON_COLOUR_PX,
+    AuditFinding,
+    Verdict,
+    centre_finding,
+    scatter_px,
+)
 
 CONTAMINATION = 0.1
 """Share of outliers that ordinary data hold at most: 1 to 10 % are the rule (F. R. Hampel,

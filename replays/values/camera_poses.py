@@ -18,6 +18,8 @@ from motorcade.tracking.depth.cameras import DepthCamera
 from motorcade.tracking.frame_history import SlamHistory
 
 PoseOrigin = Literal["board", "markers", "slam", "simulated", "turning"]
+HELD_HEIGHT = 1.5
+"""Of a camera that only turns above the floor: an adult's chest or eyes, were the unit a metre."""
 
 
 @dataclass(frozen=True, eq=False)

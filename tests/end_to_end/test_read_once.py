@@ -67,11 +67,12 @@ def test_a_run_opens_each_picture_as_often_as_it_needs_it(
     usual = np.full(len(counts), 3 if drawn else 2) + (until == "report")
     if drawn:
         usual[np.unique(np.linspace(0, len(counts) - 1, LIT_FRAMES).round()).astype(int)] += 1
-    # The first is looked at for its size, and three for that of the board, which fits.
+    # The first is looked at for its size, a dozen spread over the recording for whether the board
+    # is as stated, and one for what can be stood on.
     more = np.array(counts) - usual
     assert more.min() == 0
-    assert more.max() <= 2
-    assert more.sum() <= 4
+    assert more.max() <= 4
+    assert more.sum() <= 20
 
     with counting() as opened:
         run_job(Job(board_recording, tmp_path / "out", until=until))

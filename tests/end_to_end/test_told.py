@@ -35,10 +35,13 @@ def test_a_line_a_stage_and_one_of_the_result_where_there_is_no_terminal(
     assert set(json.loads(first.stdout)["stages"]) == set(every)
     assert json.loads(again.stdout)["errors"] == json.loads(first.stdout)["errors"]
     *lines, last = first.stderr.splitlines()
+    opened, *lines = lines
+    assert opened.startswith("small board: 24 pictures of 320 x 240 in ")
     for line, stage in zip(lines, every, strict=True):
         assert re.fullmatch(rf"{stage}: \d+\.\d s", line)
     assert last == f"done as far as errors; look into {tmp_path}"
     assert again.stderr.splitlines() == [
+        opened,
         *(f"{stage}: kept from before" for stage in every),
         last,
     ]
@@ -54,9 +57,9 @@ def test_of_several_recordings_every_line_names_its_own(
     lines = told(board_recording, other, *asked).stderr.splitlines()
     for name in (board_recording.name, "other"):
         own = [line.removeprefix(f"{name}: ") for line in lines if line.startswith(f"{name}: ")]
-        assert [line.partition(":")[0] for line in own[:-1]] == STAGES
+        assert [line.partition(":")[0] for line in own[:-1]] == ["small board", *STAGES]
         assert own[-1] == f"done as far as smoothed; look into {out / name}"
-    assert len(lines) == 2 * (len(STAGES) + 1)
+    assert len(lines) == 2 * (len(STAGES) + 2)
 
 
 def test_on_a_terminal_every_line_has_its_own_row(board_recording: Path, tmp_path: Path) -> None:
@@ -81,6 +84,8 @@ def test_on_a_terminal_every_line_has_its_own_row(board_recording: Path, tmp_pat
     assert running.returncode == 0
     assert "board_poses: 00:00" in written.decode()
     rows = rows_shown(written.decode())
+    opened, *rows = rows
+    assert opened.startswith("small board: 24 pictures")
     for row, stage in zip(rows, STAGES, strict=False):
         assert re.fullmatch(rf"{stage}: \d+\.\d s", row)
     assert rows[len(STAGES) :] == [f"done as far as smoothed; look into {tmp_path}"]

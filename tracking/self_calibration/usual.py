@@ -17,7 +17,7 @@ def with_prior(focal: float, sigma: float) -> tuple[float, float]:
     >>> with_prior(2.0, float("inf"))
     (0.8, 0.35)
     >>> [round(number, 3) for number in with_prior(1.0, 0.05)]
-    [0.996, 0.05]
+    [0.996, 0.049]
     """
     own, usual = 1.0 / sigma**2 if sigma > 0.0 else math.inf, 1.0 / FOCAL_SPREAD**2
     if math.isinf(own):

@@ -112,7 +112,7 @@ def layout_fits(
     >>> board = MarkerGrid("tag36h11", 4, 3, marker_m=0.06, gap_m=0.03)
     >>> corners = 900.0 * board.points_m[:, :2].reshape(-1, 4, 2) * [1.0, -1.0]
     >>> [fit] = layout_fits(board, [SeenMarkers(board.marker_ids, corners)])
-    >>> fit.good, round(fit.side, 3), fit.turned_deg
+    >>> fit.good, round(float(fit.side), 3), fit.turned_deg
     (True, 0.667, 0)
     """
     guess, fits = _Guess.of(board), []

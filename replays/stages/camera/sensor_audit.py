@@ -17,7 +17,7 @@ from motorcade.replays.recording import DepthArray, ImageArray, Recording
 from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.camera.depth import measured_depth
 from motorcade.replays.stages.camera.offered import camera_of
-from motorcade.tracking.audit import AuditFinding, Verdict
+from motorcade.tracking.audit import DEPTH_ON_COLOUR_PX, AuditFinding, Verdict
 from motorcade.tracking.depth.cameras import DepthCamera
 from motorcade.tracking.depth.edges import EdgeOffset, edge_offset
 from motorcade.tracking.depth.lattice import inverse_depth_step
@@ -25,8 +25,6 @@ from motorcade.tracking.pictures import track_corners
 from motorcade.tracking.slam.features import find_corners
 
 _FRAMES = 12
-DEPTH_ON_COLOUR_PX = 4.5
-"""A structured-light sensor compares windows of 9 pixels: its edges are off by half of one."""
 _CLEARLY_PX = 6.0
 _ZOOMED = 0.02
 _KINECT_STEP = 0.0029

@@ -14,15 +14,13 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.engine.progress import track
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.offered import camera_of, require_pictures
-from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.replays.values.camera_poses import HELD_HEIGHT, CameraPoses
 from motorcade.replays.values.sighted_points import SightedPoints
 from motorcade.tracking import PoseMeasurements, TrackingError
 from motorcade.tracking.shots.rotation import track_rotation
 
-HEIGHT = 1.5
-"""Of the camera above the floor: an adult's chest or eyes, were the unit a metre."""
 _WORLD_T_FIRST = Motor.from_rotor_translation(
-    Rotor.from_matrix([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]), [0.0, 0.0, HEIGHT]
+    Rotor.from_matrix([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]), [0.0, 0.0, HELD_HEIGHT]
 )
 _SIGMA_PX, _SIGMA_PLACE = 0.5, 1e-4
 _FAR = 10.0

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.stages.camera.turning_poses import HEIGHT
 from motorcade.replays.stages.view.ground import FLOOR_HEIGHT_M, Ground
+from motorcade.replays.values.camera_poses import HELD_HEIGHT
 from motorcade.tracking.cameras.camera import Camera
 
 _FEET = 0.88
@@ -19,7 +19,7 @@ def level_ground(camera: Camera, path: Trajectory, floor_m: float) -> Ground:
     The picture's up is taken for the world's, and a camera that looks up or down for one that
     looks level: nothing in poses that only turn tells otherwise.
     """
-    below = max(HEIGHT - floor_m, 0.1)
+    below = max(HELD_HEIGHT - floor_m, 0.1)
     soles_px = (0.5 * (camera.width - 1), _FEET * camera.height)
     gaze = path.motors[0].rotor.apply(camera.bearings([soles_px])[0])
     reach = below / -gaze[2] if gaze[2] < -0.05 else 4.0 * below

@@ -17,15 +17,16 @@ KEY = "com.apple.quicktime.camera.focal_length.35mm_equivalent"
 
 
 def write_clip(path: Path, size: tuple[int, int] = (640, 360), **notes: str) -> Path:
-    """Six grey pictures, with notes as phones write them."""
+    """Six pictures of a wall before which nothing moves, with notes as phones write them."""
+    drawn = np.random.default_rng(3).integers(0, 255, (size[1] // 8, size[0] // 8), np.uint8)
+    wall = cv2.cvtColor(cv2.resize(drawn, size), cv2.COLOR_GRAY2RGB)
     options = {"movflags": "use_metadata_tags"}
     with av.open(str(path), "w", options=options) as out:
         out.metadata.update(notes)
         stream = out.add_stream("libx264", rate=30)
         stream.width, stream.height, stream.pix_fmt = *size, "yuv420p"
         for _ in range(6):
-            grey = np.full((size[1], size[0], 3), 90, np.uint8)
-            out.mux(stream.encode(av.VideoFrame.from_ndarray(grey, format="rgb24")))
+            out.mux(stream.encode(av.VideoFrame.from_ndarray(wall, format="rgb24")))
         out.mux(stream.encode())
     return path
 

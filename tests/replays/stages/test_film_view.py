@@ -22,9 +22,8 @@ from motorcade.tracking.audit import AuditFinding
 def test_the_first_tile_is_about_the_film_and_names_what_is_not_sure() -> None:
     path = MOTIONS["handheld"].sampled(rate_hz=10.0, duration_s=1.0)
     checks = (AuditFinding("coverage", "consistent", 0.0, "share", "all have a pose"),)
-    recording = SimpleNamespace(doubts=("the focal length is a guess",))
     findings: Any = SimpleNamespace(
-        integrity=Integrity(checks, {}, path, "smoothed"), recording=recording
+        integrity=Integrity(checks, {}, path, "smoothed"), doubts=("the focal length is a guess",)
     )
     film = FilmView(180, 172, 216.0, 0.2, "the board")
     label = verdict(findings, film).label
