@@ -92,6 +92,7 @@ class Checkerboard(SquaresBoard):
         size = (self.columns, self.rows)
         found, raw = cv2.findChessboardCorners(checked_gray(image), size, flags=QUICK)
         if not found:
+            cv2.setRNGSeed(1)  # it draws random numbers: the same picture, the same corners
             found, raw = cv2.findChessboardCornersSB(image, size, flags=0)
         if not found:
             return None
