@@ -65,17 +65,18 @@ class ColumnModel:
         return self.ratio * self.noise
 
     def told(self, interval_s: float) -> ColumnModel:
-        """The model where it leaves enough of the band to noise alone, else one through all values.
+        """The model where it leaves enough of the band to noise alone, else one through all."""
+        if self.noise_alone(interval_s) >= _NOISE_ALONE:
+            return self
+        return self.through_all(interval_s)
 
-        The share is that of the frequencies up to half the rate that the spline does not pass.
-        """
+    def noise_alone(self, interval_s: float) -> float:
+        """Share of the frequencies up to half the rate that the spline does not pass."""
         kept = float(np.exp(-interval_s / self.memory_s)) if self.memory_s > 0.0 else 0.0
         errors = (1.0 - kept**2) / np.abs(1.0 - kept * np.exp(1j * _BAND)) ** 2
         level = self.ratio**2 * interval_s ** (2 * self.order + 1)
         motion = level * np.sum(np.abs(_BAND + _FOLDS) ** (-2.0 * (self.order + 1)), axis=0)
-        if np.mean(errors / (errors + motion)) >= _NOISE_ALONE:
-            return self
-        return self.through_all(interval_s)
+        return float(np.mean(errors / (errors + motion)))
 
     def through_all(self, interval_s: float) -> ColumnModel:
         """A model that goes through every value, whose noise is not told."""

@@ -30,6 +30,7 @@ from motorcade.ga.arrays import FloatArray
 
 # Shares of an error that are left at the next value. Where errors have a memory at all, the first
 # explains them better than none does.
+_FEWEST = 0.1
 _KEPT = (0.5, 0.3, 0.7, 0.8, 0.9, 0.95)
 
 
@@ -48,9 +49,11 @@ def with_lasting_errors(
         known: ``(K,)`` deviations that are given, NaN where they are not: given errors are white.
     """
     models = [one.model for one in found]
+    interval_s = float(np.median(np.diff(stretches[0].time_s)))
     for first, end in zip((0, *ends), (*ends, len(found)), strict=True):
         group = range(first, end)
-        if not group or np.any(np.isfinite(known[group.start : group.stop])):
+        # What goes through its values shows no errors that could last.
+        if any(np.isfinite(known[k]) or models[k].noise_alone(interval_s) < _FEWEST for k in group):
             continue
         for k, lasting in _likeliest(stretches, found, group).items():
             behind = standard_errors_behind([lasting], found[k].best, k, np.nan)

@@ -176,8 +176,7 @@ def smoothed_per_axis(
             if np.median(column.variance[weights > 0.0]) < _JUDGES:
                 unsure |= column.variance > _UNSURE
             spread[:, k] = column.spread
-            variance = noise[k] ** 2 * column.spread
-            known &= variance <= np.var(column.values, where=weights > 0.0)
+            known &= column.spread <= _UNSURE
             np.subtract(column.values, summed[:, k], out=moved[:, k])
         squares[unsure & (weights == 0.0)] = np.inf
         counted = weights > 0.0  # what lies between runs away where nothing holds it

@@ -10,7 +10,7 @@ for dependent data, Biometrika 81, 1994).
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import pairwise
+from itertools import pairwise, takewhile
 from typing import NamedTuple
 
 import numpy as np
@@ -170,7 +170,10 @@ class _HeldOut:
         whole, longest = [(first, last)], max(np.diff(edges))
         agrees = longest > (1 if len(edges) == 2 else 2)
         if first == 0 or last == self.count:
-            near_by = [one for one in pairwise(edges) if not self._far_at_end(first, last, *one)]
+            near = [one for one in pairwise(edges) if not self._far_at_end(first, last, *one)]
+            inward = list(pairwise(edges))[:: -1 if first == 0 else 1]
+            by_end = list(takewhile(lambda one: one in near, inward))
+            near_by = by_end + [one for one in near if one[1] - one[0] > 2 and one not in by_end]
             levels = [one for one in pairwise(edges) if one[1] - one[0] >= FEWEST_AT_LEVEL]
             if near_by or not levels:
                 return near_by, []
@@ -193,7 +196,8 @@ class _HeldOut:
         place = int(np.searchsorted(self.rows, border))
         near = slice(max(place - _AROUND, 0), place + _AROUND)
         step = np.median(_off(self.good[near][1:], self.good[near][:-1]), axis=0)
-        return bool(np.any(self.off[next_to] > (last - first + 1.0) * step))
+        rows = abs(border - next_to) + end - begin
+        return bool(np.any(self.off[next_to] > _WRONG * rows * step))
 
     def _near(self, first: int, last: int) -> tuple[FloatArray, FloatArray] | None:
         """Three deviations of bridging as many good poses beside a run, and of missing its end."""

@@ -86,7 +86,7 @@ def test_wrong_poses_weigh_nothing_and_leave_what_lies_there_less_certain(method
 @pytest.mark.parametrize("name", ["motor", "rotor", "quaternion", "dual_quaternion", "euler"])
 def test_covariances_stand_in_the_moving_frame_whatever_was_averaged(name: str) -> None:
     """Against draws of what was averaged, a thousandth of its deviations off."""
-    _, noisy = true_and_noisy()
+    _, noisy = true_and_noisy(seconds=4.0)
     found = smooth(noisy, "auto", name, full=True)
     taken, rng = REPRESENTATIONS[name], np.random.default_rng(5)
     path = found.trajectory
