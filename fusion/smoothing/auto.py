@@ -22,7 +22,6 @@ from motorcade.fusion.smoothing.batch.columns import (
     noise_in_words,
     told_noise,
 )
-from motorcade.fusion.smoothing.batch.first import FIRST_STEPS, first_path, in_better_axes
 from motorcade.fusion.smoothing.batch.jumps import with_jumps
 from motorcade.fusion.smoothing.batch.noise import FEWEST_POSES, warn_of_coarse
 from motorcade.fusion.smoothing.batch.per_axis import (
@@ -37,7 +36,13 @@ from motorcade.fusion.smoothing.batch.per_axis import (
     weights_of,
 )
 from motorcade.fusion.smoothing.batch.predicted import beside, near_good, unresolved
-from motorcade.fusion.smoothing.batch.start import PathStart, even_stamps
+from motorcade.fusion.smoothing.batch.start import (
+    FIRST_STEPS,
+    PathStart,
+    even_stamps,
+    first_path,
+    in_better_axes,
+)
 from motorcade.fusion.smoothing.checks import in_double
 from motorcade.fusion.smoothing.knobs import SmootherKnobs
 from motorcade.fusion.smoothing.live import LiveSmoother

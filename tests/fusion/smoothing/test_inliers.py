@@ -6,7 +6,7 @@ import pytest
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian, Outliers, PlanarFlips
 from motorcade.fusion.smoothing.batch.inliers import Sizes, inlier_poses
-from motorcade.fusion.smoothing.batch.noise import first_sizes
+from motorcade.fusion.smoothing.batch.start import first_sizes
 from motorcade.ga import Motor
 from tests.fusion.smoothing.chain_witness import witnessed_chain
 
