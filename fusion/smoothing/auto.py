@@ -5,8 +5,7 @@ their neighbours, under a velocity, an acceleration or a jerk that white noise c
 `batch.columns`); poses that none of them explain are told apart (`batch.per_axis`). Three things
 more are found out from the path: whether its axes are those of the world or of the body (a camera
 knows depth less than width; a vehicle goes where it points); whether errors have heavy tails; and
-whether stamps tremble that should be even. Where nothing tells noise from motion the path stays as
-it is.
+whether stamps tremble that should be even. Where nothing tells noise from motion the path stays.
 """
 
 from __future__ import annotations
@@ -14,28 +13,23 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.batch.columns import (
-    NO_JUMPS,
-    ColumnModel,
-    noise_in_words,
-    told_noise,
-)
+from motorcade.fusion.smoothing.batch.columns import ColumnModel, noise_in_words, told_noise
 from motorcade.fusion.smoothing.batch.jumps import with_jumps
 from motorcade.fusion.smoothing.batch.noise import FEWEST_POSES, warn_of_coarse
 from motorcade.fusion.smoothing.batch.per_axis import (
     HEAVY_TAILS,
+    LAST_STEPS,
     NORMAL_TAILS,
     AxisModels,
     Measured,
     PerAxisPath,
     chosen_models,
+    settled,
     smoothed_per_axis,
     tails_of,
-    weights_of,
 )
-from motorcade.fusion.smoothing.batch.predicted import beside, near_good, unresolved
+from motorcade.fusion.smoothing.batch.predicted import unpredicted
 from motorcade.fusion.smoothing.batch.start import (
     FIRST_STEPS,
     PathStart,
@@ -51,12 +45,11 @@ from motorcade.fusion.smoothing.representations import (
     representation_named,
     restored,
 )
-from motorcade.ga import Motor, Trajectory
+from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
 # Axes of the world, and of the body.
 _WORLD, _BODY = "rotor", "motor"
-_LAST_STEPS = 5
 _AXES = 3
 # A dual part is half the position times the quaternion, whose error the position's size enlarges.
 _MIXED = "dual parts mix positions with rotations"
@@ -76,7 +69,6 @@ class SmootherChoice:
         jumps: how often the level jumps; on another path they are looked for anew.
         axes: how many of the models are of rotation, and of rotation and translation.
         knobs: what was asked for.
-        raw: why poses are left as they are; empty where they are smoothed.
 
     Examples:
         >>> import numpy as np
@@ -103,7 +95,6 @@ class SmootherChoice:
     jumps: int
     axes: tuple[int, int]
     knobs: SmootherKnobs = field(default_factory=SmootherKnobs)
-    raw: str = ""
 
     @property
     def noise_rad(self) -> float | None:
@@ -144,6 +135,11 @@ class SmootherChoice:
         return self.axes[1] - self.axes[0] != _AXES
 
     @property
+    def raw(self) -> bool:
+        """Whether no axis tells its noise, so that good poses are left as they are."""
+        return all(one.untold for one in self.models)
+
+    @property
     def memory_s(self) -> float:
         """Of the axis whose errors last longest, in which one decays to a third; 0 if none last."""
         return max(one.memory_s for one in self.models)
@@ -155,7 +151,10 @@ class SmootherChoice:
     def __str__(self) -> str:
         """The choice in one line."""
         if self.raw:
-            return f"poses left as they are: {self.raw}"
+            return (
+                f"poses but {100.0 * self.outliers:.1f} % left as they are: {self.untold}; "
+                "a higher rate tells it, or noise_m and noise_rad where they are known"
+            )
         orders = "/".join(str(one.order) for one in self.models)
         frame = {_WORLD: "axes of the world", _BODY: "axes of the body"}
         told = [
@@ -283,9 +282,6 @@ def smoothed_automatically(
     start = PathStart.of(trajectory)
     if choice is None:
         choice, measured, found = _chosen(start, representation, knobs)
-        if knobs.noise_m is None and knobs.noise_rad is None:
-            made = restored(measured.representation, found.coordinates, start.trajectory)
-            choice = replace(choice, raw=unresolved(start.trajectory, made, found.weights > 0.0))
     else:
         named = representation_named(choice.representation)
         models = AxisModels(choice.models, 0.0)
@@ -294,7 +290,7 @@ def smoothed_automatically(
         measured = measured if even_s is None else replace(measured, time_s=even_s)
         measured, _ = with_jumps(measured, path, start.weights, models)
         found = smoothed_per_axis(measured, path, start.weights, models, HEAVY_TAILS, FIRST_STEPS)
-        found = _settled(measured, found, models, choice.tails)
+        found = settled(measured, found, models, choice.tails)
     return _told(start, trajectory, measured, _as_smooth_as_asked(measured, found, choice), choice)
 
 
@@ -350,7 +346,7 @@ def _chosen(
     models = chosen_models(measured, found.coordinates, found.weights, known=known)
     warn_of_coarse(float(np.median(np.diff(measured.time_s))))
     tails = tails_of(found.squares, found.weights, len(models.columns))
-    found = _settled(measured, found, models, tails)
+    found = settled(measured, found, models, tails)
     noise = np.where(np.isnan(known), found.noise, known)
     choice = SmootherChoice(
         measured.representation.name,
@@ -372,43 +368,14 @@ def _as_smooth_as_asked(
     measured: Measured, found: PerAxisPath, choice: SmootherChoice
 ) -> PerAxisPath:
     """The same at another smoothness; poses count as they did, however far it moves from them."""
-    smoothness = choice.knobs.smoothness
+    smoothness, weights = choice.knobs.smoothness, found.weights
     if smoothness == 0.0:
         return found
     interval_s = float(np.median(np.diff(measured.time_s)))
     models = AxisModels(tuple(one.smoother(smoothness, interval_s) for one in choice.models), 0.0)
-    weights = found.weights
-    for _ in range(_LAST_STEPS):
+    for _ in range(LAST_STEPS):
         found = smoothed_per_axis(measured, found.coordinates, weights, models, choice.tails, 1)
     return found
-
-
-def _settled(
-    measured: Measured, found: PerAxisPath, models: AxisModels, tails: float
-) -> PerAxisPath:
-    weights = weights_of(found.squares, len(models.columns), tails) * measured.motion
-    return smoothed_per_axis(measured, found.coordinates, weights, models, tails, _LAST_STEPS)
-
-
-def _unpredicted(
-    start: PathStart, measured: Measured, found: PerAxisPath, choice: SmootherChoice
-) -> NDArray[np.bool_]:
-    """Poses left out ``(N,)`` that the others do not predict better than they predict good ones."""
-    lost = found.weights == 0.0
-    stay = beside(~lost, measured.jumps)
-    poses, models = start.trajectory.poses.rigid, AxisModels(choice.models, 0.0)
-
-    def predicted(path: PerAxisPath) -> Motor:
-        return restored(measured.representation, path.coordinates, start.trajectory).poses.rigid
-
-    def without(rows: NDArray[np.bool_]) -> Motor:
-        weights = np.where(rows, 0.0, found.weights)
-        return predicted(
-            smoothed_per_axis(measured, found.coordinates, weights, models, choice.tails, 1)
-        )
-
-    late = lost & measured.motion & ~stay
-    return stay | near_good(measured.time_s, poses, predicted(found), ~lost, late, without)
 
 
 def _told(
@@ -418,15 +385,15 @@ def _told(
     found: PerAxisPath,
     choice: SmootherChoice,
 ) -> AutomaticPath:
-    if choice.raw:
-        untold = np.full(found.spread.shape, np.nan)
-        return AutomaticPath(trajectory, choice, np.ones(len(trajectory)), untold, NO_JUMPS)
     made = restored(measured.representation, found.coordinates, trajectory)
-    stay = _unpredicted(start, measured, found, choice)
-    if np.any(stay):
-        coefficients = np.array(made.poses.coefficients)
-        coefficients[stay] = start.trajectory.poses.coefficients[stay]
-        made = Trajectory(made.time_ns, type(made.poses)(coefficients), made.parent, made.child)
+    models = AxisModels(choice.models, 0.0)
+    stay = unpredicted(start.trajectory, measured, found, models, choice.tails)
+    if choice.raw and choice.knobs.smoothness == 0.0:
+        stay |= found.weights > 0.0
+    coefficients = np.array(made.poses.coefficients)
+    coefficients[stay] = start.trajectory.poses.coefficients[stay]
+    made = Trajectory(made.time_ns, type(made.poses)(coefficients), made.parent, made.child)
     # By the noise that was chosen or known: what a path smoothed as asked for leaves is not noise.
     deviations = np.sqrt(found.spread) * [one.noise for one in choice.models]
+    deviations[stay] = np.nan
     return AutomaticPath(made, choice, found.weights, deviations, measured.jumps)

@@ -41,6 +41,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 # hardly counts, whatever the others tell.
 HEAVY_TAILS = 6.0
 NORMAL_TAILS = float("inf")
+LAST_STEPS = 5
 _TAILS = (3.0, HEAVY_TAILS, 12.0, 25.0, 50.0, NORMAL_TAILS)
 # Poses that would count less under the first are left out.
 _REJECTED = 0.1
@@ -193,6 +194,14 @@ def smoothed_per_axis(
             # Not wrong poses but motion that the models do not have.
             weights = used
     return PerAxisPath(path, used, squares, noise, spread)
+
+
+def settled(
+    measured: Measured, found: PerAxisPath, models: AxisModels, tails: float
+) -> PerAxisPath:
+    """The same by other models and tails."""
+    weights = weights_of(found.squares, len(models.columns), tails) * measured.motion
+    return smoothed_per_axis(measured, found.coordinates, weights, models, tails, LAST_STEPS)
 
 
 def _move(representation: Representation, path: FloatArray, moved: FloatArray) -> None:

@@ -1,4 +1,4 @@
-"""Which poses the others predict well enough to call them wrong, and whether a path is resolved.
+"""Which poses the others predict well enough to call them wrong.
 
 That a run of poses lies off the path that bridges it says nothing where such a bridge errs as much
 over good poses: where motion is jerky, or the run is long. How much it errs is told by the path
@@ -9,7 +9,6 @@ for dependent data, Biometrika 81, 1994).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import pairwise, takewhile
 from typing import NamedTuple
 
@@ -18,6 +17,13 @@ from numpy.typing import NDArray
 
 from motorcade.fusion.smoothing.batch.columns import NO_JUMPS
 from motorcade.fusion.smoothing.batch.inliers import bridged, crossings
+from motorcade.fusion.smoothing.batch.per_axis import (
+    AxisModels,
+    Measured,
+    PerAxisPath,
+    smoothed_per_axis,
+)
+from motorcade.fusion.smoothing.representations import restored
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
@@ -37,17 +43,6 @@ FEWEST_AT_LEVEL = 6
 _MOST = 0.99
 # What the path misses behind a run that it returns from, of how far off this lies.
 _RETURNED = 0.7
-# Where a larger share of the poses would be left out, they must differ from the others.
-_MANY = 0.1
-# By how much rougher than usual the path must then be where it goes over to them.
-_ROUGHER = 3.0
-# Errors that last are not seen in third differences: of those that keep 0.97 of the one before an
-# eighth is. A path that lies off good poses by more than so many times these is not near them.
-_FAR = 10.0
-# The square of a third difference of white noise is so many times that of the noise.
-_THIRD = 20.0
-# Of the way that a path spans, what rounding explains.
-_ROUNDING = 1e-9
 
 Kept = NDArray[np.bool_]
 
@@ -106,38 +101,36 @@ def judged_runs(time_s: FloatArray, poses: Motor, kept: Kept) -> JudgedRuns:
     return JudgedRuns(made, np.array(jumps, dtype=np.int64), doubtful)
 
 
-def near_good(
-    time_s: FloatArray,
-    poses: Motor,
-    path: Motor,
-    kept: Kept,
-    left_out: Kept,
-    without: Callable[[Kept], Motor],
+def unpredicted(
+    like: Trajectory, measured: Measured, found: PerAxisPath, models: AxisModels, tails: float
 ) -> Kept:
-    """Poses ``(N,)`` left out that lie no farther off a path than good ones that are held out.
+    """Poses ``(N,)`` left out that a smoothed path predicts no better than good ones held out.
 
     Args:
-        time_s: ``(N,)`` increasing.
-        poses: as measured.
-        path: smoothed.
-        kept: which poses count.
-        left_out: which of the others are asked for.
-        without: the path where some poses that count are left out too.
+        like: the poses as measured.
+        measured: the same as coordinates.
+        found: the path.
+        models: it was smoothed by.
+        tails: degrees of freedom of the errors.
     """
-    made, rows = np.zeros_like(kept), np.flatnonzero(kept)
-    runs = runs_of(left_out)
-    off = _off(poses, path)
-    lengths = np.ceil(2.0 ** (np.ceil(2.0 * np.log2(np.diff(runs, axis=1)[:, 0])) / 2.0) - 1e-9)
-    for length in np.unique(lengths).astype(np.int64):
-        starts = np.arange(_BETWEEN, len(rows) - length - _BETWEEN + 1, length + _BETWEEN)
-        inside = rows[starts[:, None] + np.arange(length)]
-        among = np.zeros_like(kept)
-        among[inside] = True
-        errors = _size(_off(poses, without(among))[inside])
+    poses, kept = like.poses.rigid, found.weights > 0.0
+    made = _beside(kept, measured.jumps)
+
+    def off(path: PerAxisPath) -> FloatArray:
+        return _off(poses, restored(measured.representation, path.coordinates, like).poses.rigid)
+
+    far, rows = off(found), np.flatnonzero(kept)
+    runs = runs_of(~kept & measured.motion & ~made)
+    lengths = np.array([_rounded_up(last - first) for first, last in runs])
+    for length in np.unique(lengths):
+        inside = rows[_blocks(len(rows), int(length))]
+        weights = np.array(found.weights)
+        weights[inside] = 0.0
+        without = smoothed_per_axis(measured, found.coordinates, weights, models, tails, 1)
+        errors = _size(off(without)[inside])
         for first, last in runs[lengths == length]:
-            place = int(np.searchsorted(rows[starts], first))
-            near = errors[max(place - _BESIDE, 0) : place + _BESIDE]
-            if len(near) < _FEWEST or not np.any(_size(off[first:last]) > _AS_GOOD * _size(near)):
+            near = errors[_near(inside, first)]
+            if len(near) < _FEWEST or not np.any(_size(far[first:last]) > _AS_GOOD * _size(near)):
                 made[first:last] = True
     return made
 
@@ -206,10 +199,9 @@ class _HeldOut:
         length = self._length(first, last)
         if length not in self.errors:
             self.errors[length] = self._bridged(length)
-        starts, *errors = self.errors[length]
-        place = int(np.searchsorted(starts, first))
-        near = slice(max(place - _BESIDE, 0), place + _BESIDE)
-        if len(starts[near]) < _FEWEST:
+        blocks, *errors = self.errors[length]
+        near = _near(blocks, first)
+        if len(blocks[near]) < _FEWEST:
             return None
         bridging, misses = (_WRONG * _size(one[near]) for one in errors)
         return bridging, misses
@@ -218,22 +210,36 @@ class _HeldOut:
         """Good poses in as long a time as a run and the gaps beside it take, in powers of √2."""
         usual_s = float(np.median(np.diff(self.time_s[self.rows])))
         span_s = self.time_s[last] - self.time_s[first - 1]
-        count = max(round(span_s / usual_s) - 1.0, 1.0)
-        longest = len(self.rows)
-        return min(int(np.ceil(2.0 ** (np.ceil(2.0 * np.log2(count)) / 2.0) - 1e-9)), longest)
+        return min(_rounded_up(max(round(span_s / usual_s) - 1.0, 1.0)), len(self.rows))
 
     def _bridged(self, length: int) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Rows from which so many kept ones are left out, and errors ``(S, 2)`` of bridging them.
+        """Blocks of so many kept rows that are left out, and errors ``(S, 2)`` of bridging them.
 
         These are of the poses between, and of what the speed beside them misses the far end by.
         """
         rows, time_s = self.rows, self.time_s[self.rows]
-        starts = np.arange(_BETWEEN, len(rows) - length - _BETWEEN + 1, length + _BETWEEN)
-        inside = starts[:, None] + np.arange(length)
+        inside = _blocks(len(rows), length)
         among = np.ones(len(rows), dtype=np.bool_)
         among[inside] = False
         off = _off(self.good, bridged(time_s, self.good, among))[inside]
-        return rows[starts], _size(off), _parts(crossings(time_s, self.good, among)[2])
+        return rows[inside], _size(off), _parts(crossings(time_s, self.good, among)[2])
+
+
+def _blocks(count: int, length: int) -> IntArray:
+    """Blocks ``(S, length)`` of rows that are held out, with some between them."""
+    starts = np.arange(_BETWEEN, count - length - _BETWEEN + 1, length + _BETWEEN)
+    return np.asarray(starts[:, None] + np.arange(length))
+
+
+def _near(blocks: IntArray, row: int) -> slice:
+    """Those to both sides of a row."""
+    place = int(np.searchsorted(blocks[:, 0], row))
+    return slice(max(place - _BESIDE, 0), place + _BESIDE)
+
+
+def _rounded_up(count: float) -> int:
+    """To a power of √2, so that few lengths are held out."""
+    return int(np.ceil(2.0 ** (np.ceil(2.0 * np.log2(count)) / 2.0) - 1e-9))
 
 
 def runs_of(rows: Kept) -> IntArray:
@@ -241,7 +247,7 @@ def runs_of(rows: Kept) -> IntArray:
     return np.flatnonzero(np.diff(np.concatenate([[0], rows, [0]]))).reshape(-1, 2)
 
 
-def beside(kept: Kept, jumps: IntArray) -> Kept:
+def _beside(kept: Kept, jumps: IntArray) -> Kept:
     """Poses ``(N,)`` of runs that are left out next to a jump, which neither side tells."""
     made = np.zeros_like(kept)
     for first, last in runs_of(~kept):
@@ -296,38 +302,3 @@ def _parts(twists: FloatArray) -> FloatArray:
 
 def _size(off: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(np.mean(off**2, axis=-2)), dtype=np.float64)
-
-
-def unresolved(measured: Trajectory, smoothed: Trajectory, kept: Kept) -> str:
-    """Why a smoothed path is not to be trusted; empty where it is.
-
-    Args:
-        measured: poses.
-        smoothed: at the same stamps.
-        kept: which of the measured poses ``(N,)`` counted.
-    """
-    poses = measured.poses.rigid
-    if np.mean(~kept) > _MANY and _go_over_smoothly(poses, kept):
-        return "their motion is not resolved"
-    steps = (poses[:-1].inverse() @ poses[1:]).as_twist()
-    third = np.diff(steps, n=2, axis=0)[kept[:-3] & kept[1:-2] & kept[2:-1] & kept[3:]]
-    if not len(third):
-        return ""
-    noise = np.sqrt(np.mean(np.sum(third.reshape(-1, 2, 3) ** 2, axis=2), axis=0) / _THIRD)
-    span = np.array([1.0, float(np.max(np.ptp(poses.translation_m, axis=0)))])
-    far = _size(_off(poses[kept], smoothed.poses.rigid[kept]))
-    if np.any(far > _FAR * noise + _ROUNDING * span):
-        return "a smooth path lies farther off than their noise explains"
-    return ""
-
-
-def _go_over_smoothly(poses: Motor, kept: Kept) -> bool:
-    """Whether steps between poses kept and left out change as little as others do."""
-    steps = (poses[:-1].inverse() @ poses[1:]).as_twist()
-    change = np.linalg.norm(np.diff(steps, axis=0).reshape(-1, 2, 3), axis=2)
-    within = kept[:-2] & kept[1:-1] & kept[2:]
-    over = kept[:-2] != kept[1:-1]
-    if not np.any(within) or not np.any(over):
-        return not np.any(within)
-    usual = np.median(change[within], axis=0)
-    return bool(np.all(np.median(change[over], axis=0) < _ROUGHER * usual))

@@ -11,7 +11,7 @@ from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import smoothed_automatically
 from motorcade.fusion.smoothing.batch.inliers import inlier_poses
 from motorcade.fusion.smoothing.batch.noise import first_sizes
-from motorcade.fusion.smoothing.batch.predicted import judged_runs, unresolved
+from motorcade.fusion.smoothing.batch.predicted import judged_runs
 from motorcade.fusion.smoothing.batch.start import PathStart
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
@@ -61,15 +61,6 @@ def test_poses_of_a_jerky_path_are_not_called_wrong(rng: np.random.Generator) ->
     sizes = first_sizes(path)
     assert np.mean(inlier_poses(path.time_s, path.motors, *sizes)) < 0.9
     assert np.mean(PathStart.of(path).weights) > 0.95
-
-
-def test_a_path_far_off_good_poses_is_not_resolved(rng: np.random.Generator) -> None:
-    true = MOTIONS["handheld"].sampled(30.0, 5.0)
-    noisy, kept = Gaussian(0.005, 0.005).apply(true, rng), np.ones(len(true), dtype=np.bool_)
-    assert unresolved(noisy, true, kept) == ""
-    assert "farther off" in unresolved(noisy, shifted(true, np.array([0.2, 0.0, 0.0])), kept)
-    kept[20:50] = False
-    assert unresolved(noisy, true, kept) == "their motion is not resolved"
 
 
 def test_corrections_of_stiff_splines_do_not_outgrow_each_other() -> None:
