@@ -163,10 +163,10 @@ class _HeldOut:
         whole, longest = [(first, last)], max(np.diff(edges))
         agrees = longest > (1 if len(edges) == 2 else 2)
         if first == 0 or last == self.count:
-            near = [one for one in pairwise(edges) if not self._far_at_end(first, last, *one)]
+            beside = [one for one in pairwise(edges) if not self._far_at_end(first, last, *one)]
             inward = list(pairwise(edges))[:: -1 if first == 0 else 1]
-            by_end = list(takewhile(lambda one: one in near, inward))
-            near_by = by_end + [one for one in near if one[1] - one[0] > 2 and one not in by_end]
+            by_end = list(takewhile(lambda one: one in beside, inward))
+            near_by = by_end + [one for one in beside if one[1] - one[0] > 2 and one not in by_end]
             levels = [one for one in pairwise(edges) if one[1] - one[0] >= FEWEST_AT_LEVEL]
             if near_by or not levels:
                 return near_by, []
