@@ -37,6 +37,8 @@ from motorcade.tracking.planes import UpEstimate, fit_plane
 GroundKind = Literal["auto", "board", "marker", "plane", "floor"]
 
 BELIEF_IN_PRINT = 0.98
+PRINTS_LIE = 0.9
+"""Share of prints that lie, before anything is seen of them: sheets do not stand by themselves."""
 ROOM = 2.5
 """Times the shorter side of a print: the arms of a taller figure would reach beyond it."""
 
@@ -148,9 +150,15 @@ class Grounds:
         return ground_on_world(self.seen_from, floor_m)
 
     def _of_print(self, face: Ground, up: UpEstimate) -> list[Ground]:
-        """A board or marker that lies is stood on; one that stands upright, on its top edge."""
+        """A board or marker that lies is stood on; one that stands upright, on its top edge.
+
+        Up is estimated without knowing what a print is for: most are laid down to be filmed.
+        """
         normal = face.world_T_plane.rotor.apply([0.0, 0.0, 1.0])
         lies, stands = up.probability(normal), up.probability_across(normal)
+        told, weighed = lies + stands, PRINTS_LIE * lies + (1.0 - PRINTS_LIE) * stands
+        lies *= PRINTS_LIE * told / max(weighed, 1e-12)
+        stands = told - lies
         face = replace(self._seen_large(face), rank=lies)
         edge = replace(on_top_edge(face, up.across(normal)), rank=stands)
         doubts = [f"that {face.name} {how} is a guess" for how in ("lies flat", "stands upright")]
