@@ -13,6 +13,7 @@ from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
+from motorcade.ga.stamps import checked_span_ns
 from motorcade.tracking.measurements import PoseMeasurements
 
 log = logging.getLogger("motorcade.fuse")
@@ -47,10 +48,11 @@ def fit_noise(
     A filter that believes its IMU too much lags behind: errors of its predictions keep their sign
     for some time (R. K. Mehra, On the identification of variances and adaptive Kalman filtering,
     IEEE TAC 15(2), 1970). Only then larger ones are looked for, by the likelihood of poses 0.2 s
-    apart in half a minute from the middle of the recording, every other turn of two seconds; the
-    others must agree. Densities are never lowered, so that poses whose noise is stated too small
-    change nothing; nor is anything fitted where extrinsics or offset are to be estimated, whose
-    errors look alike. It takes as long as fusing a minute or two; `learn_noise` finds walks too.
+    apart in half a minute from the middle of the recording (of a stream that gaps split, of the
+    stretch with most poses), every other turn of two seconds; the others must agree. Densities are
+    never lowered, so that poses whose noise is stated too small change nothing; nor is anything
+    fitted where extrinsics or offset are to be estimated, whose errors look alike. It takes as long
+    as fusing a minute or two; `learn_noise` finds walks too.
 
     Args:
         measurements: ``world_T_camera`` with covariances.
@@ -79,7 +81,9 @@ def fit_noise(
         True
     """
     chosen = settings or FilterSettings()
-    used = _thinned(middle(covered(measurements, imu, round(1e9 * time_offset_s)), _GLANCE_NS))
+    shift_ns = checked_span_ns(time_offset_s, "time_offset_s")
+    imu = _most_measured(covered(measurements, imu, shift_ns), imu, shift_ns)
+    used = _thinned(middle(covered(measurements, imu, shift_ns), _GLANCE_NS))
     stamps = used.trajectory.time_ns
     if len(stamps) < _FEWEST_POSES or any(chosen.known_sigmas[1:]):
         return noise
@@ -121,6 +125,14 @@ def fit_noise(
         accel,
     )
     return scaled(noise, np.array([best[0], 0.0, best[1], 0.0]))
+
+
+def _most_measured(measurements: PoseMeasurements, imu: ImuStream, shift_ns: int) -> ImuStream:
+    """The stretch between gaps of the stream within which most poses were measured."""
+    stamps = measurements.trajectory.time_ns + shift_ns
+    parts = imu.stretches()
+    counts = [np.ptp(np.searchsorted(stamps, part.time_ns[[0, -1]])) for part in parts]
+    return parts[int(np.argmax(counts))] if any(counts) else imu
 
 
 def _thinned(measurements: PoseMeasurements) -> PoseMeasurements:

@@ -248,12 +248,12 @@ def scaled(noise: ImuNoise, logarithms: FloatArray) -> ImuNoise:
 
 
 def middle(measurements: PoseMeasurements, longest_ns: int = _LONGEST_NS) -> PoseMeasurements:
-    """At most so much of a recording, from its middle."""
+    """At most so much of a recording, around the pose in its middle, which is never in a gap."""
     stamps = measurements.trajectory.time_ns
-    start = (stamps[0] + stamps[-1] - longest_ns) // 2
-    inside = (stamps >= start) & (stamps <= start + longest_ns)
-    if inside.all():
+    if stamps[-1] - stamps[0] <= longest_ns:
         return measurements
+    start = np.clip(stamps[len(stamps) // 2] - longest_ns // 2, stamps[0], stamps[-1] - longest_ns)
+    inside = (stamps >= start) & (stamps <= start + longest_ns)
     return PoseMeasurements(measurements.trajectory[inside], measurements.covariance[inside])
 
 

@@ -15,7 +15,7 @@ from motorcade.fusion import (
     smooth,
     synchronise,
 )
-from motorcade.fusion.filter import FilterSettings
+from motorcade.fusion.filter import FilterSettings, fit_noise
 from motorcade.fusion.metrics import angular_rate_lag_s, evaluate
 from motorcade.fusion.metrics.lag import _even_rates
 from motorcade.fusion.metrics.smooth_path import SmoothPath
@@ -78,6 +78,24 @@ def test_stamps_between_stretches_are_left_out():
     wanted = np.array([1_000_000_000, 3_000_000_000, round(DAY_S * 1e9) + 5_000_000_000])
     found = fuse(measured, imu, ADIS16448, Motor.identity(), wanted)
     assert np.array_equal(found.trajectory.time_ns, wanted[[0, 2]])
+
+
+def test_noise_is_fitted_where_most_poses_are():
+    rng = np.random.default_rng(4)
+    path = ContinuousPath.along(handheld(rng), 50.0)
+    sensor = simulate_imu(path, 100.0, ADIS16448.scaled(10.0), rng)
+    measured = simulate_camera_poses(sensor.path, 20.0, 0.01, 0.01, rng)
+    stamps = measured.trajectory.time_ns
+    seen, imu = part(measured, sensor.stream, (stamps < 5e9) | (stamps > 30e9), slice(None))
+    alone = part(seen, imu, seen.trajectory.time_ns > 30e9, imu.time_ns > 30e9)
+    expected = fit_noise(*alone, ADIS16448, Motor.identity())
+    assert expected.accel_density_m_s2_rthz > 4.0 * ADIS16448.accel_density_m_s2_rthz
+    for streams in (split(seen, imu, DAY_S, 20.0), (seen, imu)):
+        fitted = fit_noise(*streams, ADIS16448, Motor.identity())
+        assert fitted.accel_density_m_s2_rthz > 4.0 * ADIS16448.accel_density_m_s2_rthz
+    ends = part(seen, imu, (seen.trajectory.time_ns < 5e9) | (seen.trajectory.time_ns > 45e9),
+                slice(None))  # fmt: skip
+    assert fit_noise(*ends, ADIS16448, Motor.identity()) == ADIS16448  # too few to tell
 
 
 def test_measurements_in_gaps_alone_are_refused():
