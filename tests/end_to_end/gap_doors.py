@@ -22,7 +22,7 @@ from motorcade.fusion import (
     simulate_imu,
     synchronise,
 )
-from motorcade.fusion.filter import latency_curve, learn_noise
+from motorcade.fusion.filter import fit_noise, latency_curve, learn_noise
 from motorcade.fusion.graph.calibrate import calibrate_by_graph
 from motorcade.fusion.graph.odometry import fuse_odometry
 from motorcade.fusion.health import check_health
@@ -231,6 +231,7 @@ FUNCTIONS: dict[str, Callable[[Case], object]] = {
     "latency_curve": lambda case: latency_curve(
         lambda lag_s: fuse(case.measured, case.imu, ADIS16448, Motor.identity(), lag_s=lag_s)
     ),
+    "fit_noise": lambda case: fit_noise(case.measured, case.imu, ADIS16448, Motor.identity()),
     "learn_noise": lambda case: learn_noise(
         case.measured, case.imu, ADIS16448, Motor.identity()
     ),
