@@ -289,8 +289,8 @@ def test_refusals_say_what_was_expected(handheld):
         evaluate(truth, later)
     with pytest.raises(ValueError, match="max_difference_s: expected 0 or more, got -1"):
         evaluate(truth, truth, max_difference_s=-1.0)
-    with pytest.raises(ValueError, match=r"align: expected one of none, se3, .*, got 'yaw'"):
-        evaluate(truth, truth, "yaw")
+    with pytest.raises(ValueError, match=r"align: expected one of none, se3, .*, got 'pitch'"):
+        evaluate(truth, truth, "pitch")
     with pytest.raises(ValueError, match="expected 3 or more pairs, got 2"):
         evaluate(truth[:2], truth[:2], "se3")
     line = Motor.from_rotor_translation(Rotor.identity((9,)), np.arange(27.0).reshape(9, 3))
