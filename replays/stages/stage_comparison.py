@@ -34,6 +34,7 @@ _BLOCKS = 20
 _CHANCE = 2.09
 """Student's t of 19 degrees of freedom, beyond which 5 % lie: errors of 20 stretches, which last
 within a stretch and hardly from one to the next."""
+_LEAST = np.finfo(np.float64).tiny
 _OUTLIER = 5.0
 """A held-out pose that every path misses by so many times its median is an outlier itself."""
 
@@ -176,10 +177,17 @@ def _reason(stage: str, fused: FusedPath) -> str:
 
 
 def _beyond_chance(before: FloatArray, after: FloatArray) -> bool:
-    """Whether the squares grew by more than stretches of the recording differ by chance."""
+    """Whether errors grew by a factor that stretches of the recording do not have by chance.
+
+    Of differences of squares, a stretch where the path is lost would hide how all others grew.
+    """
     if len(before) < 2 * _BLOCKS:
         return False
-    grown = np.array([part.mean() for part in np.array_split(after**2 - before**2, _BLOCKS)])
+    was, now = (
+        np.log([max(np.mean(part**2), _LEAST) for part in np.array_split(errors, _BLOCKS)])
+        for errors in (before, after)
+    )
+    grown = now - was
     return bool(grown.mean() > _CHANCE * grown.std(ddof=1) / np.sqrt(_BLOCKS))
 
 

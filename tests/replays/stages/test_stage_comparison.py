@@ -20,6 +20,7 @@ from motorcade.replays.stages.inertial.fused import fused
 from motorcade.replays.stages.inertial.imu import imu
 from motorcade.replays.stages.integrity import integrity
 from motorcade.replays.stages.smoothed import smoothed
+from motorcade.replays.stages.stage_comparison import _beyond_chance
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.errors import PathErrors
 from tests.replays.stages.stamps import Stamps
@@ -81,6 +82,19 @@ def test_an_imu_that_harms_is_said_to(with_truth: bool, stream: ImuStream) -> No
     judge = found.stages.judged_by
     assert worse.startswith(f"fused is farther from the {judge} than camera_poses (")
     assert "the IMU contradicts the measured poses (mean NIS " in worse
+
+
+def test_a_stretch_where_a_path_is_lost_does_not_hide_that_it_is_worse_everywhere() -> None:
+    rng = np.random.default_rng(7)
+    before, after = np.abs(rng.normal(0.0, 0.01, (2, 60)))
+    assert not _beyond_chance(before, after)
+    worse = 3.0 * after
+    assert _beyond_chance(before, worse)
+    worse[30:34] = 8.0
+    assert _beyond_chance(before, worse)
+    after[30:34] = 8.0
+    assert not _beyond_chance(before, after)
+    assert not _beyond_chance(np.zeros(60), np.zeros(60))
 
 
 @pytest.mark.parametrize("with_truth", [True, False])
