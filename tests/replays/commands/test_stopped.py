@@ -90,6 +90,8 @@ def test_the_same_command_does_the_rest(
     assert main([*given, str(whole)]) == 0
     with monkeypatch.context() as patch:
         stopping_at(command, 2, patch)
+        # Of a loop that takes five seconds, as on a busy machine, a line of progress is said.
+        patch.setattr("motorcade.replays.engine.progress.LINE_EVERY_S", float("inf"))
         capsys.readouterr()
         assert main([*given, str(out)]) == 130
     told = capsys.readouterr().err
