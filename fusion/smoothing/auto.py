@@ -152,8 +152,8 @@ class SmootherChoice:
         """The choice in one line."""
         if self.raw:
             return (
-                f"poses left as they are ({100.0 * self.outliers:.1f} % outliers): {self.untold} its noise; "
-                "a higher rate would, or noise_m and noise_rad where they are known"
+                f"poses left as they are ({100.0 * self.outliers:.1f} % outliers): {self.untold} "
+                "its noise; a higher rate would, or noise_m and noise_rad where they are known"
             )
         orders = "/".join(str(one.order) for one in self.models)
         frame = {_WORLD: "axes of the world", _BODY: "axes of the body"}
