@@ -38,7 +38,7 @@ _TURNED, _WALKED, _FLOORS, _WALLS, _CEILINGS = 0.05, 0.5, 0.4, 0.4, 0.05
 _UPRIGHT_LINES, _LINES_TELL = 0.2, 0.5
 # Lines of many pictures are the same edges, and lenses bend them: they count by this power.
 _REPEATED = 0.3
-_NEAR, _SAME, _LEANS = 10.0, 8.0, 30.0
+NEAR_DEG, _SAME, _LEANS = 10.0, 8.0, 30.0
 _SHORTEST_PATH = 0.02
 _LIKELY = 4.0
 _TINY = 1e-12
@@ -93,11 +93,11 @@ class UpEstimate:
     directions: FloatArray
     mass: FloatArray
 
-    def probability(self, direction: FloatArray, within_deg: float = _NEAR) -> float:
+    def probability(self, direction: FloatArray, within_deg: float = NEAR_DEG) -> float:
         """That up lies so near a direction ``(3,)``."""
         return float(self.mass[self.directions @ direction > np.cos(np.deg2rad(within_deg))].sum())
 
-    def probability_across(self, normal: FloatArray, within_deg: float = _NEAR) -> float:
+    def probability_across(self, normal: FloatArray, within_deg: float = NEAR_DEG) -> float:
         """That a surface with this normal ``(3,)`` stands upright."""
         across = np.abs(self.directions @ normal) < np.sin(np.deg2rad(within_deg))
         return float(self.mass[across].sum())
@@ -162,7 +162,7 @@ def _estimate(up: FloatArray, mass: FloatArray, surfaces: Sequence[FlatSurface])
         key=lambda normal: float(normal @ best),
         default=best,
     )
-    near = up @ best > np.cos(np.deg2rad(_NEAR))
+    near = up @ best > np.cos(np.deg2rad(NEAR_DEG))
     angle = np.arccos(np.clip(up[near] @ best, -1.0, 1.0))
     share = float(mass[near].sum())
     sigma = float(np.sqrt(mass[near] @ angle**2 / share))

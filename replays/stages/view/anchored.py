@@ -33,12 +33,15 @@ from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.marker_poses import MarkerPoses
 from motorcade.replays.values.view import StandingPlace
 from motorcade.tracking.planes import UpEstimate, fit_plane
+from motorcade.tracking.planes.upward import NEAR_DEG
 
 GroundKind = Literal["auto", "board", "marker", "plane", "floor"]
 
 BELIEF_IN_PRINT = 0.98
-PRINTS_LIE = 0.9
+PRINTS_LIE = 2.0 / 3.0
 """Share of prints that lie, before anything is seen of them: sheets do not stand by themselves."""
+ACROSS_TO_ALONG = float(2.0 / np.tan(np.deg2rad(0.5 * NEAR_DEG)))
+"""Solid angle of the directions across a normal over that of those along it, so far off either."""
 ROOM = 2.5
 """Times the shorter side of a print: the arms of a taller figure would reach beyond it."""
 
@@ -152,12 +155,13 @@ class Grounds:
     def _of_print(self, face: Ground, up: UpEstimate) -> list[Ground]:
         """A board or marker that lies is stood on; one that stands upright, on its top edge.
 
-        Up is estimated without knowing what a print is for: most are laid down to be filmed.
+        Many directions lie across its normal and one along it, while prints lie more often than
+        they stand: what counts is how dense up is there.
         """
         normal = face.world_T_plane.rotor.apply([0.0, 0.0, 1.0])
         lies, stands = up.probability(normal), up.probability_across(normal)
-        told, weighed = lies + stands, PRINTS_LIE * lies + (1.0 - PRINTS_LIE) * stands
-        lies *= PRINTS_LIE * told / max(weighed, 1e-12)
+        told, flat = lies + stands, PRINTS_LIE / (1.0 - PRINTS_LIE) * ACROSS_TO_ALONG * lies
+        lies = told * flat / max(flat + stands, 1e-12)
         stands = told - lies
         face = replace(self._seen_large(face), rank=lies)
         edge = replace(on_top_edge(face, up.across(normal)), rank=stands)
