@@ -38,7 +38,7 @@ from motorcade.tracking.planes.upward import NEAR_DEG
 GroundKind = Literal["auto", "board", "marker", "plane", "floor"]
 
 BELIEF_IN_PRINT = 0.98
-PRINTS_LIE = 2.0 / 3.0
+PRINTS_LIE = 0.9
 """Share of prints that lie, before anything is seen of them: sheets do not stand by themselves."""
 ACROSS_TO_ALONG = float(2.0 / np.tan(np.deg2rad(0.5 * NEAR_DEG)))
 """Solid angle of the directions across a normal over that of those along it, so far off either."""

@@ -31,7 +31,8 @@ def estimate(lies: float, stands: float) -> UpEstimate:
         (0.9, 0.01, "the board"),
         (0.25, 0.5, "the board"),  # a desk filmed from above
         (0.015, 0.35, "the board"),  # up hardly known at all
-        (0.005, 0.8, "the top edge of the board"),
+        (0.007, 0.77, "the board"),  # a sheet below a phone held level
+        (0.001, 0.8, "the top edge of the board"),
         (0.0, 0.3, "the top edge of the board"),
     ],
 )
