@@ -109,6 +109,7 @@ CASES = (
         Case(name, suffix, fault)
         for name, suffix in (("h264_b", ".mp4"), ("h264", ".mkv"), ("hevc", ".mp4"))
         for fault in ("uneven_stamps", "repeated_stamps", "stored_order", "one_picture")
+        if (name, fault) != ("hevc", "one_picture")  # the encoder hands out no single picture
     ),
     *(Case(name, ".mp4", "edit_list") for name in ("h264_b", "mpeg4", "hevc")),
     *(Case("h264_b", suffix, "turned") for suffix in (".mp4", ".mov")),
