@@ -98,10 +98,10 @@ protected:
         for (std::size_t k = 0; k < this->next_; ++k) {
             const Event &event = this->events_[k];
             made.given.push_back(event.given);
-            made.cost.push_back(!event.measures() ? 0.0
-                                : k < since       ? refused()
-                                                  : prediction_cost(event.left_out[0],
-                                                                    static_cast<double>(freedom(event))));
+            const double square = k < since ? nan_d : event.left_out[0];
+            const double cost = prediction_cost(square, static_cast<double>(freedom(event)));
+            // However far off a wrong pose is, to call it wrong gains nothing.
+            made.cost.push_back(event.measures() ? std::min(cost, refused()) : 0.0);
             made.believed.push_back(event.measures() && event.factor > 0.0);
             if (event.doubt) made.doubts.emplace_back(k, *event.doubt);
         }
