@@ -16,7 +16,7 @@ import numpy as np
 
 from motorcade.fusion.smoothing.batch.columns import ColumnModel, noise_in_words, told_noise
 from motorcade.fusion.smoothing.batch.jumps import with_jumps
-from motorcade.fusion.smoothing.batch.noise import FEWEST_POSES, warn_of_coarse
+from motorcade.fusion.smoothing.batch.noise import FEWEST_POSES
 from motorcade.fusion.smoothing.batch.per_axis import (
     HEAVY_TAILS,
     LAST_STEPS,
@@ -37,7 +37,7 @@ from motorcade.fusion.smoothing.batch.start import (
     first_path,
     in_better_axes,
 )
-from motorcade.fusion.smoothing.checks import in_double
+from motorcade.fusion.smoothing.checks import in_double, warn_of_coarse
 from motorcade.fusion.smoothing.knobs import SmootherKnobs
 from motorcade.fusion.smoothing.live import LiveSmoother
 from motorcade.fusion.smoothing.representations import (

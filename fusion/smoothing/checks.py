@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from math import inf, isfinite
 
 import numpy as np
@@ -9,9 +10,13 @@ import numpy as np
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import checked_positive
 
+_LOG = logging.getLogger("motorcade.smooth")
+
 LARGEST_ORDER = 5
 # Squares of sizes, and their products with those of the other kind, must not overflow.
 _SMALLEST = 1e-30
+# Stamps in milliseconds that are read as seconds lie at least so far apart, up to 100 Hz.
+_COARSE_S = 10.0
 
 
 def checked_order(order: int) -> int:
@@ -56,3 +61,12 @@ def in_double(trajectory: Trajectory) -> Trajectory:
         return trajectory
     poses = trajectory.poses.astype(np.float64)
     return Trajectory(trajectory.time_ns, poses, trajectory.parent, trajectory.child)
+
+
+def warn_of_coarse(interval_s: float) -> None:
+    """Where poses lie farther apart than those of any camera, stamps may be in another unit."""
+    if interval_s >= _COARSE_S:
+        _LOG.warning(
+            "stamps lie %.3g s apart. Are they milliseconds? Seconds are expected; divide by 1e3",
+            interval_s,
+        )

@@ -5,15 +5,21 @@ what comes                  how it is read                            stamps
 ==========================  ========================================  ==========================
 array ``(N, 7)``            x, y, z, then qx, qy, qz, qw              `time_s`
 array ``(N, 8)``            the same behind a stamp in seconds (TUM)  first column
-array ``(N, 4, 4)``         homogeneous matrices                      `time_s`
+array ``(N, 4, 4)``         homogeneous matrices, or their first      `time_s`
+or ``(N, 3, 4)``            three rows
+list of any such rows       as the array                              as the array
+two arrays                  positions ``(N, 3)``; qx, qy, qz, qw      `time_s`
+                            ``(N, 4)`` or scipy ``Rotation``
 array ``(B, N, 7)`` …       B bodies, each for itself                 `time_s`, for all of them
 torch tensor                as the array                              as the array
-Motor ``(N,)``                                                        `time_s`
+Motor, Similarity ``(N,)``                                            `time_s`
 scipy ``Rotation``          rotations about a point that stays        `time_s`
 scipy ``RigidTransform``                                              `time_s`
 list of gtsam ``Pose3``                                               `time_s`
-pandas ``DataFrame``        columns x, y, z, qx, qy, qz, qw           a column or the index
+pandas ``DataFrame``        columns x, y, z, qx, qy, qz, qw, or as    a column or the index
+                            ROS names them: pose.position.x, …
 evo ``PoseTrajectory3D``                                              its own
+evo ``PosePath3D``                                                    `time_s`
 dict of any of these        each for itself                           `time_s`, for all of them
 ==========================  ========================================  ==========================
 
@@ -33,8 +39,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from motorcade.fusion.smoothing.given_stamps import nanoseconds_of, without_mask
-from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.fusion.smoothing.given_stamps import listed, nanoseconds_of, without_mask
+from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats
 from motorcade.ga.names import did_you_mean
 from motorcade.ga.stamps import checked_stamps
@@ -43,8 +49,17 @@ R = TypeVar("R")
 
 # Quaternions that were written with three digits are off by no more.
 _ROUNDED = 2e-3
-_POSITION, _QUATERNION = ("x", "y", "z"), ("qx", "qy", "qz", "qw")
+_POSES = ("x", "y", "z", "qx", "qy", "qz", "qw")
 _STAMPS = ("time_s", "timestamp", "time", "stamp", "t")
+# As tables of ROS messages name the same columns, behind what leads to them.
+_ROS_POSES = tuple(
+    (*(f"{position}{mark}{axis}" for axis in "xyz"), *(f"{turn}{mark}{axis}" for axis in "xyzw"))
+    for mark in "._/"
+    for position, turn in (("position", "orientation"), ("translation", "rotation"))
+)
+_ROS_STAMP = "header.stamp"
+# Integers as large are nanoseconds: as seconds they would be beyond any stamp.
+_NANOSECONDS = 10**16
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,35 +169,50 @@ def _bodies(given: Any) -> bool:
     if not isinstance(given, np.ndarray):
         return False
     shape = given.shape
-    return shape[2:] in ((7,), (8,)) or (len(shape) == 4 and shape[2:] == (4, 4))
+    return shape[2:] in ((7,), (8,)) or (len(shape) == 4 and shape[2:] in ((3, 4), (4, 4)))
 
 
 def _read(given: Any, time_s: Any) -> GivenPoses:
     kind = type(given).__name__
-    if isinstance(given, Motor):
-        return GivenPoses(_stamped(given, time_s), lambda made, _: made.motors)
+    if isinstance(given, Motor | Similarity):
+        return GivenPoses(_stamped(given, time_s), lambda made, _: made.poses)
     if isinstance(given, np.ndarray):
         return _array(given, time_s)
     if _library(given) == "scipy" and kind in ("Rotation", "RigidTransform"):
         return _scipy(given, time_s)
     if _library(given) == "pandas" and kind == "DataFrame":
         return _table(given, time_s)
-    if _library(given) == "evo" and kind == "PoseTrajectory3D":
+    if _library(given) == "evo" and kind in ("PoseTrajectory3D", "PosePath3D"):
         return _evo(given, time_s)
     if isinstance(given, list) and given and type(given[0]).__name__ == "Pose3":
         return _pose3(given, time_s)
+    if isinstance(given, tuple) and len(given) == 2 and np.shape(given[0])[1:] == (3,):
+        return _positions_and_turns(given, time_s)
+    if (
+        isinstance(given, list | tuple)
+        and given
+        and isinstance(given[0], list | tuple | np.ndarray)
+    ):
+        return _rows(given, time_s)
     raise TypeError(
-        "poses: expected a Trajectory, an array (N, 7), (N, 8) or (N, 4, 4), a torch tensor, "
-        "scipy's Rotation or RigidTransform, a pandas DataFrame, evo's PoseTrajectory3D, a list "
+        "poses: expected a Trajectory, an array (N, 7), (N, 8), (N, 3, 4) or (N, 4, 4), a list of "
+        "its rows, positions with quaternions, a torch tensor, scipy's Rotation or RigidTransform, "
+        "a pandas DataFrame, evo's PoseTrajectory3D or PosePath3D, a list "
         f"of gtsam's Pose3 or a dict of these, got {type(given).__name__}"
     )
 
 
-def _stamped(poses: Motor, time_s: Any) -> Trajectory:
+def _stamped(poses: Motor | Similarity, time_s: Any) -> Trajectory:
     return Trajectory(nanoseconds_of(time_s, len(poses)), poses)
 
 
 def _from_rows(rows: FloatArray) -> Motor:
+    lost = np.flatnonzero(~np.isfinite(rows).all(axis=-1))
+    if lost.size:
+        raise ValueError(
+            f"poses: expected finite numbers in every row, got {lost.size} with NaN or infinity: "
+            f"{listed(lost)}; leave these rows and their stamps out"
+        )
     wxyz = checked_floats(rows[:, [6, 3, 4, 5]], "poses", (4,))
     length = np.linalg.norm(wxyz, axis=-1, keepdims=True)
     off = float(np.max(np.abs(length - 1.0)))
@@ -211,13 +241,17 @@ def _array(given: np.ndarray[Any, Any], time_s: Any) -> GivenPoses:
     if given.dtype.kind == "c":
         raise ValueError(f"poses: expected real numbers, got dtype {given.dtype}")
     numbers = without_mask(given, "poses").astype(np.float64)
-    if numbers.ndim == 3 and numbers.shape[1:] == (4, 4):
-        path = _stamped(Motor.from_matrix(numbers), time_s)
-        return GivenPoses(path, lambda made, _: made.motors.as_matrix().astype(precision))
+    if numbers.ndim == 3 and numbers.shape[1:] in ((3, 4), (4, 4)):
+        kept = numbers.shape[1]
+        whole = np.concatenate(
+            [numbers, np.tile([0.0, 0.0, 0.0, 1.0], (len(numbers), 4 - kept, 1))], 1
+        )
+        path = _stamped(Motor.from_matrix(whole), time_s)
+        return GivenPoses(path, lambda made, _: made.motors.as_matrix()[:, :kept].astype(precision))
     if numbers.ndim != 2 or numbers.shape[1] not in (7, 8):
         raise ValueError(
             "poses: expected an array (N, 7) of x, y, z, qx, qy, qz, qw, (N, 8) with a stamp "
-            f"before it, or (N, 4, 4), got {given.shape}"
+            f"before it, (N, 3, 4) or (N, 4, 4), got {given.shape}"
         )
     rows, own = numbers[:, -7:], numbers.shape[1] == 8
     if own:
@@ -233,6 +267,39 @@ def _array(given: np.ndarray[Any, Any], time_s: Any) -> GivenPoses:
         return out.astype(precision)
 
     return GivenPoses(path, written)
+
+
+def _rows(given: Any, time_s: Any) -> GivenPoses:
+    """Rows in a list or tuple, of numbers or of arrays, which come back in a list."""
+    try:
+        poses = _array(np.asarray(given, dtype=np.float64), time_s)
+    except TypeError as no_numbers:
+        raise TypeError(f"poses: expected rows of numbers, {no_numbers}") from no_numbers
+    in_arrays = isinstance(given[0], np.ndarray)
+
+    def written(made: Trajectory, times: Any) -> Any:
+        rows = poses.written(made, times)
+        return list(rows) if in_arrays else rows.tolist()
+
+    return replace(poses, written=written)
+
+
+def _positions_and_turns(given: tuple[Any, Any], time_s: Any) -> GivenPoses:
+    positions, turns = given
+    rotation = type(turns) if _library(turns) == "scipy" else None
+    xyzw = turns.as_quat() if rotation else np.asarray(turns)
+    if np.shape(xyzw) != (len(positions), 4):
+        raise ValueError(
+            f"poses: expected {len(positions)} quaternions qx, qy, qz, qw beside the positions, "
+            f"got shape {np.shape(xyzw)}"
+        )
+    poses = _array(np.column_stack([positions, xyzw]), time_s)
+
+    def written(made: Trajectory, times: Any) -> Any:
+        rows = poses.written(made, times)
+        return rows[:, :3], rotation.from_quat(rows[:, 3:]) if rotation else rows[:, 3:]
+
+    return replace(poses, written=written)
 
 
 def _seconds(made: Trajectory, times: Any) -> FloatArray:
@@ -258,37 +325,59 @@ def _scipy(given: Any, time_s: Any) -> GivenPoses:
 
 def _table(given: Any, time_s: Any) -> GivenPoses:
     columns = [str(one) for one in given.columns]
-    expected = [*_POSITION, *_QUATERNION]
-    spare = [one for one in columns if one not in expected]
-    for name in expected:
-        if name not in columns:
-            raise ValueError(
-                f"poses: expected columns {', '.join(expected)}, got none named {name}; "
-                + _near_column(name, spare)
-            )
-    for name in (*expected, *_STAMPS):
+    poses = _pose_columns(columns)
+    spare = [name for name in columns if name not in poses]
+    stamps = [*_STAMPS, *(name for name in columns if name.endswith(_ROS_STAMP))]
+    for name in (*poses, *stamps):
         if columns.count(name) > 1:
             raise ValueError(
                 f"poses: expected one column of a name, got {columns.count(name)} named {name}"
             )
-    named = [name for name in _STAMPS if name in columns]
+    named = [name for name in stamps if name in columns]
     kept = named[0] if named and time_s is None else None
     if time_s is None:
         time_s = _index(given, spare) if kept is None else given[kept].to_numpy()
-    rows = np.column_stack([_column(given, name) for name in expected])
+        if time_s.dtype.kind in "iu" and np.all(time_s > _NANOSECONDS):
+            time_s = time_s.astype("m8[ns]")
+    rows = np.column_stack([_column(given, name) for name in poses])
     path = _stamped(_from_rows(rows), time_s)
 
     def written(made: Trajectory, times: Any) -> Any:
         moved = _to_rows(made, rows[:, [6, 3, 4, 5]], path.time_ns)
         if times is None:
             out = given.copy()
-            out[expected] = moved
+            out[poses] = moved
             return out
         if kept is None:
-            return type(given)(moved, columns=expected, index=times)
-        return type(given)(moved, columns=expected).assign(**{kept: times})[[kept, *expected]]
+            return type(given)(moved, columns=poses, index=times)
+        return type(given)(moved, columns=poses).assign(**{kept: times})[[kept, *poses]]
 
     return GivenPoses(path, written)
+
+
+def _pose_columns(columns: list[str]) -> list[str]:
+    """Those of x, y, z, qx, qy, qz, qw, by these names or as ROS has them."""
+    by_ros = [
+        [name.removesuffix(ends[0]) + end for end in ends]
+        for ends in _ROS_POSES
+        for name in columns
+        if name.endswith(ends[0])
+    ]
+    whole = [names for names in by_ros if set(names) <= set(columns)]
+    if len(whole) > 1:
+        raise ValueError(
+            f"poses: expected the columns of one pose, got those of {whole[0][0]} and of "
+            f"{whole[1][0]}; leave the others out"
+        )
+    if whole and not set(_POSES) <= set(columns):
+        return whole[0]
+    for name in _POSES:
+        if name not in columns:
+            raise ValueError(
+                f"poses: expected columns {', '.join(_POSES)}, got none named {name}; "
+                + _near_column(name, [other for other in columns if other not in _POSES])
+            )
+    return list(_POSES)
 
 
 def _column(given: Any, name: str) -> FloatArray:
@@ -323,18 +412,24 @@ def _index(given: Any, spare: list[str]) -> Any:
 
 
 def _evo(given: Any, time_s: Any) -> GivenPoses:
-    if time_s is not None:
+    stamped = type(given).__name__ == "PoseTrajectory3D"
+    if stamped and time_s is not None:
         raise ValueError("time_s: expected none beside evo's trajectory, which has its own stamps")
     wxyz = np.asarray(given.orientations_quat_wxyz, dtype=np.float64)
-    path = _stamped(Motor.from_quaternion_translation(wxyz, given.positions_xyz), given.timestamps)
+    poses = Motor.from_quaternion_translation(wxyz, given.positions_xyz)
+    path = _stamped(poses, given.timestamps if stamped else time_s)
 
     def written(made: Trajectory, times: Any) -> Any:
         rows = _to_rows(made, wxyz, path.time_ns)
+        own = {}
+        if stamped:
+            seconds = given.timestamps if times is None else _seconds(made, times)
+            own["timestamps"] = np.array(seconds)
         return type(given)(
             positions_xyz=rows[:, :3],
             orientations_quat_wxyz=rows[:, [6, 3, 4, 5]],
-            timestamps=np.array(given.timestamps if times is None else _seconds(made, times)),
             meta=copy.deepcopy(given.meta),
+            **own,
         )
 
     return GivenPoses(path, written)

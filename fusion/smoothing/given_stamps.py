@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from motorcade.ga.stamps import STAMP_LIMIT_NS
 
 # Poses farther apart are no path; stamps that seem so are in milliseconds or nanoseconds.
 _SLOWEST_S = 1000.0
-# Masked rows that a message lists.
+# Rows that a message lists.
 _ROWS_NAMED = 5
 
 
@@ -74,14 +75,16 @@ def without_mask(given: Any, name: str) -> np.ndarray[Any, Any]:
     """
     rows = np.unique(np.nonzero(np.ma.getmaskarray(given))[0]) if np.ma.isMA(given) else ()
     if len(rows):
-        listed = ", ".join(map(str, rows[:_ROWS_NAMED])) + (
-            ", …" if len(rows) > _ROWS_NAMED else ""
-        )
         raise ValueError(
-            f"{name}: expected numbers in every row, got {len(rows)} masked: {listed}; leave these "
-            "rows out"
+            f"{name}: expected numbers in every row, got {len(rows)} masked: {listed(rows)}; leave "
+            "these rows out"
         )
     return np.asarray(given)
+
+
+def listed(rows: Sequence[int] | IntArray) -> str:
+    """The first few of some rows, for a message."""
+    return ", ".join(map(str, rows[:_ROWS_NAMED])) + (", …" if len(rows) > _ROWS_NAMED else "")
 
 
 def _moments(given: np.ndarray[Any, Any], name: str) -> np.ndarray[Any, Any]:

@@ -14,9 +14,12 @@ Sources: D. T. Magill, Optimal adaptive estimation of sampled stochastic process
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
+from motorcade.fusion.smoothing.checks import warn_of_coarse
 from motorcade.fusion.smoothing.native import _live
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_number, checked_positive
@@ -46,7 +49,8 @@ class LiveSmoother:
 
     It breaks down where noise is no noise but motion: drift and errors that last longer than the
     memory stay, and wrong poses that agree with each other for longer than 0.1 s are followed.
-    Until the fifth pose those given come back as they are.
+    Until the fifth pose those given come back as they are. A copy goes its own way from where it
+    was taken; what has taken poses can't be pickled.
 
     Examples:
         >>> import numpy as np
@@ -75,6 +79,23 @@ class LiveSmoother:
     def reset(self) -> None:
         """Forget all poses."""
         self._live = _live.Live(self.lag_s, self.memory_s)
+        self._seen = 0
+
+    def __copy__(self) -> LiveSmoother:
+        other = LiveSmoother(self.lag_s, self.memory_s)
+        other._live, other._seen = _live.Live(self._live), self._seen
+        return other
+
+    def __deepcopy__(self, _: Any) -> LiveSmoother:
+        return self.__copy__()
+
+    def __reduce__(self) -> tuple[type[LiveSmoother], tuple[float, float]]:
+        if self._seen:
+            raise TypeError(
+                "LiveSmoother: expected to be pickled before its first pose, for what it learnt of "
+                "a stream stays in this process; pickle it after reset(), or use copy.deepcopy"
+            )
+        return LiveSmoother, (self.lag_s, self.memory_s)
 
     def update(
         self, time_s: float, position_m: ArrayLike, wxyz: ArrayLike
@@ -91,19 +112,26 @@ class LiveSmoother:
             `lag_s` back, or at the first while there is none.
 
         Raises:
-            ValueError: a stamp not after the last one, numbers that are not finite, a quaternion of
-                length 0, or too few numbers. The smoother is then as it was.
+            ValueError: a stamp not after the last one or more than 1000 s after it, as of
+                nanoseconds; numbers that are not finite, a quaternion of length 0, or too few
+                numbers. The smoother is then as it was.
         """
-        return self._live.update(time_s, position_m, wxyz)
+        due = self._live.update(time_s, position_m, wxyz)
+        if self._seen < _FEWEST:
+            self._seen += 1
+            if self._seen == _FEWEST:
+                warn_of_coarse(self._live.usual_interval_s)
+        return due
 
     def predict(self, time_s: float) -> tuple[float, FloatArray, FloatArray]:
         """The pose at a time to come, such as when a display will light up.
 
         Args:
-            time_s: not before the latest pose. Beyond a tenth of a second no model foretells hands.
+            time_s: not before the latest pose, and at most half a second or four intervals after
+                it. Beyond a tenth of a second no model foretells hands.
 
         Raises:
-            ValueError: a time before the latest pose or beyond float64, or no pose yet.
+            ValueError: a time before the latest pose or too long after it, or no pose yet.
         """
         return self._live.predict(time_s)
 

@@ -2,7 +2,7 @@
 
 ``R = exp(-½ φ I₃ u) = cos ½φ - sin ½φ (u_x e23 + u_y e31 + u_z e12)`` turns by the right-handed
 angle ``φ`` about the unit axis ``u``; ``X' = R X ~R``. The quaternion wxyz of the same rotation
-is ``(m0, -m1, -m2, -m3)``. Angles in radians..
+is ``(m0, -m1, -m2, -m3)``. Angles in radians.
 """
 
 from __future__ import annotations
@@ -123,6 +123,32 @@ class Rotor(Versor):
             check_rotation(checked_floats(given, "Rotor.from_matrix(matrix)", (3, 3)))
         return cls._trusted(made)
 
+    @classmethod
+    def nearest(cls, matrix: ArrayLike) -> Rotor:
+        """Rotors nearest to matrices ``(*, 3, 3)`` with noise, in the Frobenius norm.
+
+        By the singular value decomposition (W. Kabsch, A solution for the best rotation to relate
+        two sets of vectors, Acta Cryst. A32, 1976). What turned farther than noise would, or is
+        scaled, comes out as some rotation all the same.
+
+        Raises:
+            ValueError: wrong shape, NaN or infinity, or a matrix of rank below 2, to which many
+                rotations are equally near.
+
+        Examples:
+            >>> import numpy as np
+            >>> from motorcade.ga import Rotor
+            >>> noisy = np.eye(3) + 2.5e-4 * np.ones((3, 3))
+            >>> Rotor.nearest(noisy).isclose(Rotor.identity())
+            np.True_
+        """
+        name = "Rotor.nearest(matrix)"
+        left, sizes, right = np.linalg.svd(checked_floats(matrix, name, (3, 3)))
+        if not np.all(sizes[..., 1] > np.finfo(sizes.dtype).eps * sizes[..., 0]):
+            raise ValueError(f"{name}: expected matrices of rank 2 or 3, got one of lower rank")
+        left[..., 2] *= np.linalg.det(left @ right)[..., None]
+        return cls.from_matrix(left @ right)
+
     def as_matrix(self) -> FloatArray:
         """Rotation matrices ``(*, 3, 3)`` that act on columns."""
         return parts.rotor_matrix(self.coefficients)
@@ -174,9 +200,17 @@ def check_rotation(matrix: FloatArray) -> None:
         gram = np.swapaxes(matrix, -1, -2) @ matrix
         worst = float(np.max(np.abs(gram - np.eye(3)), initial=0.0))
     if not worst <= MATRIX_TOLERANCE:
+        square = np.trace(gram, axis1=-2, axis2=-1)[..., None, None] / 3.0
+        with np.errstate(invalid="ignore"):
+            scaled = np.all(np.abs(gram - square * np.eye(3)) <= MATRIX_TOLERANCE * square)
+        advice = (
+            "it is a rotation times a scale, which Similarity.from_matrix reads"
+            if scaled and np.all((square > 0.0) & (square < np.inf))
+            else "Rotor.nearest gives the nearest rotation"
+        )
         raise ValueError(
             f"Rotor.from_matrix(matrix): expected R^T R within {MATRIX_TOLERANCE:g} of the "
-            f"identity, got a difference of {worst:.3g}; orthonormalise it first"
+            f"identity, got a difference of {worst:.3g}; {advice}"
         )
     if np.any(np.linalg.det(matrix) < 0.0):
         raise ValueError("Rotor.from_matrix(matrix): expected determinant +1, got a reflection")

@@ -15,7 +15,7 @@ MAY_IMPORT = {
     "replays": {"ga", "tracking", "fusion", "animation", "render"},
 }
 FILES = sorted(path for room in MAY_IMPORT for path in (REPOSITORY / room).rglob("*.py"))
-MOST_LINES = 400
+MOST_LINES = 600
 WRITTEN = sorted(
     path
     for room in (*MAY_IMPORT, "tests")

@@ -10,7 +10,6 @@ likelier of the two models is taken. Rotation, translation and scale are searche
 
 from __future__ import annotations
 
-import logging
 from dataclasses import dataclass
 from math import exp, log
 
@@ -27,11 +26,7 @@ from motorcade.fusion.smoothing.checks import in_double
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 
-_LOG = logging.getLogger("motorcade.smooth")
-
 FEWEST_POSES = 16
-# Stamps in milliseconds that are read as seconds lie at least so far apart, up to 100 Hz.
-_COARSE_S = 10.0
 # The likelihood is taken over so many poses at most, in a few stretches of the path.
 _STRETCHES, _STRETCH = 4, 1000
 _ROUNDS = 2
@@ -202,12 +197,3 @@ def _filter(order: int, sizes: list[Sizes], representation: str) -> KalmanFilter
         scale.noise,
         representation,
     )
-
-
-def warn_of_coarse(interval_s: float) -> None:
-    """Where poses lie farther apart than those of any camera, stamps may be in another unit."""
-    if interval_s >= _COARSE_S:
-        _LOG.warning(
-            "stamps lie %.3g s apart. Are they milliseconds? Seconds are expected; divide by 1e3",
-            interval_s,
-        )

@@ -265,12 +265,23 @@ public:
         if (stamps_.empty())
             throw std::invalid_argument("predict: expected a pose before it, got none");
         const double dt = time_s - stamps_.back();
-        if (!(dt >= 0.0) || !std::isfinite(dt))
-            throw std::invalid_argument("time_s: expected a finite stamp, none before " +
-                                        std::to_string(stamps_.back()) + ", got " +
+        if (!(dt >= 0.0 && dt <= gap_s()))
+            throw std::invalid_argument("time_s: expected " + std::to_string(stamps_.back()) +
+                                        " to at most " + std::to_string(gap_s()) +
+                                        " s later, where a motion can be foretold, got " +
                                         std::to_string(time_s));
         if (seen_ <= OPENING) return {time_s, last_.position, last_.rotor};
         return {time_s, positions_.ahead(dt), rotations_.ahead(dt)};
+    }
+
+    double usual_interval_s() const { return usual_; }
+
+    // After half a second without a pose it is anybody's guess how hands have moved on.
+    double gap_s() const { return std::max(0.5, 4.0 * usual_); }
+
+    // From the latest pose to a stamp.
+    double interval_to(double time_s) const {
+        return stamps_.empty() ? 0.0 : time_s - stamps_.back();
     }
 
 private:
@@ -298,8 +309,6 @@ private:
         rotations_.forget_first();
     }
 
-    // After half a second without a pose it is anybody's guess how hands have moved on.
-    static constexpr double GAP_S = 0.5, GAP_POSES = 4.0;
     // So much must both misses together fall, as a logarithm, before stamps are doubted.
     static constexpr double SURE = 0.2;
 
@@ -316,7 +325,7 @@ private:
             positions_.start(first_.position, dt, lag_s_ > 0.0);
             rotations_.start(first_.rotor, dt, lag_s_ > 0.0);
         }
-        if (dt > std::max(GAP_S, GAP_POSES * usual_)) {
+        if (dt > gap_s()) {
             positions_.go_on_from(given.position, dt, usual_);
             rotations_.go_on_from(given.rotor, dt, usual_);
             return;

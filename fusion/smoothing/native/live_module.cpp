@@ -80,7 +80,15 @@ nb::object told(const StampedPose &pose) {
                           array_of(wxyz.data(), 4, empty));
 }
 
+// Poses farther apart are no path.
+constexpr double SLOWEST_S = 1000.0;
+
 nb::object update(Live &live, double time_s, nb::handle position_m, nb::handle wxyz) {
+    if (live.interval_to(time_s) > SLOWEST_S)
+        throw std::invalid_argument("time_s: expected seconds, got a stamp " +
+                                    std::to_string(live.interval_to(time_s)) +
+                                    " after the last; divide nanoseconds by 1e9, or reset() after "
+                                    "so long a pause");
     return told(live.update(checked_pose(time_s, position_m, wxyz)));
 }
 
@@ -117,6 +125,8 @@ NB_MODULE(_live, module) {
     module.doc() = "Smoothing as poses come; see motorcade.fusion.smoothing.live.";
     nb::class_<Live>(module, "Live")
         .def(nb::init<double, double>(), "lag_s"_a, "memory_s"_a)
+        .def(nb::init<const Live &>(), "other"_a)
+        .def_prop_ro("usual_interval_s", &Live::usual_interval_s)
         .def("update", &update, "time_s"_a, "position_m"_a, "wxyz"_a)
         .def("predict", &predict, "time_s"_a);
     module.def("smooth", &smooth, "lag_s"_a, "memory_s"_a, "time_s"_a, "poses"_a,

@@ -20,6 +20,7 @@ from motorcade.ga.arrays import FloatArray
 
 STILL = np.tile([1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0], (5, 1))
 MASKED = np.ma.masked_array(STILL, np.isin(np.arange(35), [7, 23]).reshape(5, 7))
+NAN_ROWS = np.where(np.isin(np.arange(35), [7, 23]).reshape(5, 7), np.nan, STILL)
 COLUMNS = ["x", "y", "z", "qx", "qy", "qz", "qw"]
 
 
@@ -80,6 +81,42 @@ def test_rows_with_stamps_matrices_and_stacks() -> None:
     assert smooth(rows.astype(np.float32), "gaussian", time_s=path.time_s).dtype == np.float32
 
 
+def test_lists_pairs_and_matrices_of_three_rows() -> None:
+    path = noisy()
+    rows, matrices = rows_of(path), path.motors.as_matrix()
+    expected = with_trajectories(rows, path.time_s, smoothed)
+    by_lists = with_trajectories(rows.tolist(), path.time_s, smoothed)
+    assert isinstance(by_lists, list)
+    np.testing.assert_allclose(by_lists, expected, atol=1e-12)
+    by_arrays = with_trajectories(list(matrices), path.time_s, smoothed)
+    by_three = with_trajectories(matrices[:, :3], path.time_s, smoothed)
+    np.testing.assert_allclose(np.stack(by_arrays)[:, :3], by_three, atol=1e-12)
+    np.testing.assert_allclose(by_three[:, :, 3], expected[:, :3], atol=1e-12)
+    for turns in (rows[:, 3:], Rotation.from_quat(rows[:, 3:])):
+        positions, turned = with_trajectories((rows[:, :3], turns), path.time_s, smoothed)
+        both = np.column_stack([positions, getattr(turned, "as_quat", lambda t=turned: t)()])
+        assert max(differs_in_rotation_and_position(both, expected)) < 1e-7
+        assert isinstance(turned, type(turns))
+
+
+def test_columns_as_ros_names_them() -> None:
+    pandas = pytest.importorskip("pandas")
+    path = noisy()
+    for before, mark in (("pose.pose.", "."), ("field.pose.", "."), ("", "_"), ("/pose/", "/")):
+        turn = "orientation" if mark != "_" else "rotation"
+        place = "position" if mark != "_" else "translation"
+        names = [f"{before}{place}{mark}{axis}" for axis in "xyz"]
+        names += [f"{before}{turn}{mark}{axis}" for axis in "xyzw"]
+        table = pandas.DataFrame(rows_of(path), columns=names)
+        table["field.header.stamp"] = path.time_ns + 1_700_000_000_000_000_000
+        made = smooth(table, "gaussian")
+        expected = smooth(rows_of(path), "gaussian", time_s=path.time_s)
+        np.testing.assert_allclose(made[names], expected, atol=1e-9)
+    twice = table.rename(columns=lambda name: f"other{name}").join(table)
+    with pytest.raises(ValueError, match="expected the columns of one pose, got those of other"):
+        smooth(twice, "gaussian", time_s=path.time_s)
+
+
 def test_scipy_and_motors() -> None:
     path = noisy()
     expected = smooth(path, "gaussian", "rotor")
@@ -115,6 +152,19 @@ def test_tables_keep_their_columns_and_index() -> None:
         smooth(table.rename(columns={"qw": "q_w"}))
     with pytest.raises(ValueError, match="time_s: expected a column named"):
         smooth(table.reset_index(drop=True))
+
+
+def test_paths_of_evo_without_stamps() -> None:
+    trajectory = pytest.importorskip("evo.core.trajectory")
+    path = noisy()
+    rows = rows_of(path)
+    given = trajectory.PosePath3D(rows[:, :3], rows[:, [6, 3, 4, 5]])
+    with pytest.raises(ValueError, match="expected the stamps of these poses, got none"):
+        smooth(given)
+    made = smooth(given, "gaussian", time_s=path.time_s)
+    assert type(made) is trajectory.PosePath3D
+    expected = smooth(path, "gaussian").motors.translation_m
+    np.testing.assert_allclose(made.positions_xyz, expected, atol=1e-9)
 
 
 def test_evo_and_gtsam() -> None:
@@ -294,6 +344,10 @@ def test_what_are_no_stamps_is_refused(stamps: list[object], says: str) -> None:
         (np.ones((5, 7)), np.arange(5.0), ValueError, "a length off by 1"),
         (np.ones((5, 4, 4)), np.arange(5.0), ValueError, "matrix"),
         (np.full((5, 7), np.nan), np.arange(5.0), ValueError, "finite"),
+        (NAN_ROWS, np.arange(5.0), ValueError, "2 with NaN or infinity: 1, 3; leave"),
+        (2.0 * np.eye(4)[None, :3], [0.0], ValueError, "which Similarity.from_matrix reads"),
+        ((STILL[:, :3], STILL[:4, 3:]), np.arange(5.0), ValueError, "expected 5 quaternions"),
+        (["a", "b"], [0.0, 1.0], TypeError, "expected a Trajectory, an array"),
         (STILL, np.arange(5) / 30.0 + 1e10, ValueError, "divide milliseconds by 1e3, nanos"),
         (STILL, np.arange("2500", "2505", dtype="M8[Y]"), ValueError, "of 1970, got 2500"),
         (STILL, [datetime.datetime(2500, 1, 1 + k) for k in range(5)], ValueError, "of 1970"),

@@ -5,6 +5,9 @@ Its filters have a witness in plain NumPy, with textbook matrices.
 
 from __future__ import annotations
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -117,9 +120,9 @@ def test_what_has_no_noise_is_left_as_it_is(lag_s: float) -> None:
         turned = Rotation.from_rotvec([0.0, 0.0, 0.02 * k]).as_quat(scalar_first=True)
         due = live.update(k / 30.0, [0.1 * k, 1.0, 0.0], turned)
     np.testing.assert_allclose(due[1], [3.0 * due[0], 1.0, 0.0], atol=1e-9)
-    _, position, wxyz = live.predict(4.0)
-    np.testing.assert_allclose(position, [12.0, 1.0, 0.0], atol=1e-6)
-    expected = Rotation.from_rotvec([0.0, 0.0, 2.4]).as_quat(scalar_first=True)
+    _, position, wxyz = live.predict(3.4)
+    np.testing.assert_allclose(position, [10.2, 1.0, 0.0], atol=1e-6)
+    expected = Rotation.from_rotvec([0.0, 0.0, 2.04]).as_quat(scalar_first=True)
     assert abs(abs(wxyz @ expected) - 1.0) < 1e-9
 
 
@@ -265,8 +268,8 @@ def test_arguments_and_poses_that_do_not_fit() -> None:
         LiveSmoother().predict(0.0)
     live = LiveSmoother()
     live.update(0.0, [1.0, 2.0, 3.0], STILL)
-    for late in (-5.0, np.nan, np.inf):
-        with pytest.raises(ValueError, match="expected a finite stamp, none before 0"):
+    for late in (-5.0, np.nan, np.inf, 0.51, 1e9):
+        with pytest.raises(ValueError, match=r"expected 0\.000000 to at most 0\.500000 s later"):
             live.predict(late)
     path = MOTIONS["zoom"].sampled(30.0, 1.0)
     assert isinstance(path.poses, Similarity)
@@ -287,3 +290,33 @@ def test_every_pose_comes_out_once_at_a_lag_that_stamps_cannot_tell(lag_s: float
     assert np.all(np.isfinite(room[: len(given)]))
     assert np.all(np.isnan(room[len(given) :]))
     assert len(np.unique(room[: len(given)], axis=0)) == len(given)
+
+
+@pytest.mark.parametrize(("unit", "says"), [(1e3, "milliseconds"), (1e6, None), (1e9, None)])
+def test_stamps_in_other_units_are_told(
+    unit: float, says: str | None, caplog: pytest.LogCaptureFixture
+) -> None:
+    live = LiveSmoother()
+    with caplog.at_level("WARNING", "motorcade.smooth"):
+        live.update(0.0, [0.0, 0.0, 0.0], STILL)
+        if says is None:
+            with pytest.raises(ValueError, match="divide nanoseconds by 1e9"):
+                live.update(unit / 30.0, [0.0, 0.0, 0.0], STILL)
+            live.update(1.0 / 30.0, [0.0, 0.0, 0.0], STILL)  # as if nothing had been
+            return
+        for k in range(1, 20):
+            live.update(k * unit / 30.0, [0.0, 0.0, 0.0], STILL)
+    assert caplog.text.count(says) == 1
+
+
+def test_copies_go_their_own_way_and_fresh_ones_can_be_pickled() -> None:
+    live = LiveSmoother(0.1, 1.0)
+    assert vars(pickle.loads(pickle.dumps(live))).keys() == vars(live).keys()
+    for k in range(20):
+        live.update(k / 30.0, [0.1 * k, 0.0, 0.0], STILL)
+    for other in (copy.copy(live), copy.deepcopy(live)):
+        other.update(20 / 30.0, [5.0, 0.0, 0.0], STILL)
+    due = live.update(20 / 30.0, [2.0, 0.0, 0.0], STILL)
+    np.testing.assert_allclose(due[1], [3.0 * due[0], 0.0, 0.0], atol=1e-9)
+    with pytest.raises(TypeError, match=r"use copy\.deepcopy"):
+        pickle.dumps(live)

@@ -5,6 +5,7 @@ import pickle
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from motorcade.ga import Motor, Rotor, Similarity, Versor
 from motorcade.ga.arrays import checked_floats, frozen
@@ -132,8 +133,11 @@ def test_points_need_three_coordinates(kind: type[Versor]) -> None:
 def test_matrices_that_are_no_rotations_are_refused() -> None:
     with pytest.raises(ValueError, match="expected determinant"):
         Rotor.from_matrix(np.diag([1.0, 1.0, -1.0]))
-    with pytest.raises(ValueError, match="orthonormalise it first"):
-        Rotor.from_matrix(1.001 * np.eye(3))
+    with pytest.raises(ValueError, match=r"Rotor\.nearest gives the nearest rotation"):
+        Rotor.from_matrix(np.eye(3) + 1e-3 * np.eye(3)[[1, 0, 2]])
+    for scale in (1.001, 2.0, 0.01):
+        with pytest.raises(ValueError, match=r"a scale, which Similarity\.from_matrix reads"):
+            Rotor.from_matrix(scale * np.eye(3))
     with pytest.raises(ValueError, match=r"expected shape \(\*, 3, 3\)"):
         Rotor.from_matrix(np.eye(4))
     bottom = np.eye(4)
@@ -229,3 +233,15 @@ def test_strided_and_read_only_inputs_are_read_in_place(
     np.testing.assert_array_equal(turned.coefficients[::-1], (plain @ plain[::-1]).coefficients)
     single = np.asarray(plain.coefficients, dtype=np.float32)
     assert kind.normalize(single).coefficients.dtype == np.float32
+
+
+def test_the_nearest_rotation_is_that_of_another_library(rng: np.random.Generator) -> None:
+    """Scipy turns noisy matrices into rotations by the same criterion, with another algorithm."""
+    exact = Rotation.random(50, random_state=7)
+    noisy = exact.as_matrix() + 0.05 * rng.standard_normal((50, 3, 3))
+    nearest = Rotor.nearest(noisy).as_matrix()
+    np.testing.assert_allclose(nearest, Rotation.from_matrix(noisy).as_matrix(), atol=1e-12)
+    reflected = Rotor.nearest(np.diag([1.0, 1.0, -1.0])).as_matrix()
+    np.testing.assert_allclose(np.linalg.det(reflected), 1.0)
+    with pytest.raises(ValueError, match="rank 2 or 3"):
+        Rotor.nearest(np.diag([1.0, 0.0, 0.0]))
