@@ -25,9 +25,6 @@ constexpr std::size_t most_rivals = 6;
 // How long the IMU alone may carry a prediction that was given up, as it may over gaps.
 constexpr std::int64_t longest_bridge_ns = 10'000'000'000;
 
-// Of starts that are tried; each costs a pass over the whole.
-constexpr std::size_t most_starts = 6;
-
 // How long measurements may agree on something else before it is no burst: as cameras are blind.
 constexpr std::int64_t longest_burst_ns = 2'000'000'000;
 
@@ -49,6 +46,17 @@ template <std::size_t N> struct Rival {
     Doubt room;             // what the prediction needs to agree with its birth
 };
 
+// The path may begin at a pose that was denied near the start. Each start costs a pass over the
+// whole: of all between so many seconds and twice as many the last is tried.
+template <std::size_t N> void Timeline<N>::may_start(std::size_t index) {
+    const auto octave = [&](std::size_t k) {
+        return std::ilogb(static_cast<double>(events_[k].time_ns - events_.front().time_ns));
+    };
+    if (events_[index].time_ns - events_.front().time_ns > longest_bridge_ns) return;
+    if (!starts_.empty() && octave(starts_.back()) == octave(index)) starts_.pop_back();
+    starts_.push_back(index);
+}
+
 // A measurement was believed or denied: what follows for the prediction.
 template <std::size_t N> void Timeline<N>::consider(std::size_t index) {
     const Event &event = events_[index];
@@ -59,9 +67,7 @@ template <std::size_t N> void Timeline<N>::consider(std::size_t index) {
         if (event.relative) return;
         if (denied_++ == 0) {
             doubted_ns_ = event.time_ns;
-            const bool early = doubted_ns_ - events_.front().time_ns <= longest_bridge_ns;
-            if (early && begin_ == 0 && event.from_pose() && starts_.size() < most_starts)
-                starts_.push_back(index);
+            if (begin_ == 0 && event.from_pose()) may_start(index);
         }
         return challenge(index);
     }
@@ -304,18 +310,23 @@ void Timeline<N>::undo_jump(std::size_t jump, std::size_t from, std::size_t to) 
 }
 
 // What was measured before a track's birth, judged by it against the flow of time: rate and
-// velocity change their signs, force does not, and the same transitions hold.
-template <std::size_t N> void Timeline<N>::judge_before(Track<N> track, std::size_t birth) {
+// velocity change their signs, force does not, and the same transitions hold. How many poses agree.
+template <std::size_t N>
+std::size_t Timeline<N>::judge_before(Track<N> track, std::size_t birth) {
+    std::size_t agreeing = 0;
     along(track, [&] {
         for (std::size_t k = birth + 1; k-- > begin_;) {
             Event &event = events_[k];
             turn_round();
             retreat_to(event.time_ns);
             turn_round();
-            if (k < birth && event.measures() && !event.relative) event.given = believed(event);
+            if (k == birth || !event.measures() || event.relative) continue;
+            event.given = believed(event);
+            agreeing += event.given > 0.0 && event.from_pose();
         }
         restart(now_);
     });
+    return agreeing;
 }
 
 // The state as it is against the flow of time.

@@ -33,7 +33,7 @@ public:
             this->begin_at(start);
             Hypothesis<N> other = weigh_all();
             Track<N> after = other.first;
-            other.bridged = this->bridged_back(start, 0, after);
+            other.bridged = this->bridged_back(start, 0, after) || agrees_before(other);
             if (other.better(best, refused())) best = std::move(other);
         }
         if (!extended(best, first)) remake(first);
@@ -64,6 +64,12 @@ protected:
             if (judge_again(this->begin_, this->begin_) == none) return best;
             this->replay(this->begin_, this->next_);
         }
+    }
+
+    // Whether any pose before a start is where the IMU leads back to: by chance none would be.
+    bool agrees_before(const Hypothesis<N> &other) {
+        this->begin_ = 0;
+        return this->judge_before(other.first, other.begin) > 0;
     }
 
     // Takes a hypothesis over and adds what came before it: by the IMU alone, with the poses that

@@ -187,7 +187,8 @@ protected:
     bool doubt_first_jump(std::size_t jump, Track<N> after);
     void restart(const State &at) { begun_ = at; }
     void begin_at(std::size_t index);
-    void judge_before(Track<N> track, std::size_t birth);
+    std::size_t judge_before(Track<N> track, std::size_t birth);
+    void may_start(std::size_t index);
     void put(std::size_t row, const Matrix<N> &p) const;
     void reconsider();
     virtual void settle_before(std::int64_t) {}  // see window.h
