@@ -10,6 +10,7 @@ import numpy as np
 from motorcade.fusion.health.axes import AxesEvidence
 from motorcade.fusion.health.models import (
     NEEDED,
+    SCALE_TOLERANCE,
     SIGMAS,
     AxesVerdict,
     Base,
@@ -20,6 +21,7 @@ from motorcade.fusion.health.models import (
 )
 from motorcade.fusion.health.pushing import Pushes
 from motorcade.fusion.health.regression import Prior
+from motorcade.fusion.imu.gravity import GRAVITY_SHARE
 from motorcade.fusion.imu.noise import ACCEL_BIAS_SIGMA_M_S2
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
@@ -34,6 +36,8 @@ _FEWEST = 20
 _SIZE_SIGMA_M_S2 = 0.2
 _LEVER_SIGMA_M = 0.1
 _ANY_GRAVITY_M_S2 = 20.0
+# A scale is told where it is known to so much of itself.
+_SCALE_SHARE = 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +117,32 @@ class ForceTrial:
         """Rotations ``(3, 3)`` of the extrinsics, read either way round."""
         imu_R_camera = self.imu_T_camera.rotor.as_matrix()
         return {"stated": imu_R_camera.T, "inverted": imu_R_camera}
+
+    def position_scale(self) -> float | None:
+        """What positions are multiples of metres of; None where they are in metres, or untold.
+
+        Positions in another unit, or of a camera that knows no scale, show accelerations and
+        gravity alike so many times too large. An accelerometer of another scale shows its own
+        gravity as a multiple and leaves the world's as it is.
+        """
+        if len(self.pushes) < _FEWEST:
+            return None
+        evidence = self._with_any_gravity(self._bases()["stated"])
+        start = evidence.multiple(np.eye(3))
+        wide = evidence.prior.sigma.copy()
+        wide[:3], wide[3:6] = _ANY_GRAVITY_M_S2 * (1.0 + start), wide[3:6] * (1.0 + start)
+        wide[6:] *= 1.0 + start
+        free = replace(evidence, prior=Prior(evidence.prior.mean, wide))
+        fitted = free.scaled(np.eye(3), start)
+        scale, variance = float(fitted.values[0]), float(fitted.covariance[0, 0])
+        gravity_m_s2 = float(np.linalg.norm(fitted.values[1:4]))
+        # Where nothing moves the variance is lost in rounding.
+        if scale <= 0.0 or not 0.0 < SIGMAS * np.sqrt(max(variance, 0.0)) < _SCALE_SHARE * scale:
+            return None
+        off = abs(np.log(scale)) > np.log1p(2.0 * SCALE_TOLERANCE)
+        alike = abs(gravity_m_s2 / (scale * self.gravity_m_s2) - 1.0) < GRAVITY_SHARE
+        gain = fitted.score - free.nothing().score
+        return scale if off and alike and gain > NEEDED else None
 
     def _shared(
         self, bases: dict[Base, AxesEvidence], of_rates: AxesVerdict | None

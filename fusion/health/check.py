@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from motorcade.fusion.health.accelerometer import (
@@ -14,6 +16,7 @@ from motorcade.fusion.health.joint import judge_jointly
 from motorcade.fusion.health.models import SIGMAS, TURN_TOLERANCE_RAD, AxesVerdict
 from motorcade.fusion.health.pushing import Pushes
 from motorcade.fusion.health.stamps import check_stamps
+from motorcade.fusion.health.stuck import find_saturation, find_stuck_axes
 from motorcade.fusion.health.turning import CameraRates, TurnedAngle, steady
 from motorcade.fusion.health.verdict import FaultName, Health, HealthFinding
 from motorcade.fusion.health.wording import (
@@ -23,6 +26,8 @@ from motorcade.fusion.health.wording import (
     inverted_line,
     mirrored_line,
     own_axes_line,
+    position_line,
+    scale_line,
     shared_axes_line,
     tell_both,
     unit_line,
@@ -101,6 +106,9 @@ def check_health(
     stamps = check_stamps(camera.time_ns, imu.time_ns)
     if stamps is not None:
         return Health((stamps,))
+    stuck = find_stuck_axes(camera, imu, imu_T_camera, time_offset_s, up=up)
+    if stuck:
+        return Health(tuple(stuck))
     turn = imu_T_camera.rotor.as_matrix().T
     turned = TurnedAngle(imu)
     rates = judge_rates(
@@ -123,6 +131,10 @@ def check_health(
     trial = ForceTrial(pushes, imu_T_camera, extrinsics_known, gravity_m_s2, up, lean_sigma_rad)
     stories = judge_jointly(rates, trial)
     rates, forces = stories[0].rates, stories[0].forces
+    scale = trial.position_scale()
+    if scale is not None:
+        rate_findings = _units(rates, replace(forces, state="unknown"))
+        return Health((*rate_findings, HealthFinding("position_unit", position_line(scale))))
     if not rates.explained and forces.state == "unexplained":
         return Health((HealthFinding("unrelated", unrelated_line(rates, search_s)),))
     findings = _units(rates, forces)
@@ -131,6 +143,7 @@ def check_health(
     estimated_rad = SIGMAS * extrinsics_sigma_rad if extrinsics_known else np.pi
     findings += tell_both([_axes(one.rates, one.forces, estimated_rad) for one in stories])
     findings += [*_gravity(forces, gravity_m_s2), *bias_lines(rates, forces)]
+    findings += find_saturation(imu)
     return Health(tuple(findings), unknown_lines(rates, forces))
 
 
@@ -139,6 +152,8 @@ def _units(rates: RateVerdict, forces: ForceVerdict) -> list[HealthFinding]:
     if rates.state == "named" and rates.axes is not None and rates.axes.multiple != 1.0:
         line = unit_line("gyroscope", rates.axes.multiple, RATE_UNITS)
         found.append(HealthFinding("rate_unit", line))
+    if rates.state == "named" and rates.axes is not None and rates.axes.scales != (1.0,) * 3:
+        found.append(HealthFinding("rate_scale", scale_line("gyroscope", rates.axes.scales)))
     if forces.state == "named" and forces.axes is not None and forces.axes.multiple != 1.0:
         line = unit_line("accelerometer", forces.axes.multiple, FORCE_UNITS)
         found.append(HealthFinding("force_unit", line))

@@ -76,7 +76,7 @@ class RateVerdict:
     @property
     def late(self) -> bool:
         """Whether the poses' stamps are off by more than is usual."""
-        return abs(self.lag_s) > LAG_TOLERANCE_S + SIGMAS * self.lag_sigma_s
+        return abs(self.lag_s) > float(np.hypot(LAG_TOLERANCE_S, SIGMAS * self.lag_sigma_s))
 
     def allows(self, turn: FloatArray) -> bool:
         """Whether readings that are as stated would be as well explained under a rotation."""

@@ -35,6 +35,8 @@ SIGMAS = 4.0
 _BLURRED = 0.25
 _SEARCHED = 200
 _TURNS = 3
+# Of the score, by which six elements more of K may explain readings better than scales alone.
+_SCALES_LOSE = 3.0 * NEEDED
 # Of each element of K: scales on the diagonal, turns beside it.
 _TOLERANCE = np.where(np.eye(3) > 0.0, SCALE_TOLERANCE, np.sin(TURN_TOLERANCE_RAD))
 
@@ -47,7 +49,8 @@ class AxesVerdict:
         state: sound; named, where a model other than the stated one explains them; unexplained,
             where they tell something that no model explains; nothing, where they tell nothing.
         base: which way round the extrinsics were to be read.
-        permutation: ``(3, 3)`` signed; true readings are multiple · turn · permutation · readings.
+        permutation: ``(3, 3)`` signed; true readings are multiple · turn · permutation · scales ·
+            readings.
         turn: ``(3, 3)`` rotation that is left besides; the identity where axes explain all.
         multiple: of the readings; one where that explains them.
         gain: logarithm of the odds against readings that have nothing to do with the path.
@@ -55,6 +58,7 @@ class AxesVerdict:
         fit: of what was chosen, with the unknowns besides K last.
         rivals: models without a turn that explain the readings as well, this one among them, by
             belief; none where that was not asked, or a turn explains them.
+        scales: of the axes of the readings, where one of them differs from the others.
     """
 
     state: Literal["sound", "named", "unexplained", "nothing"]
@@ -66,6 +70,7 @@ class AxesVerdict:
     blurred: str
     fit: RobustFit
     rivals: tuple[Model, ...] = ()
+    scales: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
     @property
     def turn_rad(self) -> float:
@@ -75,7 +80,8 @@ class AxesVerdict:
     @property
     def matrix(self) -> FloatArray:
         """K ``(3, 3)``: what makes true readings."""
-        return self.multiple * self.turn @ self.permutation
+        matrix: FloatArray = self.multiple * self.turn @ self.permutation * np.array(self.scales)
+        return matrix
 
 
 def judge_stated(evidence: AxesEvidence, needed: float = NEEDED) -> AxesVerdict:
@@ -120,6 +126,10 @@ def judge_axes(
     off, sigma = _off(free, matrix, multiple)
     gain = found.score - nothing
     if np.any(off > _TOLERANCE + SIGMAS * sigma) and free.score - nothing >= needed:
+        if base == believed and np.array_equal(matrix, np.eye(3)):
+            scaled = _judge_scales(base, own, free)
+            if scaled is not None:
+                return scaled
         return _judge_turn(believed, evidence[believed], units)
     state: Literal["named", "unexplained", "nothing"] = "named" if gain >= needed else "nothing"
     if state == "named" and own.strained(fitted):
@@ -153,6 +163,25 @@ def same_turns(ones: FloatArray, others: FloatArray) -> NDArray[np.bool_]:
     cosine = 0.5 * (np.einsum("nij,mij->nm", ones, others) - 1.0)
     alike = np.sign(np.linalg.det(ones))[:, None] == np.sign(np.linalg.det(others))
     return np.asarray(alike & (cosine > np.cos(TURN_TOLERANCE_RAD)), dtype=np.bool_)
+
+
+def _judge_scales(base: Base, evidence: AxesEvidence, free: RobustFit) -> AxesVerdict | None:
+    """Readings whose axes have scales of their own; None where more than that is off."""
+    off, sigma = _off(free, np.eye(3), 1.0)
+    within = off <= _TOLERANCE + SIGMAS * sigma
+    if not np.all(within | np.eye(3, dtype=np.bool_)):
+        return None
+    sizes = np.where(np.diag(within), 1.0, np.diag(free.values[:9].reshape(3, 3)))
+    if np.any(sizes <= 0.0):
+        return None
+    fitted = evidence.along(np.diag(sizes))
+    if evidence.strained(fitted) or fitted.score < free.score - _SCALES_LOSE:
+        return None
+    gain, same = fitted.score - evidence.nothing().score, np.eye(3)
+    scales = float(sizes[0]), float(sizes[1]), float(sizes[2])
+    return AxesVerdict(
+        "named", base, same, same, 1.0, gain, _blurred(sigma), fitted, ((base, same),), scales
+    )
 
 
 def _judge_turn(base: Base, evidence: AxesEvidence, units: tuple[float, ...]) -> AxesVerdict:

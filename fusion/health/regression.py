@@ -17,7 +17,7 @@ from motorcade.ga.arrays import FloatArray
 _FREEDOM = 1.0
 _ITERATIONS = 50
 _SETTLED = 0.01  # of the score
-_SMALLEST = 1e-9
+_SMALLEST = 1e-6  # of the noise: below what any sensor resolves, and far enough from rounding
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,13 @@ from motorcade.fusion.imu.noise import ACCEL_BIAS_SIGMA_M_S2, GYRO_BIAS_SIGMA_RA
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray
 
+_LENGTHS = {
+    "centimetres": 100.0,
+    "millimetres": 1e3,
+    "inches": 1.0 / 0.0254,
+    "feet": 1.0 / 0.3048,
+    "kilometres": 1e-3,
+}  # of a metre
 _BEYOND = 4.0  # deviations of what is known of a bias
 
 
@@ -28,6 +35,25 @@ def unit_line(sensor: str, multiple: float, units: Mapping[float, str]) -> str:
         f"the {sensor} {called}, where {expected} are expected: multiply its readings by "
         f"{multiple:.6g}"
     )
+
+
+def position_line(scale: float) -> str:
+    """Of positions that are no metres."""
+    unit = next((name for name, size in _LENGTHS.items() if abs(scale / size - 1.0) < 0.1), None)
+    what = f"are in {unit}" if unit else f"are {scale:.3g} times as large as metres"
+    mend = 1.0 / (_LENGTHS[unit] if unit else scale)
+    return f"positions {what} by the accelerometer: multiply them by {mend:.4g}"
+
+
+def scale_line(sensor: str, scales: tuple[float, float, float]) -> str:
+    """Of axes whose scale is not that of the others."""
+    lines = [
+        f"the {sensor}'s {axis} reads {1.0 / scale:.3g} times what the camera turns: multiply "
+        f"it by {scale:.3g}"
+        for axis, scale in zip("xyz", scales, strict=True)
+        if scale != 1.0
+    ]
+    return "; ".join(lines)
 
 
 def mirrored_line(of_rates: AxesVerdict, of_forces: AxesVerdict) -> HealthFinding:

@@ -51,7 +51,7 @@ def screen_imu(imu: ImuStream) -> tuple[str, ...]:
     """
     refuse_units_of_force(imu)
     refuse_degrees(imu)
-    return (*_gravity(imu), *_saturation(imu), *_gaps(imu))
+    return (*_gravity(imu), *saturated_axes(imu), *_gaps(imu))
 
 
 def refuse_units_of_force(imu: ImuStream) -> None:
@@ -153,8 +153,8 @@ def _gravity(imu: ImuStream) -> tuple[str, ...]:
     )
 
 
-def _saturation(imu: ImuStream) -> tuple[str, ...]:
-    """Axes that stick to their largest reading, with nothing much just below it."""
+def saturated_axes(imu: ImuStream) -> tuple[str, ...]:
+    """A line for each axis that sticks to its largest reading, with nothing much just below it."""
     found = []
     for name, values in (
         ("angular rate", imu.angular_rate_rad_s),

@@ -159,6 +159,31 @@ def _stamps(imu: Callable[..., np.ndarray], poses: Callable[..., np.ndarray]) ->
     return degraded_case
 
 
+def _positions(multiple: float) -> Fault:
+    """Positions in another unit."""
+
+    def degraded_case(one: Case, _: Case) -> Case:
+        path = one.poses.trajectory
+        poses = Motor.from_rotor_translation(
+            path.motors.rotor, multiple * path.motors.translation_m
+        )
+        moved = Trajectory(path.time_ns, poses, path.parent, path.child)
+        return replace(one, poses=PoseMeasurements(moved, one.poses.covariance))
+
+    return degraded_case
+
+
+def _frozen() -> Fault:
+    """An accelerometer that repeats its reading from the middle on."""
+
+    def degraded_case(one: Case, _: Case) -> Case:
+        rows = np.minimum(np.arange(len(one.imu)), len(one.imu) // 2)
+        forces = one.imu.specific_force_m_s2[rows]
+        return replace(one, imu=ImuStream(one.imu.time_ns, one.imu.angular_rate_rad_s, forces))
+
+    return degraded_case
+
+
 def _of_another(one: Case, other: Case) -> Case:
     """The stream of another recording, its stamps moved so that both begin together."""
     stamps = other.imu.time_ns - other.imu.time_ns[0] + one.imu.time_ns[0]
@@ -202,7 +227,14 @@ FAULTS: Mapping[str, tuple[Fault, str]] = {
     ),
     "half a second late": (_stamps(lambda ns: ns + 500_000_000, _same), "delay"),
     "half a second early": (_stamps(lambda ns: ns - 500_000_000, _same), "delay"),
+    "20 ms early": (_stamps(lambda ns: ns - 20_000_000, _same), "delay"),
     "another recording's IMU": (_of_another, "unrelated"),
+    "gyroscope reads 0": (_readings(rate=0.0), "stuck"),
+    "gyroscope's y reads 0": (_readings(rate=np.diag([1.0, 0.0, 1.0])), "stuck"),
+    "accelerometer frozen at half": (_frozen(), "stuck"),
+    "gyroscope by 1.2": (_readings(rate=1.2), "rate_unit"),
+    "positions in centimetres": (_positions(100.0), "position_unit"),
+    "positions in inches": (_positions(1.0 / 0.0254), "position_unit"),
 }
 """Each with the name that the verdict must give it."""
 

@@ -39,6 +39,8 @@ QUICK = (
     "left-handed",
     "extrinsics transposed",
     "stamps in µs from 0",
+    "accelerometer frozen at half",
+    "positions in inches",
 )
 REST_NS = 5_000_000 * np.arange(6001)
 
@@ -175,6 +177,43 @@ def test_outliers_raise_no_alarm(handheld):
         wild = case(handheld.truth, handheld.imu, extrinsics, 3, Outliers(share, 1.0, 0.8))
         found, _ = checked("none", wild, wild)
         assert found.sound, found.summary
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_scale_of_one_axis_is_named_with_its_mend(handheld, axis):
+    sizes = np.where(np.arange(3) == axis, 1.5, 1.0)
+    rates = handheld.imu.angular_rate_rad_s * sizes
+    wrong = ImuStream(handheld.imu.time_ns, rates, handheld.imu.specific_force_m_s2)
+    found = check_health(handheld.poses.trajectory, wrong, handheld.imu_T_camera)
+    assert found.faults == ("rate_scale",)
+    assert f"gyroscope's {'xyz'[axis]} reads 1." in found.summary
+    mend = float(found.summary.rsplit(" ", 1)[1])
+    assert abs(mend * 1.5 - 1.0) < 0.05
+
+
+def test_readings_that_are_cut_off_are_named(handheld):
+    rates = handheld.imu.angular_rate_rad_s
+    most = np.quantile(np.abs(rates), 0.97)
+    wrong = ImuStream(
+        handheld.imu.time_ns, np.clip(rates, -most, most), handheld.imu.specific_force_m_s2
+    )
+    found = check_health(handheld.poses.trajectory, wrong, handheld.imu_T_camera)
+    assert set(found.faults) == {"saturated"}
+
+
+def test_axes_that_the_motion_leaves_at_zero_are_not_dead():
+    """A turntable without noise: two of its rates are exactly zero."""
+    stamps = 5_000_000 * np.arange(4001)
+    seconds = 1e-9 * stamps
+    angle = np.sin(seconds)
+    poses = Motor.from_euler_translation(
+        np.stack([np.zeros_like(angle), np.zeros_like(angle), angle], axis=-1), np.zeros(3)
+    )
+    rates = np.stack([0.0 * angle, 0.0 * angle, np.cos(seconds)], axis=-1)
+    forces = np.tile([0.0, 0.0, 9.81], (len(stamps), 1))
+    path = Trajectory(stamps[::10], poses[::10])
+    found = check_health(path, ImuStream(stamps, rates, forces), Motor.identity())
+    assert "stuck" not in found.faults, found.summary
 
 
 def test_a_world_that_leans_is_said_to(handheld):
