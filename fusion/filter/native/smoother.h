@@ -17,18 +17,29 @@ constexpr std::size_t most_rounds = 5;
 constexpr double tolerance = 2.0;
 constexpr std::size_t none = static_cast<std::size_t>(-1);  // of the events
 
+constexpr std::size_t most_bursts = 8;  // that are tried; each costs a pass over the whole
+
 template <std::size_t N> class Smoother : public Timeline<N> {
 public:
     using Timeline<N>::Timeline;
 
     // Rewrites what the sink holds for the moments passed so far. Where the prediction was given up
-    // near the start, the path may as well begin at any of the poses that it denied there.
+    // near the start, the path may as well begin at any of the poses that it denied there; where
+    // that happened twice within seconds, what was measured between may have been a burst.
     void smooth() {
         this->doubt_last_jump(0);
-        const Hypothesis<N> first = weigh_all();
-        if (this->given_up_.empty() || this->starts_.empty()) return;
+        const Hypothesis<N> forward = hypothesis(0);
         const auto given_up = this->given_up_;
+        const auto tried = bursts();
+        const Hypothesis<N> first = weigh_all();
+        if (given_up.empty() || (this->starts_.empty() && tried.empty())) return;
         Hypothesis<N> best = first;
+        for (const auto &[from, to] : tried) {
+            Hypothesis<N> other = without_burst(forward, from, to);
+            // Wrong together, as on a map of their own, they say nothing for or against.
+            for (std::size_t k = from; k < to; ++k) other.cost[k] = best.cost[k];
+            if (other.better(best, refused())) best = std::move(other);
+        }
         for (const std::size_t start : std::vector(this->starts_)) {
             this->begin_at(start);
             Hypothesis<N> other = weigh_all();
@@ -36,7 +47,11 @@ public:
             other.bridged = this->bridged_back(start, 0, after) || agrees_before(other);
             if (other.better(best, refused())) best = std::move(other);
         }
-        if (!extended(best, first)) remake(first);
+        if (best.begin == 0) {
+            remake(best);
+        } else if (!extended(best, first)) {
+            remake(first);
+        }
         this->given_up_ = given_up;
     }
 
@@ -70,6 +85,38 @@ protected:
     bool agrees_before(const Hypothesis<N> &other) {
         this->begin_ = 0;
         return this->judge_before(other.first, other.begin) > 0;
+    }
+
+    // From where the prediction was given up to where it was again, if the IMU may carry the path
+    // between.
+    std::vector<std::pair<std::size_t, std::size_t>> bursts() const {
+        std::vector<std::pair<std::size_t, std::size_t>> made;
+        const auto event_at = [&](std::int64_t time_ns) {
+            std::size_t k = 0;
+            while (k < this->next_ &&
+                   (this->events_[k].time_ns < time_ns || !this->events_[k].measures()))
+                ++k;
+            return k;
+        };
+        for (std::size_t k = 1; k < this->given_up_.size() && made.size() < most_bursts; ++k) {
+            const std::int64_t from_ns = this->given_up_[k - 1][0], to_ns = this->given_up_[k][0];
+            if (to_ns > from_ns && to_ns - from_ns <= longest_bridge_ns)
+                made.emplace_back(event_at(from_ns), event_at(to_ns));
+        }
+        return made;
+    }
+
+    // All between is wrong, and the path jumped nowhere.
+    Hypothesis<N> without_burst(Hypothesis<N> forward, std::size_t from, std::size_t to) {
+        const auto ends = [&](const auto &one) { return one.first >= from && one.first <= to; };
+        auto &doubts = forward.doubts;
+        doubts.erase(std::remove_if(doubts.begin(), doubts.end(), ends), doubts.end());
+        for (std::size_t k = from; k < to; ++k) forward.given[k] = 0.0;
+        forward.given[to] = undecided;
+        restore(forward);
+        Hypothesis<N> made = weigh_all();
+        made.bridged = true;
+        return made;
     }
 
     // Takes a hypothesis over and adds what came before it: by the IMU alone, with the poses that
