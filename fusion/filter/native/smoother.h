@@ -38,7 +38,11 @@ public:
             Hypothesis<N> other = without_burst(forward, from, to);
             // Wrong together, as on a map of their own, they say nothing for or against.
             for (std::size_t k = from; k < to; ++k) other.cost[k] = best.cost[k];
-            if (other.better(best, refused())) best = std::move(other);
+            const auto besides = [&](const Hypothesis<N> &one) {
+                return one.explained(0) - one.explained(from) + one.explained(to);
+            };
+            if (besides(other) >= besides(best) && other.better(best, refused()))
+                best = std::move(other);
         }
         for (const std::size_t start : std::vector(this->starts_)) {
             this->begin_at(start);
