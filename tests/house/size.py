@@ -1,22 +1,26 @@
-"""Counts the lines of the product: Python and C++ of the rooms, without what is generated.
+"""Counts the product, without what is generated: lines of Python and C++ of the rooms, and modules.
 
     python -m tests.house.size                 the working tree
     python -m tests.house.size v0.1 HEAD       revisions of git, side by side
 
-Examples in docstrings are not counted: they are documentation, and tests run them.
+Examples in docstrings are not counted: they are documentation, and tests run them. Of modules it
+counts all, those below 60 lines (faces of packages apart), and those that one other imports.
 """
 
 from __future__ import annotations
 
 import ast
 import doctest
+import io
 import subprocess
 import sys
+import tarfile
 from pathlib import Path, PurePosixPath
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
 PYTHON, NATIVE = {".py", ".pyi"}, {".c", ".cpp", ".h"}
+SMALL = 60
 
 
 def git(*arguments: str) -> str:
@@ -49,33 +53,68 @@ def example_lines(text: str) -> int:
     return sum(one.source.count("\n") + one.want.count("\n") for one in examples)
 
 
-def counted(texts: dict[str, str]) -> dict[str, int]:
+def lines(texts: dict[str, str]) -> dict[str, int]:
     """Lines by room, and of C++ and Python over all."""
-    lines = dict.fromkeys((*ROOMS, "C and C++", "Python", "all"), 0)
+    total = dict.fromkeys((*ROOMS, "C and C++", "Python", "all"), 0)
     for name, text in texts.items():
         path = PurePosixPath(name)
         size = text.count("\n") - (example_lines(text) if path.suffix == ".py" else 0)
         for key in (path.parts[0], "Python" if path.suffix in PYTHON else "C and C++", "all"):
-            lines[key] += size
-    return lines
+            total[key] += size
+    return total
 
 
-def at(revision: str | None) -> dict[str, int]:
-    """Lines of a revision, or of the working tree."""
+def modules(texts: dict[str, str]) -> dict[str, int]:
+    """Modules: all, small ones, and those that one other module of the product imports."""
+    python = {name: text for name, text in texts.items() if name.endswith(".py")}
+    dotted = {
+        ".".join(("motorcade", *PurePosixPath(name).with_suffix("").parts)).removesuffix(
+            ".__init__"
+        ): text
+        for name, text in python.items()
+    }
+    importers: dict[str, set[str]] = {module: set() for module in dotted}
+    for module, text in dotted.items():
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.ImportFrom):
+                names = {f"{node.module}.{alias.name}" for alias in node.names}
+                for used in names & set(dotted) or {str(node.module)} & set(dotted):
+                    importers[used].add(module)
+    faces = {name for name in python if name.endswith("__init__.py")}
+    small = [name for name in set(python) - faces if python[name].count("\n") < SMALL]
+    return {
+        "modules": len(python),
+        "packages": len(faces),
+        f"below {SMALL}": len(small),
+        "one importer": sum(len(users) == 1 for users in importers.values()),
+    }
+
+
+def counts(revision: str | None) -> dict[str, int]:
+    """Lines and modules of a revision, or of the working tree."""
     if revision is None:
         names = product_files(git("ls-files", "-co", "--exclude-standard").splitlines())
         present = [name for name in names if (REPOSITORY / name).exists()]
-        return counted({name: (REPOSITORY / name).read_text() for name in present})
-    names = product_files(git("ls-tree", "-r", "--name-only", revision).splitlines())
-    return counted({name: git("show", f"{revision}:{name}") for name in names})
+        texts = {name: (REPOSITORY / name).read_text() for name in present}
+    else:
+        archive = subprocess.run(
+            ["git", "archive", revision, *ROOMS], cwd=REPOSITORY, check=True, capture_output=True
+        ).stdout
+        with tarfile.open(fileobj=io.BytesIO(archive)) as files:
+            texts = {
+                name: file.read().decode()
+                for name in product_files(files.getnames())
+                if (file := files.extractfile(name)) is not None
+            }
+    return lines(texts) | modules(texts)
 
 
 def main() -> None:
     revisions: list[str | None] = [*sys.argv[1:]] or [None]
-    columns = [at(revision) for revision in revisions]
-    print(f"{'lines':<12}" + "".join(f"{one or 'here':>14}" for one in revisions))
+    columns = [counts(revision) for revision in revisions]
+    print(f"{'lines':<14}" + "".join(f"{revision or 'here':>14}" for revision in revisions))
     for key in columns[0]:
-        print(f"{key:<12}" + "".join(f"{column[key]:>14,}" for column in columns))
+        print(f"{key:<14}" + "".join(f"{column[key]:>14,}" for column in columns))
 
 
 if __name__ == "__main__":
