@@ -13,11 +13,11 @@ from motorcade.animation.authoring.editing.gestures import (
     gestures_text,
     read_gestures,
 )
-from motorcade.animation.authoring.interpolations import (
+from motorcade.animation.authoring.keyframes import (
     InterpolationFigures,
+    between_keyframes,
     compare_interpolations,
 )
-from motorcade.animation.authoring.keyframes import between_keyframes
 from motorcade.animation.authoring.parts import (
     JointKeyframe,
     SceneAnchor,

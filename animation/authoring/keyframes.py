@@ -1,12 +1,18 @@
-"""Keyframes played: where an object is in its parent between the times that were written down."""
+"""Keyframes played: where an object is in its parent between the times that were written down.
+
+What joining the same keyframes along screws, by quaternions and by Euler angles costs.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from itertools import pairwise
+
 import numpy as np
 
-from motorcade.animation.authoring.parts import Interpolation, ScenePart
+from motorcade.animation.authoring.parts import INTERPOLATIONS, Interpolation, ScenePart
 from motorcade.animation.authoring.poses import EulerObjectPose, VersorObjectPose
-from motorcade.ga import Similarity
+from motorcade.ga import Rotor, Similarity
 from motorcade.ga.arrays import FloatArray, checked_floats
 
 
@@ -71,3 +77,80 @@ def _joined(
         for k, one in ((first, a), (last, b))
     ]
     return ends[0].towards(ends[1], share)
+
+
+FEWEST = 2
+
+
+@dataclass(frozen=True)
+class InterpolationFigures:
+    """How an object goes through its keyframes.
+
+    Fields:
+        turned_over_geodesic: how far it turns in all, over the least that the keyframes need.
+        peak_rad_s, mean_rad_s: its fastest and its mean rate of rotation.
+        off_screw_m, off_screw_rad: how far it is from the motors' path at the same time, at most.
+    """
+
+    turned_over_geodesic: float
+    peak_rad_s: float
+    mean_rad_s: float
+    off_screw_m: float
+    off_screw_rad: float
+
+
+def compare_interpolations(
+    part: ScenePart, samples: int = 1000
+) -> dict[Interpolation, InterpolationFigures]:
+    """The same keyframes joined in each way, in figures.
+
+    Args:
+        part: with two keyframes or more.
+        samples: steps from one keyframe to the next.
+
+    Raises:
+        ValueError: fewer than two keyframes, or fewer than one step.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.authoring import compare_interpolations, scene_of
+    >>> keys = [
+    ...     {"time_s": 0, "euler_deg": [0, 89.9, 0]}, {"time_s": 1, "euler_deg": [170, 89.9, 170]}
+    ... ]
+    >>> thing = {"name": "a", "kind": "prop", "file": "a.glb", "keyframes": keys}
+    >>> found = compare_interpolations(scene_of({"objects": [thing]}, "scene").part("a"))
+    >>> [round(found[way].turned_over_geodesic, 1) for way in ("motor", "quaternion", "euler")]
+    [1.0, 1.0, 17.0]
+    """
+    keys = part.keyframes
+    if len(keys) < FEWEST or samples < 1:
+        raise ValueError(
+            f"compare_interpolations: expected {FEWEST} keyframes and a step or more, got "
+            f"{len(keys)} and {samples}"
+        )
+    at = np.array([one.time_s for one in keys])
+    ends = pairwise(at)
+    steps = [np.linspace(a, b, samples, endpoint=False) for a, b in ends]
+    time_s = np.append(np.concatenate(steps), at[-1])
+    screw = between_keyframes(part, time_s, "motor")
+    least = float(np.sum(_turns(Rotor.stack([one.parent_T_object.rotor for one in keys]))))
+    made: dict[Interpolation, InterpolationFigures] = {}
+    for way in INTERPOLATIONS:
+        poses = between_keyframes(part, time_s, way)
+        turns = _turns(poses.rotor)
+        rates = turns / np.diff(time_s)
+        off_m = np.linalg.norm(poses.translation_m - screw.translation_m, axis=-1)
+        off_rad = (screw.rotor.inverse() @ poses.rotor).angle()
+        made[way] = InterpolationFigures(
+            float(np.sum(turns)) / least if least > 0.0 else 1.0,
+            float(rates.max()),
+            float(np.sum(turns) / (at[-1] - at[0])),
+            float(off_m.max()),
+            float(np.max(np.minimum(off_rad, 2.0 * np.pi - off_rad))),
+        )
+    return made
+
+
+def _turns(rotors: Rotor) -> FloatArray:
+    """Angles from one rotor to the next."""
+    angle = (rotors[:-1].inverse() @ rotors[1:]).angle()
+    return np.asarray(np.minimum(angle, 2.0 * np.pi - angle))

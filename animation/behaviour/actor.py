@@ -16,9 +16,8 @@ from motorcade.animation.blend import BlendSpace, RootMotion, phase_between, spl
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Leg, plant_feet
-from motorcade.animation.place.cycles import on_the_spot
 from motorcade.animation.place.pacing import MOST_M_S2, Pace, passing_s
-from motorcade.animation.place.walks import rigid
+from motorcade.animation.place.walks import on_the_spot, rigid
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_z
 from motorcade.ga import Motor

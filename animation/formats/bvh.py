@@ -12,15 +12,16 @@ from pathlib import Path
 
 import numpy as np
 
-from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.limits import (
     MAX_DEPTH,
     MAX_NODES,
     MAX_POSES,
     MAX_TEXT_BYTES,
+    FormatError,
+    expected,
+    numbers_in,
     read_bounded,
 )
-from motorcade.animation.formats.numbers import numbers_in
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip
 from motorcade.animation.vectors import turn_x, turn_y, turn_z

@@ -16,11 +16,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.animation.formats.errors import FormatError, shown
 from motorcade.animation.formats.limits import (
     MAX_IMAGE_BYTES,
     MAX_IMAGE_PIXELS,
     MAX_REDUCED_PIXELS,
+    FormatError,
+    shown,
 )
 from motorcade.animation.srgb import to_linear, to_srgb
 from motorcade.ga.arrays import FloatArray

@@ -1,4 +1,4 @@
-"""How large an untrusted file and what it unpacks to may be, and which files it may name.
+"""What is refused of an untrusted file: how large it is, which files it names; and how it is told.
 
 The limits are far above any character in use, and low enough that a hostile file is refused
 before it fills the memory.
@@ -6,11 +6,14 @@ before it fills the memory.
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from urllib.parse import unquote
 
-from motorcade.animation.formats.errors import FormatError, expected, shown
+import numpy as np
+
 from motorcade.ga import files
+from motorcade.ga.arrays import FloatArray
 from motorcade.ga.files import UNSETTLED, FileError, is_there, put_on_record
 
 MAX_FILE_BYTES = 256 << 20
@@ -98,3 +101,64 @@ def check_count(field: str, count: int, limit: int) -> int:
     if not 0 <= count <= limit:
         raise FormatError(f"{shown(field)}: expected at most {limit}, got {count}")
     return count
+
+
+_SHOWN = 80
+
+
+class FormatError(ValueError):
+    """A character or motion file cannot be used as it is; the message says where and why."""
+
+    def in_file(self, path: Path) -> FormatError:
+        """The same error, opened by the name of the file it was found in."""
+        return type(self)(f"{shown(str(path), 300)}: {self}")
+
+
+class NoMeshError(FormatError):
+    """A motion was read where a character was wanted: nothing in the file has a surface."""
+
+
+def expected(field: str, wanted: str, got: object) -> FormatError:
+    """Make the error "field: expected ..., got ..."; what came is shortened and printable."""
+    return FormatError(f"{shown(field)}: expected {wanted}, got {shown(got)}")
+
+
+def shown(value: object, limit: int = _SHOWN) -> str:
+    """A value from a file for a message: printable, on one line, shortened to `limit`."""
+    if isinstance(value, dict | list | tuple):
+        text = f"{len(value)} entries"
+    else:
+        text = str(value) if not isinstance(value, bytes) else repr(value[:limit])
+    text = text if len(text) <= limit else text[: limit - 3] + "..."
+    return "".join(letter if letter.isprintable() else "?" for letter in text)
+
+
+PIECE = 1 << 20
+SPACE = re.compile(r"\s")
+
+
+def numbers_in(text: str, field: str) -> FloatArray:
+    """All numbers of a text, parted by white space.
+
+    Raises:
+        FormatError: other words, NaN, numbers beyond 1e9, or more than MAX_VALUES.
+    """
+    pieces, start, total = [], 0, 0
+    while start < len(text):
+        gap = SPACE.search(text, min(start + PIECE, len(text)))
+        end = len(text) if gap is None else gap.start()
+        words = text[start:end].split()
+        start = end + 1
+        if not words:
+            continue
+        try:
+            pieces.append(np.array(words, dtype=np.float64))
+        except ValueError as fault:
+            raise FormatError(f"{field}: expected numbers, {shown(fault)}") from fault
+        total += len(words)
+        if total > MAX_VALUES:
+            raise expected(field, f"at most {MAX_VALUES} numbers", "more")
+    values = np.concatenate(pieces) if pieces else np.zeros(0)
+    if not np.isfinite(values).all() or np.abs(values).max(initial=0.0) > 1e9:
+        raise expected(field, "finite numbers up to 1e9", "others")
+    return values

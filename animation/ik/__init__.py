@@ -6,13 +6,11 @@ in live use each frame starts from the pose of the last. `fabrik` knows of point
 `bend_limb` and `aim` of one limb and one joint without limits; `plant_feet` works on whole motions.
 """
 
-from motorcade.animation.ik.chain import Chain, reach_with
-from motorcade.animation.ik.fabrik import Reached, fabrik
+from motorcade.animation.ik.chain import Chain, Reached, fabrik, reach_with
 from motorcade.animation.ik.feet import GroundHeights, Leg, find_stances, plant_feet
 from motorcade.animation.ik.fitted import fitted_legs
-from motorcade.animation.ik.goals import LookAt, PoseGoal
 from motorcade.animation.ik.joints import Ball, Floating, Hinge
-from motorcade.animation.ik.solver import HeldLimit, IkSolution, IkSolver
+from motorcade.animation.ik.solver import HeldLimit, IkSolution, IkSolver, LookAt, PoseGoal
 from motorcade.animation.ik.two_bone import aim, bend_limb
 
 __all__ = [

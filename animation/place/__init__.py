@@ -4,12 +4,12 @@ from motorcade.animation.place.anchors import (
     Anchor,
     Placement,
     followed,
+    on_its_soles,
     place_on_plane,
     plane_anchor,
+    standing_height_m,
 )
-from motorcade.animation.place.cycles import on_the_spot
-from motorcade.animation.place.standing import on_its_soles, standing_height_m
-from motorcade.animation.place.walks import GroundPath, Walk, walk_along
+from motorcade.animation.place.walks import GroundPath, Walk, on_the_spot, walk_along
 
 __all__ = [
     "Anchor",

@@ -97,7 +97,7 @@ def _telemetry(folder: Path) -> Target:
     return Target([packet], lambda data: gpmf._sensors(data, Path("a.mp4")), ".gpmf")
 
 
-_DOOR = "motorcade.animation.formats.door"
+_DOOR = "motorcade.animation.formats"
 _PATHS = "motorcade.replays.files.trajectories"
 _TUM = b"# stamps\n0.05 1 2 3 0 0 0 1\n0.1 1 2.5 -3e-1 0 0 0.6 0.8\n0.15 0 0 0 0.5 0.5 -0.5 0.5\n"
 _EUROC = b"#timestamp\n50000000,1,2,3,1,0,0,0,7\n100000000,1,2.5,-3e-1,0.8,0,0,0.6,7\n"

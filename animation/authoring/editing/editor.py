@@ -1,8 +1,13 @@
-"""The editor: drags and edits of a scene, composed from where each began, undone and done again."""
+"""The editor: drags and edits of a scene, composed from where each began, undone and done again.
+
+The history of a scene: steps that hold what they changed, not whole scenes.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +20,6 @@ from motorcade.animation.authoring.editing.gestures import (
     HistoryStep,
     Together,
 )
-from motorcade.animation.authoring.editing.history import SceneStep
 from motorcade.animation.authoring.poses import ObjectPose
 from motorcade.animation.authoring.scene import Scene
 from motorcade.ga import Similarity
@@ -253,3 +257,48 @@ def replay(editor: SceneEditor, gestures: Iterable[Gesture]) -> Scene:
     for gesture in gestures:
         editor.do(gesture)
     return editor.scene
+
+
+_FIELDS = ("parents", "poses", "parts", "anchors")
+
+
+@dataclass(frozen=True, eq=False)
+class SceneStep:
+    """What lies between two scenes: by field, entries by name, or all of it where order changed."""
+
+    entries: Mapping[str, Mapping[str, tuple[Any, Any]]]
+    whole: Mapping[str, tuple[Mapping[str, Any], Mapping[str, Any]]]
+
+    @classmethod
+    def between(cls, before: Scene, after: Scene) -> SceneStep | None:
+        """The step from one scene to another; None where a scene file of both is the same."""
+        entries, whole = {}, {}
+        for field in _FIELDS:
+            old, new = getattr(before, field), getattr(after, field)
+            if old is new:
+                continue
+            if len(old) != len(new) or list(old) != list(new):
+                whole[field] = (old, new)
+                continue
+            other = {name: (old[name], one) for name, one in new.items() if one is not old[name]}
+            if other:
+                entries[field] = other
+        names = {name for field in entries.values() for name in field}
+        if not whole and all(_alike(before, after, name) for name in names):
+            return None
+        return cls(entries, whole)
+
+    def taken(self, scene: Scene, back: bool) -> Scene:
+        """The scene on the other side of the step."""
+        side = 0 if back else 1
+        fields = {field: pair[side] for field, pair in self.whole.items()}
+        for field, entries in self.entries.items():
+            own = {name: pair[side] for name, pair in entries.items()}
+            fields[field] = {**getattr(scene, field), **own}
+        return scene.but(**fields)
+
+
+def _alike(before: Scene, after: Scene, name: str) -> bool:
+    if name in before.anchors:
+        return before.anchors[name] == after.anchors[name]
+    return before.object_json(name) == after.object_json(name)

@@ -14,10 +14,16 @@ import numpy as np
 
 from motorcade.animation.formats.collada.library import Element, Library, inputs_of
 from motorcade.animation.formats.collada.scene import ColladaScene, matrix_of_steps
-from motorcade.animation.formats.errors import expected
-from motorcade.animation.formats.rig.curves import between, great_arc, key_times, with_times
+from motorcade.animation.formats.limits import expected
 from motorcade.animation.formats.rig.transforms import Transforms
-from motorcade.animation.formats.rig.values import RigClip, transforms_over
+from motorcade.animation.formats.rig.values import (
+    RigClip,
+    between,
+    great_arc,
+    key_times,
+    transforms_over,
+    with_times,
+)
 from motorcade.ga.arrays import FloatArray
 
 MEMBERS = {"X": 0, "Y": 1, "Z": 2, "ANGLE": 3}

@@ -11,9 +11,13 @@ from xml.parsers import expat
 
 import numpy as np
 
-from motorcade.animation.formats.errors import FormatError, expected
-from motorcade.animation.formats.limits import MAX_DEPTH, MAX_VALUES
-from motorcade.animation.formats.numbers import numbers_in
+from motorcade.animation.formats.limits import (
+    MAX_DEPTH,
+    MAX_VALUES,
+    FormatError,
+    expected,
+    numbers_in,
+)
 from motorcade.ga.arrays import FloatArray, IntArray
 
 MAX_ELEMENTS = 500_000

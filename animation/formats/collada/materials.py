@@ -20,9 +20,8 @@ import numpy as np
 
 from motorcade.animation.appearance import Filter, Material, TextureMap, Wrap
 from motorcade.animation.formats.collada.library import Element, Library
-from motorcade.animation.formats.errors import shown
 from motorcade.animation.formats.images import Texture, Textures
-from motorcade.animation.formats.limits import picture_beside, read_bounded
+from motorcade.animation.formats.limits import picture_beside, read_bounded, shown
 from motorcade.animation.srgb import to_linear
 from motorcade.ga.arrays import FloatArray
 

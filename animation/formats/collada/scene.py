@@ -11,8 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from motorcade.animation.formats.collada.library import Element, Library
-from motorcade.animation.formats.errors import FormatError, expected
-from motorcade.animation.formats.limits import MAX_NODES, check_count
+from motorcade.animation.formats.limits import MAX_NODES, FormatError, check_count, expected
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree
 from motorcade.animation.vectors import unit

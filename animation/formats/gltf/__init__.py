@@ -1,14 +1,73 @@
-"""glTF 2.0: read `.glb` and `.gltf`, write `.glb`.
+"""glTF 2.0: read `.glb`, `.gltf` and `.vrm` as a rig, write `.glb`.
 
 Source: Khronos Group, glTF 2.0 specification (ISO/IEC 12113:2022).
 """
 
-from motorcade.animation.formats.gltf.read import read_gltf
-from motorcade.animation.formats.gltf.writing.write import (
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from motorcade.animation.formats.gltf.accessors import Accessors
+from motorcade.animation.formats.gltf.animations import read_animations
+from motorcade.animation.formats.gltf.binary import GENERATOR
+from motorcade.animation.formats.gltf.container import open_gltf
+from motorcade.animation.formats.gltf.draco import unpack_draco
+from motorcade.animation.formats.gltf.meshes import Meshes
+from motorcade.animation.formats.gltf.meshopt import unpack_meshopt
+from motorcade.animation.formats.gltf.nodes import read_nodes
+from motorcade.animation.formats.gltf.vrm import read_humanoid
+from motorcade.animation.formats.gltf.write import (
     CameraPath,
     CharacterOnPath,
     write_cast_gltf,
     write_gltf,
 )
+from motorcade.animation.formats.rig.values import Rig
 
 __all__ = ["CameraPath", "CharacterOnPath", "read_gltf", "write_cast_gltf", "write_gltf"]
+
+
+KEEPS_UNITS = "Open Asset Import Library"
+"""A generator that copies numbers from files in other units without converting them."""
+
+
+def read_gltf(path: Path, *, pictures: Path | None = None) -> Rig:
+    """Read a `.glb`, `.gltf` or `.vrm`; its pictures may lie in another folder, below any name.
+
+    Raises:
+        FormatError: see `open_gltf`, `read_humanoid`, `read_nodes`, `unpack_meshopt`,
+            `unpack_draco`, `Meshes.surfaces`, `read_animations`.
+        ModuleNotFoundError: a package of the extra `pipeline` is needed and not installed.
+    """
+    document = open_gltf(path, pictures)
+    unpack_meshopt(document)
+    accessors = Accessors(document)
+    unpack_draco(document, accessors)
+    humanoid = read_humanoid(document)
+    nodes = read_nodes(document, {} if humanoid is None else humanoid.bones)
+    meshes = Meshes(document, accessors, nodes)
+    surfaces, joints = meshes.surfaces()
+    own = np.argsort(nodes.number)
+    targets = {
+        int(own[surface.node]): len(surface.morphs) for surface in surfaces if surface.morphs
+    }
+    clips, notices_of_clips = read_animations(document, accessors, nodes, targets)
+    generator = document.root["asset"].get("generator")
+    return Rig(
+        nodes.tree,
+        joints,
+        surfaces,
+        clips,
+        up=(0.0, 1.0, 0.0),
+        forward=(0.0, 0.0, 1.0) if humanoid is None else humanoid.forward,
+        unit_m=1.0,
+        unit_checked=isinstance(generator, str) and KEEPS_UNITS in generator,
+        notices=(
+            *meshes.notices,
+            *notices_of_clips,
+            *(() if humanoid is None else humanoid.notices),
+        ),
+        settled=generator == GENERATOR,
+    )

@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.gltf.container import Document, integer, table
-from motorcade.animation.formats.limits import MAX_VALUES
+from motorcade.animation.formats.limits import MAX_VALUES, FormatError, expected
 from motorcade.ga.arrays import FloatArray, IntArray
 
 TYPES: dict[int, np.dtype[Any]] = {

@@ -13,22 +13,28 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.gltf.accessors import Accessors, widened
 from motorcade.animation.formats.gltf.container import Document, integer, listed, table
 from motorcade.animation.formats.gltf.nodes import Nodes
-from motorcade.animation.formats.limits import MAX_CLIPS, MAX_POSES, check_count
-from motorcade.animation.formats.rig.curves import (
+from motorcade.animation.formats.limits import (
+    MAX_CLIPS,
+    MAX_POSES,
+    FormatError,
+    check_count,
+    expected,
+)
+from motorcade.animation.formats.rig.joints import HELPER
+from motorcade.animation.formats.rig.sampling import divided
+from motorcade.animation.formats.rig.transforms import Transforms
+from motorcade.animation.formats.rig.values import (
+    NodeTree,
+    RigClip,
     great_arc,
     hermite,
     key_times,
     stepped,
     with_times,
 )
-from motorcade.animation.formats.rig.joints import HELPER
-from motorcade.animation.formats.rig.sampling import divided
-from motorcade.animation.formats.rig.transforms import Transforms
-from motorcade.animation.formats.rig.values import NodeTree, RigClip
 from motorcade.ga.arrays import FloatArray, IntArray
 
 PATHS = {"rotation": "VEC4", "translation": "VEC3", "scale": "VEC3"}

@@ -14,13 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.limits import (
     MAX_ENTRIES,
     MAX_FILE_BYTES,
     MAX_TEXT_BYTES,
+    FormatError,
     beside,
     check_count,
+    expected,
     read_bounded,
 )
 from motorcade.ga.arrays import FloatArray

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.appearance import MOST_SETS, AlphaMode, Material, TextureMap, Wrap
-from motorcade.animation.formats.errors import expected, shown
 from motorcade.animation.formats.gltf.accessors import Accessors
 from motorcade.animation.formats.gltf.container import (
     OF_MATERIALS,
@@ -32,7 +31,7 @@ from motorcade.animation.formats.gltf.container import (
 )
 from motorcade.animation.formats.gltf.vrm import CARTOON, NEW, OLD, SPRINGS, has_cartoon_looks
 from motorcade.animation.formats.images import Texture, Textures
-from motorcade.animation.formats.limits import picture_beside
+from motorcade.animation.formats.limits import expected, picture_beside, shown
 from motorcade.ga.arrays import FloatArray
 
 PLAIN = 0.6

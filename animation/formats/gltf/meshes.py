@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from motorcade.animation.appearance import Material
-from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.gltf.accessors import Accessors
 from motorcade.animation.formats.gltf.container import (
     Document,
@@ -24,7 +23,9 @@ from motorcade.animation.formats.limits import (
     MAX_MORPHS,
     MAX_VALUES,
     MAX_VERTICES,
+    FormatError,
     check_count,
+    expected,
 )
 from motorcade.animation.formats.rig.values import RigMorph, RigSurface, Skin
 from motorcade.ga.arrays import FloatArray, IntArray

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.gltf.container import Document, floats, integer, listed, table
-from motorcade.animation.formats.limits import MAX_NODES, check_count
+from motorcade.animation.formats.limits import MAX_NODES, FormatError, check_count, expected
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree
 from motorcade.ga.arrays import FloatArray, IntArray

@@ -12,8 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from motorcade.animation.formats.errors import expected
 from motorcade.animation.formats.gltf.container import Document, integer, listed, table, text
+from motorcade.animation.formats.limits import expected
 
 OLD, NEW, SPRINGS = "VRM", "VRMC_vrm", "VRMC_springBone"
 CARTOON = "VRM/MToon"

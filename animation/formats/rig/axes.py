@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.animation.anatomy import Body, JointTree, body_from
-from motorcade.animation.formats.errors import expected
+from motorcade.animation.formats.limits import expected
 from motorcade.animation.formats.rig.joints import Joints
 from motorcade.animation.formats.rig.values import Rig
 from motorcade.animation.vectors import unit

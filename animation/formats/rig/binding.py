@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.animation.formats.errors import FormatError, expected
+from motorcade.animation.formats.limits import FormatError, expected
 from motorcade.animation.formats.rig.joints import JointPoses, Joints
 from motorcade.animation.formats.rig.transforms import Transforms, scaled_matrices
 from motorcade.animation.formats.rig.values import RigSurface, Skin

@@ -14,8 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.animation.formats.errors import FormatError
-from motorcade.animation.formats.limits import MAX_NODES, check_count
+from motorcade.animation.formats.limits import MAX_NODES, FormatError, check_count
 from motorcade.animation.formats.rig.transforms import Transforms, scaled_matrices
 from motorcade.animation.formats.rig.values import NodeTree, Rig
 from motorcade.ga import Motor, Rotor

@@ -12,12 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.animation.formats.errors import FormatError
-from motorcade.animation.formats.limits import MAX_POSES
-from motorcade.animation.formats.rig.curves import JUMP_S
+from motorcade.animation.formats.limits import MAX_POSES, FormatError
 from motorcade.animation.formats.rig.joints import JointPoses, Joints, World, joint_poses
 from motorcade.animation.formats.rig.transforms import Transforms
-from motorcade.animation.formats.rig.values import NodeTree, RigClip
+from motorcade.animation.formats.rig.values import JUMP_S, NodeTree, RigClip
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.classical.quaternion import quaternion_slerp

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.clip import Clip
-from motorcade.animation.formats.errors import FormatError
+from motorcade.animation.formats.limits import FormatError
 from motorcade.animation.formats.rig.axes import (
     Axes,
     Places,

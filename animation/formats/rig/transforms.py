@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.animation.formats.errors import FormatError
+from motorcade.animation.formats.limits import FormatError
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 

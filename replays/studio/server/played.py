@@ -15,7 +15,7 @@ import numpy as np
 
 from motorcade.animation import Character, Clip
 from motorcade.animation.authoring import Scene, between_keyframes
-from motorcade.animation.authoring.written import part_json
+from motorcade.animation.authoring.fields import part_json
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.files import off_record

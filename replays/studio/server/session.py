@@ -23,8 +23,8 @@ from motorcade.animation.authoring import (
     Together,
     gesture_of,
 )
+from motorcade.animation.authoring.fields import anchor_json
 from motorcade.animation.authoring.pointing import DragPlane, OutOfReach, Ray
-from motorcade.animation.authoring.written import anchor_json
 from motorcade.ga import Similarity
 from motorcade.replays.studio.look.packing import packed
 from motorcade.replays.studio.server.asked import (

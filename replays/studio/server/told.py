@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from motorcade.animation.authoring import Scene
-from motorcade.animation.authoring.written import layer_json
+from motorcade.animation.authoring.fields import layer_json
 from motorcade.replays.studio.look.packing import packed
 from motorcade.replays.studio.server.filmed import Filmed, spoken
 from motorcade.replays.studio.server.played import PlayedScene, rows

@@ -233,7 +233,7 @@ def test_long_texts_of_numbers_are_read_a_piece_at_a_time(
     data = bvh(("0 5 1 10", "0 5 1" + " " * 50 + "10"))
     whole = read_motion(write("whole.bvh", data))
     for piece in (1, 2, 7):
-        monkeypatch.setattr("motorcade.animation.formats.numbers.PIECE", piece)
+        monkeypatch.setattr("motorcade.animation.formats.limits.PIECE", piece)
         found = read_motion(write("parts.bvh", data))
         np.testing.assert_array_equal(
             found.clips[0].poses.coefficients, whole.clips[0].poses.coefficients
@@ -249,7 +249,7 @@ def test_what_values_refuse_is_told_as_an_error_of_the_file(
         raise ValueError("Skeleton.rest: expected something else")
 
     for name in ("assemble_character", "assemble_motion"):
-        monkeypatch.setattr(f"motorcade.animation.formats.door.{name}", refuse)
+        monkeypatch.setattr(f"motorcade.animation.formats.{name}", refuse)
     path = write("odd.bvh", bvh())
     for read in (read_motion, read_character):
         with pytest.raises(FormatError, match=r"odd\.bvh: Skeleton\.rest: expected something else"):

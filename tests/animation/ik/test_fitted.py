@@ -11,7 +11,7 @@ from docs.making.figure.proportions import HEEL_BACK_M, TOE_FORWARD_M, TOE_LENGT
 from motorcade.animation import GroundPath, mannequin, retarget, skin, walk_along
 from motorcade.animation.formats import read_character
 from motorcade.animation.ik import GroundHeights, Leg, fitted_legs
-from motorcade.animation.ik.soles import sole_clearance_m
+from motorcade.animation.ik.feet import sole_clearance_m
 from motorcade.animation.place import on_the_spot
 from motorcade.animation.retarget import legs_of
 from motorcade.animation.skeleton import turned_joint

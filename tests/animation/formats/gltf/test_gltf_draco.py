@@ -9,7 +9,7 @@ import pytest
 
 from motorcade.animation import Character, read_character
 from motorcade.animation.formats import FormatError
-from motorcade.animation.formats.gltf.packed import draco
+from motorcade.animation.formats.gltf import draco
 from tests.animation.formats import samples
 from tests.animation.formats.packed import DRACO, draco_tower
 from tests.animation.formats.samples import Gltf, Write

@@ -9,9 +9,9 @@ import pytest
 
 from motorcade.animation import read_character
 from motorcade.animation.formats import FormatError
+from motorcade.animation.formats.gltf import meshopt
 from motorcade.animation.formats.gltf.container import open_gltf
-from motorcade.animation.formats.gltf.packed import meshopt
-from motorcade.animation.formats.gltf.packed.meshopt_streams import unpack_indices, unpack_triangles
+from motorcade.animation.formats.gltf.meshopt import unpack_indices, unpack_triangles
 from tests.animation.formats import samples
 from tests.animation.formats.packed import MESHOPT, add_stream, meshopt_streams, meshopt_tower
 from tests.animation.formats.samples import Gltf, Write

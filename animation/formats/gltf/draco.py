@@ -17,12 +17,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.animation.formats.errors import FormatError, expected, shown
 from motorcade.animation.formats.gltf.accessors import Accessors
 from motorcade.animation.formats.gltf.container import Document, integer, listed, table
-from motorcade.animation.formats.limits import MAX_FILE_BYTES, MAX_VALUES
-
-__all__ = ["unpack_draco"]
+from motorcade.animation.formats.limits import (
+    MAX_FILE_BYTES,
+    MAX_VALUES,
+    FormatError,
+    expected,
+    shown,
+)
 
 DRACO = "KHR_draco_mesh_compression"
 TIME_LIMIT_S = 30

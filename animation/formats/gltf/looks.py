@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from motorcade.animation.appearance import Material, TextureMap
 from motorcade.animation.character import Character
+from motorcade.animation.formats.gltf.binary import INDICES, VERTICES, BinaryBuffer
 from motorcade.animation.formats.gltf.materials import MAPS, TRANSFORM, WRAPS
-from motorcade.animation.formats.gltf.writing.binary import INDICES, VERTICES, BinaryBuffer
 from motorcade.animation.srgb import to_linear
 from motorcade.ga.arrays import IntArray
 

@@ -1,4 +1,10 @@
-"""Streams of meshoptimizer: bytes of vertices as differences, triangles by edges seen before.
+"""Buffer views compressed as meshoptimizer does (EXT_ and KHR_meshopt_compression).
+
+Streams hold bytes of vertices as differences, and triangles by edges seen before; filters make
+directions, rotations, numbers and colours of bytes.
+
+Source: Khronos Group, EXT_meshopt_compression and KHR_meshopt_compression, whose appendices lay
+down every bit.
 
 Where groups of bytes begin is told by those before; so are triangles. That is walked in Python, a
 microsecond each; what the groups hold is unpacked for all of them at once.
@@ -9,12 +15,75 @@ Whoever calls takes IndexError for a stream that is cut off.
 from __future__ import annotations
 
 from array import array
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.animation.formats.errors import expected
+from motorcade.animation.formats.gltf.container import MESHOPT, Document, integer, table, text
+from motorcade.animation.formats.limits import MAX_VALUES, FormatError, expected
+
+MAX_UNPACKED_BYTES = 4 * MAX_VALUES
+
+
+def unpack_meshopt(document: Document) -> None:
+    """Put plain buffers behind the compressed views of a document.
+
+    Raises:
+        FormatError: bytes that are none of the format's, unknown modes or filters, or more than
+            `MAX_UNPACKED_BYTES` in all.
+    """
+    left = MAX_UNPACKED_BYTES
+    for number, given in enumerate(document.entries("bufferViews")):
+        field = f"bufferViews[{number}]"
+        view = table(given, field)
+        extensions = table(view.get("extensions", {}), f"{field}.extensions")
+        for name in sorted(MESHOPT & extensions.keys())[:1]:
+            packed = table(extensions[name], f"{field}.{name}")
+            count = integer(packed.get("count"), f"{field}.count", 1, left)
+            width = integer(packed.get("byteStride"), f"{field}.byteStride", 1, 256)
+            left -= count * width
+            if left < 0:
+                raise expected(field, f"at most {MAX_UNPACKED_BYTES} bytes in all", "more")
+            data = document.slice(packed, field)
+            try:
+                made = _unpacked(packed, data, count, width)
+            except (FormatError, IndexError) as fault:
+                why = "one that is cut off" if isinstance(fault, IndexError) else str(fault)
+                raise FormatError(f"{field}: expected a stream of {name}, got {why}") from fault
+            length = integer(view.get("byteLength"), f"{field}.byteLength", 1, len(made))
+            view |= {"buffer": len(document.buffers), "byteOffset": 0, "byteLength": length}
+            document.buffers.append(made)
+
+
+def _unpacked(packed: dict[str, Any], data: bytes, count: int, width: int) -> bytes:
+    """The bytes (count times width) that a stream stands for."""
+    mode, filtering = packed.get("mode"), text(packed.get("filter", "NONE"), "filter")
+    if mode == "ATTRIBUTES":
+        if width % 4:
+            raise expected("byteStride", "a multiple of 4", width)
+        made = unpack_attributes(data, count, width)
+        if filtering == "NONE":
+            return made.tobytes()
+        if filtering not in FILTERS:
+            raise expected("filter", f"NONE, {', '.join(FILTERS)}", filtering)
+        return FILTERS[filtering](made).tobytes()
+    if filtering != "NONE" or width not in (2, 4):
+        raise expected("indices", "2 or 4 bytes and no filter", f"{width} and {filtering}")
+    numbers: NDArray[np.int64]
+    if mode == "TRIANGLES":
+        if count % 3:
+            raise expected("count", "a multiple of 3", count)
+        numbers = unpack_triangles(data, count // 3)
+    elif mode == "INDICES":
+        numbers = unpack_indices(data, count)
+    else:
+        raise expected("mode", "ATTRIBUTES, TRIANGLES or INDICES", mode)
+    if numbers.max() >= 1 << (8 * width):
+        raise expected("indices", f"numbers of {width} bytes", numbers.max())
+    return numbers.astype(f"<u{width}").tobytes()
+
 
 GROUP = 16
 """Vertices whose bytes of one column are packed alike."""
@@ -261,3 +330,83 @@ class _Numbers:
         """The last number moved by a step."""
         self._last = (self._last + step) & MASK
         return self._last
+
+
+Bytes = NDArray[np.uint8]
+
+
+def _octahedral(rows: Bytes) -> NDArray[Any]:
+    """Unit vectors from an octahedron that is laid flat; the fourth number is kept."""
+    values, most = _signed_integers(rows)
+    one = values[:, 2].astype(np.float64)
+    if not one.all():
+        raise expected("octahedral vectors", "lengths above 0", "0")
+    x, y = values[:, 0] / one, values[:, 1] / one
+    z = 1.0 - np.abs(x) - np.abs(y)
+    under = np.maximum(-z, 0.0)
+    x, y = x - np.where(x >= 0.0, under, -under), y - np.where(y >= 0.0, under, -under)
+    length = np.sqrt(x * x + y * y + z * z)
+    for column, part in enumerate((x, y, z)):
+        values[:, column] = _rounded(part / length * most)
+    return values
+
+
+def _quaternion(rows: Bytes) -> NDArray[Any]:
+    """Unit quaternions from their three smaller parts."""
+    if rows.shape[1] != 8:
+        raise expected("byteStride of quaternions", "8", rows.shape[1])
+    values = rows.view("<i2")
+    last = values[:, 3].astype(np.int64)
+    parts = values[:, :3] * (np.sqrt(0.5) / (last | 3))[:, None]
+    largest = np.sqrt(np.maximum(1.0 - (parts * parts).sum(axis=1), 0.0))
+    every = np.concatenate([largest[:, None], parts], axis=1)
+    made = np.zeros_like(values)
+    places = (last[:, None] + np.arange(4)) % 4
+    np.put_along_axis(made, places, _rounded(every * 32767.0).astype(np.int16), axis=1)
+    return made
+
+
+def _exponential(rows: Bytes) -> NDArray[Any]:
+    """Floating-point numbers from 8 bits of exponent and 24 of mantissa."""
+    values = rows.view("<i4")
+    with np.errstate(over="ignore", under="ignore"):  # infinity is refused with its accessor
+        made = np.ldexp(((values << 8) >> 8).astype(np.float32), values >> 24)
+    return np.asarray(made, dtype="<f4")
+
+
+def _color(rows: Bytes) -> NDArray[Any]:
+    """Red, green, blue and alpha from lightness and two differences."""
+    signed, _ = _signed_integers(rows)
+    y, orange, green, alpha = (signed[:, k].astype(np.int64) for k in range(4))
+    most = (1 << (2 * rows.shape[1])) - 1
+    y, alpha = y & most, alpha & most
+    bits = np.frexp(alpha.astype(np.float64))[1]  # of its highest bit, which tells the range
+    whole = (1 << bits) - 1
+    given = alpha & (whole >> 1)
+    parts = (y + orange - green, y + green, y - orange - green, (given << 1) | (given & 1))
+    if not whole.all():
+        raise expected("colours", "an alpha above 0, which tells their range", "0")
+    made = np.stack(parts, axis=1) * (most / whole)[:, None]
+    return np.clip(_rounded(made), 0, most).astype(f"<u{rows.shape[1] // 4}")
+
+
+def _signed_integers(rows: Bytes) -> tuple[NDArray[Any], int]:
+    """Four signed numbers a row, in memory of their own, and the largest that there is."""
+    if rows.shape[1] not in (4, 8):
+        raise expected("byteStride of four numbers", "4 or 8", rows.shape[1])
+    kind = np.dtype(f"<i{rows.shape[1] // 4}")
+    return rows.view(kind).copy(), int(np.iinfo(kind).max)
+
+
+def _rounded(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Nearest whole numbers, halves away from zero."""
+    return np.trunc(values + np.copysign(0.5, values))
+
+
+FILTERS: dict[str, Callable[[Bytes], NDArray[Any]]] = {
+    "OCTAHEDRAL": _octahedral,
+    "QUATERNION": _quaternion,
+    "EXPONENTIAL": _exponential,
+    "COLOR": _color,
+}
+"""By name; each takes rows (n, stride) in memory of their own."""

@@ -1,1 +1,0 @@
-"""Compressed data of glTF files, brought back to the plain arrays that accessors describe."""
