@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from motorcade.ga.drawing.picture import Drawing
-    from motorcade.ga.drawing.shapes.reading import Form
-    from motorcade.ga.drawing.writing.view import View
+    from motorcade.ga.drawing.reading import Form
+    from motorcade.ga.drawing.view import View
 
 __all__ = ["show"]
 

@@ -153,7 +153,7 @@ def _traced(name: str, inputs: list[Any], residual: Any, step: Any) -> _Traced:
     """The residual and its derivative by the step, where that is zero."""
     import casadi as ca
 
-    from motorcade.ga.codegen.recording.trace import tape_of
+    from motorcade.ga.codegen.recording import tape_of
 
     zero = ca.DM.zeros(step.shape[0])
     derivative = ca.jacobian(residual, step)

@@ -16,10 +16,35 @@ from motorcade.ga.algebra.basis import Terms, grade_of, order_of, reorder_sign
 from motorcade.ga.algebra.products import Masks, Plan, apply_plan
 from motorcade.ga.algebra.scalars import checked_scalar, is_numeric, magnitude, scaled, square_root
 from motorcade.ga.algebra.signature import Signature
-from motorcade.ga.algebra.value import Value
 from motorcade.ga.arrays import sealed
-from motorcade.ga.notation.plain import sum_text
-from motorcade.ga.notation.shown import ShownAsSum
+from motorcade.ga.notation import ShownAsSum, sum_text
+
+
+class Value:
+    """Attributes are set once, by ``object.__setattr__``; only coefficients can be compared.
+
+    Without that ``if x:`` and ``x == 0`` would pass unseen over symbols, and mean little over
+    batches.
+    """
+
+    __slots__ = ()
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a multivector is frozen: {name} cannot be set")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"a multivector is frozen: {name} cannot be deleted")
+
+    def __bool__(self) -> bool:
+        raise TypeError("a multivector has no truth value: test its coefficients")
+
+    def __eq__(self, other: object) -> bool:
+        raise TypeError(
+            "multivectors: == is not defined; isclose compares numbers, coefficients compare alone"
+        )
+
+    def __hash__(self) -> int:
+        raise TypeError(f"unhashable type: {type(self).__name__}")
 
 
 class BladeSum(Value, ShownAsSum):

@@ -11,7 +11,6 @@ so that one test or comparison runs on all. None of it is built on the versors, 
 
 from __future__ import annotations
 
-from motorcade.ga.classical.branches import follow_euler, nearest_branch, nearest_euler
 from motorcade.ga.classical.dual_quaternion import (
     dual_quaternion_apply,
     dual_quaternion_as_quaternion_translation,
@@ -28,7 +27,10 @@ from motorcade.ga.classical.dual_quaternion import (
 from motorcade.ga.classical.euler import (
     EulerPose,
     euler_rates_from_body,
+    follow_euler,
     interpolate_euler,
+    nearest_branch,
+    nearest_euler,
 )
 from motorcade.ga.classical.pose import Pose
 from motorcade.ga.classical.quaternion import (

@@ -7,7 +7,7 @@ from typing import Any
 
 from motorcade.ga.codegen.passes.optimize import optimized
 from motorcade.ga.codegen.programs import Program
-from motorcade.ga.codegen.recording.trace import tape_of
+from motorcade.ga.codegen.recording import tape_of
 from motorcade.ga.codegen.runtime.evaluator import Evaluator
 from motorcade.ga.codegen.tape import Node, Operand, Tape, TapeBuilder
 

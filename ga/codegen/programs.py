@@ -12,8 +12,7 @@ from typing import Any
 from motorcade.ga.algebra import Algebra, Multivector
 from motorcade.ga.codegen.passes.optimize import optimized
 from motorcade.ga.codegen.passes.stats import PassStats
-from motorcade.ga.codegen.recording.recorder import recorded_symbols, tape_of_symbols
-from motorcade.ga.codegen.recording.trace import tape_of
+from motorcade.ga.codegen.recording import recorded_symbols, tape_of, tape_of_symbols
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.script import Script, evaluate
 from motorcade.ga.script.meaning import algebra_of, free_variables

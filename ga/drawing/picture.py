@@ -7,13 +7,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from motorcade.ga.drawing.marks.ground import ground
-from motorcade.ga.drawing.marks.mark import Extent, Mark, extent_of, marks_of, name_of
-from motorcade.ga.drawing.shapes.reading import Form, shapes_of
-from motorcade.ga.drawing.shapes.shape import Shape, is_flat
-from motorcade.ga.drawing.writing import page, svg
-from motorcade.ga.drawing.writing.colors import CYCLE, checked_color
-from motorcade.ga.drawing.writing.view import Projection, View, projection_of
+from motorcade.ga.drawing import svg
+from motorcade.ga.drawing.colors import CYCLE, checked_color
+from motorcade.ga.drawing.mark import Extent, Mark, extent_of, ground, marks_of, name_of
+from motorcade.ga.drawing.reading import Form, shapes_of
+from motorcade.ga.drawing.shape import Shape, is_flat
+from motorcade.ga.drawing.view import Projection, View, projection_of
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,7 @@ class Drawing:
 
     def html(self) -> str:
         """The picture as a page of its own that turns by mouse, finger or arrow keys."""
-        return page.whole(self.title or repr(self), self._repr_html_())
+        return svg.whole(self.title or repr(self), self._repr_html_())
 
     def save(self, path: Path | str) -> None:
         """Write the picture, as SVG or HTML by the file's suffix.
@@ -83,7 +82,7 @@ class Drawing:
 
     def _repr_html_(self) -> str:
         marks, projection = self._placed()
-        return page.part(self.svg(), marks, projection, self.left_out)
+        return svg.part(self.svg(), marks, projection, self.left_out)
 
     def _repr_svg_(self) -> str:
         return self.svg()

@@ -13,7 +13,7 @@ from math import nan
 import numpy as np
 
 from motorcade.ga.kernels.backend import checked_function, function
-from motorcade.ga.kernels.calls import Array, checked_call, of_one, of_two
+from motorcade.ga.kernels.batches import Array, checked_call, of_one, of_two
 
 _translation, _motor_scale = function("translation"), function("motor_scale")
 _matrix33 = function("rotor_matrix33")

@@ -1,21 +1,38 @@
-"""Runs a script: statement by statement, each expression on a stack of its own."""
+"""Runs a script: statement by statement, each expression on a stack of its own.
+
+How much an evaluation may cost: steps, and terms of all its products and sums.
+
+What a step costs is estimated from the blades of its operands, before it is done.
+
+What a call means: a function, a macro of the script, or one of its algebra's.
+
+Functions of Gaalop's come first, in any case of letters, as no macro of theirs name is ever called
+there. A script's macros come before its algebra's and before the other functions, wherever in the
+script they stand, but for calls inside the macro itself and inside the algebra's own.
+"""
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from motorcade.ga.algebra import Algebra, Multivector
+from motorcade.ga.algebra.functions.commuting import square_of, without_scalar
 from motorcade.ga.algebra.scalars import is_numeric
-from motorcade.ga.script.algebras import AlgebraDefinition
-from motorcade.ga.script.branches import chosen, decided, rows_of
-from motorcade.ga.script.budget import Budget
+from motorcade.ga.script.algebras import AlgebraDefinition, definitions
 from motorcade.ga.script.errors import Place, ScriptError, Source
-from motorcade.ga.script.functions import ANY_CASE, FUNCTIONS, is_finite, scalar_of
-from motorcade.ga.script.macros import Macros
-from motorcade.ga.script.operators import computed, operand_count, operated
+from motorcade.ga.script.functions import ANY_CASE, FUNCTIONS, Function, is_finite, scalar_of
+from motorcade.ga.script.operators import (
+    chosen,
+    computed,
+    decided,
+    operand_count,
+    operated,
+    rows_of,
+)
 from motorcade.ga.script.reading.syntax import (
     AlgebraPragma,
     Argument,
@@ -377,3 +394,123 @@ def _names_gaalop(script: Script, definition: AlgebraDefinition) -> bool:
 
 
 _ROUNDS = "how often a loop runs must not depend on symbols, or differ over a batch"
+
+
+MAX_STEPS = 100_000
+MAX_TERMS = 200_000
+_PRODUCTS = frozenset(["*", "^", ".", "&", "<<", ">>"])
+# How many products the closed forms of functions take at most, and the series of `exp`.
+_CLOSED = 12
+_SERIES = 40
+
+
+class Budget:
+    """How much an evaluation has cost so far."""
+
+    def __init__(self) -> None:
+        self._steps = 0
+        self._terms = 0
+
+    def spend(self, node: Expression | None, operands: list[Multivector]) -> str:
+        """Count a step that is about to be done: what is wrong if it is one too many, or ""."""
+        self._steps += 1
+        if self._steps > MAX_STEPS:
+            return f"expected at most {MAX_STEPS} steps"
+        self._terms += 0 if node is None else _terms(node, operands)
+        if self._terms > MAX_TERMS:
+            return f"expected products of at most {MAX_TERMS} terms in all"
+        return ""
+
+
+def _terms(node: Expression, operands: list[Multivector]) -> int:
+    sizes = [len(x.masks) for x in operands]
+    if isinstance(node, Binary) and node.operator in _PRODUCTS:
+        return sizes[0] * sizes[1]
+    if isinstance(node, Binary) and node.operator == "/":
+        right = operands[1]
+        whole = len(right.masks) if _has_scalar_size(right) else 1 << right.algebra.dimension
+        return _of_inverse(right) + sizes[0] * whole
+    if isinstance(node, Call) and len(operands) == 1:
+        return _of_function(node.name.lower(), operands[0])
+    return sum(sizes) if isinstance(node, Binary | Unary) else 0
+
+
+def _of_inverse(x: Multivector) -> int:
+    size, dimension = len(x.masks), x.algebra.dimension
+    if _has_scalar_size(x):
+        return size * size
+    return size * size + (size << dimension + (dimension + 1) // 2)
+
+
+def _has_scalar_size(x: Multivector) -> bool:
+    """Whether ``x ~x`` is a scalar by structure; looked at only where that is cheap."""
+    return len(x.masks) ** 2 <= MAX_TERMS and not any(x._reverse_plan().masks)
+
+
+def _of_function(name: str, x: Multivector) -> int:
+    size, whole = len(x.masks), 1 << x.algebra.dimension
+    if size * size > MAX_TERMS or name == "invert":
+        return _of_inverse(x)
+    if name not in ("exp", "log", "sqrt", "versor"):
+        return size * size
+    if name != "exp" or square_of(without_scalar(x)) is not None:
+        return _CLOSED * size * size
+    return _SERIES * size * whole
+
+
+Key = tuple[str, int]
+
+
+class Macros:
+    """The macros that a script sees."""
+
+    def __init__(self, script: Script, definition: AlgebraDefinition) -> None:
+        self.own: dict[Key, Macro] = {}
+        self._definition = definition
+        for statement in script.statements:
+            if isinstance(statement, Macro):
+                self._define(statement)
+
+    def _define(self, macro: Macro) -> None:
+        key = (macro.name, macro.arity)
+        if key in self.own or macro.name.lower() in ANY_CASE:
+            raise macro.source.error(
+                macro.place, f"{macro.name} is already defined", "choose another name"
+            )
+        self.own[key] = macro
+
+    def is_own(self, macro: Macro | None) -> bool:
+        """Whether a macro is the script's, or one that it imports."""
+        return macro is not None and self.own.get((macro.name, macro.arity)) is macro
+
+    def found(self, name: str, count: int, inside: Macro | None) -> Function | Macro | None:
+        """What a call of `count` arguments means in the body of a macro, or outside of all."""
+        if name.lower() in ANY_CASE:
+            return FUNCTIONS[name.lower()]
+        places = [self._definition.macros]
+        if inside is None or self.is_own(inside):
+            places.insert(0, self.own)
+        for macros in places:
+            macro = macros.get((name, count))
+            if macro is not None and macro is not inside:
+                return macro
+        return FUNCTIONS.get(name)
+
+    def unknown(self, node: Call, inside: Macro | None) -> tuple[str, str]:
+        """Message and hint for a call that means nothing."""
+        known = [*self.own, *self._definition.macros]
+        counts = sorted({arity for name, arity in known if name == node.name})
+        counts = [count for count in counts if count != len(node.arguments)]
+        if counts:
+            wanted = " or ".join(map(str, counts))
+            return f"{node.name}: expected {wanted} arguments, got {len(node.arguments)}", ""
+        message = f"there is no function or macro {node.name[:40]}"
+        if inside is not None and inside.name == node.name:
+            return message, "inside itself: a macro calls others alone"
+        names = [*FUNCTIONS, *dict.fromkeys(name for name, _ in known if name[0] != "_")]
+        near = difflib.get_close_matches(node.name[:40], names, n=1, cutoff=0.75)
+        here = self._definition.algebra
+        for name, other in definitions().items():
+            if other.algebra != here and any(macro == node.name for macro, _ in other.macros):
+                return message, f"{node.name} is a macro of {name}, and this is {here}"
+        return message, f"did you mean {near[0]}?" if near else "define it as a macro"

@@ -10,7 +10,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from motorcade.ga.algebra import Algebra
 from motorcade.ga.script.algebras import AlgebraDefinition
 from motorcade.ga.script.errors import Place
-from motorcade.ga.script.macros import Macros
 from motorcade.ga.script.reading.syntax import (
     Assignment,
     Call,
@@ -30,7 +29,7 @@ from motorcade.ga.script.reading.syntax import (
     expressions_of,
     postorder,
 )
-from motorcade.ga.script.run import constants_of
+from motorcade.ga.script.run import Macros, constants_of
 
 
 class _Names:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.ga.arrays import CoefficientBatch, FloatArray
-from motorcade.ga.notation.shown import ShownAsSum
+from motorcade.ga.notation import ShownAsSum
 
 
 @dataclass(frozen=True, eq=False, repr=False)

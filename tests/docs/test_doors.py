@@ -32,11 +32,14 @@ ALLOWED = {
     ("fusion/smoothing/header/__init__.py", "part.read_text"): "our own source",
     ("ga/codegen/targets/c_elementary.py", "_HEADER.read_text"): "our own source",
     ("ga/codegen/targets/c_elementary.py", "_SUPPORT.read_text"): "our own source",
-    ("ga/codegen/runtime/cache.py", "os.open"): "a library of our own, looked at before it is read",
-    ("ga/codegen/runtime/cache.py", "os.fdopen"): "a library of our own, see above",
+    (
+        "ga/codegen/runtime/compiler.py",
+        "os.open",
+    ): "a library of our own, looked at before it is read",
+    ("ga/codegen/runtime/compiler.py", "os.fdopen"): "a library of our own, see above",
     ("ga/codegen/runtime/compiler.py", "made.read_bytes"): "what was just compiled",
     (
-        "ga/drawing/writing/page.py",
+        "ga/drawing/svg.py",
         "(Path(__file__).parent / 'turning.js').read_text",
     ): "our own source",
     ("ga/unfinished.py", "boot.read_text"): "the system's",

@@ -13,7 +13,7 @@ from motorcade.fusion.filter.model.motion import MOTION
 from motorcade.fusion.filter.model.symbols import Definition
 from motorcade.ga.codegen.library_kernels.kernel import collected
 from motorcade.ga.codegen.precision import DOUBLE
-from motorcade.ga.codegen.recording.trace import trace
+from motorcade.ga.codegen.recording import trace
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.targets.c import c_dialect
 from motorcade.ga.codegen.targets.shared.c_family import comment, declarations, indented, loads

@@ -43,7 +43,7 @@ def header_text() -> str:
     Raises:
         ModuleNotFoundError: without CasADi or mpmath, which only this needs.
     """
-    from motorcade.ga.codegen.targets.c_header import c_function
+    from motorcade.ga.codegen.targets.c import c_function
     from motorcade.ga.kernels.definitions.library import FUNCTIONS
 
     kernels = {kernel.name: kernel for _, kernel in FUNCTIONS}

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga.algebra.algebra import CGA3
-from motorcade.ga.algebra.conformal.triples import (
+from motorcade.ga.algebra.conformal.objects import (
     Triple,
     add,
     cross,

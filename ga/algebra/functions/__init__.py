@@ -9,7 +9,6 @@ in two planes, or stretch in one, have no number where both vanish.
 from __future__ import annotations
 
 from motorcade.ga.algebra.functions.exponential import exp
-from motorcade.ga.algebra.functions.logarithm import log
-from motorcade.ga.algebra.functions.roots import normalize, sqrt, versor
+from motorcade.ga.algebra.functions.logarithm import log, normalize, sqrt, versor
 
 __all__ = ["exp", "log", "normalize", "sqrt", "versor"]

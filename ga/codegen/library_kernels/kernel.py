@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from motorcade.ga.codegen.precision import Precision
-from motorcade.ga.codegen.recording.trace import casadi_function, trace
+from motorcade.ga.codegen.recording import casadi_function, trace
 from motorcade.ga.codegen.tape import Operand, Tape, TapeBuilder
 
 _SUMS = frozenset({"add", "sub", "neg"})

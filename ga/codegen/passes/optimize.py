@@ -5,12 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from motorcade.ga.codegen.passes.equality.merge import merged
+from motorcade.ga.codegen.passes.divisions import as_reciprocals, with_quotients
+from motorcade.ga.codegen.passes.expand import expanded
+from motorcade.ga.codegen.passes.factor import factored
+from motorcade.ga.codegen.passes.merge import merged
 from motorcade.ga.codegen.passes.rebuild import folded_tape, with_single_differences
 from motorcade.ga.codegen.passes.stats import PassStats, count_operations
-from motorcade.ga.codegen.passes.sums_of_products.divisions import as_reciprocals, with_quotients
-from motorcade.ga.codegen.passes.sums_of_products.expand import expanded
-from motorcade.ga.codegen.passes.sums_of_products.factor import factored
 from motorcade.ga.codegen.tape import Operand, Tape, TapeBuilder
 
 # Passes that search, and in more than linear time: tapes of more nodes go past them.

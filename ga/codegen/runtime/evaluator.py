@@ -17,15 +17,15 @@ import numpy as np
 
 from motorcade.ga import kernels
 from motorcade.ga.codegen.precision import DOUBLE, SINGLE, Precision
-from motorcade.ga.codegen.runtime.by_numpy import NumpyProgram
-from motorcade.ga.codegen.runtime.cache import (
+from motorcade.ga.codegen.runtime.by_numpy import SYMBOL, NumpyProgram, c_source, plain_tape
+from motorcade.ga.codegen.runtime.compiler import (
+    CompileError,
     cache_folder,
     cache_key,
     cached_library,
+    find_compiler,
     keep_library,
 )
-from motorcade.ga.codegen.runtime.compiler import CompileError, find_compiler
-from motorcade.ga.codegen.runtime.sources import SYMBOL, c_source, plain_tape
 from motorcade.ga.codegen.tape import Tape
 
 LONGEST_COMPILED = 20_000

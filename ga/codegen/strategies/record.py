@@ -14,7 +14,7 @@ from typing import Any
 from motorcade.ga.algebra import Algebra, Multivector
 from motorcade.ga.algebra.products import Masks
 from motorcade.ga.algebra.scalars import is_numeric
-from motorcade.ga.codegen.recording.recorder import Scalars
+from motorcade.ga.codegen.recording import Scalars
 from motorcade.ga.script import Script, evaluate
 
 

@@ -22,8 +22,7 @@ import casadi as ca
 
 from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.kernels.definitions import elements as on
-from motorcade.ga.kernels.definitions.growth import growth_means
-from motorcade.ga.kernels.definitions.jacobian_series import (
+from motorcade.ga.kernels.definitions.motors import (
     HalfTurn,
     forward_series,
     half_turn,
@@ -32,6 +31,7 @@ from motorcade.ga.kernels.definitions.jacobian_series import (
 from motorcade.ga.kernels.definitions.similarities import (
     Parts,
     exponential,
+    growth_means,
     joined,
     logarithm,
     split,

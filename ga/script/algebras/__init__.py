@@ -2,15 +2,164 @@
 
 Each folder here holds one: ``definition.toml`` and, where it has macros, ``macros.clu``. Files of
 users' own look the same; `read_definition` reads them.
+
+Definitions of algebras: read from TOML, with macros from files of CLUScript beside them.
+
+A definition has the tables ``squares`` (1, -1 or 0 by basis vector, in the order of the basis) and
+may have ``null_pairs`` (pairs of vectors of square 0 whose inner product is -1), ``named`` (sums of
+basis vectors by a name of their own), ``names`` (of the algebra) and ``macros`` (the name of a file
+below the definition's folder).
 """
 
 from __future__ import annotations
 
-from motorcade.ga.script.algebras.definitions import (
-    AlgebraDefinition,
-    definition_of,
-    definitions,
-    read_definition,
-)
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any
+
+from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra
+from motorcade.ga.algebra.signature import MAX_DIMENSION
+from motorcade.ga.files import FileError, read_bounded
+from motorcade.ga.script.reading.parser import MAX_IMPORTED_BYTES, parse, path_below, text_of
+from motorcade.ga.script.reading.syntax import Macro, Screen, Script
 
 __all__ = ["AlgebraDefinition", "definition_of", "definitions", "read_definition"]
+
+
+MAX_DEFINITION_BYTES = 100_000
+MAX_NAME = 64
+Macros = Mapping[tuple[str, int], Macro]
+_TABLES = ("names", "squares", "null_pairs", "named", "macros")
+_KNOWN = {algebra: algebra for algebra in (CGA3, EGA3, PGA3)}
+# What every algebra has that does not say otherwise.
+COMMON_MACROS = """
+Normalize = { _P(1) / abs(_P(1)) }
+"""
+
+
+@dataclass(frozen=True)
+class AlgebraDefinition:
+    """An algebra, the names it goes by, and its macros by name and number of arguments."""
+
+    names: tuple[str, ...]
+    algebra: Algebra
+    folder: Path | None = None
+    macro_file: str = ""
+
+    @cached_property
+    def macros(self) -> Macros:
+        """The macros, read when they are first asked for.
+
+        Raises:
+            FileError: a file that cannot be read.
+            ScriptError: what is wrong with one.
+        """
+        common = _macros_of(parse(COMMON_MACROS, "<macros>"))
+        if not self.macro_file:
+            return common
+        path = path_below(self.folder, self.macro_file)
+        text = text_of(path, read_bounded(path, MAX_IMPORTED_BYTES))
+        return common | _macros_of(parse(text, str(path), self.folder))
+
+
+def _macros_of(script: Script) -> dict[tuple[str, int], Macro]:
+    made: dict[tuple[str, int], Macro] = {}
+    for statement in script.statements:
+        if isinstance(statement, Screen):
+            continue
+        if not isinstance(statement, Macro):
+            raise script.source.error(statement.place, "expected macros alone in an algebra's file")
+        key = (statement.name, statement.arity)
+        if key in made:
+            raise statement.source.error(statement.place, f"{statement.name} is already defined")
+        made[key] = statement
+    return made
+
+
+@cache
+def definitions() -> dict[str, AlgebraDefinition]:
+    """The algebras that have a name, in the order of their folders."""
+    made = {}
+    for path in sorted(Path(__file__).parent.glob("*/definition.toml")):
+        found = read_definition(path.parent, path.name)
+        made.update(dict.fromkeys(found.names, found))
+    return made
+
+
+@cache
+def _by_algebra() -> dict[Algebra, AlgebraDefinition]:
+    return {found.algebra: found for found in definitions().values()}
+
+
+def definition_of(algebra: Algebra) -> AlgebraDefinition:
+    """The definition of an algebra: with macros of its own if it has a name, else the common ones.
+
+    >>> from motorcade.ga.algebra import CGA3, Algebra
+    >>> from motorcade.ga.script.algebras import definition_of
+    >>> definition_of(CGA3).names, definition_of(Algebra(3, 3)).names
+    (('cga', 'cga3'), ())
+    """
+    return _by_algebra().get(algebra) or AlgebraDefinition((), algebra)
+
+
+def read_definition(folder: Path | None, file: str) -> AlgebraDefinition:
+    """Read a definition from a file below a folder.
+
+    Raises:
+        ValueError: a file that cannot be read, is larger than `MAX_DEFINITION_BYTES` or is no TOML;
+            tables that are not those above; what `Algebra.of` refuses.
+    """
+    path = path_below(folder, file)
+    text = text_of(path, read_bounded(path, MAX_DEFINITION_BYTES))
+    try:
+        said = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as refused:
+        raise FileError(path, f"expected TOML, got {refused}") from refused
+    try:
+        return _definition(path.parent, said)
+    except ValueError as refused:
+        raise FileError(path, str(refused)) from refused
+
+
+def _definition(folder: Path, said: dict[str, Any]) -> AlgebraDefinition:
+    unknown = [name for name in said if name not in _TABLES]
+    if unknown:
+        raise ValueError(f"expected the fields {', '.join(_TABLES)}, got also {unknown[0][:40]!a}")
+    squares: Any = said.get("squares")
+    named = said.get("named")
+    names, pairs = said.get("names", []), said.get("null_pairs", [])
+    macros = said.get("macros", "")
+    _expect(isinstance(squares, dict), "squares", "1, -1 or 0 by basis vector", squares)
+    _expect(isinstance(named, dict | None), "named", "a table by the new names", named)
+    _expect(_texts(names), "names", "a list of names", names)
+    _expect(isinstance(macros, str), "macros", "the name of a file", macros)
+    _expect(isinstance(pairs, list), "null_pairs", "a list of pairs of names", pairs)
+    for number, pair in enumerate(pairs):
+        two = _texts(pair) and len(pair) == 2
+        _expect(two, f"null_pairs[{number}]", "two names of basis vectors", pair)
+    for name, parts in (named or {}).items():
+        field = f"named.{name[:40]}"
+        _expect(isinstance(parts, dict), field, "numbers by basis vectors", parts)
+    for name in (*squares, *(named or {})):
+        _expect(len(name) <= MAX_NAME, "squares and named", f"names of up to {MAX_NAME}", name)
+    _expect(len(pairs) <= MAX_DIMENSION, "null_pairs", f"at most {MAX_DIMENSION}", len(pairs))
+    if macros:
+        path_below(folder, macros)
+    made = Algebra.of(squares, [(o, i) for o, i in pairs], named)
+    return AlgebraDefinition(tuple(names), _KNOWN.get(made, made), folder, macros)
+
+
+def _expect(holds: bool, field: str, wanted: str, got: object) -> None:
+    """Refuse a field that is not what it should be."""
+    if not holds:
+        shown = "nothing" if got is None else repr(got)
+        shown = shown if len(shown) <= 60 else f"{shown[:57]}..."
+        raise ValueError(f"{field}: expected {wanted}, got {shown}")
+
+
+def _texts(given: Any) -> bool:
+    texts = isinstance(given, list) and all(isinstance(item, str) for item in given)
+    return texts and all(len(item) <= MAX_NAME for item in given)

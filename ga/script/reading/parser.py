@@ -6,17 +6,30 @@ statements; expression }``; its arguments are ``_P(1)``, ``_P(2)``, … Macros d
 ``if (condition) { … } else { … }`` and ``loop { … break; … }``. What CLUCalc and Gaalop write for
 the screen is a statement too: ``:IPNS;``, ``:Red;``, ``:a^b;``; in macros, and as
 ``_BGColor = White;``, it is read and left out. ``DefVarsN3();`` is the pragma of its algebra.
+
+Pragmas of CLUScript: lines ``#pragma …`` or ``//#pragma …`` beside the statements.
+
+What a pragma of Gaalop says to its own writers or screen alone is read and left out, with a warning
+where somebody could count on it.
+
+Files of macros that a script imports: where they may lie, and how many there may be.
+
+A file is named below the script's own folder, by plain names: no path leads out of it. Each file is
+read once, however often it is named.
 """
 
 from __future__ import annotations
 
+import math
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+from motorcade.ga.files import FileError, read_bounded
 from motorcade.ga.script.errors import Source
 from motorcade.ga.script.reading.expressions import Cursor, parse_expression
-from motorcade.ga.script.reading.imports import Imports
 from motorcade.ga.script.reading.lexer import Token, tokenize
-from motorcade.ga.script.reading.pragmas import parse_pragma
 from motorcade.ga.script.reading.syntax import (
     AlgebraPragma,
     Argument,
@@ -26,11 +39,15 @@ from motorcade.ga.script.reading.syntax import (
     Expression,
     If,
     ImportPragma,
+    InputPragma,
     LeftOutPragma,
     Loop,
     Macro,
     Mark,
+    NormalizePragma,
+    OutputPragma,
     Pragma,
+    RangePragma,
     Screen,
     Script,
     Statement,
@@ -123,7 +140,7 @@ class _Statements:
         made: list[Statement] = []
         while cursor.token.kind != "end":
             if cursor.token.text in _ALGEBRAS and cursor.following.text == "(":
-                self._pragmas.append(_algebra(cursor))
+                self._pragmas.append(_algebra_statement(cursor))
             elif cursor.token.kind == "name" and self._opens_macro():
                 made.append(self._macro())
             else:
@@ -300,9 +317,215 @@ class _Statements:
         )
 
 
-def _algebra(cursor: Cursor) -> AlgebraPragma:
+def _algebra_statement(cursor: Cursor) -> AlgebraPragma:
     """``DefVarsN3();``"""
     name: Token = cursor.take()
     for symbol in "();":
         cursor.expect(symbol, f"write {name.text}();")
     return AlgebraPragma(name.place, _ALGEBRAS[name.text], (0, 0, 0))
+
+
+MAX_ROUNDS = 1000
+_NAME = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
+_BLADE = re.compile(r"1(?:\.0*)?|[A-Za-z_][A-Za-z_0-9]*(?:\^[A-Za-z_][A-Za-z_0-9]*)*")
+_NUMBER = r"-?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_RANGE = re.compile(rf"({_NUMBER})\s*<=\s*([A-Za-z_][A-Za-z_0-9]*)\s*<=\s*({_NUMBER})")
+# A file beside the script or below it: no other place can be named.
+_FILE = re.compile(r"\"?([A-Za-z0-9_][A-Za-z0-9_.\-]*(?:/[A-Za-z0-9_][A-Za-z0-9_.\-]*)*)\"?")
+USES = {
+    "output": "#pragma output NAME BLADE …, blades such as 1, e1 or e1^e2",
+    "return": "#pragma return NAME …",
+    "in2out": "#pragma in2out INPUT, … -> OUTPUT, …",
+    "range": "#pragma range LOW <= NAME <= HIGH",
+    "algebra": "#pragma algebra cga, #pragma algebra FILE.toml, or #pragma algebra P Q R",
+    "import": "#pragma import FILE.clu, a file beside the script or below it",
+    "unroll": f"#pragma unroll N, N from 1 to {MAX_ROUNDS}",
+    "count": f"#pragma count N, N from 1 to {MAX_ROUNDS}",
+    "normalize": "#pragma normalize",
+    "onlyEvaluate": "#pragma onlyEvaluate NAME …",
+    "insert": "#pragma insert TEXT",
+    "segments": "#pragma segments A B, …",
+    "triangles": "#pragma triangles A B C, …",
+}
+
+
+def parse_pragma(source: Source, token: Token) -> list[Pragma]:
+    """What one pragma says: several names after ``return`` are several pragmas.
+
+    Raises:
+        ScriptError: an unknown pragma, or one that is not written as above.
+    """
+    text = token.text.removeprefix("//").replace("\t", " ")
+    if text.startswith("#include"):
+        kind, said = "import", text.removeprefix("#include").strip()
+    else:
+        kind, _, said = text.removeprefix("#pragma").strip().partition(" ")
+    if kind not in _READERS:
+        raise source.error(token.place, f"expected a pragma {', '.join(USES)}, got {kind[:40]!a}")
+    made = _READERS[kind](said.strip(), token)
+    if not made:
+        raise source.error(token.place, f"this {kind} pragma cannot be read", f"write {USES[kind]}")
+    return made
+
+
+def _names(said: str) -> list[str]:
+    """Names with blanks or commas between them; none where one is no name."""
+    words = said.replace(",", " ").split()
+    return words if all(map(_NAME.fullmatch, words)) else []
+
+
+def _output(said: str, token: Token) -> list[Pragma]:
+    name, *blades = said.split() or [""]
+    if not _NAME.fullmatch(name) or not all(map(_BLADE.fullmatch, blades)):
+        return []
+    kept = tuple("1" if blade.startswith("1") else blade for blade in blades)
+    return [OutputPragma(token.place, name, kept)]
+
+
+def _return(said: str, token: Token) -> list[Pragma]:
+    names, *shaped = re.split(r"\s+typed\s+|\s+as\s+", said)
+    made: list[Pragma] = [OutputPragma(token.place, name, ()) for name in _names(names)]
+    if made and shaped:
+        made.append(LeftOutPragma(token.place, "outputs are multivectors: typed … as is left out"))
+    return made
+
+
+def _in2out(said: str, token: Token) -> list[Pragma]:
+    before, arrow, after = said.partition("->")
+    inputs, outputs = _names(before), _names(after)
+    if not arrow or not outputs or (before.strip() and not inputs):
+        return []
+    return [
+        *(InputPragma(token.place, name) for name in inputs),
+        *(OutputPragma(token.place, name, (), leads=True) for name in outputs),
+    ]
+
+
+def _range(said: str, token: Token) -> list[Pragma]:
+    found = _RANGE.fullmatch(said)
+    if found is None:
+        return []
+    low, high = float(found[1]), float(found[3])
+    if not (math.isfinite(low) and math.isfinite(high) and low <= high):
+        return []
+    return [RangePragma(token.place, low, found[2], high)]
+
+
+def _algebra_pragma(said: str, token: Token) -> list[Pragma]:
+    words = said.split()
+    if len(words) == 3 and all(re.fullmatch("[0-9]{1,2}", word) for word in words):
+        p, q, r = (int(word) for word in words)
+        return [AlgebraPragma(token.place, "", (p, q, r))]
+    file = _FILE.fullmatch(said)
+    if file is None or len(words) != 1:
+        return []
+    name = file[1] if file[1].endswith(".toml") else file[1].lower()
+    return [AlgebraPragma(token.place, name, (0, 0, 0))]
+
+
+def _import(said: str, token: Token) -> list[Pragma]:
+    file = _FILE.fullmatch(said)
+    return [] if file is None else [ImportPragma(token.place, file[1])]
+
+
+def _unroll(said: str, token: Token) -> list[Pragma]:
+    whole = re.fullmatch("[0-9]{1,4}", said)
+    if whole is None or not 1 <= int(said) <= MAX_ROUNDS:
+        return []
+    return [UnrollPragma(token.place, int(said))]
+
+
+def _normalize(said: str, token: Token) -> list[Pragma]:
+    return [] if said else [NormalizePragma(token.place)]
+
+
+def _left_out(why: str) -> Callable[[str, Token], list[Pragma]]:
+    return lambda said, token: [LeftOutPragma(token.place, why)] if said else []
+
+
+def _evaluated(said: str, token: Token) -> list[Pragma]:
+    return [LeftOutPragma(token.place, "")] if _names(said) else []
+
+
+_READERS: dict[str, Callable[[str, Token], list[Pragma]]] = {
+    "output": _output,
+    "return": _return,
+    "in2out": _in2out,
+    "range": _range,
+    "algebra": _algebra_pragma,
+    "import": _import,
+    "unroll": _unroll,
+    "count": _unroll,
+    "normalize": _normalize,
+    "onlyEvaluate": _evaluated,
+    "insert": _left_out("no text of a script goes into code: insert is left out"),
+    "segments": _left_out(""),
+    "triangles": _left_out(""),
+}
+
+
+MAX_IMPORTED_BYTES = 1_000_000
+MAX_IMPORTS = 32
+MAX_IMPORT_DEPTH = 8
+
+
+def path_below(folder: Path | None, file: str) -> Path:
+    """Where a file lies that is named below a folder.
+
+    Raises:
+        ValueError: no folder, or a path that leads out of it.
+    """
+    if folder is None:
+        raise ValueError(f"{file}: only a script that is read from a file names others")
+    path = folder / file
+    if ".." in Path(file).parts or not path.resolve().is_relative_to(folder.resolve()):
+        raise ValueError(f"{file}: expected a file below the folder of what names it")
+    return path
+
+
+def text_of(path: Path, data: bytes) -> str:
+    """The text of a file.
+
+    Raises:
+        FileError: it is no UTF-8.
+    """
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as refused:
+        raise FileError(path, f"expected UTF-8 text at offset {refused.start}") from refused
+
+
+class Imports:
+    """The files that one script has imported so far, and those that are being read now."""
+
+    def __init__(self, folder: Path | None) -> None:
+        self.folder = folder
+        self._read: set[str] = set()
+        self._depth = 0
+
+    @contextmanager
+    def opened(self, source: Source, pragma: ImportPragma) -> Iterator[Source | None]:
+        """The text that an import names; None if it has been read.
+
+        Raises:
+            ScriptError: a file that cannot be read, too many, or too deep in each other.
+        """
+        if pragma.file in self._read:
+            yield None
+            return
+        self._read.add(pragma.file)
+        if len(self._read) > MAX_IMPORTS or self._depth >= MAX_IMPORT_DEPTH:
+            raise source.error(
+                pragma.place,
+                f"expected at most {MAX_IMPORTS} imports, {MAX_IMPORT_DEPTH} in each other",
+            )
+        try:
+            path = path_below(self.folder, pragma.file)
+            text = text_of(path, read_bounded(path, MAX_IMPORTED_BYTES))
+        except ValueError as refused:
+            raise source.error(pragma.place, str(refused)) from refused
+        self._depth += 1
+        try:
+            yield Source(text, str(path))
+        finally:
+            self._depth -= 1

@@ -72,7 +72,7 @@ def draw_file(arguments: argparse.Namespace) -> None:
 
     from motorcade.ga.codegen.generate import read_script
     from motorcade.ga.drawing import draw_script
-    from motorcade.ga.drawing.writing.view import View
+    from motorcade.ga.drawing.view import View
     from motorcade.ga.script.meaning import with_algebra
     from motorcade.replays.files.atomic import write_bytes
 

@@ -8,7 +8,7 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import DroppedFrames, Gaussian
 from motorcade.fusion.smoothing import REPRESENTATIONS, smooth
 from motorcade.ga import CumulativeBSpline, Motor, Rotor, Similarity, Trajectory
-from motorcade.ga.spline_fit import fit_controls
+from motorcade.ga.splines import fit_controls
 
 
 @pytest.mark.parametrize("representation", REPRESENTATIONS)

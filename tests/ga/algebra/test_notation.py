@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import CGA3, EGA3, Algebra, DualQuaternion, Motor, Multivector, Rotor, Similarity
-from motorcade.ga.notation.formulas import blade_text, name_text, number_text
+from motorcade.ga.notation import blade_text, name_text, number_text
 from motorcade.ga.script import evaluate, parse
 
 MINUS_HALF = {"1": 0.5, "e1^e2": -1.0, "e3": 0.0, "e2^einf": 1.5e-7}

@@ -18,7 +18,7 @@ import casadi as ca
 from motorcade.ga.codegen.library_kernels.kernel import Kernel, collected
 from motorcade.ga.codegen.library_kernels.library import GENERATED
 from motorcade.ga.codegen.precision import DOUBLE, PRECISIONS, SINGLE, Precision
-from motorcade.ga.codegen.recording.trace import trace
+from motorcade.ga.codegen.recording import trace
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.targets import c_batch
 from motorcade.ga.codegen.targets import numpy as numpy_target

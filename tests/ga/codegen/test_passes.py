@@ -12,9 +12,9 @@ import pytest
 pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is not installed")
 pytest.importorskip("mpmath", reason="mpmath, which only the generator needs, is not installed")
 
-from motorcade.ga.codegen.passes.equality import field
-from motorcade.ga.codegen.passes.equality.fingerprints import fingerprints
-from motorcade.ga.codegen.passes.equality.witness import sampled
+from motorcade.ga.codegen.passes import finite_field
+from motorcade.ga.codegen.passes.fingerprints import fingerprints
+from motorcade.ga.codegen.passes.merge import sampled
 from motorcade.ga.codegen.passes.optimize import PASSES, optimized
 from motorcade.ga.codegen.passes.stats import (
     Operations,
@@ -214,8 +214,8 @@ def test_a_sign_that_was_guessed_needs_another_proof() -> None:
     root = next(k for k, node in enumerate(tape.nodes) if node.op == "sqrt")
     a, b = (next(k for k, node in enumerate(tape.nodes) if node.source[0] == name) for name in "ab")
     for value, x, y in zip(*(prints.values[k] for k in (root, a, b)), strict=True):
-        total = field.add(x, y)
-        assert value in (total, field.negative(total))
+        total = finite_field.add(x, y)
+        assert value in (total, finite_field.negative(total))
     assert prints.uncertain[root]
     assert not prints.uncertain[a]
 
@@ -375,7 +375,7 @@ def test_searches_are_left_out_of_long_tapes_and_the_table_says_so(
     tape = traced(TABLE_2 + "?zero = (m + 1)*(m - 1) - m*m + 1;")
     short, _ = optimized(tape)
     monkeypatch.setattr("motorcade.ga.codegen.passes.optimize.LONGEST_SEARCHED", 50)
-    monkeypatch.setattr("motorcade.ga.codegen.passes.equality.merge._LONGEST_COMPARED", 50)
+    monkeypatch.setattr("motorcade.ga.codegen.passes.merge._LONGEST_COMPARED", 50)
     made, passes = optimized(tape)
     check_same_values(tape, made)
     assert made.outputs == short.outputs, "zeros are proved on tapes of any length"

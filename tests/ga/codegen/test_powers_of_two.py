@@ -20,11 +20,11 @@ from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.library_kernels.library import GENERATED
 from motorcade.ga.codegen.library_kernels.powers_of_two import exponent, power_of_two
 from motorcade.ga.codegen.precision import PRECISIONS, SINGLE, Precision
-from motorcade.ga.codegen.recording.trace import trace
+from motorcade.ga.codegen.recording import trace
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.targets import c_batch
 from motorcade.ga.codegen.targets import numpy as numpy_target
-from motorcade.ga.kernels.definitions.growth import hyperbolic, inverse_hyperbolic
+from motorcade.ga.kernels.definitions.similarities import hyperbolic, inverse_hyperbolic
 
 COMPILER = shutil.which("gcc")
 X, OUT = Operand("x", ("x",)), Operand("out", ("a", "b", "c"))

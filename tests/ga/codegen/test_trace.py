@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.ga.codegen.recording.trace import trace
+from motorcade.ga.codegen.recording import trace
 from motorcade.ga.codegen.runtime.interpret import run_tape
 from motorcade.ga.codegen.tape import Operand, Tape
 

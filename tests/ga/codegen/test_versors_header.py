@@ -18,9 +18,9 @@ from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.library_kernels.library import GENERATED
 from motorcade.ga.codegen.precision import DOUBLE
 from motorcade.ga.codegen.tape import Operand
-from motorcade.ga.codegen.targets.shared.branches import Branch, branched
+from motorcade.ga.codegen.targets.shared.expressions import Branch, branched
+from motorcade.ga.kernels.backend import function
 from motorcade.ga.kernels.definitions.library import FUNCTIONS, KERNELS
-from motorcade.ga.kernels.numpy_backend import function
 
 COUNT = 400
 BATCHED = [(name, kernel) for name, kernel in FUNCTIONS if kernel in KERNELS]

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from motorcade.ga.codegen.passes.equality.witness import Witness
+from motorcade.ga.codegen.passes.merge import Witness
 from motorcade.ga.codegen.passes.optimize import PASSES, optimized
 
 MakeNodes = Callable[..., Any]

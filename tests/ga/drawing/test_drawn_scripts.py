@@ -5,7 +5,7 @@ import pytest
 
 from motorcade.ga import PGA3
 from motorcade.ga.drawing import Drawing, draw_script
-from motorcade.ga.drawing.shapes.shape import Circle, Points, Sphere
+from motorcade.ga.drawing.shape import Circle, Points, Sphere
 from motorcade.ga.script import ScriptError, evaluate, parse
 
 SCENE = """

@@ -18,9 +18,9 @@ import motorcade.ga
 from motorcade.ga import CGA3, Motor
 from motorcade.ga.algebra import conformal
 from motorcade.ga.drawing import Styled, show
-from motorcade.ga.drawing.marks.mark import BallMark, Dot, Face, Label, Mark, Stroke
-from motorcade.ga.drawing.writing.svg import LONGEST_NAME
-from motorcade.ga.drawing.writing.view import MARGIN, View, placed, projection_of
+from motorcade.ga.drawing.mark import BallMark, Dot, Face, Label, Mark, Stroke
+from motorcade.ga.drawing.svg import LONGEST_NAME
+from motorcade.ga.drawing.view import MARGIN, View, placed, projection_of
 
 SPACE = "{http://www.w3.org/2000/svg}"
 VIEWS = [View(), View(200.0, -35.0, 500, 300), View(0.0, 90.0), View(90.0, 0.0, 300, 600)]
@@ -255,7 +255,7 @@ def test_plane_pictures_look_down_on_it() -> None:
 
 def test_names_that_fit_nowhere_stand_inside_all_the_same() -> None:
     names: list[Mark] = [Label("n" * 30, np.zeros((1, 3)), "black") for _ in range(3)]
-    from motorcade.ga.drawing.writing.svg import elements
+    from motorcade.ga.drawing.svg import elements
 
     view = View(width=240, height=100, flat=True)
     text = elements(

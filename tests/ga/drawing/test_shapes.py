@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from motorcade.ga import CGA3, EGA3, PGA3, Algebra, Motor, Similarity, Trajectory
-from motorcade.ga.drawing.shapes.reading import MAX_OBJECTS, shapes_of
-from motorcade.ga.drawing.shapes.shape import (
+from motorcade.ga.drawing.reading import MAX_OBJECTS, shapes_of
+from motorcade.ga.drawing.shape import (
     Arrow,
     Circle,
     Frames,

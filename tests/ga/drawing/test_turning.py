@@ -13,12 +13,11 @@ import pytest
 
 from motorcade.ga import Motor
 from motorcade.ga.algebra import conformal
-from motorcade.ga.drawing import Drawing, Styled, show
-from motorcade.ga.drawing.writing import page, svg
-from motorcade.ga.drawing.writing.view import View
+from motorcade.ga.drawing import Drawing, Styled, show, svg
+from motorcade.ga.drawing.view import View
 
 NODE = shutil.which("node")
-SCRIPT = Path(page.__file__).parent / "turning.js"
+SCRIPT = Path(svg.__file__).parent / "turning.js"
 VIEWS = [View(), View(213.0, -41.0, 500, 300), View(10.0, 90.0), View(-77.0, 3.0, 400, 700)]
 
 pytestmark = pytest.mark.skipif(NODE is None, reason="no node here")
@@ -43,7 +42,7 @@ def picture() -> Drawing:
 
 def in_node(drawing: Drawing) -> str:
     marks, projection = drawing._placed()
-    told = json.dumps(page.scene(marks, projection))
+    told = json.dumps(svg.scene(marks, projection))
     use = "process.stdout.write(drawnElements(JSON.parse(require('fs').readFileSync(0)), 'own'));"
     done = subprocess.run(
         ["node", "-e", SCRIPT.read_text(encoding="utf-8") + use],

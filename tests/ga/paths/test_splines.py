@@ -227,7 +227,7 @@ def test_derivatives_are_exact_so_that_few_steps_settle_a_fit(
     spacing_s: float, steps: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Steps by wrong derivatives shrink by a factor each; by exact ones, by their square."""
-    monkeypatch.setattr("motorcade.ga.spline_fit._MAX_STEPS", steps)
+    monkeypatch.setattr("motorcade.ga.splines._MAX_STEPS", steps)
     CumulativeBSpline.fit(sampled(), spacing_s)
 
 

@@ -14,10 +14,10 @@ from itertools import count
 from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.tape import Node, Tape
-from motorcade.ga.codegen.targets.languages.typed import typed
+from motorcade.ga.codegen.targets.languages.words import typed
 from motorcade.ga.codegen.targets.shared.expressions import component_name
 from motorcade.ga.codegen.targets.shared.text import description
-from motorcade.ga.notation.formulas import blade_text, name_text, number_text
+from motorcade.ga.notation import blade_text, name_text, number_text
 
 _MOST_SYMBOLS = 18
 _SUM, _PRODUCT, _CALL, _ATOM = 1, 2, 3, 4

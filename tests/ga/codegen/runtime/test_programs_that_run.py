@@ -14,8 +14,7 @@ from motorcade.ga import CGA3, EGA3, Motor, Multivector, kernels
 from motorcade.ga import compile as compile_program
 from motorcade.ga.codegen import CompiledFunction, compile_function, program
 from motorcade.ga.codegen.precision import PRECISIONS
-from motorcade.ga.codegen.runtime.by_numpy import NumpyProgram
-from motorcade.ga.codegen.runtime.sources import plain_tape
+from motorcade.ga.codegen.runtime.by_numpy import NumpyProgram, plain_tape
 from motorcade.ga.script import evaluate, parse
 from tests.ga.kernels.accuracy_motors import hard_motors
 

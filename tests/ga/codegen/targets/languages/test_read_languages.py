@@ -10,7 +10,7 @@ import pytest
 from motorcade.ga.codegen.precision import DOUBLE, SINGLE
 from motorcade.ga.codegen.programs import Program, compile_script
 from motorcade.ga.codegen.targets.languages import julia, wgsl
-from motorcade.ga.codegen.targets.languages.typed import typed
+from motorcade.ga.codegen.targets.languages.words import typed
 from motorcade.ga.script import parse
 from tests.ga.codegen.conftest import Nodes
 from tests.ga.codegen.targets.languages.reader import Expressions

@@ -9,7 +9,7 @@ import numpy as np
 
 from motorcade.ga.algebra import CGA3, Multivector, conformal
 from motorcade.ga.arrays import FloatArray
-from motorcade.ga.drawing.shapes.shape import (
+from motorcade.ga.drawing.shape import (
     Circle,
     Frames,
     Line,

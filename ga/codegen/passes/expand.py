@@ -7,10 +7,8 @@ gone. Equal or worse levels are not taken, so that numbers which are factored we
 
 from __future__ import annotations
 
-from motorcade.ga.codegen.passes.rebuild import copied
-from motorcade.ga.codegen.passes.stats import cost_of
-from motorcade.ga.codegen.passes.sums_of_products.factor import factored
-from motorcade.ga.codegen.passes.sums_of_products.forms import (
+from motorcade.ga.codegen.passes.factor import factored
+from motorcade.ga.codegen.passes.forms import (
     Coefficient,
     Form,
     Forms,
@@ -19,6 +17,8 @@ from motorcade.ga.codegen.passes.sums_of_products.forms import (
     form_cost,
     write_form,
 )
+from motorcade.ga.codegen.passes.rebuild import copied
+from motorcade.ga.codegen.passes.stats import cost_of
 from motorcade.ga.codegen.tape import Tape, TapeBuilder
 
 # A level is given up where it has more terms than this, or than four times those of the sum.

@@ -4,23 +4,34 @@ Nodes are compared by their `fingerprints`, at many points where a sign was gues
 say must also hold for the `witness`. A node is replaced only by one that is defined wherever it is:
 all divisions, roots and other partial functions on the way to that are on the way to it too. Of
 equal nodes the one that needs the fewest others stays, on very long tapes the first.
+
+The second proof of what fingerprints claim: real points, in float64 with bounds of the errors.
+
+It knows what a finite field does not: which numbers are large, and where functions are defined. The
+points have values of both signs, below and above 1, and some are positive throughout, so that most
+functions are defined at some of them. A value is NaN where it is not a real number.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
 from functools import cached_property
+from typing import Any
 
-from motorcade.ga.codegen.passes.equality import field
-from motorcade.ga.codegen.passes.equality.fingerprints import (
+import numpy as np
+import numpy.typing as npt
+
+from motorcade.ga.codegen.passes import finite_field
+from motorcade.ga.codegen.passes.fingerprints import (
     MANY_POINTS,
     Fingerprint,
     Fingerprints,
     fingerprints,
 )
-from motorcade.ga.codegen.passes.equality.witness import Witness
 from motorcade.ga.codegen.passes.rebuild import copied
-from motorcade.ga.codegen.tape import BOOLEANS, Tape, TapeBuilder
+from motorcade.ga.codegen.runtime.interpret import NUMPY_OPERATIONS
+from motorcade.ga.codegen.tape import BOOLEANS, Node, Tape, TapeBuilder
 
 _PARTIAL = frozenset({"div", "sqrt", "log", "asin", "acos", "tan"})
 _LARGEST_FACTOR = 1 << 10
@@ -78,20 +89,20 @@ class _Merger:
         if node.op in BOOLEANS:
             known = self._classes.setdefault((node.op, value), [index])
             return known[0], Fraction(1)
-        if all(part == field.ZERO for part in value):
+        if all(part == finite_field.ZERO for part in value):
             if self._sure(index, Fraction(0), None):
                 return None, Fraction(0)
             return index, Fraction(1)
         key = _ratios(value)
-        if key == (field.ONE,) * len(value):
-            constant = field.rational(value[0], _LARGEST_CONSTANT)
+        if key == (finite_field.ONE,) * len(value):
+            constant = finite_field.rational(value[0], _LARGEST_CONSTANT)
             if constant is not None and self._sure(index, constant, None):
                 return None, constant
         known = self._classes.setdefault(key, [])
         for other in known:
             pivot = _pivot(value)
-            quotient = field.divide(value[pivot], self._prints.values[other][pivot])
-            factor = field.rational(quotient, _LARGEST_FACTOR)
+            quotient = finite_field.divide(value[pivot], self._prints.values[other][pivot])
+            factor = finite_field.rational(quotient, _LARGEST_FACTOR)
             if factor is None or factor.denominator & (factor.denominator - 1):
                 continue
             if not self._partial[other] & ~self._partial[index] and self._sure(
@@ -114,11 +125,11 @@ class _Merger:
 
     def _agrees_everywhere(self, index: int, factor: Fraction, other: int | None) -> bool:
         values = self._many_prints.values
-        scale = field.fraction(factor)
+        scale = finite_field.fraction(factor)
         if other is None:
             return all(value == scale for value in values[index])
         return all(
-            value == field.multiply(scale, known)
+            value == finite_field.multiply(scale, known)
             for value, known in zip(values[index], values[other], strict=True)
         )
 
@@ -182,13 +193,115 @@ def _pivot(value: Fingerprint) -> int:
 
     A guessed sign makes ``sqrt(x²) - x`` zero at every other point.
     """
-    return next((k for k, part in enumerate(value) if part != field.ZERO), 0)
+    return next((k for k, part in enumerate(value) if part != finite_field.ZERO), 0)
 
 
 def _ratios(value: Fingerprint) -> tuple[object, ...]:
     """What a fingerprint shares with its multiples: its ratios to its first value but zero."""
     pivot = _pivot(value)
-    if value[pivot] == field.ZERO:
-        return (field.ZERO,) * len(value)
-    below = field.inverse(value[pivot])
-    return tuple([field.multiply(part, below) for part in value])
+    if value[pivot] == finite_field.ZERO:
+        return (finite_field.ZERO,) * len(value)
+    below = finite_field.inverse(value[pivot])
+    return tuple([finite_field.multiply(part, below) for part in value])
+
+
+POINTS = 16
+_SEED = 20170215
+_EPSILON = float(np.finfo(np.float64).eps)
+_Row = npt.NDArray[np.float64]
+# Factors by which functions pass on the errors of their argument.
+_SLOPES: dict[str, Callable[[_Row, _Row], _Row]] = {
+    "sqrt": lambda x, y: 0.5 / y,
+    "exp": lambda x, y: y,
+    "log": lambda x, y: 1.0 / np.abs(x),
+    "sin": lambda x, y: np.ones_like(x),
+    "cos": lambda x, y: np.ones_like(x),
+    "tan": lambda x, y: 1.0 + y * y,
+    "asin": lambda x, y: 1.0 / np.sqrt(1.0 - x * x),
+    "acos": lambda x, y: 1.0 / np.sqrt(1.0 - x * x),
+    "atan": lambda x, y: 1.0 / (1.0 + x * x),
+}
+_LEAST_POINTS = 3
+_ROUNDINGS = 64.0
+
+
+def sample_inputs(tape: Tape) -> dict[tuple[str, int], _Row]:
+    """A row of `POINTS` values for each component of each input; the same for the same tape."""
+    random = np.random.default_rng(_SEED)
+    made = {}
+    for operand in tape.inputs:
+        for component in range(operand.width):
+            row = random.uniform(0.1, 1.0, POINTS)
+            row[1::2] = row[1::2] ** -1.5
+            row[POINTS // 2 :] *= random.choice([-1.0, 1.0], POINTS // 2)
+            made[operand.name, component] = row
+    return made
+
+
+def sampled(tape: Tape) -> tuple[list[_Row], list[_Row]]:
+    """Values of all nodes at all points, and bounds of what rounding did to them."""
+    inputs = sample_inputs(tape)
+    values: list[_Row] = []
+    errors: list[_Row] = []
+    with np.errstate(all="ignore"):
+        for node in tape.nodes:
+            if node.op == "input":
+                value = inputs[node.source]
+                error = np.zeros(POINTS)
+            elif node.op == "const":
+                value, error = np.full(POINTS, node.value), np.zeros(POINTS)
+            else:
+                args = [values[k] for k in node.args]
+                value = np.asarray(NUMPY_OPERATIONS[node.op](*args), dtype=np.float64)
+                passed = _passed_on(node, args, [errors[k] for k in node.args], value)
+                error = passed + _EPSILON * np.abs(value)
+            values.append(value)
+            errors.append(error)
+    return values, errors
+
+
+def _passed_on(node: Node, args: list[_Row], errors: list[_Row], value: _Row) -> _Row:
+    """What the errors of the arguments may do to the value, to first order."""
+    if node.op in ("add", "sub"):
+        return errors[0] + errors[1]
+    if node.op == "mul":
+        return np.abs(args[0]) * errors[1] + np.abs(args[1]) * errors[0]
+    if node.op == "div":
+        return (errors[0] + np.abs(value) * errors[1]) / np.abs(args[1])
+    if node.op in _SLOPES:
+        return errors[0] * _SLOPES[node.op](args[0], value)
+    if node.op == "atan2":
+        y, x = args
+        return (np.abs(x) * errors[0] + np.abs(y) * errors[1]) / (x * x + y * y)
+    if node.op == "select":
+        return np.where(args[0] != 0.0, errors[1], errors[2])
+    return np.asarray(sum(errors[1:], errors[0]))
+
+
+class Witness:
+    """Checks claims about the nodes of one tape; works only where it is asked."""
+
+    def __init__(self, tape: Tape) -> None:
+        self._tape = tape
+
+    @cached_property
+    def _sampled(self) -> tuple[list[Any], list[Any], list[Any]]:
+        values, errors = sampled(self._tape)
+        return values, errors, [np.isfinite(value) for value in values]
+
+    def holds(self, node: int, factor: float, other: int | None) -> bool:
+        """Whether ``node = factor · other`` to rounding; `other` is 1 where it is None.
+
+        It must hold at every point at which both are real numbers, and there must be some.
+        """
+        values, errors, defined = self._sampled
+        claimed, bound, known = 1.0, 0.0, True
+        if other is not None:
+            claimed, bound, known = values[other], errors[other], defined[other]
+        both = defined[node] & known
+        if np.count_nonzero(both) < _LEAST_POINTS:
+            return False
+        with np.errstate(invalid="ignore", over="ignore"):
+            off = np.abs(values[node] - factor * claimed)
+            within = off <= _ROUNDINGS * (errors[node] + abs(factor) * bound)
+        return bool(np.all(within | ~both))

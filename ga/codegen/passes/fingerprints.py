@@ -11,7 +11,7 @@ Operations that are not rational become unknowns that are told apart by their op
 values of their arguments, but for what is known of them: sin and cos of one argument are a random
 rational point of the unit circle, tan is their quotient, exp(-x) is 1/exp(x), sin, tan, asin and
 atan are odd, cos and abs even, a square root is a root in GF(p²). The last two leave a sign open,
-which is that of a fair coin that multiplies as signs do (`field.magnitude`):
+which is that of a fair coin that multiplies as signs do (`finite_field.magnitude`):
 ``sqrt(x²)`` and ``|x|`` have the value of x or of -x. Nodes that depend on such a choice are
 `uncertain`: their agreement at few points is a guess. A claim that is wrong for half of the signs
 passes at all of `MANY_POINTS` with 2^-48. Where a value is never negative there is no choice.
@@ -24,8 +24,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.ga.codegen.passes.equality import field
-from motorcade.ga.codegen.passes.equality.field import Element
+from motorcade.ga.codegen.passes import finite_field
+from motorcade.ga.codegen.passes.finite_field import Element
 from motorcade.ga.codegen.tape import Node, Tape
 
 _ALWAYS = frozenset({"abs", "sqrt", "exp", "acos", "lt", "le", "eq", "ne", "and", "or", "not"})
@@ -147,9 +147,9 @@ class _Point:
         self._unknowns: dict[tuple[object, ...], Element] = {}
         self._strict = True
         self._rational: dict[str, Callable[[Element, Element], Element]] = {
-            "add": field.add,
-            "sub": field.subtract,
-            "mul": field.multiply,
+            "add": finite_field.add,
+            "sub": finite_field.subtract,
+            "mul": finite_field.multiply,
         }
 
     def computed(self, *, strict: bool) -> bool:
@@ -172,57 +172,64 @@ class _Point:
     def _unknown(self, *key: object) -> Element:
         found = self._unknowns.get(key)
         if found is None:
-            found = self._unknowns[key] = (int(self._random.integers(1, field.PRIME)), 0)
+            found = self._unknowns[key] = (int(self._random.integers(1, finite_field.PRIME)), 0)
         return found
 
     def _other(self, node: Node) -> Element | None:
         args = [self.values[k] for k in node.args]
         if node.op == "const":
-            return field.constant(node.value)
+            return finite_field.constant(node.value)
         if node.op == "input":
             return self._unknown("input", node.source)
         if node.op == "neg":
-            return field.negative(args[0])
+            return finite_field.negative(args[0])
         if node.op == "div":
             return self._quotient(args[0], args[1])
         if node.op == "sqrt":
             return self._root(args[0])
         if node.op == "abs":
-            return args[0] if self._nonnegative[node.args[0]] else field.magnitude(args[0])
+            return args[0] if self._nonnegative[node.args[0]] else finite_field.magnitude(args[0])
         if node.op in ("sin", "cos", "tan", "asin", "atan", "exp"):
             return self._symmetric(node.op, args[0])
-        if node.op == "log" and args[0] == field.ONE:
-            return field.ZERO
+        if node.op == "log" and args[0] == finite_field.ONE:
+            return finite_field.ZERO
         if node.op == "ceil":
-            return field.negative(self._unknown("floor", field.negative(args[0])))
+            return finite_field.negative(self._unknown("floor", finite_field.negative(args[0])))
         if node.op in ("min", "max", "and", "or", "eq", "ne"):
             args.sort()
         return self._unknown(node.op, *args)
 
     def _quotient(self, above: Element, below: Element) -> Element:
-        if below == field.ZERO:
+        if below == finite_field.ZERO:
             return self._unknown("div", above, below)
-        return field.divide(above, below)
+        return finite_field.divide(above, below)
 
     def _root(self, square: Element) -> Element | None:
-        found = field.root(square)
+        found = finite_field.root(square)
         return self._unknown("sqrt", square) if found is None and not self._strict else found
 
     def _symmetric(self, op: str, x: Element) -> Element:
         """A function of x by its value at one of x and -x."""
-        if x == field.ZERO:
-            return field.ONE if op in ("cos", "exp") else field.ZERO
-        least = field.canonical(x)
+        if x == finite_field.ZERO:
+            return finite_field.ONE if op in ("cos", "exp") else finite_field.ZERO
+        least = finite_field.canonical(x)
         if op in ("asin", "atan"):
             value = self._unknown(op, least)
-            return value if x == least else field.negative(value)
+            return value if x == least else finite_field.negative(value)
         if op == "exp":
             value = self._unknown(op, least)
-            return value if x == least else field.inverse(value)
+            return value if x == least else finite_field.inverse(value)
         half = self._unknown("half-angle", least)
-        square = field.multiply(half, half)
-        cosine, size = field.subtract(field.ONE, square), field.add(field.ONE, square)
-        sine = field.add(half, half) if x == least else field.negative(field.add(half, half))
+        square = finite_field.multiply(half, half)
+        cosine, size = (
+            finite_field.subtract(finite_field.ONE, square),
+            finite_field.add(finite_field.ONE, square),
+        )
+        sine = (
+            finite_field.add(half, half)
+            if x == least
+            else finite_field.negative(finite_field.add(half, half))
+        )
         if op == "tan":
-            return field.divide(sine, cosine)
-        return field.divide(cosine if op == "cos" else sine, size)
+            return finite_field.divide(sine, cosine)
+        return finite_field.divide(cosine if op == "cos" else sine, size)

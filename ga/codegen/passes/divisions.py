@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from motorcade.ga.codegen.passes.forms import Coefficient, Form, Forms, Monomial
 from motorcade.ga.codegen.passes.rebuild import copied
-from motorcade.ga.codegen.passes.sums_of_products.forms import Coefficient, Form, Forms, Monomial
 from motorcade.ga.codegen.tape import Tape, TapeBuilder
 
 

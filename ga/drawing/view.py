@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray
-from motorcade.ga.drawing.marks.mark import BallMark, Dot, Face, Label, Mark, Stroke
+from motorcade.ga.drawing.mark import BallMark, Dot, Face, Label, Mark, Stroke
 
 MARGIN = 30.0
 # What lies as near as this to a ball's surface, in radii, lies outside.

@@ -4,6 +4,12 @@ The algebras that have pictures are those of the plane and of space: Euclidean, 
 conformal ones. An object of CGA is read in its inner form, or in its outer form where that is said;
 a point is both. Objects of plane conformal and plane-based algebras are those of space that meet
 the plane of x and y in them: what ``x ∧ e3`` says in inner form.
+
+Shapes of plane-based and Euclidean multivectors.
+
+In plane-based algebra a vector ``n + d e0`` is the plane ``n·x + d = 0``, a bivector a line and a
+trivector a point; its even versors are motors. In Euclidean algebra vectors are arrows from the
+origin, bivectors discs of their area, and even versors turn the axes.
 """
 
 from __future__ import annotations
@@ -15,8 +21,9 @@ import numpy as np
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra, Multivector
 from motorcade.ga.algebra.scalars import is_numeric
 from motorcade.ga.arrays import FloatArray
-from motorcade.ga.drawing.shapes import conformal, flat
-from motorcade.ga.drawing.shapes.shape import Frames, Points, Shape
+from motorcade.ga.drawing import conformal_shapes
+from motorcade.ga.drawing.conformal_shapes import moved_frame
+from motorcade.ga.drawing.shape import Arrow, Circle, Frames, Line, PlaneShape, Points, Shape
 from motorcade.ga.trajectory import Trajectory
 from motorcade.ga.versors.versor import Versor
 
@@ -118,11 +125,90 @@ def _shape(x: Multivector, form: Form) -> Shape:
         raise ValueError(f"it is the number {x.scalar_part():g}")
     algebra = x.algebra
     if algebra == CGA3:
-        return conformal.shape(x, form)
+        return conformal_shapes.shape(x, form)
     if algebra == _CGA2:
-        return conformal.shape_of_plane(x, form)
+        return conformal_shapes.shape_of_plane(x, form)
     if algebra in (PGA3, _PGA2):
-        return flat.of_plane_based(x, algebra == _PGA2)
+        return of_plane_based(x, algebra == _PGA2)
     if algebra in (EGA3, _EGA2):
-        return flat.of_euclidean(x, algebra == _EGA2)
+        return of_euclidean(x, algebra == _EGA2)
     raise ValueError(f"there is no picture of objects of {algebra}")
+
+
+_NONE = 1e-10
+_AXES = ("e1", "e2", "e3")
+
+
+def of_plane_based(x: Multivector, plane: bool) -> Shape:
+    """The shape of an object of PGA3, or with `plane` of the algebra of the plane.
+
+    Raises:
+        ValueError: why there is none.
+    """
+    lifted = PGA3.multivector(dict(x.items()))
+    if len(x.grades) > 1:
+        found = moved_frame(lifted, _point, _place)
+        return Frames(found.origins, found.axes, flat=plane)
+    if plane:
+        lifted = lifted ^ PGA3.blade("e3")
+    (grade,) = lifted.grades
+    size = max(abs(value) for value in lifted.values)
+    if grade == 1:
+        normal, length = _unit(_triple(lifted, "e1", "e2", "e3"), size)
+        return PlaneShape(-lifted.coefficient("e0") / length * normal, normal)
+    if grade == 2:
+        along, length = _unit(_triple(lifted, "e2^e3", "e3^e1", "e1^e2"), size)
+        moment = _triple(lifted, "e1^e0", "e2^e0", "e3^e0") / length
+        return Line(np.cross(moment, along), along)
+    if grade == 3:
+        if abs(lifted.coefficient("e1^e2^e3")) <= _NONE * size:
+            raise ValueError("it lies at infinity")
+        return Points(_place(lifted)[None])
+    raise ValueError("a pseudoscalar has no picture")
+
+
+def of_euclidean(x: Multivector, plane: bool) -> Shape:
+    """The shape of an object of EGA3, or with `plane` of the algebra of the plane.
+
+    Raises:
+        ValueError: why there is none.
+    """
+    lifted = EGA3.multivector(dict(x.items()))
+    if x.grades == (1,):
+        return Arrow(np.zeros(3), _triple(lifted, *_AXES))
+    if x.grades == (2,):
+        across = _triple(lifted, "e2^e3", "e3^e1", "e1^e2")
+        area = float(np.linalg.norm(across))
+        return Circle(np.zeros(3), across / area, (area / np.pi) ** 0.5, filled=True)
+    if len(x.grades) == 1:
+        raise ValueError("a pseudoscalar has no picture")
+    found = moved_frame(lifted, _vector, lambda y: _triple(y, *_AXES))
+    return Frames(found.origins, found.axes, flat=plane)
+
+
+def _unit(vector: FloatArray, size: float) -> tuple[FloatArray, float]:
+    length = float(np.linalg.norm(vector))
+    if length <= _NONE * size:
+        raise ValueError("it lies at infinity")
+    return vector / length, length
+
+
+def _triple(x: Multivector, *blades: str) -> FloatArray:
+    return np.array([x.coefficient(blade) for blade in blades], dtype=np.float64)
+
+
+def _vector(position: FloatArray) -> Multivector:
+    return EGA3.vector(position.tolist())
+
+
+def _point(position: FloatArray) -> Multivector:
+    """The meet of the three planes across the axes through it."""
+    planes = [
+        PGA3.blade(a) - float(v) * PGA3.blade("e0") for a, v in zip(_AXES, position, strict=True)
+    ]
+    return planes[0] ^ planes[1] ^ planes[2]
+
+
+def _place(x: Multivector) -> FloatArray:
+    parts = _triple(x, "e0^e2^e3", "e1^e0^e3", "e1^e2^e0")
+    return -parts / float(x.coefficient("e1^e2^e3"))

@@ -1,1 +1,0 @@
-"""What objects look like: `reading` finds the `shape` of a multivector, a versor or points."""
