@@ -6,12 +6,12 @@ import statistics
 from collections.abc import Mapping
 from typing import Any
 
-from motorcade.replays.compare.figures.statistics import PRACTICAL_SHARE
 from motorcade.replays.compare.plan import OWN
 from motorcade.replays.compare.report.findings import percent
 from motorcade.replays.compare.report.matrix import Matrix
 from motorcade.replays.compare.report.names import CAUSAL, LABELS, METHODS, shown
 from motorcade.replays.compare.report.results import REFERENCE, Results
+from motorcade.replays.compare.statistics import PRACTICAL_SHARE
 
 COLUMNS = (
     "score",

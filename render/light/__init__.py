@@ -2,17 +2,16 @@
 
 from motorcade.render.harmonics import harmonics, irradiance_factors, rotate_harmonics
 from motorcade.render.light.cast import CastShadow, cast_shadows
-from motorcade.render.light.direction import LightDirection, light_direction
 from motorcade.render.light.estimate import (
     LightEstimate,
     ShadedPoints,
     estimate_light,
     shaded_points,
 )
-from motorcade.render.light.exposure import ExposureMeter
-from motorcade.render.light.footage import lighting_of_footage
+from motorcade.render.light.footage import ExposureMeter, lighting_of_footage
 from motorcade.render.light.ground import GroundMap, ground_map
 from motorcade.render.light.lamps import (
+    above_ground,
     certainty,
     character_lighting,
     estimated_lighting,
@@ -22,12 +21,13 @@ from motorcade.render.light.lamps import (
     viewer_frame,
 )
 from motorcade.render.light.monocular import (
+    LightDirection,
     found_direction,
     ground_of_footage,
+    light_direction,
     lighting_without_depth,
 )
 from motorcade.render.light.prints import Prints
-from motorcade.render.light.surroundings import above_ground
 
 __all__ = [
     "CastShadow",

@@ -3,16 +3,17 @@
 from motorcade.render.plots.calibrations import plot_allan, plot_coverage
 from motorcade.render.plots.errors import (
     Band,
+    ErrorsAlong,
     plot_bands,
+    plot_errors_along,
     plot_series,
     plot_squares,
     plot_within_sigma,
 )
-from motorcade.render.plots.evaluations import ErrorsAlong, plot_errors_along
-from motorcade.render.plots.paths import plot_paths
 from motorcade.render.plots.style import standing_alone
 from motorcade.render.plots.trajectories import (
     plot_path_3d,
+    plot_paths,
     plot_plan_and_elevation,
     plot_rotation_and_twist,
 )

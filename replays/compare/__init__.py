@@ -8,11 +8,11 @@
 ``groups.csv``
     a row a motion, degradation, method, representation and metric, over all seeds: mean with its
     interval, difference from the same method on motors, and from the best; see
-    `motorcade.replays.compare.figures.statistics`.
+    `motorcade.replays.compare.statistics`.
 ``results.json``
     the plan with both lists of seeds, the parameters found, what every method costs and what
     changing frames does to it, rankings with intervals, the count of wins and ties, exact ties; see
-    `motorcade.replays.compare.figures.tables`.
+    `motorcade.replays.compare.tables`.
 ``report.html``, ``motions/``
     all of it as pages; see `motorcade.replays.compare.report`.
 """

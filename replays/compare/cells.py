@@ -16,9 +16,9 @@ import numpy as np
 from motorcade.fusion.smoothing import smooth
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.compare.measure.evaluator import METRICS, PathEvaluator
-from motorcade.replays.compare.measure.truth import RecordedMotion, truth_of
+from motorcade.replays.compare.evaluator import METRICS, PathEvaluator
 from motorcade.replays.compare.plan import OWN, degradation_named
+from motorcade.replays.compare.truth import RecordedMotion, truth_of
 
 RAW = ("raw", "none")
 """Method and representation of the row that measures the poses as they come."""

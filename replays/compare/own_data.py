@@ -23,13 +23,12 @@ from motorcade.fusion.metrics import Align, alignment_of, associate
 from motorcade.fusion.smoothing import METHODS
 from motorcade.ga import Trajectory
 from motorcade.replays.compare.cells import MeasuredRow, Setting, measured_rows
-from motorcade.replays.compare.figures.statistics import Sample
-from motorcade.replays.compare.figures.tables import Outcome, write_tables
-from motorcade.replays.compare.measure.evaluator import PathEvaluator
-from motorcade.replays.compare.measure.ties import exact_ties
-from motorcade.replays.compare.measure.traits import measured_trait
-from motorcade.replays.compare.measure.truth import RecordedTruth, digest_of
+from motorcade.replays.compare.evaluator import PathEvaluator
 from motorcade.replays.compare.plan import COMPARED
+from motorcade.replays.compare.statistics import Sample
+from motorcade.replays.compare.tables import Outcome, write_tables
+from motorcade.replays.compare.traits import exact_ties, measured_trait
+from motorcade.replays.compare.truth import RecordedTruth, digest_of
 from motorcade.replays.compare.tuning import Tuned, tuned
 from motorcade.replays.engine.jobs import finished
 

@@ -29,7 +29,7 @@ from motorcade.fusion.motions.degradations import (
 from motorcade.fusion.smoothing import METHODS, REPRESENTATION_NAMES, REPRESENTATIONS
 from motorcade.fusion.smoothing.representations import BEST_EULER
 from motorcade.ga.names import did_you_mean
-from motorcade.replays.compare.measure.truth import RecordedMotion
+from motorcade.replays.compare.truth import RecordedMotion
 
 SEEDS = 6
 """Test seeds of the standard plan. What a mean over motions leaves open is the choice of motions

@@ -15,11 +15,10 @@ from typing import Any
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor
 from motorcade.replays.compare.cells import ComparisonCell, run_cell
-from motorcade.replays.compare.figures.statistics import Sample
-from motorcade.replays.compare.figures.tables import Outcome, write_tables
-from motorcade.replays.compare.measure.ties import exact_ties
-from motorcade.replays.compare.measure.traits import Trait, run_trait
 from motorcade.replays.compare.plan import ComparisonPlan
+from motorcade.replays.compare.statistics import Sample
+from motorcade.replays.compare.tables import Outcome, write_tables
+from motorcade.replays.compare.traits import Trait, exact_ties, run_trait
 from motorcade.replays.compare.tuning import SearchPlace, Tuned, Tuning, run_tuning
 from motorcade.replays.engine.jobs import finished
 

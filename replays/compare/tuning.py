@@ -36,8 +36,8 @@ import numpy as np
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.compare.cells import Setting, inputs_of
-from motorcade.replays.compare.measure.evaluator import PathEvaluator
-from motorcade.replays.compare.measure.truth import RecordedMotion
+from motorcade.replays.compare.evaluator import PathEvaluator
+from motorcade.replays.compare.truth import RecordedMotion
 
 
 def _noise(sigma_m: float, sigma_deg: float) -> tuple[tuple[str, float], ...]:

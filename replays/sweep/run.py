@@ -23,8 +23,14 @@ from motorcade.replays.pipeline import Job, pipeline_graph, run_job
 from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.results import require_writable
 from motorcade.replays.sweep.plan import PlannedRun, Sweep
-from motorcade.replays.sweep.report import report_page
-from motorcade.replays.sweep.table import FIGURES, Row, RunFigures, rows_of, write_parquet
+from motorcade.replays.sweep.report import (
+    FIGURES,
+    Row,
+    RunFigures,
+    report_page,
+    rows_of,
+    write_parquet,
+)
 
 log = logging.getLogger("motorcade.sweep")
 

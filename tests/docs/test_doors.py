@@ -65,10 +65,10 @@ ALLOWED = {
     ("replays/readers/ros/reader.py", "Reader2"): "admitted",
     ("replays/readers/ros/reader.py", "self._reader.open"): "admitted",
     ("replays/results.py", "pages.summary.read_text"): "a cached result, found whole",
-    ("replays/studio/server/opening.py", "offer.open"): "a run, read by the doors",
+    ("replays/studio/server/desk.py", "offer.open"): "a run, read by the doors",
     ("replays/studio/server/serving.py", "probe.connect"): "no file, and nothing is sent",
     ("replays/studio/server/serving.py", "webbrowser.open"): "our own page",
-    ("replays/studio/server/shell.py", "path.read_bytes"): "our own source",
+    ("replays/studio/server/app.py", "path.read_bytes"): "our own source",
     ("replays/synthetic_room/materials.py", "imread"): "pictures of scikit-image's",
     ("replays/studio/server/journal.py", "os.open"): "to write or lock, through no link",
 }

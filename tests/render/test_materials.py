@@ -10,8 +10,7 @@ from motorcade.animation.appearance import Appearance, Material, MaterialPart, T
 from motorcade.animation.srgb import to_srgb
 from motorcade.ga import Motor, Rotor
 from motorcade.render import Layer, Lighting, OffscreenRenderer, Sun, Surface
-from motorcade.render.backends.fast.facets import mirrored_table
-from motorcade.render.backends.fast.materials import Pictures
+from motorcade.render.backends.fast.materials import Pictures, mirrored_table
 from motorcade.render.backends.fast.renderer import FastRenderer
 from motorcade.render.light import harmonics
 from motorcade.tracking.cameras.camera import Camera

@@ -9,9 +9,9 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.render import render_overlay
 from motorcade.render.figures import SHADOW_REACH
 from motorcade.render.light import Prints, character_lighting
-from motorcade.render.occluders import known_depth, share_beyond
 from motorcade.render.scene import ImageArray
 from motorcade.render.shadow import ShadowLook, shade_step_m
+from motorcade.render.shots import known_depth, share_beyond
 from motorcade.tracking.cameras.camera import Camera
 
 CAMERA = Camera(120, 90, 100.0, 103.0, 61.2, 43.4)

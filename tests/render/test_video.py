@@ -14,9 +14,9 @@ import pytest
 
 from motorcade.ga.files import FileError
 from motorcade.render import read_frames, video, write_video
-from motorcade.render.encoding import KEYFRAME_FRAMES
 from motorcade.render.scene import ImageArray
 from motorcade.render.video import (
+    KEYFRAME_FRAMES,
     contact_sheet,
     read_stamps_s,
     write_pictures,

@@ -87,7 +87,7 @@ def _serve(arguments: argparse.Namespace) -> None:
     try:
         from motorcade.replays.engine.progress import log_stages
         from motorcade.replays.studio.server.app import studio_app
-        from motorcade.replays.studio.server.opening import offered, ready
+        from motorcade.replays.studio.server.desk import offered, ready
         from motorcade.replays.studio.server.serving import Listening, serve
     except ModuleNotFoundError as missing:
         raise RuntimeError(

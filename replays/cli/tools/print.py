@@ -49,10 +49,13 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 def print_boards(arguments: argparse.Namespace) -> None:
     """Lay the boards out, write the sheets and the manifest's tables, and say where."""
     from motorcade.replays.files.atomic import write_bytes
-    from motorcade.replays.printing import lay_out, paper_named
-    from motorcade.replays.printing.pdf import sheets_pdf
-    from motorcade.replays.printing.sheets import manifest_lines
-    from motorcade.replays.printing.svg import sheet_svg
+    from motorcade.replays.printing import (
+        lay_out,
+        manifest_lines,
+        paper_named,
+        sheet_svg,
+        sheets_pdf,
+    )
     from motorcade.replays.readers.manifest.section import read_board
 
     output: Path = arguments.output

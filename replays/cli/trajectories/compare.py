@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from motorcade.replays.cli.arguments import Subparsers, add_executor, add_stamps, new_command
 
 if TYPE_CHECKING:
-    from motorcade.replays.compare.measure.truth import RecordedMotion
+    from motorcade.replays.compare.truth import RecordedMotion
 
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -70,9 +70,9 @@ def compare_smoothers(arguments: argparse.Namespace) -> None:
     """Compare, write the tables and the report, print the findings."""
     from motorcade.fusion.smoothing import METHODS, REPRESENTATION_NAMES
     from motorcade.replays.cli.arguments import check_known
-    from motorcade.replays.compare.figures.summary import as_text
     from motorcade.replays.compare.plan import DEGRADATIONS, SEEDS, quick, standard
     from motorcade.replays.compare.run import run_comparison
+    from motorcade.replays.compare.tables import as_text
     from motorcade.replays.engine.executors import check_executor
     from motorcade.replays.results import require_writable
 
@@ -115,7 +115,7 @@ def _motions(
     """Those of the words that are files, and the names of all motions."""
     from motorcade.fusion.motions import MOTIONS
     from motorcade.replays.cli.arguments import check_known
-    from motorcade.replays.compare.measure.truth import RecordedMotion
+    from motorcade.replays.compare.truth import RecordedMotion
 
     given: Sequence[str] = arguments.trajectories
     files = [Path(one) for one in given if not one.isidentifier()]

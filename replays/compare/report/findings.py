@@ -11,7 +11,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from motorcade.replays.compare.figures.statistics import PRACTICAL_SHARE
 from motorcade.replays.compare.report.names import CAUSAL, LABELS, METRICS, RATIOS, listed, shown
 from motorcade.replays.compare.report.results import (
     REFERENCE,
@@ -21,6 +20,7 @@ from motorcade.replays.compare.report.results import (
     Results,
     tied,
 )
+from motorcade.replays.compare.statistics import PRACTICAL_SHARE
 
 _FRAME_BOUND = 1e-10
 _FEW = 3

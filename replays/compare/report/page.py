@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from motorcade.replays.compare.report import names
-from motorcade.replays.compare.report.crossing import Crossing, crossing
 from motorcade.replays.compare.report.findings import findings
 from motorcade.replays.compare.report.matrix import (
     against_motor,
@@ -22,7 +21,9 @@ from motorcade.replays.compare.report.matrix import (
     verdict_counts,
 )
 from motorcade.replays.compare.report.pictures import (
+    Crossing,
     can_be_drawn,
+    crossing,
     large_panels,
     method_apart,
     method_to_draw,

@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from motorcade.ga.files import read_bounded
-from motorcade.replays.compare.figures.statistics import PRACTICAL_SHARE
-from motorcade.replays.compare.figures.tables import FORMAT
 from motorcade.replays.compare.report.names import listed
+from motorcade.replays.compare.statistics import PRACTICAL_SHARE
+from motorcade.replays.compare.tables import FORMAT
 
 MAX_FILE_BYTES = 1 << 26
 

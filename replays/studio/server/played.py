@@ -20,7 +20,7 @@ from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.files import off_record
 from motorcade.replays.scenes.acted import Acted, acted
-from motorcade.replays.studio.look.figures import gltf_bytes
+from motorcade.replays.studio.look.document import gltf_bytes
 from motorcade.replays.studio.look.packing import packed
 from motorcade.replays.studio.look.paths import rows_of
 from motorcade.replays.studio.server.filmed import Filmed

@@ -147,7 +147,7 @@ def configured(app: ASGIApp, listening: Listening) -> uvicorn.Server:
     """A server with every bound set, which has not begun; raises as `serve`."""
     import uvicorn
 
-    from motorcade.replays.studio.server.bounds import MAX_MESSAGE_BYTES, BoundedProtocol
+    from motorcade.replays.studio.server.access import MAX_MESSAGE_BYTES, BoundedProtocol
 
     certificate, key = (None, None) if listening.tls is None else _checked(*listening.tls)
     config = uvicorn.Config(

@@ -1,8 +1,13 @@
-"""A scene in the hands of several browsers: what they ask for, what it becomes, what they are told.
+"""A scene in the hands of several browsers: what they ask for, what it becomes, what they are
+told.
 
 While a gesture goes on its object is shown where it is taken to, and nothing of it is in the scene;
 at its end it becomes one step, which is on the disk before anybody is told. So two browsers drag
 two objects at once, and a process that is killed loses what is in the hand and nothing else.
+
+Who holds what: an object is moved by one browser at a time, with all that hangs on it.
+
+What a page is told of a scene: its objects, where each is over the footage, what it does.
 """
 
 from __future__ import annotations
@@ -23,11 +28,17 @@ from motorcade.animation.authoring import (
     Together,
     gesture_of,
 )
-from motorcade.animation.authoring.fields import anchor_json
+from motorcade.animation.authoring.fields import anchor_json, layer_json
 from motorcade.animation.authoring.pointing import DragPlane, OutOfReach, Ray
 from motorcade.ga import Similarity
 from motorcade.replays.studio.look.packing import packed
-from motorcade.replays.studio.server.asked import (
+from motorcade.replays.studio.server.filmed import Filmed, spoken
+from motorcade.replays.studio.server.grip import Grab, Grip, JointGrip, joints_held_by
+from motorcade.replays.studio.server.journal import Ledger
+from motorcade.replays.studio.server.offers import Answer
+from motorcade.replays.studio.server.played import PlayedScene, rows
+from motorcade.replays.studio.server.props import GROUND, Props, free_name, room_m, thinned
+from motorcade.replays.studio.server.visitors import (
     frame_number,
     frame_of_axes,
     name_of,
@@ -35,17 +46,65 @@ from motorcade.replays.studio.server.asked import (
     pixels_of,
     point_of,
 )
-from motorcade.replays.studio.server.filmed import Filmed
-from motorcade.replays.studio.server.grip import Grab, Grip
-from motorcade.replays.studio.server.hands import Hands
-from motorcade.replays.studio.server.ledger import Ledger
-from motorcade.replays.studio.server.offers import Answer
-from motorcade.replays.studio.server.places import room_m
-from motorcade.replays.studio.server.played import PlayedScene, rows
-from motorcade.replays.studio.server.posing import JointGrip
-from motorcade.replays.studio.server.props import GROUND, Props, free_name
-from motorcade.replays.studio.server.told import ToldScene
-from motorcade.replays.studio.server.ways import thinned
+
+
+@dataclass
+class Hands:
+    """What the visitors of a scene hold in their hands.
+
+    >>> from motorcade.animation.authoring import Scene, VersorObjectPose
+    >>> from motorcade.ga import Similarity
+    >>> from motorcade.replays.studio.server.session import Hands
+    >>> still = VersorObjectPose(Similarity.identity())
+    >>> scene = Scene({"table": None, "cup": "table"}, {"table": still, "cup": still})
+    >>> hands = Hands()
+    >>> hands.take(1, "cup", scene)
+    >>> hands.take(2, "table", scene)
+    Traceback (most recent call last):
+    ValueError: Somebody else is moving cup.
+    """
+
+    held: dict[int, str] = field(default_factory=dict)
+
+    def take(self, visitor: int, name: str, scene: Scene) -> None:
+        """Take hold of an object.
+
+        Raises:
+            ValueError: no such object, or another holds it, what it hangs on or what hangs on it.
+        """
+        self.require_free(visitor, name, scene)
+        self.held[visitor] = name
+
+    def require_free(self, visitor: int, name: str, scene: Scene) -> None:
+        """Refuse what another visitor's gesture is about; raises as `take`."""
+        scene.pose(name)
+        for other, held in self.held.items():
+            if other != visitor and (above(scene, name, held) or above(scene, held, name)):
+                raise ValueError(f"Somebody else is moving {held}.")
+
+    def require_all_free(self, visitor: int) -> None:
+        """Refuse what concerns the whole scene while another visitor moves something.
+
+        Raises:
+            ValueError: somebody does.
+        """
+        for other, held in self.held.items():
+            if other != visitor:
+                raise ValueError(f"Somebody else is moving {held}.")
+
+    def let_go(self, visitor: int) -> None:
+        """Hold nothing any more."""
+        self.held.pop(visitor, None)
+
+
+def above(scene: Scene, name: str, other: str) -> bool:
+    """Whether an object is another, or hangs on it."""
+    parents: Mapping[str, str | None] = scene.parents
+    at: str | None = name
+    while at is not None and at != other:
+        at = parents.get(at)
+    return at is not None
+
 
 Message = Mapping[str, Any]
 BEYOND = "There is nothing there to drag it over."
@@ -398,3 +457,68 @@ def _edit_of(line: Message) -> Dragged | Edit:
     if not isinstance(gesture, Dragged | Edit):
         raise ValueError(f"edit: expected a drag or an edit, got {gesture.as_json()['do']}")
     return gesture
+
+
+MOST_POINTS = 400
+"""Of the line that shows a way."""
+
+
+@dataclass(frozen=True)
+class ToldScene:
+    """Objects as JSON for `editor.js`.
+
+    Args:
+        filmed: the footage.
+        played: what objects do over it.
+        props: what there is to choose from.
+    """
+
+    filmed: Filmed
+    played: PlayedScene
+    props: Props
+
+    def about(self, scene: Scene, name: str, before: Scene | None) -> dict[str, Any]:
+        """An object; where it stands is left out for one that stands as it did before.
+
+        Raises:
+            ValueError: a file, clip, joint or anchor that is not there.
+        """
+        part, parent = scene.part(name), scene.parents[name]
+        about: dict[str, Any] = {
+            "name": name,
+            "kind": part.kind,
+            "parent": parent,
+            "on": self._label(scene, parent),
+            "figure": None,
+            "motion": None,
+            "clip": part.clip,
+            "clips": self.props.clips(part),
+            "walk": part.walk is not None,
+            "turns": [[one.time_s, one.end_s] for one in part.joint_keyframes],
+            "layers": [layer_json(one) for one in part.layers],
+            "keys": [one.time_s for one in part.keyframes],
+            "interpolation": part.interpolation,
+            "visible_s": None if part.visible_s is None else list(part.visible_s),
+        }
+        if part.kind != "group":
+            number, one = self.played.acted(scene, name)
+            about |= {"motion": number, "figure": self.played.figure(one)}
+            if part.kind == "character":
+                about["held_by"] = {
+                    body: [number, one.character.skeleton.names[number]]
+                    for body, number in joints_held_by(one.character.skeleton).items()
+                }
+        if before is None or not self.played.stands_alike(before, scene, name):
+            track = self.played.world_T_object(scene, name)
+            about["track"] = packed(rows(track), "f64")
+            about["ground"] = packed(rows(self.played.world_T_parent(scene, name)), "f64")
+            way = track.translation_m
+            moves = len(way) > 1
+            about["way"] = packed(way[:: -(-len(way) // MOST_POINTS)]) if moves else None
+        return about
+
+    def _label(self, scene: Scene, parent: str | None) -> str:
+        if parent is None:
+            return "the world"
+        anchor = scene.anchors.get(parent)
+        return parent if anchor is None else spoken(anchor).lower()

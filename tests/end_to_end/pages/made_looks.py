@@ -12,8 +12,7 @@ import numpy as np
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import Performer
 from motorcade.replays.studio.film import write_film
-from motorcade.replays.studio.look.document import shown_camera
-from motorcade.replays.studio.look.figures import shown_character
+from motorcade.replays.studio.look.document import shown_camera, shown_character
 from motorcade.replays.studio.look.packing import packed
 from motorcade.replays.studio.look.paths import rows_at
 from motorcade.replays.studio.page import inner_film, view_page

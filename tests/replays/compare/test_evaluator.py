@@ -7,8 +7,8 @@ from motorcade.fusion.metrics import evaluate
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Trajectory
 from motorcade.replays.compare.cells import Setting, inputs_of
-from motorcade.replays.compare.measure.evaluator import METRICS, PathEvaluator
-from motorcade.replays.compare.measure.truth import RecordedTruth
+from motorcade.replays.compare.evaluator import METRICS, PathEvaluator
+from motorcade.replays.compare.truth import RecordedTruth
 
 SETTINGS = (
     Setting("one_euro", "motor"),

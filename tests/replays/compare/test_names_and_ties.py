@@ -7,7 +7,7 @@ import pytest
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.smoothing import METHODS, REPRESENTATION_NAMES
 from motorcade.render.plots.style import COLOURS
-from motorcade.replays.compare.measure.evaluator import METRICS as RULER_METRICS
+from motorcade.replays.compare.evaluator import METRICS as RULER_METRICS
 from motorcade.replays.compare.plan import DEGRADATIONS
 from motorcade.replays.compare.report import names
 from motorcade.replays.compare.report.results import Ratio, tied

@@ -22,14 +22,14 @@ from motorcade.replays.compare.cells import (
     inputs_of,
     run_cell,
 )
-from motorcade.replays.compare.figures.statistics import Sample
-from motorcade.replays.compare.figures.tables import Outcome, write_tables
-from motorcade.replays.compare.measure.traits import Trait, run_trait
 from motorcade.replays.compare.plan import ComparisonPlan
 from motorcade.replays.compare.report import Results, write_report
 from motorcade.replays.compare.report.findings import findings
 from motorcade.replays.compare.report.names import METRICS, shown
 from motorcade.replays.compare.report.results import range_ends
+from motorcade.replays.compare.statistics import Sample
+from motorcade.replays.compare.tables import Outcome, write_tables
+from motorcade.replays.compare.traits import Trait, run_trait
 from motorcade.replays.compare.tuning import Tuned
 
 PLAN = ComparisonPlan(

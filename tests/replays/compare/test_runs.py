@@ -17,9 +17,7 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.cli import main
 from motorcade.replays.compare import own_data
 from motorcade.replays.compare.cells import Setting, inputs_of
-from motorcade.replays.compare.measure.evaluator import METRICS
-from motorcade.replays.compare.measure.ties import exact_ties
-from motorcade.replays.compare.measure.truth import RecordedMotion
+from motorcade.replays.compare.evaluator import METRICS
 from motorcade.replays.compare.own_data import compare_recorded
 from motorcade.replays.compare.plan import (
     COMPARED,
@@ -30,6 +28,8 @@ from motorcade.replays.compare.plan import (
     standard,
 )
 from motorcade.replays.compare.run import run_comparison
+from motorcade.replays.compare.traits import exact_ties
+from motorcade.replays.compare.truth import RecordedMotion
 from motorcade.replays.compare.tuning import RANGES, SearchPlace, Tuned, tuned
 from motorcade.replays.files.trajectories import write_trajectory
 

@@ -5,15 +5,16 @@ import pytest
 from scipy import stats
 
 from motorcade.replays.compare.cells import RAW
-from motorcade.replays.compare.figures.ranking import rankings, ratios_to_motor
-from motorcade.replays.compare.figures.statistics import (
+from motorcade.replays.compare.evaluator import METRICS
+from motorcade.replays.compare.statistics import (
     Group,
     bootstrap,
     cost,
+    rankings,
+    ratios_to_motor,
     resampling,
     verdicts,
 )
-from motorcade.replays.compare.measure.evaluator import METRICS
 
 APE = METRICS.index("ape_rmse_m")
 LAG = METRICS.index("lag_ms")

@@ -10,11 +10,16 @@ import pypdfium2
 import pytest
 
 from motorcade.replays.cli import main
-from motorcade.replays.printing import PAPERS, lay_out, paper_named
-from motorcade.replays.printing.outlines import outlines_mm
-from motorcade.replays.printing.pdf import sheets_pdf
-from motorcade.replays.printing.sheets import Sheet, manifest_lines
-from motorcade.replays.printing.svg import sheet_svg
+from motorcade.replays.printing import (
+    PAPERS,
+    Sheet,
+    lay_out,
+    manifest_lines,
+    outlines_mm,
+    paper_named,
+    sheet_svg,
+    sheets_pdf,
+)
 from motorcade.replays.readers.manifest.section import read_board
 from motorcade.tracking import Board, board_named
 

@@ -141,7 +141,7 @@ def test_triangles_that_are_none_are_refused(write: Write, corners: str, message
     ("module", "name", "limit", "message"),
     [
         ("library", "MAX_VALUES", 40, "sources: expected at most 40 numbers in all, got more"),
-        ("geometry", "MAX_VALUES", 9, "polygons: expected at most 3 triangles, got 20"),
+        ("controllers", "MAX_VALUES", 9, "polygons: expected at most 3 triangles, got 20"),
         ("scene", "MAX_NODES", 2, "nodes: expected at most 2, got 3"),
         ("controllers", "MAX_VERTICES", 11, "vertices and triangles: expected at most 11"),
         ("controllers", "MOST_INFLUENCES", 1, "expected at most 1 a vertex, got 2"),

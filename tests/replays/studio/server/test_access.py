@@ -13,7 +13,7 @@ import segno
 import websockets
 from websockets.sync.client import ClientConnection, connect
 
-from motorcade.replays.studio.server import bounds, serving
+from motorcade.replays.studio.server import access, serving
 from motorcade.replays.studio.server.access import Access
 from motorcade.replays.studio.server.serving import LOOPBACK, Listening, announce
 from tests.replays.studio.server.conftest import PATIENCE_S, EchoDesk, Served, running
@@ -243,10 +243,10 @@ def test_bad_messages_are_answered_and_disturb_nobody(served: Served, text: str)
 def test_large_messages_end_their_sender_alone(served: Served) -> None:
     with visit(served) as other:
         with visit(served) as one:
-            one.send('{"n": "' + "x" * (bounds.MAX_MESSAGE_BYTES - 20) + '"}')
+            one.send('{"n": "' + "x" * (access.MAX_MESSAGE_BYTES - 20) + '"}')
             assert json.loads(one.recv(PATIENCE_S))["ok"]
         with visit(served) as one:
-            one.send("x" * (bounds.MAX_MESSAGE_BYTES + 1))
+            one.send("x" * (access.MAX_MESSAGE_BYTES + 1))
             assert closed(one) == 1009
         with visit(served) as one:
             one.send(b"\0")
@@ -270,7 +270,7 @@ def test_ten_thousand_messages_at_once_end_their_sender_alone(served: Served) ->
 
 
 def test_so_many_browsers_in_a_scene(served: Served) -> None:
-    browsers = [visit(served) for _ in range(bounds.MAX_EDITORS)]
+    browsers = [visit(served) for _ in range(access.MAX_EDITORS)]
     with visit(served) as one_more:
         assert closed(one_more) == 1013
     browsers.pop().close()
@@ -287,7 +287,7 @@ def test_so_many_browsers_in_a_scene(served: Served) -> None:
 def test_one_address_has_so_many_connections(served: Served) -> None:
     with visit(served) as other:
         idle = []
-        for _ in range(bounds.MAX_CONNECTIONS_AN_ADDRESS):
+        for _ in range(access.MAX_CONNECTIONS_AN_ADDRESS):
             idle.append(socket.create_connection((LOOPBACK, served.port), PATIENCE_S))
         until = time.monotonic() + PATIENCE_S
         while len(served.server.server_state.connections) < len(idle):
@@ -304,7 +304,7 @@ def test_one_address_has_so_many_connections(served: Served) -> None:
 def test_a_connection_that_asks_for_nothing_is_closed(
     served: Served, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(bounds, "FIRST_REQUEST_WITHIN_S", 0.2)
+    monkeypatch.setattr(access, "FIRST_REQUEST_WITHIN_S", 0.2)
     with socket.create_connection((LOOPBACK, served.port), PATIENCE_S) as slow:
         slow.sendall(b"GET / HTTP/1.1\r\nHost: ")
         with contextlib.suppress(ConnectionResetError):
@@ -390,7 +390,7 @@ def test_a_scene_that_cannot_be_shown_keeps_no_places(
 
     with monkeypatch.context() as gone:
         gone.setattr(served.desk, "joined", fails)
-        for _ in range(bounds.MAX_EDITORS + 1):
+        for _ in range(access.MAX_EDITORS + 1):
             with visit(served) as one:
                 assert closed(one) != 1013
     with visit(served) as one:

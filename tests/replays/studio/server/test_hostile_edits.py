@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from motorcade.replays.characters.acting import mannequin
-from motorcade.replays.studio.look.figures import gltf_bytes
+from motorcade.replays.studio.look.document import gltf_bytes
 from motorcade.replays.studio.server import desk as server_desk
 from tests.replays.studio.server.stage import Visitor, desk, filmed
 

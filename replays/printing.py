@@ -1,18 +1,34 @@
-"""Sheets laid out: boards at true size, rulers that check the printer, and the manifest's lines."""
+"""Boards and markers as sheets to print: laid out in millimetres, written as PDF or SVG.
+
+Sheets laid out: boards at true size, rulers that check the printer, and the manifest's lines.
+
+Sizes of paper, by name.
+
+Outlines of a pattern's black: whole areas, since cells side by side show seams when drawn.
+
+Sheets as the pages of one PDF.
+
+Sheets as SVG, in millimetres: one file a sheet.
+"""
 
 from __future__ import annotations
 
+import io
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from xml.sax.saxutils import escape
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.printing.outlines import outlines_mm
-from motorcade.replays.printing.paper import PAPERS, Paper
 from motorcade.replays.readers.manifest.section import board_toml, markers_toml
 from motorcade.tracking.boards import Board, SingleMarker
 from motorcade.tracking.boards.corners import Pattern
+
+__all__ = ["PAPERS", "Paper", "Sheet", "lay_out", "paper_named"]
+
 
 # What printers leave white at the edge of a sheet, and the strips of rulers and words.
 _EDGE_MM = 6.0
@@ -242,7 +258,7 @@ def manifest_lines(boards: Sequence[Board]) -> tuple[str, ...]:
 
     Several single markers of a kind are one `[markers]` table.
 
-    >>> from motorcade.replays.printing.sheets import manifest_lines
+    >>> from motorcade.replays.printing import manifest_lines
     >>> from motorcade.tracking import SingleMarker
     >>> print(manifest_lines([SingleMarker("tag36h11", k, 0.05) for k in range(3)])[0].rstrip())
     [markers]
@@ -259,3 +275,201 @@ def manifest_lines(boards: Sequence[Board]) -> tuple[str, ...]:
             for one in boards
         )
     )
+
+
+@dataclass(frozen=True)
+class Paper:
+    """A size of paper, upright or lying.
+
+    Fields:
+        name: for people.
+        width_mm, height_mm: of the sheet.
+    """
+
+    name: str
+    width_mm: float
+    height_mm: float
+
+    def lying(self) -> Paper:
+        """The same paper turned by a quarter."""
+        return Paper(self.name, self.height_mm, self.width_mm)
+
+
+# ISO 216, and ANSI Y14.1's in inches of 25.4 mm.
+PAPERS = {
+    paper.name: paper
+    for paper in (
+        Paper("a4", 210.0, 297.0),
+        Paper("letter", 215.9, 279.4),
+        Paper("legal", 215.9, 355.6),
+        Paper("a3", 297.0, 420.0),
+        Paper("tabloid", 279.4, 431.8),
+        Paper("a2", 420.0, 594.0),
+        Paper("a1", 594.0, 841.0),
+        Paper("a0", 841.0, 1189.0),
+    )
+}
+"""The sizes that have names, from the smallest on."""
+
+_LARGEST_MM = 5000.0
+
+
+def paper_named(name: str) -> Paper:
+    """A paper by its name, in any case, or by its size, such as ``300x400mm``.
+
+    Raises:
+        ValueError: neither.
+
+    >>> from motorcade.replays.printing import paper_named
+    >>> paper_named("A4").height_mm, paper_named("300x400mm").width_mm
+    (297.0, 300.0)
+    """
+    if name.lower() in PAPERS:
+        return PAPERS[name.lower()]
+    if found := re.fullmatch(r"(\d{1,4}(?:\.\d{1,3})?)x(\d{1,4}(?:\.\d{1,3})?)mm", name):
+        width, height = (float(one) for one in found.groups())
+        if min(width, height) > 0.0 and max(width, height) <= _LARGEST_MM:
+            return Paper(name, min(width, height), max(width, height))
+    raise ValueError(
+        f"paper: expected {', '.join(PAPERS)} or a size of at most {_LARGEST_MM:.0f} mm such as "
+        f"300x400mm, got {name[:40]!r}"
+    )
+
+
+_Corner = tuple[int, int]
+
+
+def outlines_mm(pattern: Pattern) -> tuple[FloatArray, ...]:
+    """Closed polygons round a pattern's black areas and round the white holes in them.
+
+    Returns:
+        corners ``(n, 2)`` of each, millimetres from the pattern's origin, x right and y down;
+        filled by the even-odd rule they are the black, each bit of it once.
+
+    >>> from motorcade.replays.printing import outlines_mm
+    >>> from motorcade.tracking import Checkerboard
+    >>> shapes = outlines_mm(Checkerboard(3, 3, square_m=0.01).pattern)
+    >>> len(shapes), shapes[0].min(axis=0)  # eight black squares, one corner above the origin
+    (8, array([-10., -10.]))
+    """
+    follow = _edges(~pattern.white)
+    edges_mm = 1e3 * pattern.x_edges_m, 1e3 * pattern.y_edges_m
+    shapes = []
+    while follow:
+        loop = _loop(follow)
+        shapes.append(np.array([[edges_mm[0][column], edges_mm[1][row]] for row, column in loop]))
+    return tuple(shapes)
+
+
+def _edges(black: NDArray[np.bool_]) -> dict[_Corner, list[_Corner]]:
+    """Where an edge between black and white leads from each corner, black to its right."""
+    padded = np.pad(black, 1)
+    follow: dict[_Corner, list[_Corner]] = {}
+    for row, column in np.argwhere(padded):
+        top, left = int(row) - 1, int(column) - 1
+        bottom, right = top + 1, left + 1
+        for white, start, end in (
+            (not padded[row - 1, column], (top, left), (top, right)),
+            (not padded[row, column + 1], (top, right), (bottom, right)),
+            (not padded[row + 1, column], (bottom, right), (bottom, left)),
+            (not padded[row, column - 1], (bottom, left), (top, left)),
+        ):
+            if white:
+                follow.setdefault(start, []).append(end)
+    return follow
+
+
+def _loop(follow: dict[_Corner, list[_Corner]]) -> list[_Corner]:
+    """Take one closed outline out of `follow`; of its straight runs only the ends are kept.
+
+    Where two black cells touch by a corner it turns right, and so stays with the cell it follows.
+    """
+    start = min(follow)
+    loop: list[_Corner] = [start]
+    heading = (0, 0)
+    while True:
+        here = loop[-1]
+        ends = follow[here]
+        turned = (heading[1], -heading[0])  # right of (down, right) steps
+        right = (here[0] + turned[0], here[1] + turned[1])
+        end = right if right in ends else ends[0]
+        ends.remove(end)
+        if not ends:
+            del follow[here]
+        step = (end[0] - here[0], end[1] - here[1])
+        if step == heading:
+            loop.pop()
+        heading = step
+        if end == start:
+            return loop
+        loop.append(end)
+
+
+_POINTS_PER_MM = 72.0 / 25.4
+_THIN_MM = 0.15
+_EVEN_ODD = 0
+
+
+def sheets_pdf(sheets: Sequence[Sheet]) -> bytes:
+    """Write sheets as a PDF of their true sizes; the same sheets give the same bytes.
+
+    >>> from motorcade.replays.printing import lay_out, paper_named
+    >>> from motorcade.replays.printing import sheets_pdf
+    >>> from motorcade.tracking import SingleMarker
+    >>> sheets_pdf(lay_out([SingleMarker("tag36h11", 3, 0.08)], paper_named("a4")))[:5]
+    b'%PDF-'
+    """
+    from reportlab.pdfgen.canvas import Canvas
+
+    file = io.BytesIO()
+    canvas = Canvas(file, invariant=1, pageCompression=1)
+    canvas.setTitle(", ".join(board.name for sheet in sheets for board in sheet.boards)[:200])
+    canvas.setViewerPreference("PrintScaling", "None")
+    for sheet in sheets:
+        width, height = sheet.paper.width_mm, sheet.paper.height_mm
+        canvas.setPageSize((width * _POINTS_PER_MM, height * _POINTS_PER_MM))
+        canvas.scale(_POINTS_PER_MM, _POINTS_PER_MM)
+        path = canvas.beginPath()
+        for shape in sheet.outlines:
+            path.moveTo(shape[0, 0], height - shape[0, 1])
+            for x, y in shape[1:]:
+                path.lineTo(x, height - y)
+            path.close()
+        canvas.drawPath(path, stroke=0, fill=1, fillMode=_EVEN_ODD)
+        canvas.setLineWidth(_THIN_MM)
+        canvas.lines([(a[0], height - a[1], b[0], height - b[1]) for a, b in sheet.lines])
+        for one in sheet.words:
+            canvas.setFont("Helvetica", one.size_mm)
+            canvas.drawString(one.x_mm, height - one.y_mm, one.text)
+        canvas.showPage()
+    canvas.save()
+    return file.getvalue()
+
+
+def sheet_svg(sheet: Sheet) -> bytes:
+    """Write a sheet as an SVG of its true size; browsers and Inkscape print it so at 100 %.
+
+    >>> from motorcade.replays.printing import lay_out, paper_named
+    >>> from motorcade.replays.printing import sheet_svg
+    >>> from motorcade.tracking import SingleMarker
+    >>> sheet_svg(lay_out([SingleMarker("tag36h11", 3, 0.08)], paper_named("a4"))[0])[:49]
+    b'<svg xmlns="http://www.w3.org/2000/svg" width="21'
+    """
+    width, height = sheet.paper.width_mm, sheet.paper.height_mm
+    shapes = " ".join(
+        "M" + "L".join(f"{x:.6g},{y:.6g}" for x, y in shape) + "Z" for shape in sheet.outlines
+    )
+    lines = " ".join(f"M{a[0]:.6g},{a[1]:.6g}L{b[0]:.6g},{b[1]:.6g}" for a, b in sheet.lines)
+    words = "\n".join(
+        f'<text x="{one.x_mm:.6g}" y="{one.y_mm:.6g}" font-size="{one.size_mm:.6g}">'
+        f"{escape(one.text)}</text>"
+        for one in sheet.words
+    )
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}mm" height="{height:g}mm" '
+        f'viewBox="0 0 {width:g} {height:g}">\n'
+        f'<path fill="#fff" d="M0,0H{width:g}V{height:g}H0Z"/>\n'
+        f'<path fill-rule="evenodd" d="{shapes}"/>\n'
+        f'<path fill="none" stroke="#000" stroke-width="{_THIN_MM}" d="{lines}"/>\n'
+        f'<g font-family="Helvetica, Arial, sans-serif">\n{words}\n</g>\n</svg>\n'
+    ).encode()

@@ -1,1 +1,0 @@
-"""What is measured of a smoother: errors against ground truth, lag, cost, frames, exact ties."""
