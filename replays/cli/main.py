@@ -1,4 +1,7 @@
-"""Dispatch to the commands; turns expected errors into one line and an exit status."""
+"""Dispatch to the commands; turns expected errors into one line and an exit status.
+
+The parser proposes the nearest option, command or value for one that it does not know.
+"""
 
 from __future__ import annotations
 
@@ -6,61 +9,57 @@ import argparse
 import logging
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
-from types import ModuleType
-from typing import TextIO
+from typing import Any, NoReturn, TextIO
 
 from motorcade import __version__
-from motorcade.replays.cli.arguments import one_line
-from motorcade.replays.cli.characters import author, blend
-from motorcade.replays.cli.parser import Parser
-from motorcade.replays.cli.recordings import demo, export, graph, inspect, run, sweep, view
-from motorcade.replays.cli.sensors import (
-    allan,
-    calibrate,
-    detect,
-    fuse,
-    orient,
-    simulate_imu,
-    sync,
+from motorcade.replays.cli import (
+    cameras,
+    characters,
+    comparison,
+    evaluation,
+    fusion,
+    imu,
+    inspection,
+    runs,
+    tools,
+    trajectories,
 )
-from motorcade.replays.cli.tools import completion, doctor, draw, generate
-from motorcade.replays.cli.tools import print as print_
-from motorcade.replays.cli.trajectories import compare, consistency, evaluate, smooth, trajectory
+from motorcade.replays.cli.arguments import Subparsers, one_line
 from motorcade.replays.engine.progress import show_progress
 
 COMMANDS = (
-    demo,
-    run,
-    sweep,
-    inspect,
-    detect,
-    print_,
-    calibrate,
-    smooth,
-    trajectory,
-    evaluate,
-    simulate_imu,
-    allan,
-    orient,
-    sync,
-    fuse,
-    graph,
-    generate,
-    draw,
-    blend,
-    author,
-    view,
-    export,
-    compare,
-    consistency,
-    doctor,
-    completion,
+    runs.add_demo,
+    runs.add_run,
+    runs.add_sweep,
+    inspection.add_inspect,
+    cameras.add_detect,
+    cameras.add_print,
+    cameras.add_calibrate,
+    trajectories.add_smooth,
+    trajectories.add_trajectory,
+    evaluation.add_evaluate,
+    imu.add_simulate_imu,
+    imu.add_allan,
+    imu.add_orient,
+    fusion.add_sync,
+    fusion.add_fuse,
+    runs.add_graph,
+    tools.add_generate,
+    tools.add_draw,
+    characters.add_blend,
+    characters.add_author,
+    inspection.add_view,
+    inspection.add_export,
+    comparison.add_compare,
+    comparison.add_consistency,
+    tools.add_doctor,
+    tools.add_completion,
 )
 
-NAMES = {command.__name__.rpartition(".")[2].replace("_", "-"): command for command in COMMANDS}
-"""The commands by their names, which are their modules' names."""
+NAMES = {command.__name__.removeprefix("add_").replace("_", "-"): command for command in COMMANDS}
+"""The commands by their names."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -109,7 +108,9 @@ def _told(error: Exception) -> str:
     return one_line(error)
 
 
-def command_parser(modules: Iterable[ModuleType] = COMMANDS) -> Parser:
+def command_parser(
+    added: Iterable[Callable[[Subparsers, argparse.ArgumentParser], None]] = COMMANDS,
+) -> Parser:
     """The parser of these commands; one that is named needs no other's arguments."""
     parser = Parser(
         prog="motorcade",
@@ -125,8 +126,8 @@ def command_parser(modules: Iterable[ModuleType] = COMMANDS) -> Parser:
         "-q", "--quiet", action="store_true", help="no progress: results, warnings and errors only"
     )
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for command in modules:
-        command.add_to(commands, shared)
+    for add_command in added:
+        add_command(commands, shared)
     parser.set_defaults(every_command=command_parser)  # for commands that tell of all of them
     return parser
 
@@ -166,3 +167,67 @@ class _Lines(logging.StreamHandler[TextIO]):
             super().emit(record)
             return
         bars.tqdm.write(self.format(record), file=sys.stderr)
+
+
+class Parser(argparse.ArgumentParser):
+    """argparse's parser; those of its commands are of this kind too.
+
+    Fields:
+        _given: the words that are being parsed.
+
+    >>> parser = Parser(prog="motorcade")
+    >>> _ = parser.add_argument("--out")
+    >>> parser.parse_args(["--outt", "x"])
+    Traceback (most recent call last):
+    SystemExit: 2
+    """
+
+    _given: tuple[str, ...] = ()
+
+    def parse_known_args(  # type: ignore[override]  # a command's own parser is asked by this name
+        self, args: Sequence[str] | None = None, namespace: Any = None
+    ) -> tuple[argparse.Namespace, list[str]]:
+        """Parse; what is not known is an error of the command whose options it is not among."""
+        self._given = tuple(sys.argv[1:] if args is None else args)
+        found, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            self.error(f"unrecognized arguments: {' '.join(unknown)}{self._proposed(unknown)}")
+        return found, unknown
+
+    def error(self, message: str) -> NoReturn:
+        """Leave with usage and message; of what is missing, also the word that may be meant for it.
+
+        An option with a slip in its name counts as missing, which argparse tells of first.
+        """
+        if message.startswith("the following arguments are required"):
+            options = self._option_string_actions
+            slips = [one.partition("=")[0] for one in self._given if one.startswith("--")]
+            unknown = [one for one in slips if not any(name.startswith(one) for name in options)]
+            message += "".join(f"; no option {one}{self._proposed([one])}" for one in unknown[:1])
+        super().error(message)
+
+    def _proposed(self, unknown: Iterable[str]) -> str:
+        options = [name for name in self._option_string_actions if name.startswith("--")]
+        for one in unknown:
+            if one.startswith("-"):
+                return f"; {_nearest(one.partition('=')[0], options)}"
+        return ""
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Refuse a value that is none of the choices, with the nearest of them."""
+        try:
+            super()._check_value(action, value)
+        except argparse.ArgumentError as error:
+            if not isinstance(value, str) or action.choices is None:
+                raise
+            told = f"expected one of {', '.join(map(str, action.choices))}, got {value!r}"
+            raise argparse.ArgumentError(
+                action, f"{told}; {_nearest(value, [str(one) for one in action.choices])}"
+            ) from error
+
+
+def _nearest(name: str, known: Collection[str]) -> str:
+    # Not at the top: commands such as doctor run where kernels do not load.
+    from motorcade.ga.names import did_you_mean
+
+    return did_you_mean(name, known)

@@ -51,7 +51,7 @@ ALLOWED = {
     ("render/backends/fast/programs.py", "(_SHADERS / name).read_text"): "our own source",
     ("render/backends/fast/programs.py", "_CARRYING.read_text"): "our own source",
     ("render/video.py", "av.open"): "admitted",
-    ("replays/cli/recordings/view.py", "webbrowser.open"): "a page, in the browser",
+    ("replays/cli/inspection.py", "webbrowser.open"): "a page, in the browser",
     ("replays/doctor.py", "cpuinfo.read_text"): "the system's",
     ("replays/engine/artifacts.py", "path.open"): "what was just written, to have it on the disk",
     ("replays/engine/provenance.py", "_origin(name).read_bytes"): "our own source",

@@ -10,7 +10,7 @@ import pytest
 
 from motorcade.ga.codegen.targets import TARGETS
 from motorcade.replays.cli import main
-from motorcade.replays.cli.tools.generate import TARGET_NAMES
+from motorcade.replays.cli.tools import TARGET_NAMES
 
 pytest.importorskip("casadi", reason="CasADi, which only code generation needs, is missing")
 

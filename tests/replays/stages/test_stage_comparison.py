@@ -12,7 +12,7 @@ from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
 from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.cli.recordings.run import result
+from motorcade.replays.cli.runs import result
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.errors import errors
 from motorcade.replays.stages.held_out import at_stamps, held_out, judged_stamps

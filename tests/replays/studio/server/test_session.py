@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Rotor
-from motorcade.replays.cli.recordings import run
+from motorcade.replays.cli import runs
 from motorcade.replays.studio.server.desk import offered
 from motorcade.tracking import Camera
 from tests.replays.studio.server.stage import FRAMES, STRAIGHT, Visitor, desk, seen, stands
@@ -116,7 +116,7 @@ def test_the_page_tells_the_command_that_draws_the_film(tmp_path: Path) -> None:
     words = shlex.split(desk(folder).about()["film"])
     assert words[:2] == ["motorcade", "run"]
     parser = argparse.ArgumentParser()
-    run.add_to(parser.add_subparsers(), argparse.ArgumentParser(add_help=False))
+    runs.add_run(parser.add_subparsers(), argparse.ArgumentParser(add_help=False))
     told = parser.parse_args(words[1:])
     assert told.recordings == [Path("table").absolute()]
     assert told.scene == folder / "scene.json"

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from motorcade.fusion.metrics import Delta, Evaluation, Matched, Relation
     from motorcade.ga import Trajectory
 
+
 Figures = Mapping[str, float | int | str | None]
 
 _FIRST = frozenset(
@@ -41,7 +42,7 @@ _FIRST = frozenset(
 """Figures that are printed, where there are any, if not all are asked for."""
 
 
-def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_evaluate(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     """Register the command."""
     parser = new_command(
         commands,

@@ -1,21 +1,25 @@
-"""`motorcade simulate-imu`: the readings of an IMU that is moved along a trajectory."""
+"""Commands on the readings of an IMU alone: `motorcade simulate-imu`, `allan`, `orient`."""
 
 from __future__ import annotations
 
 import argparse
+import json
+import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.cli.arguments import Subparsers, add_seed, new_command
+from motorcade.replays.cli.arguments import Subparsers, add_seed, new_command, print_json, shown
 
 if TYPE_CHECKING:
-    from motorcade.fusion.imu import ImuFaults, ImuNoise, VibrationSpectrum
+    from motorcade.fusion.imu import ImuFaults, ImuNoise, StreamNoise, VibrationSpectrum
+    from motorcade.fusion.orientation import Orientation, OrientationModel
     from motorcade.ga import Motor
+
 
 _THREE = ("X", "Y", "Z")
 
 
-def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_simulate_imu(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     """Register the command."""
     parser = new_command(
         commands,
@@ -222,3 +226,189 @@ def _extrinsics(arguments: argparse.Namespace) -> Motor | None:
         raise ValueError(f"--imu-from-poses: expected a unit quaternion, got one of length {size}")
     wxyz = [part / size for part in (w, *turn)]
     return Motor.from_rotor_translation(Rotor.from_quaternion(wxyz), [x, y, z])
+
+
+def add_allan(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        allan,
+        name="allan",
+        summary="noise densities and bias walks of an IMU that stood still, from its EuRoC CSV",
+        example="motorcade allan static.csv --plot allan.svg",
+    )
+    parser.add_argument("stream", type=Path, metavar="STREAM")
+    parser.add_argument("--json", action="store_true", help="machine-readable")
+    parser.add_argument("--plot", type=Path, metavar="FILE.svg", help="draw the curves there")
+
+
+def allan(arguments: argparse.Namespace) -> None:
+    """Read the stream, estimate, print; draw where asked to."""
+    from motorcade.fusion.imu import estimate_noise
+    from motorcade.replays.files.imu import read_imu
+
+    stream = read_imu(arguments.stream)
+    found = estimate_noise(stream)
+    if arguments.plot is not None:
+        _draw_allan(found, arguments.plot)
+    if arguments.json:
+        print_json({"duration_s": stream.duration_s, "rate_hz": stream.rate_hz} | _as_dict(found))
+        return
+    print(f"{stream.duration_s:.0f} s at {stream.rate_hz:.1f} Hz; each ± one standard deviation")
+    print(f"{'':8}{'density':>26}{'walk of the bias':>26}{'flicker of the bias':>26}")
+    for sensor, axes in (("gyro", found.gyro), ("accel", found.accel)):
+        for name, axis in zip("xyz", axes, strict=True):
+            values = (
+                f"{value:.4g} ± {deviation:.1g}"
+                for value, deviation in (
+                    (axis.density, axis.density_deviation),
+                    (axis.walk, axis.walk_deviation),
+                    (axis.flicker, axis.flicker_deviation),
+                )
+            )
+            print(f"{sensor:>6} {name}" + "".join(f"{value:>26}" for value in values))
+    print("as Kalibr and EuRoC name them:")
+    for name, value in _kalibr(found).items():
+        print(f"{name}: {value:.6e}")
+
+
+def _kalibr(found: StreamNoise) -> dict[str, float]:
+    noise = found.noise
+    return {
+        "gyroscope_noise_density": noise.gyro_density_rad_s_rthz,
+        "gyroscope_random_walk": noise.gyro_walk_rad_s2_rthz,
+        "accelerometer_noise_density": noise.accel_density_m_s2_rthz,
+        "accelerometer_random_walk": noise.accel_walk_m_s3_rthz,
+    }
+
+
+def _as_dict(found: StreamNoise) -> dict[str, Any]:
+    described: dict[str, Any] = dict(_kalibr(found))
+    for sensor, axes, units in (
+        ("gyro", found.gyro, ("rad_s_rthz", "rad_s2_rthz", "rad_s")),
+        ("accel", found.accel, ("m_s2_rthz", "m_s3_rthz", "m_s2")),
+    ):
+        for name, unit in zip(("density", "walk", "flicker"), units, strict=True):
+            for suffix in ("", "_deviation"):
+                key = f"{sensor}_{name}{suffix}_{unit}"
+                described[key] = [getattr(axis, name + suffix) for axis in axes]
+    return described
+
+
+def _draw_allan(found: StreamNoise, path: Path) -> None:
+    import numpy as np
+
+    from motorcade.render.plots import plot_allan, standing_alone
+    from motorcade.replays.files.atomic import write_bytes
+
+    curves = {}
+    for name, curve, axes in (
+        ("gyroscope", found.gyro_curve, found.gyro),
+        ("accelerometer", found.accel_curve, found.accel),
+    ):
+        model = np.stack([axis.curve(curve.tau_s) for axis in axes], axis=-1)
+        curves[name] = (curve.tau_s, curve.deviation, model)
+    svg = plot_allan(curves, {"gyroscope": "rad/s", "accelerometer": "m/s²"})
+    write_bytes(path, standing_alone(svg).encode())
+
+
+def add_orient(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        orient,
+        name="orient",
+        summary="orientation of an inertial sensor (z up; with a magnetometer y to the north)",
+        example="motorcade orient imu0/data.csv --magnetometer mag0/data.csv -o orientation.tum",
+    )
+    parser.add_argument(
+        "imu", type=Path, metavar="IMU", help="EuRoC's CSV, or a trial of BROAD (.hdf5)"
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="OUT.tum", help="positions are 0"
+    )
+    parser.add_argument(
+        "--magnetometer",
+        type=Path,
+        nargs="?",
+        const=Path(),
+        metavar="FILE",
+        help="CSV: stamp in ns, x, y, z in any unit and in the IMU's axes; without FILE: what IMU "
+        "holds itself, in three more columns or as BROAD does",
+    )
+    parser.add_argument(
+        "--online", action="store_true", help="each sample by what came before it alone"
+    )
+    parser.add_argument(
+        "--readings",
+        choices=("interval", "instant"),
+        default="interval",
+        help="a reading is the mean since the stamp before, or holds at its stamp (interval)",
+    )
+    parser.add_argument("--noise", type=Path, metavar="FILE", help="Kalibr or EuRoC YAML")
+    parser.add_argument(
+        "--deviations",
+        type=Path,
+        metavar="OUT.csv",
+        help="deviations of tilt and heading, gyro bias, rest and field a sample",
+    )
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the summary there")
+    parser.add_argument(
+        "--strict", action="store_true", help="exit with 1 where the result is doubtful"
+    )
+
+
+def orient(arguments: argparse.Namespace) -> None:
+    """Read, estimate, write, and say what is doubtful."""
+    from motorcade.fusion.orientation import estimate_orientation, orientation_doubts
+    from motorcade.replays.files.atomic import write_bytes
+    from motorcade.replays.files.magnetic import read_imu_and_field
+    from motorcade.replays.files.orientations import write_deviations, write_orientation
+
+    model, magnetometer = _model(arguments), arguments.magnetometer
+    if magnetometer == Path():
+        magnetometer = arguments.imu
+    imu, field = read_imu_and_field(arguments.imu, magnetometer)
+    found = estimate_orientation(imu, model, magnetic_field=field, smooth=not arguments.online)
+    doubts = orientation_doubts(imu, found, model, with_magnetometer=field is not None)
+    write_orientation(found, arguments.output)
+    if arguments.deviations is not None:
+        write_deviations(found, arguments.deviations)
+    summary = {**_summary(found, field is not None), "doubts": list(doubts)}
+    if arguments.json is not None:
+        write_bytes(arguments.json, (json.dumps(summary, indent=2) + "\n").encode())
+    for key, value in summary.items():
+        if key != "doubts":
+            print(f"{key:>28}  {shown(value)}")
+    for doubt in doubts:
+        print(f"doubtful: {doubt}", file=sys.stderr)
+    if arguments.strict and doubts:
+        raise RuntimeError(f"{arguments.output}: the orientation is doubtful")
+
+
+def _model(arguments: argparse.Namespace) -> OrientationModel:
+    from motorcade.fusion.orientation import OrientationModel
+    from motorcade.replays.files.imu import read_noise
+
+    if arguments.noise is None:
+        return OrientationModel(readings=arguments.readings)
+    return OrientationModel(noise=read_noise(arguments.noise), readings=arguments.readings)
+
+
+def _summary(found: Orientation, with_magnetometer: bool) -> dict[str, float]:
+    import numpy as np
+
+    made = {
+        "samples": found.time_ns.size,
+        "duration_s": 1e-9 * float(found.time_ns[-1] - found.time_ns[0]),
+        "at_rest_share": float(np.mean(found.at_rest)),
+        "tilt_deviation_deg": float(np.degrees(np.median(found.tilt_deviation_rad))),
+        "heading_deviation_deg": float(np.degrees(np.median(found.heading_deviation_rad))),
+        "gyro_bias_deg_s": float(np.degrees(np.linalg.norm(found.gyro_bias_rad_s[-1]))),
+    }
+    if with_magnetometer:
+        made["field_deviation_deg"] = float(np.degrees(np.median(found.field_deviation_rad)))
+        made["magnetometer_lag_ms"] = 1e3 * found.magnetometer_lag_s
+    return made

@@ -1,4 +1,4 @@
-"""`motorcade run`: the whole stage graph on one or several recordings."""
+"""Commands that run the stage graph, and show it: `motorcade run`, `demo`, `sweep`, `graph`."""
 
 from __future__ import annotations
 
@@ -6,22 +6,32 @@ import argparse
 import json
 import os
 import sys
+import textwrap
+import time
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.cli.arguments import Subparsers, add_executor, new_command, one_line
+from motorcade.replays.cli.arguments import (
+    Subparsers,
+    add_executor,
+    add_seed,
+    new_command,
+    one_line,
+    print_json,
+)
 from motorcade.replays.engine.progress import log_stages, show_progress
 
 if TYPE_CHECKING:
     from motorcade.replays.pipeline import Job
 
+
 UNSMOOTHED = ("measured", "fused")
 """Paths in the table of errors that come before the smoothed ones."""
 
 
-def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_run(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     """Register the command."""
     parser = new_command(
         commands,
@@ -233,3 +243,147 @@ def result(summary: Mapping[str, Any], out: Path) -> str:
         off = f"{shown_value('ape_rmse_m', off_m)} mm, {shown_value('rotation_rmse_deg', off_deg)}°"
         text += f", smoothed {off} from the ground truth (RMSE)"
     return f"{text}{worse}; open {out / 'report.html'}"
+
+
+def add_demo(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        demo,
+        name="demo",
+        summary="render a synthetic recording and run everything on it",
+        example="motorcade demo --out out/demo",
+    )
+    add_run_options(parser, out=Path("out/demo"))
+    add_seed(parser, 0, "the path and the sensors")
+
+
+def demo(arguments: argparse.Namespace) -> None:
+    """Render the recording where it is not there yet, then run it as any other."""
+    from motorcade.replays.demo import ensure_demo_recording, settings_beside
+    from motorcade.replays.pipeline import Job, require_integrity
+
+    if arguments.strict:
+        require_integrity(arguments.until)
+
+    cache = arguments.cache or arguments.out / ".cache"
+    start = time.perf_counter()
+    recording = ensure_demo_recording(arguments.out / "recording", arguments.seed)
+    with log_stages() as lines:
+        lines.info("recording: %.1f s", time.perf_counter() - start)
+    job = Job(
+        recording=recording,
+        manifest=None,
+        out=arguments.out,
+        cache=cache,
+        until=arguments.until,
+        settings=settings_beside(arguments.settings),
+        scene=arguments.scene,
+    )
+    run_one(job, as_json=arguments.json, strict=arguments.strict)
+
+
+SWEEP = """\
+Run every combination of recordings, knobs and seeds; leave one table and a comparative report.
+What is finished is not run again. Paths in CONFIG.toml are relative to it:
+
+  recordings = ["flights/*", {path = "board.mp4", manifest = "board.toml"}]
+  seeds = [0, 1, 2]                   # left out: one run with the knobs' own seeds
+  until = "errors"                    # or any later stage, as with `motorcade run --until`
+
+  [knobs]                             # `motorcade graph --knobs` lists them
+  tracked.by = "simulated"   # the same in every run
+  fused.gate = [0.99, 0.9999]         # each in turn"""
+
+
+def add_sweep(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        sweep_recordings,
+        name="sweep",
+        summary="run every combination of recordings, knobs and seeds; leave one table and a "
+        "comparative report; what is finished is not run again",
+        example="motorcade sweep sweep.toml --out out/sweep --executor tcp://scheduler:8786",
+    )
+    parser.description = SWEEP
+    parser.add_argument("config", type=Path, metavar="CONFIG.toml")
+    parser.add_argument(
+        "--out", type=Path, default=Path("out/sweep"), metavar="DIR", help="results (out/sweep)"
+    )
+    add_executor(parser, "processes")
+    parser.add_argument("--json", action="store_true", help="print the table as JSON")
+    add_strict(parser)
+
+
+def sweep_recordings(arguments: argparse.Namespace) -> None:
+    """Read the file, run what is missing, say where the results lie; failures end with status 1."""
+    from motorcade.replays.engine.executors import check_executor
+    from motorcade.replays.pipeline import pipeline_graph, require_integrity
+    from motorcade.replays.sweep import read_sweep, run_sweep
+
+    plan = read_sweep(arguments.config, pipeline_graph())
+    if arguments.strict:
+        require_integrity(plan.until)
+    summary = run_sweep(plan, arguments.out, check_executor(arguments.executor))
+    if summary.left:
+        done = len(plan) - summary.left
+        where = f"results in {', '.join(map(str, summary.files))}" if done else "no table yet"
+        told = f"stopped; {done} of {len(plan)} runs are done, {where}"
+        raise KeyboardInterrupt(f"{told}; the same command does the rest")
+    if arguments.json:
+        print_json({"rows": [dict(row) for row in summary.rows]})
+    else:
+        print(f"{summary.done} runs done, {summary.done_before} were done before")
+        if summary.doubtful:
+            print(f"{summary.doubtful} of them are DOUBTFUL; the table says why")
+        print("results in " + ", ".join(map(str, summary.files)))
+    if summary.failed:
+        told = f"{summary.failed} of {len(plan)} runs failed; the table says why"
+        raise RuntimeError(told + (", the others are done" if summary.failed < len(plan) else ""))
+    if arguments.strict and summary.doubtful:
+        told = f"{summary.doubtful} of {len(plan)} results are doubtful; the table says why"
+        raise RuntimeError(told)
+
+
+WIDTH = 92
+
+
+def add_graph(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        draw_graph,
+        name="graph",
+        summary="draw_graph the stage graph",
+        example="motorcade graph --svg graph.svg",
+    )
+    parser.add_argument("--svg", type=Path, metavar="FILE", help="write a picture instead")
+    parser.add_argument(
+        "--knobs",
+        action="store_true",
+        help="tell every stage's knobs instead: default, values (units end the name), meaning",
+    )
+
+
+def draw_graph(arguments: argparse.Namespace) -> None:
+    """Print or write the drawing."""
+    from motorcade.replays.described.opening import description_graph
+    from motorcade.replays.engine import drawing
+    from motorcade.replays.engine.knobs import described_knobs
+    from motorcade.replays.files.atomic import write_bytes
+    from motorcade.replays.pipeline import pipeline_graph
+
+    graph = pipeline_graph()
+    if arguments.svg is not None:
+        write_bytes(arguments.svg, drawing.svg(graph).encode())
+    elif arguments.knobs:
+        for stage in (*description_graph().stages.values(), *graph.stages.values()):
+            for knob in described_knobs(stage):
+                print(f"{stage.name}.{knob.name}={knob.default}  ({knob.values})")
+                print(textwrap.indent(textwrap.fill(knob.meaning, WIDTH), " " * 4))
+    else:
+        print(drawing.mermaid(graph), end="")

@@ -1,1 +1,0 @@
-"""Commands on characters and scenes."""

@@ -1,0 +1,191 @@
+"""Commands that look at what is there: `motorcade inspect`, `view`, `export`."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from motorcade.replays.cli.arguments import Subparsers, add_axes, new_command, print_json, shown
+
+if TYPE_CHECKING:
+    from motorcade.replays.export import Shown
+
+
+def add_inspect(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        inspect,
+        name="inspect",
+        summary="say what a recording holds (frames, rates, streams, gaps, calibration), "
+        "a bag (topics), a file of poses or readings, or a character (joints, triangles, clips)",
+        example="motorcade inspect images/ --manifest camera.toml --json\n"
+        "  motorcade inspect knight.glb --pose Walking_A@0.5",
+    )
+    parser.add_argument("recording", type=Path, metavar="RECORDING|BAG|FILE|CHARACTER")
+    parser.add_argument(
+        "--manifest", type=Path, metavar="FILE", help="TOML description of the recording"
+    )
+    parser.add_argument(
+        "--pose", metavar="CLIP@SECONDS", help="also tell where a character's joints then are"
+    )
+    add_axes(parser)
+    parser.add_argument("--json", action="store_true", help="machine-readable")
+
+
+def inspect(arguments: argparse.Namespace) -> None:
+    """Open the recording or character and print its contents."""
+    from motorcade.animation.formats import SUFFIXES
+    from motorcade.replays.inspection import describe_character
+
+    is_character = arguments.recording.suffix.lower() in SUFFIXES
+    if is_character:
+        description = describe_character(
+            arguments.recording, arguments.pose, up=arguments.up, front=arguments.front
+        )
+    elif given := [one for one in ("pose", "up", "front") if getattr(arguments, one) is not None]:
+        raise ValueError(f"--{given[0]}: expected a character, got {arguments.recording}")
+    else:
+        description = _describe(arguments.recording, arguments.manifest)
+    if arguments.json:
+        print_json(description)
+        return
+    for key, value in description.items():
+        _print(key, value)
+
+
+def _describe(path: Path, manifest: Path | None) -> dict[str, Any]:
+    """What a recording, a bag or a file of poses or readings holds."""
+    from motorcade.replays.inspection import describe, describe_whole
+    from motorcade.replays.listing import TEXT_SUFFIXES, describe_bag, describe_text
+    from motorcade.replays.readers.opening import open_recording
+    from motorcade.replays.readers.ros.naming import is_bag
+    from motorcade.replays.readers.ros.recording import holds_pictures
+
+    if manifest is None and path.is_file() and path.suffix.lower() in TEXT_SUFFIXES:
+        return describe_text(path)
+    if manifest is None and is_bag(path) and path.exists():
+        held = describe_bag(path)
+        return (describe(open_recording(path)) if holds_pictures(path) else {}) | held
+    return describe_whole(path, manifest)
+
+
+def _print(key: str, value: Any) -> None:
+    """A line a value; a line an entry of lists, and what is inside an entry beside it.
+
+    Of an empty list there is nothing to say.
+    """
+    if isinstance(value, dict):
+        for inner, entry in value.items():
+            _print(f"{key} {inner}" if inner != "joints" else key, entry)
+        return
+    if value == []:
+        return
+    if not (isinstance(value, list) and isinstance(value[0], dict | str)):
+        print(f"{key:>28}  {shown(value)}")
+        return
+    for entry in value:
+        print(f"{key:>28}  {_entry(entry)}")
+
+
+def _entry(entry: Any) -> str:
+    if not isinstance(entry, dict):
+        return str(entry)
+    parts = []
+    for key, value in entry.items():
+        if isinstance(value, list):
+            value = "(" + ", ".join(f"{number:.4f}" for number in value) + ")"
+        parts.append(str(value) if key == "name" else f"{key} {shown(value)}")
+    return "  ".join(parts)
+
+
+def add_view(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        view,
+        name="view",
+        summary="look into a run in the browser: film, world and plots over one timeline",
+        example="motorcade view out/run",
+    )
+    parser.add_argument("run", type=Path, metavar="RUN", help="folder that `motorcade run` wrote")
+    parser.add_argument(
+        "other", type=Path, nargs="?", metavar="OTHER", help="another run, set beside it"
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="the page, ending in .html (default RUN/view.html)"
+    )
+    parser.add_argument(
+        "--no-open", action="store_true", help="write the page, and open no browser"
+    )
+
+
+def view(arguments: argparse.Namespace) -> None:
+    """Write the page, and open it."""
+    import webbrowser
+
+    from motorcade.replays.engine.progress import log_stages
+    from motorcade.replays.studio.view import write_view
+
+    runs = [arguments.run] if arguments.other is None else [arguments.run, arguments.other]
+    out = arguments.run / "view.html" if arguments.out is None else arguments.out
+    with log_stages():
+        written = write_view(runs, out)
+    for path in written:
+        print(f"wrote {path}")
+    if not arguments.no_open:
+        webbrowser.open(out.resolve().as_uri())
+
+
+def add_export(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        export,
+        name="export",
+        summary="write a run's camera path, characters and map for other programs: glTF, USD, "
+        "Rerun, COLMAP, nerfstudio",
+        example="motorcade export out/run --gltf run.glb --rrd run.rrd",
+    )
+    parser.add_argument("run", type=Path, metavar="RUN", help="folder that `motorcade run` wrote")
+    parser.add_argument("--gltf", type=Path, metavar="FILE", help="binary glTF, ending in .glb")
+    parser.add_argument("--rrd", type=Path, metavar="FILE", help="recording of Rerun")
+    parser.add_argument("--usd", type=Path, metavar="FILE", help="USD, ending in .usda or .usdc")
+    parser.add_argument(
+        "--colmap", type=Path, metavar="DIR", help="pictures and COLMAP's text model"
+    )
+    parser.add_argument(
+        "--nerfstudio", type=Path, metavar="DIR", help="pictures and transforms.json"
+    )
+    parser.add_argument(
+        "--every", type=int, default=1, metavar="N", help="of the pictures written (1)"
+    )
+
+
+def export(arguments: argparse.Namespace) -> None:
+    """Read the run and write what was asked for."""
+    from motorcade.replays.export import open_run, write_rrd, write_run_gltf
+    from motorcade.replays.exporting.colmap import write_colmap
+    from motorcade.replays.exporting.nerfstudio import write_nerfstudio
+    from motorcade.replays.exporting.usd import write_usd
+
+    writers: dict[str, Callable[[Shown, Path], None]] = {
+        "gltf": write_run_gltf,
+        "rrd": write_rrd,
+        "usd": write_usd,
+        "colmap": partial(write_colmap, every=arguments.every),
+        "nerfstudio": partial(write_nerfstudio, every=arguments.every),
+    }
+    asked = {name: place for name in writers if (place := getattr(arguments, name)) is not None}
+    if not asked:
+        raise ValueError(f"export: expected one of --{', --'.join(writers)}, got none")
+    shown = open_run(arguments.run)
+    for name, place in asked.items():
+        writers[name](shown, place)
+        print(f"wrote {place}")

@@ -1,1 +1,0 @@
-"""Commands on recordings and runs of the stage graph."""

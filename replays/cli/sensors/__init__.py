@@ -1,1 +1,0 @@
-"""Commands on cameras and inertial sensors: detection, calibration, noise, time."""

@@ -1,1 +1,0 @@
-"""Commands on the program and its machine: code generation, and what the machine has."""

@@ -1,1 +1,0 @@
-"""Commands on trajectories: smoothing, editing, errors, comparison, consistency."""
