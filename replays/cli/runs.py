@@ -358,7 +358,7 @@ def add_graph(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         shared,
         draw_graph,
         name="graph",
-        summary="draw_graph the stage graph",
+        summary="draw the stage graph",
         example="motorcade graph --svg graph.svg",
     )
     parser.add_argument("--svg", type=Path, metavar="FILE", help="write a picture instead")
