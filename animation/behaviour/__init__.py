@@ -4,8 +4,7 @@ from motorcade.animation.behaviour.actor import Act, Actor, ClipLayer, gait_betw
 from motorcade.animation.behaviour.crowd import Crowd, closest_m, keep_apart, least_distance_m
 from motorcade.animation.behaviour.gaze import Gaze, LookTarget
 from motorcade.animation.behaviour.performance import Performance, foot_slides_m, perform
-from motorcade.animation.behaviour.states import FOLLOWS, Errand, State
-from motorcade.animation.behaviour.timeline import Segment, Timeline
+from motorcade.animation.behaviour.timeline import FOLLOWS, Errand, Segment, State, Timeline
 
 __all__ = [
     "FOLLOWS",

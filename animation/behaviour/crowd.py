@@ -16,8 +16,7 @@ import numpy as np
 
 from motorcade.animation.behaviour.actor import Actor
 from motorcade.animation.behaviour.performance import Performance
-from motorcade.animation.behaviour.states import Errand
-from motorcade.animation.behaviour.timeline import Timeline
+from motorcade.animation.behaviour.timeline import Errand, Timeline
 from motorcade.animation.place.walks import GroundPath
 from motorcade.ga.arrays import FloatArray
 

@@ -12,23 +12,26 @@ Soles over the ground: how low they are, and heels and toes raised to it by turn
 Where a foot's heel and toes are is known from the rest pose, in which soles lie on z = 0: the heel
 behind the ankle and the tip before the ball by shares of the way between the two. Boots are wide as
 well: their edges are known where a mesh was measured.
+
+Legs whose soles are measured on a mesh: boots are longer and wider than feet.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.animation.character import Character
 from motorcade.animation.easing import smootherstep, smoothstep
 from motorcade.animation.ik.two_bone import bend_limb
 from motorcade.animation.skeleton import Skeleton, turned_joint, with_joint
 from motorcade.animation.vectors import UP, shortest_turn, turn_z
 from motorcade.ga import Motor, Rotor
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 # The clearance of a swinging foot as a share of the leg's length, as toes of walkers have it at the
 # least (13 mm, Winter 1992), and at most so much of the way that the foot goes in the swing.
@@ -495,3 +498,60 @@ def _raising(lever: FloatArray, pivot: FloatArray, ground_m: Heights) -> Rotor:
     raised = lever * np.where(flat > 0.0, across / np.where(flat > 0.0, flat, 1.0), 1.0)[:, None]
     raised[:, 2] = height
     return shortest_turn(lever, raised)
+
+
+# What lies lower, as a share of the height, is sole.
+LOW_SHARE = 0.02
+# Directions in which a foot's farthest points are sought: about the vertical, and off it.
+AROUND, OFF_DEG = 12, (20.0, 40.0, 60.0, 80.0)
+
+
+def fitted_legs(legs: Sequence[Leg], character: Character) -> list[Leg]:
+    """The legs with heels, tips and edges where the mesh has them at rest, standing on z = 0.
+
+    Edges are what can touch the ground first, however the foot is tilted. A leg without skin that
+    follows its foot near the ground stays as it is; one without a ball keeps its heel and tip.
+
+    Args:
+        legs: of the character's skeleton.
+        character: in its rest pose.
+    """
+    skeleton, at = character.skeleton, character.skeleton.rest_world.translation_m
+    joints, _ = character.influences
+    heaviest = joints[:, 0]
+    low = character.vertices[:, 2] < LOW_SHARE * character.height_m
+    made = []
+    for leg in legs:
+        ankle, ball = leg.foot(skeleton)
+        along = (at[ball] - at[ankle])[:2]
+        of_toes = np.isin(heaviest, _below(skeleton.parents, ball))
+        of_foot = np.isin(heaviest, _below(skeleton.parents, ankle)) & ~of_toes
+        sole = character.vertices[low & (of_foot | of_toes)]
+        if len(sole) and np.any(along):
+            share = (sole[:, :2] - at[ankle, :2]) @ along / (along @ along)
+            leg = replace(leg, heel=float(-share.min()), tip=float(share.max() - 1.0))
+        if len(sole):
+            foot, toes = (_outermost(character.vertices[rows]) for rows in (of_foot, of_toes))
+            leg = replace(leg, foot_m=foot, toes_m=toes)
+        made.append(leg)
+    return made
+
+
+def _below(parents: IntArray, joint: int) -> list[int]:
+    """A joint and those that hang on it."""
+    found = [joint]
+    for one in range(joint + 1, len(parents)):
+        if parents[one] in found:
+            found.append(one)
+    return found
+
+
+def _outermost(points: FloatArray) -> tuple[tuple[float, float, float], ...]:
+    """Of points ``(P, 3)`` those that lie farthest in directions that point down."""
+    if not len(points):
+        return ()
+    off, turn = np.meshgrid(np.radians(OFF_DEG), 2.0 * np.pi * np.arange(AROUND) / AROUND)
+    ways = np.stack([np.sin(off) * np.cos(turn), np.sin(off) * np.sin(turn), -np.cos(off)], axis=-1)
+    ways = np.concatenate([[[0.0, 0.0, -1.0]], ways.reshape(-1, 3)])
+    rows = np.unique(np.argmax(ways @ points.T, axis=1))
+    return tuple((float(x), float(y), float(z)) for x, y, z in points[rows])

@@ -12,7 +12,7 @@ from motorcade.animation import Character, Clip, mannequin, skin
 from motorcade.animation.blend import BLEND_METHODS, closed, differences_m, split_root_motion
 from motorcade.animation.formats import read_character, read_motion
 from motorcade.animation.ik import Leg, find_stances, plant_feet
-from motorcade.animation.ik.fitted import fitted_legs
+from motorcade.animation.ik.feet import fitted_legs
 from motorcade.animation.place import GroundPath, on_the_spot, walk_along
 from motorcade.animation.retarget import body_of, joints_alike, legs_of, retarget
 from motorcade.ga import Motor

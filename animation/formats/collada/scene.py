@@ -2,18 +2,33 @@
 
 A node's matrix is the product of its `matrix`, `translate`, `rotate` and `scale` elements in the
 order in which they stand. `lookat` and `skew` are refused.
+
+Channels of a Collada document as one clip.
+
+A channel moves one number of a transform (`sid.X`, `sid(3)(0)`) or all of them (`sid`). Numbers
+follow lines, steps or Bézier curves of time and value. Nodes whose matrices have keys are taken
+apart at these keys, and turned and moved evenly between them: blends of matrices would shear.
 """
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from motorcade.animation.formats.collada.library import Element, Library
+from motorcade.animation.formats.collada.library import Element, Library, inputs_of
 from motorcade.animation.formats.limits import MAX_NODES, FormatError, check_count, expected
 from motorcade.animation.formats.rig.transforms import Transforms
-from motorcade.animation.formats.rig.values import NodeTree
+from motorcade.animation.formats.rig.values import (
+    NodeTree,
+    RigClip,
+    between,
+    great_arc,
+    key_times,
+    transforms_over,
+    with_times,
+)
 from motorcade.animation.vectors import unit
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray
@@ -143,3 +158,238 @@ def _rotation(values: FloatArray) -> FloatArray:
     """Rotation matrices (*, 3, 3) from axis and degrees (*, 4); of an axis of no length, none."""
     vector = np.radians(values[..., 3:]) * unit(values[..., :3])
     return Rotor.from_rotation_vector(vector).as_matrix()
+
+
+MEMBERS = {"X": 0, "Y": 1, "Z": 2, "ANGLE": 3}
+ELEMENTS = re.compile(r"\((\d{1,2})\)")
+BISECTIONS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class _Curve:
+    """Numbers (K, width) over keys (K,), with how each step is filled in.
+
+    Args:
+        keys: seconds.
+        values: at the keys.
+        kinds: (K,) `LINEAR`, `STEP` or `BEZIER` from each key to the next.
+        into: (K, width, 2) time and value of the handle before each key, or None.
+        out: the same after each key.
+    """
+
+    keys: FloatArray
+    values: FloatArray
+    kinds: np.ndarray
+    into: FloatArray | None
+    out: FloatArray | None
+
+    def at(self, times: FloatArray) -> FloatArray:
+        """Values (n, width)."""
+        made = with_times(self.keys, self.values, times)
+        if len(self.keys) < 2:
+            return made
+        before, _, fraction = between(self.keys, times)
+        kinds = self.kinds[before]
+        hold = (kinds == "STEP") & (fraction < 1.0)
+        made = np.where(hold[:, None], self.values[before], made)
+        curved = np.flatnonzero(kinds == "BEZIER")
+        if len(curved) and self.into is not None and self.out is not None:
+            made = np.array(made)
+            made[curved] = self._bezier(before[curved], times[curved])
+        return made
+
+    def _bezier(self, before: np.ndarray, times: FloatArray) -> FloatArray:
+        """Values on Bézier curves, at the parameter where their time is the wanted one."""
+        assert self.into is not None
+        assert self.out is not None
+        start, end = self.keys[before][:, None], self.keys[before + 1][:, None]
+        first = np.clip(self.out[before, :, 0], start, end)
+        second = np.clip(self.into[before + 1, :, 0], start, end)
+        wanted = np.clip(times[:, None], start, end)
+        low, high = np.zeros_like(first), np.ones_like(first)
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            late = _cubic(start, first, second, end, middle) > wanted
+            high, low = np.where(late, middle, high), np.where(late, low, middle)
+        u = 0.5 * (low + high)
+        return _cubic(
+            self.values[before],
+            self.out[before, :, 1],
+            self.into[before + 1, :, 1],
+            self.values[before + 1],
+            u,
+        )
+
+
+_Moves = list[tuple[int, slice | int, _Curve]]
+"""Steps of one node's stack, which of each step's numbers move, and how."""
+
+
+def read_clip(library: Library, scene: ColladaScene) -> tuple[RigClip | None, list[str]]:
+    """All channels that move nodes of the scene as one clip, or None without any.
+
+    Raises:
+        FormatError: sources that are missing or do not fit, or times that do not increase.
+    """
+    moves: dict[int, _Moves] = {}
+    left_out = 0
+    title = ""
+    for animations in library.root.all("library_animations"):
+        for channel in animations.every("channel"):
+            found = _target(scene, channel.get("target"))
+            if found is None:
+                left_out += 1
+                continue
+            node, step, where = found
+            if where is None:
+                continue  # the bottom row of a matrix, which moves nothing
+            width = 1 if isinstance(where, int) else len(scene.stacks[node][step].values)
+            curve = _curve(library, channel, width)
+            moves.setdefault(node, []).append((step, where, curve))
+    notices = []
+    if left_out:
+        notices.append(f"{left_out} channels that move no transform of the scene are left out")
+    if not moves:
+        return None, notices
+    clips = library.root.first("library_animation_clips", "animation_clip")
+    if clips is not None:
+        title = clips.get("name") or clips.get("id")
+        notices.append("animation clips are not taken apart: all channels make one clip")
+    return _clip(scene, moves, title or "animation"), notices
+
+
+def _clip(scene: ColladaScene, moves: dict[int, _Moves], name: str) -> RigClip:
+    curves = [curve for parts in moves.values() for _, _, curve in parts]
+    steps = [bool(np.any(curve.kinds == "STEP")) for curve in curves]
+    times = key_times([curve.keys for curve in curves], steps)
+    keyed = {node for node, parts in moves.items() if _matrix_moves(scene, node, parts)}
+
+    def at(wanted: FloatArray) -> Transforms:
+        whole = transforms_over(scene.tree.rest, len(wanted))
+        parts = [
+            _at_keys(scene, node, moves[node], wanted)
+            if node in keyed
+            else Transforms.from_matrices(_matrices(scene, node, moves[node], wanted))
+            for node in moves
+        ]
+        sheared = whole.blocks is not None or any(part.blocks is not None for part in parts)
+        blocks = np.array(whole.as_blocks()) if sheared else None
+        for node, part in zip(moves, parts, strict=True):
+            whole.wxyz[:, node], whole.translation[:, node] = part.wxyz, part.translation
+            whole.scale[:, node] = part.scale
+            if blocks is not None:
+                blocks[:, node] = part.as_blocks()
+        return Transforms(whole.wxyz, whole.translation, whole.scale, blocks)
+
+    return RigClip(
+        name,
+        times,
+        at,
+        np.array(sorted(moves)),
+        straight=keyed == set(moves) and not any(steps),
+        key_count=max(len(curve.keys) for curve in curves),
+    )
+
+
+def _matrix_moves(scene: ColladaScene, node: int, parts: _Moves) -> bool:
+    """Whether a node moves by the keys of a matrix."""
+    return any(scene.stacks[node][step].kind == "matrix" for step, _, _ in parts)
+
+
+def _at_keys(scene: ColladaScene, node: int, parts: _Moves, wanted: FloatArray) -> Transforms:
+    """Transforms (n,) between those that a node has at its own keys."""
+    keys = np.unique(np.concatenate([curve.keys for _, _, curve in parts]))
+    held = Transforms.from_matrices(_matrices(scene, node, parts, keys))
+    return Transforms(
+        great_arc(keys, held.wxyz, wanted),
+        with_times(keys, held.translation, wanted),
+        with_times(keys, held.scale, wanted),
+        None if held.blocks is None else with_times(keys, held.blocks, wanted),
+    )
+
+
+def _matrices(scene: ColladaScene, node: int, parts: _Moves, times: FloatArray) -> FloatArray:
+    """Matrices (n, 4, 4) of a node with its moving numbers put in."""
+    stack = scene.stacks[node]
+    values: dict[int, FloatArray] = {}
+    for step, where, curve in parts:
+        if step not in values:
+            values[step] = np.repeat(stack[step].values[None], len(times), axis=0)
+        made = curve.at(times)
+        values[step][:, where] = made[:, 0] if isinstance(where, int) else made
+    return np.broadcast_to(matrix_of_steps(stack, values), (len(times), 4, 4))
+
+
+def _target(scene: ColladaScene, target: str) -> tuple[int, int, slice | int | None] | None:
+    """Node, step of its stack, and which of the step's numbers; None for anything else."""
+    name, slash, rest = target.partition("/")
+    node = scene.by_id.get(name)
+    if node is None or not slash:
+        return None
+    sid = re.split(r"[.(]", rest, maxsplit=1)[0]
+    step = next((i for i, one in enumerate(scene.stacks[node]) if one.sid == sid and sid), None)
+    if step is None:
+        return None
+    found = scene.stacks[node][step]
+    member = rest[len(sid) :]
+    if not member:
+        return node, step, slice(None)
+    if member.startswith("."):
+        index = MEMBERS.get(member[1:])
+        if index is None or index >= len(found.values) or found.kind == "matrix":
+            return None
+        return node, step, index
+    numbers = [int(text) for text in ELEMENTS.findall(member)]
+    if found.kind != "matrix":
+        inside = len(numbers) == 1 and numbers[0] < len(found.values)
+        return (node, step, numbers[0]) if inside else None
+    if len(numbers) != 2 or max(numbers) > 3:
+        return None
+    column, row = numbers
+    return node, step, None if row == 3 else 4 * row + column
+
+
+def _curve(library: Library, channel: Element, width: int) -> _Curve:
+    """The curve of the sampler that a channel plays."""
+    sampler = library.named(channel.get("source"), "sampler", "channel source")
+    inputs = inputs_of(sampler)
+    if "INPUT" not in inputs or "OUTPUT" not in inputs:
+        raise expected(f"sampler '{sampler.get('id')}'", "INPUT and OUTPUT", sorted(inputs))
+    keys = library.source(inputs["INPUT"].get("source"), "INPUT", 1)[:, 0]
+    values = library.source(inputs["OUTPUT"].get("source"), "OUTPUT", width)
+    if not len(keys) or len(values) != len(keys):
+        raise expected(f"sampler '{sampler.get('id')}'", f"{len(keys)} keys", len(values))
+    if np.any(np.diff(keys) <= 0.0) or np.abs(keys).max() > 1e6:
+        raise expected(f"sampler '{sampler.get('id')}'", "increasing seconds up to 1e6", "others")
+    kinds = np.full(len(keys), "LINEAR", dtype="<U8")
+    if "INTERPOLATION" in inputs:
+        named = library.names(inputs["INTERPOLATION"].get("source"), "INTERPOLATION")
+        if len(named) != len(keys):
+            raise expected(f"sampler '{sampler.get('id')}'", f"{len(keys)} kinds", len(named))
+        kinds = np.array([name[:8] for name in named], dtype="<U8")
+    into = _handles(library, inputs, "IN_TANGENT", len(keys), width)
+    out = _handles(library, inputs, "OUT_TANGENT", len(keys), width)
+    if into is None or out is None:
+        kinds = np.where(kinds == "STEP", kinds, "LINEAR")
+    return _Curve(keys, values, kinds, into, out)
+
+
+def _handles(
+    library: Library, inputs: dict[str, Element], semantic: str, keys: int, width: int
+) -> FloatArray | None:
+    """Handles (K, width, 2) of time and value, or None where there are none of that shape."""
+    if semantic not in inputs:
+        return None
+    source = library.named(inputs[semantic].get("source"), "source", semantic)
+    array = source.first("float_array")
+    values = np.zeros(0) if array is None else array.floats()
+    if len(values) != keys * width * 2:
+        return None  # values without times: curves of another kind, taken as lines
+    return values.reshape(keys, width, 2)
+
+
+def _cubic(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray, u: FloatArray) -> FloatArray:
+    """A Bézier cubic with these four control values."""
+    v = 1.0 - u
+    made: FloatArray = v**3 * a + 3.0 * v**2 * u * b + 3.0 * v * u**2 * c + u**3 * d
+    return made

@@ -19,7 +19,7 @@ from motorcade.ga.kernels.definitions import (
     skinning,
 )
 from motorcade.ga.kernels.definitions import elements as on
-from motorcade.ga.kernels.definitions.averages import average_kernels
+from motorcade.ga.kernels.definitions.blends import average_kernels
 from motorcade.ga.kernels.definitions.motors import MOTORS, ROTORS
 from motorcade.ga.kernels.definitions.parts import euler
 from motorcade.ga.kernels.definitions.parts import motors as motor_parts

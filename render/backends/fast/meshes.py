@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation import Character, Placement
-from motorcade.animation.skin.skinning import SKIN_KERNELS, SkinMethod, checked_method
+from motorcade.animation.skin import SKIN_KERNELS, SkinMethod, checked_method
 from motorcade.animation.vectors import box_corners
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, IntArray

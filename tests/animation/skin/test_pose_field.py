@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from motorcade.animation.skin.pose_field import PoseField
+from motorcade.animation.skin import PoseField
 from motorcade.ga import Motor
 
 
