@@ -1,6 +1,4 @@
-"""Skinning: a character's mesh carried by its joints.
-
-Skinning by four methods: poses in double precision, and one after another in single.
+"""Skinning by four methods: poses in double precision, and one after another in single.
 
 Each vertex is carried by the weighted sum of its joints' palette entries, taken to the nearest
 motion. ``linear`` sums matrices, which shrinks a surface where its joints differ by a large turn
@@ -19,9 +17,8 @@ A palette is what every joint does to the vertices bound to it, written as a met
 ``similarity``            12     CGA similarities, which grow as well
 ========================  =====  =================================================================
 
-Mesh poses between control motors: every vertex moves by its own blend of their logarithms.
-
-Motors at a few control points say how the mesh moves there; in between, the weighted sum of their
+A `PoseField` carries a mesh between control motors: every vertex moves by its own blend of their
+logarithms. Motors at a few control points say how the mesh moves there; in between, the weighted sum of their
 logarithms says it. There is no skeleton. Near the points a mesh turns and shifts rigidly, between
 them it bends and twists along screws.
 Source: Wareham and Lasenby, "Mesh vertex pose and position interpolation using geometric algebra"

@@ -1,5 +1,4 @@
-"""Frames on their way through the overlay: figures posed, drawn in a window, and laid over
-footage.
+"""Frames on their way through the overlay: figures posed, drawn, and laid over footage.
 
 Only the part of a picture that figures and their shade can change is distorted, shaded and mixed.
 

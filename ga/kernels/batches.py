@@ -11,10 +11,6 @@ many as there are. A scale ``ρ`` leaves the difference of the first two quadrup
 error of ``max(ρ, 1/ρ)`` roundings, so scales are meant to lie in 1e-12 … 1e12 (float64) or
 1e-5 … 1e5 (float32). A twist is ``-2 log``: rotation vector (rad), then translational part (m),
 then, of similarities, logarithm of the scale.
-
-Kernels called on arrays ``(*, n)``: batches broadcast, results have memory that suits kernels.
-
-See `motorcade.ga.kernels.batches` for what lies where.
 """
 
 from __future__ import annotations

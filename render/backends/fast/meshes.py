@@ -1,6 +1,6 @@
 """Surfaces in the memory of the renderer, and what carries them there.
 
-The parts of one mesh, each of its own material, in the memory of the renderer.
+A mesh has parts, each of its own material.
 """
 
 from __future__ import annotations

@@ -1,5 +1,4 @@
-"""A scene in the hands of several browsers: what they ask for, what it becomes, what they are
-told.
+"""A scene in the hands of several browsers: what they ask for and are told.
 
 While a gesture goes on its object is shown where it is taken to, and nothing of it is in the scene;
 at its end it becomes one step, which is on the disk before anybody is told. So two browsers drag
