@@ -18,9 +18,9 @@ A palette is what every joint does to the vertices bound to it, written as a met
 ========================  =====  =================================================================
 
 A `PoseField` carries a mesh between control motors: every vertex moves by its own blend of their
-logarithms. Motors at a few control points say how the mesh moves there; in between, the weighted sum of their
-logarithms says it. There is no skeleton. Near the points a mesh turns and shifts rigidly, between
-them it bends and twists along screws.
+logarithms. Motors at a few control points say how the mesh moves there; in between, the weighted
+sum of their logarithms says it. There is no skeleton. Near the points a mesh turns and shifts
+rigidly, between them it bends and twists along screws.
 Source: Wareham and Lasenby, "Mesh vertex pose and position interpolation using geometric algebra"
 (2008); weights after Shepard (1968). Logarithms are taken the short way, so motors that differ by
 close to half a turn must not stand side by side.
