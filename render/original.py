@@ -60,11 +60,13 @@ class OriginalVideo:
         path: the file.
         clock: of its frames, seconds a tick.
         coding: of its colours.
+        until_ns: stamp at which a film of a part of it ends, its sound too; None at its own end.
     """
 
     path: Path
     clock: Fraction
     coding: ColourCoding
+    until_ns: int | None = None
 
     @classmethod
     def of(cls, path: Path, container: InputContainer) -> OriginalVideo:

@@ -362,8 +362,10 @@ def encode(
                 file.mux(list(sound.until(float(ticks[number] * clock))))
             file.mux(some)
         file.mux(stream.encode(None))
-        if sound is not None:
-            file.mux(list(sound.until(math.inf)))
+        if original is not None and sound is not None:
+            film, _, start_ns = original
+            ends_s = math.inf if film.until_ns is None else 1e-9 * (film.until_ns - start_ns)
+            file.mux(list(sound.until(ends_s)))
 
 
 def _checked(frames: Iterable[ImageArray], expected: int) -> Iterator[tuple[int, ImageArray]]:

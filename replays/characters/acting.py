@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from motorcade.animation import Character, Clip, mannequin
+from motorcade.animation import Character, Clip, Placement, mannequin
+from motorcade.animation.behaviour import Gaze
 from motorcade.animation.ik import fitted_legs
 from motorcade.animation.place import GroundPath, on_its_soles, on_the_spot, walk_along
 from motorcade.animation.retarget import figure_of, legs_of, retarget
@@ -94,6 +95,21 @@ def standing_clip(character: Character, clip: Clip) -> tuple[Clip, float]:
     An author's clip may float or be sunk; see `on_its_soles`.
     """
     return on_its_soles(character, fitted_legs(legs_of(character.skeleton), character), clip)
+
+
+def looking_at(character: Character, clip: Clip, placement: Placement, point_m: FloatArray) -> Clip:
+    """A standing clip with neck, head and eyes turned to a point ``(3,)`` of the world.
+
+    It is as it was where nothing tells the character's head.
+    """
+    try:
+        gaze = Gaze.of(character)
+    except ValueError:
+        return clip
+    own = placement.world_T_character.inverse().apply(point_m) / placement.scale
+    always = np.full(len(clip.time_s), np.inf)
+    towards = np.tile(own, (len(clip.time_s), 1))
+    return replace(clip, poses=gaze.looking(clip.poses.rigid, towards, always))
 
 
 def _idle(character: Character) -> Clip:

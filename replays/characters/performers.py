@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 from motorcade.render import Performer
-from motorcade.replays.characters.acting import character_named, clip_named, standing_clip, walked
+from motorcade.replays.characters.acting import (
+    character_named,
+    clip_named,
+    looking_at,
+    standing_clip,
+    walked,
+)
 from motorcade.replays.values.view import PlacedCharacter
 
 
@@ -36,4 +42,6 @@ def performers(placed: PlacedCharacter, lasting_s: float = 0.0) -> list[Performe
         clip = walked(character, clip, placed.path_m, scale, start, lasting_s)
     else:
         clip, _ = standing_clip(character, clip)
+        if placed.looks_at_m is not None:
+            clip = looking_at(character, clip, placed.placement, placed.looks_at_m)
     return [Performer(character, clip, placed.placement, ground_motion=placed.ground_motion)]

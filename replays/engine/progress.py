@@ -2,7 +2,7 @@
 
 On a terminal loops show a bar with their rate and the time that remains; what is one long step
 shows for how long it has been running. Elsewhere, as through a pipe, a line says the same whenever
-five seconds have passed without one, so that nobody waits without a word. Bars and lines come from
+four seconds have passed without one, so that nobody waits without a word. Bars and lines come from
 one process at a time: those of several would write over each other.
 """
 
@@ -20,7 +20,7 @@ from typing import TypeVar
 Item = TypeVar("Item")
 
 DELAY_S = 1.0
-LINE_EVERY_S = 5.0
+LINE_EVERY_S = 4.0
 _TICK_S = 0.5
 _asked_for = True
 
@@ -116,7 +116,7 @@ def working(what: str) -> Iterator[None]:
         from tqdm import tqdm
 
         bar = tqdm(desc=what, bar_format="{desc}: {elapsed}", leave=False, delay=DELAY_S)
-    else:
+    elif not _lines.steps:
         _lines.begin()
     _lines.steps.append(what)
 

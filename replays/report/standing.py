@@ -19,7 +19,8 @@ _TAKEN, _OTHER = (255, 170, 0), (0, 200, 255)
 
 
 def standing_sheet(findings: Findings, footage: dict[int, ImageArray]) -> bytes:
-    """A JPEG with a picture for each candidate, its outline and number in it; empty without any.
+    """A JPEG with a picture for each candidate, its outline and number in it, in another
+    colour where the figure stands; empty without any.
 
     Args:
         findings: of the run.
@@ -32,22 +33,28 @@ def standing_sheet(findings: Findings, footage: dict[int, ImageArray]) -> bytes:
     if camera is None or not places or not posed:
         return b""
     number = posed[len(posed) // 2]
+    stands_on = findings.placed.stands_on
+    colours = [_TAKEN if place.name == stands_on else _OTHER for place in places]
     camera_T_world = path.motors_at(np.int64(stamps[number])).inverse()
     drawn = [
-        outlined(footage[number], camera, camera_T_world, place, str(k))
-        for k, place in enumerate(places, 1)
+        outlined(footage[number], camera, camera_T_world, place, str(k), colour)
+        for k, (place, colour) in enumerate(zip(places, colours, strict=True), 1)
     ]
     return sheet_jpeg([(int(stamps[number]), picture) for picture in drawn])
 
 
 def outlined(
-    picture: ImageArray, camera: Camera, camera_T_world: Motor, place: StandingPlace, label: str
+    picture: ImageArray,
+    camera: Camera,
+    camera_T_world: Motor,
+    place: StandingPlace,
+    label: str,
+    colour: tuple[int, int, int],
 ) -> ImageArray:
     """A copy of a picture with a place's outline, as far as it is ahead, and a label."""
     image = np.ascontiguousarray(
         picture if picture.ndim == 3 else np.repeat(picture[..., None], 3, axis=2)
     ).copy()
-    colour = _TAKEN if label == "1" else _OTHER
     width = max(2, camera.width // 240)
     ahead = _round(camera_T_world.apply(place.corners_m))
     shown = ahead[:, 2] > _NEAREST * np.linalg.norm(ahead, axis=1).max()

@@ -96,6 +96,7 @@ class PlacedCharacter:
         up, front: axes of the character's file, where the user knows better than the file.
         choices: what there is to stand on, by the numbers of `placed.floor` from 1 on.
         doubt: what of it is a guess, in words; "" where nothing is.
+        looks_at_m: ``(3,)`` a place in the world that it lifts its head to; None for none.
     """
 
     character: str
@@ -111,6 +112,7 @@ class PlacedCharacter:
     front: str | None = None
     choices: tuple[StandingPlace, ...] = ()
     doubt: str = ""
+    looks_at_m: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)

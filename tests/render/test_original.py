@@ -6,6 +6,7 @@ import json
 import shutil
 import subprocess
 from collections.abc import Iterator
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from types import SimpleNamespace
@@ -99,6 +100,19 @@ def test_sound_is_copied_packet_by_packet_and_in_step(tmp_path: Path, sound: str
     assert [data for _, data in after] == [data for _, data in before]
     apart = np.subtract([at for at, _ in after], [at for at, _ in before])
     assert np.abs(apart).max() <= 1.0 / 44_100
+
+
+@pytest.mark.parametrize("last", [2, 5, 8])
+def test_the_sound_of_a_part_ends_with_it(tmp_path: Path, last: int) -> None:
+    source = _write(tmp_path / "clip.mp4")
+    pictures = [picture for _, picture in read_frames(source)][: last + 1]
+    stamps = [round(1e9 * float(tick * CLOCK)) for tick in TICKS]
+    part = replace(read_original(source), until_ns=stamps[last + 1])
+    write_video(tmp_path / "film.mp4", pictures, np.array(stamps[: last + 1]), part)
+    before = [one for one in _packets(source, "audio") if one[0] < 1e-9 * stamps[last + 1]]
+    assert [data for _, data in _packets(tmp_path / "film.mp4", "audio")] == [
+        data for _, data in before
+    ]
 
 
 def test_sound_that_begins_with_the_first_picture_is_kept(tmp_path: Path) -> None:

@@ -18,11 +18,12 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from motorcade.ga import Motor, Multivector, Rotor
-from motorcade.ga.algebra import conformal
+from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
 _INSIDE_M = 1e-9
+# Rays that climb less than this over their own length are taken as parallel to the plane.
+_PARALLEL = 1e-9
 # Points that spread less than this many times their noise across a line fix no plane.
 LEAST_SPREAD = 3.0
 _CELLS = 40
@@ -112,15 +113,6 @@ class Plane:
         along, across = np.ptp(self.outline, axis=0)
         return float(along), float(across)
 
-    @property
-    def area_m2(self) -> float:
-        """Area inside the outline."""
-        return _signed_area(self.outline)
-
-    def as_conformal(self) -> Multivector:
-        """The vector ``normal + distance_m e∞`` of conformal geometric algebra."""
-        return conformal.plane(self.normal, self.distance_m)
-
     def distances_m(self, points_m: ArrayLike) -> FloatArray:
         """Signed distances ``(*)`` of points ``(*, 3)``, above zero where the normal points."""
         points = checked_floats(points_m, "Plane.distances_m(points_m)", (3,))
@@ -133,6 +125,19 @@ class Plane:
         edge = np.roll(self.outline, -1, axis=0) - self.outline
         side = edge[:, 0] * local[..., 1] - edge[:, 1] * local[..., 0]
         return np.asarray(np.all(side >= -_INSIDE_M, axis=-1))
+
+    def met_by(self, origin_m: ArrayLike, directions: ArrayLike) -> FloatArray:
+        """Where ``(*, 3)`` rays meet the unbounded plane, from either side; NaN where never.
+
+        Args:
+            origin_m: ``(3,)`` where they start.
+            directions: ``(*, 3)`` unit; NaN for those that there are not.
+        """
+        climb = np.asarray(directions) @ self.normal
+        with np.errstate(divide="ignore", invalid="ignore"):
+            reach_m = -self.distances_m(origin_m) / climb
+        meets = (np.abs(climb) > _PARALLEL) & (reach_m >= 0.0)
+        return np.asarray(origin_m + np.where(meets, reach_m, np.nan)[..., None] * directions)
 
     def transformed_by(self, motion: Motor) -> Plane:
         """The same plane after a rigid motion, or in another frame: ``other_T_world``."""

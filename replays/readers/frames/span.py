@@ -60,6 +60,8 @@ class _VideoSpan(VideoFrames):
         self._whole, self._rows = whole, rows
         self._time_ns = whole.time_ns[rows]
         self._time_ns.setflags(write=False)
+        later = whole.time_ns[rows[-1] + 1 :]
+        self.followed_ns = int(later[0]) if len(later) else None
 
     def __reduce__(self) -> tuple[type[_VideoSpan], tuple[VideoFrames, IntArray]]:  # type: ignore[override]
         return _VideoSpan, (self._whole, self._rows)

@@ -95,11 +95,14 @@ class VideoFrames(DecodedFrames):
         orientation: how the coded pictures are to be shown.
         size: width and height as shown.
         pixel_aspect: width of a pixel over its height, as stored; 1 for nearly all cameras.
+        followed_ns: of a part, stamp of the picture after its last; None at the file's end.
 
     Raises:
         RecordingError: not a video, nothing in it that can be decoded, or to be shown turned by
             anything but quarter turns.
     """
+
+    followed_ns: int | None = None
 
     def __init__(self, path: Path, pictures: ShownPictures | None = None) -> None:
         self._path = path

@@ -97,9 +97,9 @@ class Grounds:
             raise ValueError(f"placed.floor: expected 1 to {len(grounds)}, got {choice} ({names})")
         return grounds[max(choice, 1) - 1], None
 
-    def choices(self, on: GroundKind) -> tuple[StandingPlace, ...]:
+    def choices(self, on: GroundKind, floor_m: float = 0.0) -> tuple[StandingPlace, ...]:
         """The candidates as a report shows them."""
-        grounds = () if on == "marker" else self.candidates(on)
+        grounds = () if on == "marker" else self.candidates(on, floor_m)
         return tuple(StandingPlace(one.name, one.doubt, one.corners_m) for one in grounds)
 
     def candidates(self, on: GroundKind = "auto", floor_m: float = 0.0) -> list[Ground]:

@@ -30,7 +30,6 @@ from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.planes import (
     FlatSurface,
     Plane,
-    Rays,
     UpEstimate,
     belief_in,
     estimate_up,
@@ -253,10 +252,9 @@ def _lines(scene: SeenScene) -> FloatArray | None:
         rays = segment_rays(frame.gray(), camera, world_T_camera)
         middle = rays.mean(axis=1)
         middle /= np.linalg.norm(middle, axis=-1, keepdims=True)
-        looks = Rays(world_T_camera.translation_m, middle)
         on = np.zeros(len(rays), dtype=bool)
         for plane, belief in zip(scene.planes, scene.beliefs, strict=True):
-            meets = looks.hits(plane)
+            meets = plane.met_by(world_T_camera.translation_m, middle)
             at = np.isfinite(meets).all(axis=-1)
             inwards = plane.centre_m + (meets[at] - plane.centre_m) / _BEYOND
             on[at] |= plane.holds(inwards) & (belief >= _BELIEVED)

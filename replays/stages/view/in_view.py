@@ -92,10 +92,20 @@ def share_seen(
 
 
 def tall_at(place: tuple[float, float], camera: Camera, plane_T_camera: Motor) -> float:
-    """The height of a character that is a fifth as tall as the picture, if seen from the side."""
-    seen = _some(plane_T_camera).inverse().apply([*place, 0.0])[..., 2]
-    near = np.median(seen[seen > 0.0]) if np.any(seen > 0.0) else 0.0
-    return float(_LARGE_ENOUGH * camera.height * near / camera.fy)
+    """The height of a character that reaches over a fifth of the picture, upwards or aside.
+
+    From above it looks short: there it is taller, but by no more than twice.
+    """
+    camera_T_plane = _some(plane_T_camera).inverse()
+    feet, up = camera_T_plane.apply([*place, 0.0]), camera_T_plane.rotor.apply([0.0, 0.0, 1.0])
+    feet, up = feet[feet[:, 2] > 0.0], up[feet[:, 2] > 0.0]
+    if not len(feet):
+        return 0.0
+    # How the picture of one with its height grows, in pictures, if it were as far as its feet.
+    size = np.array([camera.width / camera.fx, camera.height / camera.fy])
+    reach = np.abs(up[:, :2] - up[:, 2:] * feet[:, :2] / feet[:, 2:]) / size
+    reach = np.maximum(reach.max(axis=1), _FORESHORTENED / size.min())
+    return float(_LARGE_ENOUGH * np.median(feet[:, 2] / reach))
 
 
 def _some(plane_T_camera: Motor) -> Motor:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.stages.view.ground import FLOOR_HEIGHT_M, Ground
+from motorcade.replays.stages.view.in_view import tall_at
 from motorcade.replays.values.camera_poses import HELD_HEIGHT
 from motorcade.tracking.cameras.camera import Camera
 
@@ -17,13 +16,15 @@ def level_ground(camera: Camera, path: Trajectory, floor_m: float) -> Ground:
     """The floor, and a place on it where the first camera sees a figure down to its soles.
 
     The picture's up is taken for the world's, and a camera that looks up or down for one that
-    looks level: nothing in poses that only turn tells otherwise.
+    looks level: nothing in poses that only turn tells otherwise. How high the camera is held is
+    a guess, and so the figure is as high as one sees it well.
     """
     below = max(HELD_HEIGHT - floor_m, 0.1)
     soles_px = (0.5 * (camera.width - 1), _FEET * camera.height)
     gaze = path.motors[0].rotor.apply(camera.bearings([soles_px])[0])
     reach = below / -gaze[2] if gaze[2] < -0.05 else 4.0 * below
     place = path.motors[0].translation_m[:2] + reach * gaze[:2]
-    plane = Motor.from_translation([0.0, 0.0, floor_m])
+    plane, x, y = Motor.from_translation([0.0, 0.0, floor_m]), float(place[0]), float(place[1])
+    height_m = min(FLOOR_HEIGHT_M, tall_at((x, y), camera, plane.inverse() @ path.motors))
     name = "a level floor below the camera, up being the picture's"
-    return Ground(plane, (float(place[0]), float(np.asarray(place)[1])), FLOOR_HEIGHT_M, name)
+    return Ground(plane, (x, y), height_m, name)

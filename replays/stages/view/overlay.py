@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -152,7 +153,9 @@ def overlay(
 
 def _original(frames: FrameSequence) -> OriginalVideo | None:
     """The video that the frames come from, where they do."""
-    return read_original(frames.path) if isinstance(frames, VideoFrames) else None
+    if not isinstance(frames, VideoFrames):
+        return None
+    return replace(read_original(frames.path), until_ns=frames.followed_ns)
 
 
 def _estimated(

@@ -44,6 +44,10 @@ SCENE_SAYS = (*CAST_SAYS, "height_m", "cast")
 LISTS = ("path", "position_m")
 # A clip that is raised or lowered by more of the height is named in the log.
 TOLD_SHARE = 0.01
+# Seen from so steeply above a figure lifts its head to the camera; from where hardly more than that
+# is seen of it, the run says so.
+LOOKS_UP_DEG, FROM_ABOVE_DEG = 45.0, 70.0
+FROM_ABOVE = "it is seen from nearly straight above"
 
 
 def placed(
@@ -96,10 +100,11 @@ def placed(
     on a plane where it is in view best and longest, or on the floor where the first camera looks.
     `up` and `front` are axes of the character's file, such as z and -y, where its own are wrong.
     `heading_deg` turns from the plane's x towards its y; without it the character looks at the
-    first camera. `height_m` is the character's; without it, half the shorter side of the board or
-    plane, a marker's side, and at most 1.75 m, or 1.75 m on a floor; where lengths have no unit, as
-    tall as the camera is high above the plane, at most a quarter of the scene's depth, and a fifth
-    of the picture's height at least where there is room.
+    first camera, or up to where the camera usually is where that is steeply above. `height_m` is
+    the character's; without it, half the shorter side of the board or plane, a marker's side, and
+    at most 1.75 m, or 1.75 m on a floor; where lengths have no unit, as tall as the camera is high
+    above the plane, at most a quarter of the scene's depth, and a fifth of the picture at least
+    where there is room.
     Raises ValueError for a board or plane that is asked for and not there.
     """
     if position_m and len(position_m) != 2:
@@ -114,12 +119,11 @@ def placed(
         _refuse_beside("scene", *map(bool, told), height_m is not None, str(cast) != NOBODY)
     recording = as_found(recording, camera_poses.camera, camera_poses.depth_camera)
     way = path_of(path) if path else None
-    first_camera = integrity.drawn.motors[0]
     if (on == "marker") != (marker is not None):
         raise ValueError(f"placed.marker: expected an id with placed.on=marker, got {marker}")
     grounds = Grounds(recording, camera_poses, marker_poses, integrity.drawn)
     ground, ground_motion = grounds.asked(on, marker, floor_m, floor)
-    choices = grounds.choices(on)
+    choices = grounds.choices(on, floor_m)
     plane = ground.world_T_plane
     if str(scene) != NOTHING:
         read = read_scene(scene)
@@ -133,13 +137,18 @@ def placed(
         members = read_cast(cast)
         played_on = _cast_on(members, ground, ground_motion, height, seen_from, recording)
         return replace(played_on, choices=choices, doubt=ground.doubt)
-    who = character_named(str(character), *axes)
+    who, doubts, looks_at_m = character_named(str(character), *axes), [ground.doubt], None
     clip = clip or ("idle" if way is None else "walk")
     motion = clip_named(who, clip)
     if way is None:
         position = np.array(position_m or ground.position_m)
-        towards = (plane.inverse() @ first_camera).translation_m[:2] - position
-        heading = float(np.arctan2(towards[1], towards[0]))
+        away = (plane.inverse() @ integrity.drawn.motors).translation_m - np.append(position, 0.0)
+        usual = np.median(away, axis=0)
+        steep_deg = np.rad2deg(np.arctan2(usual[2], np.hypot(*usual[:2])))
+        looks_up = steep_deg > LOOKS_UP_DEG and ground_motion is None and heading_deg is None
+        heading = float(np.arctan2(*(usual if looks_up else away[0])[1::-1]))
+        looks_at_m = plane.apply(usual + np.append(position, 0.0)) if looks_up else None
+        doubts += [FROM_ABOVE] * bool(steep_deg > FROM_ABOVE_DEG)
     else:  # in the middle of its way, where shadow and light are made for
         if position_m:
             raise ValueError("placed.position_m: expected none beside placed.path, which says it")
@@ -171,8 +180,9 @@ def placed(
         ground_motion,
         up=up,
         front=front,
+        looks_at_m=looks_at_m,
         choices=choices,
-        doubt=ground.doubt,
+        doubt="; ".join(filter(None, doubts)),
     )
 
 

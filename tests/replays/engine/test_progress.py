@@ -80,6 +80,18 @@ def test_nobody_waits_long_without_a_line_whoever_writes_it(
     assert 3 <= len(told) <= 6
 
 
+def test_short_steps_one_after_another_within_a_long_one_do_not_hush_it(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(progress, "_TICK_S", 0.01)
+    monkeypatch.setattr(progress, "LINE_EVERY_S", 0.2)
+    with progress.working("thinking"):
+        for _ in range(6):
+            with progress.working("looking"):
+                time.sleep(0.15)
+    assert len(capsys.readouterr().err.splitlines()) >= 2
+
+
 def test_a_long_step_tells_that_it_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = shown(monkeypatch)
     with progress.working("thinking"):

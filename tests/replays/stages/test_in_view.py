@@ -82,6 +82,27 @@ def test_what_stands_before_a_place_is_looked_past(rng: np.random.Generator) -> 
     assert share_seen(free[None], HEIGHT_M, CAMERA, look, NOTHING)[0] > 0.9
 
 
+@pytest.mark.parametrize("size", [(1280, 720), (720, 1280)])
+@pytest.mark.parametrize("turned_deg", [0.0, 90.0])
+def test_from_any_height_it_is_no_speck_and_no_giant(
+    rng: np.random.Generator, size: tuple[int, int], turned_deg: float
+) -> None:
+    """Cameras 10 to 60 degrees above, upright or on their side, with all usual lenses."""
+    for above_deg in np.append(rng.uniform(10.0, 60.0, 20), 60.0):
+        focal_px, away = rng.uniform(0.6, 1.4) * 1280, rng.uniform(0.3, 30.0)
+        camera = Camera(*size, focal_px, focal_px, 0.5 * (size[0] - 1), 0.5 * (size[1] - 1))
+        pose = level(np.array([[-away, 0.0, 0.0]]))
+        pitched = Motor.from_rotor_translation(
+            Rotor.from_rotation_vector([0.0, np.deg2rad(above_deg), 0.0]), np.zeros(3)
+        )
+        rolled = Rotor.from_rotation_vector([0.0, 0.0, np.deg2rad(turned_deg)])
+        eye = pitched @ pose @ Motor.from_rotor_translation(rolled, np.zeros(3))
+        tall = tall_at((0.0, 0.0), camera, eye)
+        ends = eye.inverse()[:, None].apply(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, tall]]))[0]
+        share = np.max(np.abs(np.diff(camera.project(ends), axis=0)) / size)
+        assert 0.12 < share < 0.32
+
+
 def test_a_fifth_of_the_picture() -> None:
     look = level(np.tile([-5.0, 0.0, 0.8], (5, 1)))
     assert tall_at((1.0, 0.0), CAMERA, look) == pytest.approx(0.2 * 240 * 6.0 / 300.0)

@@ -9,8 +9,9 @@ import pytest
 
 from motorcade.animation import mannequin, skin, write_gltf
 from motorcade.fusion.imu import ImuStream
-from motorcade.ga import Motor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.characters.acting import character_named, clip_named, walked
+from motorcade.replays.characters.performers import performers
 from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.recording import Recording
@@ -334,3 +335,33 @@ def test_another_candidate_is_taken_by_its_number(
         stood(with_board, path, "board", floor=99)
     with pytest.raises(ValueError, match=r"placed\.floor: expected 1 on, got -1"):
         stood(with_board, path, "board", floor=-1)
+
+
+@pytest.mark.parametrize(("above_deg", "looks_up"), [(25.0, False), (55.0, True), (82.0, True)])
+def test_steeply_from_above_it_lifts_its_head_to_the_camera(
+    looking_down: Recording, above_deg: float, looks_up: bool, rng: np.random.Generator
+) -> None:
+    """A camera that looks at a board's middle from any side; from nearly above that is said."""
+    with_board = replace(looking_down, board=Checkerboard(columns=7, rows=5, square_m=0.03))
+    truth = looking_down.truth
+    assert truth is not None
+    round_rad, above_rad = rng.uniform(0.0, 2.0 * np.pi), np.deg2rad(above_deg)
+    away = np.array([np.cos(round_rad), np.sin(round_rad), np.tan(above_rad)]) * np.cos(above_rad)
+    aim = np.array([0.09, -0.06, 0.0])
+    side = np.cross(-away, [0.0, 0.0, 1.0]) / np.cos(above_rad)
+    axes = np.stack([side, np.cross(-away, side), -away], axis=-1)
+    eye = Motor.from_rotor_translation(Rotor.from_matrix(axes), aim + 0.6 * away)
+    path = drawn(looking_down, eye @ truth.motors[0].inverse())
+    made = stood(with_board, path, "board")
+    assert (made.looks_at_m is not None) == looks_up
+    assert ("nearly straight above" in made.doubt) == (above_deg > 70.0)
+    [shown], [still] = performers(made), performers(replace(made, looks_at_m=None))
+    head = shown.character.skeleton.index("head")
+    faces = [
+        made.placement.world_T_character.rotor.apply(
+            one.character.skeleton.world(one.clip.poses)[:, head].rotor.apply([1.0, 0.0, 0.0])
+        )
+        for one in (shown, still)
+    ]
+    lifted_deg = np.rad2deg(np.median(np.arcsin(faces[0][:, 2]) - np.arcsin(faces[1][:, 2])))
+    assert lifted_deg > 30.0 if looks_up else lifted_deg == 0.0

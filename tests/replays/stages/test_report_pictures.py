@@ -18,6 +18,9 @@ from motorcade.render.video import read_frames
 from motorcade.replays.report.before_after import MOST_BYTES, sheet_jpeg, steps_between
 from motorcade.replays.report.filter_plots import filter_errors, filter_pictures
 from motorcade.replays.report.findings import Findings, as_drawn
+from motorcade.replays.report.standing import standing_sheet
+from motorcade.replays.values.view import StandingPlace
+from motorcade.tracking import Camera
 
 SCREW = np.array([0.3, -0.2, 0.5, 0.4, 0.1, -0.2])
 COUNT = 50
@@ -265,3 +268,23 @@ def test_the_sheet_holds_up_to_twelve_frames_and_is_small(count: int, tmp_path: 
 def test_frames_are_counted_from_one(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"read_frames\(every\): expected 1 or more, got 0"):
         next(read_frames(tmp_path / "film.mp4", 0))
+
+
+@pytest.mark.parametrize("taken", [0, 1, 2])
+def test_the_outline_that_stands_out_is_that_of_what_it_stands_on(taken: int) -> None:
+    """Three places before a camera, of which any may be asked for by its number."""
+    square = np.array([[-1.0, -0.7, 4.0], [1.0, -0.7, 4.0], [1.0, 0.7, 4.0], [-1.0, 0.7, 4.0]])
+    places = tuple(StandingPlace(f"place {k}", "", square) for k in range(3))
+    path = Trajectory(np.array([0, 100]), Motor.identity((2,)))
+    given: Any = SimpleNamespace(
+        recording=SimpleNamespace(frames=SimpleNamespace(time_ns=path.time_ns)),
+        placed=SimpleNamespace(choices=places, stands_on=places[taken].name),
+        camera_poses=SimpleNamespace(camera=Camera(320, 240, 300.0, 300.0, 159.5, 119.5)),
+        integrity=SimpleNamespace(drawn=path),
+    )
+    data = standing_sheet(given, {0: np.full((240, 320, 3), 128, np.uint8)})
+    sheet = cv2.cvtColor(cv2.imdecode(np.frombuffer(data, np.uint8), 1), cv2.COLOR_BGR2RGB)
+    orange = (sheet[..., 0] > 200) & (sheet[..., 2] < 100)
+    panels = [np.count_nonzero(part) for part in np.array_split(orange, 3, axis=1)]
+    assert int(np.argmax(panels)) == taken
+    assert sorted(panels)[1] == 0

@@ -161,7 +161,8 @@ def test_floor_table_and_cupboards_of_a_real_kitchen(data_dir: Path, frame: int)
     level = [plane for plane in found.planes if plane.normal @ image_up > 0.7]
     floor = max(level, key=lambda plane: -plane.distance_m)
     table = min(
-        (plane for plane in level if plane.area_m2 > 0.3), key=lambda plane: -plane.distance_m
+        (plane for plane in level if np.prod(plane.size_m) > 0.3),
+        key=lambda plane: -plane.distance_m,
     )
     assert tilt_deg(table, floor.normal) < 3.0
     # A table's height, by the tape measures of furniture makers.
