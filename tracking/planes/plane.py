@@ -126,14 +126,14 @@ class Plane:
         side = edge[:, 0] * local[..., 1] - edge[:, 1] * local[..., 0]
         return np.asarray(np.all(side >= -_INSIDE_M, axis=-1))
 
-    def met_by(self, origin_m: ArrayLike, directions: ArrayLike) -> FloatArray:
+    def met_by(self, origin_m: FloatArray, directions: FloatArray) -> FloatArray:
         """Where ``(*, 3)`` rays meet the unbounded plane, from either side; NaN where never.
 
         Args:
             origin_m: ``(3,)`` where they start.
             directions: ``(*, 3)`` unit; NaN for those that there are not.
         """
-        climb = np.asarray(directions) @ self.normal
+        climb = directions @ self.normal
         with np.errstate(divide="ignore", invalid="ignore"):
             reach_m = -self.distances_m(origin_m) / climb
         meets = (np.abs(climb) > _PARALLEL) & (reach_m >= 0.0)

@@ -64,7 +64,7 @@ def test_rays_hit_where_the_linear_system_says(rng: np.random.Generator) -> None
 def test_rays_along_the_plane_and_away_from_it_hit_nothing() -> None:
     floor = square(Motor.identity())
     ways = np.array([[1.0, 0, 0], [0, 0, 1.0], [0, 0, -1.0], [np.nan] * 3])
-    hits = floor.met_by([0.1, 0.2, 3.0], ways)
+    hits = floor.met_by(np.array([0.1, 0.2, 3.0]), ways)
     np.testing.assert_array_equal(np.isfinite(hits).all(axis=1), [False, False, True, False])
     np.testing.assert_allclose(hits[2], [0.1, 0.2, 0.0])
 
