@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from motorcade.replays.errors import RecordingError
+from motorcade.replays.readers.frames.span import frames_between
 from motorcade.replays.readers.frames.video import VideoFrames
 from motorcade.replays.readers.frames.whole import said_of_cut
 from motorcade.replays.readers.opening import open_recording
@@ -62,6 +63,17 @@ def test_a_video_can_be_sent_to_another_process(video_file: Path) -> None:
     frames = VideoFrames(video_file)
     first = frames[3].image()
     assert np.array_equal(pickle.loads(pickle.dumps(frames))[3].image(), first)
+
+
+def test_a_part_tells_when_the_whole_goes_on(video_file: Path) -> None:
+    whole = VideoFrames(video_file)
+    stamps = whole.time_ns.tolist()
+    parts = [
+        frames_between(whole, stamps[first], stamps[last]) for first, last in ((0, 3), (2, -1))
+    ]
+    assert [part.followed_ns for part in (whole, *parts)] == [None, stamps[4], None]
+    again = pickle.loads(pickle.dumps(parts[0]))
+    assert again.followed_ns == stamps[4]
 
 
 def test_a_manifest_gives_a_video_its_camera(video_file: Path, tmp_path: Path) -> None:
