@@ -19,7 +19,6 @@ from motorcade.fusion.smoothing.batch.jumps import with_jumps
 from motorcade.fusion.smoothing.batch.noise import FEWEST_POSES
 from motorcade.fusion.smoothing.batch.per_axis import (
     HEAVY_TAILS,
-    LAST_STEPS,
     NORMAL_TAILS,
     AxisModels,
     Measured,
@@ -27,15 +26,18 @@ from motorcade.fusion.smoothing.batch.per_axis import (
     chosen_models,
     settled,
     smoothed_per_axis,
+    smoother,
     tails_of,
 )
-from motorcade.fusion.smoothing.batch.predicted import unpredicted
+from motorcade.fusion.smoothing.batch.predicted import in_part, unpredicted
 from motorcade.fusion.smoothing.batch.start import (
     FIRST_STEPS,
     PathStart,
     even_stamps,
     first_path,
     in_better_axes,
+    no_worse,
+    of_one_twist,
 )
 from motorcade.fusion.smoothing.checks import in_double, warn_of_coarse
 from motorcade.fusion.smoothing.knobs import SmootherKnobs
@@ -81,8 +83,6 @@ class SmootherChoice:
         >>> chosen = choose(noisy)
         >>> isinstance(chosen, SmootherChoice), chosen.representation, chosen.outliers
         (True, 'rotor', 0.0)
-        >>> print(f"{1e3 * chosen.noise_m:.0f} mm")
-        10 mm
         >>> chosen.smooth(noisy)
         Trajectory(world_T_camera, 121 poses, 4.000 s)
     """
@@ -140,6 +140,11 @@ class SmootherChoice:
         return all(one.untold for one in self.models)
 
     @property
+    def by_twist(self) -> bool:
+        """Whether the path has a constant twist, or rotates at a constant rate."""
+        return any(one.stiff for one in self.models)
+
+    @property
     def memory_s(self) -> float:
         """Of the axis whose errors last longest, in which one decays to a third; 0 if none last."""
         return max(one.memory_s for one in self.models)
@@ -165,9 +170,11 @@ class SmootherChoice:
         ]
         if self.untold:
             told.append(f"not told of an axis: {self.untold}")
+        if self.by_twist:
+            whole = all(one.stiff for one in self.models[: self.axes[1]])
+            told.append("a constant twist" if whole else "a constant angular rate")
         if self.jumps:
-            many = "jump" if self.jumps == 1 else "jumps"
-            told.append(f"{self.jumps} {many} of level kept")
+            told.append(f"{self.jumps} jump{'s' * (self.jumps > 1)} of level kept")
         if self.tails != NORMAL_TAILS:
             told.append("heavy tails")
         if self.memory_s > 0.0:
@@ -284,14 +291,20 @@ def smoothed_automatically(
         choice, measured, found = _chosen(start, representation, knobs)
     else:
         named = representation_named(choice.representation)
-        models = AxisModels(choice.models, 0.0)
+        models = AxisModels(tuple(replace(one, stiff=False) for one in choice.models), 0.0)
         measured, path = start.written(named)
         even_s = even_stamps(measured.time_s) if choice.even_stamps else None
         measured = measured if even_s is None else replace(measured, time_s=even_s)
         measured, _ = with_jumps(measured, path, start.weights, models)
         found = smoothed_per_axis(measured, path, start.weights, models, HEAVY_TAILS, FIRST_STEPS)
         found = settled(measured, found, models, choice.tails)
-    return _told(start, trajectory, measured, _as_smooth_as_asked(measured, found, choice), choice)
+        if choice.by_twist:
+            told = (start, measured, found, models, choice.tails)
+            measured, found, models = of_one_twist(*told, any_axes=False)
+        choice = replace(choice, models=models.columns)
+    if choice.knobs.smoothness != 0.0:
+        found = smoother(measured, found, choice.models, choice.tails, choice.knobs.smoothness)
+    return _told(start, trajectory, measured, found, choice)
 
 
 def auto(
@@ -347,6 +360,9 @@ def _chosen(
     warn_of_coarse(float(np.median(np.diff(measured.time_s))))
     tails = tails_of(found.squares, found.weights, len(models.columns))
     found = settled(measured, found, models, tails)
+    free = representation is None
+    measured, found, models = of_one_twist(start, measured, found, models, tails, free)
+    found, models = no_worse(start, measured, found, models, tails, known)
     noise = np.where(np.isnan(known), found.noise, known)
     choice = SmootherChoice(
         measured.representation.name,
@@ -364,20 +380,6 @@ def _chosen(
     return choice, measured, found
 
 
-def _as_smooth_as_asked(
-    measured: Measured, found: PerAxisPath, choice: SmootherChoice
-) -> PerAxisPath:
-    """The same at another smoothness; poses count as they did, however far it moves from them."""
-    smoothness, weights = choice.knobs.smoothness, found.weights
-    if smoothness == 0.0:
-        return found
-    interval_s = float(np.median(np.diff(measured.time_s)))
-    models = AxisModels(tuple(one.smoother(smoothness, interval_s) for one in choice.models), 0.0)
-    for _ in range(LAST_STEPS):
-        found = smoothed_per_axis(measured, found.coordinates, weights, models, choice.tails, 1)
-    return found
-
-
 def _told(
     start: PathStart,
     trajectory: Trajectory,
@@ -389,11 +391,9 @@ def _told(
     models = AxisModels(choice.models, 0.0)
     stay = unpredicted(start.trajectory, measured, found, models, choice.tails)
     if choice.raw and choice.knobs.smoothness == 0.0:
-        stay |= found.weights > 0.0
-    coefficients = np.array(made.poses.coefficients)
-    coefficients[stay] = start.trajectory.poses.coefficients[stay]
-    made = Trajectory(made.time_ns, type(made.poses)(coefficients), made.parent, made.child)
-    # By the noise that was chosen or known: what a path smoothed as asked for leaves is not noise.
+        stay |= found.weights[:, None] > 0.0
+    made = in_part(made, start.trajectory, stay)
     deviations = np.sqrt(found.spread) * [one.noise for one in choice.models]
-    deviations[stay] = np.nan
+    parts = np.searchsorted(choice.axes, np.arange(deviations.shape[1]), "right")
+    deviations[np.column_stack([stay, np.all(stay, axis=1)])[:, parts]] = np.nan
     return AutomaticPath(made, choice, found.weights, deviations, measured.jumps)

@@ -51,6 +51,7 @@ class ColumnModel:
         noise: deviation of a value.
         memory_s: in which an error decays to a third (1/e); 0 where errors are white.
         untold: why values do not tell their noise, whose size then says nothing; else empty.
+        stiff: whether it moves by a constant twist; see `twist`.
     """
 
     order: int
@@ -58,6 +59,7 @@ class ColumnModel:
     noise: float
     memory_s: float = 0.0
     untold: str = ""
+    stiff: bool = False
 
     @property
     def density(self) -> float:
@@ -68,7 +70,7 @@ class ColumnModel:
         """The model where it leaves enough of the band to noise alone, else one through all."""
         if self.noise_alone(interval_s) >= _NOISE_ALONE:
             return self
-        return self.through_all(interval_s)
+        return self.through_all(interval_s, "its motion takes up the band that would tell")
 
     def noise_alone(self, interval_s: float) -> float:
         """Share of the frequencies up to half the rate that the spline does not pass."""
@@ -78,11 +80,10 @@ class ColumnModel:
         motion = level * np.sum(np.abs(_BAND + _FOLDS) ** (-2.0 * (self.order + 1)), axis=0)
         return float(np.mean(errors / (errors + motion)))
 
-    def through_all(self, interval_s: float) -> ColumnModel:
-        """A model that goes through every value, whose noise is not told."""
-        untold = "its motion takes up the band that would tell"
+    def through_all(self, interval_s: float, untold: str) -> ColumnModel:
+        """A model that goes through every value, whose noise is not told, and why."""
         ratio = ratio_of(_EXACT, self.order, interval_s)
-        return replace(self, ratio=ratio, memory_s=0.0, untold=untold)
+        return replace(self, ratio=ratio, memory_s=0.0, untold=untold, stiff=False)
 
     def smoother(self, smoothness: float, interval_s: float) -> ColumnModel:
         """The model that averages over ``2**smoothness`` times as long.
@@ -92,9 +93,8 @@ class ColumnModel:
         rate = _rate(self.order, self.ratio, interval_s)
         if smoothness > 0.0:
             rate = min(rate, np.pi / interval_s)
-        return replace(
-            self, ratio=float(np.sqrt(interval_s) * (rate * 2.0**-smoothness) ** (self.order + 1))
-        )
+        ratio = float(np.sqrt(interval_s) * (rate * 2.0**-smoothness) ** (self.order + 1))
+        return replace(self, ratio=ratio, stiff=self.stiff and smoothness >= 0.0)
 
 
 @dataclass(frozen=True, eq=False)

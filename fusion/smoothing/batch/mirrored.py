@@ -40,6 +40,8 @@ _TURN_DEVIATIONS = 6.0
 _THROWN, _EXPLAINED = 200.0, 25.0
 # What each of the fewest poses of a run must save at least, in squared deviations.
 _GAIN = 30.0
+# A step of a run is a usual one up to so many median ones, and a leap from so many times that on.
+_TORN = 2.0
 _ROUNDS = 8
 _STEP = 1e-6
 # The first fit of a marker: how far off a number pulls the most, in deviations; when it ends.
@@ -74,7 +76,7 @@ def mirrored_back(
             continue  # not even a velocity is left around the run to read it by
         run = slice(first - part.start, last - part.start)
         read = _Run.likelier(time_s[part], poses[part], kept[part], run, sizes, width).read()
-        if read is not None:
+        if read is not None and not _torn(poses[first:last], *read, sizes):
             rows = first + np.flatnonzero(read[1])
             coefficients[rows], found[rows] = read[0][read[1]].coefficients, True
     return Motor(coefficients), found
@@ -95,6 +97,21 @@ def _off(
     expected = _Expected(path, _deviation(sizes, _bridge_variance(before_s, behind_s)))
     found[lost] = np.sum(expected.vectors(poses[lost]) ** 2, axis=1) > _EXPLAINED
     return found
+
+
+def _torn(
+    poses: Motor, read: Motor, turned: NDArray[np.bool_], sizes: tuple[Sizes, Sizes, Sizes]
+) -> bool:
+    """Whether poses that agree with each other do not when some of them are mirrored."""
+    rows = np.flatnonzero(turned[1:] != turned[:-1])
+    noise = np.repeat([one.noise for one in sizes[:2]], 3)
+    mirrored = Motor(np.where(turned[:, None], read.coefficients, poses.coefficients))
+    before, after = (
+        np.linalg.norm((one[:-1].inverse() @ one[1:]).as_twist() / noise, axis=1)
+        for one in (poses, mirrored)
+    )
+    usual = _TORN * np.median(before)
+    return bool(np.any((before[rows] < usual) & (after[rows] > _TORN * usual)))
 
 
 class _Expected(NamedTuple):

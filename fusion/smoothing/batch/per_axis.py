@@ -34,6 +34,7 @@ from motorcade.fusion.smoothing.batch.columns import (
     splined,
 )
 from motorcade.fusion.smoothing.batch.lasting import with_lasting_errors
+from motorcade.fusion.smoothing.batch.twist import twisted
 from motorcade.fusion.smoothing.representations import Representation
 from motorcade.ga.arrays import FloatArray, IntArray
 
@@ -55,6 +56,8 @@ _RESOLVED, _ROUNDING = 0.002, 1e-12
 # ten deviations off would pass for one and a half. One that was left out stays so. Axes whose usual
 # variance is larger than the first are not smoothed, and judge none.
 _JUDGES, _UNSURE = 10.0, 50.0
+# Squares of corrections that grow by more than this from one to the next lead away.
+_RUNS_AWAY = 2.0
 # Rows at once, for the sake of memory.
 _CHUNK = 1 << 14
 # Of the poses that counted, so many must be left.
@@ -88,6 +91,7 @@ class PerAxisPath:
             do not tell whether one that is left out is right.
         noise: ``(d,)`` deviations of measured poses of weight 1.
         spread: ``(N, d)`` variance of the path, in that of measured poses of weight 1.
+        left_out: ``(N, d)`` measured poses less what the others make of them.
     """
 
     coordinates: FloatArray
@@ -95,6 +99,7 @@ class PerAxisPath:
     squares: FloatArray
     noise: FloatArray
     spread: FloatArray
+    left_out: FloatArray
 
 
 @dataclass(frozen=True)
@@ -155,14 +160,22 @@ def smoothed_per_axis(
         steps: how often columns and weights are taken anew.
     """
     path, axes = np.array(path), len(models.columns)
-    spread = np.empty((len(path), axes))
-    share, before = 1.0, float("inf")
+    spread, left_out = np.empty((2, len(path), axes))
+    share, before, kept = 1.0, float("inf"), (path, path)
     for _ in range(steps):
         summed, moved = developed(measured, path)
         squares, noise = np.zeros(len(path)), np.empty(axes)
         unsure, known = np.zeros(len(path), dtype=np.bool_), np.ones(len(path), dtype=np.bool_)
+        stiff = twisted(
+            measured.representation,
+            measured.time_s,
+            measured.coordinates,
+            path,
+            weights,
+            models.columns,
+        )
         for k, model in enumerate(models.columns):
-            column = splined(
+            column = stiff.get(k) or splined(
                 measured.time_s,
                 moved[:, k],
                 weights,
@@ -176,24 +189,26 @@ def smoothed_per_axis(
             squares += off**2 / (1.0 + column.variance)
             if np.median(column.variance[weights > 0.0]) < _JUDGES:
                 unsure |= column.variance > _UNSURE
-            spread[:, k] = column.spread
+            spread[:, k], left_out[:, k] = column.spread, column.left_out
             known &= column.spread <= _UNSURE
-            np.subtract(column.values, summed[:, k], out=moved[:, k])
+            moved[:, k] = column.values if k in stiff else column.values - summed[:, k]
         squares[unsure & (weights == 0.0)] = np.inf
         counted = weights > 0.0  # what lies between runs away where nothing holds it
         square = np.mean(moved**2, axis=0, where=counted[:, None])
         size = float(np.sum(square / np.maximum(noise, _ROUNDING) ** 2))
         if size > before:
             share *= 0.5
-        before = size
-        moved *= share
-        _move(measured.representation, path, moved)
+        if size > _RUNS_AWAY * before:
+            path, moved = np.array(kept[0]), kept[1]
+        else:
+            before, kept = size, (np.array(path), moved)
+        _move(measured.representation, path, share * moved)
         _let_stand(path, known | (weights > 0.0))
         used, weights = weights, weights_of(squares, axes, tails) * measured.motion
         if np.count_nonzero(weights) < _FEWEST_KEPT * np.count_nonzero(used):
             # Not wrong poses but motion that the models do not have.
             weights = used
-    return PerAxisPath(path, used, squares, noise, spread)
+    return PerAxisPath(path, used, squares, noise, spread, left_out)
 
 
 def settled(
@@ -202,6 +217,22 @@ def settled(
     """The same by other models and tails."""
     weights = weights_of(found.squares, len(models.columns), tails) * measured.motion
     return smoothed_per_axis(measured, found.coordinates, weights, models, tails, LAST_STEPS)
+
+
+def smoother(
+    measured: Measured,
+    found: PerAxisPath,
+    columns: tuple[ColumnModel, ...],
+    tails: float,
+    smoothness: float,
+) -> PerAxisPath:
+    """The same at another smoothness; poses count as they did, however far it moves from them."""
+    interval_s = float(np.median(np.diff(measured.time_s)))
+    models = AxisModels(tuple(one.smoother(smoothness, interval_s) for one in columns), 0.0)
+    weights = found.weights
+    for _ in range(LAST_STEPS):
+        found = smoothed_per_axis(measured, found.coordinates, weights, models, tails, 1)
+    return found
 
 
 def _move(representation: Representation, path: FloatArray, moved: FloatArray) -> None:

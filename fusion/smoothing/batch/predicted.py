@@ -23,8 +23,9 @@ from motorcade.fusion.smoothing.batch.per_axis import (
     PerAxisPath,
     smoothed_per_axis,
 )
+from motorcade.fusion.smoothing.batch.problem import with_rigid
 from motorcade.fusion.smoothing.representations import restored
-from motorcade.ga import Motor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
 # A run is wrong where it lies off by more than so many times what good poses do: three deviations.
@@ -37,12 +38,16 @@ _FEWEST = 2
 _AROUND = 12
 # Poses left out that lie no more than so many times as far off as good ones stay as measured.
 _AS_GOOD = 2.0
+# A pose held out misses by its own and its prediction's error: as large where by so many times one.
+_AS_SURE = 2.0**0.5
 # Poses at an end that may not be a level of their own.
 FEWEST_AT_LEVEL = 6
 # All but so few steps of good poses bend less than a leap does.
 _MOST = 0.99
 # What the path misses behind a run that it returns from, of how far off this lies.
 _RETURNED = 0.7
+# By how much the leaps to a run and back may differ, in the bends of all but few steps.
+_BACK = 2.0**0.5
 
 Kept = NDArray[np.bool_]
 
@@ -84,7 +89,7 @@ def judged_runs(time_s: FloatArray, poses: Motor, kept: Kept) -> JudgedRuns:
                 leaps.append(edges)
         if not leaps or not np.any(made[1:] & made[:-1]):
             return JudgedRuns(made if not leaps else kept, NO_JUMPS, doubtful)
-        held_out = _HeldOut(time_s, poses, made)
+        held_out = _HeldOut(time_s, poses, made, most)
         right = [piece for edges in leaps for piece in held_out.right_among(edges)]
         if not right:
             break
@@ -95,8 +100,7 @@ def judged_runs(time_s: FloatArray, poses: Motor, kept: Kept) -> JudgedRuns:
     for edges in leaps:
         stays, before = held_out.judged(edges)
         for first, last in stays:
-            made[first:last] = True
-            doubtful[first:last] = first > 0 and last < len(kept)
+            made[first:last] = doubtful[first:last] = True
         jumps += before
     return JudgedRuns(made, np.array(jumps, dtype=np.int64), doubtful)
 
@@ -104,7 +108,10 @@ def judged_runs(time_s: FloatArray, poses: Motor, kept: Kept) -> JudgedRuns:
 def unpredicted(
     like: Trajectory, measured: Measured, found: PerAxisPath, models: AxisModels, tails: float
 ) -> Kept:
-    """Poses ``(N,)`` left out that a smoothed path predicts no better than good ones held out.
+    """Rotations and positions ``(N, 2)`` left out that are right, and better as measured.
+
+    Good ones held out tell that: where a path predicts them as well as they are measured, it
+    stands in for them.
 
     Args:
         like: the poses as measured.
@@ -114,13 +121,14 @@ def unpredicted(
         tails: degrees of freedom of the errors.
     """
     poses, kept = like.poses.rigid, found.weights > 0.0
-    made = _beside(kept, measured.jumps)
+    beside_jump = _beside(kept, measured.jumps)
+    made = np.repeat(beside_jump[:, None], 2, axis=1)
 
     def off(path: PerAxisPath) -> FloatArray:
         return _off(poses, restored(measured.representation, path.coordinates, like).poses.rigid)
 
     far, rows = off(found), np.flatnonzero(kept)
-    runs = runs_of(~kept & measured.motion & ~made)
+    runs = runs_of(~kept & measured.motion & ~beside_jump)
     lengths = np.array([_rounded_up(last - first) for first, last in runs])
     for length in np.unique(lengths):
         inside = rows[_blocks(len(rows), int(length))]
@@ -129,17 +137,60 @@ def unpredicted(
         without = smoothed_per_axis(measured, found.coordinates, weights, models, tails, 1)
         errors = _size(off(without)[inside])
         for first, last in runs[lengths == length]:
-            near = errors[_near(inside, first)]
-            if len(near) < _FEWEST or not np.any(_size(far[first:last]) > _AS_GOOD * _size(near)):
+            beside = _near(inside, first)
+            near, usual = _size(errors[beside]), _size(_size(far[inside[beside]]))
+            if len(errors[beside]) < _FEWEST:
                 made[first:last] = True
+                continue
+            right = np.all(far[first:last] <= _AS_GOOD * near, axis=1)
+            made[first:last] = right[:, None] & (near > _AS_SURE * usual)
     return made
+
+
+def worse_than_measured(like: Trajectory, measured: Measured, found: PerAxisPath) -> Kept:
+    """Whether a path predicts rotations and positions ``(2,)`` far worse than neighbours do.
+
+    Errors that last are much alike in neighbours, which predict these somewhat better than any path
+    that does without; a path that misses poses twice as far does not follow them.
+
+    Args:
+        like: the poses as measured.
+        measured: the same as coordinates.
+        found: the path.
+    """
+    kept, time_s, poses = found.weights > 0.0, measured.time_s, like.poses.rigid
+    rows = 1 + np.flatnonzero(kept[:-2] & kept[1:-1] & kept[2:])
+    if not len(rows):
+        return np.zeros(2, dtype=np.bool_)
+    others = measured.representation.retract(measured.coordinates, -found.left_out)
+    ours = restored(measured.representation, others, like).poses.rigid[rows]
+    share = (time_s[rows] - time_s[rows - 1]) / (time_s[rows + 1] - time_s[rows - 1])
+    step = (poses[rows - 1].inverse() @ poses[rows + 1]).as_twist()
+    theirs = poses[rows - 1] @ Motor.from_twist(share[:, None] * step)
+    errors = [_size(_off(poses[rows], one)) for one in (ours, theirs)]
+    return np.asarray(errors[0] > _AS_GOOD * errors[1])
+
+
+def in_part(made: Trajectory, measured: Trajectory, stay: Kept) -> Trajectory:
+    """A path with rotations or positions ``(N, 2)`` that stay as measured."""
+    whole, rows = np.all(stay, axis=1), np.flatnonzero(np.any(stay, axis=1))
+    own, other = made.poses.rigid, measured.poses.rigid
+    turned, moved = stay[rows, :1], stay[rows, 1:]
+    rotors = np.where(turned, other[rows].rotor.coefficients, own[rows].rotor.coefficients)
+    shifts = np.where(moved, other[rows].translation_m, own[rows].translation_m)
+    rigid = np.array(own.coefficients)
+    rigid[rows] = Motor.from_rotor_translation(Rotor(rotors), shifts).coefficients
+    coefficients = np.array(with_rigid(made.poses, Motor(rigid)).coefficients)
+    coefficients[whole] = measured.poses.coefficients[whole]
+    return Trajectory(made.time_ns, type(made.poses)(coefficients), made.parent, made.child)
 
 
 class _HeldOut:
     """Runs that are held out, and how well the kept poses predict as many good ones."""
 
-    def __init__(self, time_s: FloatArray, poses: Motor, kept: Kept) -> None:
-        self.time_s, self.rows, self.count = time_s, np.flatnonzero(kept), len(kept)
+    def __init__(self, time_s: FloatArray, poses: Motor, kept: Kept, most: FloatArray) -> None:
+        self.time_s, self.poses, self.kept, self.most = time_s, poses, kept, most
+        self.rows, self.count = np.flatnonzero(kept), len(kept)
         self.good = poses[self.rows]
         self.off = _off(poses, bridged(time_s, poses, kept))
         gaps, _, missing = crossings(time_s, poses, kept)
@@ -147,15 +198,50 @@ class _HeldOut:
         self.errors: dict[int, tuple[IntArray, FloatArray, FloatArray]] = {}
 
     def right_among(self, edges: list[int]) -> list[tuple[int, int]]:
-        """Parts of a run between leaps that agree and lie where the kept poses predict them."""
+        """The longest part of a run between leaps that agrees and lies where the kept poses predict
+        it, or leads to them or on from them over what is left out: then the level jumps beside it.
+        """
         near = self._near(edges[0], edges[-1])
         if near is None or len(edges) == 2:
             return []
-        return [
+        right = [
             (begin, end)
             for begin, end in pairwise(edges)
-            if end - begin > 2 and not np.any(_size(self.off[begin:end]) > near[0])
+            if end - begin > 2
+            and (
+                not np.any(_size(self.off[begin:end]) > near[0])
+                or self._leads_on(edges[0], begin, end, edges[-1])
+            )
         ]
+        return sorted(right, key=lambda one: one[0] - one[1])[:1]
+
+    def _leads_on(self, first: int, begin: int, end: int, last: int) -> bool:
+        """Whether part of a run is crossed to, or from, as well as as many good poses are."""
+        around = slice(max(first - _AROUND, 0), last + _AROUND)
+        kept = np.array(self.kept)
+        kept[begin:end] = True
+        gaps, _, missing = crossings(self.time_s[around], self.poses[around], kept[around])
+        for (before, behind), missed in zip(gaps + around.start, _parts(missing), strict=True):
+            near = self._near(before + 1, behind)
+            beside = begin == behind or end == before + 1
+            shorter = behind - before - 1 <= end - begin
+            if near is not None and beside and shorter and not np.any(missed > near[1]):
+                return True
+        return False
+
+    def _leaps_back(self, first: int, last: int) -> bool:
+        """Whether the path leaps back by as much as it leaps off, so that a run is off alike."""
+        if last - first < 2:
+            return False
+        rates = (self.poses[:-1].inverse() @ self.poses[1:]).as_twist()
+        rates /= np.diff(self.time_s)[:, None]
+        leaps = []
+        for row in (first, last):
+            usual = 0.5 * (rates[row - 2] + rates[row]) * (self.time_s[row] - self.time_s[row - 1])
+            expected = self.poses[row - 1] @ Motor.from_twist(usual)
+            turn = (expected.rotor.inverse() @ self.poses[row].rotor).as_rotation_vector()
+            leaps.append([turn, self.poses[row].translation_m - expected.translation_m])
+        return not np.any(np.linalg.norm(np.sum(leaps, axis=0), axis=1) > _BACK * self.most)
 
     def judged(self, edges: list[int]) -> tuple[list[tuple[int, int]], list[int]]:
         """Parts of a run between leaps that are motion, and rows before which its level jumps."""
@@ -177,8 +263,9 @@ class _HeldOut:
             return whole, []
         returns = not np.any(missed > near[1])
         if agrees:  # poses that do not agree are wrong wherever the path goes on
-            far = _size(self.off[slice(*max(pairwise(edges), key=lambda one: one[1] - one[0]))])
-            returns = returns and bool(np.any((far > near[0]) & (missed < _RETURNED * far)))
+            far = np.max([_size(self.off[slice(*one)]) for one in pairwise(edges)], axis=0)
+            far_off = bool(np.any((far > near[0]) & (missed < _RETURNED * far)))
+            returns = returns and (far_off or self._leaps_back(first, last))
         if returns:
             return [], []
         return (whole, [first, last]) if agrees and len(edges) == 2 else ([], [last])
@@ -259,15 +346,18 @@ def _bends(time_s: FloatArray, poses: Motor) -> FloatArray:
     """By how much each step ``(N + 1, 2)`` differs from those beside it, in rad and m.
 
     Row k is of the step before pose k. A turn, however fast, changes steps little by little; a leap
-    is unlike what the steps on either side go on to, and unlike their mean. There is none beyond
-    the ends.
+    is unlike what the steps on either side go on to, two and three of them, and unlike their mean.
+    There is none beyond the ends.
     """
     rates = (poses[:-1].inverse() @ poses[1:]).as_twist() / np.diff(time_s)[:, None]
-    ahead = np.pad(rates, ((2, 2), (0, 0)), "edge")
-    far, near = (ahead[:-4], ahead[4:]), (ahead[1:-3], ahead[3:-1])
-    slopes = [2.0 * one - other for one, other in zip(near, far, strict=True)]
-    expected = [near, slopes, [0.5 * (near[0] + near[1])] * 2]
-    least = np.min([[_parts(rates - one) for one in pair] for pair in expected], axis=(0, 1))
+    ahead, count = np.pad(rates, ((3, 3), (0, 0)), "edge"), len(rates)
+    unlike = [_parts(rates - 0.5 * (ahead[2:-4] + ahead[4:-2]))]
+    for side in (-1, 1):
+        near, far, last = (ahead[3 + side * k :][:count] for k in (1, 2, 3))
+        slopes = (2.0 * near - far, (4.0 * near + far - 2.0 * last) / 3.0)
+        unlike.append(_parts(rates - near))
+        unlike.append(np.max([_parts(rates - one) for one in slopes], axis=0))
+    least = np.min(unlike, axis=0)
     least[[0, -1]] = _parts(rates[[0, -1]] - rates[[1, -2]])
     return np.pad(least * float(np.median(np.diff(time_s))), ((1, 1), (0, 0)))
 

@@ -7,20 +7,24 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.batch.columns import NO_JUMPS
+from motorcade.fusion.smoothing.batch.columns import NO_JUMPS, ColumnStretch
 from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, inlier_poses
 from motorcade.fusion.smoothing.batch.jumps import with_jumps
 from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
 from motorcade.fusion.smoothing.batch.noise import first_sizes
 from motorcade.fusion.smoothing.batch.per_axis import (
     HEAVY_TAILS,
+    LAST_STEPS,
+    AxisModels,
     Measured,
     PerAxisPath,
     chosen_models,
+    settled,
     smoothed_per_axis,
 )
-from motorcade.fusion.smoothing.batch.predicted import judged_runs
+from motorcade.fusion.smoothing.batch.predicted import judged_runs, worse_than_measured
 from motorcade.fusion.smoothing.batch.problem import with_rigid
+from motorcade.fusion.smoothing.batch.twist import moves_beside
 from motorcade.fusion.smoothing.representations import (
     REPRESENTATIONS,
     Representation,
@@ -32,6 +36,10 @@ from motorcade.ga.arrays import FloatArray, IntArray
 
 FIRST_STEPS = 3
 _BODY = "motor"
+_MISSES = "what lies next to a pose predicts it better than any spline"
+# Columns that one twist has in these, and the share of the band that noise alone has at least where
+# there may be no motion beside it.
+_STIFF, _STILL = {_BODY: 6, "rotor": 3}, 0.9
 # A changing acceleration tells stamps and axes from each other as well as any order that is chosen.
 _FIRST_ORDER = (2,)
 # By how much the logarithm of poses must be likelier with even stamps for these to be taken.
@@ -151,15 +159,83 @@ def in_better_axes(
     start: PathStart, measured: Measured, found: PerAxisPath
 ) -> tuple[Measured, PerAxisPath]:
     """The same in axes of the body, where these predict better."""
-    body = REPRESENTATIONS[_BODY]
-    path = body.coordinates(
-        restored(measured.representation, found.coordinates, start.trajectory).poses
-    )
-    turned = replace(start.measured(body, path), time_s=measured.time_s, jumps=measured.jumps)
+    turned, path = in_axes_of_body(start, measured, found)
     world = chosen_models(measured, found.coordinates, found.weights, _FIRST_ORDER)
     if chosen_models(turned, path, found.weights, _FIRST_ORDER).score <= world.score:
         return measured, found
     return turned, replace(found, coordinates=path)
+
+
+def in_axes_of_body(
+    start: PathStart, measured: Measured, found: PerAxisPath
+) -> tuple[Measured, FloatArray]:
+    """Measured poses and the path in axes of the body."""
+    body, like = REPRESENTATIONS[_BODY], start.trajectory
+    path = body.coordinates(restored(measured.representation, found.coordinates, like).poses)
+    turned = replace(start.measured(body, path), time_s=measured.time_s, jumps=measured.jumps)
+    return turned, path
+
+
+def of_one_twist(
+    start: PathStart,
+    measured: Measured,
+    found: PerAxisPath,
+    models: AxisModels,
+    tails: float,
+    any_axes: bool,
+) -> tuple[Measured, PerAxisPath, AxisModels]:
+    """The same by a constant twist of motors, or of rotors, where no other motion is left.
+
+    Args:
+        start: of the path.
+        measured: poses.
+        found: the path.
+        models: it was smoothed by.
+        tails: degrees of freedom of the errors.
+        any_axes: whether axes of the body may be taken for those that were.
+    """
+    tried = [(measured, found.coordinates)]
+    if any_axes and measured.representation.name != _BODY:
+        tried.insert(0, in_axes_of_body(start, measured, found))
+    for poses, path in tried:
+        columns = _STIFF.get(poses.representation.name, 0)
+        own = models.columns[:columns]
+        usual_s = float(np.median(np.diff(poses.time_s)))
+        if not own or len(poses.jumps) or any(one.noise_alone(usual_s) < _STILL for one in own):
+            continue
+        stiff = [replace(one, stiff=True, memory_s=0.0) for one in own]
+        by_twist = replace(models, columns=(*stiff, *models.columns[columns:]))
+        made = smoothed_per_axis(poses, path, found.weights, by_twist, tails, LAST_STEPS)
+        beyond = poses.representation.local(poses.coordinates, made.coordinates)
+        if not moves_beside(ColumnStretch(poses.time_s, beyond, made.weights), columns):
+            return poses, made, by_twist
+    return measured, found, models
+
+
+def no_worse(
+    start: PathStart,
+    measured: Measured,
+    found: PerAxisPath,
+    models: AxisModels,
+    tails: float,
+    known: FloatArray,
+) -> tuple[PerAxisPath, AxisModels]:
+    """The same through every rotation, or position, that it predicts worse than neighbours do.
+
+    Where noise is known ``(d,)``, not NaN, it is smoothed by that.
+    """
+    worse = worse_than_measured(start.trajectory, measured, found)
+    if not np.any(worse):
+        return found, models
+    parts = np.searchsorted(measured.representation.ends, np.arange(len(known)), "right")
+    through = np.append(worse, False)[parts] & np.isnan(known)
+    usual_s = float(np.median(np.diff(measured.time_s)))
+    made = [
+        one.through_all(usual_s, _MISSES) if every else one
+        for one, every in zip(models.columns, through, strict=True)
+    ]
+    models = replace(models, columns=tuple(made))
+    return settled(measured, found, models, tails), models
 
 
 def even_stamps(time_s: FloatArray) -> FloatArray | None:

@@ -16,6 +16,7 @@ from motorcade.fusion.smoothing.batch.start import PathStart
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.files.trajectories import read_trajectory
+from tests.bench.smoothing.cells import cell, left, motion
 
 RUN = slice(400, 430)
 
@@ -117,6 +118,65 @@ def test_runs_jumps_and_gaps_together_spoil_no_good_pose() -> None:
         before, after = (sizes_off(one, true)[wrong == 0.0] for one in (measured, found))
         spoiled += bool(np.any(np.mean(after**2, axis=0) > 1.1 * np.mean(before**2, axis=0)))
     assert spoiled <= 4
+
+
+def test_a_path_that_a_spline_cannot_follow_stays_in_its_rotations(
+    rng: np.random.Generator,
+) -> None:
+    """Euler angles that wrap were smoothed across their wraps, by 39°; positions are smoothed."""
+    true = MOTIONS["gimbal_crossing_slow"].sampled(30.0, 10.0)
+    noisy = Gaussian(0.005, np.deg2rad(0.5)).apply(true, rng)
+    found = smoothed_automatically(noisy, "euler")
+    before, after = (
+        np.mean(sizes_off(one, true) ** 2, axis=0) for one in (noisy, found.trajectory)
+    )
+    assert np.all(after < [1.01 * before[0], 0.25 * before[1]])
+    assert "what lies next to a pose predicts it better" in str(found.choice)
+
+
+def test_poses_that_a_representation_distorts_are_no_rougher_than_others() -> None:
+    """Left out beside the gimbal lock, positions stayed as measured though the path knew them."""
+    true = MOTIONS["gimbal_crossing_slow"].sampled(30.0, 10.0)
+    expected, _ = accelerations(true.time_s, true.motors)
+    for seed in range(3):
+        noisy = Gaussian(0.005, np.deg2rad(0.5)).apply(true, np.random.default_rng(seed))
+        found = smoothed_automatically(noisy, "euler_unwrapped").trajectory
+        linear, _ = accelerations(true.time_s, found.motors)
+        assert np.sqrt(np.mean(np.sum((linear - expected) ** 2, axis=1))) < 0.5
+
+
+@pytest.mark.parametrize(
+    ("name", "noise", "seed"),
+    [
+        ("gimbal_hover", "flips", 1),  # six at the end, taken for another level
+        ("handheld", "flips", 0),  # two, whose steps are like a turn's
+        ("fast_spin", "flips", 4),  # bridged over so long that anything was near
+        ("walk_and_look", "bursts of outliers", 4),  # in part mirrored, as a marker's are
+        ("stop_and_go", "bursts of outliers", 2),  # the path leaps back by what it leapt off
+    ],
+)
+def test_runs_that_the_path_leaps_to_and_back_are_wrong(
+    name: str, noise: str, seed: int, data_dir: Path
+) -> None:
+    true = motion(name, data_dir, 10.0)
+    assert true is not None
+    drawn = cell(name, noise, true, seed)
+    assert left(smoothed_automatically(drawn.raw).trajectory, drawn).e2 < 0.15
+
+
+def test_right_poses_between_wrong_ones_beside_a_jump_are_kept() -> None:
+    for seed in (0, 13, 27, 32):
+        measured, true, wrong = wrong_together(seed)
+        found = smoothed_automatically(measured).trajectory
+        before, after = (sizes_off(one, true)[wrong == 0.0] for one in (measured, found))
+        assert np.all(np.mean(after**2, axis=0) < 1.1 * np.mean(before**2, axis=0))
+
+
+def test_corrections_that_outgrow_each_other_lead_nowhere() -> None:
+    """Nine times as far off as measured before, by corrections that each outgrew the last."""
+    true = MOTIONS["fast_spin"].sampled(20.0, 599 / 60.0)
+    raw = cell("fast_spin", "white 1 mm, 0.1°", true, 1)
+    assert left(smoothed_automatically(raw.raw).trajectory, raw).e2 < 1.0
 
 
 def test_good_poses_of_a_flight_stay_where_nothing_bridges_them(data_dir: Path) -> None:

@@ -1,0 +1,113 @@
+"""Screws and spins are smoothed by one constant twist, and nothing that moves besides is."""
+
+import numpy as np
+import pytest
+
+from motorcade.fusion.motions import MOTIONS, Motion
+from motorcade.fusion.motions.degradations import (
+    Degradation,
+    DroppedFrames,
+    Gaussian,
+    PlanarFlips,
+    Quantised,
+)
+from motorcade.fusion.motions.motion import Factor, Polynomial
+from motorcade.fusion.smoothing import smoothed_automatically
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray
+
+NOISE = Gaussian(0.005, np.deg2rad(0.5))
+STRONG = Gaussian(0.02, np.deg2rad(2.0))
+
+
+def turning(rng: np.random.Generator, *, screw: bool) -> Trajectory:
+    """A constant twist about any axis, ten seconds at 20 Hz; a spin stays where it is."""
+    twist = np.concatenate([rng.standard_normal(3), screw * rng.standard_normal(3)])
+    twist *= rng.uniform(0.5, 3.0) / np.linalg.norm(twist[:3])
+    path = Motion((Factor(twist, Polynomial((0.0, 1.0))),), Motor).sampled(20.0, 9.95)
+    start = Motor.from_twist(rng.standard_normal(6))
+    return Trajectory(path.time_ns, start @ path.motors, path.parent, path.child)
+
+
+def sizes(path: Trajectory, true: Trajectory) -> FloatArray:
+    """RMS of wrong rotations in rad and of wrong positions in m."""
+    turn = (true.motors.rotor.inverse() @ path.motors.rotor).as_rotation_vector()
+    shift = path.motors.translation_m - true.motors.translation_m
+    return np.array([np.sqrt(np.mean(np.sum(one**2, axis=1))) for one in (turn, shift)])
+
+
+@pytest.mark.parametrize(
+    ("screw", "noise", "wrong", "most"),
+    [
+        (True, STRONG, None, (0.144, 0.144)),
+        (True, NOISE, DroppedFrames(0.3, 3.0), (0.2, 0.2)),
+        (False, NOISE, PlanarFlips(0.05), (0.12, 0.12)),
+        (False, Quantised(0.01, float(np.deg2rad(1.0))), None, (0.2, 1.0)),
+    ],
+    ids=["screw, strong noise", "screw, dropouts", "spin, flips", "spin, quantised"],
+)
+def test_a_constant_twist_is_found(
+    screw: bool,
+    noise: Degradation,
+    wrong: Degradation | None,
+    most: tuple[float, float],
+) -> None:
+    left = []
+    for seed in range(4):
+        rng = np.random.default_rng([35, seed])
+        true = turning(rng, screw=screw)
+        raw = noise.apply(true, rng)
+        raw = raw if wrong is None else wrong.apply(raw, rng)
+        found = smoothed_automatically(raw)
+        assert found.choice.by_twist
+        assert "a constant" in str(found.choice)
+        rows = np.searchsorted(true.time_ns, raw.time_ns)
+        before, after = (sizes(path, true[rows]) for path in (raw, found.trajectory))
+        left.append(after / np.maximum(before, 1e-9))
+    assert np.all(np.sqrt(np.mean(np.square(left), axis=0)) < most)
+
+
+def test_a_body_that_goes_anywhere_and_turns_evenly_keeps_its_way(
+    rng: np.random.Generator,
+) -> None:
+    way = MOTIONS["handheld"].sampled(20.0, 9.95)
+    turn = turning(rng, screw=False).motors.rotor
+    poses = Motor.from_rotor_translation(turn, way.motors.translation_m)
+    true = Trajectory(way.time_ns, poses, way.parent, way.child)
+    raw = NOISE.apply(true, rng)
+    found = smoothed_automatically(raw, "rotor")
+    assert "a constant angular rate" in str(found.choice)
+    left = sizes(found.trajectory, true) / sizes(raw, true)
+    assert left[0] < 0.15
+    assert left[1] < 0.7
+
+
+@pytest.mark.parametrize("sway_deg", [1.0, 3.0])
+def test_motion_beside_a_twist_is_kept(sway_deg: float, rng: np.random.Generator) -> None:
+    plain = turning(rng, screw=True)
+    sway = np.sin(2.0 * np.pi * 0.3 * plain.time_s)[:, None] * np.deg2rad(sway_deg)
+    swayed = plain.motors @ Motor.from_twist(sway * [1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    true = Trajectory(plain.time_ns, swayed, plain.parent, plain.child)
+    raw = NOISE.apply(true, rng)
+    found = smoothed_automatically(raw)
+    assert not found.choice.by_twist
+    assert np.all(sizes(found.trajectory, true) < 0.7 * sizes(raw, true))
+
+
+def test_a_choice_of_a_twist_is_looked_at_again_on_another_path(rng: np.random.Generator) -> None:
+    choice = smoothed_automatically(NOISE.apply(turning(rng, screw=True), rng)).choice
+    assert choice.by_twist
+    true = turning(rng, screw=True)
+    other = NOISE.apply(true, rng)
+    assert np.all(sizes(choice.smooth(other), true) < 0.3 * sizes(other, true))
+    hand = MOTIONS["handheld"].sampled(20.0, 9.95)
+    noisy = NOISE.apply(hand, rng)
+    assert not smoothed_automatically(noisy, choice=choice).choice.by_twist
+
+
+def test_a_body_at_rest_is_at_rest(rng: np.random.Generator) -> None:
+    still = Trajectory(
+        np.arange(200) * 50_000_000, Motor.from_rotor_translation(Rotor.identity((200,)), [1.0] * 3)
+    )
+    raw = NOISE.apply(still, rng)
+    assert np.all(sizes(smoothed_automatically(raw).trajectory, still) < 0.2 * sizes(raw, still))
