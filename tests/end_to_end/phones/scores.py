@@ -44,7 +44,7 @@ class Score:
     """One clip's figures.
 
     Fields:
-        name: of the clip; bears: whether a camera and a path follow from it.
+        name: of the clip; bears: whether a path with metres or units follows from it.
         seconds: that the command took.
         refused: the line with which it was refused, "" where it was not.
         focal_error: relative, signed.
@@ -66,9 +66,9 @@ class Score:
 
     @property
     def right(self) -> bool:
-        """Whether the clip came out as it must."""
+        """Whether the clip came out as it must; without a path to compare, by its film alone."""
         if not self.bears:
-            return bool(self.refused)
+            return bool(self.refused) or not self.faults
         kept = self.covered >= COVERED_SHARE and not self.faults and not self.refused
         return (
             kept
@@ -114,6 +114,8 @@ def score(clip: Path, case: Case, out: Path, until: str = "overlay") -> Score:
     seconds = time.perf_counter() - start
     if status:
         return Score(case.name, case.bears, seconds, refused=f"({status}) {last}")
+    if not case.bears:
+        return Score(case.name, case.bears, seconds, faults=_film_faults(clip, out, until))
     return scored(clip, case, out, until, seconds)
 
 
@@ -131,16 +133,18 @@ def scored(clip: Path, case: Case, out: Path, until: str, seconds: float) -> Sco
     run = {0: (0.0, 1.0), 90: (-1.0, 0.0), 270: (1.0, 0.0)}[case.rotation]
     shutter_s = table.get("readout_s", 0.0) * np.array(run)
     registration, covered = registration_px(path, camera, truth, shutter_s)
-    film = out / "overlay.mp4"
-    faults = ["no film"] if until == "overlay" else []
-    if film.exists():
-        faults = faults_of_film(read_video(clip), read_video(film))
+    faults = _film_faults(clip, out, until)
     focal = float(truth["focal_px"].mean())
     said = next(one for one in log["assumed"] if one.startswith("camera:"))
     error = camera.fx / focal - 1.0
-    return Score(
-        case.name, case.bears, seconds, "", error, registration, covered, tuple(faults), said
-    )
+    return Score(case.name, case.bears, seconds, "", error, registration, covered, faults, said)
+
+
+def _film_faults(clip: Path, out: Path, until: str) -> tuple[str, ...]:
+    film = out / "overlay.mp4"
+    if not film.exists():
+        return ("no film",) if until == "overlay" else ()
+    return tuple(faults_of_film(read_video(clip), read_video(film)))
 
 
 def _drawn(out: Path) -> Path:
