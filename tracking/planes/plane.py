@@ -52,8 +52,8 @@ class Plane:
     >>> x, y = np.meshgrid(np.linspace(0.0, 1.0, 5), np.linspace(0.0, 2.0, 5))
     >>> points_m = np.stack([x, y, 0.0 * x], axis=-1).reshape(-1, 3)
     >>> floor = fit_plane(points_m, towards_m=[0.0, 0.0, 1.5])  # the normal points to the camera
-    >>> floor.normal.round(6) + 0.0, round(floor.area_m2, 6)
-    (array([0., 0., 1.]), 2.0)
+    >>> floor.normal.round(6) + 0.0, floor.support
+    (array([0., 0., 1.]), 25)
     >>> other_T_world = Motor.from_rotor_translation(Rotor.identity(), [0.0, 0.0, 0.5])
     >>> round(floor.transformed_by(other_T_world).distance_m, 6)
     0.5

@@ -144,6 +144,10 @@ def test_a_healthy_run_is_not_doubted(seed: int) -> None:
 def test_an_imu_that_contradicts_the_camera_is_never_silent(seed: int, fault: str) -> None:
     one = wrong(given(seed), fault)
     by_pictures, blind = judged(one)
+    if fault == "extrinsics" and "registration" not in failed(by_pictures):
+        # The filter, which may turn them, found the true ones: the path is right, the fault told.
+        assert failed(by_pictures) == failed(blind) == {"inertial"}
+        return
     for found in (by_pictures, blind):
         assert "innovations" in failed(found)
         assert any("measured poses contradict the IMU" in doubt for doubt in found.doubts)
