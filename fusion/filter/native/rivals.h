@@ -311,8 +311,7 @@ void Timeline<N>::undo_jump(std::size_t jump, std::size_t from, std::size_t to) 
 
 // What was measured before a track's birth, judged by it against the flow of time: rate and
 // velocity change their signs, force does not, and the same transitions hold. How many poses agree.
-template <std::size_t N>
-std::size_t Timeline<N>::judge_before(Track<N> track, std::size_t birth) {
+template <std::size_t N> std::size_t Timeline<N>::judge_before(Track<N> track, std::size_t birth) {
     std::size_t agreeing = 0;
     along(track, [&] {
         for (std::size_t k = birth + 1; k-- > begin_;) {
