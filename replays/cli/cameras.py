@@ -157,8 +157,8 @@ def add_calibrate(commands: Subparsers, shared: argparse.ArgumentParser) -> None
     parser.add_argument(
         "--model",
         choices=("radtan", "equidistant", "pinhole"),
-        default="radtan",
-        help="lens: k1 k2 p1 p2, fisheye k1 to k4, or none (radtan)",
+        help="lens: k1 k2 p1 p2, fisheye k1 to k4, or none; without it the simplest that predicts "
+        "held-out views as well as the best (with --imu: radtan)",
     )
     parser.add_argument(
         "--imu",
@@ -229,7 +229,7 @@ def _calibrate_imu(arguments: argparse.Namespace) -> None:
         read_board(arguments.board),
         None if arguments.imu == _OWN else arguments.imu,
         camera=None if arguments.camera is None else read_camera(arguments.camera),
-        model=arguments.model,
+        model=arguments.model or "radtan",
         noise=ADIS16448 if arguments.noise is None else read_noise(arguments.noise),
         gravity_m_s2=arguments.gravity,
         search_s=arguments.search_s,
@@ -281,6 +281,11 @@ def _print_camera(found: dict[str, Any]) -> None:
         f"{found['worst_view_rmse_px']:.4f}; {found['coverage']:.0%} of the picture's cells "
         f"covered; board turned by up to {found['largest_turn_deg']:.0f} degrees"
     )
+    trials = found["held_out_px"].items()
+    listed = ", ".join(f"{model} {px:.3f}" for model, px in trials if px is not None)
+    print(f"  lens {camera['model']}; error on held-out views: {listed or 'too few views'} px")
+    if found["doubt"]:
+        print(f"motorcade: doubtful: {found['doubt']}", file=sys.stderr)
 
 
 PRINTING = """\

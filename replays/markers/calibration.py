@@ -17,10 +17,11 @@ from motorcade.replays.readers.frames.files import pictures_in
 from motorcade.replays.readers.frames.pictures import SUFFIXES, decode_gray, read_picture_bytes
 from motorcade.replays.readers.manifest.section import camera_toml
 from motorcade.replays.recording import Frame, ImageArray
-from motorcade.tracking import Board, Calibration, CalibrationError, calibrate
+from motorcade.tracking import Board, Calibration, CalibrationError
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.calibrate import spread_views
 from motorcade.tracking.cameras.camera import CameraModel
+from motorcade.tracking.cameras.lens_choice import LensTrial, better_lens, choose_lens, try_lenses
 from motorcade.tracking.cameras.orientation import AS_STORED, PictureOrientation
 
 # Frames of a video that are searched, and views that are fitted: more hardly change the result.
@@ -43,6 +44,9 @@ class CalibrationRun:
         found: in how many of them the board was found.
         unreadable: one line for each picture that could not be read.
         orientation: how the pictures are stored, where all say the same.
+        trials: every lens model, judged by held-out views.
+        doubt: which lens model predicts held-out views better than the one asked for; empty where
+            none does.
     """
 
     calibration: Calibration
@@ -52,20 +56,23 @@ class CalibrationRun:
     searched: int
     found: int
     unreadable: tuple[str, ...]
-    orientation: PictureOrientation = AS_STORED
+    orientation: PictureOrientation
+    trials: tuple[LensTrial, ...]
+    doubt: str
 
 
 def calibrate_pictures(
     paths: Sequence[Path],
     board: Board,
-    model: CameraModel = "radtan",
+    model: CameraModel | None = None,
 ) -> CalibrationRun:
     """Calibrate the camera that took pictures of a board.
 
     Args:
         paths: picture files, folders of them, or video files; all of one size.
         board: what they show.
-        model: "pinhole", "radtan" or "equidistant".
+        model: "pinhole", "radtan" or "equidistant"; None: the simplest that predicts held-out views
+            as well as the best.
 
     Returns:
         the run; pictures that cannot be read, or are of another size than the first, are listed.
@@ -101,17 +108,33 @@ def calibrate_pictures(
             f"{board.name}: expected it in some pictures, got it in none of {searched} that could "
             f"be read, {len(unreadable)} could not{first}"
         )
-    chosen = spread_views([view for _, view in found], _MOST_VIEWS)
-    views = tuple(found[index][1] for index in chosen)
+    spread = spread_views([view for _, view in found], _MOST_VIEWS)
+    views = tuple(found[index][1] for index in spread)
+    trials = try_lenses(views, size)
+    chosen = choose_lens(trials)
+    if model is not None:
+        chosen = next(trial for trial in trials if trial.model == model)
+    if chosen.calibration is None:
+        raise CalibrationError(chosen.fault)
+    better = better_lens(trials, chosen)
     return CalibrationRun(
-        calibration=calibrate(views, size, model),
+        calibration=chosen.calibration,
         board=board,
-        names=tuple(found[index][0] for index in chosen),
+        names=tuple(found[index][0] for index in spread),
         views=views,
         searched=searched,
         found=len(found),
         unreadable=tuple(unreadable),
         orientation=held.pop() if len(held) == 1 else AS_STORED,
+        trials=trials,
+        doubt="" if better is None else _doubt(chosen, better),
+    )
+
+
+def _doubt(chosen: LensTrial, better: LensTrial) -> str:
+    return (
+        f"{better.model} predicts held-out views to {better.typical_px:.2f} px, {chosen.model} to "
+        f"{chosen.typical_px:.2f}: say --model {better.model}, or leave it out"
     )
 
 
@@ -168,6 +191,8 @@ def describe_calibration(run: CalibrationRun) -> dict[str, Any]:
             **dict(zip(("fx_px", "fy_px", "cx_px", "cy_px"), found.deviation[:4], strict=True)),
             "distortion": found.deviation[4:].tolist(),
         },
+        "held_out_px": {trial.model: _finite(trial.typical_px) for trial in run.trials},
+        "doubt": run.doubt or None,
         "reprojection_rmse_px": found.rmse_px,
         "worst_view_rmse_px": float(errors.max()),
         "pictures_searched": run.searched,

@@ -219,8 +219,8 @@ def _posed(view: BoardCorners, camera: Camera) -> tuple[Motor, float]:
     return candidates.world_T_camera[0], float(candidates.error_px[0])
 
 
-def _error_px(view: BoardCorners, camera: Camera) -> float:
-    """Error of a view's own best pose; infinite where there is none."""
+def view_error_px(view: BoardCorners, camera: Camera) -> float:
+    """Root mean square error of a view with its own best pose, pixels; infinite without one."""
     pose, error = _posed(view, camera)
     return refine(view, camera, pose).error_px if np.isfinite(error) else error
 
@@ -242,7 +242,7 @@ def _view_errors_px(views: Sequence[BoardCorners], used: NDArray[np.bool_], fit:
     squared = np.split((fit.residuals_px**2).sum(axis=-1), ends[:-1])
     errors[used] = [np.sqrt(one.mean()) for one in squared]
     errors[~used] = [
-        _error_px(view, fit.camera) for view, one in zip(views, used, strict=True) if not one
+        view_error_px(view, fit.camera) for view, one in zip(views, used, strict=True) if not one
     ]
     return errors
 

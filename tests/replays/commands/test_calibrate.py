@@ -19,6 +19,7 @@ from motorcade.tracking import (
     SingleMarker,
 )
 from motorcade.tracking.boards import board_named
+from motorcade.tracking.boards.corners import BoardCorners
 
 BOARD = Checkerboard(7, 4, 0.03)
 CAMERA = Camera(320, 240, 300.0, 298.0, 161.0, 117.0)
@@ -156,3 +157,33 @@ def test_boards_are_read_from_files(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="at least 3, got 2"):
         read_board("checkerboard_2x6_40mm")
     assert board_named("tag36h11_6x4_30mm_gap_9mm") == MarkerGrid("tag36h11", 6, 4, 0.03, 0.009)
+
+
+def test_the_lens_that_predicts_held_out_views_is_taken_and_a_worse_one_doubted(
+    tmp_path: Path, capsys, monkeypatch
+) -> None:
+    fisheye = Camera(320, 240, 110.0, 110.0, 161.0, 117.0, "equidistant", (0.02, -0.01, 0.0, 0.0))
+    rng = np.random.default_rng(5)
+    images = tmp_path / "images"
+    images.mkdir()
+    for index in range(12):
+        cv2.imwrite(str(images / f"view_{index:02}.png"), np.full((240, 320), index, np.uint8))
+
+    def detect(board: Checkerboard, gray: np.ndarray) -> BoardCorners:
+        index = int(gray[0, 0])
+        near = Motor.from_rotor_translation(Rotor.identity(), [0.0, 0.0, 0.19])
+        aside = Rotor.from_rotation_vector([*rng.uniform(-0.5, 0.5, 2), 0.0])
+        pose = tilted(index) @ near @ Motor.from_rotor_translation(aside, np.zeros(3))
+        px = fisheye.project(pose.inverse().apply(board.points_m))
+        return BoardCorners(np.arange(28), px + 0.1 * rng.normal(size=px.shape), board.points_m)
+
+    monkeypatch.setattr(Checkerboard, "detect", detect)
+    out = tmp_path / "camera.toml"
+    named = ["calibrate", str(images), "--board", BOARD.name, "-o", str(out)]
+    assert main(named) == 0
+    assert "lens equidistant" in capsys.readouterr().out
+    camera = read_camera(out)
+    assert camera.model == "equidistant"
+    assert abs(camera.fx - fisheye.fx) < 1.0
+    assert main([*named, "--model", "radtan"]) == 0
+    assert "say --model equidistant" in capsys.readouterr().err
