@@ -29,6 +29,9 @@ WRITTEN := $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(k
 demo: $(READY) system
 	$(BIN)/motorcade demo --out out/demo
 
+# Two workers on two processors: threads of linear algebra beside them would wait for each other.
+test test-slow fuzz wheel: export OPENBLAS_NUM_THREADS := 1
+
 test: $(READY) system
 	$(BIN)/python -m pytest -q -n 2 --dist loadgroup -m "not slow"
 

@@ -1,6 +1,7 @@
 """Fixtures shared by every room's tests: recordings, random numbers, and whether one can draw."""
 
 import os
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +12,18 @@ REPOSITORY = Path(__file__).resolve().parents[1]
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Run tests that share a module's fixture by one process, so that it is made once."""
+    """Leave most cases of long tests to the slow part; run each module's fixtures in one process.
+
+    Tests that share a module's fixture are run by one process, so that it is made once.
+    """
+    cases: Counter[str] = Counter()
     for item in items:
+        sampled = item.get_closest_marker("quick_every")
+        if sampled is not None:
+            test = item.nodeid.partition("[")[0]
+            if cases[test] % sampled.args[0]:
+                item.add_marker(pytest.mark.slow)
+            cases[test] += 1
         made = getattr(item, "_fixtureinfo", None)
         shared = {
             definition.baseid

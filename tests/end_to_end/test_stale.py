@@ -31,6 +31,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("cache")
 
 
+@pytest.mark.quick_every(3)
 @pytest.mark.parametrize(("kind", "way"), CASES)
 def test_what_read_a_changed_file_is_made_again_and_nothing_else(
     kind: Kind, way: str, tmp_path: Path, cache: Path

@@ -264,6 +264,7 @@ def test_a_written_recording_is_read_back(tmp_path: Path) -> None:
         write_recording(tmp_path / "room", made, name="again")
 
 
+@pytest.mark.slow
 def test_the_pipeline_runs_on_it(tmp_path: Path) -> None:
     write_recording(tmp_path / "room", scenario("handheld", frames=45), name="room")
     run_job(Job(recording=tmp_path / "room", out=tmp_path / "out", until="smoothed"))

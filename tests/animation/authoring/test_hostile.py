@@ -27,6 +27,7 @@ def refused(tmp_path: Path, text: str, read: Any = read_scene) -> str:
     return told
 
 
+@pytest.mark.quick_every(3)
 @pytest.mark.parametrize("key", ["", "objects", "anchors", "joints", "object"])
 def test_a_million_keys_are_refused(tmp_path: Path, key: str) -> None:
     many = dict.fromkeys((f"k{k}" for k in range(1_000_000)), 0)

@@ -71,6 +71,7 @@ def close(found: Multivector, expected: Multivector, tolerance: float = 1e-13) -
     assert worst <= tolerance * size, f"{worst / size:.1e}\n{found}\n{expected}"
 
 
+@pytest.mark.quick_every(3)
 @pytest.mark.parametrize("size", [1e-9, 1e-4, 0.03, 0.3, 1.0, 2.5])
 def test_exp_is_that_of_the_matrix_of_left_multiplication(algebra: Algebra, size: float) -> None:
     rng = np.random.default_rng(3)

@@ -105,6 +105,7 @@ def build(arguments: list[str]) -> None:
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.quick_every(4)
 @pytest.mark.skipif(COMPILER is None, reason="no C compiler")
 @pytest.mark.parametrize("path", sorted(GENERATED.glob("c/*.c")), ids=lambda path: path.name)
 def test_generated_c_compiles_without_warnings(path: Path, tmp_path: Path) -> None:

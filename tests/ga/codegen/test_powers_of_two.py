@@ -170,6 +170,7 @@ def test_only_kernels_and_whole_exponents_get_them() -> None:
     assert not ours & set(broken.operations())
 
 
+@pytest.mark.quick_every(3)
 @needs_gcc
 @pytest.mark.parametrize("path", sorted(GENERATED.glob("c/similarity_*.c")), ids=lambda p: p.stem)
 def test_loops_over_similarities_become_simd_code(path: Path, tmp_path: Path) -> None:

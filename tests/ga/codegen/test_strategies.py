@@ -82,6 +82,7 @@ def computed(
     return made
 
 
+@pytest.mark.quick_every(4)
 @pytest.mark.skipif(COMPILER is None, reason="no C compiler")
 @pytest.mark.parametrize("strategy", STRATEGIES.values(), ids=STRATEGIES)
 @pytest.mark.parametrize("name", [*EXAMPLES, *SNIPPETS])

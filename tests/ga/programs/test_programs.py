@@ -15,6 +15,7 @@ from tests.ga.programs.grammar import VOLUMES, grammar_cases
 from tests.ga.programs.random_scripts import ALGEBRAS, random_cases
 
 
+@pytest.mark.quick_every(2)
 @pytest.mark.parametrize("name", ["3dpga", "cga"])
 def test_random_scripts_evaluate_to_what_clifford_computes(name: str) -> None:
     cases = random_cases(name, 6, 2)
@@ -23,6 +24,7 @@ def test_random_scripts_evaluate_to_what_clifford_computes(name: str) -> None:
     )
 
 
+@pytest.mark.quick_every(3)
 @pytest.mark.parametrize("name", list(VOLUMES))
 def test_scripts_of_the_whole_language_evaluate_to_what_a_second_reading_computes(
     name: str,

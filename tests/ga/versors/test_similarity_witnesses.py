@@ -74,6 +74,7 @@ def scale(request: pytest.FixtureRequest) -> float:
     return request.param
 
 
+@pytest.mark.quick_every(2)
 def test_sandwich_in_cl41_is_apply(scale: float, conformal: Conformal) -> None:
     one = Similarity.from_motor_scale(Motor.random(np.random.default_rng(3)), scale)
     versor, x = conformal.versor(one.coefficients), np.array([0.3, -1.2, 0.7])

@@ -77,6 +77,7 @@ def kept(command: str, out: Path) -> dict[Path, int]:
     return {path: path.stat().st_mtime_ns for path in values}
 
 
+@pytest.mark.quick_every(3)
 @pytest.mark.parametrize("command", JOBS)
 def test_the_same_command_does_the_rest(
     command: str,

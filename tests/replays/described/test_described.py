@@ -70,6 +70,7 @@ def test_a_clip_alone_gives_its_camera_its_board_and_a_manifest_that_repeats_it(
     assert not (again / "manifest.toml").exists()
 
 
+@pytest.mark.slow
 def test_what_is_told_is_not_looked_for(clip: Path, tmp_path: Path) -> None:
     told = ("described.fov_deg=65", "described.size_m=0.08")
     run_job(Job(clip, tmp_path / "out", until="camera_poses", settings=told))
@@ -220,6 +221,7 @@ def test_a_gyroscope_tells_the_focal_length(tmp_path: Path) -> None:
     assert abs(found.camera.fx / true_px - 1.0) < 4.0 * found.sigma + 0.005
 
 
+@pytest.mark.slow
 def test_a_board_that_is_named_is_taken_in_its_own_units(clip: Path, tmp_path: Path) -> None:
     options = ["--board", "tag36h11_3x2_80mm_gap_20mm", "--set", "described.fov_deg=65"]
     until = ["--until", "camera_poses", "--out", str(tmp_path / "out")]

@@ -139,6 +139,7 @@ def test_a_healthy_run_is_not_doubted(seed: int) -> None:
         ]
 
 
+@pytest.mark.quick_every(4)
 @pytest.mark.parametrize("fault", ["degrees", "units of g", "axes", "clock", "extrinsics"])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_an_imu_that_contradicts_the_camera_is_never_silent(seed: int, fault: str) -> None:

@@ -52,6 +52,7 @@ def as_if(shown: Shown, camera: Camera, points: np.ndarray) -> Shown:
     return replace(shown, recording=recording, camera=camera.undistorted(), points_m=points)
 
 
+@pytest.mark.quick_every(3)
 @pytest.mark.parametrize("camera", LENSES, ids=lambda one: f"{one.model}{len(one.distortion)}")
 def test_colmap_projects_points_where_we_do(shown: Shown, camera: Camera, tmp_path: Path) -> None:
     points = np.random.default_rng(1).uniform(-0.4, 0.4, (30, 3))

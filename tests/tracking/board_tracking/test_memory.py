@@ -55,6 +55,7 @@ def traced() -> Iterator[None]:
     tracemalloc.stop()
 
 
+@pytest.mark.slow
 def test_tracking_a_board_keeps_no_pictures(pictures: list[np.ndarray], traced: None) -> None:
     frames = Sequence(pictures)
     tracker = BoardTracker(CAMERA, SingleMarker("tag36h11", 0, 0.1))

@@ -72,6 +72,7 @@ def rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
+@pytest.mark.quick_every(2)
 @every_board
 def test_a_rendered_path_is_followed(
     board: Board, position_mm: float, angle_deg: float, wide_camera, sequence
@@ -142,6 +143,7 @@ def test_a_board_that_looks_the_same_turned_is_doubted_where_it_jumps(
     assert guessed_turns(board, track_board(stamped(shown[:3]), straight_camera, board)) == 0
 
 
+@pytest.mark.quick_every(3)
 @pytest.mark.parametrize("board", [CHECKERS, BOARDS[2][0], BOARDS[4][0]], ids=lambda b: b.name)
 def test_a_hand_over_the_board_costs_corners_not_the_pose(
     board: Board, straight_camera, sequence

@@ -34,6 +34,7 @@ def true_corners(board: Board, camera: Camera, pose) -> np.ndarray:
     return camera.project(pose.inverse().apply(board.points_m))
 
 
+@pytest.mark.quick_every(3)
 @every_board
 @pytest.mark.parametrize("lens", ["straight_camera", "wide_camera"])
 def test_corners_lie_where_they_are(

@@ -114,6 +114,7 @@ def warped(picture: np.ndarray, homography: np.ndarray, size: tuple[int, int]) -
     return np.rint(cv2.GaussianBlur(means, (0, 0), 0.6)).astype(np.uint8)
 
 
+@pytest.mark.quick_every(3)
 @pytest.mark.parametrize("board", [*BOARDS, *NEWER], ids=lambda board: board.name)
 @pytest.mark.parametrize("turn_deg", [0.0, 37.0, 180.0])
 def test_corners_come_back_from_a_drawing(board: Board, turn_deg: float) -> None:

@@ -55,6 +55,7 @@ def around(look_at, camera: Camera, rng, count: int, tilt_deg: float = 45.0) -> 
     return poses
 
 
+@pytest.mark.quick_every(2)
 @every_camera
 def test_known_cameras_come_back_within_what_is_claimed(camera: Camera, look_at, rng) -> None:
     """Six calibrations: errors over their claimed deviations are standard normal."""
@@ -91,6 +92,7 @@ def test_as_opencv_calibrates(look_at, rng) -> None:
     np.testing.assert_allclose(ours.camera.distortion, lens.ravel()[:4], atol=1e-4)
 
 
+@pytest.mark.quick_every(3)
 @pytest.mark.parametrize(
     "board",
     [

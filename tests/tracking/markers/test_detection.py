@@ -94,6 +94,7 @@ def test_every_rotation_image(yaw_deg: int, data_dir: Path) -> None:
     assert one.agreement > 0.95
 
 
+@pytest.mark.quick_every(4)
 @pytest.mark.parametrize("family", [f for f in FAMILIES if not f.endswith("_1000")])
 def test_every_family_is_found_upright(family: str, render, look_at, straight_camera) -> None:
     for marker in (0, 13):

@@ -108,6 +108,7 @@ print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
 """
 
 
+@pytest.mark.slow
 def test_all_families_together_take_little_memory() -> None:
     """The library's own table of misreadings takes gigabytes for tagStandard52h13 alone."""
     done = subprocess.run([sys.executable, "-c", _ALL_FAMILIES], capture_output=True, check=True)

@@ -14,6 +14,7 @@ def off_px(board: Checkerboard, ids: np.ndarray, px: np.ndarray, true_px: np.nda
     return float(min(np.abs(true_px[turn[ids]] - px).max() for turn in board.turns))
 
 
+@pytest.mark.quick_every(3)
 @pytest.mark.parametrize("board", BOARDS, ids=[board.name for board in BOARDS])
 def test_a_board_that_slides_out_of_the_picture_is_never_shifted_by_squares(
     board: Checkerboard, straight_camera: Camera, render, look_at

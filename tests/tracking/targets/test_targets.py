@@ -58,6 +58,7 @@ def in_units(board: Board) -> Board:
     return Checkerboard(board.columns, board.rows, 1.0)
 
 
+@pytest.mark.quick_every(4)
 @pytest.mark.parametrize("board", BOARDS, ids=[board.name for board in BOARDS])
 def test_a_board_is_found_with_its_counts_and_shares(
     board: Board, straight_camera: Camera, render, look_at
@@ -86,6 +87,7 @@ def test_a_marker_alone_of_a_small_family_is_found_if_several_pictures_show_it(
     assert find_target(shown[:1]) is None  # one picture alone may show it by chance
 
 
+@pytest.mark.slow
 def test_texture_holds_no_family() -> None:
     rng = np.random.default_rng(3)
     for size in (12, 24, 48):  # squares of random bits, as a marker's worst likeness
@@ -128,6 +130,7 @@ PHOTOGRAPHS = {  # what of them is known otherwise: AprilTag's own reference, or
 }
 
 
+@pytest.mark.quick_every(3)
 @pytest.mark.parametrize("pattern", PHOTOGRAPHS)
 def test_photographs_show_what_is_in_them_and_nothing_else(pattern: str, data_dir: Path) -> None:
     files = sorted(data_dir.glob(pattern))[:20]

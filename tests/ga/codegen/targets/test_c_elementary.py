@@ -93,6 +93,7 @@ def test_what_is_no_number_says_so(precision: Precision, tmp_path: Path) -> None
         np.testing.assert_allclose(made[7], np.arccos(inputs[3]), rtol=1e-6, atol=1e-6)
 
 
+@pytest.mark.quick_every(3)
 @pytest.mark.parametrize("precision", PRECISIONS, ids=lambda p: p.numpy)
 @pytest.mark.parametrize("count", [0, 1, 15, 16, 17, 54])
 def test_every_row_is_computed_alike_wherever_it_stands(

@@ -39,6 +39,7 @@ def built(source: Path, flags: list[str]) -> Any:
     return getattr(ctypes.CDLL(str(library)), source.stem)
 
 
+@pytest.mark.quick_every(3)
 @pytest.mark.parametrize(("precision", "bound"), BOUNDS, ids=["float64", "float32"])
 def test_a_function_of_scalars_agrees_with_evaluation(
     script: str, precision: Precision, bound: float, cases: Any, tmp_path: Path
@@ -58,6 +59,7 @@ def test_a_function_of_scalars_agrees_with_evaluation(
     case.checked(case.by_place(out), bound)
 
 
+@pytest.mark.quick_every(3)
 @pytest.mark.parametrize(("precision", "bound"), BOUNDS, ids=["float64", "float32"])
 def test_a_loop_over_rows_agrees_with_evaluation(
     script: str, precision: Precision, bound: float, cases: Any, tmp_path: Path
