@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from math import comb
 from typing import cast
 
 import cv2
@@ -110,9 +111,7 @@ def _opencv_layout(family: str, border: int = 1) -> FamilyLayout:
         bit_rows=rows + border,
         bit_columns=columns + border,
         words=words_of(prints.reshape(len(prints), -1)),
-        most_wrong=_MOST_WRONG
-        if family in APRILTAG_FAMILIES
-        else min(_MOST_WRONG, int(book.maxCorrectionBits)),
+        most_wrong=min(_most_wrong(len(prints), size * size), int(book.maxCorrectionBits)),
     )
 
 
@@ -126,12 +125,36 @@ def _newer_layout(family: str) -> FamilyLayout:
     rows, columns = codes.bit_y + margin, codes.bit_x + margin
     blank[rows, columns], known[rows, columns] = False, True
     return FamilyLayout(
-        cells, margin, codes.white_inside, blank, known, rows, columns, codes.words, _MOST_WRONG
+        cells,
+        margin,
+        codes.white_inside,
+        blank,
+        known,
+        rows,
+        columns,
+        codes.words,
+        _most_wrong(len(codes.words), len(rows)),
     )
 
 
-# As the AprilTag library does by default.
+# As the AprilTag library does by default; and how often texture may pass for a marker, of the
+# squares with a border all round that it shows.
 _MOST_WRONG = 2
+_MOST_BY_CHANCE = 0.02
+
+
+def _most_wrong(count: int, bits: int) -> int:
+    """How many bits of a marker may be wrong: fewer where a family's words fill what bits can say.
+
+    A square of random bits is one of `count` words, in one of four turns, up to k wrong bits, with
+    a probability of at most 4 count sum(C(bits, i), i <= k) / 2^bits.
+
+    >>> _most_wrong(30, 16), _most_wrong(587, 36)  # tag16h5, tag36h11
+    (0, 2)
+    """
+    chances = np.cumsum([comb(bits, wrong) for wrong in range(_MOST_WRONG + 1)])
+    rare = 4.0 * count * chances / 2.0**bits <= _MOST_BY_CHANCE
+    return max(int(np.count_nonzero(rare)) - 1, 0)
 
 
 def _ring(cells: int, inset: int) -> NDArray[np.bool_]:

@@ -296,3 +296,12 @@ def test_equal_neighbours_on_both_sides_of_the_threshold_lose_no_quad() -> None:
         coarse = np.round(cv2.GaussianBlur(turned, (0, 0), 1.5) / 16.0) * 16.0
         found += len(find_quads(coarse.clip(0, 255).astype(np.uint8), False, 8.0, 2)) > 0
     assert found >= 32
+
+
+def test_photographs_of_other_tags_hold_none_of_few_bits(data_dir: Path) -> None:
+    """Of 16 bits every thirtieth random square is a marker with a bit wrong, whichever it is."""
+    files = sorted(data_dir.glob("tags/photos/*.jpg"))
+    if not files:
+        pytest.skip(f"no photographs below {data_dir}/tags; set MOTORCADE_DATA")
+    pictures = [cv2.imread(str(file), cv2.IMREAD_GRAYSCALE) for file in files]
+    assert [found for picture in pictures for found in detect_markers(picture, "tag16h5")] == []
