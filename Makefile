@@ -17,7 +17,7 @@ VENV    := .venv
 BIN     := $(VENV)/bin
 ROOMS   := ga tracking fusion animation render replays
 READY   := $(VENV)/.ready
-WEB     := replays/studio/web
+WEB     := replays/web/modules
 NATIVE  := CMakeLists.txt pyproject.toml constraints.txt $(wildcard ga/kernels/generated/c/* $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(kind) */*/native/generated/*.$(kind))))
 
 # C and C++ that people write.

@@ -1,8 +1,9 @@
-"""Advice for a name that is not known: the nearest of those that are."""
+"""Names and values in messages: the nearest of those that are known, and quotes on one line."""
 
 from __future__ import annotations
 
 import difflib
+import reprlib
 from collections.abc import Iterable
 
 _NAMES_SHOWN = 12
@@ -28,3 +29,20 @@ def did_you_mean(name: str, allowed: Iterable[str]) -> str:
     shown = ", ".join(names[:_NAMES_SHOWN]) or "none"
     more = len(names) - _NAMES_SHOWN
     return f"known here: {shown}" + (f" and {more} more" if more > 0 else "")
+
+
+def one_line(value: object, limit: int = 60) -> str:
+    """Quote a value from a file for a message: printable, on one line, shortened to `limit`."""
+    if isinstance(value, bytes):
+        text = value[: 4 * limit].decode("utf-8", "replace")
+    elif isinstance(value, list | tuple | dict):
+        text = reprlib.repr(value)  # bounds the depth and the count of what it shows
+    else:
+        text = str(value)
+    text = printable(text[: limit + 1])
+    return repr(text if len(text) <= limit else text[: limit - 3] + "...")
+
+
+def printable(text: str) -> str:
+    """`text` with a question mark for every letter that a terminal does not show."""
+    return "".join(letter if letter.isprintable() else "?" for letter in text)

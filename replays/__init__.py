@@ -34,8 +34,9 @@ True
 >>> pipeline_graph().needed("smoothed")[-3:]
 ('imu', 'fused', 'smoothed')
 
-Sub-packages: `stages` (the functions of the pipeline) and `values` (what they take and give),
-`readers`, `files`, `engine`, `report`, `compare`, `sweep`, `characters`.
+Sub-packages, from the bottom up: `io` (recordings and files), `engine` (the graph of stages) and
+`web` (pages); `stages` with the values that they hand on; `pipeline` (the run and its report);
+`comparison`, `tasks`, `studio`, `demo`; `cli`.
 """
 
 import lazy_loader as lazy

@@ -23,7 +23,7 @@ from motorcade.render.plots import plot_series, standing_alone
 from motorcade.render.plots.style import ON_PAGES
 from motorcade.render.video import contact_sheet
 from motorcade.replays import open_recording
-from motorcade.replays.files.trajectories import read_trajectory
+from motorcade.replays.io.trajectories import read_trajectory
 
 PICTURES = Path(__file__).resolve().parents[1] / "pictures"
 SHOWN = ("euler", "euler_unwrapped", "quaternion", "motor")

@@ -4,31 +4,37 @@ Both without the arrows that go beside others: what is also reached through anot
 
     python docs/making/drawings.py
 
-writes `docs/pictures/rooms.svg` and `docs/pictures/stages.svg`; a test holds them current.
+writes `docs/pictures/rooms.svg`, `docs/pictures/replays.svg` (the parts of that room) and
+`docs/pictures/stages.svg`; a test holds them current.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 from motorcade.replays.engine import drawing
-from motorcade.replays.pipeline import pipeline_graph
+from motorcade.replays.pipeline.job import pipeline_graph
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
+# Its parts, from the ground up; `tests/house/test_imports.py` holds their order.
+REPLAYS = (
+    *("io", "engine", "web", "stages", "pipeline"),
+    *("demo", "comparison", "tasks", "studio", "cli"),
+)
 
 
 def drawings() -> dict[str, str]:
     """The pictures by name, as they ought to be now."""
     graph = pipeline_graph()
     stages = {name: set(stage.inputs) for name, stage in graph.stages.items()}
-    rooms = {room: imported(room) for room in ROOMS}
     return {
-        "rooms.svg": drawing.svg(graph_of(rooms, {})),
+        "rooms.svg": drawing.svg(graph_of(imported(Path(), ROOMS), {})),
+        "replays.svg": drawing.svg(graph_of(imported(Path("replays"), REPLAYS), {})),
         "stages.svg": drawing.svg(
             graph_of(
                 {name: set() for name in graph.sources} | stages,
@@ -54,16 +60,24 @@ def graph_of(edges: Mapping[str, set[str]], optional: Mapping[str, frozenset[str
     )
 
 
-def imported(room: str) -> set[str]:
-    """The other rooms that the modules of a room import."""
-    found = set()
-    for path in (REPOSITORY / room).rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-            if isinstance(node, ast.ImportFrom) and node.module:
-                names = [node.module]
-            found |= {name.split(".")[1] for name in names if name.startswith("motorcade.")}
-    return found - {room}
+def imported(folder: Path, names: Sequence[str]) -> dict[str, set[str]]:
+    """Folders in a folder of the repository, and which of the others the modules of each import."""
+    depth = len(folder.parts) + 1
+    edges: dict[str, set[str]] = {}
+    for name in names:
+        uses = set()
+        for path in (REPOSITORY / folder / name).rglob("*.py"):
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.ImportFrom) and node.module:
+                    uses |= {
+                        tuple(f"{node.module}.{alias.name}".split(".")) for alias in node.names
+                    }
+        edges[name] = {
+            parts[depth]
+            for parts in uses
+            if parts[:depth] == ("motorcade", *folder.parts) and parts[depth] in names
+        } - {name}
+    return edges
 
 
 def without_detours(imports: Mapping[str, set[str]]) -> dict[str, set[str]]:

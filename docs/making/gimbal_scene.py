@@ -35,8 +35,8 @@ from motorcade.render import Performer, render_performers
 from motorcade.render.backends.choice import new_renderer
 from motorcade.render.scene import ImageArray
 from motorcade.render.video import contact_sheet, write_pictures, write_video
-from motorcade.replays.synthetic_room.recording import CAMERA
-from motorcade.replays.synthetic_room.scene import room
+from motorcade.replays.demo.recording import CAMERA
+from motorcade.replays.demo.scene import room
 
 __all__ = ["SCENE", "performer", "rates_deg_s", "spins"]
 

@@ -6,12 +6,12 @@ import statistics
 from collections.abc import Mapping
 from typing import Any
 
-from motorcade.replays.compare.plan import OWN
-from motorcade.replays.compare.report.findings import percent
-from motorcade.replays.compare.report.matrix import Matrix
-from motorcade.replays.compare.report.names import CAUSAL, LABELS, METHODS, shown
-from motorcade.replays.compare.report.results import REFERENCE, Results
-from motorcade.replays.compare.statistics import PRACTICAL_SHARE
+from motorcade.replays.comparison.plan import OWN
+from motorcade.replays.comparison.report.findings import percent
+from motorcade.replays.comparison.report.matrix import Matrix
+from motorcade.replays.comparison.report.names import CAUSAL, LABELS, METHODS, shown
+from motorcade.replays.comparison.report.results import REFERENCE, Results
+from motorcade.replays.comparison.statistics import PRACTICAL_SHARE
 
 COLUMNS = (
     "score",

@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from motorcade.fusion.smoothing.representations import BEST_EULER
-from motorcade.replays.compare.plan import OWN
-from motorcade.replays.compare.report.findings import compared, percent
-from motorcade.replays.compare.report.names import CAUSAL, LABELS, listed
-from motorcade.replays.compare.report.results import Ratio, Results, tied
-from motorcade.replays.compare.statistics import PRACTICAL_SHARE
+from motorcade.replays.comparison.plan import OWN
+from motorcade.replays.comparison.report.findings import compared, percent
+from motorcade.replays.comparison.report.names import CAUSAL, LABELS, listed
+from motorcade.replays.comparison.report.results import Ratio, Results, tied
+from motorcade.replays.comparison.statistics import PRACTICAL_SHARE
 
 __all__ = ["in_short", "shares"]
 

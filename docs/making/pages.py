@@ -79,7 +79,7 @@ def commands() -> dict[str, argparse.ArgumentParser]:
 def stages_page() -> str:
     """Every stage of the pipeline: what it does, takes and gives, and its knobs."""
     from motorcade.replays.engine.knobs import described_knobs
-    from motorcade.replays.pipeline import pipeline_graph
+    from motorcade.replays.pipeline.job import pipeline_graph
 
     parts = [
         "# Stages",

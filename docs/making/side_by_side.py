@@ -27,9 +27,9 @@ from motorcade.render import render_overlay
 from motorcade.render.backends.choice import new_renderer
 from motorcade.render.scene import ImageArray
 from motorcade.render.video import contact_sheet, write_pictures, write_video
-from motorcade.replays.synthetic_room.furniture import CHARACTER_HEIGHT_M
-from motorcade.replays.synthetic_room.recording import CAMERA
-from motorcade.replays.synthetic_room.scene import room
+from motorcade.replays.demo.furniture import CHARACTER_HEIGHT_M
+from motorcade.replays.demo.recording import CAMERA
+from motorcade.replays.demo.scene import room
 
 __all__ = [
     "paths_side_by_side",

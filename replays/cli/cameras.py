@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from motorcade.replays.cli.arguments import Subparsers, new_command, one_line, print_json
 
 if TYPE_CHECKING:
-    from motorcade.replays.markers.pictures import MarkerPicture
+    from motorcade.replays.tasks.pictures import MarkerPicture
     from motorcade.tracking import Board
 
 
@@ -64,14 +64,9 @@ def add_detect(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def detect(arguments: argparse.Namespace) -> None:
     """Search every picture; print what was found, and complain of the others at the end."""
-    from motorcade.replays.errors import RecordingError
-    from motorcade.replays.markers.pictures import (
-        describe,
-        drawing_names,
-        markers_in,
-        write_drawing,
-    )
-    from motorcade.replays.readers.manifest.section import read_camera, stated_rotation
+    from motorcade.replays.io.errors import RecordingError
+    from motorcade.replays.io.readers.manifest.section import read_camera, stated_rotation
+    from motorcade.replays.tasks.pictures import describe, drawing_names, markers_in, write_drawing
 
     if arguments.size_m is not None and arguments.camera is None:
         raise ValueError("--size-m: expected --camera FILE with it, since poses need both")
@@ -192,12 +187,12 @@ def calibrate(arguments: argparse.Namespace) -> None:
     if arguments.imu is not None:
         _calibrate_imu(arguments)
         return
-    from motorcade.replays.markers.calibration import (
+    from motorcade.replays.io.readers.manifest.section import read_board
+    from motorcade.replays.tasks.calibration import (
         calibrate_pictures,
         describe_calibration,
         write_calibration,
     )
-    from motorcade.replays.readers.manifest.section import read_board
 
     run = calibrate_pictures(arguments.images, read_board(arguments.board), arguments.model)
     for line in run.unreadable:
@@ -213,14 +208,14 @@ def calibrate(arguments: argparse.Namespace) -> None:
 
 def _calibrate_imu(arguments: argparse.Namespace) -> None:
     from motorcade.fusion.imu import ADIS16448
-    from motorcade.replays.errors import refusal
-    from motorcade.replays.files.imu import read_noise
-    from motorcade.replays.markers.inertial_calibration import (
+    from motorcade.replays.io.errors import refusal
+    from motorcade.replays.io.imu import read_noise
+    from motorcade.replays.io.readers.manifest.section import read_board, read_camera
+    from motorcade.replays.tasks.inertial_calibration import (
         calibrate_recording,
         describe_inertial,
         write_inertial,
     )
-    from motorcade.replays.readers.manifest.section import read_board, read_camera
 
     if len(arguments.images) != 1:
         raise refusal(arguments.images[1], "expected one recording beside an IMU, got several")
@@ -324,15 +319,15 @@ def add_print(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def print_boards(arguments: argparse.Namespace) -> None:
     """Lay the boards out, write the sheets and the manifest's tables, and say where."""
-    from motorcade.replays.files.atomic import write_bytes
-    from motorcade.replays.printing import (
+    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.io.readers.manifest.section import read_board
+    from motorcade.replays.tasks.printing import (
         lay_out,
         manifest_lines,
         paper_named,
         sheet_svg,
         sheets_pdf,
     )
-    from motorcade.replays.readers.manifest.section import read_board
 
     output: Path = arguments.output
     if output.suffix.lower() not in (".pdf", ".svg"):

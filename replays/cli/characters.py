@@ -85,10 +85,10 @@ def _add_server(parser: argparse.ArgumentParser) -> None:
 def _serve(arguments: argparse.Namespace) -> None:
     """Serve the editor until it is stopped."""
     try:
-        from motorcade.replays.engine.progress import log_stages
-        from motorcade.replays.studio.server.app import studio_app
-        from motorcade.replays.studio.server.desk import offered, ready
-        from motorcade.replays.studio.server.serving import Listening, serve
+        from motorcade.ga.progress import log_stages
+        from motorcade.replays.studio.app import studio_app
+        from motorcade.replays.studio.desk import offered, ready
+        from motorcade.replays.studio.serving import Listening, serve
     except ModuleNotFoundError as missing:
         raise RuntimeError(
             f"editing in the browser needs the Python package {missing.name}, which is not "
@@ -112,9 +112,9 @@ def author_scene(arguments: argparse.Namespace) -> None:
     import numpy as np
 
     from motorcade.animation.authoring import Snapping, scene_text
-    from motorcade.replays.characters.authoring import author
     from motorcade.replays.cli.arguments import print_json
-    from motorcade.replays.files.atomic import write_bytes
+    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.tasks.gestures import author
 
     snapping = Snapping(
         float(np.radians(arguments.snap_deg)), arguments.snap_m, arguments.snap_scale
@@ -169,8 +169,8 @@ def add_blend(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def blend(arguments: argparse.Namespace) -> None:
     """Read, blend, write; print how far the methods lie apart."""
-    from motorcade.replays.characters.blending import blend_character, character_with, write_blend
     from motorcade.replays.cli.arguments import print_json
+    from motorcade.replays.tasks.blending import blend_character, character_with, write_blend
 
     names = tuple(name.strip() for name in arguments.clips.split(","))
     if len(names) != 2:

@@ -18,7 +18,7 @@ from motorcade.replays.cli.arguments import (
 )
 
 if TYPE_CHECKING:
-    from motorcade.replays.compare.truth import RecordedMotion
+    from motorcade.replays.comparison.truth import RecordedMotion
 
 
 def add_compare(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -77,11 +77,11 @@ def compare_smoothers(arguments: argparse.Namespace) -> None:
     """Compare, write the tables and the report, print the findings."""
     from motorcade.fusion.smoothing import METHODS, REPRESENTATION_NAMES
     from motorcade.replays.cli.arguments import check_known
-    from motorcade.replays.compare.plan import DEGRADATIONS, SEEDS, quick, standard
-    from motorcade.replays.compare.run import run_comparison
-    from motorcade.replays.compare.tables import as_text
+    from motorcade.replays.comparison.plan import DEGRADATIONS, SEEDS, quick, standard
+    from motorcade.replays.comparison.run import run_comparison
+    from motorcade.replays.comparison.tables import as_text
     from motorcade.replays.engine.executors import check_executor
-    from motorcade.replays.results import require_writable
+    from motorcade.replays.pipeline.results import require_writable
 
     if (arguments.input is None) != (arguments.truth is None):
         raise ValueError("compare: expected --input and --truth together, got one of them")
@@ -122,7 +122,7 @@ def _motions(
     """Those of the words that are files, and the names of all motions."""
     from motorcade.fusion.motions import MOTIONS
     from motorcade.replays.cli.arguments import check_known
-    from motorcade.replays.compare.truth import RecordedMotion
+    from motorcade.replays.comparison.truth import RecordedMotion
 
     given: Sequence[str] = arguments.trajectories
     files = [Path(one) for one in given if not one.isidentifier()]
@@ -134,14 +134,14 @@ def _motions(
 
 
 def _report(out: Path) -> None:
-    from motorcade.replays.compare.report import Results, write_report
+    from motorcade.replays.comparison.report import Results, write_report
 
     print(f"report: {write_report(Results.read(out), out)}; tables beside it")
 
 
 def _recorded(arguments: argparse.Namespace) -> dict[str, object]:
-    from motorcade.replays.compare.own_data import compare_recorded
-    from motorcade.replays.files.trajectories import read_trajectory
+    from motorcade.replays.comparison.own_data import compare_recorded
+    from motorcade.replays.io.trajectories import read_trajectory
 
     for name in ("trajectories", "degradations", "seeds", "quick"):
         if getattr(arguments, name):
@@ -198,11 +198,16 @@ def add_consistency(commands: Subparsers, shared: argparse.ArgumentParser) -> No
 
 def consistency(arguments: argparse.Namespace) -> None:
     """Run, write the page, print the shares of steps within the bounds."""
-    from motorcade.replays.consistency.page import write_page
-    from motorcade.replays.consistency.run import ConsistencyPlan, as_json, as_table, run_plan
+    from motorcade.replays.comparison.consistency.page import write_page
+    from motorcade.replays.comparison.consistency.run import (
+        ConsistencyPlan,
+        as_json,
+        as_table,
+        run_plan,
+    )
     from motorcade.replays.engine.executors import check_executor
-    from motorcade.replays.files.atomic import write_bytes
-    from motorcade.replays.results import require_writable
+    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.pipeline.results import require_writable
 
     names = ("motions", "filters", "runs", "seed", "duration_s")
     given = {name: getattr(arguments, name) for name in names}

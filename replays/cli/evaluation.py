@@ -187,8 +187,8 @@ def _add_relative_to(parser: argparse.ArgumentParser) -> None:
 
 def evaluate_files(arguments: argparse.Namespace) -> None:
     """Read all, evaluate, print a table."""
-    from motorcade.replays.files.atomic import write_bytes
-    from motorcade.replays.files.trajectories import check_rows, read_trajectory
+    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.io.trajectories import check_rows, read_trajectory
 
     if arguments.plot is not None and arguments.plot.suffix != ".svg":
         raise ValueError(f"--plot: expected a name ending in .svg, got {arguments.plot}")
@@ -210,11 +210,11 @@ def evaluate_files(arguments: argparse.Namespace) -> None:
         text = json.dumps(figures if more else only, indent=2)
         write_bytes(arguments.json, (text + "\n").encode())
     if arguments.errors is not None:
-        from motorcade.replays.evaluation import error_rows
+        from motorcade.replays.tasks.evaluation import error_rows
 
         write_bytes(arguments.errors, "\n".join([*error_rows(matched), ""]).encode())
     if arguments.plot is not None:
-        from motorcade.replays.evaluation import error_picture
+        from motorcade.replays.tasks.evaluation import error_picture
 
         write_bytes(arguments.plot, error_picture(matched, delta, arguments.project).encode())
 

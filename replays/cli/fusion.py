@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from motorcade.fusion.sync import Synchronised
     from motorcade.ga import Motor, Trajectory
     from motorcade.ga.arrays import IntArray
-    from motorcade.replays.fusing import FusingOptions
-    from motorcade.replays.readers.manifest.inertial import ImuCalibration
+    from motorcade.replays.io.readers.manifest.inertial import ImuCalibration
+    from motorcade.replays.tasks.fusing import FusingOptions
 
 
 def add_fuse(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -137,11 +137,11 @@ def _add_doubts(parser: argparse.ArgumentParser) -> None:
 
 def fuse(arguments: argparse.Namespace) -> None:
     """Read, fuse, write; print what was found."""
-    from motorcade.replays.files.atomic import write_bytes
-    from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
-    from motorcade.replays.fusing import fuse_poses, write_covariance
-    from motorcade.replays.readers.manifest.inertial import read_imu_calibration
-    from motorcade.replays.readers.opening import read_imu_of
+    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.io.readers.manifest.inertial import read_imu_calibration
+    from motorcade.replays.io.readers.opening import read_imu_of
+    from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
+    from motorcade.replays.tasks.fusing import fuse_poses, write_covariance
 
     rig = None if arguments.rig is None else read_imu_calibration(arguments.rig)
     options = _options(arguments, rig)
@@ -169,8 +169,8 @@ def fuse(arguments: argparse.Namespace) -> None:
 def _options(arguments: argparse.Namespace, rig: ImuCalibration | None) -> FusingOptions:
     import numpy as np
 
-    from motorcade.replays.files.imu import read_noise
-    from motorcade.replays.fusing import FusingOptions
+    from motorcade.replays.io.imu import read_noise
+    from motorcade.replays.tasks.fusing import FusingOptions
 
     if arguments.extrinsics is not None and "extrinsics" in arguments.estimate:
         raise ValueError("--extrinsics: expected a file or --estimate extrinsics, got both")
@@ -204,7 +204,7 @@ def _calibration(
     extrinsics: Path | None, rig: ImuCalibration | None
 ) -> tuple[Motor | None, float, ImuNoise | None]:
     """Extrinsics, the offset of the clocks and the noise, as files say them."""
-    from motorcade.replays.files.extrinsics import read_extrinsics, read_offset
+    from motorcade.replays.io.extrinsics import read_extrinsics, read_offset
 
     imu_T_camera, offset_s, noise = None, 0.0, None
     if rig is not None:
@@ -220,7 +220,7 @@ def _stamps(
     which: str, poses: Trajectory, imu: ImuStream, options: FusingOptions
 ) -> IntArray | None:
     """Those asked for, on the poses' clock."""
-    from motorcade.replays.files.trajectories import read_trajectory
+    from motorcade.replays.io.trajectories import read_trajectory
 
     if which == "poses":
         return None
@@ -262,9 +262,9 @@ def sync(arguments: argparse.Namespace) -> None:
     """Read both, estimate, print a table."""
     from motorcade.fusion.imu import ADIS16448, ImuNoise
     from motorcade.fusion.sync import synchronise
-    from motorcade.replays.files.atomic import write_bytes
-    from motorcade.replays.files.trajectories import read_trajectory
-    from motorcade.replays.readers.opening import read_imu_of
+    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.io.readers.opening import read_imu_of
+    from motorcade.replays.io.trajectories import read_trajectory
 
     noise = ADIS16448 if arguments.noise is None else ImuNoise.load(arguments.noise)
     camera = read_trajectory(arguments.camera, rate_hz=arguments.rate_hz, times=arguments.times)

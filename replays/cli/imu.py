@@ -142,8 +142,8 @@ def simulate(arguments: argparse.Namespace) -> None:
     import numpy as np
 
     from motorcade.fusion.imu import simulate_imu_in_chunks
-    from motorcade.replays.files.imu import write_imu
-    from motorcade.replays.files.trajectories import read_trajectory
+    from motorcade.replays.io.imu import write_imu
+    from motorcade.replays.io.trajectories import read_trajectory
 
     simulated = simulate_imu_in_chunks(
         read_trajectory(arguments.trajectory, times=arguments.times),
@@ -205,8 +205,8 @@ def _faults(arguments: argparse.Namespace) -> ImuFaults:
 
 def _vibration(arguments: argparse.Namespace) -> VibrationSpectrum | None:
     from motorcade.fusion.imu import VibrationSpectrum
-    from motorcade.replays.files.imu import read_imu
-    from motorcade.replays.files.vibration import read_vibration
+    from motorcade.replays.io.imu import read_imu
+    from motorcade.replays.io.vibration import read_vibration
 
     if arguments.vibration is not None:
         return read_vibration(arguments.vibration)
@@ -246,7 +246,7 @@ def add_allan(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 def allan(arguments: argparse.Namespace) -> None:
     """Read the stream, estimate, print; draw where asked to."""
     from motorcade.fusion.imu import estimate_noise
-    from motorcade.replays.files.imu import read_imu
+    from motorcade.replays.io.imu import read_imu
 
     stream = read_imu(arguments.stream)
     found = estimate_noise(stream)
@@ -300,7 +300,7 @@ def _draw_allan(found: StreamNoise, path: Path) -> None:
     import numpy as np
 
     from motorcade.render.plots import plot_allan, standing_alone
-    from motorcade.replays.files.atomic import write_bytes
+    from motorcade.replays.io.atomic import write_bytes
 
     curves = {}
     for name, curve, axes in (
@@ -363,9 +363,9 @@ def add_orient(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 def orient(arguments: argparse.Namespace) -> None:
     """Read, estimate, write, and say what is doubtful."""
     from motorcade.fusion.orientation import estimate_orientation, orientation_doubts
-    from motorcade.replays.files.atomic import write_bytes
-    from motorcade.replays.files.magnetic import read_imu_and_field
-    from motorcade.replays.files.orientations import write_deviations, write_orientation
+    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.io.magnetic import read_imu_and_field
+    from motorcade.replays.io.orientations import write_deviations, write_orientation
 
     model, magnetometer = _model(arguments), arguments.magnetometer
     if magnetometer == Path():
@@ -390,7 +390,7 @@ def orient(arguments: argparse.Namespace) -> None:
 
 def _model(arguments: argparse.Namespace) -> OrientationModel:
     from motorcade.fusion.orientation import OrientationModel
-    from motorcade.replays.files.imu import read_noise
+    from motorcade.replays.io.imu import read_noise
 
     if arguments.noise is None:
         return OrientationModel(readings=arguments.readings)

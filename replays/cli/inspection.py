@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from motorcade.replays.cli.arguments import Subparsers, add_axes, new_command, print_json, shown
 
 if TYPE_CHECKING:
-    from motorcade.replays.export import Shown
+    from motorcade.replays.pipeline.runs import Shown
 
 
 def add_inspect(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -40,7 +40,7 @@ def add_inspect(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 def inspect(arguments: argparse.Namespace) -> None:
     """Open the recording or character and print its contents."""
     from motorcade.animation.formats import SUFFIXES
-    from motorcade.replays.inspection import describe_character
+    from motorcade.replays.tasks.inspection import describe_character
 
     is_character = arguments.recording.suffix.lower() in SUFFIXES
     if is_character:
@@ -60,11 +60,11 @@ def inspect(arguments: argparse.Namespace) -> None:
 
 def _describe(path: Path, manifest: Path | None) -> dict[str, Any]:
     """What a recording, a bag or a file of poses or readings holds."""
-    from motorcade.replays.inspection import describe, describe_whole
-    from motorcade.replays.listing import TEXT_SUFFIXES, describe_bag, describe_text
-    from motorcade.replays.readers.opening import open_recording
-    from motorcade.replays.readers.ros.naming import is_bag
-    from motorcade.replays.readers.ros.recording import holds_pictures
+    from motorcade.replays.io.readers.opening import open_recording
+    from motorcade.replays.io.readers.ros.naming import is_bag
+    from motorcade.replays.io.readers.ros.recording import holds_pictures
+    from motorcade.replays.tasks.inspection import describe, describe_whole
+    from motorcade.replays.tasks.listing import TEXT_SUFFIXES, describe_bag, describe_text
 
     if manifest is None and path.is_file() and path.suffix.lower() in TEXT_SUFFIXES:
         return describe_text(path)
@@ -129,8 +129,8 @@ def view(arguments: argparse.Namespace) -> None:
     """Write the page, and open it."""
     import webbrowser
 
-    from motorcade.replays.engine.progress import log_stages
-    from motorcade.replays.studio.view import write_view
+    from motorcade.ga.progress import log_stages
+    from motorcade.replays.pipeline.look.view import write_view
 
     runs = [arguments.run] if arguments.other is None else [arguments.run, arguments.other]
     out = arguments.run / "view.html" if arguments.out is None else arguments.out
@@ -170,10 +170,10 @@ def add_export(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def export(arguments: argparse.Namespace) -> None:
     """Read the run and write what was asked for."""
-    from motorcade.replays.export import open_run, write_rrd, write_run_gltf
-    from motorcade.replays.exporting.colmap import write_colmap
-    from motorcade.replays.exporting.nerfstudio import write_nerfstudio
-    from motorcade.replays.exporting.usd import write_usd
+    from motorcade.replays.pipeline.export.colmap import write_colmap
+    from motorcade.replays.pipeline.export.nerfstudio import write_nerfstudio
+    from motorcade.replays.pipeline.export.usd import write_usd
+    from motorcade.replays.pipeline.runs import open_run, write_rrd, write_run_gltf
 
     writers: dict[str, Callable[[Shown, Path], None]] = {
         "gltf": write_run_gltf,

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
 from motorcade import __version__
+from motorcade.ga.progress import show_progress
 from motorcade.replays.cli import (
     cameras,
     characters,
@@ -27,7 +28,6 @@ from motorcade.replays.cli import (
     trajectories,
 )
 from motorcade.replays.cli.arguments import Subparsers, one_line
-from motorcade.replays.engine.progress import show_progress
 
 COMMANDS = (
     runs.add_demo,

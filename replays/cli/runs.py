@@ -13,6 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from motorcade.ga.progress import log_stages, show_progress
 from motorcade.replays.cli.arguments import (
     Subparsers,
     add_executor,
@@ -21,10 +22,9 @@ from motorcade.replays.cli.arguments import (
     one_line,
     print_json,
 )
-from motorcade.replays.engine.progress import log_stages, show_progress
 
 if TYPE_CHECKING:
-    from motorcade.replays.pipeline import Job
+    from motorcade.replays.pipeline.job import Job
 
 
 UNSMOOTHED = ("measured", "fused")
@@ -103,7 +103,7 @@ def add_strict(parser: argparse.ArgumentParser) -> None:
 def run_recordings(arguments: argparse.Namespace) -> None:
     """Run one recording here, or several by the executor asked for."""
     from motorcade.replays.engine.executors import check_executor, outcomes
-    from motorcade.replays.pipeline import Job, require_integrity, shot_job, shot_jobs
+    from motorcade.replays.pipeline.job import Job, require_integrity, shot_job, shot_jobs
 
     check_executor(arguments.executor)
     if arguments.strict:
@@ -159,7 +159,7 @@ def run_one(job: Job, *, as_json: bool, strict: bool) -> None:
     Raises:
         RuntimeError: a doubtful result, where that is asked to be strict.
     """
-    from motorcade.replays.pipeline import run_job
+    from motorcade.replays.pipeline.job import run_job
 
     with log_stages() as lines:
         summary = run_job(job)
@@ -171,7 +171,7 @@ def run_one(job: Job, *, as_json: bool, strict: bool) -> None:
 
 def _run_one_of_several(job: Job, *, quiet: bool) -> dict[str, Any]:
     """Run a recording, here or in another process; its log lines begin with its name."""
-    from motorcade.replays.pipeline import run_job
+    from motorcade.replays.pipeline.job import run_job
 
     show_progress(not quiet)
     with log_stages(_name(job.recording)) as lines:
@@ -198,7 +198,7 @@ def _refuse_equal_names(recordings: list[Path]) -> None:
 
 def print_summary(summary: Mapping[str, Any], out: Path, *, as_json: bool) -> None:
     """The table of errors, or the whole report as JSON, and where the results lie."""
-    from motorcade.replays.report.summary import as_table
+    from motorcade.replays.pipeline.report.summary import as_table
 
     if as_json:
         print(json.dumps(summary, indent=2), flush=True)
@@ -219,7 +219,7 @@ def result(summary: Mapping[str, Any], out: Path) -> str:
     Whether it is doubtful and why, what the film shows, the poses, their distance from the ground
     truth, what a stage made worse, what is not sure, where to look.
     """
-    from motorcade.replays.report.summary import shown_value
+    from motorcade.replays.pipeline.report.summary import shown_value
 
     doubtful = "; ".join(doubts(summary))
     if doubtful:
@@ -261,8 +261,8 @@ def add_demo(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def demo(arguments: argparse.Namespace) -> None:
     """Render the recording where it is not there yet, then run it as any other."""
-    from motorcade.replays.demo import ensure_demo_recording, settings_beside
-    from motorcade.replays.pipeline import Job, require_integrity
+    from motorcade.replays.demo.embedded import ensure_demo_recording, settings_beside
+    from motorcade.replays.pipeline.job import Job, require_integrity
 
     if arguments.strict:
         require_integrity(arguments.until)
@@ -320,9 +320,9 @@ def add_sweep(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def sweep_recordings(arguments: argparse.Namespace) -> None:
     """Read the file, run what is missing, say where the results lie; failures end with status 1."""
+    from motorcade.replays.comparison.sweep import read_sweep, run_sweep
     from motorcade.replays.engine.executors import check_executor
-    from motorcade.replays.pipeline import pipeline_graph, require_integrity
-    from motorcade.replays.sweep import read_sweep, run_sweep
+    from motorcade.replays.pipeline.job import pipeline_graph, require_integrity
 
     plan = read_sweep(arguments.config, pipeline_graph())
     if arguments.strict:
@@ -371,11 +371,11 @@ def add_graph(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def draw_graph(arguments: argparse.Namespace) -> None:
     """Print or write the drawing."""
-    from motorcade.replays.described.opening import description_graph
     from motorcade.replays.engine import drawing
     from motorcade.replays.engine.knobs import described_knobs
-    from motorcade.replays.files.atomic import write_bytes
-    from motorcade.replays.pipeline import pipeline_graph
+    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.pipeline.described.opening import description_graph
+    from motorcade.replays.pipeline.job import pipeline_graph
 
     graph = pipeline_graph()
     if arguments.svg is not None:

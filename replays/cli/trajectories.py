@@ -12,8 +12,8 @@ from motorcade.replays.cli.arguments import Subparsers, add_stamps, new_command,
 
 if TYPE_CHECKING:
     from motorcade.ga import Motor, Similarity, Trajectory
-    from motorcade.replays.editing import TrajectoryEdits
-    from motorcade.replays.files.trajectories import TrajectoryFormat
+    from motorcade.replays.io.trajectories import TrajectoryFormat
+    from motorcade.replays.tasks.editing import TrajectoryEdits
 
 
 def add_smooth(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -84,8 +84,8 @@ def smooth_files(arguments: argparse.Namespace) -> None:
     from motorcade.fusion.smoothing.changes import changes
     from motorcade.fusion.smoothing.methods import parsed_parameters
     from motorcade.replays.cli.arguments import check_known, print_json
-    from motorcade.replays.editing.inputs import refuse_inputs, trajectory_names
-    from motorcade.replays.editing.outputs import write_trajectories
+    from motorcade.replays.tasks.editing.inputs import refuse_inputs, trajectory_names
+    from motorcade.replays.tasks.editing.outputs import write_trajectories
 
     check_known("--method", [arguments.method], METHODS)
     if arguments.representation is not None:
@@ -114,7 +114,7 @@ def smooth_files(arguments: argparse.Namespace) -> None:
 
 
 def _is_bag(name: str) -> bool:
-    from motorcade.replays.readers.ros.naming import split_bag_name
+    from motorcade.replays.io.readers.ros.naming import split_bag_name
 
     return split_bag_name(name) is not None
 
@@ -123,7 +123,7 @@ def _written_as(
     name: str, arguments: argparse.Namespace, *, in_folder: bool
 ) -> TrajectoryFormat | None:
     """The format of what is written, in a folder that of what is read; None: by the ending."""
-    from motorcade.replays.files.trajectories import trajectory_format
+    from motorcade.replays.io.trajectories import trajectory_format
 
     if arguments.format is not None or not in_folder:
         given: TrajectoryFormat | None = arguments.format
@@ -134,8 +134,8 @@ def _written_as(
 def _files(
     formats: dict[str, TrajectoryFormat | None], output: Path, *, in_folder: bool
 ) -> dict[str, Path]:
-    from motorcade.replays.editing.outputs import output_files
-    from motorcade.replays.readers.ros.naming import is_bag
+    from motorcade.replays.io.readers.ros.naming import is_bag
+    from motorcade.replays.tasks.editing.outputs import output_files
 
     if not in_folder:
         if is_bag(output) and None in formats.values():
@@ -154,7 +154,7 @@ def _files(
 
 def _read_measured(name: str, arguments: argparse.Namespace, *, many: bool) -> Trajectory:
     """One trajectory; of several, rate or stamps are those of files without."""
-    from motorcade.replays.files.trajectories import read_trajectory, trajectory_format
+    from motorcade.replays.io.trajectories import read_trajectory, trajectory_format
 
     stamps = {"rate_hz": arguments.rate_hz, "times": arguments.times}
     if _is_bag(name):
@@ -331,10 +331,10 @@ def _add_transforms(parser: argparse.ArgumentParser) -> None:
 
 def trajectory(arguments: argparse.Namespace) -> None:
     """Read, edit; write, plot, print the figures."""
-    from motorcade.replays.editing import TrajectorySummary, edit_trajectories
-    from motorcade.replays.editing.inputs import refuse_inputs
-    from motorcade.replays.editing.outputs import output_files, write_trajectories
-    from motorcade.replays.files.atomic import write_bytes
+    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.tasks.editing import TrajectorySummary, edit_trajectories
+    from motorcade.replays.tasks.editing.inputs import refuse_inputs
+    from motorcade.replays.tasks.editing.outputs import output_files, write_trajectories
 
     if arguments.format is not None and arguments.output is None:
         raise ValueError("--format: expected -o with it, which names what is written")
@@ -366,13 +366,13 @@ def trajectory(arguments: argparse.Namespace) -> None:
 
 def _list_bags(arguments: argparse.Namespace) -> bool:
     """Whether all inputs are bags without a topic, whose contents were printed."""
-    from motorcade.replays.readers.ros.naming import split_bag_name
+    from motorcade.replays.io.readers.ros.naming import split_bag_name
 
     named = [split_bag_name(one) for one in arguments.inputs]
     bags = [one[0] for one in named if one is not None and not one[1]]
     if arguments.all_topics or len(bags) < len(named):
         return False
-    from motorcade.replays.readers.ros.trajectories import list_bag_trajectories
+    from motorcade.replays.io.readers.ros.trajectories import list_bag_trajectories
 
     for bag in bags:
         found = list_bag_trajectories(bag)
@@ -386,7 +386,7 @@ def _list_bags(arguments: argparse.Namespace) -> bool:
 
 
 def _read(arguments: argparse.Namespace) -> dict[str, Trajectory]:
-    from motorcade.replays.editing.inputs import trajectory_names
+    from motorcade.replays.tasks.editing.inputs import trajectory_names
 
     names = trajectory_names(arguments.inputs, every_topic=arguments.all_topics)
     return {name: _one(name, arguments) for name in names}
@@ -399,13 +399,13 @@ def _named(arguments: argparse.Namespace) -> list[str]:
 
 
 def _one(name: Path | str, arguments: argparse.Namespace) -> Trajectory:
-    from motorcade.replays.files.trajectories import read_trajectory
+    from motorcade.replays.io.trajectories import read_trajectory
 
     return read_trajectory(name, rate_hz=arguments.rate_hz, times=arguments.times)
 
 
 def _edits(arguments: argparse.Namespace) -> TrajectoryEdits:
-    from motorcade.replays.editing import TrajectoryEdits
+    from motorcade.replays.tasks.editing import TrajectoryEdits
 
     other = arguments.resample_as
     if arguments.invert_transform and not (arguments.transform_left or arguments.transform_right):
@@ -435,7 +435,7 @@ def _edits(arguments: argparse.Namespace) -> TrajectoryEdits:
 
 
 def _transform(path: Path | None, arguments: argparse.Namespace) -> Motor | Similarity | None:
-    from motorcade.replays.files.transforms import read_transform
+    from motorcade.replays.io.transforms import read_transform
 
     if path is None:
         return None
@@ -445,7 +445,7 @@ def _transform(path: Path | None, arguments: argparse.Namespace) -> Motor | Simi
 
 def _by_stem(found: Mapping[str, Trajectory]) -> dict[str, Trajectory]:
     """The trajectories by short names, where these differ."""
-    from motorcade.replays.editing.outputs import stem_of
+    from motorcade.replays.tasks.editing.outputs import stem_of
 
     short = {stem_of(name): one for name, one in found.items()}
     return short if len(short) == len(found) else dict(found)

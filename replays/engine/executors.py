@@ -24,8 +24,7 @@ from multiprocessing import active_children, get_context
 from queue import SimpleQueue
 from typing import Any, TypeVar
 
-from motorcade.ga.names import nearest_name
-from motorcade.replays.errors import one_line
+from motorcade.ga.names import nearest_name, one_line
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from motorcade.ga.files import files_read
+from motorcade.ga.progress import track
 from motorcade.replays.engine.artifacts import (
     Stored,
     discard_artifact,
@@ -28,7 +29,6 @@ from motorcade.replays.engine.artifacts import (
 )
 from motorcade.replays.engine.executors import outcomes
 from motorcade.replays.engine.kept import holds
-from motorcade.replays.engine.progress import track
 from motorcade.replays.engine.provenance import code_digest
 
 log = logging.getLogger("motorcade.jobs")

@@ -16,10 +16,10 @@ from pathlib import Path
 from typing import Any
 
 from motorcade.ga.files import files_read, off_record
+from motorcade.ga.progress import working
 from motorcade.ga.unfinished import remove_unfinished
 from motorcade.replays.engine import artifacts
 from motorcade.replays.engine.kept import find_kept
-from motorcade.replays.engine.progress import working
 from motorcade.replays.engine.provenance import code_digest
 from motorcade.replays.engine.stage import AUTO, Choice, Chosen, NotOffered, Stage, StageError
 

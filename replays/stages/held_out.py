@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.replays.stages.values.camera_poses import CameraPoses
 from motorcade.tracking import PoseMeasurements
 
 EVERY = 5

@@ -18,13 +18,13 @@ from motorcade.fusion.health import check_health
 from motorcade.fusion.metrics import most_by_chance, normalised_squared
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.offered import camera_of
-from motorcade.replays.values.board_poses import BoardPoses
-from motorcade.replays.values.camera_poses import CameraPoses
-from motorcade.replays.values.imu import UsedImu
-from motorcade.replays.values.integrity import Integrity
-from motorcade.replays.values.paths import FusedPath, SmoothedPaths
+from motorcade.replays.stages.values.board_poses import BoardPoses
+from motorcade.replays.stages.values.camera_poses import CameraPoses
+from motorcade.replays.stages.values.imu import UsedImu
+from motorcade.replays.stages.values.integrity import Integrity
+from motorcade.replays.stages.values.paths import FusedPath, SmoothedPaths
 from motorcade.tracking import registration_px
 from motorcade.tracking.audit import (
     DEPTH_ON_COLOUR_PX,

@@ -10,7 +10,7 @@ from motorcade.fusion.smoothing import automatic_window_s, smooth
 from motorcade.fusion.smoothing.methods import method_parameters, parsed_parameters
 from motorcade.fusion.smoothing.window import mean_square_change
 from motorcade.ga import Trajectory
-from motorcade.replays.values.paths import FusedPath, SmoothedPaths
+from motorcade.replays.stages.values.paths import FusedPath, SmoothedPaths
 
 # `auto` learns noise and motion from the path itself, and needs so many poses for it.
 _FEWEST = 16

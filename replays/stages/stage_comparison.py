@@ -22,11 +22,11 @@ from motorcade.fusion.metrics import (
 )
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.held_out import at_stamps, judged_stamps
-from motorcade.replays.values.camera_poses import CameraPoses
-from motorcade.replays.values.paths import FusedPath, SmoothedPaths
-from motorcade.replays.values.stage_comparison import NOT_COMPARED, StageComparison
+from motorcade.replays.stages.values.camera_poses import CameraPoses
+from motorcade.replays.stages.values.paths import FusedPath, SmoothedPaths
+from motorcade.replays.stages.values.stage_comparison import NOT_COMPARED, StageComparison
 
 TOLERANCE = 0.02
 """Relative to the error before; below it nobody would choose one path for it."""

@@ -1,1 +1,4 @@
-"""A run looked at in the browser, and a scene authored there."""
+"""The local server of `motorcade author`: who may come in, what is served, scenes edited together.
+
+It needs the extra `[studio]` (Starlette, uvicorn, websockets, segno).
+"""

@@ -69,7 +69,7 @@ class Headline:
 
 def machine() -> dict[str, str]:
     """What figures depend on: processor, its cores and SIMD, compiler, Python and NumPy."""
-    from motorcade.replays.doctor import flags, simd
+    from motorcade.replays.tasks.doctor import flags, simd
 
     told = platform.processor() or platform.machine()
     cpuinfo = Path("/proc/cpuinfo")

@@ -52,25 +52,25 @@ ALLOWED = {
     ("render/backends/fast/programs.py", "_CARRYING.read_text"): "our own source",
     ("render/video.py", "av.open"): "admitted",
     ("replays/cli/inspection.py", "webbrowser.open"): "a page, in the browser",
-    ("replays/doctor.py", "cpuinfo.read_text"): "the system's",
+    ("replays/tasks/doctor.py", "cpuinfo.read_text"): "the system's",
     ("replays/engine/artifacts.py", "path.open"): "what was just written, to have it on the disk",
     ("replays/engine/provenance.py", "_origin(name).read_bytes"): "our own source",
     ("replays/engine/provenance.py", "path.read_bytes"): "our own source",
     ("replays/engine/provenance.py", "file.read_text"): "our own source",
-    ("replays/files/atomic.py", "building.open"): "what was just written",
-    ("replays/readers/broad.py", "h5py.File"): "admitted",
-    ("replays/readers/ros/admission.py", "sqlite3.connect"): "admitted",
-    ("replays/readers/ros/bag.py", "Reader"): "admitted",
-    ("replays/readers/ros/reader.py", "Reader1"): "admitted",
-    ("replays/readers/ros/reader.py", "Reader2"): "admitted",
-    ("replays/readers/ros/reader.py", "self._reader.open"): "admitted",
-    ("replays/results.py", "pages.summary.read_text"): "a cached result, found whole",
-    ("replays/studio/server/desk.py", "offer.open"): "a run, read by the doors",
-    ("replays/studio/server/serving.py", "probe.connect"): "no file, and nothing is sent",
-    ("replays/studio/server/serving.py", "webbrowser.open"): "our own page",
-    ("replays/studio/server/app.py", "path.read_bytes"): "our own source",
-    ("replays/synthetic_room/materials.py", "imread"): "pictures of scikit-image's",
-    ("replays/studio/server/journal.py", "os.open"): "to write or lock, through no link",
+    ("replays/io/atomic.py", "building.open"): "what was just written",
+    ("replays/io/readers/broad.py", "h5py.File"): "admitted",
+    ("replays/io/readers/ros/admission.py", "sqlite3.connect"): "admitted",
+    ("replays/io/readers/ros/bag.py", "Reader"): "admitted",
+    ("replays/io/readers/ros/reader.py", "Reader1"): "admitted",
+    ("replays/io/readers/ros/reader.py", "Reader2"): "admitted",
+    ("replays/io/readers/ros/reader.py", "self._reader.open"): "admitted",
+    ("replays/pipeline/results.py", "pages.summary.read_text"): "a cached result, found whole",
+    ("replays/studio/desk.py", "offer.open"): "a run, read by the doors",
+    ("replays/studio/serving.py", "probe.connect"): "no file, and nothing is sent",
+    ("replays/studio/serving.py", "webbrowser.open"): "our own page",
+    ("replays/studio/app.py", "path.read_bytes"): "our own source",
+    ("replays/demo/materials.py", "imread"): "pictures of scikit-image's",
+    ("replays/studio/journal.py", "os.open"): "to write or lock, through no link",
 }
 LIMITS = re.compile(r"_?(MAX_|MOST|DEEPEST)\w*|_?[A-Z_]+_LIMIT(_\w+)?")
 BOUNDED = (
@@ -81,7 +81,7 @@ BOUNDED = (
     "fusion/imu/noise.py",
     "tracking/markers/marker_map.py",
     "render/video.py",
-    "replays/readers",
+    "replays/io/readers",
 )
 DEFAULTS = {
     "read_bounded": ("animation/formats/limits.py", "MAX_FILE_BYTES"),
@@ -92,7 +92,7 @@ NO_LIMITS = {
     ("animation/formats/gltf/write.py", "MOST_KEYS"),
     ("fusion/imu/noise.py", "_MOST"),
     ("render/video.py", "MOST_APART_S"),
-    ("replays/readers/kalibr.py", "MOST_OFFSET_S"),
+    ("replays/io/readers/kalibr.py", "MOST_OFFSET_S"),
 }
 UNITS = {"Ki": 1 << 10, "Mi": 1 << 20, "Gi": 1 << 30, "Ti": 1 << 40}
 

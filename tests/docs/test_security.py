@@ -11,7 +11,7 @@ PAGE = REPOSITORY / "SECURITY.md"
 ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
 NEVER = {"pickle", "marshal", "shelve", "dill", "cloudpickle", "joblib"}
 NETWORK = {"socket", "http", "ftplib", "requests", "urllib3", "aiohttp", "socketserver", "xmlrpc"}
-PORT = "replays/studio/server/serving.py"
+PORT = "replays/studio/serving.py"
 """The one module that opens a port, and needs `socket` for it."""
 OWN_CODE = "ga/codegen/runtime/by_numpy.py"
 """The one module that runs Python text, which it has written."""

@@ -22,11 +22,11 @@ from pathlib import Path
 import numpy as np
 
 from motorcade.ga import Motor, Rotor
-from motorcade.replays.readers.frames.files import PictureFrames
-from motorcade.replays.readers.opening import open_recording
-from motorcade.replays.readers.tagslam.corners import TagSlamRecording
-from motorcade.replays.readers.tagslam.corners import read as read_tagslam
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.readers.tagslam.corners import TagSlamRecording
+from motorcade.replays.io.readers.tagslam.corners import read as read_tagslam
+from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.board_audit import audited_board
 from motorcade.replays.stages.camera.sensor_audit import audited_depth, audited_pair
 from motorcade.tracking import AuditFinding, Checkerboard, track_board

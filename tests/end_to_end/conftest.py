@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.files.trajectories import write_trajectory
+from motorcade.replays.io.trajectories import write_trajectory
 from motorcade.tracking import Camera, Checkerboard
 
 FRAMES = 24

@@ -23,9 +23,9 @@ import numpy as np
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.readers.frames.files import PictureFrames
-from motorcade.replays.readers.opening import open_recording
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.recording import Recording
 
 GAPS = (30, 300)
 _FOCAL, _CX, _CY = 585.0, 320.0, 240.0

@@ -25,8 +25,8 @@ from motorcade.fusion.motions.degradations import (
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.motion import sampled_motion
-from motorcade.replays.files.imu import write_imu
-from motorcade.replays.files.trajectories import write_trajectory
+from motorcade.replays.io.imu import write_imu
+from motorcade.replays.io.trajectories import write_trajectory
 from motorcade.tracking import PoseMeasurements
 
 POSES, STEP_NS = 200, 33_333_333

@@ -18,7 +18,7 @@ import numpy as np
 
 from motorcade.fusion.metrics import Align, alignment_of, associate, evaluate
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.files.trajectories import even_stamps
+from motorcade.replays.io.trajectories import even_stamps
 from motorcade.tracking.slam import SlamFrame, SlamResult, SlamSettings, VisualSlam
 from tests.textured_room.paths import LOOP_S
 from tests.textured_room.renderer import Renderer, View

@@ -26,9 +26,9 @@ from typing import Any
 import cv2
 import numpy as np
 
-from motorcade.replays.demo import ensure_demo_recording
-from motorcade.replays.files.trajectories import read_trajectory
-from motorcade.replays.pipeline import Job, run_job
+from motorcade.replays.demo.embedded import ensure_demo_recording
+from motorcade.replays.io.trajectories import read_trajectory
+from motorcade.replays.pipeline.job import Job, run_job
 from tests.bench.data import data_folder
 
 MANIFESTS = Path(__file__).resolve().parents[2] / "docs" / "manifests"

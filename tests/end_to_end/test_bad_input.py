@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from motorcade.replays.cli import main
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.files.trajectories import read_trajectory
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.trajectories import read_trajectory
 from motorcade.tracking import Camera
 from tests.textured_room.paths import handheld
 from tests.textured_room.recording import write_recording

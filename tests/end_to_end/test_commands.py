@@ -13,7 +13,7 @@ import pytest
 
 from motorcade.render import read_frames
 from motorcade.replays.cli import main
-from motorcade.replays.files.trajectories import read_trajectory
+from motorcade.replays.io.trajectories import read_trajectory
 
 
 def run(*arguments: object) -> int:
@@ -327,7 +327,7 @@ def test_smooth_then_evaluate(board_recording: Path, tmp_path: Path) -> None:
 
 
 def test_simulated_imu_is_a_recording_s_imu(board_recording: Path, tmp_path: Path) -> None:
-    from motorcade.replays.files.imu import read_imu
+    from motorcade.replays.io.imu import read_imu
 
     out = tmp_path / "imu.csv"
     arguments = ["simulate-imu", board_recording / "truth.tum", "-o", out, "--rate-hz", "100"]

@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motorcade.replays.pipeline import Job, run_job
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.pipeline.job import Job, run_job
 from motorcade.replays.stages.view.overlay import LIT_FRAMES
 
 _counted: list[Counter[Path]] = []

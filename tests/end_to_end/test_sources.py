@@ -14,7 +14,7 @@ import pytest
 from motorcade.fusion.metrics import evaluate
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.cli import main
-from motorcade.replays.files.trajectories import even_stamps, read_trajectory, write_trajectory
+from motorcade.replays.io.trajectories import even_stamps, read_trajectory, write_trajectory
 from motorcade.tracking import Camera
 from motorcade.tracking.markers.marker_map import MarkerMap
 from tests.bench.tracking.tag_flips import tagslam_folder

@@ -8,7 +8,7 @@ import pytest
 
 from motorcade.render import read_frames, write_video
 from motorcade.replays.cli import main
-from motorcade.replays.readers.manifest.section import camera_toml
+from motorcade.replays.io.readers.manifest.section import camera_toml
 from motorcade.tracking import Camera
 from tests.end_to_end.conftest import BOARD, FRAMES, MANIFEST, truth
 from tests.end_to_end.untouched import untouched

@@ -20,7 +20,7 @@ import numpy as np
 
 from motorcade.render import read_frames, write_video
 from motorcade.render.composite import as_rgb
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.readers.opening import open_recording
 
 PICTURES = 12
 DIFFERS, MARGIN_PX, MOST_SHARE = 14.0, 0.04, 0.5

@@ -23,9 +23,9 @@ from typing import Any
 
 import numpy as np
 
+from motorcade.ga.names import one_line
 from motorcade.replays import open_recording, read_trajectory
-from motorcade.replays.errors import one_line
-from motorcade.replays.pipeline import Job, run_job
+from motorcade.replays.pipeline.job import Job, run_job
 from motorcade.tracking import CharucoBoard, Checkerboard, MarkerGrid
 from tests.bench.data import data_folder
 

@@ -28,7 +28,7 @@ from motorcade.fusion.metrics import (
     tilt_rad,
 )
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.files.trajectories import read_trajectory
+from motorcade.replays.io.trajectories import read_trajectory
 
 EVO_OPTIONS = {"none": [], "se3": ["-a"], "sim3": ["-as"]}
 FREIBURG, DESK = "freiburg1_xyz-groundtruth.txt", "fr2_desk_groundtruth.txt"

@@ -90,7 +90,7 @@ def _samples(name: str) -> list[bytes]:
 def _telemetry(folder: Path) -> Target:
     import numpy as np
 
-    from motorcade.replays.readers import gpmf
+    from motorcade.replays.io.readers import gpmf
     from tests.replays.readers import test_gopro
 
     packet = test_gopro.packet(np.ones((8, 3)), np.ones((8, 3)))
@@ -98,7 +98,7 @@ def _telemetry(folder: Path) -> Target:
 
 
 _DOOR = "motorcade.animation.formats"
-_PATHS = "motorcade.replays.files.trajectories"
+_PATHS = "motorcade.replays.io.trajectories"
 _TUM = b"# stamps\n0.05 1 2 3 0 0 0 1\n0.1 1 2.5 -3e-1 0 0 0.6 0.8\n0.15 0 0 0 0.5 0.5 -0.5 0.5\n"
 _EUROC = b"#timestamp\n50000000,1,2,3,1,0,0,0,7\n100000000,1,2.5,-3e-1,0.8,0,0,0.6,7\n"
 _CAMERA = b'[camera]\nmodel = "radtan"\nwidth = 24\nheight = 16\nfx = 20.0\nfy = 21.0\ncx = 11.5\n'
@@ -160,7 +160,7 @@ TARGETS: dict[str, Callable[[Path], Target]] = {
         words="local global",
     ),
     "guided-camera": _file(
-        "motorcade.replays.readers.manifest.section",
+        "motorcade.replays.io.readers.manifest.section",
         "read_camera",
         "a.toml",
         _CAMERA + _BOARD,
@@ -168,11 +168,9 @@ TARGETS: dict[str, Callable[[Path], Target]] = {
         _WIDE + _BOARD,
         words="pinhole radtan equidistant matrix_file distortion_file true nan inf charuco",
     ),
-    "guided-noise": _file(
-        "motorcade.replays.files.imu", "read_noise", "a.yaml", _NOISE, _KALIBR_IMU
-    ),
+    "guided-noise": _file("motorcade.replays.io.imu", "read_noise", "a.yaml", _NOISE, _KALIBR_IMU),
     "guided-chain": _file(
-        "motorcade.replays.readers.kalibr",
+        "motorcade.replays.io.readers.kalibr",
         "read_chain",
         "a.yaml",
         _CHAIN,

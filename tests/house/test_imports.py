@@ -24,6 +24,15 @@ BELOW = {
     "replays": ("ga", "tracking", "fusion", "animation", "render"),
 }
 
+REPLAYS = (
+    {"io", "engine", "web"},
+    {"stages"},
+    {"pipeline", "demo"},
+    {"comparison", "tasks", "studio"},
+    {"cli"},
+)
+"""The parts of that room, from the ground up."""
+
 if not (REPOSITORY / "ga").is_dir():
     pytest.skip("the source tree is not here: a wheel is tested", allow_module_level=True)
 
@@ -107,6 +116,17 @@ def test_names_come_from_rooms_below(room: str) -> None:
             assert rooms <= allowed, f"{name} imports from {rooms - allowed}"
 
 
+def test_the_parts_of_replays_stand_on_five_floors_and_no_import_leads_up() -> None:
+    places = {place: height for height, floor in enumerate(REPLAYS) for place in floor}
+    part = {name: name.split(".")[2] for name in imports() if name.count(".") > 1}
+    for name, ends in imports().items():
+        if not name.startswith("motorcade.replays."):
+            continue
+        for end in ends:
+            if end.startswith("motorcade.replays.") and part[end] != part[name]:
+                assert places[part[end]] < places[part[name]], f"{name} imports {end}, above it"
+
+
 def test_a_circle_would_be_found() -> None:
     edges = {"a": {"b"}, "b": {"c", "d"}, "c": {"a"}, "d": {"e"}, "e": {"d"}, "f": {"a"}}
     assert sorted(circles(edges)) == [["a", "b", "c"], ["d", "e"]]
@@ -123,7 +143,9 @@ def test_imports_in_functions_and_for_type_checkers_are_seen() -> None:
     assert names == {"Motor", "Rotor"}
 
 
-@pytest.mark.parametrize("module", ["motorcade.tracking.pose", "motorcade.replays.report.pictures"])
+@pytest.mark.parametrize(
+    "module", ["motorcade.tracking.pose", "motorcade.replays.pipeline.report.pictures"]
+)
 def test_modules_that_a_package_leads_back_to_can_be_imported_first(module: str) -> None:
     """Packages run on the way to a module: what they import must not need it yet."""
     subprocess.run([sys.executable, "-c", f"import {module}"], check=True)

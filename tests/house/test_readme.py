@@ -10,8 +10,8 @@ import pytest
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.cli import main
 from motorcade.replays.cli.main import command_parser
-from motorcade.replays.files.trajectories import write_trajectory
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.trajectories import write_trajectory
 from tests.bench.tables import SUITES
 from tests.bench.whole.quoted import quoted_rows, rows_of
 

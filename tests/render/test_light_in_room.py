@@ -21,10 +21,10 @@ from motorcade.render import Lighting, Surface, render_overlay
 from motorcade.render.backends.choice import new_renderer
 from motorcade.render.light import Prints, lighting_of_footage, lighting_without_depth
 from motorcade.render.scene import DepthArray, ImageArray
-from motorcade.replays.synthetic_room.furniture import BOARD, boxes, world_T_board
-from motorcade.replays.synthetic_room.lighting import Occluders, irradiance
-from motorcade.replays.synthetic_room.recording import CAMERA, HandheldPath
-from motorcade.replays.synthetic_room.scene import developed, room
+from motorcade.replays.demo.furniture import BOARD, boxes, world_T_board
+from motorcade.replays.demo.lighting import Occluders, irradiance
+from motorcade.replays.demo.recording import CAMERA, HandheldPath
+from motorcade.replays.demo.scene import developed, room
 
 pytestmark = [pytest.mark.usefixtures("opengl"), pytest.mark.slow]
 

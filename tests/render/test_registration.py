@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.readers.opening import open_recording
 from motorcade.tracking import track_board
 from motorcade.tracking.boards import Checkerboard
 from motorcade.tracking.cameras.camera import Camera

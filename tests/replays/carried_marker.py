@@ -10,10 +10,10 @@ import cv2
 import numpy as np
 
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.markers.loose import LooseMarkers
-from motorcade.replays.recording import Frame, FrameSequence, ImageArray, Recording
-from motorcade.replays.values.camera_poses import CameraPoses
-from motorcade.replays.values.integrity import Integrity
+from motorcade.replays.io.loose import LooseMarkers
+from motorcade.replays.io.recording import Frame, FrameSequence, ImageArray, Recording
+from motorcade.replays.stages.values.camera_poses import CameraPoses
+from motorcade.replays.stages.values.integrity import Integrity
 from motorcade.tracking import Board, Camera, PoseMeasurements
 from tests.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.files.trajectories import write_trajectory
+from motorcade.replays.io.trajectories import write_trajectory
 
 MANIFEST = """
 [frames]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from motorcade.replays.engine.progress import track
+from motorcade.ga.progress import track
 from tests.textured_room.recording import write_recording
 from tests.textured_room.scenarios import SCENARIOS, scenario
 

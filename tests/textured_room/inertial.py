@@ -11,8 +11,8 @@ import numpy as np
 
 from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.files.imu import write_imu
-from motorcade.replays.files.trajectories import even_stamps
+from motorcade.replays.io.imu import write_imu
+from motorcade.replays.io.trajectories import even_stamps
 from tests.textured_room.scenarios import RATE_HZ, Scenario
 
 __all__ = ["IMU_RATE_HZ", "IMU_T_CAMERA", "simulated_imu", "write_inertial"]

@@ -24,7 +24,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from motorcade.ga import Trajectory
-from motorcade.replays.files.trajectories import even_stamps
+from motorcade.replays.io.trajectories import even_stamps
 from tests.textured_room.paths import LOOP_S, Path, handheld, loop, turning
 from tests.textured_room.renderer import Renderer, Sensor, View
 from tests.textured_room.scene import furnished_room

@@ -9,8 +9,8 @@ from scipy.ndimage import map_coordinates
 
 from motorcade.fusion.imu import ADIS16448
 from motorcade.ga import Motor
-from motorcade.replays.pipeline import Job, run_job
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.pipeline.job import Job, run_job
 from motorcade.tracking import Camera
 from tests.textured_room.inertial import IMU_T_CAMERA, simulated_imu
 from tests.textured_room.recording import write_recording

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor, Rotor
-from motorcade.replays.readers.tagslam import corners as tagslam
+from motorcade.replays.io.readers.tagslam import corners as tagslam
 from motorcade.tracking import Camera
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.markers.families import marker_points_m

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from motorcade.replays.readers.frames.files import PictureFrames
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.offered import camera_of
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.depth.cameras import DepthCamera

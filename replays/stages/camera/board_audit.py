@@ -6,7 +6,7 @@ from itertools import islice
 
 import numpy as np
 
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.recording import Recording
 from motorcade.tracking import Board, BoardTrack, Camera, Checkerboard, SelfCalibrationError
 from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.boards.checkerboard import extent_in_picture, extent_seen

@@ -12,12 +12,12 @@ import time
 import numpy as np
 
 from motorcade.ga.lookahead import ahead
-from motorcade.replays.engine.progress import track
+from motorcade.ga.progress import track
 from motorcade.replays.engine.stage import NotOffered
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.board_audit import audited_board
 from motorcade.replays.stages.camera.offered import camera_of, require_pictures
-from motorcade.replays.values.board_poses import BoardPoses
+from motorcade.replays.stages.values.board_poses import BoardPoses
 from motorcade.tracking import (
     Board,
     BoardTrack,

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.engine.stage import Chosen
-from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.replays.stages.values.camera_poses import CameraPoses
 from motorcade.tracking import PoseMeasurements
 
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from motorcade.ga import Motor
-from motorcade.replays.readers.frames.files import PictureFrames
-from motorcade.replays.recording import DepthArray, Recording
+from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.recording import DepthArray, Recording
 from motorcade.replays.stages.camera.offered import camera_of
 from motorcade.tracking.depth.cameras import DepthCamera
 from motorcade.tracking.depth.refine import refine_by_depth

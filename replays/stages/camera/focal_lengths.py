@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from motorcade.replays.engine.progress import track
-from motorcade.replays.recording import Recording
+from motorcade.ga.progress import track
+from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.camera.depth import measured_depth
 from motorcade.replays.stages.camera.offered import camera_of

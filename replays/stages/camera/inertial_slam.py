@@ -10,11 +10,11 @@ import numpy as np
 
 from motorcade.fusion.imu import ADIS16448, ImuStream
 from motorcade.fusion.visual_inertial import InertialSlam, InertialSlamResult
-from motorcade.replays.engine.progress import track
-from motorcade.replays.recording import Recording
+from motorcade.ga.progress import track
+from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.offered import camera_of, rows_readout_s
 from motorcade.replays.stages.inertial.filter_input import assumed_noise
-from motorcade.replays.values.inertial_history import InertialHistory
+from motorcade.replays.stages.values.inertial_history import InertialHistory
 from motorcade.tracking import PoseMeasurements
 
 if TYPE_CHECKING:

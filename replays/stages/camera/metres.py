@@ -17,7 +17,7 @@ from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
 from motorcade.fusion.metrics import most_by_chance
 from motorcade.fusion.visual_inertial import MetricMap, metric_map
 from motorcade.ga import Motor
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.offered import rows_readout_s
 from motorcade.replays.stages.inertial.filter_input import assumed_noise
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import logging
 
 from motorcade.replays.engine.stage import NotOffered
-from motorcade.replays.readers.frames.corners import CornerFrames
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.readers.frames.corners import CornerFrames
+from motorcade.replays.io.recording import Recording
 from motorcade.tracking.cameras.camera import Camera
 
 log = logging.getLogger("motorcade.camera_poses")

@@ -12,8 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from motorcade.ga import Motor, Rotor
-from motorcade.replays.readers.frames.files import PictureFrames
-from motorcade.replays.recording import DepthArray, ImageArray, Recording
+from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.recording import DepthArray, ImageArray, Recording
 from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.camera.depth import measured_depth
 from motorcade.replays.stages.camera.offered import camera_of

@@ -6,8 +6,8 @@ import numpy as np
 
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.replays.engine.stage import NotOffered
-from motorcade.replays.recording import Recording
-from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.stages.values.camera_poses import CameraPoses
 
 
 def simulated_poses(

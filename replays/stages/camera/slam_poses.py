@@ -14,8 +14,8 @@ import numpy as np
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.engine.progress import track
-from motorcade.replays.recording import Recording
+from motorcade.ga.progress import track
+from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.camera.depth import refined_by_depth
 from motorcade.replays.stages.camera.focal_lengths import found_cameras
@@ -27,8 +27,8 @@ from motorcade.replays.stages.camera.inertial_slam import (
 from motorcade.replays.stages.camera.metres import Metres, NoMetres, in_metres
 from motorcade.replays.stages.camera.offered import camera_of, require_pictures
 from motorcade.replays.stages.camera.sensor_audit import audited_pair
-from motorcade.replays.values.sighted_points import SightedPoints
-from motorcade.replays.values.slam_poses import SlamPoses
+from motorcade.replays.stages.values.sighted_points import SightedPoints
+from motorcade.replays.stages.values.slam_poses import SlamPoses
 from motorcade.tracking import PoseMeasurements, TrackingError
 from motorcade.tracking.slam.geometry import seen_through
 

@@ -7,13 +7,13 @@ import numpy as np
 from motorcade.fusion.filter import fuse
 from motorcade.fusion.metrics import associate, tilt_rad
 from motorcade.ga.stamps import checked_span_ns
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.inertial.filter_input import assumed_noise, levelled
 from motorcade.replays.stages.inertial.fused import filter_settings
-from motorcade.replays.values.camera_poses import CameraPoses
-from motorcade.replays.values.convergence import Convergence
-from motorcade.replays.values.imu import UsedImu
-from motorcade.replays.values.paths import FusedPath
+from motorcade.replays.stages.values.camera_poses import CameraPoses
+from motorcade.replays.stages.values.convergence import Convergence
+from motorcade.replays.stages.values.imu import UsedImu
+from motorcade.replays.stages.values.paths import FusedPath
 
 
 def convergence(

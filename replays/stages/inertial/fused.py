@@ -16,13 +16,13 @@ from motorcade.fusion.filter.unjudged import fuse_unjudged
 from motorcade.fusion.graph.odometry import fuse_odometry
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import checked_positive
-from motorcade.replays.recording import Odometry, Recording
+from motorcade.replays.io.recording import Odometry, Recording
 from motorcade.replays.stages.held_out import without_held_out
 from motorcade.replays.stages.inertial.filter_input import Levelled, assumed_noise, levelled
 from motorcade.replays.stages.stage_comparison import compared_by_held_out
-from motorcade.replays.values.camera_poses import CameraPoses
-from motorcade.replays.values.imu import UsedImu
-from motorcade.replays.values.paths import FusedPath, FusedWith
+from motorcade.replays.stages.values.camera_poses import CameraPoses
+from motorcade.replays.stages.values.imu import UsedImu
+from motorcade.replays.stages.values.paths import FusedPath, FusedWith
 from motorcade.tracking import PoseMeasurements
 
 log = logging.getLogger("motorcade.fused")

@@ -11,9 +11,9 @@ import numpy as np
 from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
 from motorcade.fusion.sync import synchronise
 from motorcade.ga import Motor
-from motorcade.replays.recording import Recording
-from motorcade.replays.values.camera_poses import CameraPoses
-from motorcade.replays.values.imu import UsedImu
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.stages.values.camera_poses import CameraPoses
+from motorcade.replays.stages.values.imu import UsedImu
 
 log = logging.getLogger("motorcade.imu")
 _NO_EXTRINSICS = (

@@ -9,7 +9,10 @@ from typing import Literal
 import numpy as np
 
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.stages.values.camera_poses import CameraPoses
+from motorcade.replays.stages.values.marker_poses import MarkerPoses
+from motorcade.replays.stages.values.view import StandingPlace
 from motorcade.replays.stages.view.candidates import (
     SURE,
     SeenScene,
@@ -29,9 +32,6 @@ from motorcade.replays.stages.view.ground import (
 from motorcade.replays.stages.view.in_view import tall_at
 from motorcade.replays.stages.view.level_ground import level_ground
 from motorcade.replays.stages.view.moving_marker import find_marker
-from motorcade.replays.values.camera_poses import CameraPoses
-from motorcade.replays.values.marker_poses import MarkerPoses
-from motorcade.replays.values.view import StandingPlace
 from motorcade.tracking.planes import UpEstimate, fit_plane
 from motorcade.tracking.planes.upward import NEAR_DEG
 

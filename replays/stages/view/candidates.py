@@ -15,8 +15,9 @@ import numpy as np
 from motorcade.animation.vectors import axes_along
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.readers.frames.corners import CornerFrames
-from motorcade.replays.recording import Frame, Recording
+from motorcade.replays.io.readers.frames.corners import CornerFrames
+from motorcade.replays.io.recording import Frame, Recording
+from motorcade.replays.stages.values.camera_poses import CameraPoses
 from motorcade.replays.stages.view.ground import (
     FARTHEST_M,
     FLOOR_HEIGHT_M,
@@ -25,7 +26,6 @@ from motorcade.replays.stages.view.ground import (
     where_it_looks,
 )
 from motorcade.replays.stages.view.in_view import best_place, share_seen, tall_at
-from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.planes import (
     FlatSurface,

@@ -15,8 +15,8 @@ from motorcade.animation.vectors import axes_along
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, frozen
 from motorcade.render.light import Prints
-from motorcade.replays.recording import Recording
-from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.stages.values.camera_poses import CameraPoses
 from motorcade.tracking import Board, MarkerGrid, SingleMarker
 from motorcade.tracking.markers.marker_map import MarkerMap
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from motorcade.ga import Motor, Trajectory
+from motorcade.replays.stages.values.camera_poses import HELD_HEIGHT
 from motorcade.replays.stages.view.ground import FLOOR_HEIGHT_M, Ground
 from motorcade.replays.stages.view.in_view import tall_at
-from motorcade.replays.values.camera_poses import HELD_HEIGHT
 from motorcade.tracking.cameras.camera import Camera
 
 _FEET = 0.88

@@ -15,6 +15,7 @@ from motorcade.fusion.smoothing.view import steady_view, turned_homography
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.lookahead import ahead
 from motorcade.ga.names import nearest_name
+from motorcade.ga.progress import track
 from motorcade.render import (
     RendererName,
     RenderUnavailable,
@@ -33,20 +34,19 @@ from motorcade.render.light import (
 from motorcade.render.original import OriginalVideo
 from motorcade.render.scene import DepthArray, ImageArray, Lighting
 from motorcade.render.video import read_original
-from motorcade.replays.characters.performers import performers
 from motorcade.replays.engine.artifacts import new_file
-from motorcade.replays.engine.progress import track
 from motorcade.replays.engine.stage import Unavailable
-from motorcade.replays.readers.frames.corners import CornerFrames
-from motorcade.replays.readers.frames.video import VideoFrames
-from motorcade.replays.recording import Frame, FrameSequence, Recording
+from motorcade.replays.io.readers.frames.corners import CornerFrames
+from motorcade.replays.io.readers.frames.video import VideoFrames
+from motorcade.replays.io.recording import Frame, FrameSequence, Recording
 from motorcade.replays.stages.camera.as_found import as_found
+from motorcade.replays.stages.characters.performers import performers
+from motorcade.replays.stages.values.camera_poses import CameraPoses
+from motorcade.replays.stages.values.integrity import Integrity
+from motorcade.replays.stages.values.marker_poses import MarkerPoses
+from motorcade.replays.stages.values.paths import SmoothedPaths
+from motorcade.replays.stages.values.view import OverlayVideo, PlacedCharacter
 from motorcade.replays.stages.view.ground import prints_of
-from motorcade.replays.values.camera_poses import CameraPoses
-from motorcade.replays.values.integrity import Integrity
-from motorcade.replays.values.marker_poses import MarkerPoses
-from motorcade.replays.values.paths import SmoothedPaths
-from motorcade.replays.values.view import OverlayVideo, PlacedCharacter
 from motorcade.tracking.rolling import as_read
 
 # Frames, spread over the recording, from which light is estimated.

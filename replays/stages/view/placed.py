@@ -14,7 +14,11 @@ from motorcade.animation.authoring.parts import Interpolation
 from motorcade.animation.behaviour import LookTarget
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, frozen
-from motorcade.replays.characters.acting import (
+from motorcade.replays.io.readers.manifest.cast import NOBODY, Cast, read_cast
+from motorcade.replays.io.readers.manifest.section import FILE_KNOBS
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.stages.camera.as_found import as_found
+from motorcade.replays.stages.characters.acting import (
     MANNEQUIN,
     character_named,
     clip_named,
@@ -22,18 +26,14 @@ from motorcade.replays.characters.acting import (
     standing_clip,
     walked,
 )
-from motorcade.replays.characters.casting import played
-from motorcade.replays.readers.manifest.cast import NOBODY, Cast, read_cast
-from motorcade.replays.readers.manifest.section import FILE_KNOBS
-from motorcade.replays.recording import Recording
-from motorcade.replays.scenes.bound import BoundScene, light_placement
-from motorcade.replays.stages.camera.as_found import as_found
+from motorcade.replays.stages.characters.casting import played
+from motorcade.replays.stages.values.camera_poses import CameraPoses
+from motorcade.replays.stages.values.integrity import Integrity
+from motorcade.replays.stages.values.marker_poses import MarkerPoses
+from motorcade.replays.stages.values.view import PlacedCharacter
 from motorcade.replays.stages.view.anchored import GroundKind, Grounds
+from motorcade.replays.stages.view.bound import BoundScene, light_placement
 from motorcade.replays.stages.view.ground import Ground
-from motorcade.replays.values.camera_poses import CameraPoses
-from motorcade.replays.values.integrity import Integrity
-from motorcade.replays.values.marker_poses import MarkerPoses
-from motorcade.replays.values.view import PlacedCharacter
 
 log = logging.getLogger("motorcade.placed")
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from time import perf_counter
 
 from motorcade.fusion.motions import MOTIONS
-from motorcade.replays.files.trajectories import write_trajectory
+from motorcade.replays.io.trajectories import write_trajectory
 
 _TROUBLES = """--gyro-flicker 1e-4 1e-4 1e-4 --accel-flicker 1e-3 1e-3 1e-3 --gyro-turn 0.01 0 0
     --gyro-g-sensitivity 1e-4 1e-4 1e-4 --warming-k 20 --gyro-bias-per-k 1e-4 0 0

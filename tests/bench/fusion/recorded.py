@@ -20,8 +20,8 @@ from motorcade.fusion.motions.degradations import Blackouts, Degradation, InTurn
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.files.imu import read_imu
-from motorcade.replays.files.trajectories import read_trajectory
+from motorcade.replays.io.imu import read_imu
+from motorcade.replays.io.trajectories import read_trajectory
 from motorcade.tracking.measurements import PoseMeasurements
 from tests.bench.data import data_folder
 

@@ -21,7 +21,7 @@ from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
 from motorcade.fusion.preintegration import preintegrate
 from motorcade.fusion.visual_inertial import InertialSlam
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.readers.opening import open_recording
 from motorcade.tracking import Camera
 from motorcade.tracking.slam import VisualSlam
 from tests.bench.fusion.inertial_slam import feed

@@ -19,7 +19,7 @@ from motorcade.fusion.graph.odometry import fuse_odometry
 from motorcade.fusion.metrics import evaluate
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.replays.readers.tagslam import corners as tagslam
+from motorcade.replays.io.readers.tagslam import corners as tagslam
 from motorcade.tracking.markers.mapping import map_markers
 from motorcade.tracking.measurements import PoseMeasurements
 from tests.bench.tracking.tag_flips import tagslam_folder

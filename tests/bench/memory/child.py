@@ -35,7 +35,7 @@ def main() -> int:
 
     what, *given = sys.argv[1:]
     if what == "run":
-        import motorcade.replays.pipeline  # noqa: F401  # part of what stands before any data
+        import motorcade.replays.pipeline.job  # noqa: F401  # part of what stands before any data
     elif what == "fuse":
         from tests.bench.memory.fused import fuse_measured
     else:

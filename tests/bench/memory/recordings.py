@@ -14,8 +14,8 @@ from motorcade.fusion.motions import gimbal_crossing
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render.video import write_video
-from motorcade.replays.files.imu import write_imu
-from motorcade.replays.files.trajectories import write_trajectory
+from motorcade.replays.io.imu import write_imu
+from motorcade.replays.io.trajectories import write_trajectory
 from motorcade.tracking import Camera, Checkerboard
 from tests.bench.memory.fused import write_measured
 

@@ -23,7 +23,7 @@ from motorcade.fusion.motions.degradations import (
 )
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.replays.files.trajectories import read_trajectory
+from motorcade.replays.io.trajectories import read_trajectory
 
 __all__ = [
     "FURTHER",

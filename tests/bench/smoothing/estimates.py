@@ -19,7 +19,7 @@ import numpy as np
 from motorcade.fusion.metrics import Align, Matched, match, relative_errors
 from motorcade.fusion.metrics.lag import angular_rate_lag_s
 from motorcade.ga import Trajectory
-from motorcade.replays.files.trajectories import read_trajectory
+from motorcade.replays.io.trajectories import read_trajectory
 
 __all__ = ["ESTIMATES", "IN_STEP", "Estimate", "estimates"]
 

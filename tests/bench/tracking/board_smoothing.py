@@ -22,7 +22,7 @@ import numpy as np
 from motorcade.fusion.metrics import evaluate
 from motorcade.fusion.smoothing import smooth
 from motorcade.ga import Trajectory
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.readers.opening import open_recording
 from motorcade.tracking import track_board
 from tests.bench.data import data_folder
 

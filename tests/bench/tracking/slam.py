@@ -22,7 +22,7 @@ from motorcade.ga import Trajectory
 from tests.bench.data import data_folder
 
 if TYPE_CHECKING:
-    from motorcade.replays.recording import Recording
+    from motorcade.replays.io.recording import Recording
 
 __all__ = ["bench_slam", "slam_table"]
 
@@ -48,7 +48,7 @@ def bench_slam(switches: Iterable[str] = _LOOP) -> dict[str, Any]:
     Args:
         switches: of `_LOOP`; "" is none, as recordings are run.
     """
-    from motorcade.replays.readers.opening import open_recording
+    from motorcade.replays.io.readers.opening import open_recording
     from tests.textured_room.recording import write_recording
     from tests.textured_room.scenarios import scenario
 

@@ -42,7 +42,7 @@ def measure_pictures(files: list[Path], rounds: int) -> dict[str, Any]:
     Raises:
         RecordingError: a picture that cannot be read.
     """
-    from motorcade.replays.readers.frames.pictures import read_gray
+    from motorcade.replays.io.readers.frames.pictures import read_gray
 
     found: dict[str, int] = {}
     spent_ms: dict[str, float] = {}

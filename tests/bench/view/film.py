@@ -93,8 +93,8 @@ def _one_run(root: Path, manifest: Path) -> dict[str, Any]:
 
 def _timed_run(root: Path, manifest: Path) -> dict[str, Any]:
     """Run a recording here; each stage's time is told when it ends, from the one before it on."""
-    from motorcade.replays.pipeline import Job, run_job
-    from motorcade.replays.readers.opening import open_recording
+    from motorcade.replays.io.readers.opening import open_recording
+    from motorcade.replays.pipeline.job import Job, run_job
 
     marks: list[tuple[str, float, float]] = []
 

@@ -25,8 +25,8 @@ from motorcade.render.backends.choice import new_renderer
 from motorcade.render.composite import as_rgb, over
 from motorcade.render.lens import LensWarp
 from motorcade.render.scene import ImageArray
-from motorcade.replays.readers.opening import open_recording
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.recording import Recording
 from motorcade.tracking import BoardTrack, track_board
 from motorcade.tracking.boards import BoardCorners, Checkerboard
 from motorcade.tracking.cameras.camera import Camera

@@ -3,7 +3,7 @@
 from itertools import islice
 from pathlib import Path
 
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.readers.opening import open_recording
 from motorcade.tracking import Checkerboard, track_board
 from tests.bench.view.film import COLUMNS, ROWS, film_lines, write_drawn
 

@@ -14,7 +14,7 @@ import pytest
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.cli import main
-from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
+from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
 from tests.end_to_end.advice.following import Known, Words, followed
 from tests.replays.readers.bag_poses import Messages, write_messages
 from tests.replays.tiny_recordings import write_tiny

@@ -21,14 +21,14 @@ from motorcade.ga.archives import read_arrays
 from motorcade.ga.codegen.generate import read_script
 from motorcade.render.video import read_frames
 from motorcade.replays.cli.main import main
-from motorcade.replays.compare.report.results import Results
-from motorcade.replays.export import open_run
-from motorcade.replays.files.imu import read_imu, read_noise
-from motorcade.replays.files.trajectories import read_trajectory
-from motorcade.replays.readers.calibration import read_matrix, read_numbers, read_yaml
-from motorcade.replays.readers.frames.pictures import read_picture
-from motorcade.replays.readers.opening import open_recording
-from motorcade.replays.readers.ros.bag import read_bag
+from motorcade.replays.comparison.report.results import Results
+from motorcade.replays.io.imu import read_imu, read_noise
+from motorcade.replays.io.readers.calibration import read_matrix, read_numbers, read_yaml
+from motorcade.replays.io.readers.frames.pictures import read_picture
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.readers.ros.bag import read_bag
+from motorcade.replays.io.trajectories import read_trajectory
+from motorcade.replays.pipeline.runs import open_run
 from motorcade.tracking import BoardTrack, MarkerMap, PoseMeasurements
 from motorcade.tracking.slam.mapping.map import MapSnapshot
 from tests.animation.formats.samples import md5_mesh_tower

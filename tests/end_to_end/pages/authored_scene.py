@@ -25,8 +25,8 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.render import read_frames
 from motorcade.render.video import contact_sheet
 from motorcade.replays.cli import main as motorcade
-from motorcade.replays.pipeline import Job, run_job
-from motorcade.replays.studio.server.desk import open_desk
+from motorcade.replays.pipeline.job import Job, run_job
+from motorcade.replays.studio.desk import open_desk
 from tests.bench.view.pages import chromium
 from tests.end_to_end.pages.conftest import Browser
 from tests.end_to_end.pages.editor_tab import Tab

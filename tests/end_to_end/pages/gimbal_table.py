@@ -23,7 +23,7 @@ import numpy as np
 
 from motorcade.animation.authoring import Dragged, SceneEditor, gesture_of
 from motorcade.ga import Rotor
-from motorcade.replays.studio.server.desk import RunDesk
+from motorcade.replays.studio.desk import RunDesk
 from tests.end_to_end.pages.conftest import Browser
 from tests.end_to_end.pages.editor_tab import Tab
 from tests.replays.studio.server.conftest import running

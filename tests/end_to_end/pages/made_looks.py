@@ -11,11 +11,11 @@ import numpy as np
 
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import Performer
-from motorcade.replays.studio.film import write_film
-from motorcade.replays.studio.look.document import shown_camera, shown_character
-from motorcade.replays.studio.look.packing import packed
-from motorcade.replays.studio.look.paths import rows_at
-from motorcade.replays.studio.page import inner_film, view_page
+from motorcade.replays.pipeline.look.document import shown_camera, shown_character
+from motorcade.replays.pipeline.look.packing import packed
+from motorcade.replays.pipeline.look.paths import rows_at
+from motorcade.replays.web.film import write_film
+from motorcade.replays.web.page import inner_film, view_page
 from motorcade.tracking import Camera
 
 BITS, SIDE_PX = 12, 16

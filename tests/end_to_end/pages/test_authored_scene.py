@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor
-from motorcade.replays.export import open_run
+from motorcade.replays.pipeline.runs import open_run
 from tests.end_to_end.pages.authored_scene import NAMES, Authored, authored
 from tests.end_to_end.pages.conftest import Browser
 from tests.replays.carried_marker import ID, write_carried

@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from motorcade.replays.cli import main
-from motorcade.replays.export import read_run
-from motorcade.replays.report.findings import Findings
-from motorcade.replays.stages.report import report
+from motorcade.replays.pipeline.report.findings import Findings
+from motorcade.replays.pipeline.report.stage import report
+from motorcade.replays.pipeline.runs import read_run
 from tests.end_to_end.pages.accessibility.faults import AXE, UNFOLD, serious_faults
 
 # One worker opens them all: they take long to make.

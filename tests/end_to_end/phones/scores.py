@@ -27,7 +27,7 @@ from scipy.optimize import least_squares
 
 from motorcade.fusion.metrics import align, associate
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.files.trajectories import read_trajectory
+from motorcade.replays.io.trajectories import read_trajectory
 from motorcade.tracking import Camera
 from motorcade.tracking.rolling import as_read
 from tests.end_to_end.phones.cases import Case

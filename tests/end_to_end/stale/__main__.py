@@ -21,8 +21,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from motorcade.replays.pipeline import Job, pipeline_graph, run_job
-from motorcade.replays.sweep import read_sweep, run_sweep
+from motorcade.replays.comparison.sweep import read_sweep, run_sweep
+from motorcade.replays.pipeline.job import Job, pipeline_graph, run_job
 from tests.end_to_end.stale.kinds import CHARACTERS, COMMENT, CONTAINERS, RECORDINGS, Kind, assimp
 from tests.replays.tiny_recordings import write_tiny
 

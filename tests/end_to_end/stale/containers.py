@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import Trajectory
-from motorcade.replays.files.trajectories import write_trajectory
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.trajectories import write_trajectory
 from tests.bench.data import data_folder
 from tests.fuzz.kinds.trajectories import smooth_path
 from tests.replays.readers import test_ros_recordings, test_tagslam

@@ -16,9 +16,9 @@ from motorcade.fusion.motions.degradations import Blackouts, InTurn, Latency, Ou
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.files.trajectories import read_trajectory
-from motorcade.replays.readers.layouts.euroc import read as read_euroc
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.readers.layouts.euroc import read as read_euroc
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.io.trajectories import read_trajectory
 from motorcade.tracking.measurements import PoseMeasurements
 
 

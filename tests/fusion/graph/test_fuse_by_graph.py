@@ -18,8 +18,8 @@ from motorcade.fusion.metrics import absolute_translation_m, rotation_rad
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.files.imu import read_imu
-from motorcade.replays.files.trajectories import read_trajectory
+from motorcade.replays.io.imu import read_imu
+from motorcade.replays.io.trajectories import read_trajectory
 from motorcade.tracking.measurements import PoseMeasurements
 
 Record = Callable[..., Any]

@@ -12,7 +12,7 @@ from motorcade.fusion.metrics import absolute_translation_m
 from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.readers.tagslam import corners as tagslam
+from motorcade.replays.io.readers.tagslam import corners as tagslam
 from motorcade.tracking.measurements import PoseMeasurements
 from tests.bench.fusion.tag_odometry import bench_tag_odometry, tag_odometry_table
 

@@ -15,8 +15,8 @@ from motorcade.fusion.motions.degradations import Blackouts, Degradation, InTurn
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.files.imu import read_imu
-from motorcade.replays.files.trajectories import read_trajectory
+from motorcade.replays.io.imu import read_imu
+from motorcade.replays.io.trajectories import read_trajectory
 from motorcade.tracking.measurements import PoseMeasurements
 
 DEGRADED = InTurn((Outliers(0.02, 0.5, 0.5), Blackouts(2.0, 15.0)))

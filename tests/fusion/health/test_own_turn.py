@@ -12,8 +12,8 @@ from motorcade.fusion.health import check_health
 from motorcade.fusion.health.turning import TurnedAngle, steady
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor, Rotor
-from motorcade.replays.files.imu import read_imu
-from motorcade.replays.files.trajectories import read_trajectory
+from motorcade.replays.io.imu import read_imu
+from motorcade.replays.io.trajectories import read_trajectory
 from tests.fusion.health.cases import FLIGHTS
 
 

@@ -20,7 +20,7 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.motion import Factor, Motion, Polynomial
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.files.imu import read_imu
+from motorcade.replays.io.imu import read_imu
 
 STANDING = Motion((Factor(np.zeros(6), Polynomial((1.0,))),), Motor)
 

@@ -18,8 +18,8 @@ from motorcade.fusion.imu import (
 )
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.files.imu import read_imu, write_imu
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.imu import read_imu, write_imu
 
 RIGID = [name for name, motion in MOTIONS.items() if motion.versor is Motor]
 

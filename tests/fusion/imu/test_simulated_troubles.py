@@ -24,7 +24,7 @@ from motorcade.fusion.imu import (
 )
 from motorcade.fusion.motions import MOTIONS, Factor, Motion, Polynomial
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.files.imu import read_imu
+from motorcade.replays.io.imu import read_imu
 
 STILL = Motion((Factor(np.zeros(6), Polynomial((1.0,))),), Motor)
 TINY = ImuNoise(1e-9, 1e-12, 1e-9, 1e-12)

@@ -30,7 +30,7 @@ from motorcade.fusion.metrics import (
     relative_errors,
 )
 from motorcade.ga import Trajectory
-from motorcade.replays.files.trajectories import read_trajectory
+from motorcade.replays.io.trajectories import read_trajectory
 
 pytest.importorskip("evo")
 from evo.core.filters import FilterException

@@ -7,7 +7,7 @@ import pytest
 
 from motorcade.fusion.orientation import estimate_orientation
 from motorcade.ga import Rotor
-from motorcade.replays.files.imu import read_imu
+from motorcade.replays.io.imu import read_imu
 from tests.bench.fusion.broad import broad_errors, by_vqf, estimated, read_trial, trial_paths
 
 

@@ -15,7 +15,7 @@ from motorcade.fusion.smoothing.batch.predicted import judged_runs
 from motorcade.fusion.smoothing.batch.start import PathStart
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.files.trajectories import read_trajectory
+from motorcade.replays.io.trajectories import read_trajectory
 from tests.bench.smoothing.cells import cell, left, motion
 
 RUN = slice(400, 430)

@@ -9,8 +9,8 @@ from motorcade.fusion.metrics import Align, evaluate
 from motorcade.fusion.smoothing import choose, smooth
 from motorcade.fusion.smoothing.changes import changes
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.files.trajectories import read_trajectory
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.trajectories import read_trajectory
 from motorcade.replays.stages.camera.board_poses import board_poses
 
 MANIFESTS = Path(__file__).parents[3] / "docs" / "manifests"

@@ -20,8 +20,8 @@ from motorcade.fusion.sync.synchronise import covered
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.cli import main
-from motorcade.replays.files.imu import read_imu, write_imu
-from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
+from motorcade.replays.io.imu import read_imu, write_imu
+from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
 from tests.bench.fusion.recorded import DEGRADED, flight, measured
 
 IMU_T_CAMERA = Motor.from_euler_translation(

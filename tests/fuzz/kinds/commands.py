@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from motorcade.fusion.smoothing.methods import METHODS as SMOOTHERS
-from motorcade.replays.files.imu import write_imu
-from motorcade.replays.files.trajectories import write_trajectory
+from motorcade.replays.io.imu import write_imu
+from motorcade.replays.io.trajectories import write_trajectory
 from tests.animation.formats import samples
 from tests.fuzz.hostile import write_hostile
 from tests.fuzz.kinds.manifests import write_maps
@@ -333,9 +333,9 @@ def _write_rig(given: Path) -> None:
 
 def _write_demo(folder: Path) -> None:
     """A small recording in place of the demo's own, which takes half a minute to be drawn."""
-    from motorcade.replays.demo import MARKER, ensure_demo_recording
+    from motorcade.replays.demo import write_recording
+    from motorcade.replays.demo.embedded import MARKER, ensure_demo_recording
     from motorcade.replays.engine.provenance import code_digest
-    from motorcade.replays.synthetic_room import write_recording
 
     folder.parent.mkdir()
     write_tiny(folder, 0.3, count=8)

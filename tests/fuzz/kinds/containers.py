@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.replays.files.trajectories import read_trajectory
-from motorcade.replays.readers import gpmf
-from motorcade.replays.readers.ros.trajectories import list_bag_trajectories
+from motorcade.replays.io.readers import gpmf
+from motorcade.replays.io.readers.ros.trajectories import list_bag_trajectories
+from motorcade.replays.io.trajectories import read_trajectory
 from tests.fuzz.containers import (
     Record,
     changed,

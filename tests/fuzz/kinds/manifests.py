@@ -17,11 +17,11 @@ import numpy as np
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.engine.knobs import parse_knobs
-from motorcade.replays.files.trajectories import write_trajectory
-from motorcade.replays.inspection import describe
-from motorcade.replays.pipeline import pipeline_graph
-from motorcade.replays.readers.manifest import reading, section, slam, truth
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.readers.manifest import reading, section, slam, truth
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.trajectories import write_trajectory
+from motorcade.replays.pipeline.job import pipeline_graph
+from motorcade.replays.tasks.inspection import describe
 from motorcade.tracking.markers import FAMILIES
 from motorcade.tracking.markers.marker_map import MarkerMap
 from motorcade.tracking.slam import MapSnapshot

@@ -15,13 +15,13 @@ from pathlib import Path
 import numpy as np
 
 from motorcade.ga import Trajectory
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.files.imu import read_imu, read_noise
-from motorcade.replays.files.trajectories import read_trajectory
-from motorcade.replays.readers import gpmf
-from motorcade.replays.readers.frames.files import PictureFrames
-from motorcade.replays.readers.opening import open_recording
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.imu import read_imu, read_noise
+from motorcade.replays.io.readers import gpmf
+from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.io.trajectories import read_trajectory
 from tests.fuzz.mutations import mutated
 from tests.fuzz.runner import Feed
 from tests.replays import conftest as layouts

@@ -17,13 +17,13 @@ import yaml
 
 from motorcade.fusion.imu import estimate_noise
 from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.replays.comparison.sweep.plan import read_sweep
 from motorcade.replays.engine.knobs import parse_knobs
-from motorcade.replays.files.imu import read_imu, read_noise
-from motorcade.replays.pipeline import pipeline_graph
-from motorcade.replays.readers.calibration import read_matrix, read_numbers, yaml_transform
-from motorcade.replays.readers.kalibr import read_chain
-from motorcade.replays.readers.manifest.section import read_board, read_camera
-from motorcade.replays.sweep.plan import read_sweep
+from motorcade.replays.io.imu import read_imu, read_noise
+from motorcade.replays.io.readers.calibration import read_matrix, read_numbers, yaml_transform
+from motorcade.replays.io.readers.kalibr import read_chain
+from motorcade.replays.io.readers.manifest.section import read_board, read_camera
+from motorcade.replays.pipeline.job import pipeline_graph
 from tests.fuzz.hostile import write_hostile
 from tests.fuzz.kinds.manifests import KNOBS, MATRIX, toml
 from tests.fuzz.mutations import changed_tree, mutated, one_of

@@ -20,7 +20,7 @@ from motorcade.fusion.metrics import Align, Delta, Plane, Relation, evaluate_mat
 from motorcade.fusion.metrics.poses.deltas import DeltaUnit
 from motorcade.fusion.smoothing.methods import METHODS
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
+from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
 from tests.fuzz.mutations import mutated, one_of
 from tests.fuzz.own import ended
 from tests.fuzz.runner import Feed

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from skimage.color import deltaE_ciede2000, rgb2lab
 
 from motorcade.render.plots.style import AXIS_COLOURS, COLOURS, HUES, ON_PAGES, page_colours
-from motorcade.replays.pages import page_environment
+from motorcade.replays.web.pages import page_environment
 
 # G. M. Machado, M. M. Oliveira and L. A. F. Fernandes, A physiologically-based model for simulation
 # of color vision deficiency, IEEE TVCG 15(6), 2009: severity 1, on linear RGB.

@@ -11,8 +11,8 @@ import pytest
 from motorcade.animation import Clip, Skeleton, mannequin
 from motorcade.animation.formats import read_character, write_gltf
 from motorcade.ga import Motor
-from motorcade.replays.characters.blending import blend_character, character_with, write_blend
 from motorcade.replays.cli.main import main
+from motorcade.replays.tasks.blending import blend_character, character_with, write_blend
 
 
 @pytest.fixture(scope="module")

@@ -11,11 +11,11 @@ import pytest
 from motorcade.animation import mannequin, read_motion
 from motorcade.animation.behaviour import LookTarget
 from motorcade.ga import Motor
-from motorcade.replays.characters.acting import character_named
-from motorcade.replays.characters.casting import actor_of, check_cast, played
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.readers.manifest.cast import read_cast
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.manifest.cast import read_cast
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.stages.characters.acting import character_named
+from motorcade.replays.stages.characters.casting import actor_of, check_cast, played
 
 EVERY_KEY = Path(__file__).parents[3] / "docs" / "manifests" / "every_cast_key.toml"
 # A figure in T-pose, 1.6 m tall, that lifts its left arm; written by hand.

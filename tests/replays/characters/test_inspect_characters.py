@@ -9,7 +9,7 @@ import pytest
 from motorcade.animation import mannequin
 from motorcade.animation.formats import write_gltf
 from motorcade.replays.cli import main
-from motorcade.replays.inspection import describe_character
+from motorcade.replays.tasks.inspection import describe_character
 
 BVH = """HIERARCHY
 ROOT Hips

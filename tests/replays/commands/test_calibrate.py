@@ -9,8 +9,8 @@ import pytest
 
 from motorcade.ga import Motor, Rotor
 from motorcade.replays.cli import main
-from motorcade.replays.readers.manifest.section import read_board, read_camera
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.readers.manifest.section import read_board, read_camera
+from motorcade.replays.io.readers.opening import open_recording
 from motorcade.tracking import (
     Camera,
     CharucoBoard,

@@ -13,12 +13,12 @@ import yaml
 
 from motorcade.fusion.camera_imu import CameraImuCalibration, calibrate_camera_imu
 from motorcade.replays.cli import main
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.files.extrinsics import read_extrinsics
-from motorcade.replays.files.imu import read_noise, write_imu
-from motorcade.replays.markers.inertial_calibration import InertialRun, write_inertial
-from motorcade.replays.readers.kalibr import read_chain
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.extrinsics import read_extrinsics
+from motorcade.replays.io.imu import read_noise, write_imu
+from motorcade.replays.io.readers.kalibr import read_chain
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.tasks.inertial_calibration import InertialRun, write_inertial
 from motorcade.tracking import measure_board
 from tests.fusion.camera_imu.board_recordings import (
     BOARD,

@@ -10,8 +10,8 @@ import numpy as np
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.doctor import OPTIONAL
-from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
+from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
+from motorcade.replays.tasks.doctor import OPTIONAL
 
 MODULES = sorted({module for packages in OPTIONAL.values() for module, _ in packages.values()})
 CODE = (

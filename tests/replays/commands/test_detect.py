@@ -9,8 +9,8 @@ import pytest
 
 from motorcade.ga import Motor, Rotor
 from motorcade.replays.cli import main
-from motorcade.replays.markers.pictures import draw, drawing_names, markers_in
-from motorcade.replays.readers.manifest.section import camera_toml, read_camera
+from motorcade.replays.io.readers.manifest.section import camera_toml, read_camera
+from motorcade.replays.tasks.pictures import draw, drawing_names, markers_in
 from motorcade.tracking import Camera, MarkerGrid, SingleMarker
 
 GRID = MarkerGrid("tag36h11", 3, 2, 0.04, 0.01, first_id=5)

@@ -13,7 +13,7 @@ import pytest
 
 from motorcade.ga import kernels
 from motorcade.replays.cli import main
-from motorcade.replays.doctor import OPTIONAL, Finding, examine, examine_packages, flags, simd
+from motorcade.replays.tasks.doctor import OPTIONAL, Finding, examine, examine_packages, flags, simd
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 LOADER = Path("/lib64/ld-linux-x86-64.so.2")

@@ -10,7 +10,7 @@ from motorcade.fusion.metrics import evaluate
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.replays.cli import main
-from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
+from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
 
 
 def test_the_figures_that_matter_are_printed_and_all_are_kept(

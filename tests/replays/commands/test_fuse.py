@@ -17,8 +17,8 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.cli import main
-from motorcade.replays.files.imu import write_imu
-from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
+from motorcade.replays.io.imu import write_imu
+from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
 from motorcade.replays.stages.inertial.filter_input import assumed_noise
 from motorcade.tracking import PoseMeasurements
 
@@ -330,7 +330,7 @@ def test_a_rig_without_what_is_needed_is_refused(
 
 
 def test_extrinsics_are_read_as_kalibr_writes_them(tmp_path: Path) -> None:
-    from motorcade.replays.files.extrinsics import read_extrinsics
+    from motorcade.replays.io.extrinsics import read_extrinsics
 
     apart = read_extrinsics(_chain(tmp_path)).local(IMU_T_CAMERA)
     np.testing.assert_allclose(apart, 0.0, atol=1e-9)

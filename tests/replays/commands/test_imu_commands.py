@@ -12,8 +12,8 @@ from motorcade.fusion.imu import ImuNoise
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.cli import main
-from motorcade.replays.files.imu import read_imu
-from motorcade.replays.files.trajectories import write_trajectory
+from motorcade.replays.io.imu import read_imu
+from motorcade.replays.io.trajectories import write_trajectory
 
 
 def run(*arguments: object) -> int:

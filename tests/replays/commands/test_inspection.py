@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.replays.inspection import describe_stream
+from motorcade.replays.tasks.inspection import describe_stream
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import pytest
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.cli import main
-from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
+from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
 from tests.replays.readers.bag_poses import KINDS, Messages, write_messages
 
 COUNT = 20

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from motorcade.replays.cli.main import main
-from motorcade.replays.export import read_origin
+from motorcade.replays.pipeline.runs import read_origin
 
 ROWS = """\
 1 0 0 0 0 1 0 0 0 0 1 0

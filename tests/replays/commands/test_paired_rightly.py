@@ -12,7 +12,7 @@ from motorcade.fusion.motions import MOTIONS, handheld
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.cli import main
-from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
+from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ import pytest
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.cli import main
-from motorcade.replays.files.trajectories import write_trajectory
+from motorcade.replays.io.trajectories import write_trajectory
 from tests.replays.tiny_recordings import write_tiny
 
 RUN = "import sys; from motorcade.replays.cli import main; sys.exit(main())"

@@ -14,7 +14,7 @@ from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import METHODS, method_parameters, smooth
 from motorcade.ga import Trajectory
 from motorcade.replays.cli import main
-from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
+from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
 from tests.replays.readers.bag_poses import TF, Messages, write_messages
 
 START_NS = 1_700_000_000_123_456_789

@@ -22,15 +22,20 @@ MAIN = "import sys; from motorcade.replays.cli import main; sys.exit(main(sys.ar
 COMPARE = "compare --quick --trajectories screw --degradations gaussian --methods exponential"
 CONSISTENCY = "consistency --motions tumble --filters quaternion --duration-s 10"
 JOBS = {
-    "sweep": ("motorcade.replays.sweep.run", "run_job", "runs/*/outcome", ("sweep.csv",)),
+    "sweep": (
+        "motorcade.replays.comparison.sweep.run",
+        "run_job",
+        "runs/*/outcome",
+        ("sweep.csv",),
+    ),
     "compare": (
-        "motorcade.replays.compare.run",
+        "motorcade.replays.comparison.run",
         "run_cell",
         ".finished/*",
         ("cells.csv", "groups.csv"),
     ),
     "consistency": (
-        "motorcade.replays.consistency.run",
+        "motorcade.replays.comparison.consistency.run",
         "run_seeds",
         ".finished/*",
         ("consistency.csv",),
@@ -49,7 +54,7 @@ def words(config: Config, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], li
             return ["sweep", str(path)]
         if command == "compare":
             return [*COMPARE.split(), "--representations", "motor", "--seeds", "4"]
-        monkeypatch.setattr("motorcade.replays.consistency.run._RUNS_A_JOB", 1)
+        monkeypatch.setattr("motorcade.replays.comparison.consistency.run._RUNS_A_JOB", 1)
         return [*CONSISTENCY.split(), "--runs", "4"]
 
     return small
@@ -92,7 +97,7 @@ def test_the_same_command_does_the_rest(
     with monkeypatch.context() as patch:
         stopping_at(command, 2, patch)
         # Of a loop that takes five seconds, as on a busy machine, a line of progress is said.
-        patch.setattr("motorcade.replays.engine.progress.LINE_EVERY_S", float("inf"))
+        patch.setattr("motorcade.ga.progress.LINE_EVERY_S", float("inf"))
         capsys.readouterr()
         assert main([*given, str(out)]) == 130
     told = capsys.readouterr().err

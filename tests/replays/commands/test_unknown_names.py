@@ -8,7 +8,7 @@ import pytest
 
 from motorcade.ga.names import did_you_mean
 from motorcade.replays.cli import main
-from motorcade.replays.pipeline import Job, run_job
+from motorcade.replays.pipeline.job import Job, run_job
 
 
 def test_of_many_names_a_dozen_is_shown() -> None:

@@ -6,9 +6,9 @@ import pytest
 from motorcade.fusion.metrics import evaluate
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Trajectory
-from motorcade.replays.compare.cells import Setting, inputs_of
-from motorcade.replays.compare.evaluator import METRICS, PathEvaluator
-from motorcade.replays.compare.truth import RecordedTruth
+from motorcade.replays.comparison.cells import Setting, inputs_of
+from motorcade.replays.comparison.evaluator import METRICS, PathEvaluator
+from motorcade.replays.comparison.truth import RecordedTruth
 
 SETTINGS = (
     Setting("one_euro", "motor"),

@@ -6,9 +6,9 @@ import pytest
 
 from docs.making import guide
 from docs.making.in_short import in_short
-from motorcade.replays.compare.plan import COMPARED, standard
-from motorcade.replays.compare.report.results import Results
-from motorcade.replays.compare.run import run_comparison
+from motorcade.replays.comparison.plan import COMPARED, standard
+from motorcade.replays.comparison.report.results import Results
+from motorcade.replays.comparison.run import run_comparison
 
 TOP = Path(__file__).resolve().parents[3]
 

@@ -7,10 +7,10 @@ import pytest
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.smoothing import METHODS, REPRESENTATION_NAMES
 from motorcade.render.plots.style import COLOURS
-from motorcade.replays.compare.evaluator import METRICS as RULER_METRICS
-from motorcade.replays.compare.plan import DEGRADATIONS
-from motorcade.replays.compare.report import names
-from motorcade.replays.compare.report.results import Ratio, tied
+from motorcade.replays.comparison.evaluator import METRICS as RULER_METRICS
+from motorcade.replays.comparison.plan import DEGRADATIONS
+from motorcade.replays.comparison.report import names
+from motorcade.replays.comparison.report.results import Ratio, tied
 
 
 @pytest.mark.parametrize(

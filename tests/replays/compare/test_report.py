@@ -15,22 +15,22 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from docs.making.guide import figures, page
-from motorcade.replays.compare.cells import (
+from motorcade.replays.comparison.cells import (
     ComparisonCell,
     MeasuredRow,
     Setting,
     inputs_of,
     run_cell,
 )
-from motorcade.replays.compare.plan import ComparisonPlan
-from motorcade.replays.compare.report import Results, write_report
-from motorcade.replays.compare.report.findings import findings
-from motorcade.replays.compare.report.names import METRICS, shown
-from motorcade.replays.compare.report.results import range_ends
-from motorcade.replays.compare.statistics import Sample
-from motorcade.replays.compare.tables import Outcome, write_tables
-from motorcade.replays.compare.traits import Trait, run_trait
-from motorcade.replays.compare.tuning import Tuned
+from motorcade.replays.comparison.plan import ComparisonPlan
+from motorcade.replays.comparison.report import Results, write_report
+from motorcade.replays.comparison.report.findings import findings
+from motorcade.replays.comparison.report.names import METRICS, shown
+from motorcade.replays.comparison.report.results import range_ends
+from motorcade.replays.comparison.statistics import Sample
+from motorcade.replays.comparison.tables import Outcome, write_tables
+from motorcade.replays.comparison.traits import Trait, run_trait
+from motorcade.replays.comparison.tuning import Tuned
 
 PLAN = ComparisonPlan(
     motions=("gimbal_crossing", "walk_and_look"),

@@ -15,11 +15,11 @@ from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.cli import main
-from motorcade.replays.compare import own_data
-from motorcade.replays.compare.cells import Setting, inputs_of
-from motorcade.replays.compare.evaluator import METRICS
-from motorcade.replays.compare.own_data import compare_recorded
-from motorcade.replays.compare.plan import (
+from motorcade.replays.comparison import own_data
+from motorcade.replays.comparison.cells import Setting, inputs_of
+from motorcade.replays.comparison.evaluator import METRICS
+from motorcade.replays.comparison.own_data import compare_recorded
+from motorcade.replays.comparison.plan import (
     COMPARED,
     DEGRADATIONS,
     OWN,
@@ -27,11 +27,11 @@ from motorcade.replays.compare.plan import (
     quick,
     standard,
 )
-from motorcade.replays.compare.run import run_comparison
-from motorcade.replays.compare.traits import exact_ties
-from motorcade.replays.compare.truth import RecordedMotion
-from motorcade.replays.compare.tuning import RANGES, SearchPlace, Tuned, tuned
-from motorcade.replays.files.trajectories import write_trajectory
+from motorcade.replays.comparison.run import run_comparison
+from motorcade.replays.comparison.traits import exact_ties
+from motorcade.replays.comparison.truth import RecordedMotion
+from motorcade.replays.comparison.tuning import RANGES, SearchPlace, Tuned, tuned
+from motorcade.replays.io.trajectories import write_trajectory
 
 UNITS = ("_m", "_deg", "_s2", "_ms", "_ratio", "_turns", "log_scale_rmse")
 SMALL = ComparisonPlan(

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from motorcade.replays.compare.cells import RAW
-from motorcade.replays.compare.evaluator import METRICS
-from motorcade.replays.compare.statistics import (
+from motorcade.replays.comparison.cells import RAW
+from motorcade.replays.comparison.evaluator import METRICS
+from motorcade.replays.comparison.statistics import (
     Group,
     bootstrap,
     cost,

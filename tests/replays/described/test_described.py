@@ -15,18 +15,18 @@ from motorcade.ga import Motor, Rotor
 from motorcade.render import write_video
 from motorcade.replays import Job, open_recording, run_job
 from motorcade.replays.cli.main import main
-from motorcade.replays.described.camera import camera_by_view
-from motorcade.replays.described.describing import described
-from motorcade.replays.described.telemetry import (
+from motorcade.replays.demo import write_recording
+from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.pipeline.described.camera import camera_by_view
+from motorcade.replays.pipeline.described.describing import described
+from motorcade.replays.pipeline.described.telemetry import (
     GOPRO_IMU_R_CAMERA,
     camera_by_turning,
     check_axes,
     seen_turns,
 )
-from motorcade.replays.described.values import sampled_pictures
-from motorcade.replays.readers.frames.files import PictureFrames
-from motorcade.replays.recording import Recording
-from motorcade.replays.synthetic_room import write_recording
+from motorcade.replays.pipeline.described.values import sampled_pictures
 from motorcade.tracking import Checkerboard, MarkerGrid
 
 FOCAL_PX = 510.0  # of the room's camera, which is not told here

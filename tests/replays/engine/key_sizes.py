@@ -15,9 +15,9 @@ import numpy as np
 
 from motorcade.replays.engine.provenance import reach, types_within
 from motorcade.replays.engine.stage import Choice
-from motorcade.replays.pipeline import pipeline_graph
-from motorcade.replays.readers.frames.files import PictureFrames
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.pipeline.job import pipeline_graph
 from motorcade.tracking.boards import Checkerboard
 from motorcade.tracking.cameras.camera import Camera
 

@@ -9,7 +9,7 @@ from motorcade.replays.engine import drawing, provenance
 from motorcade.replays.engine.graph import Graph
 from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.engine.stage import Chosen, GraphError, NotOffered, StageError, first_of
-from motorcade.replays.pipeline import pipeline_graph
+from motorcade.replays.pipeline.job import pipeline_graph
 from tests.replays.engine.key_sizes import modules_under, recording_of_a_board
 
 calls: list[str] = []

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from motorcade.ga import progress
 from motorcade.replays.cli.main import _Lines, _Once
-from motorcade.replays.engine import progress
-from motorcade.replays.readers.tables import read_table
+from motorcade.replays.io.readers.tables import read_table
 
 
 class Terminal(io.StringIO):

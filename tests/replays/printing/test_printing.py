@@ -10,7 +10,8 @@ import pypdfium2
 import pytest
 
 from motorcade.replays.cli import main
-from motorcade.replays.printing import (
+from motorcade.replays.io.readers.manifest.section import read_board
+from motorcade.replays.tasks.printing import (
     PAPERS,
     Sheet,
     lay_out,
@@ -20,7 +21,6 @@ from motorcade.replays.printing import (
     sheet_svg,
     sheets_pdf,
 )
-from motorcade.replays.readers.manifest.section import read_board
 from motorcade.tracking import Board, board_named
 
 BOARDS = (

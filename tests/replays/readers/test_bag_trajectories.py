@@ -15,13 +15,13 @@ from rosbags.rosbag2 import Reader as Reader2
 from scipy.spatial.transform import Rotation, Slerp
 
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.files.trajectories import read_trajectory
-from motorcade.replays.readers.ros import frame_tree
-from motorcade.replays.readers.ros import trajectories as bag_trajectories
-from motorcade.replays.readers.ros.definitions import message_types
-from motorcade.replays.readers.ros.trajectories import list_bag_trajectories
-from motorcade.replays.readers.tagslam.reference import read_reference
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.ros import frame_tree
+from motorcade.replays.io.readers.ros import trajectories as bag_trajectories
+from motorcade.replays.io.readers.ros.definitions import message_types
+from motorcade.replays.io.readers.ros.trajectories import list_bag_trajectories
+from motorcade.replays.io.readers.tagslam.reference import read_reference
+from motorcade.replays.io.trajectories import read_trajectory
 from tests.replays.readers.bag_poses import KINDS, Messages, write_messages
 
 START_NS = 1_700_000_000_123_456_789

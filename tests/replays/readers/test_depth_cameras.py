@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.inspection import describe
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.tasks.inspection import describe
 from tests.replays.readers.test_manifests import CAMERA, FRAMES, described
 
 Make = Callable[..., Any]

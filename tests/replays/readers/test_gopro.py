@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motorcade.render import write_video
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.files.imu import write_imu
-from motorcade.replays.readers import gpmf
-from motorcade.replays.readers.opening import open_recording, read_imu_of
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.imu import write_imu
+from motorcade.replays.io.readers import gpmf
+from motorcade.replays.io.readers.opening import open_recording, read_imu_of
 
 HERE = Path("made-up.mp4")
 

@@ -15,9 +15,9 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_typestore
 
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.readers.opening import open_recording
-from motorcade.replays.readers.ros import admission
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.readers.ros import admission
 
 IMU = "sensor_msgs/msg/Imu"
 IMAGE = "sensor_msgs/msg/Image"

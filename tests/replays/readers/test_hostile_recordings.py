@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.replays.errors import RecordingError, one_line, refusal
-from motorcade.replays.readers.calibration import read_numbers, read_yaml
-from motorcade.replays.readers.frames.files import picture_glob
-from motorcade.replays.readers.opening import open_recording
-from motorcade.replays.readers.tables import read_listing
+from motorcade.ga.names import one_line
+from motorcade.replays.io.errors import RecordingError, refusal
+from motorcade.replays.io.readers.calibration import read_numbers, read_yaml
+from motorcade.replays.io.readers.frames.files import picture_glob
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.readers.tables import read_listing
 
 Make = Callable[..., Any]
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.readers.frames.files import PictureFrames
-from motorcade.replays.readers.layouts.tum_rgbd import nearest
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.layouts.tum_rgbd import nearest
+from motorcade.replays.io.readers.opening import open_recording
 from tests.replays.conftest import HEIGHT, WIDTH
 
 Make = Callable[..., Any]

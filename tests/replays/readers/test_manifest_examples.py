@@ -9,11 +9,11 @@ import cv2
 import numpy as np
 import pytest
 
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.readers import manifest
-from motorcade.replays.readers.manifest.section import BOARD_KEYS, CAMERA_KEYS, MARKERS_KEYS
-from motorcade.replays.readers.manifest.truth import TRUTH_KEYS
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers import manifest
+from motorcade.replays.io.readers.manifest.section import BOARD_KEYS, CAMERA_KEYS, MARKERS_KEYS
+from motorcade.replays.io.readers.manifest.truth import TRUTH_KEYS
+from motorcade.replays.io.readers.opening import open_recording
 
 Make = Callable[..., Any]
 FOLDER = Path(__file__).parents[3] / "docs" / "manifests"

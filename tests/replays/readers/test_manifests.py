@@ -11,12 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motorcade.ga import Motor, Rotor
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
-from motorcade.replays.pipeline import pipeline_graph
-from motorcade.replays.readers.manifest import section
-from motorcade.replays.readers.opening import open_recording
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.manifest import section
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
+from motorcade.replays.pipeline.job import pipeline_graph
 from motorcade.tracking.boards import Board, CharucoBoard, Checkerboard, MarkerGrid, SingleMarker
 from tests.replays.readers.bag_poses import write_poses
 

@@ -9,9 +9,9 @@ import pytest
 from motorcade.fusion import ImuStream
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.files.imu import read_imu
-from motorcade.replays.files.trajectories import read_trajectory
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.imu import read_imu
+from motorcade.replays.io.trajectories import read_trajectory
 
 TIME_NS = 1_403_715_273_262_142_976 + 5_000_000 * np.arange(50)
 EUROC = ("w_x", "w_y", "w_z", "a_x", "a_y", "a_z")

@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.opening import open_recording
 
 
 @pytest.mark.parametrize(

@@ -9,16 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.readers.frames.exif import picture_orientation
-from motorcade.replays.readers.frames.files import (
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.frames.exif import picture_orientation
+from motorcade.replays.io.readers.frames.files import (
     PictureFrames,
     inside,
     numbered,
     picture_glob,
     refuse_gaps,
 )
-from motorcade.replays.readers.frames.pictures import (
+from motorcade.replays.io.readers.frames.pictures import (
     picture_size,
     read_depth,
     read_gray,

@@ -8,9 +8,9 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, RotationSpline
 
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.readers.frames.files import PictureFrames
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.opening import open_recording
 from motorcade.tracking.boards import Checkerboard
 
 MANIFESTS = Path(__file__).parents[3] / "docs" / "manifests"

@@ -15,8 +15,8 @@ from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_typestore
 
 from motorcade.ga import Motor
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.opening import open_recording
 from tests.fuzz.containers import join_bag, split_bag
 
 START_NS = 1_700_000_000_123_456_789

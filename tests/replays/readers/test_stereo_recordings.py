@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.metrics import evaluate
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.readers.opening import open_recording
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.slam_poses import slam_poses
 from tests.textured_room.recording import write_recording
 from tests.textured_room.scenarios import scenario

@@ -11,13 +11,13 @@ from evo.core.trajectory import PoseTrajectory3D
 from rosbags.rosbag1 import Writer
 
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.files.trajectories import read_trajectory
-from motorcade.replays.readers.ros import bag as ros_bag
-from motorcade.replays.readers.ros.definitions import message_types
-from motorcade.replays.readers.tagslam import corners as tagslam
-from motorcade.replays.readers.tagslam.reference import read_reference
-from motorcade.replays.readers.tagslam.scene import read_scene
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.ros import bag as ros_bag
+from motorcade.replays.io.readers.ros.definitions import message_types
+from motorcade.replays.io.readers.tagslam import corners as tagslam
+from motorcade.replays.io.readers.tagslam.reference import read_reference
+from motorcade.replays.io.readers.tagslam.scene import read_scene
+from motorcade.replays.io.trajectories import read_trajectory
 from motorcade.tracking import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.mapping import map_markers

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.readers.tagslam.scene import read_remaps, read_scene, read_squashed
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.tagslam.scene import read_remaps, read_scene, read_squashed
 
 FILES = {
     "cameras.yaml": "cam0: {rig_body: rig}\n",

@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motorcade.ga import Motor, Similarity, Trajectory
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
-from motorcade.replays.readers.tables import stamp_ns
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.tables import stamp_ns
+from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
 
 FORMATS = ("tum", "euroc", "kitti")
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.opening import open_recording
 
 CHAIN = """
 cam0:

@@ -10,11 +10,11 @@ import cv2
 import numpy as np
 import pytest
 
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.readers.frames.held import upright_camera
-from motorcade.replays.readers.frames.video import VideoFrames
-from motorcade.replays.readers.manifest.section import camera_toml
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.frames.held import upright_camera
+from motorcade.replays.io.readers.frames.video import VideoFrames
+from motorcade.replays.io.readers.manifest.section import camera_toml
+from motorcade.replays.io.readers.opening import open_recording
 from motorcade.tracking import Camera
 from motorcade.tracking.cameras.orientation import (
     AS_STORED,

@@ -9,11 +9,11 @@ import av
 import numpy as np
 import pytest
 
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.readers.frames.span import frames_between
-from motorcade.replays.readers.frames.video import VideoFrames
-from motorcade.replays.readers.frames.whole import said_of_cut
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.frames.span import frames_between
+from motorcade.replays.io.readers.frames.video import VideoFrames
+from motorcade.replays.io.readers.frames.whole import said_of_cut
+from motorcade.replays.io.readers.opening import open_recording
 
 
 @pytest.fixture
@@ -133,7 +133,7 @@ def test_a_video_whose_index_stands_in_front_is_counted(video_file: Path, tmp_pa
 def test_fewer_pictures_than_the_index_promises_are_said(
     video_file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from motorcade.replays.readers.frames import packets
+    from motorcade.replays.io.readers.frames import packets
 
     plain = packets.stored_packets
     monkeypatch.setattr(packets, "stored_packets", lambda *given: islice(plain(*given), 50))
@@ -233,7 +233,7 @@ def test_a_file_that_is_no_video_is_refused(tmp_path: Path) -> None:
 
 
 def test_of_broken_stamps_the_most_that_increase_are_kept() -> None:
-    from motorcade.replays.readers.frames.packets import _increasing
+    from motorcade.replays.io.readers.frames.packets import _increasing
 
     step, far = 40_000_000, 10**15
     even = [step * k for k in range(8)]

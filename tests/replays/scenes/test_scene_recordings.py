@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from motorcade.animation import write_gltf
-from motorcade.replays.export import open_run
-from motorcade.replays.pipeline import Job, run_job
+from motorcade.replays.pipeline.job import Job, run_job
+from motorcade.replays.pipeline.runs import open_run
 from tests.props import box, write_props
 from tests.replays.carried_marker import ID, write_carried
 

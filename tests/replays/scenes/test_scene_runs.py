@@ -14,9 +14,9 @@ from motorcade.animation.place import GroundPath
 from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Performer, render_performers
-from motorcade.replays.characters.performers import performers
+from motorcade.replays.stages.characters.performers import performers
+from motorcade.replays.stages.values.view import PlacedCharacter, PlayedPart
 from motorcade.replays.stages.view.placed import placed
-from motorcade.replays.values.view import PlacedCharacter, PlayedPart
 from tests.props import write_props
 from tests.replays.carried_marker import (
     CAMERA,
@@ -226,10 +226,10 @@ def test_more_than_can_be_played_is_refused(
     crowd = [{**BOX, "name": f"box {k}", "parent": "ground"} for k in range(101)]
     with pytest.raises(ValueError, match="expected at most 100 characters and props, got 101"):
         bound(scene(tmp_path, *crowd))
-    monkeypatch.setattr("motorcade.replays.scenes.bound.MOST_POSES", 300)
+    monkeypatch.setattr("motorcade.replays.stages.view.bound.MOST_POSES", 300)
     with pytest.raises(ValueError, match=r"scene, 'box 1': expected at most 300 poses"):
         bound(scene(tmp_path, *crowd[:2]))
-    monkeypatch.setattr("motorcade.replays.scenes.acted.MOST_POSES", 5000)
+    monkeypatch.setattr("motorcade.replays.stages.characters.acted.MOST_POSES", 5000)
     who = {"name": "who", "kind": "character", "file": "mannequin"}
     with pytest.raises(ValueError, match="scene, 'who': expected to be done earlier: 2 s are more"):
         bound(scene(tmp_path, who))

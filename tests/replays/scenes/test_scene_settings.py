@@ -12,11 +12,11 @@ import pytest
 
 from motorcade.animation import write_gltf
 from motorcade.replays.cli import main
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.export import open_run
-from motorcade.replays.pipeline import Job, run_job
-from motorcade.replays.readers.opening import open_recording
-from motorcade.replays.synthetic_room import write_recording
+from motorcade.replays.demo import write_recording
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.pipeline.job import Job, run_job
+from motorcade.replays.pipeline.runs import open_run
 from tests.props import ball, write_props
 
 ONE = ("smoothed.representations=motor",)

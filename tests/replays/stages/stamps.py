@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from motorcade.ga.arrays import IntArray
-from motorcade.replays.recording import Frame
+from motorcade.replays.io.recording import Frame
 
 
 class Stamps:

@@ -13,10 +13,10 @@ from scipy.spatial import cKDTree
 from motorcade.animation import skin
 from motorcade.animation.formats import read_character, write_gltf
 from motorcade.replays.cli import main
-from motorcade.replays.export import Shown, open_run, read_origin
-from motorcade.replays.pipeline import Job, run_job
-from motorcade.replays.recording import Recording
-from motorcade.replays.synthetic_room import write_recording
+from motorcade.replays.demo import write_recording
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.pipeline.job import Job, run_job
+from motorcade.replays.pipeline.runs import Shown, open_run, read_origin
 from tests.animation.formats.gltf_vertices import GltfVertices
 
 TWO = """
@@ -152,7 +152,7 @@ def test_a_whole_cast_is_exported(finished: Path, tmp_path: Path) -> None:
 def test_points_of_a_map_are_in_the_gltf(shown: Shown, tmp_path: Path) -> None:
     from dataclasses import replace
 
-    from motorcade.replays.export import write_run_gltf
+    from motorcade.replays.pipeline.runs import write_run_gltf
 
     points = np.random.default_rng(1).normal(size=(50, 3))
     write_run_gltf(replace(shown, points_m=points), tmp_path / "map.glb")

@@ -10,11 +10,11 @@ import pytest
 from motorcade.animation import Placement
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.characters.acting import character_named
-from motorcade.replays.report.film import FilmView, film_of
-from motorcade.replays.report.words import verdict
-from motorcade.replays.values.integrity import Integrity
-from motorcade.replays.values.view import OverlayVideo, PlacedCharacter
+from motorcade.replays.pipeline.report.film import FilmView, film_of
+from motorcade.replays.pipeline.report.words import verdict
+from motorcade.replays.stages.characters.acting import character_named
+from motorcade.replays.stages.values.integrity import Integrity
+from motorcade.replays.stages.values.view import OverlayVideo, PlacedCharacter
 from motorcade.tracking import Camera
 from motorcade.tracking.audit import AuditFinding
 

@@ -15,15 +15,15 @@ from motorcade.fusion.metrics import absolute_translation_m, evaluate
 from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.recording import Odometry, Recording
+from motorcade.replays.io.recording import Odometry, Recording
 from motorcade.replays.stages.camera import metres
 from motorcade.replays.stages.camera.metres import NoMetres, in_metres
 from motorcade.replays.stages.inertial.convergence import convergence
 from motorcade.replays.stages.inertial.fused import fused
 from motorcade.replays.stages.inertial.imu import imu
-from motorcade.replays.values.camera_poses import CameraPoses
-from motorcade.replays.values.imu import UsedImu
-from motorcade.replays.values.paths import FusedPath
+from motorcade.replays.stages.values.camera_poses import CameraPoses
+from motorcade.replays.stages.values.imu import UsedImu
+from motorcade.replays.stages.values.paths import FusedPath
 from motorcade.tracking import Camera, PoseMeasurements
 from motorcade.tracking.frame_history import SlamHistory
 from motorcade.tracking.slam import MapSnapshot

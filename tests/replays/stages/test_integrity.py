@@ -13,17 +13,17 @@ import pytest
 from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.replays.demo.furniture import BOARD, world_T_board
+from motorcade.replays.demo.recording import CAMERA, IMU_T_CAMERA, HandheldPath
 from motorcade.replays.engine.stage import Chosen
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.camera_poses import camera_poses
 from motorcade.replays.stages.inertial.fused import fused
 from motorcade.replays.stages.inertial.imu import imu
 from motorcade.replays.stages.integrity import integrity
 from motorcade.replays.stages.smoothed import smoothed
-from motorcade.replays.synthetic_room.furniture import BOARD, world_T_board
-from motorcade.replays.synthetic_room.recording import CAMERA, IMU_T_CAMERA, HandheldPath
-from motorcade.replays.values.board_poses import BoardPoses
-from motorcade.replays.values.integrity import Integrity
+from motorcade.replays.stages.values.board_poses import BoardPoses
+from motorcade.replays.stages.values.integrity import Integrity
 from motorcade.tracking import BoardTrack, Camera, PoseMeasurements, registration_px
 from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.measurements import MarkerObservation

@@ -11,14 +11,14 @@ import pytest
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Performer, render_performers
-from motorcade.replays.characters.acting import character_named, clip_named
-from motorcade.replays.markers.loose import LooseMarkers
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.loose import LooseMarkers
+from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.marker_poses import marker_poses
+from motorcade.replays.stages.characters.acting import character_named, clip_named
+from motorcade.replays.stages.values.camera_poses import CameraPoses
+from motorcade.replays.stages.values.integrity import Integrity
+from motorcade.replays.stages.values.view import PlacedCharacter
 from motorcade.replays.stages.view.placed import placed
-from motorcade.replays.values.camera_poses import CameraPoses
-from motorcade.replays.values.integrity import Integrity
-from motorcade.replays.values.view import PlacedCharacter
 from motorcade.tracking import Board, MarkerGrid, SingleMarker
 from tests.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 from tests.replays.carried_marker import (

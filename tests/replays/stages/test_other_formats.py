@@ -9,12 +9,12 @@ import pytest
 
 from motorcade.animation import skin
 from motorcade.replays.cli import main
-from motorcade.replays.export import Shown, open_run
-from motorcade.replays.exporting.colmap import write_colmap
-from motorcade.replays.exporting.nerfstudio import write_nerfstudio
-from motorcade.replays.exporting.usd import write_usd
-from motorcade.replays.pipeline import Job, run_job
-from motorcade.replays.synthetic_room import write_recording
+from motorcade.replays.demo import write_recording
+from motorcade.replays.pipeline.export.colmap import write_colmap
+from motorcade.replays.pipeline.export.nerfstudio import write_nerfstudio
+from motorcade.replays.pipeline.export.usd import write_usd
+from motorcade.replays.pipeline.job import Job, run_job
+from motorcade.replays.pipeline.runs import Shown, open_run
 from motorcade.tracking import Camera
 
 pxr = pytest.importorskip("pxr", reason="usd-core is not installed")

@@ -10,18 +10,18 @@ import pytest
 from motorcade.animation import mannequin, skin, write_gltf
 from motorcade.fusion.imu import ImuStream
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.characters.acting import character_named, clip_named, walked
-from motorcade.replays.characters.performers import performers
-from motorcade.replays.readers.frames.files import PictureFrames
-from motorcade.replays.readers.opening import open_recording
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.stages.characters.acting import character_named, clip_named, walked
+from motorcade.replays.stages.characters.performers import performers
+from motorcade.replays.stages.values.camera_poses import CameraPoses, PoseOrigin
+from motorcade.replays.stages.values.integrity import Integrity
+from motorcade.replays.stages.values.paths import SmoothedPaths
+from motorcade.replays.stages.values.view import PlacedCharacter
 from motorcade.replays.stages.view.ground import upward
 from motorcade.replays.stages.view.overlay import overlay
 from motorcade.replays.stages.view.placed import placed
-from motorcade.replays.values.camera_poses import CameraPoses, PoseOrigin
-from motorcade.replays.values.integrity import Integrity
-from motorcade.replays.values.paths import SmoothedPaths
-from motorcade.replays.values.view import PlacedCharacter
 from motorcade.tracking import Board, Checkerboard, MarkerGrid, PoseMeasurements
 from motorcade.tracking.depth import DepthCamera
 from tests.textured_room.paths import handheld

@@ -10,17 +10,17 @@ import pytest
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.render.plots import plot_series
-from motorcade.replays.report import viewer
-from motorcade.replays.report.page import _rows
-from motorcade.replays.report.summary import (
+from motorcade.replays.pipeline.report import viewer
+from motorcade.replays.pipeline.report.page import _rows
+from motorcade.replays.pipeline.report.summary import (
     LEFT_AS_IT_WAS,
     as_table,
     shown_columns,
     shown_value,
     without_nan,
 )
-from motorcade.replays.report.words import length_words, plainly, verdict
-from motorcade.replays.values.integrity import Integrity
+from motorcade.replays.pipeline.report.words import length_words, plainly, verdict
+from motorcade.replays.stages.values.integrity import Integrity
 from motorcade.tracking.audit import AuditFinding, Verdict
 
 FIGURES = {

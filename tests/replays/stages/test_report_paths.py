@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.report.before_after import spot_course
-from motorcade.replays.report.findings import alike, told_paths
-from motorcade.replays.values.paths import SmoothedPaths
+from motorcade.replays.pipeline.report.before_after import spot_course
+from motorcade.replays.pipeline.report.findings import alike, told_paths
+from motorcade.replays.stages.values.paths import SmoothedPaths
 from motorcade.tracking import Camera
 
 STAMPS = (np.arange(150) * 1e9 / 30).astype(np.int64)

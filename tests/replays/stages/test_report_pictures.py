@@ -15,11 +15,11 @@ from motorcade.fusion.filter import LatencyCurve
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import write_video
 from motorcade.render.video import read_frames
-from motorcade.replays.report.before_after import MOST_BYTES, sheet_jpeg, steps_between
-from motorcade.replays.report.filter_plots import filter_errors, filter_pictures
-from motorcade.replays.report.findings import Findings, as_drawn
-from motorcade.replays.report.standing import standing_sheet
-from motorcade.replays.values.view import StandingPlace
+from motorcade.replays.pipeline.report.before_after import MOST_BYTES, sheet_jpeg, steps_between
+from motorcade.replays.pipeline.report.filter_plots import filter_errors, filter_pictures
+from motorcade.replays.pipeline.report.findings import Findings, as_drawn
+from motorcade.replays.pipeline.report.standing import standing_sheet
+from motorcade.replays.stages.values.view import StandingPlace
 from motorcade.tracking import Camera
 
 SCREW = np.array([0.3, -0.2, 0.5, 0.4, 0.1, -0.2])

@@ -9,8 +9,8 @@ import pytest
 from motorcade.fusion.metrics import evaluate
 from motorcade.ga import Trajectory
 from motorcade.replays.engine.stage import Chosen
-from motorcade.replays.readers.opening import open_recording
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.camera_poses import camera_poses
 from motorcade.replays.stages.camera.slam_poses import slam_poses
 from motorcade.tracking.slam import SlamResult, SlamSettings, VisualSlam

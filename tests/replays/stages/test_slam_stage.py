@@ -11,8 +11,8 @@ import pytest
 from motorcade.fusion.imu import ImuStream
 from motorcade.fusion.visual_inertial import InertialSlamResult, InertialStart
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
-from motorcade.replays.readers.frames.files import PictureFrames
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera import depth, inertial_slam, slam_poses
 from motorcade.replays.stages.camera.focal_lengths import FoundCameras
 from motorcade.replays.stages.inertial.imu import imu
@@ -138,7 +138,7 @@ def fed(monkeypatch: pytest.MonkeyPatch) -> type[FedInertialSlam]:
     class Fed(FedInertialSlam): ...
 
     monkeypatch.setattr(inertial_slam, "InertialSlam", Fed)
-    monkeypatch.setattr("motorcade.replays.recording.Frame.gray", lambda _: None)
+    monkeypatch.setattr("motorcade.replays.io.recording.Frame.gray", lambda _: None)
     return Fed
 
 
@@ -217,7 +217,7 @@ def test_an_imu_goes_in_where_it_covers_the_pictures(
 def test_a_pair_with_an_imu_has_metres_of_its_own(
     fed: type[FedInertialSlam], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("motorcade.replays.recording.Frame.right", lambda _: None)
+    monkeypatch.setattr("motorcade.replays.io.recording.Frame.right", lambda _: None)
     monkeypatch.setattr(slam_poses, "audited_pair", lambda _: FOUND_OUT)
     found = slam_poses.slam_poses(replace(carried(), baseline_m=0.1))
     assert "by a stereo pair with the IMU inside, upright 0.1 s after" in found.summary

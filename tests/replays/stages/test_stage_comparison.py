@@ -13,7 +13,7 @@ from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.cli.runs import result
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.errors import errors
 from motorcade.replays.stages.held_out import at_stamps, held_out, judged_stamps
 from motorcade.replays.stages.inertial.fused import fused
@@ -21,8 +21,8 @@ from motorcade.replays.stages.inertial.imu import imu
 from motorcade.replays.stages.integrity import integrity
 from motorcade.replays.stages.smoothed import smoothed
 from motorcade.replays.stages.stage_comparison import _beyond_chance
-from motorcade.replays.values.camera_poses import CameraPoses
-from motorcade.replays.values.errors import PathErrors
+from motorcade.replays.stages.values.camera_poses import CameraPoses
+from motorcade.replays.stages.values.errors import PathErrors
 from tests.replays.stages.stamps import Stamps
 
 

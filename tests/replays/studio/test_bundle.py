@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from motorcade.replays import studio
+from motorcade.replays import web
 
-WEB = Path(studio.__file__).with_name("web")
+WEB = Path(web.__file__).with_name("modules")
 MADE = ("vendor.js", "vendor.css", "VENDOR_LICENSES.txt")
 
 
@@ -37,7 +37,7 @@ def test_wheels_hold_the_modules_and_not_what_makes_them() -> None:
         build_dir="build",
         mode="default",
     )
-    held = {target.name for _, target in found if "web" in target.parts}
+    held = {target.name for _, target in found if "modules" in target.parts}
     assert {"vendor.js", "vendor.css", "VENDOR_LICENSES.txt", "camera.js", "studio.css"} <= held
     assert not held & {"entry.js", "build.js", "package.json", ".npmrc", "eslint.config.js"}
     assert not any(name.endswith(".test.js") for name in held)

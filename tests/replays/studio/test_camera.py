@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motorcade.replays import studio
+from motorcade.replays import web
 from motorcade.tracking import Camera
 
-WEB = Path(studio.__file__).with_name("web")
+WEB = Path(web.__file__).with_name("modules")
 CAMERAS = {
     "pinhole": Camera(640, 480, 500.0, 505.0, 319.5, 239.5),
     "off centre": Camera(640, 480, 500.0, 480.0, 130.0, 421.25),

@@ -6,7 +6,7 @@ import av
 import numpy as np
 import pytest
 
-from motorcade.replays.studio.film import KEYFRAME_FRAMES, film_rate_hz, film_size, write_film
+from motorcade.replays.web.film import KEYFRAME_FRAMES, film_rate_hz, film_size, write_film
 
 
 def pictures(count: int, shape: tuple[int, ...] = (48, 64, 3)) -> list[np.ndarray]:

@@ -10,10 +10,10 @@ from motorcade.animation import Placement, mannequin
 from motorcade.fusion.metrics.poses.alignment import Alignment
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.render import Performer
-from motorcade.replays.studio.look.document import shown_character
-from motorcade.replays.studio.look.packing import packed, packed_smooth
-from motorcade.replays.studio.look.paths import back_home, rows_at
-from motorcade.replays.studio.view import write_view
+from motorcade.replays.pipeline.look.document import shown_character
+from motorcade.replays.pipeline.look.packing import packed, packed_smooth
+from motorcade.replays.pipeline.look.paths import back_home, rows_at
+from motorcade.replays.pipeline.look.view import write_view
 
 
 @pytest.mark.parametrize(("kind", "written"), [("f32", "<f4"), ("f64", "<f8"), ("u32", "<u4")])

@@ -14,9 +14,9 @@ import pytest
 
 distributed = pytest.importorskip("distributed")
 
+from motorcade.replays.comparison.sweep import read_sweep, run_sweep  # noqa: E402
 from motorcade.replays.engine import jobs  # noqa: E402
-from motorcade.replays.pipeline import pipeline_graph  # noqa: E402
-from motorcade.replays.sweep import read_sweep, run_sweep  # noqa: E402
+from motorcade.replays.pipeline.job import pipeline_graph  # noqa: E402
 
 pytestmark = pytest.mark.slow
 
@@ -25,9 +25,9 @@ Config = Callable[..., Path]
 SWEEP = """
 import sys
 from pathlib import Path
-from motorcade.replays.pipeline import pipeline_graph
+from motorcade.replays.pipeline.job import pipeline_graph
 from motorcade.replays.engine import jobs
-from motorcade.replays.sweep import read_sweep, run
+from motorcade.replays.comparison.sweep import read_sweep, run
 jobs._code = lambda function: "code"
 if __name__ == "__main__":
     plan = read_sweep(Path(sys.argv[1]), pipeline_graph())

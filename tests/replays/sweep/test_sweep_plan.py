@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from motorcade.replays.comparison.sweep import read_sweep
 from motorcade.replays.engine.stage import GraphError
-from motorcade.replays.errors import RecordingError
-from motorcade.replays.pipeline import pipeline_graph
-from motorcade.replays.sweep import read_sweep
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.pipeline.job import pipeline_graph
 
 Config = Callable[..., Path]
 

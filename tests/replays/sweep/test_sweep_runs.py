@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 
 from motorcade.replays.cli import main
+from motorcade.replays.comparison.sweep import Summary, read_sweep, run_sweep
+from motorcade.replays.comparison.sweep import run as runner
 from motorcade.replays.engine.executors import outcomes
-from motorcade.replays.pipeline import Job, pipeline_graph, run_job
-from motorcade.replays.sweep import Summary, read_sweep, run_sweep
-from motorcade.replays.sweep import run as runner
+from motorcade.replays.pipeline.job import Job, pipeline_graph, run_job
 from tests.end_to_end.shared_storage import CONTAINER, can_contain
 
 Config = Callable[..., Path]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.files.trajectories import even_stamps, write_trajectory
+from motorcade.replays.io.trajectories import even_stamps, write_trajectory
 
 
 def path(rng: np.random.Generator, count: int = 300, rate_hz: float = 30.0) -> Trajectory:

@@ -24,7 +24,7 @@ from evo.core import trajectory as evo_trajectory
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.cli.main import main
-from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
+from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
 from tests.replays.trajectory.conftest import write_transforms
 
 with warnings.catch_warnings():

@@ -10,8 +10,8 @@ import pytest
 
 from motorcade.ga import Motor, Similarity
 from motorcade.replays.cli.main import main
-from motorcade.replays.files.trajectories import read_trajectory
-from motorcade.replays.files.transforms import read_transform
+from motorcade.replays.io.trajectories import read_trajectory
+from motorcade.replays.io.transforms import read_transform
 
 
 def test_transforms_with_a_scale_move_positions(folder: Path) -> None:

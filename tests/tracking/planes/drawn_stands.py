@@ -17,11 +17,11 @@ import numpy as np
 
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.readers.frames.corners import CornerFrames
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.readers.frames.corners import CornerFrames
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.stages.values.camera_poses import CameraPoses, PoseOrigin
 from motorcade.replays.stages.view.anchored import Grounds
 from motorcade.replays.stages.view.ground import Ground
-from motorcade.replays.values.camera_poses import CameraPoses, PoseOrigin
 from motorcade.tracking import Checkerboard, PoseMeasurements
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.io.readers.opening import open_recording
 from motorcade.tracking import Camera
 from motorcade.tracking.planes import (
     Plane,

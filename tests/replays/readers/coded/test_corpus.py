@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 import pytest
 
-from motorcade.replays.readers.frames.video import VideoFrames
+from motorcade.replays.io.readers.frames.video import VideoFrames
 from tests.replays.readers.coded.corpus import CASES, Case, number_of, picture, write_case
 
 DAMAGED = ("broken_picture", "flipped_bytes", "no_first_key")

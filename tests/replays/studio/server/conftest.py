@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 import uvicorn
 
-from motorcade.replays.studio.server.access import Access
-from motorcade.replays.studio.server.app import studio_app
-from motorcade.replays.studio.server.offers import Answer, Desk, Offer
-from motorcade.replays.studio.server.serving import Listening, configured, opened
+from motorcade.replays.studio.access import Access
+from motorcade.replays.studio.app import studio_app
+from motorcade.replays.studio.offers import Answer, Desk, Offer
+from motorcade.replays.studio.serving import Listening, configured, opened
 
 PATIENCE_S = 30.0
 

@@ -11,12 +11,12 @@ import numpy as np
 
 from motorcade.animation.authoring import Scene, SceneAnchor, scene_text
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
-from motorcade.replays.recording import Recording
+from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.view.ground import Ground
-from motorcade.replays.studio.server.desk import RunDesk, desk_of
-from motorcade.replays.studio.server.filmed import Filmed
-from motorcade.replays.studio.server.journal import Journal
-from motorcade.replays.studio.server.props import GROUND
+from motorcade.replays.studio.desk import RunDesk, desk_of
+from motorcade.replays.studio.filmed import Filmed
+from motorcade.replays.studio.journal import Journal
+from motorcade.replays.studio.props import GROUND
 from motorcade.tracking import Camera
 
 FRAMES = 12

@@ -13,9 +13,9 @@ import segno
 import websockets
 from websockets.sync.client import ClientConnection, connect
 
-from motorcade.replays.studio.server import access, serving
-from motorcade.replays.studio.server.access import Access
-from motorcade.replays.studio.server.serving import LOOPBACK, Listening, announce
+from motorcade.replays.studio import access, serving
+from motorcade.replays.studio.access import Access
+from motorcade.replays.studio.serving import LOOPBACK, Listening, announce
 from tests.replays.studio.server.conftest import PATIENCE_S, EchoDesk, Served, running
 
 

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from motorcade.replays.characters.acting import mannequin
-from motorcade.replays.studio.look.document import gltf_bytes
-from motorcade.replays.studio.server import desk as server_desk
+from motorcade.replays.pipeline.look.document import gltf_bytes
+from motorcade.replays.stages.characters.acting import mannequin
+from motorcade.replays.studio import desk as server_desk
 from tests.replays.studio.server.stage import Visitor, desk, filmed
 
 

@@ -17,8 +17,8 @@ from motorcade.animation.authoring import (
     replay,
     scene_text,
 )
-from motorcade.replays.characters.authoring import author
-from motorcade.replays.studio.server.journal import Journal
+from motorcade.replays.studio.journal import Journal
+from motorcade.replays.tasks.gestures import author
 from tests.replays.studio.server.stage import FRAMES, Visitor, desk, seen, stands
 
 

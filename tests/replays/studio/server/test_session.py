@@ -9,7 +9,7 @@ import pytest
 
 from motorcade.ga import Rotor
 from motorcade.replays.cli import runs
-from motorcade.replays.studio.server.desk import offered
+from motorcade.replays.studio.desk import offered
 from motorcade.tracking import Camera
 from tests.replays.studio.server.stage import FRAMES, STRAIGHT, Visitor, desk, seen, stands
 

@@ -1,0 +1,320 @@
+"""Tables of methods by representations, tinted: blue where less is left, orange where more is."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from motorcade.replays.comparison.report.names import (
+    LABELS,
+    METRICS,
+    RATIOS,
+    SIZES,
+    shown,
+    shown_metric,
+)
+from motorcade.replays.comparison.report.results import REFERENCE, Ratio, Results, tied
+from motorcade.replays.web.pages.parts import PageCell
+
+_STEPS_TO_RAW = (0.1, 0.2, 0.35, 0.6, 0.95, 1.05, 1.5, 2.5, 5.0, 10.0)
+_STEPS_TO_MOTOR = (0.5, 0.7, 0.85, 0.95, 0.99, 1.01, 1.05, 1.2, 1.5, 3.0)
+_STEPS = {
+    "lag_ms": (2.0, 10.0, 25.0, 50.0, 100.0),
+    "angular_rate_lag_ms": (2.0, 10.0, 25.0, 50.0, 100.0),
+    "peak_rate_ratio": (1.05, 1.5, 3.0, 8.0, 20.0),
+    "spurious_turns": (0.01, 0.1, 0.5, 1.0, 3.0),
+}
+_BLUE_TO_ORANGE = ("b5", "b4", "b3", "b2", "b1", "n", "o1", "o2", "o3", "o4", "o5")
+_ORANGE = ("n", "o1", "o2", "o3", "o4", "o5")
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """A table: what it shows, its columns, and rows of a name and cells."""
+
+    key: str
+    group: str
+    title: str
+    caption: str
+    corner: str
+    columns: Sequence[str]
+    rows: Sequence[tuple[str, Sequence[PageCell]]]
+
+
+def matrices(results: Results, scope: str) -> list[Matrix]:
+    """Every table of a scope that has something to show."""
+    made = [
+        *(_to_raw(results, scope, metric) for metric in RATIOS),
+        *(_to_motor(results, scope, metric) for metric in RATIOS),
+        *(_sizes(results, scope, metric) for metric in SIZES),
+    ]
+    return [one for one in made if any(_known(cell) for _, row in one.rows for cell in row)]
+
+
+def against_motor(results: Results, kind: str, names: Iterable[str], caption: str) -> Matrix:
+    """Rows are motions or degradations: times what motors leave, over all methods."""
+    rows = []
+    for name in names:
+        ratios = results.ratio_to_motor(f"{kind}:{name}", "score")
+        cells = [_motor_cell(ratios.get(("all", one))) for one in results.representations]
+        rows.append((name, cells))
+    return Matrix(f"by-{kind}", "", f"By {kind}", caption, kind, results.representations, rows)
+
+
+def best_of_each(results: Results) -> Matrix:
+    """Rows are motions: what each representation leaves with the method that serves it best."""
+    rows = []
+    for motion in results.motions:
+        best = [results.best_ratio(f"motion:{motion}", one) for one in results.representations]
+        base = results.best_ratio(f"motion:{motion}", REFERENCE)
+        cells = []
+        for one in best:
+            if one is None or base is None:
+                cells.append(PageCell("–", math.nan, "none"))
+                continue
+            ratio, method = one
+            tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_MOTOR, ratio.value / base[0].value)]
+            cells.append(PageCell(shown(ratio.value), ratio.value, tint, note=method))
+        rows.append((motion, cells))
+    caption = (
+        "Residual error and jitter, as a share of the raw poses', by the method that serves each "
+        "representation best on that motion, over all degradations. Tinted against motors; no tint "
+        "is within 1 %."
+    )
+    return Matrix("best-of-each", "", "", caption, "motion", results.representations, rows)
+
+
+def rotation_errors(results: Results, motion: str, degradation: str) -> Matrix:
+    """Mean rotation error in degrees of a place, tinted by what is left of the raw poses'."""
+    place = (motion, degradation)
+    raw = results.figures[*place, "raw", "none", "rotation_rmse_deg"].mean
+
+    def cell(method: str, representation: str) -> PageCell:
+        figure = results.figures.get((*place, method, representation, "rotation_rmse_deg"))
+        if figure is None or not math.isfinite(figure.mean):
+            return PageCell("–", math.nan, "none")
+        tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_RAW, figure.mean / raw)]
+        note = _note(Ratio(figure.mean, figure.low, figure.high))
+        return PageCell(shown(figure.mean), figure.mean, tint, note=note)
+
+    caption = (
+        f"Rotation error in degrees on {motion} with {LABELS[degradation]}, root mean square, mean "
+        f"over seeds. The raw poses have {shown(raw)}°; orange is more than that."
+    )
+    return _matrix(results, "crossing-errors", "", "rotation error", caption, cell)
+
+
+def _to_raw(results: Results, scope: str, metric: str) -> Matrix:
+    ratios = results.ratio_to_raw(scope, metric)
+    ratios.pop(("raw", "none"), None)
+    least = min((ratio.value for ratio in ratios.values()), default=math.nan)
+
+    def cell(method: str, representation: str) -> PageCell:
+        ratio = ratios.get((method, representation))
+        if ratio is None:
+            return PageCell("–", math.nan, "none")
+        tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_RAW, ratio.value)]
+        return PageCell(shown(ratio.value), ratio.value, tint, ratio.value == least, _note(ratio))
+
+    heading = METRICS[metric].heading
+    caption = (
+        f"{heading[0].upper()}{heading[1:]} left, as a share of the raw poses'. Blue is less than "
+        "raw, orange more than raw; the best is outlined; a dash was not run in every place."
+    )
+    return _matrix(results, f"raw-{metric}", "left of the raw poses'", heading, caption, cell)
+
+
+def _to_motor(results: Results, scope: str, metric: str) -> Matrix:
+    ratios = results.ratio_to_motor(scope, metric)
+    heading = METRICS[metric].heading
+    caption = (
+        f"{heading[0].upper()}{heading[1:]}, times what the same method leaves on motors. Blue is "
+        "less than motors, orange more; no tint is a tie: an interval around 1, or within 1 %."
+    )
+    return _matrix(
+        results,
+        f"motor-{metric}",
+        "times what motors leave",
+        heading,
+        caption,
+        lambda method, representation: _motor_cell(ratios.get((method, representation))),
+    )
+
+
+def _motor_cell(ratio: Ratio | None) -> PageCell:
+    if ratio is None or not math.isfinite(ratio.value):
+        return PageCell("–", math.nan, "none")
+    tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_MOTOR, ratio.value)]
+    return PageCell(
+        shown(ratio.value), ratio.value, "n" if tied(ratio) else tint, note=_note(ratio)
+    )
+
+
+def _sizes(results: Results, scope: str, metric: str) -> Matrix:
+    told = METRICS[metric]
+    factor = told.factor
+
+    def cell(method: str, representation: str) -> PageCell:
+        value = factor * results.mean_size(scope, (method, representation), metric)
+        if not math.isfinite(value):
+            return PageCell("–", math.nan, "none")
+        return PageCell(shown(value), value, _ORANGE[bisect_left(_STEPS[metric], value)])
+
+    unit = f", {told.unit}" if told.unit else ""
+    caption = (
+        f"Mean size of {told.heading}{unit}, where it can be told: {told.definition}. Orange is "
+        "more; dashes are where fewer than half of the places tell."
+    )
+    return _matrix(results, metric, "as measured", told.heading, caption, cell)
+
+
+def _matrix(
+    results: Results,
+    key: str,
+    group: str,
+    title: str,
+    caption: str,
+    cell: Callable[[str, str], PageCell],
+) -> Matrix:
+    rows = [
+        (method, [cell(method, name) for name in results.representations])
+        for method in results.methods
+    ]
+    return Matrix(key, group, title, caption, "method", results.representations, rows)
+
+
+def _known(cell: PageCell) -> bool:
+    return cell.value is not None and math.isfinite(cell.value)
+
+
+def _note(ratio: Ratio) -> str:
+    if not math.isfinite(ratio.low):
+        return ""
+    return f"95 %: {shown(ratio.low)} to {shown(ratio.high)}"
+
+
+def place_rows(
+    results: Results, motion: str, degradation: str, metrics: Sequence[str]
+) -> list[tuple[str, str, list[PageCell]]]:
+    """Method, representation and figures with intervals of one place; raw poses first."""
+    made = []
+    pairs = [("raw", "none")] + [(m, r) for m in results.methods for r in results.representations]
+    for pair in pairs:
+        figures = [results.figures.get((motion, degradation, *pair, name)) for name in metrics]
+        cells = []
+        for name, figure in zip(metrics, figures, strict=True):
+            if figure is None or not math.isfinite(figure.mean):
+                cells.append(PageCell("–", math.nan, "none"))
+                continue
+            low, high = (shown_metric(name, end) for end in (figure.low, figure.high))
+            note = f"{low} to {high}" if math.isfinite(figure.low) else ""
+            value = METRICS[name].factor * figure.mean
+            cells.append(PageCell(shown_metric(name, figure.mean), value, "none", note=note))
+        if any(_known(cell) for cell in cells):
+            made.append((*pair, cells))
+    return made
+
+
+_DEFECTS = (1e-10, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
+_DEFECT_TINTS = ("b3", "n", "o1", "o2", "o3", "o4", "o5")
+_TIMES_US = (1.0, 3.0, 10.0, 100.0, 1000.0)
+_TIME_TINTS = ("b3", "b1", "n", "o1", "o2", "o3")
+_RATIO_METRICS = ("ape_rmse_m", "rotation_rmse_deg", "linear_jitter_m_s2", "angular_jitter_rad_s2")
+
+
+def trait_matrices(results: Results) -> list[Matrix]:
+    """Defects on the world's and the sensor's side, and the time a pose."""
+    rows = {
+        (row["method"], row["representation"]): row
+        for row in results.told["traits"]
+        if not row["failure"]
+    }
+    if not rows:
+        return []
+    poses = next(iter(rows.values()))["poses"]
+    tables = (
+        (
+            "left",
+            "world's frame",
+            "Largest difference between smoothing and then changing the world's frame, and the "
+            "other way round. Blue is none but rounding (at most 1e-10).",
+        ),
+        ("right", "sensor's frame", "The same for the frame of the sensor: another mount."),
+        ("time", "time a pose", f"Microseconds a pose over {poses} poses, called from Python."),
+    )
+    made = []
+    for key, title, caption in tables:
+        body = [
+            (method, [_cell(rows.get((method, one)), key) for one in results.representations])
+            for method in results.methods
+        ]
+        made.append(
+            Matrix(f"trait-{key}", "", title, caption, "method", results.representations, body)
+        )
+    return made
+
+
+def _cell(row: Mapping[str, Any] | None, key: str) -> PageCell:
+    if row is None:
+        return PageCell("–", math.nan, "none")
+    if key == "time":
+        value = row["time_us_per_pose"]
+        return PageCell(shown(value), value, _TIME_TINTS[bisect_left(_TIMES_US, value)])
+    metres, radians = row[f"{key}_defect_m"], row[f"{key}_defect_rad"]
+    value = max(metres, radians)
+    tint = _DEFECT_TINTS[bisect_left(_DEFECTS, value)]
+    text = f"{value:.0e}" if value <= _DEFECTS[0] else f"{shown(value, 2)}"
+    unit = "m" if value == metres else "rad"
+    note = f"{metres:.1e} m, {radians:.1e} rad"
+    return PageCell(f"{text} {unit}", value, tint, note=note)
+
+
+def exact_ties(results: Results) -> list[dict[str, Any]]:
+    """A row a tie that theory predicts, over the methods it was tried on."""
+    ties = results.told["exact_ties"]
+    made = []
+    for theory in dict.fromkeys(one["theory"] for one in ties):
+        of = [one for one in ties if one["theory"] == theory]
+        largest = {
+            unit: max((one[f"largest_difference_{unit}"] or 0.0 for one in of), default=0.0)
+            for unit in ("m", "rad")
+        }
+        made.append(
+            {
+                "theory": theory,
+                "reason": of[0]["reason"],
+                "methods": [one["method"] for one in of],
+                "fails": [one["method"] for one in of if not one["holds"]],
+                "holds": all(one["holds"] for one in of),
+                "m": largest["m"],
+                "rad": largest["rad"],
+                "shown": " and ".join(
+                    f"{value:.0e} {unit}" for unit, value in largest.items() if value > 0.0
+                ),
+            }
+        )
+    return made
+
+
+def verdict_counts(results: Results) -> list[dict[str, Any]]:
+    """Place by place, method by method: how often each representation beats or ties with motors.
+
+    Over APE, rotation error and both jitters.
+    """
+    made = []
+    for name in results.representations:
+        rows = [
+            row
+            for row in results.told["verdicts"]
+            if row["representation"] == name and row["metric"] in _RATIO_METRICS
+        ]
+        if name == REFERENCE or not rows:
+            continue
+        counts = {key: sum(row[key] for row in rows) for key in ("better", "tie", "equal", "worse")}
+        total = sum(counts.values())
+        shares = {key: 100.0 * count / total for key, count in counts.items()}
+        made.append({"name": name, "total": total, "counts": counts, "shares": shares})
+    return made

@@ -1,0 +1,277 @@
+"""Builds the synthetic room: surfaces whose light is painted on, to be drawn without lighting.
+
+Nothing in the room moves, so its light is computed once. Photographs get a texture of material
+times light; painted boxes are cut into small rectangles with the light at their corners and all
+become one mesh. Colours are sRGB after a soft tone curve; what the camera adds comes later.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.render import Surface
+from motorcade.replays.demo.furniture import (
+    CEILING_M,
+    FLOOR_M,
+    WALLS_X_M,
+    WALLS_Y_M,
+    WINDOW_M,
+    Box,
+    Turned,
+    boxes,
+    turned_bodies,
+)
+from motorcade.replays.demo.lighting import Occluders, irradiance
+from motorcade.replays.demo.materials import PAINTS, linear, material
+
+SKY = np.array([0.86, 0.93, 1.0])
+EXPOSURE = 1.50
+# How far inside its panel the outermost light is taken, so that it is not inside a neighbour.
+INSET_M = 0.003
+SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+FINE_PIXELS_PER_M = {"board": 2600.0, "cat": 1500.0, "page": 1500.0}
+
+
+@dataclass(frozen=True)
+class WallPanel:
+    """A rectangle of one material.
+
+    Attributes:
+        corner_m: (3,) its lower left corner, seen from the front.
+        across_m: (3,) from there to the lower right one.
+        up_m: (3,) from there to the upper left one.
+        material: its name.
+        pixels_per_m: of its texture.
+        cells_per_m: of its light.
+    """
+
+    corner_m: FloatArray
+    across_m: FloatArray
+    up_m: FloatArray
+    material: str
+    pixels_per_m: float
+    cells_per_m: float
+
+    @property
+    def size_m(self) -> tuple[float, float]:
+        """Width and height."""
+        return float(np.linalg.norm(self.across_m)), float(np.linalg.norm(self.up_m))
+
+    @property
+    def normal(self) -> FloatArray:
+        """(3,) unit vector towards the viewer."""
+        out = np.cross(self.across_m, self.up_m)
+        return np.asarray(out / np.linalg.norm(out))
+
+    def cells(self) -> tuple[int, int]:
+        """Rows and columns of light cells."""
+        wide, tall = self.size_m
+        return max(1, round(tall * self.cells_per_m)), max(1, round(wide * self.cells_per_m))
+
+    def nodes(self, inset_m: float) -> FloatArray:
+        """World points (rows + 1, columns + 1, 3) at the corners of cells, lowest row first."""
+        rows, columns = self.cells()
+        wide, tall = self.size_m
+        aside, below = min(0.4, inset_m / wide), min(0.4, inset_m / tall)
+        u = np.clip(np.linspace(0.0, 1.0, columns + 1), aside, 1.0 - aside)
+        v = np.clip(np.linspace(0.0, 1.0, rows + 1), below, 1.0 - below)
+        return np.asarray(
+            self.corner_m + u[None, :, None] * self.across_m + v[:, None, None] * self.up_m
+        )
+
+
+@cache
+def room() -> tuple[Surface, ...]:
+    """All surfaces of the room, their light painted on; computed once in a process."""
+    things, bodies = boxes(), turned_bodies()
+    occluders = Occluders.of([*things, *(_slim_box(body) for body in bodies)])
+    panels = _shell() + [panel for box in things for panel in _faces(box)]
+    light = _light(panels, occluders)
+    painted = [k for k, panel in enumerate(panels) if panel.material in PAINTS]
+    surfaces = [_painted([panels[k] for k in painted], [light[k] for k in painted])]
+    for panel, own in zip(panels, light, strict=True):
+        if panel.material not in PAINTS:
+            surfaces.append(_textured(panel, own))
+    behind = Occluders.of(things)
+    return (*surfaces, _window(), *(_turned(body, behind) for body in bodies))
+
+
+def developed(light: NDArray[np.floating]) -> NDArray[np.uint8]:
+    """Linear light as sRGB bytes, over a curve that rolls off highlights instead of clipping."""
+    x = EXPOSURE * np.maximum(light, 0.0)
+    value = np.clip(x * (1.0 + x / 4.0) / (1.0 + 0.55 * x), 0.0, 1.0)
+    shown = np.where(value < 0.0031308, 12.92 * value, 1.055 * value ** (1.0 / 2.4) - 0.055)
+    return np.asarray(np.rint(255.0 * shown), dtype=np.uint8)
+
+
+def _shell() -> list[WallPanel]:
+    """Walls, floor and ceiling, seen from inside."""
+    (x0, x1), (y0, y1), z0, z1 = WALLS_X_M, WALLS_Y_M, FLOOR_M, CEILING_M
+    long, wide, tall = x1 - x0, y1 - y0, z1 - z0
+    plan = [
+        ((x1, y1, z0), (0.0, -wide, 0.0), (0.0, 0.0, tall), "brick"),
+        ((x0, y0, z0), (0.0, wide, 0.0), (0.0, 0.0, tall), "plaster"),
+        ((x0, y1, z0), (long, 0.0, 0.0), (0.0, 0.0, tall), "sage"),
+        ((x1, y0, z0), (-long, 0.0, 0.0), (0.0, 0.0, tall), "sage"),
+        ((x0, y0, z0), (long, 0.0, 0.0), (0.0, wide, 0.0), "carpet"),
+        ((x0, y1, z1), (long, 0.0, 0.0), (0.0, -wide, 0.0), "ceiling"),
+    ]
+    return [
+        WallPanel(np.array(corner), np.array(across), np.array(up), name, 260.0, 12.0)
+        for corner, across, up, name in plan
+    ]
+
+
+def _faces(box: Box) -> list[WallPanel]:
+    """The faces of a box that can be seen; what is near is drawn and lit finer."""
+    near = box.base_m[0] < 0.8
+    pixels, cells = (900.0, 75.0) if near else (330.0, 20.0)
+    (sx, sy, sz), turn = box.size_m, box.turn_rad
+    ex = np.array([np.cos(turn), np.sin(turn), 0.0])
+    ey = np.array([-np.sin(turn), np.cos(turn), 0.0])
+    rise = np.array([0.0, 0.0, sz])
+    left = np.array(box.base_m) - 0.5 * sx * ex
+    right = left + sx * ex
+    plan = [
+        (left + 0.5 * sy * ey, -sy * ey, rise, box.front or box.material),
+        (right - 0.5 * sy * ey, sy * ey, rise, box.material),
+        (left - 0.5 * sy * ey, sx * ex, rise, box.material),
+        (right + 0.5 * sy * ey, -sx * ex, rise, box.material),
+        (left - 0.5 * sy * ey + rise, sx * ex, sy * ey, box.top or box.material),
+    ]
+    return [
+        WallPanel(corner, across, up, name, FINE_PIXELS_PER_M.get(name, pixels), cells)
+        for corner, across, up, name in plan
+    ]
+
+
+def _light(panels: Sequence[WallPanel], occluders: Occluders) -> list[FloatArray]:
+    """Light (rows + 1, columns + 1, 3) at the nodes of every panel, computed in one go."""
+    nodes = [panel.nodes(INSET_M) for panel in panels]
+    counts = [grid.size // 3 for grid in nodes]
+    points = np.concatenate([grid.reshape(-1, 3) for grid in nodes])
+    normals = np.repeat([panel.normal for panel in panels], counts, axis=0)
+    light = irradiance(points, normals, occluders)
+    parts = np.split(light, np.cumsum(counts)[:-1])
+    return [part.reshape(grid.shape) for part, grid in zip(parts, nodes, strict=True)]
+
+
+def _textured(panel: WallPanel, light: FloatArray) -> Surface:
+    """A panel with its light multiplied into its picture."""
+    base = material(panel.material, panel.size_m, panel.pixels_per_m)
+    height, width = base.shape[:2]
+    rows, columns = light.shape[0] - 1, light.shape[1] - 1
+    # Pixel centres in cells, counted from the upper left node.
+    x = ((np.arange(width) + 0.5) * (columns / width)).astype(np.float32)
+    y = ((np.arange(height) + 0.5) * (rows / height)).astype(np.float32)
+    grid_x, grid_y = np.meshgrid(x, y)
+    own = np.ascontiguousarray(light[::-1]).astype(np.float32)
+    spread = cv2.remap(own, grid_x, grid_y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return Surface(
+        panel.corner_m + SQUARE @ np.stack([panel.across_m, panel.up_m]),
+        np.tile(panel.normal, (4, 1)),
+        np.array([[0, 1, 2], [0, 2, 3]]),
+        texture=developed(base * spread),
+        texture_coordinates=SQUARE,
+    )
+
+
+def _painted(panels: Sequence[WallPanel], light: Sequence[FloatArray]) -> Surface:
+    """All plain panels as one mesh with the light in its vertex colours."""
+    vertices, normals, triangles, colors = [], [], [], []
+    begin = 0
+    for panel, own in zip(panels, light, strict=True):
+        rows, columns = panel.cells()
+        grid = panel.nodes(0.0).reshape(-1, 3)
+        vertices.append(grid)
+        normals.append(np.tile(panel.normal, (len(grid), 1)))
+        base = linear(np.array(PAINTS[panel.material]))
+        colors.append(developed(own.reshape(-1, 3) * base) / 255.0)
+        triangles.append(_lattice(rows, columns) + begin)
+        begin += len(grid)
+    return Surface(
+        np.concatenate(vertices),
+        np.concatenate(normals),
+        np.concatenate(triangles),
+        colors=np.concatenate(colors),
+    )
+
+
+def _lattice(rows: int, columns: int) -> IntArray:
+    """Triangles over a grid of (rows + 1) by (columns + 1) nodes, row by row."""
+    first = (np.arange(rows)[:, None] * (columns + 1) + np.arange(columns)).reshape(-1, 1)
+    a, b, c, d = first, first + 1, first + columns + 2, first + columns + 1
+    return np.concatenate([np.hstack([a, b, c]), np.hstack([a, c, d])])
+
+
+def _window() -> Surface:
+    """The bright window with its bars, just inside the left wall."""
+    x0, x1, z0, z1 = WINDOW_M
+    rows, columns = 300, 400
+    picture = np.empty((rows, columns, 3))
+    picture[:] = SKY * np.linspace(1.25, 0.85, rows)[:, None, None]
+    bars = np.array([0.80, 0.79, 0.76]) * 0.5
+    for at in (0, columns // 2, columns):
+        picture[:, max(0, at - 9) : at + 9] = bars
+    for at in (0, rows // 2, rows):
+        picture[max(0, at - 9) : at + 9] = bars
+    y = WALLS_Y_M[1] - 0.008
+    return Surface(
+        np.array([[x0, y, z0], [x1, y, z0], [x1, y, z1], [x0, y, z1]]),
+        np.tile([0.0, -1.0, 0.0], (4, 1)),
+        np.array([[0, 1, 2], [0, 2, 3]]),
+        texture=developed(picture),
+        texture_coordinates=SQUARE,
+    )
+
+
+def _slim_box(body: Turned) -> Box:
+    """A slim box in a turned body's place, to throw its shadow."""
+    side = 1.6 * max(radius for _, radius in body.outline_m)
+    return Box(body.foot_m, (side, side, body.outline_m[-1][0]), "plaster")
+
+
+def _turned(body: Turned, occluders: Occluders) -> Surface:
+    """A body of revolution with the light in its vertex colours."""
+    sides, steps = 40, 28
+    outline = np.array(body.outline_m)
+    height = np.linspace(outline[0, 0], outline[-1, 0], steps)
+    radius = np.interp(height, outline[:, 0], outline[:, 1])
+    radius = np.convolve(np.pad(radius, 1, mode="edge"), [0.25, 0.5, 0.25], mode="valid")
+    angle = np.arange(sides + 1) * (2.0 * np.pi / sides)
+    ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    walls = np.empty((steps, sides + 1, 3))
+    walls[..., :2] = radius[:, None, None] * ring
+    walls[..., 2] = height[:, None]
+    normals = np.empty_like(walls)
+    normals[..., :2] = ring
+    normals[..., 2] = -np.gradient(radius, height)[:, None]
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    vertices = walls.reshape(-1, 3) + np.array(body.foot_m)
+    light = irradiance(vertices, normals.reshape(-1, 3), occluders)
+    lid, lid_normals, lid_light = _lid(vertices[-(sides + 1) :], occluders)
+    shown = np.concatenate(
+        [light * linear(np.array(body.color)), lid_light * linear(np.array(body.inside))]
+    )
+    fan = np.arange(sides)[:, None] + len(vertices) + np.array([[1, 2, 0]])
+    fan[:, 2] = len(vertices)
+    return Surface(
+        np.concatenate([vertices, lid]),
+        np.concatenate([normals.reshape(-1, 3), lid_normals]),
+        np.concatenate([_lattice(steps - 1, sides), fan]),
+        colors=developed(shown) / 255.0,
+    )
+
+
+def _lid(rim: FloatArray, occluders: Occluders) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """A disc just below a rim: middle and rim vertices, their normals, and their light."""
+    disc = np.concatenate([rim.mean(axis=0, keepdims=True), rim]) - np.array([0.0, 0.0, 0.004])
+    normals = np.tile([0.0, 0.0, 1.0], (len(disc), 1))
+    return disc, normals, irradiance(disc, normals, occluders)

@@ -1,1 +1,0 @@
-"""Text files in and out: trajectories, inertial streams, and writing that is never half done."""

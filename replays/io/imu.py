@@ -1,0 +1,145 @@
+"""IMU streams and noise from and to files.
+
+A stream is EuRoC's CSV: stamp in ns, angular rate in rad/s, specific force in m/s²; or, a third as
+large and thirty times as quick to read, an ``.npz`` of the same three arrays. Streams that move in
+other units are refused; saturation and gaps are written to the log.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import NDArray
+
+from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.imu.screening import screen_imu
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.ga.archives import load_arrays, save_arrays_in_parts
+from motorcade.ga.files import FileError
+from motorcade.replays.io.atomic import replacing
+from motorcade.replays.io.door import refused
+from motorcade.replays.io.errors import RecordingError, refusal
+from motorcade.replays.io.readers.columns import ANGULAR_RATE, SPECIFIC_FORCE, read_columns
+
+_LOG = logging.getLogger("motorcade.replays")
+_FORMAT = "motorcade imu 1"
+_ARRAYS = ("time_ns", "angular_rate_rad_s", "specific_force_m_s2")
+
+
+def read_imu(path: Path) -> ImuStream:
+    """Read an IMU stream as EuRoC writes it, or as its header says; more columns are ignored.
+
+    A header that names all columns (`gyro_x [deg/s]`, `angular_velocity.x`, `ax (g)`) is heeded,
+    whatever their order and units; see `readers.columns`. An ``.npz`` is read as `write_imu` writes
+    it.
+
+    Raises:
+        RecordingError: no rows, wrong columns, NaN, decreasing stamps, a header that leaves open
+            what stands where, each with its line; force in g or rate in degrees, where the readings
+            tell.
+    """
+    try:
+        stream = _stream(path)
+        for notice in screen_imu(stream):
+            _LOG.warning("%s: %s", path, notice)
+        return stream
+    except RecordingError:
+        raise
+    except ValueError as fault:
+        raise refusal(path, str(fault)) from fault
+
+
+def _stream(path: Path) -> ImuStream:
+    if path.suffix == ".npz":
+        with refused():
+            return load_arrays(path, "a saved IMU stream", _FORMAT, _from_arrays)
+    table = read_columns(path, (ANGULAR_RATE, SPECIFIC_FORCE))
+    return ImuStream(table.time_ns, table.values[:, :3], table.values[:, 3:])
+
+
+def _from_arrays(arrays: Mapping[str, NDArray[Any]]) -> ImuStream:
+    return ImuStream(*(arrays[name] for name in _ARRAYS))
+
+
+def read_noise(path: Path) -> ImuNoise:
+    """Read noise densities from a YAML file of Kalibr's or EuRoC's.
+
+    Raises:
+        RecordingError: missing, not YAML, or a density that is missing or not above 0.
+
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from motorcade.replays import read_noise
+    >>> kalibr = '''
+    ... gyroscope_noise_density: 1.7e-4
+    ... gyroscope_random_walk: 1.9e-5
+    ... accelerometer_noise_density: 2.0e-3
+    ... accelerometer_random_walk: 3.0e-3
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     written = Path(folder, "imu.yaml").write_text(kalibr)
+    ...     noise = read_noise(Path(folder, "imu.yaml"))
+    >>> noise.gyro_density_rad_s_rthz, noise.accel_walk_m_s3_rthz
+    (0.00017, 0.003)
+    """
+    try:
+        return ImuNoise.load(path)
+    except FileError as fault:
+        raise refusal(path, fault.problem) from fault
+    except ValueError as fault:
+        raise refusal(path, str(fault).removeprefix(f"{path}: ")) from fault
+
+
+_HEADER = (
+    "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
+    "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n"
+)
+
+
+def write_imu(stream: ImuStream | Iterable[ImuStream], path: Path) -> None:
+    """Write a stream with every digit that its numbers have, all at once or not at all.
+
+    Args:
+        stream: one, or its parts one after another, each of which is written as it comes.
+        path: ``.npz``, or EuRoC's CSV under any other name.
+
+    Raises:
+        OSError: a file that cannot be written.
+
+    >>> import tempfile
+    >>> import numpy as np
+    >>> from pathlib import Path
+    >>> from motorcade.fusion import ImuStream
+    >>> from motorcade.replays import read_imu, write_imu
+    >>> at_rest = np.array([[0.0, 0.0, 9.81]] * 3)  # an accelerometer at rest reads +g upward
+    >>> stream = ImuStream(np.array([0, 5_000_000, 10_000_000]), np.zeros((3, 3)), at_rest)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_imu(stream, Path(folder, "imu.csv"))
+    ...     again = read_imu(Path(folder, "imu.csv"))
+    >>> np.array_equal(again.specific_force_m_s2, at_rest)
+    True
+    """
+    parts = [stream] if isinstance(stream, ImuStream) else stream
+    with replacing(path) as building:
+        if path.suffix == ".npz":
+            columns = ({name: getattr(part, name) for name in _ARRAYS} for part in parts)
+            save_arrays_in_parts(building, "ImuStream", _FORMAT, columns)
+        else:
+            with building.open("w", encoding="ascii", newline="\n") as file:
+                file.write(_HEADER)
+                for part in parts:
+                    file.writelines(_rows(part))
+
+
+def _rows(stream: ImuStream) -> Iterator[str]:
+    rows = zip(
+        stream.time_ns.tolist(),
+        stream.angular_rate_rad_s.tolist(),
+        stream.specific_force_m_s2.tolist(),
+        strict=True,
+    )
+    for stamp, (x, y, z), (u, v, w) in rows:
+        yield f"{stamp},{x!r},{y!r},{z!r},{u!r},{v!r},{w!r}\n"

@@ -1,0 +1,280 @@
+"""Tables between commas whose header says what stands where, and in which units.
+
+A header is the last line of comment, or the row of names, above the numbers. Where it names every
+column that is wanted (`w_RS_S_x [rad s^-1]`, `gyro_x`, `angular_velocity.x`, `ax (g)`, `qw`), the
+file is read by it; where it says nothing, columns are EuRoC's, in EuRoC's order. One that names a
+column in another place and leaves others open is refused, as is a unit that nobody knows. Stamps
+without a unit are nanoseconds, unless they cannot be: fractions that are nanoseconds apart are
+seconds.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from decimal import Decimal, InvalidOperation
+from pathlib import Path
+from typing import NoReturn
+
+import numpy as np
+
+from motorcade.ga.arrays import FloatArray
+from motorcade.ga.names import one_line
+from motorcade.replays.io.door import open_bounded
+from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.readers.tables import (
+    FILE_LIMIT,
+    LINE_LIMIT,
+    Table,
+    in_order,
+    is_header,
+    read_table,
+)
+
+_STAMP = "stamp"
+_LOOKED_AT = 64
+_LEAST_STEP_NS = 1000.0
+# Nothing is sampled a million times a second.
+
+_TIMES = {"timestamp", "timestamps", "time", "stamp", "t", "ts"}
+_TIME_UNITS = {
+    **dict.fromkeys(("ns", "nsec", "nsecs", "nanosecond", "nanoseconds"), "ns"),
+    **dict.fromkeys(("us", "µs", "μs", "usec", "microsecond", "microseconds"), "us"),
+    **dict.fromkeys(("ms", "msec", "millisecond", "milliseconds"), "ms"),
+    **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), "s"),
+}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What some columns hold, by the words of their names.
+
+    Fields:
+        words: any of which stands in the name, before the axis.
+        letters: any of which opens the name, before the axis; `""` for axes alone.
+        axes: in the order in which they are wanted.
+        label: what a column is called in refusals, before its axis.
+        units: what one of each is in our own unit.
+    """
+
+    words: frozenset[str]
+    letters: frozenset[str]
+    axes: str
+    label: str
+    units: dict[str, float]
+
+    def axis(self, words: list[str]) -> str | None:
+        """The axis that a name means; None where it means something else."""
+        *before, last = words
+        if last[-1] in self.axes and last[:-1] and last[:-1] in self.words | self.letters:
+            return last[-1]  # gyrox, wx
+        if len(last) > 1 or last not in self.axes:
+            return None
+        opens = before[0] if before else ""
+        return last if opens in self.letters or self.words & set(before) else None
+
+
+ANGULAR_RATE = Quantity(
+    frozenset({"gyr", "gyro", "gyroscope", "omega", "angular", "ang", "rate"}),
+    frozenset({"w", "g"}),
+    "xyz",
+    "w_",
+    {
+        **dict.fromkeys(("rad/s", "rads^-1", "rads-1", "rad/sec", "rad_s"), 1.0),
+        **dict.fromkeys(("deg/s", "degs^-1", "degs-1", "deg/sec", "deg_s"), np.pi / 180.0),
+        **dict.fromkeys(("°/s", "°s^-1", "dps"), np.pi / 180.0),
+    },
+)
+SPECIFIC_FORCE = Quantity(
+    frozenset({"acc", "accel", "accelerometer", "acceleration", "force"}),
+    frozenset({"a", "f"}),
+    "xyz",
+    "a_",
+    {
+        **dict.fromkeys(("m/s^2", "m/s2", "m/s²", "ms^-2", "ms-2", "m/s/s", "m_s2"), 1.0),
+        "g": 9.80665,
+        "mg": 9.80665e-3,
+    },
+)
+POSITION = Quantity(
+    frozenset({"pos", "position", "translation"}),
+    frozenset({"p", "t", ""}),
+    "xyz",
+    "t",
+    {"m": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0},
+)
+QUATERNION = Quantity(
+    frozenset({"quat", "quaternion", "orientation", "rotation", "rot"}),
+    frozenset({"q"}),
+    "wxyz",
+    "q",
+    {"-": 1.0, "1": 1.0},
+)
+
+
+def opening_rows(path: Path, wanted: int) -> tuple[list[bytes] | None, list[list[bytes]]]:
+    """Tokens of the header, if there is one of so many columns, and of the first rows below it."""
+    return _opening(path, wanted)[1:]
+
+
+def read_columns(path: Path, quantities: tuple[Quantity, ...]) -> Table:
+    """Read a stamp and quantities by the file's header, in our units and in the order given.
+
+    Of rows with equal stamps the first is kept.
+
+    Raises:
+        RecordingError: as `read_table` and `in_order`; a header that contradicts EuRoC's order and
+            does not say where everything is; a unit that is not known.
+    """
+    names = tuple(one.label + axis for one in quantities for axis in one.axes)
+    number, header, rows = _opening(path, 1 + len(names))
+    places, units = list(range(1 + len(names))), [""] * (1 + len(names))
+    if header is not None:
+        found = _Header(path, number, header)
+        places, units = found.layout(quantities, (_STAMP, *names))
+    unit = _stamp_unit(
+        path, number, units[0], [row[places[0]] for row in rows if places[0] < len(row)]
+    )
+    table = read_table(
+        path,
+        names,
+        separator=b",",
+        unit=unit,
+        header=True,
+        more_columns=True,
+        places=tuple(places),
+    )
+    scale = _scales(path, number, quantities, units[1:], names)
+    if np.any(scale != 1.0):
+        table = replace(table, values=table.values * scale)
+    return table.rows(in_order(path, table.lines, table.time_ns))
+
+
+def _opening(path: Path, wanted: int) -> tuple[int, list[bytes] | None, list[list[bytes]]]:
+    """Line number and tokens of the header, if there is one, and the first rows below it."""
+    at, header, rows = 0, None, list[list[bytes]]()
+    with open_bounded(path, FILE_LIMIT) as file:
+        number = 0
+        while len(rows) < _LOOKED_AT and (line := file.readline(LINE_LIMIT)):
+            number += 1
+            text = line.removeprefix(b"\xef\xbb\xbf").strip()
+            row = text.lstrip(b"#, ").split(b"," if b"," in text else None)
+            names = text.startswith(b"#") or (not rows and is_header(row))
+            if not names and text:
+                rows.append(row)
+            elif not rows and len(row) >= wanted and is_header(row):
+                at, header = number, row
+    return at, header, rows
+
+
+@dataclass(frozen=True)
+class _Header:
+    path: Path
+    line: int
+    tokens: list[bytes]
+
+    def layout(
+        self, quantities: tuple[Quantity, ...], names: tuple[str, ...]
+    ) -> tuple[list[int], list[str]]:
+        """Where the columns of these names stand, and their units."""
+        order, units = list(range(len(names))), [""] * len(names)
+        found: dict[str, list[int]] = {}
+        said = [_name_and_unit(token) for token in self.tokens]
+        for at, (words, unit) in enumerate(said):
+            name, unit = _meant(words, unit, quantities)
+            if name is not None and not (name == _STAMP and name in found):
+                found.setdefault(name, []).append(at)
+                said[at] = (words, unit)
+        twice = [name for name, places in found.items() if len(places) > 1]
+        missing = [name for name in names if name not in found]
+        in_order = all(places == [names.index(name)] for name, places in found.items())
+        if twice or (missing and not in_order):
+            self._refuse(f"{twice[0]} twice" if twice else f"no {missing[0]}", names)
+        if not missing:
+            order = [found[name][0] for name in names]
+        for number, at in enumerate(order):
+            if names[number] in found:
+                units[number] = said[at][1]
+        return order, units
+
+    def _refuse(self, what: str, names: tuple[str, ...]) -> NoReturn:
+        raise refusal(
+            self.path,
+            f"expected a header that names {' '.join(names)}, or leaves them in this order, got "
+            f"{what} in {one_line(b','.join(self.tokens))}",
+            line=self.line,
+            advice="rename its columns",
+        )
+
+
+def _name_and_unit(token: bytes) -> tuple[list[str], str]:
+    """Words of a column's name, lower-case, and what it says in brackets."""
+    text = token.decode("utf-8", "replace").strip().strip("\"'").strip()
+    brackets = re.search(r"[\[(]([^\])]*)[\])]", text)
+    unit = re.sub(r"[\s·*]", "", brackets[1]).lower() if brackets else ""
+    bare = text[: brackets.start()] if brackets else text
+    parted = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", bare).lower()
+    return [word for word in re.split(r"[^a-z0-9°]+", parted) if word], unit
+
+
+_ENDINGS = (("rad", "s"), ("deg", "s"), ("m", "s2"), ("dps",), ("g",), ("mg",), ("m",), ("mm",))
+
+
+def _meant(words: list[str], unit: str, quantities: tuple[Quantity, ...]) -> tuple[str | None, str]:
+    """Which column a name means, None for another one; and its unit, also where a word says it."""
+    if not words or words[0] in ("b", "bias"):
+        return None, unit
+    if words[-1] in _TIME_UNITS and len(words) > 1 and set(words[:-1]) & _TIMES:
+        return _STAMP, unit or words[-1]
+    if set(words) & _TIMES and words[-1] not in ("x", "y", "z"):
+        return _STAMP, unit
+    for ending in ((), *_ENDINGS):
+        rest = words[: len(words) - len(ending)]
+        if not rest or tuple(words[len(rest) :]) != ending:
+            continue
+        for one in quantities:
+            axis = one.axis(rest)
+            if axis is not None:
+                return one.label + axis, unit or "_".join(ending)
+    return None, unit
+
+
+def _scales(
+    path: Path,
+    line: int,
+    quantities: tuple[Quantity, ...],
+    units: list[str],
+    names: tuple[str, ...],
+) -> FloatArray:
+    known = [one.units for one in quantities for _ in one.axes]
+    for name, unit, of in zip(names, units, known, strict=True):
+        if unit and unit not in of:
+            problem = f"expected one of the units {', '.join(of)}, got {unit!r}"
+            raise refusal(path, problem, line=line, field=name)
+    return np.array([of.get(unit, 1.0) for unit, of in zip(units, known, strict=True)])
+
+
+def _stamp_unit(path: Path, line: int, stated: str, stamps: list[bytes]) -> str:
+    """A key of `tables.UNITS`, by what the header states and what the stamps can be."""
+    if stated and stated not in _TIME_UNITS:
+        expected = "expected stamps in ns, us, ms or s"
+        raise refusal(path, f"{expected}, got {stated!r}", line=line, field=_STAMP)
+    unit = _TIME_UNITS.get(stated, "ns")
+    if unit != "ns" or not _are_no_nanoseconds(stamps):
+        return unit
+    if stated:
+        problem = f"expected stamps in {stated}, as the header says, got {one_line(stamps[0])}"
+        raise refusal(path, f"{problem} and others a fraction apart", field=_STAMP)
+    return "s"
+
+
+def _are_no_nanoseconds(stamps: list[bytes]) -> bool:
+    """Whether stamps have fractions and stand too close together to be nanoseconds."""
+    try:
+        numbers = [Decimal(stamp.decode("ascii").strip()) for stamp in stamps]
+        if all(number == number.to_integral_value() for number in numbers):
+            return False
+        steps = np.abs(np.diff(np.array([float(one - numbers[0]) for one in numbers])))
+    except (InvalidOperation, UnicodeDecodeError, OverflowError):
+        return False  # whoever reads them all says which line is wrong
+    return len(steps) > 0 and float(np.median(steps)) < _LEAST_STEP_NS

@@ -1,0 +1,384 @@
+"""Frame sequences made of picture files: which files belong to a recording, and reading them.
+
+Pictures are numbered in natural order (img_9 before img_10). Where stamps come from a rate, a gap
+in the numbers is refused: every later stamp would be wrong.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from motorcade.ga.arrays import IntArray
+from motorcade.ga.names import one_line
+from motorcade.ga.progress import track
+from motorcade.replays.io.door import read_bounded
+from motorcade.replays.io.errors import DamagedError, refusal
+from motorcade.replays.io.readers.frames import pictures
+from motorcade.replays.io.readers.frames.exif import picture_orientation
+from motorcade.replays.io.recording import DepthArray, Frame
+from motorcade.tracking.cameras.orientation import AS_STORED, PictureOrientation
+
+if TYPE_CHECKING:
+    from motorcade.tracking import Camera
+    from motorcade.tracking.depth.cameras import DepthCamera
+
+FRAME_LIMIT = 1_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class PictureFrames:
+    """Pictures in files, one a frame.
+
+    Fields:
+        files: ``N`` picture files.
+        time_ns: ``(N,)`` stamps, strictly increasing.
+        size: (width, height) that every picture must have, upright; None before the camera is
+            known.
+        depth_files: depth picture of each frame, None where it has none.
+        depth_units_per_m: what a metre is in the depth pictures.
+        right_files: right picture of each frame, where they are rectified pairs.
+        depth_camera: what took the depth pictures, where they do not lie on the pictures' pixels
+            yet: they are registered as they are read, to `colour_camera`.
+        orientation: how every picture says that it is to be shown.
+        shown_size: width and height of the first as shown, where `first_look` found them.
+        digests: size in bytes and SHA-256 of files that were read whole, when they were checked.
+    """
+
+    files: tuple[Path, ...]
+    time_ns: IntArray
+    size: tuple[int, int] | None = None
+    depth_files: tuple[Path | None, ...] = ()
+    depth_units_per_m: float = 1000.0
+    right_files: tuple[Path, ...] = ()
+    depth_camera: DepthCamera | None = None
+    colour_camera: Camera | None = None
+    orientation: PictureOrientation = AS_STORED
+    shown_size: tuple[int, int] | None = None
+    digests: Mapping[Path, tuple[int, bytes]] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        own = np.array(self.time_ns, dtype=np.int64)
+        own.setflags(write=False)
+        object.__setattr__(self, "time_ns", own)
+        if len(own) != len(self.files) or np.any(np.diff(own) <= 0):
+            raise ValueError(
+                f"time_ns: expected {len(self.files)} increasing stamps, got {len(own)}"
+            )
+
+    def __len__(self) -> int:
+        return len(self.files)
+
+    def __getitem__(self, index: int) -> Frame:
+        index = range(len(self))[index]
+        path, name = self.files[index], f"frame {index}"
+        read_image = partial(pictures.read_picture, path, name, self.size)
+        known = bool(self.depth_files) and self.depth_files[index] is not None
+        read_depth = partial(self._registered, index) if known else None
+        read_right = None
+        if self.right_files:
+            read_right = partial(pictures.read_gray, self.right_files[index], name, self.size)
+        return Frame(int(self.time_ns[index]), path.name, read_image, read_depth, read_right)
+
+    def __iter__(self) -> Iterator[Frame]:
+        return (self[index] for index in range(len(self)))
+
+    def measured_depth(self, index: int) -> DepthArray | None:
+        """Read a frame's depth as its sensor measured it, registered to nothing; None without.
+
+        Raises:
+            RecordingError: as `Frame.depth_m`.
+        """
+        path = self.depth_files[index] if self.depth_files else None
+        if path is None:
+            return None
+        units = self.depth_units_per_m
+        return pictures.read_depth(path, f"frame {index}", self._depth_size, units)
+
+    @property
+    def _depth_size(self) -> tuple[int, int] | None:
+        if self.depth_camera is None:
+            return self.size
+        return self.depth_camera.camera.width, self.depth_camera.camera.height
+
+    def _registered(self, index: int) -> DepthArray:
+        measured = self.measured_depth(index)
+        if measured is None:
+            raise ValueError(f"frame {index}: expected a depth picture, got none")
+        if self.depth_camera is None or self.colour_camera is None:
+            return measured
+        from motorcade.tracking.depth.cameras import register_depth
+
+        return register_depth(measured, self.depth_camera, self.colour_camera)
+
+    def check(self, camera: Camera | None) -> None:
+        """Read every file and look at its header, end and size, without decoding.
+
+        Raises:
+            RecordingError: the first picture that is missing, truncated or of another size.
+        """
+        for fault in self._read_through(camera)[0].values():
+            raise fault
+
+    def intact(self, camera: Camera | None) -> tuple[PictureFrames, tuple[str, ...]]:
+        """Leave out what is truncated or corrupt: a frame, or a frame's depth alone.
+
+        Every file is read once, and what it holds is kept as a digest.
+
+        Raises:
+            RecordingError: a picture that is missing or of another size, or damage in half of the
+                frames or more.
+        """
+        damage, digests = self._read_through(camera)
+        if not damage:
+            return replace(self, digests=digests), ()
+        faults = tuple(str(fault) for fault in damage.values())
+        if 2 * len(damage) >= len(self):
+            problem = f"{len(damage)} of {len(self)} frames are damaged, the first: {faults[0]}"
+            raise refusal(self.files[0].parent, problem)
+        whole = [
+            index
+            for index, path in enumerate(self.files)
+            if path not in damage and not (self.right_files and self.right_files[index] in damage)
+        ]
+        depth = [None if path in damage else path for path in self.depth_files]
+        intact = replace(
+            self,
+            files=tuple(self.files[index] for index in whole),
+            time_ns=self.time_ns[whole],
+            depth_files=tuple(depth[index] for index in whole) if depth else (),
+            right_files=tuple(self.right_files[index] for index in whole)
+            if self.right_files
+            else (),
+            digests=digests,
+        )
+        return intact, faults
+
+    def _read_through(
+        self, camera: Camera | None
+    ) -> tuple[dict[Path, DamagedError], dict[Path, tuple[int, bytes]]]:
+        """What is wrong with each damaged file, and digests of the others; raises other faults."""
+        size = self.size if camera is None else (camera.width, camera.height)
+        damage: dict[Path, DamagedError] = {}
+        digests: dict[Path, tuple[int, bytes]] = {}
+        depth = set(self.depth_files)
+        for path, name in self._all_files("reading pictures"):
+            advice = pictures.UNALIGNED if path in depth else None
+            expected = size
+            if path in depth and self.depth_camera is not None:
+                expected, advice = self._depth_size, pictures.ANOTHER_DEPTH_SIZE
+            try:
+                data = pictures.read_picture_bytes(path, name, expected, advice)
+            except DamagedError as fault:
+                damage[path] = fault
+                continue
+            if path not in depth:
+                self._check_orientation(path, name, data)
+            digests[path] = _digest(data)
+        return damage, digests
+
+    def _check_orientation(self, path: Path, name: str, data: bytes) -> None:
+        """One camera holds for all pictures, so all must be held alike."""
+        found = picture_orientation(data)
+        if found != self.orientation:
+            raise refusal(
+                path,
+                f"expected a picture that is shown as the others are ({_told(self.orientation)}), "
+                f"got one {_told(found)}",
+                field=name,
+                advice="leave it out: one camera holds for pictures that are held alike",
+            )
+
+    def content(self) -> Iterator[bytes]:
+        """Size and digest of every picture; files that were not checked yet are read."""
+        yield f"depth units {self.depth_units_per_m!r}".encode()
+        if self.depth_camera is not None:
+            yield f"depth camera {self.depth_camera!r} {self.colour_camera!r}".encode()
+        for path, name in self._all_files("reading pictures"):
+            known = self.digests.get(path)
+            length, digest = known or _digest(read_bounded(path, pictures.FILE_LIMIT, name))
+            yield f"{name} {path.suffix} {length}\n".encode()
+            yield digest
+
+    def first_size(self) -> tuple[int, int]:
+        """Width and height of the first picture as shown, for calibrations that leave them out.
+
+        Raises:
+            RecordingError: the first picture is missing or truncated.
+        """
+        return self.shown_size or first_look(self.files)[0]
+
+    def first_depth_size(self) -> tuple[int, int]:
+        """Width and height of the first depth picture; raises as `first_size`."""
+        index, path = next(
+            (index, path) for index, path in enumerate(self.depth_files) if path is not None
+        )
+        data = pictures.read_picture_bytes(path, f"depth of frame {index}", None)
+        return pictures.picture_size(data)
+
+    def _all_files(self, what: str) -> Iterator[tuple[Path, str]]:
+        """Every file and what it is called, telling how far along that is."""
+        kinds = (("", self.files), ("depth of ", self.depth_files), ("right of ", self.right_files))
+        named = (
+            (path, f"{kind}frame {index}")
+            for kind, files in kinds
+            for index, path in enumerate(files)
+            if path is not None
+        )
+        return track(named, what, sum(len(files) for _, files in kinds))
+
+
+def first_look(files: Sequence[Path]) -> tuple[tuple[int, int], PictureOrientation]:
+    """Width and height of the first of some pictures as shown, and how that is to be done.
+
+    Raises:
+        RecordingError: the picture is missing or truncated.
+    """
+    data = pictures.read_picture_bytes(files[0], "frame 0", None)
+    return pictures.upright_size(data), picture_orientation(data)
+
+
+def _told(orientation: PictureOrientation) -> str:
+    mirrored = "mirrored and " if orientation.mirrored else ""
+    return f"{mirrored}turned clockwise by {orientation.degrees} degrees"
+
+
+def _digest(data: bytes) -> tuple[int, bytes]:
+    return len(data), hashlib.sha256(data).digest()
+
+
+def inside(root: Path, name: str, source: Path, line: int | None = None) -> Path:
+    """Join a file name that stands in an untrusted file to the folder it must stay in.
+
+    Raises:
+        RecordingError: an absolute name, one with `..`, or no name at all.
+    """
+    relative = PurePosixPath(name)
+    escapes = relative.is_absolute() or ".." in relative.parts or "\\" in name or "\0" in name
+    if escapes or not relative.parts:
+        raise refusal(
+            source,
+            f"expected a file name inside {root}, got {one_line(name)}",
+            line=line,
+        )
+    return root / relative
+
+
+def pictures_in(root: Path) -> tuple[Path, ...]:
+    """Find every picture that lies in a folder itself, in natural order.
+
+    Raises:
+        RecordingError: nothing found, or a million files or more.
+    """
+    found = [path for path in root.iterdir() if path.suffix.lower() in pictures.SUFFIXES]
+    if not found:
+        known = " ".join(pictures.SUFFIXES)
+        raise refusal(root, f"expected pictures ({known}), got none", advice="say [frames] images")
+    if len(found) > FRAME_LIMIT:
+        raise refusal(root, f"expected at most {FRAME_LIMIT} pictures, got {len(found)}")
+    return tuple(sorted(found, key=natural))
+
+
+def picture_glob(root: Path, pattern: str) -> tuple[Path, ...]:
+    """Find picture files by a pattern such as `images/*.jpg`, in natural order.
+
+    Raises:
+        RecordingError: nothing found, a million files or more, files that are no pictures, a
+            pattern that is empty or leads outside.
+    """
+    inside(root, pattern, root)
+    if pattern.count("**") > 1:
+        raise refusal(root, f"expected at most one ** in the pattern, got {one_line(pattern)}")
+    try:
+        found = sorted(root.glob(pattern), key=natural)
+    except (ValueError, OSError, re.error) as fault:
+        raise refusal(root, f"the pattern {one_line(pattern)} cannot be used: {fault}") from fault
+    if not found:
+        advice = "say in [frames] images where they lie in this folder"
+        raise refusal(root, f"expected pictures {one_line(pattern)}, got none", advice=advice)
+    if len(found) > FRAME_LIMIT:
+        raise refusal(root, f"expected at most {FRAME_LIMIT} pictures, got {len(found)}")
+    for path in found:
+        if path.suffix.lower() not in pictures.SUFFIXES:
+            known = " ".join(pictures.SUFFIXES)
+            raise refusal(path, f"expected pictures ({known})", advice="narrow the pattern")
+    return tuple(found)
+
+
+_NUMBERED = re.compile(r"(.*?)([0-9]{1,18})([^0-9]*)")
+_SERIES = 8
+
+
+def numbered(paths: Sequence[Path]) -> list[int] | None:
+    """The last number in each file name, or None where the names differ in something else."""
+    patterns = _patterns(paths)
+    return next(iter(patterns.values())) if len(patterns) == 1 else None
+
+
+def _patterns(paths: Sequence[Path]) -> dict[str, list[int]]:
+    """The last numbers of file names, by what else the names are; none where one has no number."""
+    found: dict[str, list[int]] = {}
+    for path in paths:
+        part = _NUMBERED.fullmatch(path.name)
+        if part is None:
+            return {}
+        found.setdefault(f"{part[1]}*{part[3]}", []).append(int(part[2]))
+    return found
+
+
+def _refuse_several(paths: Sequence[Path]) -> None:
+    """Refuse pictures of several cameras: names of a few patterns that count alike."""
+    patterns = _patterns(paths)
+    if not 2 <= len(patterns) <= _SERIES:
+        return
+    numbers = [set(one) for one in patterns.values()]
+    common, every = set.intersection(*numbers), set.union(*numbers)
+    even = len(set(np.diff(sorted(every)).tolist())) == 1
+    if even and 2 * len(common) > len(every):
+        listed = " and ".join(patterns)
+        raise refusal(
+            paths[0].parent,
+            f"expected the pictures of one camera, got {len(patterns)} series that count alike: "
+            f"{listed}",
+            advice=f'say which: [frames] images = "{next(iter(patterns))}"',
+        )
+
+
+def refuse_gaps(paths: Sequence[Path], advice: str) -> None:
+    """Refuse numbered pictures of which one is missing: stamps made from a rate would be wrong.
+
+    Raises:
+        RecordingError: the numbers do not run in equal steps (the first missing one is named), or
+            the names are of several series that count alike, as several cameras' are.
+    """
+    _refuse_several(paths)
+    numbers = numbered(paths)
+    if numbers is None or len(numbers) < 2:
+        return
+    steps = np.diff(np.array(numbers, dtype=np.int64))
+    usual = int(np.median(steps))
+    odd = np.flatnonzero(steps != usual)
+    if odd.size:
+        at = int(odd[0])
+        before = paths[at]
+        raise refusal(
+            before.parent,
+            f"expected pictures numbered in steps of {usual}, got {before.name} followed by "
+            f"{paths[at + 1].name}: a picture is missing",
+            advice=advice,
+        )
+
+
+def natural(path: Path) -> tuple[list[tuple[int, int, str]], str]:
+    """Sort key that compares runs of digits as numbers."""
+    parts = re.split(r"([0-9]+)", path.as_posix())
+    return [
+        (1, int(part[:18]), part) if index % 2 else (0, 0, part) for index, part in enumerate(parts)
+    ], path.as_posix()

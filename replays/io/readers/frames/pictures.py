@@ -1,0 +1,233 @@
+"""Picture files: their size and completeness from the bytes, and decoding to RGB, grey or depth.
+
+PNG (chunks walked, checksums compared), JPEG (markers walked, end marker required), BMP and binary
+PNM. Decoders tend to return the upper part of a truncated picture without a word, so completeness
+is looked at before anything is decoded, and sizes before any memory is taken. Pictures come
+upright: turned as EXIF says (depth, which nothing turns, excepted).
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+import zlib
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga.names import one_line
+from motorcade.replays.io.door import read_bounded
+from motorcade.replays.io.errors import DamagedError, refusal
+from motorcade.replays.io.readers.frames.exif import picture_orientation
+from motorcade.replays.io.readers.frames.held import size_advice
+from motorcade.replays.io.recording import DepthArray, ImageArray
+
+SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm")
+FILE_LIMIT = 256 * 2**20
+PIXEL_LIMIT = 100_000_000
+_JPEG_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
+_PNM_HEADER = re.compile(rb"P[56]" + 3 * rb"(?:\s|#[^\n]*\n)+(\d{1,9})" + rb"\s")
+_TRUNCATED = "the picture is truncated"
+_COPY_AGAIN = "copy the file again"
+UNALIGNED = "depth on pixels of its own needs [depth_camera] in a manifest"
+ANOTHER_DEPTH_SIZE = "correct the depth camera's width and height, or leave the picture out"
+
+
+def read_picture_bytes(
+    path: Path, field: str | None, size: tuple[int, int] | None, advice: str | None = None
+) -> bytes:
+    """Read a picture file and check that it is whole and has this size (width, height), upright.
+
+    `advice` is what to do about another size, where that is not the camera's.
+
+    Raises:
+        DamagedError: empty, truncated, corrupt, or no picture at all.
+        RecordingError: missing, or another size.
+    """
+    data = read_bounded(path, FILE_LIMIT, field)
+    try:
+        found = upright_size(data)
+    except ValueError as fault:
+        raise _damaged(path, str(fault), field) from fault
+    if size is not None and found != size:
+        raise refusal(
+            path,
+            f"expected {size[0]} x {size[1]} pixels as the camera has, got {found[0]} x {found[1]}",
+            field=field,
+            advice=advice or f"{size_advice(size, found)}, or leave the picture out",
+        )
+    return data
+
+
+def _damaged(path: Path, problem: str, field: str | None) -> DamagedError:
+    return DamagedError(str(refusal(path, problem, field=field, advice=_COPY_AGAIN)))
+
+
+def read_picture(path: Path, field: str, size: tuple[int, int] | None) -> ImageArray:
+    """Decode a picture, upright: uint8, RGB ``(height, width, 3)`` or grey ``(height, width)``.
+
+    16-bit files are reduced to 8 bits.
+
+    Raises:
+        RecordingError: as `read_picture_bytes`, and what cannot be decoded.
+    """
+    data = read_picture_bytes(path, field, size)
+    flags = cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
+    picture = _decode(path, data, field, flags)
+    if picture.dtype != np.uint8:
+        raise refusal(path, f"expected 8-bit pixels, got {picture.dtype}", field=field)
+    if picture.ndim == 3:
+        picture = cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
+    return picture_orientation(data).upright(np.asarray(picture, dtype=np.uint8))
+
+
+def read_gray(path: Path, field: str | None, size: tuple[int, int] | None) -> ImageArray:
+    """Decode a picture of any kind to grey, upright: uint8 ``(height, width)`` (BT.601's luma).
+
+    The brightest pixel of a 16-bit file becomes white, since such files seldom use all their bits.
+
+    Raises:
+        RecordingError: as `read_picture_bytes`, and what cannot be decoded.
+    """
+    return decode_gray(path, read_picture_bytes(path, field, size), field)
+
+
+def decode_gray(path: Path, data: bytes, field: str | None) -> ImageArray:
+    """The same of a file that was read (`read_picture_bytes`).
+
+    Raises:
+        RecordingError: what cannot be decoded.
+    """
+    flags = cv2.IMREAD_ANYDEPTH | cv2.IMREAD_IGNORE_ORIENTATION
+    picture = _decode(path, data, field, flags)
+    if picture.dtype == np.uint16:
+        shown = picture.astype(np.float64) * (255.0 / max(int(picture.max()), 1))
+        picture = np.rint(shown).astype(np.uint8)
+    if picture.dtype != np.uint8:
+        raise refusal(path, f"expected 8 or 16 bits a pixel, got {picture.dtype}", field=field)
+    return picture_orientation(data).upright(np.asarray(picture, dtype=np.uint8))
+
+
+def read_depth(
+    path: Path, field: str, size: tuple[int, int] | None, units_per_m: float
+) -> DepthArray:
+    """Decode a 16-bit depth picture: float32 metres ``(height, width)``, NaN for 0 and 65535.
+
+    Raises:
+        RecordingError: as `read_picture_bytes`, and what is not one channel of 16 bits.
+    """
+    data = read_picture_bytes(path, field, size, UNALIGNED)
+    stored = _decode(path, data, field, cv2.IMREAD_UNCHANGED)
+    if stored.dtype != np.uint16 or stored.ndim != 2:
+        raise refusal(
+            path, f"expected one channel of uint16, got {stored.dtype} {stored.shape}", field=field
+        )
+    unknown = (stored == 0) | (stored == 65535)
+    metres = stored.astype(np.float32) / np.float32(units_per_m)
+    metres[unknown] = np.nan
+    return np.asarray(metres, dtype=np.float32)
+
+
+def upright_size(data: bytes) -> tuple[int, int]:
+    """Find the width and height that a whole picture file is shown in; raises as `picture_size`."""
+    return picture_orientation(data).size(picture_size(data))
+
+
+def picture_size(data: bytes) -> tuple[int, int]:
+    """Find the width and height of a whole picture file, as stored.
+
+    Raises:
+        ValueError: truncated, corrupt, an unknown format, or more than 100 million pixels.
+    """
+    if data.startswith(b"\x89PNG\r\n\x1a\n"):
+        size = _png_size(data)
+    elif data.startswith(b"\xff\xd8"):
+        size = _jpeg_size(data)
+    elif data.startswith(b"BM"):
+        size = _bmp_size(data)
+    elif data.startswith((b"P5", b"P6")):
+        size = _pnm_size(data)
+    else:
+        raise ValueError(f"expected a PNG, JPEG, BMP, PGM or PPM file, got {one_line(data[:8])}")
+    width, height = size
+    if not (width > 0 and height > 0 and width * height <= PIXEL_LIMIT):
+        raise ValueError(f"expected at most {PIXEL_LIMIT} pixels, got {width} x {height}")
+    return size
+
+
+def _decode(path: Path, data: bytes, field: str | None, flags: int) -> NDArray[np.generic]:
+    problem = "the picture cannot be decoded"
+    try:
+        picture = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), flags)
+    except cv2.error as fault:
+        raise _damaged(path, problem, field) from fault
+    if picture is None:
+        raise _damaged(path, problem, field)
+    return np.asarray(picture)
+
+
+def _png_size(data: bytes) -> tuple[int, int]:
+    at, size = 8, None
+    while at + 12 <= len(data):
+        length, kind = struct.unpack_from(">I4s", data, at)
+        end = at + 12 + length
+        if end > len(data):
+            break
+        body = memoryview(data)[at + 4 : end - 4]
+        if zlib.crc32(body) != struct.unpack_from(">I", data, end - 4)[0]:
+            raise ValueError("the picture is corrupt (a PNG checksum does not fit)")
+        if size is None:
+            if kind != b"IHDR" or length != 13:
+                raise ValueError("the picture is corrupt (a PNG without header)")
+            size = struct.unpack_from(">II", data, at + 8)
+        if kind == b"IEND":
+            return (size[0], size[1])
+        at = end
+    raise ValueError(f"{_TRUNCATED} (a PNG without end)")
+
+
+def _jpeg_size(data: bytes) -> tuple[int, int]:
+    at, size = 2, None
+    while at + 4 <= len(data):
+        if data[at] != 0xFF:
+            raise ValueError("the picture is corrupt (a JPEG marker is missing)")
+        marker = data[at + 1]
+        if marker == 0xFF:
+            at += 1
+            continue
+        length = struct.unpack_from(">H", data, at + 2)[0]
+        if marker in _JPEG_FRAMES and at + 9 <= len(data):
+            height, width = struct.unpack_from(">HH", data, at + 5)
+            size = (width, height)
+        at += 2 + length
+        if marker == 0xDA:
+            if size is None:
+                raise ValueError("the picture is corrupt (a JPEG without header)")
+            # Inside the coded pixels a byte FF is always followed by 00 or a restart marker.
+            if data.find(b"\xff\xd9", at) < 0:
+                break
+            return size
+    raise ValueError(f"{_TRUNCATED} (a JPEG without end)")
+
+
+def _bmp_size(data: bytes) -> tuple[int, int]:
+    if len(data) < 26 or len(data) < struct.unpack_from("<I", data, 2)[0]:
+        raise ValueError(f"{_TRUNCATED} (a BMP shorter than its header says)")
+    if struct.unpack_from("<I", data, 14)[0] < 40:
+        width, height = struct.unpack_from("<HH", data, 18)
+    else:
+        width, height = struct.unpack_from("<ii", data, 18)
+    return (width, abs(height))
+
+
+def _pnm_size(data: bytes) -> tuple[int, int]:
+    header = _PNM_HEADER.match(data[:4096])
+    if header is None:
+        raise ValueError("the picture is corrupt (a PNM without header)")
+    width, height, top = (int(number) for number in header.groups())
+    needed = width * height * (3 if data.startswith(b"P6") else 1) * (2 if top > 255 else 1)
+    if len(data) < header.end() + needed:
+        raise ValueError(f"{_TRUNCATED} (a PNM shorter than its header says)")
+    return (width, height)

@@ -1,0 +1,144 @@
+"""What a GoPro says of itself in a video: its model, its view, how long its sensor is read.
+
+Cameras note it in the user data of the film (``moov/udta``): ``FIRM`` is the firmware, whose first
+letters name the model, ``GPMF`` holds settings since the HERO6. Sources: gpmf-parser's README (the
+order of the IMU's columns by model, SROT); telemetry-parser (where MINF and SROT stand); exiftool's
+tables of GoPro tags (MINF, VFOV, ZFOV).
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from motorcade.ga.stamps import LONGEST_READOUT_S
+from motorcade.render.video import MAX_FILE_BYTES
+from motorcade.replays.io.door import open_bounded
+from motorcade.replays.io.readers.gpmf_items import items, numbers
+
+# First letters of the firmware: model, and the order of its IMU's columns where no ORIN tells it.
+MODELS = {
+    "HD5": ("HERO5", "ZXY"),
+    "HD6": ("HERO6", "YxZ"),
+    "HD7": ("HERO7", "YxZ"),
+    "FS1": ("Fusion", "yXZ"),
+    "HD8": ("HERO8", None),
+    "HD9": ("HERO9", None),
+    "H21": ("HERO10", None),
+    "H22": ("HERO11", None),
+    "H23": ("HERO12", None),
+    "H24": ("HERO13", None),
+}
+DEFAULT_ORDER = "ZXY"
+_MOST_HEADER = 2**26
+
+
+@dataclass(frozen=True)
+class GoProCamera:
+    """A GoPro by its own words; None where it says nothing.
+
+    Fields:
+        model: as people call it.
+        order: of the IMU's columns where their stream does not say it; a small letter is the
+            opposite of an axis.
+        diagonal_fov_deg: how wide the pictures see from corner to corner.
+        linear: whether the camera took the lens's distortion out itself.
+        readout_s: from the first row of a picture to the last.
+    """
+
+    model: str | None = None
+    order: str = DEFAULT_ORDER
+    diagonal_fov_deg: float | None = None
+    linear: bool | None = None
+    readout_s: float | None = None
+
+
+def gopro_camera(path: Path) -> GoProCamera | None:
+    """What a video says of the GoPro that took it; None where it was none.
+
+    Damaged notes count as none: poses do not hang on them.
+    """
+    firmware, settings = "", {}
+    for kind, body in _user_data(path):
+        if kind == b"FIRM":
+            firmware = body.split(b"\0")[0].decode("ascii", "replace")
+        elif kind == b"GPMF":
+            settings = _settings(body, path)
+    named = MODELS.get(firmware[:3])
+    model = _text(settings.get(b"MINF")) or (None if named is None else named[0])
+    if model is None:
+        return None
+    order = DEFAULT_ORDER if named is None else named[1] or DEFAULT_ORDER
+    view = _text(settings.get(b"VFOV"))
+    readout_ms = _number(settings.get(b"SROT"))
+    known = readout_ms is not None and 0.0 < readout_ms <= 1e3 * LONGEST_READOUT_S
+    fov = _number(settings.get(b"ZFOV"))
+    return GoProCamera(
+        model,
+        order,
+        fov if fov is not None and 10.0 < fov < 180.0 else None,
+        None if not view else view == "L",
+        1e-3 * readout_ms if known and readout_ms is not None else None,
+    )
+
+
+def _settings(body: bytes, path: Path) -> dict[bytes, bytes | float | None]:
+    """Values of the entries of all devices: text as bytes, numbers as their first."""
+    found: dict[bytes, bytes | float | None] = {}
+    try:
+        for device in items(body, path):
+            for one in items(device.body, path) if not device.kind else ():
+                if one.kind == "c":
+                    found[one.key] = one.body.split(b"\0")[0]
+                elif one.kind and one.kind not in "?UFG":
+                    found[one.key] = float(numbers(one, path).ravel()[0])
+    except (ValueError, IndexError):
+        return found
+    return found
+
+
+def _text(value: bytes | float | None) -> str | None:
+    return value.decode("ascii", "replace") if isinstance(value, bytes) else None
+
+
+def _number(value: bytes | float | None) -> float | None:
+    return value if isinstance(value, float) and np.isfinite(value) else None
+
+
+def _user_data(path: Path) -> Iterator[tuple[bytes, bytes]]:
+    """Boxes of ``moov/udta`` of an MP4 or MOV file (ISO 14496-12)."""
+    if not path.is_file():
+        return
+    with open_bounded(path, MAX_FILE_BYTES) as file:
+        at, end = 0, path.stat().st_size
+        while at + 8 <= end:
+            file.seek(at)
+            header = file.read(16)
+            size, kind = struct.unpack_from(">I4s", header)
+            if size == 1 and len(header) == 16:
+                (size,) = struct.unpack_from(">Q", header, 8)
+            if at == 0 and kind != b"ftyp":
+                return
+            if kind == b"moov" and 8 < size <= _MOST_HEADER:
+                file.seek(at + 8)
+                for inner, body in _boxes(file.read(size - 8)):
+                    if inner == b"udta":
+                        yield from _boxes(body)
+                return
+            if size < 8:
+                return
+            at += size
+
+
+def _boxes(data: bytes) -> Iterator[tuple[bytes, bytes]]:
+    at = 0
+    while at + 8 <= len(data):
+        size, kind = struct.unpack_from(">I4s", data, at)
+        if size < 8 or at + size > len(data):
+            return
+        yield kind, data[at + 8 : at + size]
+        at += size

@@ -1,0 +1,103 @@
+"""Kalibr's camera chains, as Kalibr, OpenVINS and TUM-VI keep them: `cam0`, `cam1`, ... in a file.
+
+`T_cam_imu` maps IMU coordinates to the camera's; OpenVINS may give its inverse, `T_imu_cam`. To a
+picture's stamp `timeshift_cam_imu` is added to make it the IMU's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from motorcade.ga import Motor
+from motorcade.ga.names import one_line
+from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.readers.calibration import make_camera, read_yaml, yaml_floats, yaml_model
+from motorcade.replays.io.transforms import as_float, is_number, transform
+
+if TYPE_CHECKING:
+    from motorcade.fusion.imu import ImuStream
+    from motorcade.tracking.cameras.camera import Camera
+
+CHAIN_NAMES = ("kalibr_imucam_chain.yaml", "camchain-imucam.yaml", "camchain.yaml")
+IMU_NAMES = ("kalibr_imu_chain.yaml", "imu_config.yaml", "imu.yaml")
+"""What the files are called beside a recording."""
+
+MOST_OFFSET_S = 1e6
+
+
+@dataclass(frozen=True)
+class ChainCamera:
+    """One camera of a chain: its topic where the file names one, and where it sits on the IMU.
+
+    `offset_s` is what the IMU's clock shows at an event minus what the camera's shows; None: the
+    file does not say.
+    """
+
+    camera: Camera
+    imu_T_camera: Motor | None
+    topic: str | None
+    offset_s: float | None
+
+    def on_camera_clock(self, imu: ImuStream | None) -> ImuStream | None:
+        """The IMU's readings with the stamps that the camera's clock shows."""
+        if imu is None or not self.offset_s:
+            return imu
+        return replace(imu, time_ns=imu.time_ns - round(1e9 * self.offset_s))
+
+
+def find(folder: Path, names: tuple[str, ...]) -> Path | None:
+    """The first file of these names in a folder."""
+    return next((folder / name for name in names if (folder / name).is_file()), None)
+
+
+def read_chain(path: Path) -> tuple[ChainCamera, ...]:
+    """Read all cameras of a chain, `cam0` first.
+
+    Raises:
+        RecordingError: no cameras, a key that is missing or of another kind, a camera model other
+            than pinhole (omni), or an unknown distortion.
+    """
+    content = read_yaml(path)
+    cameras = []
+    for name in sorted(key for key in content if key.startswith("cam") and key[3:].isdecimal()):
+        table = content[name]
+        if not isinstance(table, Mapping):
+            raise refusal(path, f"expected a table, got {one_line(table)}", field=name)
+        cameras.append(_camera({str(key): value for key, value in table.items()}, path, name))
+    if not cameras:
+        raise refusal(path, f"expected cam0, got {one_line(list(content))}")
+    return tuple(cameras)
+
+
+def _camera(table: dict[str, object], path: Path, name: str) -> ChainCamera:
+    kind = str(table.get("camera_model", "pinhole"))
+    if kind != "pinhole":
+        raise refusal(path, f"expected pinhole, got {one_line(kind)}", field=f"{name} camera_model")
+    size = yaml_floats(path, table, "resolution", 2)
+    intrinsics = yaml_floats(path, table, "intrinsics", 4)
+    model = yaml_model(path, table)
+    distortion: tuple[float, ...] = ()
+    if model != "pinhole":
+        distortion = yaml_floats(path, table, "distortion_coeffs", None)
+    place = None
+    if "T_imu_cam" in table:
+        place = transform(table["T_imu_cam"], path, f"{name} T_imu_cam")
+    elif "T_cam_imu" in table:
+        place = transform(table["T_cam_imu"], path, f"{name} T_cam_imu").inverse()
+    topic = table.get("rostopic")
+    camera = make_camera(path, size, intrinsics, model, distortion)
+    named = topic if isinstance(topic, str) else None
+    return ChainCamera(camera, place, named, _offset_s(table, path, name))
+
+
+def _offset_s(table: dict[str, object], path: Path, name: str) -> float | None:
+    if "timeshift_cam_imu" not in table:
+        return None
+    offset = table["timeshift_cam_imu"]
+    if not is_number(offset) or not abs(as_float(offset)) <= MOST_OFFSET_S:
+        problem = f"expected seconds within {MOST_OFFSET_S:g}, got {one_line(offset)}"
+        raise refusal(path, problem, field=f"{name} timeshift_cam_imu")
+    return as_float(offset)

@@ -1,0 +1,111 @@
+"""Which layout a folder has: each is known by one file or pattern, looked for in a fixed order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from shlex import quote
+from typing import Protocol
+
+from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.readers.frames import video
+from motorcade.replays.io.readers.frames.pictures import SUFFIXES as PICTURES
+from motorcade.replays.io.readers.layouts import (
+    euroc,
+    kitti,
+    loose_pictures,
+    seven_scenes,
+    tum_rgbd,
+)
+from motorcade.replays.io.readers.ros import recording as ros
+from motorcade.replays.io.readers.tagslam import corners as tagslam_corners
+from motorcade.replays.io.readers.tagslam import recording as tagslam
+from motorcade.replays.io.recording import Recording
+
+
+class LayoutReader(Protocol):
+    """Reads a folder of one layout; without `own_truth` it leaves the folder's truth aside."""
+
+    def __call__(self, root: Path, *, own_truth: bool = True) -> Recording:
+        """Open the folder; raises as `open_recording`."""
+        ...
+
+
+_LAYOUTS: tuple[tuple[Callable[[Path], bool], LayoutReader, str], ...] = (
+    (euroc.recognise, euroc.read, "EuRoC (mav0/cam0/data.csv)"),
+    (tum_rgbd.recognise, tum_rgbd.read, "TUM RGB-D (rgb.txt)"),
+    (seven_scenes.recognise, seven_scenes.read, "7-Scenes (frame-000000.color.png)"),
+    (kitti.recognise, kitti.read, "KITTI (calib.txt beside image_2, image_0 or image_l)"),
+    (tagslam_corners.recognise, tagslam.read, "TagSLAM's corners (tag_detections.bag)"),
+    (ros.recognise, ros.read, "a ROS bag (.bag, .mcap, metadata.yaml)"),
+    (video.recognise, video.read, "a video file"),
+)
+
+
+_STILLS = (*PICTURES, ".heic", ".heif", ".tif", ".tiff", ".webp", ".dng")
+_OTHER_VIDEOS = (".gif", ".wmv", ".asf", ".flv", ".f4v", ".ogv", ".mxf")
+"""Films that FFmpeg converts and that are not read here."""
+
+
+def find_layout(root: Path) -> LayoutReader | None:
+    """The reader for a folder or file; None where no layout is recognised."""
+    return next((read for recognise, read, _ in _LAYOUTS if recognise(root)), None)
+
+
+def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
+    """Read a recording whose layout is known, or a folder that holds nothing but pictures.
+
+    Args:
+        root: folder or file.
+        own_truth: whether to read the ground truth that lies there; a manifest may name another.
+
+    Raises:
+        RecordingError: no known layout, with what was looked for; or what its reader refuses.
+    """
+    read = find_layout(root)
+    if read is not None:
+        return read(root, own_truth=own_truth)
+    if loose_pictures.recognise(root):
+        return loose_pictures.read(root)
+    if root.is_dir() and not any(root.iterdir()):
+        raise refusal(root, "expected a recording, got an empty folder")
+    _refuse_other_pictures(root)
+    few = loose_pictures.too_few(root)
+    if few:
+        raise refusal(
+            root,
+            f"expected {loose_pictures.FEWEST} pictures or more, got {few}: they tell no path",
+            advice="`motorcade detect` finds markers in single pictures",
+        )
+    looked_for = ", ".join(what for _, _, what in _LAYOUTS)
+    raise refusal(
+        root,
+        f"expected a recording, got neither {looked_for} nor motorcade.toml",
+        advice="describe any other folder of pictures in a manifest (docs/manifests)"
+        if root.is_dir()
+        else f"`motorcade inspect {root}` says whether it holds poses or readings",
+    )
+
+
+def _refuse_other_pictures(root: Path) -> None:
+    """Say what to do with a file that holds pictures, but no video that is read here.
+
+    Raises:
+        RecordingError: such a file.
+    """
+    kind = root.suffix.lower() if root.is_file() else ""
+    if kind in _STILLS:
+        raise refusal(
+            root,
+            "expected a recording, got one picture, which tells no path",
+            advice="give the video, or a folder with pictures of one place in the order of their "
+            "names",
+        )
+    if kind in _OTHER_VIDEOS:
+        raise refusal(
+            root,
+            f"expected a video in one of {' '.join(video.SUFFIXES)}, got {kind}",
+            advice="give the video that it was made of, or convert it: "
+            f"ffmpeg -i {quote(root.name)} -vf 'crop=trunc(iw/2)*2:trunc(ih/2)*2' "
+            f"-pix_fmt yuv420p {quote(root.stem + '.mp4')}",
+        )

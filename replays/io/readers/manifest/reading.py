@@ -1,0 +1,368 @@
+"""Manifests: a TOML file that describes any folder of pictures or a video, or adds to a layout.
+
+With a `[frames]` table the manifest alone says what the recording is. Without one, the folder's
+own layout (or the video file) is read first, and every other table replaces or adds its part.
+`docs/manifests/every_key.toml` shows all keys. File names are relative to the recording's folder;
+a manifest that the user named may also point elsewhere (absolute, or with `..`), one that was found
+inside a recording may not.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from os.path import realpath
+from pathlib import Path
+
+from motorcade.ga import Motor
+from motorcade.ga.stamps import LONGEST_READOUT_S
+from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.imu import read_imu
+from motorcade.replays.io.readers.frames.files import (
+    PictureFrames,
+    first_look,
+    inside,
+    picture_glob,
+    pictures_in,
+    refuse_gaps,
+)
+from motorcade.replays.io.readers.frames.held import upright_camera
+from motorcade.replays.io.readers.frames.span import frames_between
+from motorcade.replays.io.readers.frames.video import VideoFrames
+from motorcade.replays.io.readers.gpmf import read_telemetry
+from motorcade.replays.io.readers.layouts.detect import find_layout, read_layout
+from motorcade.replays.io.readers.manifest.cast import read_cast
+from motorcade.replays.io.readers.manifest.inertial import IMU_KEYS, section_imu
+from motorcade.replays.io.readers.manifest.scene import files_of_scene
+from motorcade.replays.io.readers.manifest.section import (
+    CAMERA_KEYS,
+    MARKERS_KEYS,
+    Section,
+    load_toml,
+    section_board,
+    section_camera,
+    section_markers,
+    section_rotation,
+    setting_from,
+)
+from motorcade.replays.io.readers.manifest.slam import SLAM_KEYS, section_slam
+from motorcade.replays.io.readers.manifest.truth import TRUTH_KEYS, read_truth
+from motorcade.replays.io.readers.tables import UNITS
+from motorcade.replays.io.recording import FrameSequence, Recording
+from motorcade.replays.io.trajectories import even_stamps, read_times
+from motorcade.replays.io.transforms import transform
+from motorcade.tracking.audit import centre_finding
+from motorcade.tracking.boards import Board
+from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.cameras.orientation import AS_STORED, camera_T_turned
+from motorcade.tracking.depth.cameras import FINEST, DepthCamera
+
+_LOG = logging.getLogger("motorcade.replays")
+
+LOCAL_NAME = "motorcade.toml"
+_TOP = (
+    "name",
+    "settings",
+    "doubts",
+    "frames",
+    "camera",
+    "depth_camera",
+    "board",
+    "markers",
+    "truth",
+    "imu",
+    "stereo",
+    "slam",
+)
+_SPAN_KEYS = ("start_s", "end_s")
+FRAMES_KEYS = (
+    *("images", "video", "rate_hz", "stamps", "stamps_unit", "depth", "depth_units_per_m"),
+    *_SPAN_KEYS,
+)
+_FARTHEST_S = 9e9
+STEREO_KEYS = ("right", "baseline_m")
+DEPTH_CAMERA_KEYS = (*CAMERA_KEYS, "colour_T_depth")
+
+
+def read(root: Path, manifest: Path, *, may_leave: bool) -> Recording:
+    """Read a recording as a manifest describes it.
+
+    Args:
+        root: the recording's folder, or its video file.
+        manifest: the TOML file.
+        may_leave: whether it may name files outside the recording's folder.
+
+    Raises:
+        RecordingError: an unknown key, a wrong type, count or range, a file that is missing; each
+            in one line with table and key.
+    """
+    return _Manifest(root, manifest, may_leave).recording()
+
+
+class _Manifest:
+    """A manifest on its way to a recording."""
+
+    def __init__(self, root: Path, path: Path, may_leave: bool) -> None:
+        self.root, self.path, self.may_leave = root, path, may_leave
+        self.folder = root if root.is_dir() else root.parent
+        self.table = load_toml(path)
+        self.top = Section(path, "", self.table, _TOP)
+        self.stated_T_upright: Motor | None = None  # where the stated camera had to be turned
+
+    def recording(self) -> Recording:
+        """Read table by table; later ones may need earlier ones."""
+        made = self._base()
+        if "name" in self.top:
+            made = replace(made, name=self.top.text("name"))
+        if "settings" in self.top:
+            made = replace(made, settings=tuple(map(self._setting, self.top.texts("settings"))))
+        if "doubts" in self.top:
+            made = replace(made, doubts=tuple(self.top.texts("doubts")))
+        made = self._with_camera(made)
+        if "depth_camera" in self.top:
+            made = self._with_depth_camera(made)
+        if "stereo" in self.top:
+            made = self._with_right(made)
+        if "board" in self.top:
+            board, world_T_board, metric = self._board()
+            made = replace(made, board=board, world_T_board=world_T_board, metric=metric)
+        if "markers" in self.top:
+            section = self._section("markers", MARKERS_KEYS)
+            metric = section.truth("metric", otherwise=True) and made.metric
+            made = replace(made, markers=section_markers(section, self._file), metric=metric)
+        if "slam" in self.top:
+            section = self._section("slam", SLAM_KEYS)
+            made = replace(made, slam_map=section_slam(section, self._file))
+        if "imu" in self.top:
+            made = self._with_imu(made)
+        if "truth" in self.top:
+            section = self._section("truth", TRUTH_KEYS)
+            truth = read_truth(section, made, self._file, self.stated_T_upright)
+            made = replace(made, truth=truth)
+        if made.imu is not None and made.imu_T_camera is None:
+            _LOG.warning(
+                "%s: its IMU is left aside: give imu_T_camera in [imu] to use it", self.root
+            )
+            made = replace(made, imu=None)
+        return made
+
+    def _section(self, name: str, keys: tuple[str, ...]) -> Section:
+        return Section(self.path, name, self.table[name], keys)
+
+    def _setting(self, text: str) -> str:
+        """A setting whose file, where it names one, is looked for as those of keys are."""
+        made = setting_from(text, lambda name: self._named(self.top, "settings", name))
+        if made == text or self.may_leave:
+            return made
+        name, _, path = made.partition("=")
+        files: Iterable[Path] = ()
+        if name == "placed.cast":
+            files = read_cast(Path(path)).files()
+        elif name == "placed.scene":
+            files = files_of_scene(Path(path))
+        for file in files:
+            if not Path(realpath(file)).is_relative_to(realpath(self.folder)):
+                problem = f"expected files inside {self.folder}, got {file}"
+                raise self.top.fault("settings", problem)
+        return made
+
+    def _file(self, section: Section, key: str) -> Path:
+        """The file that a key names."""
+        return self._named(section, key, section.text(key))
+
+    def _named(self, section: Section, key: str, name: str) -> Path:
+        if not self.may_leave:
+            path = inside(self.folder, name, self.path)
+            if not Path(realpath(path)).is_relative_to(realpath(self.folder)):
+                problem = f"expected a file inside {self.folder}, got a link out of it"
+                raise section.fault(key, problem)
+            return path
+        return self.folder / name
+
+    def _base(self) -> Recording:
+        """What the frames table or the folder's own layout gives."""
+        if "frames" in self.top:
+            section = self._section("frames", FRAMES_KEYS)
+            frames = _within(section, self._frames(section))
+            name = self.root.resolve().stem
+            if isinstance(frames, VideoFrames):
+                telemetry = read_telemetry(frames.path)
+                return Recording(name, self.root, "video", frames, imu=telemetry)
+            return Recording(name, self.root, "images", frames)
+        if find_layout(self.root) is None:
+            raise self.top.fault(
+                "frames",
+                f"the table is missing, and {self.root} has no layout of its own",
+                'say which pictures to read: [frames] images = "*.png", rate_hz = 30',
+            )
+        return read_layout(self.root, own_truth="truth" not in self.top)
+
+    def _frames(self, section: Section) -> FrameSequence:
+        section.only_one("images", "video")
+        if "video" in section or ("images" not in section and self.root.is_file()):
+            for key in set(FRAMES_KEYS) - {"video", *_SPAN_KEYS}:
+                if key in section:
+                    raise section.fault(key, "not for a video, which brings its own stamps")
+            return VideoFrames(self._file(section, "video") if "video" in section else self.root)
+        if "images" in section:
+            files = picture_glob(self.folder, section.text("images"))
+        else:
+            files = pictures_in(self.folder)
+        section.only_one("rate_hz", "stamps")
+        if "stamps" in section:
+            unit = section.text("stamps_unit", tuple(UNITS)) if "stamps_unit" in section else "s"
+            path = self._file(section, "stamps")
+            _, time_ns = read_times(path, unit)
+            if len(time_ns) != len(files):
+                raise refusal(
+                    path, f"expected {len(files)} stamps for as many pictures, got {len(time_ns)}"
+                )
+        else:
+            time_ns = even_stamps(len(files), section.number("rate_hz", 1e-3, 1e5))
+            refuse_gaps(files, "copy it again; pictures taken at uneven times need [frames] stamps")
+        shown_size, orientation = first_look(files)
+        made = PictureFrames(files, time_ns, orientation=orientation, shown_size=shown_size)
+        if "depth" not in section:
+            return made
+        if orientation != AS_STORED:
+            raise section.fault(
+                "depth",
+                "expected pictures that are shown as stored, got turned ones, with which depth "
+                "pictures do not turn",
+                "take the orientation out of the pictures: exiftool -Orientation= FILES",
+            )
+        depth = picture_glob(self.folder, section.text("depth"))
+        if len(depth) != len(files):
+            raise section.fault("depth", f"expected {len(files)} pictures, got {len(depth)}")
+        units = section.number("depth_units_per_m", 1e-3, 1e6)
+        return replace(made, depth_files=depth, depth_units_per_m=units)
+
+    def _with_camera(self, made: Recording) -> Recording:
+        """Replace the camera, and ask the frames for its size; or say how it reads its rows."""
+        if "camera" not in self.top:
+            return made
+        frames = made.frames
+        section = self._section("camera", CAMERA_KEYS)
+        if "readout_s" in section:
+            made = replace(made, readout_s=section.number("readout_s", 0.0, LONGEST_READOUT_S))
+            if made.camera is not None and section.holds_only("readout_s"):
+                return made
+        if "focal_sigma" in section:
+            made = replace(made, focal_sigma=section.number("focal_sigma", 0.0, 1.0))
+        if not isinstance(frames, VideoFrames | PictureFrames):
+            raise section.fault("", "this recording's camera cannot be replaced")
+        stated = "width" in section or "height" in section
+        size = None if stated else _size(frames)
+        camera, turns = self._upright(section, self._camera(section, size), frames)
+        doubt = centre_finding(camera)
+        if doubt is not None:
+            _LOG.warning("%s: [camera]: %s", self.path, doubt.sentence)
+        if turns:
+            self.stated_T_upright = camera_T_turned(turns)
+        if isinstance(frames, VideoFrames):
+            frames.check(camera)
+            return replace(made, camera=camera)
+        registered_to = None if frames.depth_camera is None else camera
+        frames = replace(frames, size=(camera.width, camera.height), colour_camera=registered_to)
+        return replace(made, camera=camera, frames=frames)
+
+    def _upright(
+        self, section: Section, stated: Camera, frames: VideoFrames | PictureFrames
+    ) -> tuple[Camera, int]:
+        """The camera of the pictures as shown, and how far the stated one was turned for it."""
+        stored = frames.orientation.size(_size(frames))  # undoes itself
+        rotation_deg = section_rotation(section)
+        if rotation_deg is None and frames.orientation == AS_STORED:
+            return stated, 0  # the pictures are compared with it when they are read
+        try:
+            found = upright_camera(stated, rotation_deg, stored, frames.orientation)
+        except ValueError as fault:
+            raise section.fault("", str(fault)) from fault
+        if found.said:
+            _LOG.warning("%s: [camera]: %s", self.path, found.said)
+        return found.camera, found.quarter_turns
+
+    def _camera(self, section: Section, size: tuple[int, int] | None) -> Camera:
+        return section_camera(self.path, section, size, lambda key: self._file(section, key))
+
+    def _with_depth_camera(self, made: Recording) -> Recording:
+        """Say what took the depth pictures, where they lie on pixels of their own."""
+        section = self._section("depth_camera", DEPTH_CAMERA_KEYS)
+        frames, colour = made.frames, made.camera
+        if not isinstance(frames, PictureFrames) or not any(frames.depth_files):
+            raise section.fault("", "expected depth pictures, got none", "say [frames] depth")
+        if colour is None:
+            raise section.fault("", "expected a [camera] to register depth to, got none")
+        stated = "width" in section or "height" in section
+        lens = self._camera(section, None if stated else frames.first_depth_size())
+        for key in ("fx", "fy"):
+            whole, own = getattr(colour, key), getattr(lens, key)
+            if whole > FINEST * own:
+                expected = f"expected at least a {FINEST}th of the camera's {whole:g} px"
+                raise section.fault(key, f"{expected}, got {own:g}")
+        pose = transform(section["colour_T_depth"], self.path, "[depth_camera] colour_T_depth")
+        taken_by = DepthCamera(lens, pose)
+        return replace(made, frames=replace(frames, depth_camera=taken_by, colour_camera=colour))
+
+    def _with_right(self, made: Recording) -> Recording:
+        """Add the right pictures of rectified pairs."""
+        section = self._section("stereo", STEREO_KEYS)
+        if not isinstance(made.frames, PictureFrames):
+            raise section.fault("", "expected pictures in files, got a video or markers alone")
+        files = picture_glob(self.folder, section.text("right"))
+        if len(files) != len(made.frames):
+            problem = f"expected {len(made.frames)} pictures, got {len(files)}"
+            raise section.fault("right", problem)
+        baseline_m = section.number("baseline_m", 1e-3, 1e3)
+        if made.frames.orientation != AS_STORED:
+            raise section.fault("right", "expected pictures that are shown as stored, got turned")
+        return replace(made, frames=replace(made.frames, right_files=files), baseline_m=baseline_m)
+
+    def _board(self) -> tuple[Board, Motor, bool]:
+        """The board, where it hangs, and whether its size is known."""
+        board, table = section_board(self.path, self.table["board"]), self.table["board"]
+        if not isinstance(table, Mapping):
+            return board, Motor.identity(), True
+        metric = Section(self.path, "board", table, tuple(table)).truth("metric", otherwise=True)
+        if "world_T_board" not in table:
+            return board, Motor.identity(), metric
+        pose = transform(table["world_T_board"], self.path, "[board] world_T_board")
+        return board, pose, metric
+
+    def _with_imu(self, made: Recording) -> Recording:
+        section = self._section("imu", IMU_KEYS)
+        if "file" in section:
+            made = replace(made, imu=read_imu(self._file(section, "file")))
+        if made.imu is None:
+            raise section.fault("file", "the key is missing")
+        told = section_imu(section, self._file)
+        made = replace(made, imu=told.on_camera_clock(made.imu))
+        if told.noise is not None:
+            made = replace(made, imu_noise=told.noise)
+        if told.imu_T_camera is not None:
+            pose, turn = told.imu_T_camera, self.stated_T_upright
+            made = replace(made, imu_T_camera=pose if turn is None else pose @ turn)
+        if made.imu_T_camera is None:
+            raise section.fault("imu_T_camera", "the key is missing", "give a 4 by 4 matrix")
+        return made
+
+
+def _size(frames: VideoFrames | PictureFrames) -> tuple[int, int]:
+    """Width and height of the pictures as shown."""
+    return frames.size if isinstance(frames, VideoFrames) else frames.first_size()
+
+
+def _within(section: Section, frames: FrameSequence) -> FrameSequence:
+    """The frames between the times that the table names."""
+    if not any(key in section for key in _SPAN_KEYS):
+        return frames
+    ends = (-_FARTHEST_S, _FARTHEST_S)
+    start_s, end_s = (
+        section.number(key, *ends) if key in section else end
+        for key, end in zip(_SPAN_KEYS, ends, strict=True)
+    )
+    try:
+        return frames_between(frames, round(1e9 * start_s), round(1e9 * end_s))
+    except ValueError as fault:
+        raise section.fault("start_s", str(fault)) from fault

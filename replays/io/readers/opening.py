@@ -1,0 +1,96 @@
+"""Opening a recording: by its manifest, or by the layout that its folder has; or its IMU alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from motorcade.fusion.imu import ImuStream
+from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.imu import read_imu
+from motorcade.replays.io.readers import manifest as manifests
+from motorcade.replays.io.readers.frames import video
+from motorcade.replays.io.readers.gpmf import read_telemetry
+from motorcade.replays.io.readers.layouts import euroc
+from motorcade.replays.io.readers.layouts.detect import read_layout
+from motorcade.replays.io.readers.ros import recording as ros
+from motorcade.replays.io.recording import FrameSequence, Recording
+
+
+def open_recording(path: Path | str, manifest: Path | str | None = None) -> Recording:
+    r"""Open a folder of any known layout, or a video file.
+
+    Args:
+        path: the recording. Known layouts: EuRoC (`mav0/cam0/data.csv`), TUM RGB-D (`rgb.txt`),
+            7-Scenes (`frame-000000.color.png`), KITTI odometry (`calib.txt` beside `image_0`),
+            TagSLAM's recorded corners (`tag_detections.bag`), a ROS bag (`.bag`, `.mcap`, `.db3`, a
+            folder with `metadata.yaml`), a video file, and any folder with a manifest.
+        manifest: TOML file that describes the recording or adds to its layout (see
+            `docs/manifests`). It may lie anywhere. Without it, `motorcade.toml` in the folder is
+            used where there is one; since that one came with the recording, it may not point
+            outside the folder.
+
+    Raises:
+        RecordingError: nothing there, no known layout (the message lists what was looked for), or
+            whatever the layout's reader refuses.
+
+    Twenty grey pictures at 30 Hz, described by a manifest:
+
+    >>> import tempfile
+    >>> import cv2, numpy as np
+    >>> from pathlib import Path
+    >>> from motorcade.replays import open_recording
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     for number in range(20):
+    ...         name = str(Path(folder) / f"{number:02}.png")
+    ...         written = cv2.imwrite(name, np.full((48, 64), 128, np.uint8))
+    ...     manifest = Path(folder) / "motorcade.toml"
+    ...     count = manifest.write_text('[frames]\nimages = "*.png"\nrate_hz = 30.0')
+    ...     recording = open_recording(folder)
+    ...     shape = recording.frames[3].image().shape
+    >>> len(recording.frames), round(recording.duration_s, 3), shape
+    (20, 0.633, (48, 64))
+    """
+    root = Path(path)
+    try:
+        if not root.exists():
+            raise refusal(root, "no such file or folder")
+        if not (root.is_dir() or root.is_file()):
+            raise refusal(root, "expected a folder or a file, got a pipe or a device")
+        if manifest is not None:
+            return manifests.read(root, Path(manifest), may_leave=True)
+        if (root / manifests.LOCAL_NAME).exists():
+            return manifests.read(root, root / manifests.LOCAL_NAME, may_leave=False)
+        return read_layout(root)
+    except OSError as fault:
+        where = fault.filename or root
+        raise refusal(where, f"cannot be read: {fault.strerror or fault}") from fault
+
+
+def read_frames_of(path: Path) -> FrameSequence:
+    """The pictures of a recording whose camera need not be known yet.
+
+    Raises:
+        RecordingError: as `open_recording`.
+    """
+    if path.is_dir() and euroc.recognise(path) and not (path / manifests.LOCAL_NAME).exists():
+        return euroc.read_pictures(path)
+    return open_recording(path).frames
+
+
+def read_imu_of(path: Path) -> ImuStream:
+    """The readings of EuRoC's CSV, of a video's telemetry, of a bag, or of a recording in a folder.
+
+    Raises:
+        RecordingError: a video or a recording without an IMU, or what their readers refuse.
+    """
+    if video.recognise(path):
+        found = read_telemetry(path)
+    elif path.is_dir() and euroc.recognise(path) and not (path / manifests.LOCAL_NAME).exists():
+        found = euroc.read_own_imu(path)
+    elif path.is_dir() or ros.recognise(path):
+        found = open_recording(path).imu
+    else:
+        found = read_imu(path)
+    if found is None:
+        raise refusal(path, "expected accelerometer and gyroscope, got a recording without them")
+    return found

@@ -1,0 +1,140 @@
+"""What a bag may cost is known before rosbags opens it: its files, and what their chunks unpack to.
+
+rosbags opens whatever a folder's `metadata.yaml` names, unpacks files as a whole before it tells
+that they are packed, and unpacks chunks as far as they go. A database is a program of its own: only
+plain tables are asked.
+"""
+
+from __future__ import annotations
+
+import bz2
+import sqlite3
+import sys
+import time
+from collections.abc import Callable
+from contextlib import closing
+from itertools import accumulate
+from pathlib import Path, PurePath
+from typing import Any
+
+from motorcade.ga.names import one_line
+from motorcade.ga.plain_yaml import YamlError, parse_yaml
+from motorcade.replays.io.door import admit_file, read_bounded
+from motorcade.replays.io.errors import refusal
+
+FILE_LIMIT = 1 << 40
+METADATA_LIMIT = 1 << 20
+SQLITE_LIMIT_S = 10.0
+"""What a database holds is said in milliseconds, however long its tables are."""
+_SQLITE_STEPS = 1000
+CHUNK_LIMIT = 1 << 28
+"""Of a chunk, or a message that is packed by itself, unpacked."""
+OVERLAP_LIMIT = 1 << 30
+"""Of all chunks of an MCAP that hold messages of one time, unpacked."""
+
+
+def admit_bag(path: Path) -> None:
+    """Check every file that rosbags will open for a bag, a file or a folder.
+
+    Raises:
+        RecordingError: what the door refuses (`ga.files`), metadata that are no plain YAML, files
+            that are packed as a whole, a database of more than tables.
+    """
+    for file in _files(path) if path.is_dir() else [path]:
+        admit_file(file, FILE_LIMIT)
+        if file.suffix == ".db3":
+            _admit_database(file)
+
+
+def _files(folder: Path) -> list[Path]:
+    """The files that a folder's metadata name; rosbags takes them from the folder itself."""
+    path = folder / "metadata.yaml"
+    try:
+        content = parse_yaml(read_bounded(path, METADATA_LIMIT).decode("utf-8"))
+    except YamlError as fault:
+        raise refusal(path, str(fault), line=fault.line) from fault
+    except UnicodeDecodeError as fault:
+        raise refusal(path, "expected YAML in UTF-8, got other bytes") from fault
+    about = content.get("rosbag2_bagfile_information") if isinstance(content, dict) else None
+    names = about.get("relative_file_paths") if isinstance(about, dict) else None
+    if not isinstance(about, dict) or not isinstance(names, list):
+        raise refusal(path, "expected the names of a bag's files, got none")
+    if str(about.get("compression_mode") or "none").lower() != "none":
+        problem = "expected plain storage, got compressed files"
+        raise refusal(folder, problem, advice="`ros2 bag convert` or zstd unpacks them")
+    return [folder / PurePath(str(name)).name for name in names]
+
+
+def _admit_database(path: Path) -> None:
+    """Only tables of plain columns: a view or a computed column may take any time and memory."""
+    if any(letter in str(path) for letter in "?#%"):
+        problem = "expected a path without ?, # and %, which mean something else to SQLite"
+        raise refusal(path, problem, advice="rename it")
+    try:
+        until_s = time.monotonic() + SQLITE_LIMIT_S
+        with closing(sqlite3.connect(f"file:{path}?immutable=1", uri=True)) as database:
+            database.set_progress_handler(lambda: time.monotonic() > until_s, _SQLITE_STEPS)
+            found = database.execute("SELECT type, name, sql FROM sqlite_master").fetchall()
+            for kind, name, sql in found:
+                words = str(sql).upper().split()
+                if kind not in ("table", "index") or words[:2] == ["CREATE", "VIRTUAL"]:
+                    raise refusal(path, f"expected tables alone, got {one_line(name)}")
+                columns = database.execute("SELECT hidden FROM pragma_table_xinfo(?)", (name,))
+                if kind == "table" and any(hidden for (hidden,) in columns):
+                    raise refusal(path, f"expected plain columns, got others in {one_line(name)}")
+    except sqlite3.Error as fault:
+        raise refusal(path, f"expected an SQLite database: {one_line(fault, 100)}") from fault
+
+
+def bound_chunks() -> None:
+    """Have rosbags unpack no chunk to more than `CHUNK_LIMIT`, in this process."""
+    from lz4.frame import LZ4FrameDecompressor
+    from rosbags.rosbag1.reader import decompressors
+    from rosbags.rosbag2.storage_mcap import DECOMPRESSORS
+
+    if sys.version_info >= (3, 14):
+        from compression.zstd import ZstdDecompressor
+    else:
+        from backports.zstd import ZstdDecompressor
+
+    unpack_lz4 = _unpacker(LZ4FrameDecompressor)
+    unpack_zstd = _unpacker(ZstdDecompressor)
+    decompressors.update(bz2=_unpacker(bz2.BZ2Decompressor), lz4=unpack_lz4)
+    DECOMPRESSORS.update(lz4=lambda data, _: unpack_lz4(data))
+    DECOMPRESSORS.update(zstd=lambda data, _: unpack_zstd(data))
+
+
+def check_overlaps(reader: Any) -> None:
+    """Refuse an MCAP whose chunks lie at the same time and are too large together.
+
+    rosbags unpacks all chunks of a stamp before it gives the first message.
+
+    Raises:
+        RecordingError: more than `OVERLAP_LIMIT` bytes.
+    """
+    storage = getattr(reader, "storage", None)
+    for one in getattr(storage, "storages", [storage]):
+        chunks = getattr(one, "chunks", [])
+        ends = [(chunk.message_end_time, 1, -chunk.uncompressed_size) for chunk in chunks]
+        starts = [(chunk.message_start_time, 0, chunk.uncompressed_size) for chunk in chunks]
+        at_once = max(accumulate(size for _, _, size in sorted(starts + ends)), default=0)
+        if at_once > OVERLAP_LIMIT:
+            problem = f"expected chunks of at most {OVERLAP_LIMIT} bytes at one time, got {at_once}"
+            raise refusal(reader.path, problem)
+
+
+def _unpacker(make: Callable[[], Any]) -> Callable[[bytes], bytes]:
+    def unpack(data: bytes) -> bytes:
+        parts, left = [], CHUNK_LIMIT
+        while data:
+            one = make()
+            parts.append(one.decompress(data, max_length=left + 1))
+            left -= len(parts[-1])
+            if left < 0:
+                raise ValueError(f"expected chunks of at most {CHUNK_LIMIT} bytes unpacked")
+            if not one.eof:
+                raise ValueError("expected a whole chunk, got one that is cut short")
+            data = one.unused_data or b""
+        return b"".join(parts)
+
+    return unpack

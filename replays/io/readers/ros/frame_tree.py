@@ -1,0 +1,152 @@
+"""Frames that hang from each other, as topics of tf tell it, and one's path in another.
+
+Each transform says where a frame stands in its parent at a stamp; those of `tf_static` hold for all
+times. As in tf2, a frame has one parent, a leading slash of its name means nothing, and between two
+stamps positions are interpolated linearly, rotations about a fixed axis, each link by itself;
+nothing is extrapolated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import IntArray
+from motorcade.ga.names import one_line
+from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.readers.ros.poses import StampedPoses
+from motorcade.replays.io.readers.ros.reader import Bag, header_stamp_ns
+
+TRANSFORM_TYPES = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
+_MOST_TRANSFORMS = 10_000_000
+_MOST_LINKS = 10_000
+_DEEPEST = 100
+
+
+class FrameTree:
+    """The transforms of a bag.
+
+    Args:
+        bag: open.
+        topics: of transforms; those that end in `tf_static` hold for all times.
+
+    Raises:
+        RecordingError: damaged, or more frames or transforms than are read.
+
+    Fields:
+        links: parent and child of every transform, in the order in which they were met.
+    """
+
+    def __init__(self, bag: Bag, topics: Sequence[str]) -> None:
+        self._path = bag.path
+        self.links: dict[tuple[str, str], None] = {}
+        self._parents: dict[str, dict[str, None]] = {}
+        self._moving: dict[str, StampedPoses] = {}
+        self._static: dict[str, StampedPoses] = {}
+        count = 0
+        for topic, _, message in bag.every(topics, TRANSFORM_TYPES):
+            still = topic.endswith("tf_static")
+            count += len(message.transforms)
+            if count > _MOST_TRANSFORMS:
+                problem = f"expected at most {_MOST_TRANSFORMS} transforms, got more"
+                raise refusal(self._path, problem)
+            for one in message.transforms:
+                self._add(one, still=still)
+
+    def _add(self, one: Any, *, still: bool) -> None:
+        parent, child = (
+            str(name).removeprefix("/") for name in (one.header.frame_id, one.child_frame_id)
+        )
+        links, field = self._static if still else self._moving, one_line(f"{parent}/{child}")
+        if still or child not in links:
+            links[child] = StampedPoses(self._path, field)
+        links[child].add(header_stamp_ns(one), one.transform.translation, one.transform.rotation)
+        self._parents.setdefault(child, {})[parent] = None
+        self.links[parent, child] = None
+        if len(self.links) > _MOST_LINKS:
+            raise refusal(self._path, f"expected at most {_MOST_LINKS} pairs of frames, got more")
+
+    @property
+    def frames(self) -> set[str]:
+        """The names of all frames."""
+        return {name for link in self.links for name in link}
+
+    def trajectory(self, parent: str, child: str) -> Trajectory:
+        """`parent_T_child` at the stamps of the link between them that has the most.
+
+        A chain that never moves is one pose, at stamp 0.
+
+        Raises:
+            RecordingError: no chain joins the two, a frame on it has several parents, or its links
+                have no time in common.
+        """
+        ups = [self._upwards(name) for name in (parent, child)]
+        shared = next((frame for frame in ups[1] if frame in ups[0]), None)
+        if shared is None:
+            problem = f"expected transforms that join them, got none up to {one_line(ups[0][-1])}"
+            problem += f" and {one_line(ups[1][-1])}"
+            raise refusal(self._path, problem, field=one_line(f"{parent}/{child}"))
+        to_parent, to_child = (up[: up.index(shared)] for up in ups)
+        stamps = self._stamps([*to_parent, *to_child], f"{parent}/{child}")
+        shared_T_parent, shared_T_child = (
+            self._composed(links, stamps) for links in (to_parent, to_child)
+        )
+        poses = shared_T_parent.inverse() @ shared_T_child
+        return Trajectory(stamps, poses, parent, child)
+
+    def _upwards(self, frame: str) -> list[str]:
+        """The frame, its parent, and so on to one that has none."""
+        found = [frame]
+        while found[-1] in self._parents:
+            parents = list(self._parents[found[-1]])
+            if len(parents) > 1:
+                named = " and ".join(map(one_line, parents[:4]))
+                problem = f"expected one parent of {one_line(found[-1])}, got {named}"
+                raise refusal(self._path, problem)
+            if parents[0] in found or len(found) > _DEEPEST:
+                problem = f"expected a tree of at most {_DEEPEST} levels, got another"
+                raise refusal(self._path, problem, field=one_line(found[-1]))
+            found.append(parents[0])
+        return found
+
+    def _stamps(self, links: Sequence[str], field: str) -> IntArray:
+        """The stamps of the moving link that has the most, where all of them have poses."""
+        every = {link: self._moving[link].ordered[0] for link in links if link in self._moving}
+        if not every:
+            return np.zeros(1, dtype=np.int64)
+        last_start = max(every, key=lambda link: int(every[link][0]))
+        first_end = min(every, key=lambda link: int(every[link][-1]))
+        start, end = int(every[last_start][0]), int(every[first_end][-1])
+        longest = max(every.values(), key=len)
+        stamps = longest[(longest >= start) & (longest <= end)]
+        if not stamps.size:
+            problem = (
+                f"expected transforms of one time, got those of {one_line(last_start)} from "
+                f"{start} ns on and those of {one_line(first_end)} up to {end} ns"
+            )
+            raise refusal(self._path, problem, field=one_line(field))
+        return stamps
+
+    def _composed(self, links: Sequence[str], stamps: IntArray) -> Motor:
+        """Where the first of these frames stands in the parent of the last."""
+        poses = Motor.identity(stamps.shape)
+        for link in links:
+            poses = self._at(link, stamps) @ poses
+        return poses
+
+    def _at(self, link: str, stamps: IntArray) -> Motor:
+        if link not in self._moving:
+            _, still = self._static[link].ordered
+            return still[np.zeros(stamps.shape, dtype=np.int64)]
+        time_ns, poses = self._moving[link].ordered
+        if len(time_ns) == 1:
+            return poses[np.zeros(stamps.shape, dtype=np.int64)]
+        after = np.clip(np.searchsorted(time_ns, stamps), 1, len(time_ns) - 1)
+        step = time_ns[after] - time_ns[after - 1]
+        share = (stamps - time_ns[after - 1]) / step
+        turn = poses.rotor[after - 1].interpolate(poses.rotor[after], share)
+        first, last = poses.translation_m[after - 1], poses.translation_m[after]
+        return Motor.from_rotor_translation(turn, first + share[:, None] * (last - first))

@@ -1,0 +1,156 @@
+"""Bags of ROS 1 and ROS 2 opened without ROS: their topics, and messages of known types.
+
+What a message may cost is bounded, compressed ROS 2 storage files are refused, and only message
+types that are known here are taken apart.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, Self
+
+from motorcade.ga.names import one_line
+from motorcade.replays.io.errors import RecordingError, refusal
+from motorcade.replays.io.readers.ros.admission import admit_bag, bound_chunks, check_overlaps
+from motorcade.replays.io.readers.ros.bag import plain_bag
+from motorcade.replays.io.readers.ros.definitions import message_types
+
+
+class Bag:
+    """An open bag; close it, or use it as a context manager.
+
+    Args:
+        path: a `.bag`, one packed as `.bag.bz2`, a `.mcap`, a `.db3` or a ROS 2 bag's folder.
+
+    Raises:
+        RecordingError: missing, damaged, or of ROS 2 and compressed as a whole.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._unpacked = tempfile.TemporaryDirectory() if path.suffix.lower() == ".bz2" else None
+        plain = path
+        try:
+            if self._unpacked is not None:
+                plain = plain_bag(path, Path(self._unpacked.name))
+            self._ros1 = plain.suffix.lower() == ".bag"
+            admit_bag(plain)
+            bound_chunks()
+            try:
+                self._reader: Any = _reader(plain, ros1=self._ros1)
+                self._reader.open()
+            except Exception as fault:  # the parsers' errors have no common base
+                raise self._refusal(fault) from fault
+            try:
+                self._check_names()
+                check_overlaps(self._reader)
+            except RecordingError:
+                self._reader.close()
+                raise
+        except RecordingError:
+            self._remove_unpacked()
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._reader.close()
+        self._remove_unpacked()
+
+    def _remove_unpacked(self) -> None:
+        if self._unpacked is not None:
+            self._unpacked.cleanup()
+
+    def _check_names(self) -> None:
+        """Refuse topics that a description calls by numbers, as YAML reads them."""
+        for one in self._reader.connections:
+            for name in (one.topic, one.msgtype):
+                if not isinstance(name, str):
+                    problem = f"expected names of topics and types, got {one_line(name)}"
+                    raise refusal(self.path, problem)
+
+    def topics(self, types: Sequence[str]) -> list[str]:
+        """Names of topics of these types that hold messages, sorted."""
+        found = {one.topic for one in self._reader.connections if one.msgtype in types}
+        return sorted(found)
+
+    def kinds(self) -> dict[str, tuple[str, int]]:
+        """Type and count of the messages of every topic, by its name, sorted."""
+        found: dict[str, tuple[str, int]] = {}
+        for one in sorted(self._reader.connections, key=lambda one: (one.topic, one.msgtype)):
+            kind, count = found.get(one.topic, (one.msgtype, 0))
+            found[one.topic] = kind, count + int(one.msgcount)
+        return found
+
+    def messages(
+        self, topics: Sequence[str], types: Sequence[str], at_ns: int | None = None
+    ) -> Iterator[tuple[int, Any]]:
+        """Header stamps and messages; only those recorded at `at_ns` where it is given."""
+        for _, stamp, message in self.recorded(topics, types, at_ns):
+            yield stamp, message
+
+    def recorded(
+        self, topics: Sequence[str], types: Sequence[str], at_ns: int | None = None
+    ) -> Iterator[tuple[int, int, Any]]:
+        """As `messages`, each with the time it was recorded at before.
+
+        Raises:
+            RecordingError: damaged, or a type defined otherwise than usual.
+        """
+        for _, recorded_ns, message in self.every(topics, types, at_ns):
+            yield recorded_ns, header_stamp_ns(message), message
+
+    def every(
+        self, topics: Sequence[str], types: Sequence[str], at_ns: int | None = None
+    ) -> Iterator[tuple[str, int, Any]]:
+        """Topic, time of recording and message, in the order recorded; raises as `recorded`."""
+        wanted = [
+            one for one in self._reader.connections if one.topic in topics and one.msgtype in types
+        ]
+        if not wanted:
+            return
+        store = message_types(ros1=self._ros1)
+        for one in wanted:
+            if self._ros1 and one.digest != store.generate_msgdef(one.msgtype, ros_version=1)[1]:
+                problem = f"expected the usual {one.msgtype}, got another definition"
+                raise refusal(self.path, problem, field=one_line(one.topic))
+        span = {} if at_ns is None else {"start": at_ns, "stop": at_ns + 1}
+        take = store.deserialize_ros1 if self._ros1 else store.deserialize_cdr
+        try:
+            for connection, recorded_ns, raw in self._reader.messages(wanted, **span):
+                if connection.msgtype not in types:  # two connections of one number
+                    problem = f"expected {' or '.join(types)}, got {one_line(connection.msgtype)}"
+                    raise refusal(self.path, problem, field=one_line(connection.topic))
+                message: Any = take(raw, connection.msgtype)
+                yield connection.topic, recorded_ns, message
+        except (RecordingError, GeneratorExit):
+            raise
+        except Exception as fault:  # as above
+            raise self._refusal(fault) from fault
+
+    def _refusal(self, fault: Exception) -> RecordingError:
+        reason = one_line(str(fault) or type(fault).__name__, 120)
+        return refusal(self.path, f"expected a whole ROS bag: {reason}")
+
+
+def header_stamp_ns(message: Any) -> int:
+    """The stamp in the header of a message that has one."""
+    stamp = message.header.stamp
+    return int(stamp.sec) * 10**9 + int(stamp.nanosec)
+
+
+def _reader(path: Path, *, ros1: bool) -> Any:
+    if ros1:
+        from rosbags.rosbag1 import Reader as Reader1
+
+        return Reader1(path)
+    from rosbags.rosbag2 import Reader as Reader2
+
+    return Reader2(path)

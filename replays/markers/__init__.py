@@ -1,1 +1,0 @@
-"""Jobs on pictures of markers and boards: finding, drawing, calibrating, and mapping loose ones."""

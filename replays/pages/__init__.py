@@ -1,5 +1,0 @@
-"""The house style of pages: one frame, style and script for every report, each page one file."""
-
-from motorcade.replays.pages.parts import page_environment
-
-__all__ = ["page_environment"]

@@ -1,0 +1,388 @@
+"""Stage `described`: a manifest for a recording of whose camera nothing was told."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from motorcade.fusion.imu import ImuStream
+from motorcade.ga.progress import working
+from motorcade.replays.io.readers.frames.corners import CornerFrames
+from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.video import VideoFrames
+from motorcade.replays.io.readers.layouts import loose_pictures
+from motorcade.replays.io.readers.manifest.section import board_toml, camera_toml, markers_toml
+from motorcade.replays.io.recording import FrameSequence, Recording
+from motorcade.replays.pipeline.described.camera import (
+    FoundCamera,
+    camera_by_motion,
+    camera_by_target,
+    camera_by_view,
+    camera_of_fixed_place,
+    explained_by_rotation,
+)
+from motorcade.replays.pipeline.described.shots import ChosenShot, refuse_oblong_pixels
+from motorcade.replays.pipeline.described.stated import AGREES_SHARE, StatedLens, stated_lens
+from motorcade.replays.pipeline.described.telemetry import (
+    GOPRO_IMU_R_CAMERA,
+    SeenTurns,
+    camera_by_turning,
+    check_axes,
+    seen_turns,
+)
+from motorcade.replays.pipeline.described.values import Assumption, Description, SampledPictures
+from motorcade.tracking import (
+    CharucoBoard,
+    Checkerboard,
+    MarkerGrid,
+    SelfCalibrationError,
+)
+from motorcade.tracking.boards.names import board_in_units
+from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.checks import GrayImage, check_length
+from motorcade.tracking.self_calibration.result import OnlyTurnsError
+from motorcade.tracking.shots import CameraMotion
+from motorcade.tracking.targets import FoundTarget, find_target, seen_board, seen_markers
+
+_ENOUGH_SHARE = 0.4
+"""Of the pictures: a target seen in fewer is no good to track by."""
+_BY_TURNING = 0.1
+"""Relative deviation of a focal length that turning alone tells."""
+
+
+def lacks_description(recording: Recording) -> bool:
+    """Whether a recording has pictures, and neither a camera nor a truth to go by."""
+    unknown = recording.camera is None and recording.truth is None
+    return unknown and not isinstance(recording.frames, CornerFrames)
+
+
+def described(
+    recording: Recording,
+    *,
+    target: Literal["auto", "none"] = "auto",
+    board: str | None = None,
+    size_m: float | None = None,
+    fov_deg: float | None = None,
+    rate_hz: float = loose_pictures.RATE_HZ,
+    shot: int = 0,
+) -> Description:
+    """Find out what a recording does not tell, and write it as a manifest.
+
+    Boards and markers are looked for in pictures spread over it, unless the recording names some or
+    `target=none` says that there are none. Without `size_m`, the side of a square or of a marker's
+    black square in metres, lengths are counted in those. The camera is found by them, or by the
+    motion where there are none; `board` names the board in view, as `boards.board_named` does, or
+    `checkerboard_8x6` without the size of its squares; `fov_deg` says instead how wide the pictures
+    see along their longer side. `rate_hz` is that of pictures without times. Of a
+    recording with cuts its longest shot is taken, or number `shot`, counted from 1.
+
+    Raises:
+        ValueError: a size that is not above zero, a shot that is not there, or pictures from which
+            no camera follows.
+    """
+    if size_m is not None:
+        check_length(size_m, "described.size_m")
+    if fov_deg is not None and not 1.0 <= fov_deg <= 170.0:
+        raise ValueError(f"described.fov_deg: expected 1 to 170 degrees, got {fov_deg:g}")
+    if shot < 0:
+        raise ValueError(f"described.shot: expected a number from 1 on, or 0, got {shot}")
+    chosen = ChosenShot(recording, shot, lenient=fov_deg is not None)
+    made, sample = _Describing(chosen.recording, chosen.shot.motion), chosen.sample
+    refuse_oblong_pixels(chosen.recording)
+    made.frames(rate_hz, chosen, recording.frames)
+    with working("looking for boards and markers"):
+        told = _told(recording, sample.spread)
+        named = None if board is None else _named(recording, board, sample.spread)
+        found = told or named or (None if target == "none" else find_target(sample.spread))
+    with working("finding the camera"):
+        camera = made.camera(sample, found, fov_deg)
+    if told is None:
+        unit_m = None if board is None else board_in_units(board)[1]
+        source = f"its name, {board}" if board else "counting in pictures spread over the recording"
+        made.target(named or camera.target, unit_m if size_m is None else size_m, source)
+    made.telemetry(camera.camera)
+    made.up(camera.target)
+    return made.description()
+
+
+def _told(recording: Recording, pictures: tuple[GrayImage, ...]) -> FoundTarget | None:
+    """The board or markers that the recording names; None where it names none."""
+    if recording.board is not None:
+        return seen_board(recording.board, pictures)
+    return seen_markers(recording.markers.family, pictures) if recording.markers else None
+
+
+def _named(recording: Recording, name: str, pictures: tuple[GrayImage, ...]) -> FoundTarget:
+    """Where the board of a name is seen.
+
+    Raises:
+        ValueError: no name of a board, one beside a manifest's, or a board that is not seen.
+    """
+    board, _ = board_in_units(name)
+    if recording.board is not None or recording.markers is not None:
+        problem = "expected no board's name beside a manifest's [board] or [markers]"
+        raise ValueError(f"{recording.name}: described.board: {problem}, got {name}; say it once")
+    found = seen_board(board, pictures)
+    if len(found.pictures) >= _ENOUGH_SHARE * found.searched:
+        return found
+    counted = find_target(pictures)
+    seen = f"{name} is in {len(found.pictures)} of {found.searched} pictures"
+    other = "" if counted is None else f"; they show {counted.summary}"
+    if not found.pictures:
+        raise ValueError(
+            f"{recording.name}: described.board: expected a board that is in view, but {seen}"
+            f"{other}; leave --board out, or name the one in view"
+        )
+    return replace(found, doubt=f"{seen}{other}")
+
+
+class _Describing:
+    """A manifest on its way, and what was assumed so far."""
+
+    def __init__(self, recording: Recording, motion: CameraMotion) -> None:
+        self.recording, self.motion = recording, motion
+        self._span = ""
+        self.assumed: list[Assumption] = []
+        self.doubts: list[str] = []
+        self._tables: list[str] = []
+        self._settings: list[str] = []
+        self._seen_turns: SeenTurns | None = None
+        self.stated: StatedLens | None = None
+
+    def description(self) -> Description:
+        """All of it."""
+        tables = "\n".join(self._tables)
+        lists = tuple(self._settings), tuple(self.assumed), tuple(self.doubts)
+        return Description(tables, *lists, self._span)
+
+    def frames(self, rate_hz: float, chosen: ChosenShot, all_frames: FrameSequence) -> None:
+        """Which pictures are the frames, and how fast they follow one another."""
+        self._span = chosen.span_toml(1e-9 * all_frames.time_ns)
+        if not chosen.shots.whole:
+            source = "comparing each picture with those before it"
+            self._assume("shots", chosen.said, source, "--shot 2")
+        frames, root = all_frames, self.recording.root
+        if self.recording.layout != loose_pictures.LAYOUT or not isinstance(frames, PictureFrames):
+            return
+        folder = frames.files[0].parent.relative_to(root)
+        lines = ["[frames]"] if folder.parts == () else ["[frames]", f'images = "{folder}/*.*"']
+        self._tables.append("\n".join([*lines, f"rate_hz = {rate_hz!r}"]) + "\n")
+        self._tables[-1] += chosen.span_toml(np.arange(len(frames)) * (1.0 / rate_hz))
+        self._span = ""
+        said = f"{len(frames)} pictures in the order of their names, {rate_hz:g} a second"
+        self._assume("times", said, "pictures that hold no times", "described.rate_hz=30")
+
+    def camera(
+        self,
+        sample: SampledPictures,
+        target: FoundTarget | None,
+        fov_deg: float | None,
+    ) -> FoundCamera:
+        """The camera: told by its view, or found."""
+        size = sample.size
+        self.stated = stated_lens(self.recording, size)
+        if fov_deg is not None:
+            said = f"a lens without distortion that sees {fov_deg:g} degrees"
+            found = FoundCamera(camera_by_view(size, fov_deg), said, "what was told", target)
+        elif target is not None:
+            try:
+                found = self._checked(camera_by_target(target, sample))
+            except ValueError as why:
+                if len(target.pictures) < _ENOUGH_SHARE * target.searched:
+                    problem = (
+                        f"{self.recording.name}: {target.summary}, do not tell its camera: {why}"
+                    )
+                    found = replace(self._camera_of_motion(size, problem), target=target)
+                else:
+                    found = self._as_stated(target, size, why)
+        else:
+            problem = f"{self.recording.name}: no camera known, no board or markers in its pictures"
+            found = self._camera_of_motion(size, problem)
+        if target is None:
+            self._tracked_without_target()
+        self.doubts += found.doubts
+        said = "; ".join((found.said, *found.doubts))
+        self._assume("camera", said, found.source, "described.fov_deg=65")
+        # A sensor reads the rows that it stores, from the first on.
+        readout_s, source = float(np.dot(found.shutter_s, self.recording.rows_run)), found.source
+        if readout_s <= 0.0 and self.stated is not None:
+            readout_s, source = self.stated.readout_s, self.stated.said
+        readout = ""
+        if readout_s > 0.0:
+            readout = f"readout_s = {readout_s!r}\n"
+            said = f"{1e3 * readout_s:.1f} ms from a picture's first row to its last"
+            self._assume("rolling shutter", said, source, "readout_s under [camera]")
+        if found.sigma:
+            readout += f"focal_sigma = {found.sigma!r}\n"
+        self._tables.append(camera_toml(found.camera, self._turned_deg()) + readout)
+        return found
+
+    def _turned_deg(self) -> int:
+        """By how much the pictures are turned to be shown: the camera is of those shown."""
+        frames = self.recording.frames
+        if not isinstance(frames, VideoFrames | PictureFrames):
+            return 0
+        return frames.orientation.degrees
+
+    def _camera_of_motion(self, size: tuple[int, int], problem: str) -> FoundCamera:
+        """The camera by the turns that a gyroscope counted, or by how the scene moves.
+
+        `problem` says why no target tells it.
+
+        Raises:
+            ValueError: neither tells it.
+        """
+        imu = self.recording.imu
+        turned = None if imu is None else camera_by_turning(self._turns(imu), size)
+        if turned is None:
+            if self._stays:
+                return camera_of_fixed_place(self.motion, size, self.stated)
+            try:
+                return self._checked(camera_by_motion(self.recording.frames, size))
+            except OnlyTurnsError as why:
+                self.motion = CameraMotion("turns", 0.0, why.focal, _BY_TURNING)
+                return camera_of_fixed_place(self.motion, size, self.stated)
+            except SelfCalibrationError as why:
+                if explained_by_rotation(self.recording, size):
+                    self.motion = CameraMotion("turns")
+                    return camera_of_fixed_place(self.motion, size, self.stated)
+                if self.stated is not None and self.stated.camera is not None:
+                    doubt = f"the pictures do not tell it ({why})"
+                    found = camera_of_fixed_place(self.motion, size, self.stated)
+                    return replace(found, doubts=(doubt,))
+                problem += f", in which {self.motion}, and no path follows: {why}"
+                raise ValueError(problem) from why
+        said = f"pinhole, focal length {turned.camera.fx:.0f} px ± {100.0 * turned.sigma:.2g} %, "
+        said += f"over {turned.pairs} pairs of frames"
+        doubts = ("how the lens bends is not known",)
+        source = "the turns that the gyroscope counted"
+        return self._checked(
+            FoundCamera(turned.camera, said, source, None, doubts=doubts, sigma=turned.sigma)
+        )
+
+    @property
+    def _stays(self) -> bool:
+        """Whether the camera stays at its place, so that there is no path to be found."""
+        return self.motion.kind in ("stands", "turns")
+
+    def _tracked_without_target(self) -> None:
+        """How the poses are found where no print is in view."""
+        if self.motion.kind == "zooms":
+            self.doubts.append("the lens zooms, which is taken for a camera that moves")
+        if self._stays:
+            self._settings.append("tracked.by=turning")
+        if self.motion.kind == "stands":
+            self._settings.append("turning_poses.held=true")
+
+    def _as_stated(
+        self, target: FoundTarget, size: tuple[int, int], why: ValueError
+    ) -> FoundCamera:
+        """The lens that the file states, or a usual one, where the target does not tell it."""
+        stated = self.stated
+        if stated is None or stated.camera is None:
+            found = camera_of_fixed_place(CameraMotion("unknown"), size, None)
+            doubts = (*found.doubts, f"{target.summary}, do not tell it: {why}")
+            return replace(found, target=target, doubts=doubts)
+        doubts = (f"good to look at, not to measure with: the pictures do not tell it ({why})",)
+        return FoundCamera(
+            stated.camera, stated.said, "the file's own notes", target, doubts=doubts
+        )
+
+    def _checked(self, found: FoundCamera) -> FoundCamera:
+        """A camera that was found, doubted where the file states quite another."""
+        stated = self.stated
+        if stated is None or stated.camera is None:
+            return found
+        if abs(found.camera.fx / stated.camera.fx - 1.0) <= AGREES_SHARE:
+            return found
+        doubt = f"the file says otherwise: {stated.said}"
+        return replace(found, doubts=(*found.doubts, doubt))
+
+    def _turns(self, imu: ImuStream) -> SeenTurns:
+        if self._seen_turns is None:
+            self._seen_turns = seen_turns(self.recording.frames, imu)
+        return self._seen_turns
+
+    def target(self, target: FoundTarget | None, size_m: float | None, source: str) -> None:
+        """The board or the markers, and their size."""
+        if target is None:
+            how = "visual SLAM, whose lengths have a unit only where an IMU tells it"
+            if self._stays:
+                how = f"attitudes alone, without lengths, since {self.motion}"
+            source, override = "neither board nor markers in the pictures", "tracked.by=slam"
+            self._assume("tracking", how, source, override)
+            return
+        if target.doubt:
+            self.doubts.append(target.doubt)
+        self._assume("target", target.summary, source, "described.target=none")
+        length = 1.0 if size_m is None else size_m
+        table = _target_toml(target, length)
+        self._tables.append(table if size_m is not None else f"{table}metric = false\n")
+        if size_m is None:
+            said = f"unknown, so lengths are counted in {target.unit}s"
+            self._assume("size", said, "no ruler in the pictures", "described.size_m=0.03")
+        if len(target.pictures) < _ENOUGH_SHARE * target.searched:
+            self._settings.append("tracked.by=slam")
+            seen = f"a target in only {len(target.pictures)} of {target.searched} pictures"
+            self._assume("tracking", "visual SLAM", seen, "tracked.by=auto")
+        else:
+            by = "tracked.by=slam"
+            self._assume("tracking", f"by the {_word(target)}", "the target in view", by)
+
+    def telemetry(self, camera: Camera) -> None:
+        """How the camera sits on the IMU of a GoPro's telemetry, if the pictures do not deny it."""
+        imu = self.recording.imu
+        if imu is None or self.recording.imu_T_camera is not None:
+            return
+        told = check_axes(self._turns(imu), camera, GOPRO_IMU_R_CAMERA)
+        if told.verdict == "contradict":
+            said = "left aside: the pictures turn otherwise than GoPro's axes say"
+            self._assume("imu", said, f"a likeness of {told.likeness:.2f}", "[imu] in a manifest")
+            return
+        pose = np.eye(4)
+        pose[:3, :3] = GOPRO_IMU_R_CAMERA
+        rows = ",\n".join(f"    {row}" for row in pose.tolist())
+        self._tables.append(f"[imu]\nimu_T_camera = [\n{rows},\n]\n")
+        agree = {
+            "agree": f"the pictures agree, likeness {told.likeness:.2f}",
+            "do not tell": "the pictures do not tell",
+        }[told.verdict]
+        source = f"GoPro's axes; {agree}"
+        said = "the telemetry's, the lens looking along its -y, upright along z"
+        self._assume("imu", said, source, "[imu] imu_T_camera in a manifest")
+
+    def up(self, target: FoundTarget | None) -> None:
+        """Against what a character stands upright."""
+        if target is not None and "tracked.by=slam" not in self._settings:
+            face = "a marker's" if target.board is None else "the board's"
+            said, source = f"out of {face} printed face", "the target in view"
+            self._assume("up", said, source, "placed.on=plane")
+        elif any(one.startswith("[imu]") for one in self._tables):
+            self._assume("up", "against gravity", "the telemetry", "placed.on=floor")
+        else:
+            said = "weighed from how the camera was held, surfaces and lines that it saw"
+            if target is None and self._stays:
+                said = "the first picture's own"
+            self._assume("up", said, "nothing that measured gravity", "placed.on=floor")
+
+    def _assume(self, what: str, said: str, source: str, override: str) -> None:
+        option = override if " " in override else f"--set {override}"
+        self.assumed.append(Assumption(what, said, source, option))
+
+
+def _word(target: FoundTarget) -> str:
+    return "markers" if target.board is None else "board"
+
+
+def _target_toml(target: FoundTarget, length: float) -> str:
+    """The table of a target whose square or marker has this side."""
+    board = target.board
+    if isinstance(board, Checkerboard):
+        return board_toml(replace(board, square_m=length))
+    if isinstance(board, CharucoBoard):
+        return board_toml(replace(board, square_m=length, marker_m=length * board.marker_m))
+    if isinstance(board, MarkerGrid):
+        return board_toml(replace(board, marker_m=length, gap_m=length * board.gap_m))
+    return markers_toml(str(target.family), length)

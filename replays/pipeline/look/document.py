@@ -1,0 +1,289 @@
+"""The look of a run: all that a page shows of it but the pictures of its film.
+
+Plots and states for a page: errors, jitter, the filter's squares, and what tracking lost.
+
+Characters for a page: each as glTF, with the poses of its joints at every frame.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from motorcade.animation import Character, write_gltf
+from motorcade.fusion.metrics.consistency import chi2_bounds
+from motorcade.ga import Motor, Similarity
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.files import off_record, read_bounded
+from motorcade.ga.stamps import LONGEST_BRIDGE_S
+from motorcade.render import Performer
+from motorcade.render.plots.style import thinned
+from motorcade.replays.io.readers.frames.corners import CornerFrames
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.pipeline.look.packing import packed, packed_smooth, text
+from motorcade.replays.pipeline.look.paths import drawn_name, drawn_rows, rows_of, shown_paths
+from motorcade.replays.pipeline.look.surroundings import (
+    shown_boards,
+    shown_hiding,
+    shown_markers,
+    shown_plane,
+    shown_points,
+)
+from motorcade.replays.pipeline.report.findings import Findings, map_unit, told_paths
+from motorcade.replays.stages.camera.as_found import as_found
+from motorcade.replays.stages.characters.performers import performers
+from motorcade.replays.stages.view.ground import prints_of
+from motorcade.replays.web.film import film_rate_hz
+from motorcade.tracking import Camera, MarkerMap
+
+FORMAT, VERSION = "motorcade-look", 1
+
+
+@dataclass(frozen=True)
+class LookedAt:
+    """What a look is made of: a run's findings, and the map of markers where it has one.
+
+    `headline` says in a line what was measured and made.
+    """
+
+    findings: Findings
+    marker_map: MarkerMap | None
+    headline: str
+
+    @property
+    def recording(self) -> Recording:
+        """The recording, with the camera as the run found it."""
+        poses = self.findings.camera_poses
+        return as_found(self.findings.recording, poses.camera, poses.depth_camera)
+
+    @property
+    def has_pictures(self) -> bool:
+        """Whether there is footage, and not corners alone."""
+        return not isinstance(self.recording.frames, CornerFrames)
+
+
+def look_of(run: LookedAt, clips: list[dict[str, str]]) -> dict[str, Any]:
+    """The document of a run, ready for JSON.
+
+    Args:
+        run: what is shown.
+        clips: name ("overlay", "footage") and address of each film.
+
+    Raises:
+        ValueError: a recording without a camera.
+    """
+    findings, recording = run.findings, run.recording
+    if recording.camera is None:
+        raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
+    stamps = recording.frames.time_ns
+    start_ns = int(stamps[0])
+    performing = performers(findings.placed, 1e-9 * float(np.ptp(stamps)))
+    figures = _figures(findings, performing, stamps)
+    height_m = max(one["height_m"] for one in figures)
+    placed = findings.placed
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "name": recording.name,
+        "headline": run.headline,
+        "unit": map_unit(findings),
+        "up": placed.placement.up.tolist(),
+        "film": {
+            "width": recording.camera.width,
+            "height": recording.camera.height,
+            "rate_hz": film_rate_hz(stamps),
+            "time_s": packed((stamps - start_ns) * 1e-9, "f64"),
+            "clips": clips,
+        },
+        "camera": shown_camera(recording.camera),
+        "drawn": drawn_name(findings),
+        "paths": shown_paths(findings, stamps),
+        "boards": shown_boards(recording, findings.camera_poses),
+        "markers": shown_markers(run.marker_map),
+        "planes": [shown_plane(placed, height_m)],
+        "points_m": shown_points(findings.camera_poses),
+        "characters": figures,
+        "hiding": shown_hiding(
+            recording,
+            performing,
+            prints_of(recording, findings.camera_poses, run.marker_map),
+            drawn_rows(findings, stamps),
+        ),
+        "plots": shown_plots(findings, start_ns),
+        "states": shown_states(findings, start_ns),
+    }
+
+
+def shown_camera(camera: Camera) -> dict[str, Any]:
+    """A camera for `camera.js`."""
+    names = ("width", "height", "fx", "fy", "cx", "cy", "model")
+    about = {name: getattr(camera, name) for name in names}
+    return about | {"coefficients": list(camera.distortion)}
+
+
+def _figures(
+    findings: Findings, performing: list[Performer], time_ns: IntArray
+) -> list[dict[str, Any]]:
+    names = [part.name for part in findings.placed.parts] or ["character"]
+    return [
+        shown_character(name, one, time_ns) for name, one in zip(names, performing, strict=True)
+    ]
+
+
+SPANS = 1500
+"""Of a line; of each, the least and the largest value are told."""
+FREEDOM = 6
+_STATES = {
+    "initialising": "finding its bearings",
+    "weak": "tracked by few corners",
+    "lost": "lost",
+    "relocalised": "found again",
+}
+
+
+def shown_plots(findings: Findings, start_ns: int) -> list[dict[str, Any]]:
+    """Lines over seconds from the first frame; those that the run has no figures for are absent."""
+    measured_ns = int(findings.camera_poses.measurements.trajectory.time_ns[0])
+    later_s = (measured_ns - start_ns) * 1e-9
+    errors = findings.errors
+    against = errors.against_truth
+    rotation = {name: (one.time_s, one.rotation_deg) for name, one in against.items()}
+    position = {name: (one.time_s, 1e3 * one.position_m) for name, one in against.items()}
+    jitter = {name: (one.time_s, one.angular_rad_s2) for name, one in errors.acceleration.items()}
+    registered, told = _registered(findings), told_paths(findings)
+    made = [
+        _plot("rotation", "Rotation error", "°", rotation, told, later_s),
+        _plot("position", "Position error", "mm", position, told, later_s),
+        _plot("jitter", "Angular acceleration", "rad/s²", jitter, told, later_s),
+        _plot("registration", "Distance from the footage", "px", registered, told, later_s),
+        _squares(findings, start_ns),
+    ]
+    return [one for one in made if one["series"]]
+
+
+def _plot(
+    name: str,
+    title: str,
+    unit: str,
+    lines: Mapping[str, tuple[FloatArray, FloatArray]],
+    told: Mapping[str, str],
+    later_s: float,
+) -> dict[str, Any]:
+    series = [
+        _line(key, told[key], time_s + later_s, values)
+        for key, (time_s, values) in lines.items()
+        if len(time_s) and key in told
+    ]
+    return {"name": name, "title": title, "unit": unit, "log": True, "series": series}
+
+
+def _line(name: str, label: str, time_s: FloatArray, values: FloatArray) -> dict[str, Any]:
+    time_s, values = thinned(time_s, values, SPANS)
+    return {"name": name, "label": label, "time_s": packed(time_s), "values": packed(values)}
+
+
+def _registered(findings: Findings) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """How far what is drawn along each path lies from the footage, a measured frame each."""
+    stamps = findings.camera_poses.measurements.trajectory.time_ns
+    time_s = (stamps - stamps[0]) * 1e-9
+    return {
+        name: (time_s, values)
+        for name, values in findings.integrity.registration_px.items()
+        if values.shape == time_s.shape
+    }
+
+
+def _squares(findings: Findings, start_ns: int) -> dict[str, Any]:
+    """The filter's innovations squared, and the band that holds 95 % where it is right."""
+    fused = findings.fused
+    known = np.isfinite(fused.nis) & (fused.nis > 0.0)
+    time_s = 1e-9 * (fused.trajectory.time_ns[known] - start_ns).astype(np.float64)
+    lines = {"fused": (time_s, fused.nis[known])} if np.any(known) else {}
+    made = _plot("squares", "Innovations squared (NIS)", "", lines, {"fused": "Fused"}, 0.0)
+    return made | {"band": list(map(float, chi2_bounds(FREEDOM, 1))), "dots": True}
+
+
+def shown_states(findings: Findings, start_ns: int) -> list[dict[str, Any]]:
+    """Spans in which tracking was not as it should be, and what it was, in order of time."""
+    poses = findings.camera_poses
+    measured_ns = int(poses.measurements.trajectory.time_ns[0])
+    later_s = (measured_ns - start_ns) * 1e-9
+    spans = [
+        {"from_s": a + later_s, "to_s": b + later_s, "state": "lost", "why": "no pose measured"}
+        for a, b in findings.unmeasured_spans_s()
+    ]
+    history = poses.slam_history
+    if history is not None:
+        spans = [*_slam_spans(history.time_ns, history.states, start_ns)]
+    out = np.flatnonzero(~findings.fused.accepted)
+    stamps = (findings.fused.trajectory.time_ns[out] - start_ns) * 1e-9
+    spans += [
+        {"from_s": one, "to_s": one, "state": "left out", "why": "the filter left this pose out"}
+        for one in stamps.tolist()
+    ]
+    return sorted(spans, key=lambda span: span["from_s"])
+
+
+def _slam_spans(time_ns: Any, states: tuple[str, ...], start_ns: int) -> list[dict[str, Any]]:
+    """Runs of frames whose state is worth a word."""
+    seconds = (time_ns - start_ns) * 1e-9
+    ends = np.append(seconds[1:], seconds[-1])
+    spans: list[dict[str, Any]] = []
+    for state, begun, ended in zip(states, seconds.tolist(), ends.tolist(), strict=True):
+        if state not in _STATES or ended - begun > LONGEST_BRIDGE_S:
+            continue
+        last = spans[-1] if spans else None
+        if last is not None and last["state"] == state and last["to_s"] == begun:
+            last["to_s"] = ended
+        else:
+            spans.append({"from_s": begun, "to_s": ended, "state": state, "why": _STATES[state]})
+    return spans
+
+
+FINEST = 2e-4
+"""Of joints, in the character's metres: half of it shows nowhere that a character is seen whole."""
+GLTF_LIMIT = 256 * 2**20
+"""Bytes of a character as it is written here."""
+
+
+def shown_character(name: str, figure: Performer, time_ns: IntArray) -> dict[str, Any]:
+    """A character as the film draws it at the stamps ``(F,)``, its clip begun at the first.
+
+    Joints are told in the character's space, so that no number is large wherever it stands.
+    """
+    since_s = 1e-9 * (time_ns - time_ns[0])
+    world = figure.character.skeleton.world(figure.clip.at(since_s))
+    weights = figure.clip.morph_weights(since_s)
+    stands = figure.world_T_character(time_ns)
+    seen = figure.visible_s
+    return {
+        "name": name,
+        "gltf": text(gltf_bytes(figure.character)),
+        "joints": packed_smooth(_rows(world), FINEST),
+        "morphs": None if weights is None else packed(weights),
+        "world_T_character": packed(_rows(stands), "f64"),
+        "visible_s": None if seen is None else [float(one) for one in seen],
+        "height_m": float(stands.as_motor_scale()[1][0]) * figure.character.height_m,
+    }
+
+
+def gltf_bytes(character: Character) -> bytes:
+    """The character's mesh, skeleton and materials as `.glb`, without clips."""
+    with tempfile.TemporaryDirectory() as folder, off_record():  # a file of our own
+        path = Path(folder, "character.glb")
+        write_gltf(path, character, [])
+        return read_bounded(path, GLTF_LIMIT)
+
+
+def _rows(poses: Motor | Similarity) -> FloatArray:
+    """Poses ``(*, 8)``: x y z, w x y z, scale."""
+    if isinstance(poses, Motor):
+        rows = rows_of(poses)
+        return np.concatenate([rows, np.ones_like(rows[..., :1])], axis=-1)
+    rigid, scale = poses.as_motor_scale()
+    return np.concatenate([rows_of(rigid), scale[..., None]], axis=-1)

@@ -1,0 +1,164 @@
+"""The report page: one HTML file, and beside it what would make it large."""
+
+from __future__ import annotations
+
+import base64
+import platform
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from motorcade.ga import kernels
+from motorcade.replays.io.readers.frames.corners import CornerFrames
+from motorcade.replays.pipeline.report.before_after import Stills, steadiness
+from motorcade.replays.pipeline.report.film import FilmView
+from motorcade.replays.pipeline.report.findings import Findings, told_paths
+from motorcade.replays.pipeline.report.pictures import sections
+from motorcade.replays.pipeline.report.summary import (
+    LEFT_AS_IT_WAS,
+    heading,
+    shown_columns,
+    shown_value,
+)
+from motorcade.replays.pipeline.report.viewer import Viewer
+from motorcade.replays.pipeline.report.words import (
+    errors_caption,
+    headline,
+    lead,
+    next_steps,
+    parameters,
+    stages_caption,
+    tiles,
+    to_mend,
+)
+from motorcade.replays.web.pages import page_environment
+
+TEMPLATE = Path(__file__).with_name("template.html")
+NO_VIDEO = (
+    "this machine has no headless OpenGL. Debian and Ubuntu bring it with "
+    "apt-get install libegl1 libgl1-mesa-dri; then run the same command again"
+)
+NO_PICTURES = "the recording holds corners of markers and no pictures to draw into"
+
+
+def page(
+    findings: Findings,
+    viewer: Viewer,
+    stills: Stills | None,
+    film: FilmView | None,
+    standing: bytes = b"",
+) -> str:
+    """The whole page as HTML text, with what `viewer` has inside and the stills of the film.
+
+    `standing` is the sheet of what there is to stand on, where pictures were kept.
+    """
+    template = page_environment(TEMPLATE.parent).get_template(TEMPLATE.name)
+    told = told_paths(findings)
+    figures = {name: findings.errors.figures[name] for name in told}
+    keys = shown_columns(figures)
+    return template.render(
+        name=findings.recording.name,
+        lead=lead(findings),
+        headline=headline(findings),
+        viewer=viewer,
+        shape=_shape(findings),
+        film_caption=_film_caption(findings),
+        tiles=tiles(findings, film),
+        mend=to_mend(findings, _why_no_film(findings)),
+        steps=next_steps(findings),
+        stills=None if stills is None else _stills(stills),
+        standing={
+            "sheet": standing and _data_address("image/jpeg", standing),
+            "places": findings.placed.choices,
+        },
+        steadiness=steadiness(findings),
+        labels=told,
+        errors_caption=errors_caption(findings) + _smoothing(findings),
+        columns=[heading(key, figures, metric=findings.camera_poses.metric) for key in keys],
+        rows=_rows(figures, keys),
+        sections=sections(findings),
+        stages=stages_caption(findings),
+        has_truth=bool(findings.errors.against_truth),
+        provenance=_provenance(),
+    )
+
+
+def _stills(stills: Stills) -> dict[str, str]:
+    """Addresses of those that there are."""
+    found = {"sheet": stills.sheet, "before": stills.before, "after": stills.after}
+    return {name: _data_address("image/jpeg", data) if data else "" for name, data in found.items()}
+
+
+def _shape(findings: Findings) -> float:
+    """Width over height of the film."""
+    camera = findings.camera_poses.camera or findings.recording.camera
+    return camera.width / camera.height if camera is not None else 4.0 / 3.0
+
+
+def _data_address(kind: str, data: bytes) -> str:
+    return f"data:{kind};base64,{base64.b64encode(data).decode('ascii')}"
+
+
+def _why_no_film(findings: Findings) -> str:
+    if findings.overlay is not None:
+        return ""
+    corners = isinstance(findings.recording.frames, CornerFrames)
+    return NO_PICTURES if corners else NO_VIDEO
+
+
+def _film_caption(findings: Findings) -> str:
+    film = findings.overlay
+    if film is None:
+        return ""
+    seen = film.frames_with_character
+    where = f"all {film.frames}" if seen == film.frames else f"{seen} of {film.frames}"
+    footage = {"original": "the pictures as filmed", "undistorted": "straightened pictures"}
+    return (
+        f"Drawn into {footage.get(film.footage, f'{film.footage} pictures')} along the "
+        f"{film.along} path; the character or its shadow is in view in {where}. It stands on "
+        f"{film.stands_on}, in {film.lit_by}."
+    )
+
+
+def _smoothing(findings: Findings) -> str:
+    method = findings.smoothed.method
+    if findings.recording.truth is None and method is None:
+        return ""
+    if method is None:
+        return LEFT_AS_IT_WAS
+    return f" Smoothed by {method}: {parameters(findings.smoothed.parameters)}."
+
+
+def _rows(figures: dict[str, dict[str, float | None]], keys: list[str]) -> list[dict[str, Any]]:
+    best = {key: _best_shown(key, [row.get(key) for row in figures.values()]) for key in keys}
+    tied = {
+        key for key in keys if len({shown_value(key, r.get(key)) for r in figures.values()}) < 2
+    }
+    rows = []
+    for name, row in figures.items():
+        shown = {key: shown_value(key, row.get(key)) for key in keys}
+        cells = [
+            {
+                "text": shown[key],
+                "value": row.get(key),
+                "best": key not in tied and shown[key].lstrip("-") == best[key],
+            }
+            for key in keys
+        ]
+        rows.append({"name": name, "cells": cells})
+    return rows
+
+
+def _best_shown(key: str, values: list[float | None]) -> str:
+    """The smallest size of a column as it is shown, so that equal figures share the honour."""
+    return shown_value(key, min(abs(value) for value in values if value is not None))
+
+
+def _provenance() -> list[tuple[str, str]]:
+    return [
+        ("motorcade", f"{version('motorcade')}, {kernels.backend} kernels"),
+        ("Python, NumPy", f"{platform.python_version()}, {np.__version__}"),
+        ("settings", "run.json beside this page holds every knob, key and time"),
+    ]

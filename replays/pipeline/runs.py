@@ -1,0 +1,326 @@
+"""Runs for other viewers: everything that a run placed in its world, as glTF or for Rerun.
+
+A run's folder says what was run (`run.json`); its stages come out of its cache, or are computed
+again where that is gone.
+"""
+
+from __future__ import annotations
+
+import json
+import shlex
+import tempfile
+from dataclasses import dataclass
+from os.path import normpath
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from motorcade.animation import Clip
+from motorcade.animation.formats import CameraPath, CharacterOnPath, write_cast_gltf
+from motorcade.animation.morphs import MorphTrack
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.files import FileError, read_bounded
+from motorcade.render import Performer
+from motorcade.replays.engine.graph import GraphRun
+from motorcade.replays.engine.knobs import parse_knobs
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.pipeline.job import pipeline_graph
+from motorcade.replays.pipeline.results import trajectories
+from motorcade.replays.stages.camera.as_found import as_found
+from motorcade.replays.stages.camera.offered import camera_of
+from motorcade.replays.stages.characters.performers import performers
+from motorcade.tracking.cameras.camera import Camera
+
+MAX_LOG_BYTES = 1 << 24
+POINTS_SHOWN = 200_000
+_MESH_NS = 100_000_000
+"""A figure's shape is a thousand times a pose: so far apart they are written for Rerun."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """What of a run can be looked at.
+
+    Attributes:
+        recording: its frames and camera.
+        camera: without distortion.
+        paths: `world_T_camera` by name; `path` is the one that the character is drawn along.
+        path: see `paths`.
+        cast: who stands there and what they do, by name.
+        points_m: (N, 3) mapped points, world; N may be 0.
+    """
+
+    recording: Recording
+    camera: Camera
+    paths: dict[str, Trajectory]
+    path: Trajectory
+    cast: dict[str, Performer]
+    points_m: FloatArray
+
+    def world_T_character(self, name: str) -> Trajectory:
+        """Where a character stands over the path's time, and how large it is."""
+        who, ends = self.cast[name], self.path.time_ns[[0, -1]]
+        moved = [one.time_ns for one in (who.motion, who.ground_motion) if one is not None]
+        stamps = np.unique(np.concatenate([ends, *moved]))
+        stamps = stamps[(ends[0] <= stamps) & (stamps <= ends[1])]
+        return Trajectory(stamps, who.world_T_character(stamps), "world", "character")
+
+    def clip(self, name: str) -> Clip:
+        """What a character does, from the path's first stamp on; clips begin at the first frame."""
+        passed_ns = self.path.time_ns[0] - self.recording.frames.time_ns[0]
+        return _from(self.cast[name].clip, 1e-9 * float(passed_ns))
+
+
+def open_run(folder: Path) -> Shown:
+    """Read a run back.
+
+    Args:
+        folder: that `motorcade run --out` or `motorcade demo --out` wrote.
+
+    Raises:
+        ValueError: a folder that holds no run, one whose recording has changed since, or a
+            recording without a camera.
+        OSError: its recording is gone.
+    """
+    recording, run = read_run(folder, "placed")
+    placed, found = run.outputs["placed"], run.outputs["camera_poses"]
+    recording = as_found(recording, found.camera, found.depth_camera)
+    shown = performers(placed)
+    names = [part.name for part in placed.parts] or ["character"]
+    return Shown(
+        recording,
+        camera_of(recording).undistorted(),
+        trajectories(run),
+        run.outputs["integrity"].drawn,
+        dict(zip(names, shown, strict=True)),
+        np.asarray(found.points, dtype=np.float64),
+    )
+
+
+def read_run(folder: Path, stage: str) -> tuple[Recording, GraphRun]:
+    """The recording of a run, and the outputs of all that a stage needs and of itself.
+
+    They come out of the run's cache; what that lost is computed again.
+
+    Raises:
+        ValueError: a folder that holds no run, one whose recording has changed since, or a
+            recording without a camera.
+        OSError: its recording is gone.
+    """
+    origin = read_origin(folder)
+    recording = open_recording(origin.recording, origin.manifest).intact()
+    if recording.digest() != origin.content:
+        again = shlex.join([*origin.words(recording), "--out", str(folder)])
+        raise ValueError(f"{folder}: its recording has changed since; run it again: {again}")
+    if recording.camera is None:
+        raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
+    cache = folder / ".cache"
+    return recording, pipeline_graph().run(stage, {"recording": recording}, cache, origin.knobs)
+
+
+@dataclass(frozen=True)
+class RunOrigin:
+    """What a folder's `run.json` says was run.
+
+    Attributes:
+        recording, manifest: files, the latter None where none was given.
+        content: digest of the recording.
+        settings: knobs as `stage.knob=value`, the manifest's before those of the command line.
+    """
+
+    recording: Path
+    manifest: Path | None
+    content: str
+    settings: tuple[str, ...]
+
+    @property
+    def knobs(self) -> dict[str, dict[str, Any]]:
+        """The settings by stage; those left out have their stage's defaults."""
+        return parse_knobs(self.settings, pipeline_graph())
+
+    def words(self, recording: Recording) -> list[str]:
+        """Of a command line that does it again, but for where to and who stands in it."""
+        manifest = [] if self.manifest is None else ["--manifest", str(self.manifest)]
+        told = self.settings[len(recording.settings) :]
+        kept = [one for one in told if not one.startswith("placed.")]
+        settings = [word for one in kept for word in ("--set", one)]
+        return ["motorcade", "run", str(self.recording), *manifest, *settings]
+
+
+def read_origin(folder: Path) -> RunOrigin:
+    """What was run into a folder.
+
+    Raises:
+        ValueError: a folder that holds no run, or another file in the place of its `run.json`.
+        OSError: it cannot be read.
+    """
+    file = folder / "run.json"
+    if not file.exists():
+        raise ValueError(
+            f"{folder}: expected a folder that `motorcade run RECORDING --out {folder}` wrote; "
+            "run.json is not there"
+        )
+    try:
+        told = json.loads(read_bounded(file, MAX_LOG_BYTES))
+        recording, manifest = (_found(folder, told, one) for one in ("recording", "manifest"))
+        if recording is None:
+            raise ValueError("recording: expected a path, got none")
+        settings = tuple(map(str, told["settings"]))
+        return RunOrigin(recording, manifest, str(told["content"]), settings)
+    except FileError:
+        raise
+    except (ValueError, KeyError, TypeError, RecursionError) as fault:
+        raise ValueError(
+            f"{file}: expected what `motorcade run` wrote of a recording, got another file: "
+            f"{type(fault).__name__} {fault}"
+        ) from fault
+
+
+def _found(folder: Path, told: dict[str, Any], name: str) -> Path | None:
+    """Where a file of a run lies: where it lay, or where it was moved together with the run."""
+    if told[name] is None:
+        return None
+    there, moved = Path(told[name]), told.get(f"{name}_from_here")
+    return there if there.exists() or moved is None else Path(normpath(folder.absolute() / moved))
+
+
+def write_run_gltf(shown: Shown, path: Path) -> None:
+    """Camera path, characters, props and map as one `.glb`; time zero is the path's first stamp.
+
+    glTF has no word for what is seen for a while: all are there all the time.
+    glTF knows neither principal points nor uneven pixels: the camera has the vertical field of
+    view of the recording's, centred.
+
+    Raises:
+        ValueError: another suffix.
+        OSError: the file cannot be written.
+    """
+    camera = shown.camera
+    field_rad = 2.0 * float(np.arctan(0.5 * camera.height / camera.fy))
+    points = thinned(shown.points_m)
+    cast = [
+        CharacterOnPath(name, one.character, shown.clip(name), shown.world_T_character(name))
+        for name, one in shown.cast.items()
+    ]
+    lens = CameraPath(shown.path, field_rad, camera.width / camera.height)
+    write_cast_gltf(path, cast, camera=lens, points_m=points if len(points) else None)
+
+
+def write_rrd(shown: Shown, path: Path) -> None:
+    """The run as a recording of Rerun: paths, frames with their camera, character, map.
+
+    Raises:
+        RuntimeError: the package `rerun-sdk` is missing; the extra `viewer` brings it.
+        ValueError: another suffix than `.rrd`.
+        OSError: the file cannot be written.
+    """
+    if path.suffix != ".rrd":
+        raise ValueError(f"write_rrd(path): expected a name that ends in .rrd, got '{path.name}'")
+    try:
+        import rerun as rr
+    except ModuleNotFoundError as missing:
+        raise RuntimeError(
+            "writing .rrd needs the Python package rerun-sdk, which is not installed; "
+            'pip install "motorcade[viewer]" brings it'
+        ) from missing
+    stream = rr.RecordingStream("motorcade")
+    stream.save(str(path))
+    stream.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+    for name, one in shown.paths.items():
+        places = one.poses.translation_m.astype(np.float32)
+        stream.log(f"world/paths/{name}", rr.LineStrips3D([places]), static=True)
+    if len(shown.points_m):
+        cloud = thinned(shown.points_m).astype(np.float32)
+        stream.log("world/map", rr.Points3D(cloud), static=True)
+    lens = shown.camera
+    pinhole = rr.Pinhole(image_from_camera=lens.matrix, width=lens.width, height=lens.height)
+    stream.log("world/camera", pinhole, static=True)
+    _log_frames(rr, stream, shown)
+    stream.disconnect()
+
+
+def _log_frames(rr: Any, stream: Any, shown: Shown) -> None:
+    """Every frame within the path: picture, pose, and the characters as they stand then.
+
+    Pictures are one H.264 film without the lens's distortion, which frames refer to. What of a
+    character does not change is logged once, and its shape ten times a second.
+    """
+    stamps = shown.recording.frames.time_ns
+    inside = (stamps >= shown.path.time_ns[0]) & (stamps <= shown.path.time_ns[-1])
+    shown_ns = stamps[inside]
+    _log_film(rr, stream, shown, np.flatnonzero(inside))
+    for name, one in shown.cast.items():
+        colors = np.rint(255 * one.character.colors).astype(np.uint8)
+        still = {"triangle_indices": one.character.triangles, "vertex_colors": colors}
+        stream.log(f"world/{name}", rr.Mesh3D.from_fields(**still), static=True)
+    last_ns = -_MESH_NS
+    for time_ns in map(int, shown_ns):
+        stream.set_time("time", timestamp=np.datetime64(time_ns, "ns"))
+        pose: Motor = shown.path.motors_at(np.int64(time_ns))
+        stream.log(
+            "world/camera",
+            rr.Transform3D(translation=pose.translation_m, mat3x3=pose.rotor.as_matrix()),
+        )
+        video = rr.VideoFrameReference(nanoseconds=time_ns - int(shown_ns[0]))
+        stream.log("world/camera/picture", video)
+        if time_ns - last_ns >= _MESH_NS:
+            last_ns = time_ns
+            _log_characters(rr, stream, shown, time_ns)
+
+
+def _log_film(rr: Any, stream: Any, shown: Shown, rows: IntArray) -> None:
+    """The frames' pictures as one film, whose first frame is at 0."""
+    from motorcade.render.video import write_video
+
+    camera, frames = shown.recording.camera, shown.recording.frames
+    if camera is None:
+        raise ValueError(f"{shown.recording.name}: expected a camera, got none")
+    pictures = (camera.undistort_image(frames[int(row)].image()) for row in rows)
+    with tempfile.TemporaryDirectory() as folder:
+        film = Path(folder) / "pictures.mp4"
+        write_video(film, pictures, frames.time_ns[rows] - frames.time_ns[rows[0]])
+        stream.log("world/camera/picture", rr.AssetVideo(path=film), static=True)
+
+
+def _log_characters(rr: Any, stream: Any, shown: Shown, time_ns: int) -> None:
+    """The shape of every character at a time; nothing of those that are not there."""
+    from motorcade.animation import skin
+
+    time_s = (time_ns - int(shown.recording.frames.time_ns[0])) * 1e-9
+    for name, one in shown.cast.items():
+        stand = one.world_T_character(time_ns)
+        places, normals = np.zeros((0, 3)), np.zeros((0, 3))
+        if one.seen(time_s):
+            shaped = one.character.shaped(one.clip.morph_weights(time_s))
+            vertices, turned = skin(shaped, one.clip.at(time_s))
+            places, normals = stand.apply(vertices), stand.rotor.apply(turned)
+        moved = {
+            "vertex_positions": places.astype(np.float32),
+            "vertex_normals": normals.astype(np.float32),
+        }
+        stream.log(f"world/{name}", rr.Mesh3D.from_fields(**moved))
+
+
+def _from(clip: Clip, passed_s: float) -> Clip:
+    """A clip from a moment on, with that as its zero."""
+    first = float(clip.time_s[0])
+    if passed_s == 0.0 or len(clip.time_s) == 1:
+        return clip
+    left = clip.time_s - first - passed_s
+    if clip.looped:  # all of it, begun elsewhere
+        times = np.unique(np.concatenate([np.mod(left, clip.duration_s), [0.0, clip.duration_s]]))
+    else:
+        times = np.unique(np.concatenate([[0.0], left[left > 0.0]]))
+    at = times + first + passed_s
+    weights = clip.morph_weights(at)
+    track = None if weights is None else MorphTrack(times, weights)
+    return Clip(clip.name, times, clip.at(at), clip.looped, morphs=track)
+
+
+def thinned(points_m: FloatArray) -> FloatArray:
+    """At most `POINTS_SHOWN` of the points, evenly taken."""
+    step = -(-len(points_m) // POINTS_SHOWN) or 1
+    return points_m[::step]

@@ -1,0 +1,267 @@
+"""A run's desk: its footage and the session of its scene, as the server asks for them.
+
+The pictures of a recording as JPEG: encoded when asked for, kept while there is room.
+
+What `motorcade author` opens: a run, a folder of runs, or a scene that lies beside its run.
+"""
+
+from __future__ import annotations
+
+import logging
+import shlex
+import threading
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from motorcade.animation.authoring import Scene, scene_text
+from motorcade.replays.io.recording import FrameSequence
+from motorcade.replays.pipeline.look.document import shown_camera
+from motorcade.replays.pipeline.look.packing import packed
+from motorcade.replays.studio.filmed import Filmed, open_filmed, spoken
+from motorcade.replays.studio.journal import Journal, Ledger
+from motorcade.replays.studio.offers import Answer, Offer
+from motorcade.replays.studio.played import PlayedScene, rows
+from motorcade.replays.studio.props import GROUND, Props, files_beside
+from motorcade.replays.studio.session import EditingSession, ToldScene
+
+SCENE_NAME = "scene.json"
+
+
+@dataclass(frozen=True, eq=False)
+class RunDesk:
+    """A run on whose footage a scene is edited.
+
+    Args:
+        filmed: the footage.
+        session: the scene.
+    """
+
+    filmed: Filmed
+    session: EditingSession
+
+    @property
+    def frames(self) -> int:
+        """How many pictures there are."""
+        return self.filmed.frames
+
+    @cached_property
+    def _footage(self) -> Footage:
+        return Footage(self.filmed.recording.frames)
+
+    def about(self) -> dict[str, Any]:
+        """What there is, for the page."""
+        filmed, scene = self.filmed, self.session.ledger.scene
+        poses = rows(filmed.world_T_camera)[:, :7]
+        poses[~filmed.has_pose] = np.nan
+        first = filmed.ground(filmed.first)
+        anchors = dict(scene.anchors) | {
+            name: one for name, one in filmed.stands.items() if one not in scene.anchors.values()
+        }
+        far = np.linalg.norm(
+            filmed.world_T_camera.translation_m - first.world_T_plane.translation_m, axis=-1
+        )
+        size = max(float(far.max()), filmed.height_m)
+        return {
+            "name": filmed.recording.name,
+            "frames": filmed.frames,
+            "camera": shown_camera(filmed.camera),
+            "time_s": packed(filmed.time_s, "f64"),
+            "world_T_camera": packed(poses, "f64"),
+            "up": filmed.up.tolist(),
+            "depth_m": [0.002 * size, 60.0 * size],
+            "height_m": filmed.height_m,
+            "anchors": {name: spoken(one) for name, one in anchors.items()},
+            "wardrobe": self.session.props.listed(),
+            "film": self.film_command(),
+        }
+
+    def film_command(self) -> str:
+        """What draws the scene into the footage, to be typed where the server runs."""
+        scene = self.session.ledger.journal.scene.absolute()
+        out = scene.with_name(f"{scene.stem}-film")
+        return shlex.join([*self.filmed.words, "--scene", str(scene), "--out", str(out)])
+
+    def frame(self, index: int) -> bytes:
+        """A picture as JPEG."""
+        return self._footage.jpeg(index)
+
+    def figure(self, number: int) -> bytes | None:
+        """A shape as `.glb`."""
+        return self.session.played.glb(number)
+
+    def motion(self, number: int) -> dict[str, Any] | None:
+        """What joints do, for the page."""
+        return self.session.played.motion(number)
+
+    def joined(self, visitor: int) -> Mapping[str, Any]:
+        """What a browser is told when it comes."""
+        return self.session.joined(visitor)
+
+    def answer(self, visitor: int, message: Mapping[str, Any]) -> Answer:
+        """Do what a browser asks for."""
+        return self.session.answer(visitor, message)
+
+    def left(self, visitor: int) -> Mapping[str, Any] | None:
+        """A browser is gone."""
+        return self.session.left(visitor)
+
+    def close(self) -> None:
+        """Write the scene as it is, and let others edit it; raises `OSError` where it cannot be."""
+        self.session.ledger.close()
+
+
+def open_desk(run: Path, scene: Path | None = None) -> RunDesk:
+    """Open a run for its scene to be edited, where it was left.
+
+    Args:
+        run: a folder that `motorcade run` wrote.
+        scene: the scene's file; `scene.json` in the run's folder unless told.
+
+    Raises:
+        ValueError: a folder that holds no run, a scene that cannot be read.
+        OSError: its recording is gone, another process edits the scene, or nothing can be written
+            beside it.
+    """
+    filmed = open_filmed(run)
+    file = run / SCENE_NAME if scene is None else scene
+    empty = Scene({}, {}, {}, {GROUND: filmed.first})
+    journal = Journal(file, scene_text(empty).encode())
+    return desk_of(filmed, journal)
+
+
+def desk_of(filmed: Filmed, journal: Journal) -> RunDesk:
+    """The desk of a session; the journal is closed where it cannot be shown.
+
+    Raises:
+        ValueError: a line of the session, or a file of the scene, that cannot be read.
+    """
+    with ExitStack() as refused:
+        refused.callback(journal.close)
+        folder = journal.scene.absolute().parent
+        ledger, props = Ledger(journal), Props(folder, files_beside(folder))
+        played = PlayedScene(filmed, folder)
+        session = EditingSession(filmed, ledger, played, props, ToldScene(filmed, played, props))
+        session.joined(0)  # a scene that cannot be shown is refused here, and not to each browser
+        refused.pop_all()
+    return RunDesk(filmed, session)
+
+
+QUALITY = 82
+WIDEST_PX = 1600
+"""Wider pictures are made smaller: no screen beside a hand shows more."""
+KEPT_BYTES = 192 << 20
+
+
+class Footage:
+    """Pictures by number. May be asked by several threads.
+
+    Args:
+        frames: of a recording.
+    """
+
+    def __init__(self, frames: FrameSequence) -> None:
+        self._frames = frames
+        self._kept: OrderedDict[int, bytes] = OrderedDict()
+        self._bytes = 0
+        self._lock = threading.Lock()
+
+    def jpeg(self, index: int) -> bytes:
+        """A picture, colour or grey as it was taken.
+
+        Raises:
+            IndexError: there is no such picture.
+            RecordingError: it cannot be read.
+        """
+        if not 0 <= index < len(self._frames):
+            raise IndexError(f"Footage.jpeg: expected 0 to {len(self._frames) - 1}, got {index}")
+        with self._lock:  # decoders go from one picture to the next
+            if index in self._kept:
+                self._kept.move_to_end(index)
+                return self._kept[index]
+            image = self._frames[index].image()
+        wide = image.shape[1]
+        if wide > WIDEST_PX:
+            share = WIDEST_PX / wide
+            image = cv2.resize(image, None, fx=share, fy=share, interpolation=cv2.INTER_AREA)
+        if image.ndim == 3:
+            image = cv2.cvtColor(image, cv2.COLOR_RGB2BGR)
+        written, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+        if not written:
+            raise OSError(f"frame {index}: cannot be written as JPEG")
+        with self._lock:
+            self._keep(index, data.tobytes())
+            return self._kept[index]
+
+    def _keep(self, index: int, jpeg: bytes) -> None:
+        self._bytes += len(jpeg) - len(self._kept.pop(index, b""))
+        self._kept[index] = jpeg
+        while self._bytes > KEPT_BYTES and len(self._kept) > 1:
+            self._bytes -= len(self._kept.popitem(last=False)[1])
+
+
+log = logging.getLogger("motorcade.studio")
+
+MOST_RUNS = 1000
+RUN_LOG = "run.json"
+
+
+def offered(path: Path, run: Path | None = None) -> list[Offer]:
+    """The runs whose scenes can be edited.
+
+    Args:
+        path: a run's folder, a folder of runs, or a scene's file.
+        run: of a scene that lies elsewhere.
+
+    Raises:
+        ValueError: none of these.
+    """
+    if path.is_dir():
+        if run is not None:
+            raise ValueError(f"--run: expected with a scene's file, got the folder {path}")
+        if (path / RUN_LOG).is_file():
+            return [_offer(path, None)]
+        runs = sorted(one.parent for one in path.glob(f"*/{RUN_LOG}"))
+        if not runs:
+            raise ValueError(f"{path}: expected what `motorcade run` wrote, or a folder of such")
+        if len(runs) > MOST_RUNS:
+            log.warning("%s: the first %d of %d runs are listed", path, MOST_RUNS, len(runs))
+        return [_offer(one, None) for one in runs[:MOST_RUNS]]
+    folder = path.absolute().parent if run is None else run
+    if not (folder / RUN_LOG).is_file():
+        raise ValueError(
+            f"{path}: expected a run's folder, or a scene in one; {folder} holds no run. A scene "
+            "is edited on footage: `motorcade run RECORDING --out RUN` makes a run, and "
+            f"`motorcade author {path} --run RUN` opens the scene on it"
+        )
+    return [_offer(folder, path)]
+
+
+def ready(offer: Offer, say: Callable[[str], None]) -> Offer:
+    """An offer that was opened, so that what keeps it from being edited is told before the link.
+
+    Args:
+        offer: a single one.
+        say: takes a line on what is under way.
+
+    Raises:
+        ValueError: a run or a scene that cannot be read.
+        OSError: its recording is gone, or another process edits the scene.
+    """
+    say(f"{offer.name}: opening the run")
+    since = time.monotonic()
+    desk = offer.open()
+    say(f"{offer.name}: {desk.frames} pictures, {time.monotonic() - since:.1f} s")
+    return replace(offer, open=lambda: desk)
+
+
+def _offer(run: Path, scene: Path | None) -> Offer:
+    return Offer(run.absolute().name, lambda: open_desk(run, scene))

@@ -1,0 +1,177 @@
+"""A run as it is seen while its scene is edited: pictures, camera path, what to stand on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motorcade.animation.authoring import SceneAnchor
+from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.pipeline.runs import read_origin, read_run
+from motorcade.replays.stages.camera.as_found import as_found
+from motorcade.replays.stages.camera.offered import camera_of
+from motorcade.replays.stages.characters.performers import performers
+from motorcade.replays.stages.view.anchored import Grounds
+from motorcade.replays.stages.view.ground import Ground
+from motorcade.replays.stages.view.overlay import extrapolated
+from motorcade.tracking import Camera
+
+MOST_MARKERS = 40
+"""Of a map, that are offered to stand on."""
+
+
+@dataclass(frozen=True, eq=False)
+class Filmed:
+    """Footage with the camera that took it.
+
+    Args:
+        recording: with its camera, as the run found it.
+        grounds: what of it can be stood on, and the path along which it is drawn.
+        first: what the run itself stood its character on.
+        place_m: ``(2,)`` where that was, in the plane.
+        height_m: and how tall.
+        words: of the command line that made the run, but for where to and who stands in it.
+        moving: numbers of markers that the run was told do not stand still.
+    """
+
+    recording: Recording
+    grounds: Grounds
+    first: SceneAnchor
+    place_m: FloatArray
+    height_m: float
+    words: tuple[str, ...]
+    moving: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        self._found: dict[SceneAnchor, tuple[Ground, Similarity]]
+        object.__setattr__(self, "_found", {})
+
+    @property
+    def camera(self) -> Camera:
+        """The lens of the pictures."""
+        return camera_of(self.recording)
+
+    @property
+    def frames(self) -> int:
+        """How many pictures there are."""
+        return len(self.recording.frames)
+
+    @cached_property
+    def time_s(self) -> FloatArray:
+        """``(F,)`` seconds from the first frame."""
+        stamps = self.recording.frames.time_ns
+        since: FloatArray = 1e-9 * (stamps - stamps[0]).astype(np.float64)
+        return since
+
+    @cached_property
+    def world_T_camera(self) -> Motor:
+        """``(F,)``, at the path's ends where a frame lies beyond them; see `has_pose`."""
+        path, stamps = self.grounds.seen_from, self.recording.frames.time_ns
+        return path.motors_at(np.clip(stamps, path.time_ns[0], path.time_ns[-1]))
+
+    @cached_property
+    def has_pose(self) -> np.ndarray:
+        """``(F,)`` whether it is known where the camera was."""
+        path, stamps = self.grounds.seen_from, self.recording.frames.time_ns
+        return np.asarray((stamps >= path.time_ns[0]) & (stamps <= path.time_ns[-1]))
+
+    @cached_property
+    def up(self) -> FloatArray:
+        """``(3,)`` in the world: out of what the run stood its character on."""
+        made: FloatArray = self.ground(self.first).world_T_plane.rotor.apply([0.0, 0.0, 1.0])
+        return made
+
+    @cached_property
+    def stands(self) -> dict[str, SceneAnchor]:
+        """What else of the footage a scene may hang on, by the names that anchors of it get."""
+        found = {"floor": SceneAnchor("floor")}
+        poses = self.grounds.camera_poses
+        if self.recording.board is not None and poses.origin in ("board", "simulated"):
+            found["board"] = SceneAnchor("board")
+        markers = self.grounds.marker_poses
+        mapped = () if markers is None else markers.marker_map.marker_ids[:MOST_MARKERS]
+        for number in (*self.moving, *mapped):
+            found[f"marker {number}"] = SceneAnchor("marker", int(number))
+        return found
+
+    def rays(self, frame: int, pixels: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Rays of a frame's pixels ``(N, 2)``: where all begin ``(3,)``, and directions ``(N, 3)``.
+
+        Raises:
+            ValueError: a pixel that the lens shows nothing at, a frame without a pose.
+        """
+        if not self.has_pose[frame]:
+            raise ValueError("In this picture it is not known where the camera was.")
+        world_T_camera: Motor = self.world_T_camera[frame]
+        rays = self.camera.bearings(pixels)
+        if not np.all(np.isfinite(rays)):
+            raise ValueError("The lens shows nothing there.")
+        directions: FloatArray = world_T_camera.rotor.apply(rays)
+        return world_T_camera.translation_m, directions
+
+    def ground(self, anchor: SceneAnchor) -> Ground:
+        """What an anchor is.
+
+        Raises:
+            ValueError: it is not in this recording.
+        """
+        return self._anchored(anchor)[0]
+
+    def world_T_anchor(self, anchor: SceneAnchor) -> Similarity:
+        """Where an anchor is: ``(F,)``, or ``(1,)`` of one that stays.
+
+        Raises:
+            ValueError: it is not in this recording.
+        """
+        return self._anchored(anchor)[1]
+
+    def _anchored(self, anchor: SceneAnchor) -> tuple[Ground, Similarity]:
+        if anchor not in self._found:
+            ground, motion = self.grounds.asked(anchor.on, anchor.marker, anchor.floor_m)
+            poses: Motor = ground.world_T_plane.reshape(1)
+            if motion is not None:
+                stamps = self.recording.frames.time_ns
+                inside = np.clip(stamps, motion.time_ns[0], motion.time_ns[-1])
+                poses = motion.motors_at(inside) @ ground.world_T_plane
+            self._found[anchor] = ground, Similarity.from_motor_scale(poses)
+        return self._found[anchor]
+
+
+def spoken(anchor: SceneAnchor) -> str:
+    """An anchor as people call it."""
+    if anchor.on == "marker":
+        return f"Marker {anchor.marker}"
+    return {"auto": "The ground", "board": "The board", "plane": "The plane"}.get(
+        anchor.on, "The floor"
+    )
+
+
+def open_filmed(folder: Path) -> Filmed:
+    """Read a run back for its scene to be edited; what its cache lost is computed again.
+
+    Raises:
+        ValueError: a folder that holds no run, one whose recording has changed since, or one
+            without a camera.
+        OSError: its recording is gone.
+    """
+    origin = read_origin(folder)
+    recording, run = read_run(folder, "placed")
+    words = tuple(origin.words(recording))
+    found, integrity = run.outputs["camera_poses"], run.outputs["integrity"]
+    recording = as_found(recording, found.camera, found.depth_camera)
+    path: Trajectory = extrapolated(integrity.drawn, found.measurements.trajectory)
+    grounds = Grounds(recording, found, run.outputs.get("marker_poses"), path)
+    knobs = origin.knobs.get("placed", {})
+    told = {name: knobs[name] for name in ("on", "marker", "floor_m") if name in knobs}
+    placed = run.outputs["placed"]
+    who = performers(placed)[0]
+    height_m = who.placement.scale * who.character.height_m
+    place_m = placed.plane_T_character.translation_m[:2]
+    moving = tuple(origin.knobs.get("marker_poses", {}).get("moving", ()))
+    return Filmed(recording, grounds, SceneAnchor(**told), place_m, height_m, words, moving)

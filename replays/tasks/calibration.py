@@ -1,0 +1,252 @@
+"""Calibration from picture files or a video: views gathered, camera and coverage written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from motorcade.ga.arrays import FloatArray
+from motorcade.replays.io.atomic import write_bytes
+from motorcade.replays.io.errors import RecordingError, refusal
+from motorcade.replays.io.readers.frames.exif import picture_orientation
+from motorcade.replays.io.readers.frames.files import pictures_in
+from motorcade.replays.io.readers.frames.pictures import SUFFIXES, decode_gray, read_picture_bytes
+from motorcade.replays.io.readers.manifest.section import camera_toml
+from motorcade.replays.io.recording import Frame, ImageArray
+from motorcade.tracking import Board, Calibration, CalibrationError
+from motorcade.tracking.boards.corners import BoardCorners
+from motorcade.tracking.cameras.calibrate import spread_views
+from motorcade.tracking.cameras.camera import CameraModel
+from motorcade.tracking.cameras.lens_choice import LensTrial, better_lens, choose_lens, try_lenses
+from motorcade.tracking.cameras.orientation import AS_STORED, PictureOrientation
+
+# Frames of a video that are searched, and views that are fitted: more hardly change the result.
+_MOST_FRAMES = 300
+_MOST_VIEWS = 60
+
+_Read = tuple[str, Callable[[tuple[int, int] | None], tuple[ImageArray, PictureOrientation]]]
+
+
+@dataclass(frozen=True, eq=False)
+class CalibrationRun:
+    """A calibration, and what became of every picture.
+
+    Fields:
+        calibration: of `views`.
+        board: what was looked for.
+        names: of the pictures of `views`.
+        views: the fitted views and those that were left out of the fit.
+        searched: how many pictures were read.
+        found: in how many of them the board was found.
+        unreadable: one line for each picture that could not be read.
+        orientation: how the pictures are stored, where all say the same.
+        trials: every lens model, judged by held-out views.
+        doubt: which lens model predicts held-out views better than the one asked for; empty where
+            none does.
+    """
+
+    calibration: Calibration
+    board: Board
+    names: tuple[str, ...]
+    views: tuple[BoardCorners, ...]
+    searched: int
+    found: int
+    unreadable: tuple[str, ...]
+    orientation: PictureOrientation
+    trials: tuple[LensTrial, ...]
+    doubt: str
+
+
+def calibrate_pictures(
+    paths: Sequence[Path],
+    board: Board,
+    model: CameraModel | None = None,
+) -> CalibrationRun:
+    """Calibrate the camera that took pictures of a board.
+
+    Args:
+        paths: picture files, folders of them, or video files; all of one size.
+        board: what they show.
+        model: "pinhole", "radtan" or "equidistant"; None: the simplest that predicts held-out views
+            as well as the best.
+
+    Returns:
+        the run; pictures that cannot be read, or are of another size than the first, are listed.
+
+    Raises:
+        CalibrationError: too few pictures show the board, or what `tracking.calibrate` refuses.
+        RecordingError: a path that does not exist, a folder without pictures, a video that cannot
+            be read.
+    """
+    for path in paths:
+        if not path.exists():
+            raise refusal(path, "the file is missing")
+    size: tuple[int, int] | None = None
+    found: list[tuple[str, BoardCorners]] = []
+    held: set[PictureOrientation] = set()
+    unreadable: list[str] = []
+    searched = 0
+    for name, read in _pictures(paths):
+        try:
+            gray, orientation = read(size)
+        except RecordingError as fault:
+            unreadable.append(str(fault))
+            continue
+        size = gray.shape[1], gray.shape[0]
+        held.add(orientation)
+        searched += 1
+        view = board.detect(gray)
+        if view is not None and view.spanning:
+            found.append((name, view))
+    if size is None or not found:
+        first = f"; first: {unreadable[0]}" if unreadable else ""
+        raise CalibrationError(
+            f"{board.name}: expected it in some pictures, got it in none of {searched} that could "
+            f"be read, {len(unreadable)} could not{first}"
+        )
+    spread = spread_views([view for _, view in found], _MOST_VIEWS)
+    views = tuple(found[index][1] for index in spread)
+    trials = try_lenses(views, size)
+    chosen = choose_lens(trials)
+    if model is not None:
+        chosen = next(trial for trial in trials if trial.model == model)
+    if chosen.calibration is None:
+        raise CalibrationError(chosen.fault)
+    better = better_lens(trials, chosen)
+    return CalibrationRun(
+        calibration=chosen.calibration,
+        board=board,
+        names=tuple(found[index][0] for index in spread),
+        views=views,
+        searched=searched,
+        found=len(found),
+        unreadable=tuple(unreadable),
+        orientation=held.pop() if len(held) == 1 else AS_STORED,
+        trials=trials,
+        doubt="" if better is None else _doubt(chosen, better),
+    )
+
+
+def _doubt(chosen: LensTrial, better: LensTrial) -> str:
+    return (
+        f"{better.model} predicts held-out views to {better.typical_px:.2f} px, {chosen.model} to "
+        f"{chosen.typical_px:.2f}: say --model {better.model}, or leave it out"
+    )
+
+
+def _pictures(paths: Sequence[Path]) -> Iterator[_Read]:
+    for path in paths:
+        if path.is_dir():
+            yield from map(_picture, pictures_in(path))
+        elif path.suffix.lower() in SUFFIXES:
+            yield _picture(path)
+        else:
+            yield from _video(path)
+
+
+def _picture(path: Path) -> _Read:
+    def read(size: tuple[int, int] | None) -> tuple[ImageArray, PictureOrientation]:
+        data = read_picture_bytes(path, None, size)
+        return decode_gray(path, data, None), picture_orientation(data)
+
+    return str(path), read
+
+
+def _video(path: Path) -> Iterator[_Read]:
+    from motorcade.replays.io.readers.frames.video import VideoFrames
+
+    def reader(
+        frame: Frame,
+    ) -> Callable[[tuple[int, int] | None], tuple[ImageArray, PictureOrientation]]:
+        return lambda _: (frame.gray(), frames.orientation)
+
+    frames, _ = VideoFrames(path).intact(None)
+    count = min(len(frames), _MOST_FRAMES)
+    for index in np.unique(np.linspace(0, len(frames) - 1, count).astype(int)):
+        yield f"{path}, frame {index}", reader(frames[int(index)])
+
+
+def describe_calibration(run: CalibrationRun) -> dict[str, Any]:
+    """The camera and what speaks for it, for JSON and for people."""
+    found = run.calibration
+    camera = found.camera
+    errors = found.view_error_px[found.used]
+    return {
+        "board": run.board.name,
+        "camera": {
+            "model": camera.model,
+            "width_px": camera.width,
+            "height_px": camera.height,
+            "fx_px": camera.fx,
+            "fy_px": camera.fy,
+            "cx_px": camera.cx,
+            "cy_px": camera.cy,
+            "distortion": list(camera.distortion),
+        },
+        "standard_deviation": {
+            **dict(zip(("fx_px", "fy_px", "cx_px", "cy_px"), found.deviation[:4], strict=True)),
+            "distortion": found.deviation[4:].tolist(),
+        },
+        "held_out_px": {trial.model: _finite(trial.typical_px) for trial in run.trials},
+        "doubt": run.doubt or None,
+        "reprojection_rmse_px": found.rmse_px,
+        "worst_view_rmse_px": float(errors.max()),
+        "pictures_searched": run.searched,
+        "pictures_with_board": run.found,
+        "views_used": int(found.used.sum()),
+        "views_left_out": int((~found.used).sum()),
+        "coverage": found.coverage(run.views),
+        "largest_turn_deg": found.turn_deg,
+        "unreadable": list(run.unreadable),
+        "views": [
+            {"picture": name, "corners": len(view), "used": bool(used), "rmse_px": _finite(error)}
+            for name, view, used, error in zip(
+                run.names, run.views, found.used, found.view_error_px, strict=True
+            )
+        ],
+    }
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def write_calibration(run: CalibrationRun, path: Path) -> Path:
+    """Write the camera as TOML (usable as a manifest), and the coverage picture beside it.
+
+    Returns:
+        where the picture lies: `path` with ``_coverage.png`` for its suffix.
+
+    Raises:
+        OSError: a file that cannot be written.
+    """
+    from motorcade.render.plots import plot_coverage
+
+    found = run.calibration
+    camera = found.camera
+    said = (
+        f"# {int(found.used.sum())} views of {run.board.name}, {found.rmse_px:.4f} px RMS;\n"
+        "# standard deviations of fx fy cx cy and distortion: "
+        f"{' '.join(f'{one:.2g}' for one in found.deviation)}\n"
+    )
+    write_bytes(path, (said + camera_toml(camera, run.orientation.degrees)).encode())
+    picture = path.with_name(f"{path.stem}_coverage.png")
+    title = f"{path.stem}: {found.rmse_px:.3f} px RMS, {found.coverage(run.views):.0%} of the cells"
+    data = plot_coverage(
+        (camera.width, camera.height),
+        _corners(run, used=True),
+        found.residuals_px,
+        _corners(run, used=False),
+        title,
+    )
+    write_bytes(picture, data)
+    return picture
+
+
+def _corners(run: CalibrationRun, *, used: bool) -> FloatArray:
+    rows = zip(run.views, run.calibration.used, strict=True)
+    return np.concatenate([np.empty((0, 2)), *(one.corners_px for one, is_ in rows if is_ == used)])

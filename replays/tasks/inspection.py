@@ -1,0 +1,213 @@
+"""What a recording or a character file holds, as JSON-ready values whose keys carry units.
+
+Recordings: frames, rates, gaps, calibration, streams, truth. Characters and motions: joints,
+triangles, influences, clips.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from motorcade.animation import Character, Clip, Skeleton
+from motorcade.animation.formats import NoMeshError, read_character, read_motion
+from motorcade.fusion.health import check_health
+from motorcade.fusion.imu import ImuStream, screen_imu
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.stamps import near_steps
+from motorcade.replays.engine.stage import StageError
+from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.video import VideoFrames
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.pipeline.described.opening import open_described, summary
+from motorcade.tracking.cameras.orientation import AS_STORED
+
+
+def describe(recording: Recording) -> dict[str, Any]:
+    """Contents of a recording as JSON-ready values whose keys carry units."""
+    about: dict[str, Any] = {"name": recording.name}
+    about |= describe_stream("frames", recording.frames.time_ns)
+    camera = recording.camera
+    if camera is not None:
+        about["image_size_px"] = [camera.width, camera.height]
+        about["camera_model"] = camera.model
+        about["focal_px"] = [camera.fx, camera.fy]
+        about["principal_point_px"] = [camera.cx, camera.cy]
+        about["distortion"] = list(camera.distortion)
+        if recording.readout_s:
+            about["readout_s"] = recording.readout_s
+    frames = recording.frames
+    if isinstance(frames, PictureFrames | VideoFrames) and frames.orientation != AS_STORED:
+        about["shown_turned_deg"] = frames.orientation.degrees
+    if isinstance(frames, VideoFrames) and frames.notes:
+        about["notes"] = list(frames.notes)
+    about |= _depth(recording)
+    if recording.board is not None:
+        about["board"] = recording.board.name
+        about["board_size_m" if recording.metric else "board_size"] = list(recording.board.size_m)
+    if recording.markers is not None:
+        about["markers"] = recording.markers.family
+    if recording.imu is not None:
+        about |= describe_stream("imu", recording.imu.time_ns)
+        about |= _health(recording, recording.imu)
+    if recording.imu_noise is not None:
+        about["imu_noise"] = str(recording.imu_noise)
+    if recording.truth is not None:
+        about |= describe_stream("truth", recording.truth.time_ns)
+        steps = np.diff(recording.truth.poses.translation_m, axis=0)
+        about["truth_path_m"] = float(np.linalg.norm(steps, axis=1).sum())
+    return about
+
+
+def describe_whole(path: Path, manifest: Path | None = None) -> dict[str, Any]:
+    """Contents of a recording, with what was found out where neither it nor a manifest tells them.
+
+    Raises:
+        RecordingError: as `open_recording`.
+    """
+    recording = _without_damage(open_recording(path, manifest))
+    with tempfile.TemporaryDirectory() as cache:
+        try:
+            opened = open_described(recording, manifest, Path(cache), {})
+        except StageError as fault:  # its pictures tell too little: that is worth telling, too
+            return describe(recording) | {"not_found": str(fault)}
+    return describe(_without_damage(opened.recording)) | summary(opened)
+
+
+def _without_damage(recording: Recording) -> Recording:
+    """Of a video, which is read whole for that: only then the count of its frames is certain."""
+    return recording.intact() if isinstance(recording.frames, VideoFrames) else recording
+
+
+def _depth(recording: Recording) -> dict[str, Any]:
+    """How many frames have depth, in which unit, and what took it if not the frames' camera."""
+    frames = recording.frames
+    if not isinstance(frames, PictureFrames) or not any(frames.depth_files):
+        return {}
+    about: dict[str, Any] = {
+        "depth_count": sum(path is not None for path in frames.depth_files),
+        "depth_units_per_m": frames.depth_units_per_m,
+    }
+    if frames.depth_camera is not None:
+        lens = frames.depth_camera.camera
+        about["depth_image_size_px"] = [lens.width, lens.height]
+        about["depth_focal_px"] = [lens.fx, lens.fy]
+        about["depth_position_m"] = frames.depth_camera.colour_T_depth.translation_m.tolist()
+    return about
+
+
+def _health(recording: Recording, imu: ImuStream) -> dict[str, Any]:
+    """What is wrong with the readings: by themselves, and beside the ground truth if there is."""
+    try:
+        found = list(screen_imu(imu))
+    except ValueError as fault:
+        found = [str(fault)]
+    truth, imu_T_camera = recording.truth, recording.imu_T_camera
+    if truth is None or imu_T_camera is None:
+        return {"imu_health": found} if found else {}
+    health = check_health(truth.rigid, imu, imu_T_camera, up=False)
+    return {"imu_health": [*found, *(one.summary for one in health.findings), *health.unknown]}
+
+
+def describe_stream(name: str, time_ns: IntArray) -> dict[str, Any]:
+    """Count, span, rate and gaps of a stamped stream, under keys that begin with its name."""
+    about: dict[str, Any] = {f"{name}_count": len(time_ns)}
+    if len(time_ns) < 2:
+        return about
+    steps_s = np.diff(time_ns) * 1e-9
+    usual = float(np.median(steps_s))
+    about[f"{name}_duration_s"] = float(steps_s.sum())
+    about[f"{name}_rate_hz"] = 1.0 / usual
+    about[f"{name}_gaps"] = int(np.count_nonzero(~near_steps(steps_s)))
+    about[f"{name}_longest_gap_s"] = float(steps_s.max())
+    return about
+
+
+def describe_character(
+    path: Path, pose: str | None = None, *, up: str | None = None, front: str | None = None
+) -> dict[str, Any]:
+    """Contents of a character or motion file; a motion has no mesh.
+
+    Positions are in character space: metres, z up, facing +x.
+
+    Args:
+        path: the file.
+        pose: `CLIP@SECONDS`, a moment at which to tell where the joints are; seconds count on
+            the clip's own clock.
+        up: the axis of the file that is up, where the caller knows better.
+        front: the axis of the file that the figure faces at rest, likewise.
+
+    Raises:
+        FormatError: the file cannot be read.
+        ValueError: no such clip, or a pose that is not `CLIP@SECONDS`.
+    """
+    try:
+        character = read_character(path, up=up, front=front)
+    except NoMeshError:
+        motion = read_motion(path, up=up, front=front)
+        about: dict[str, Any] = {"name": path.name}
+        skeleton, clips, notices = motion.skeleton, motion.clips, motion.notices
+    else:
+        about = {"name": path.name} | _mesh(character)
+        skeleton, clips, notices = character.skeleton, character.clips, character.notices
+    about |= {
+        "joint_count": len(skeleton),
+        "joints": _joints(skeleton, skeleton.rest_world.translation_m, "rest_position_m"),
+        "clip_count": len(clips),
+        "clips": [
+            {
+                "name": clip.name,
+                "seconds": clip.duration_s,
+                "start_s": float(clip.time_s[0]),
+                "keys": clip.key_count,
+                "samples": len(clip.time_s),
+                "looped": clip.looped,
+            }
+            for clip in clips
+        ],
+        "notices": list(notices),
+    }
+    if pose is not None:
+        about["pose"] = _posed(skeleton, clips, pose)
+    return about
+
+
+def _mesh(character: Character) -> dict[str, Any]:
+    held = (character.weights > 0.0).sum(axis=1)
+    return {
+        "height_m": character.height_m,
+        "vertices": len(character.vertices),
+        "triangles": len(character.triangles),
+        "influences_max": int(held.max()),
+        "influences_mean": float(held.mean()),
+        "weighted_joints": len(np.unique(character.joints[character.weights > 0.0])),
+    }
+
+
+def _joints(skeleton: Skeleton, places: FloatArray, key: str) -> list[dict[str, Any]]:
+    return [
+        {"name": name, "parent": None if parent < 0 else skeleton.names[parent], key: place}
+        for name, parent, place in zip(
+            skeleton.names, skeleton.parents.tolist(), places.tolist(), strict=True
+        )
+    ]
+
+
+def _posed(skeleton: Skeleton, clips: tuple[Clip, ...], pose: str) -> dict[str, Any]:
+    name, _, seconds = pose.rpartition("@")
+    chosen = next((clip for clip in clips if clip.name == name), None)
+    if chosen is None:
+        listed = ", ".join(f"'{clip.name}'" for clip in clips) or "none"
+        raise ValueError(f"pose: expected CLIP@SECONDS with one of {listed}, got '{pose}'")
+    try:
+        at_s = float(seconds)
+    except ValueError as fault:
+        raise ValueError(f"pose: expected CLIP@SECONDS, got '{pose}'") from fault
+    if not np.isfinite(at_s):
+        raise ValueError(f"pose: expected CLIP@SECONDS with finite seconds, got '{pose}'")
+    places = skeleton.world(chosen.at(at_s)).translation_m
+    return {"clip": name, "at_s": at_s, "joints": _joints(skeleton, places, "position_m")}

@@ -1,0 +1,216 @@
+"""Markers in picture files: found, posed, described for machines, and drawn for people."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from motorcade.ga.arrays import FloatArray
+from motorcade.replays.io.atomic import write_bytes
+from motorcade.replays.io.errors import RecordingError, refusal
+from motorcade.replays.io.readers.frames.exif import picture_orientation
+from motorcade.replays.io.readers.frames.held import upright_camera
+from motorcade.replays.io.readers.frames.pictures import (
+    decode_gray,
+    picture_size,
+    read_picture_bytes,
+)
+from motorcade.replays.io.recording import ImageArray
+from motorcade.tracking import Camera, Detection, TrackingError, detect_markers, pose_marker
+from motorcade.tracking.checks import check_length
+from motorcade.tracking.markers.poses import PosedMarker
+
+_LOG = logging.getLogger("motorcade.replays")
+_OUTLINE, _FIRST, _DOUBTFUL = (0, 200, 0), (0, 0, 255), (0, 165, 255)  # blue, green, red
+_AXES = ((0, 0, 255), (0, 255, 0), (255, 0, 0))
+_SUBPIXEL_BITS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class MarkerPicture:
+    """The markers of one picture, upright.
+
+    Fields:
+        path: the file.
+        gray: what was searched.
+        detections: by rising id.
+        posed: one for each detection where camera and size are known, else empty; None for a
+            marker that has no pose (outside what the lens model covers).
+        camera: of the upright picture, where it is known.
+    """
+
+    path: Path
+    gray: ImageArray
+    detections: tuple[Detection, ...]
+    posed: tuple[PosedMarker | None, ...] = ()
+    camera: Camera | None = None
+
+
+def markers_in(
+    paths: Sequence[Path],
+    family: str,
+    camera: Camera | None = None,
+    size_m: float | None = None,
+    rotation_deg: int | None = None,
+) -> Iterator[MarkerPicture | RecordingError]:
+    """Find the markers of picture files, one by one; a file that cannot be read gives its error.
+
+    Args:
+        paths: PNG, JPEG, BMP or PNM files, grey or colour, 8 or 16 bits.
+        family: one of `tracking.FAMILIES`.
+        camera: undistorts lines; with `size_m` gives poses. The pictures must have its size, as
+            shown or as stored.
+        size_m: side of the markers' black square, metres.
+        rotation_deg: the axes that the camera is stated in (see `readers.frames.held`).
+
+    Raises:
+        ValueError: an unknown family, a size that is not above zero or is given without a camera.
+    """
+    if size_m is not None and camera is None:
+        raise ValueError("size_m: expected a camera with it, since poses need both, got none")
+    if size_m is not None:
+        check_length(size_m, "size_m")
+    for path in paths:
+        try:
+            data = read_picture_bytes(path, None, None)
+            taken_by = None if camera is None else _camera_of(path, data, camera, rotation_deg)
+            gray = decode_gray(path, data, None)
+        except RecordingError as fault:
+            yield fault
+            continue
+        found = detect_markers(gray, family, taken_by)
+        posed: tuple[PosedMarker | None, ...] = ()
+        if taken_by is not None and size_m is not None:
+            posed = tuple(_posed(one, taken_by, size_m) for one in found)
+        yield MarkerPicture(path, gray, found, posed, taken_by)
+
+
+def _camera_of(path: Path, data: bytes, stated: Camera, rotation_deg: int | None) -> Camera:
+    """The camera of a picture as shown; says what it took for granted."""
+    try:
+        found = upright_camera(stated, rotation_deg, picture_size(data), picture_orientation(data))
+    except ValueError as fault:
+        raise refusal(path, str(fault)) from fault
+    if found.said:
+        _LOG.warning("%s: %s", path, found.said)
+    return found.camera
+
+
+def _posed(detection: Detection, camera: Camera, size_m: float) -> PosedMarker | None:
+    try:
+        return pose_marker(detection, camera, size_m)
+    except TrackingError:
+        return None
+
+
+def describe(picture: MarkerPicture) -> dict[str, Any]:
+    """What was found, for JSON: pixels, metres, quaternions wxyz (see `motorcade detect`)."""
+    height, width = picture.gray.shape
+    rows = []
+    for index, one in enumerate(picture.detections):
+        row: dict[str, Any] = {
+            "id": one.marker_id,
+            "family": one.family,
+            "corners_px": np.round(one.corners_px, 4).tolist(),
+            "wrong_cells": one.wrong_cells,
+            "agreement": round(one.agreement, 4),
+            "sharp": one.sharp,
+        }
+        if picture.posed:
+            row |= _described_pose(picture.posed[index])
+        rows.append(row)
+    return {"file": str(picture.path), "width_px": width, "height_px": height, "markers": rows}
+
+
+def _described_pose(posed: PosedMarker | None) -> dict[str, Any]:
+    if posed is None:
+        return {"candidates": [], "ambiguity": None}
+    candidates = [
+        {
+            "camera_T_marker": {
+                "translation_m": pose.translation_m.tolist(),
+                "rotation_wxyz": pose.rotor.as_quaternion().tolist(),
+            },
+            "reprojection_rmse_px": float(error),
+        }
+        for pose, error in zip(posed.camera_T_marker, posed.candidates.error_px, strict=True)
+    ]
+    return {"candidates": candidates, "ambiguity": posed.ambiguity}
+
+
+def draw(picture: MarkerPicture) -> ImageArray:
+    """The picture with outlines, ids, a dot on each printed top-left corner, and axes of poses.
+
+    Outlines of corners that are not sharp are orange. Returns BGR ``(height, width, 3)``.
+    """
+    canvas = cv2.cvtColor(picture.gray, cv2.COLOR_GRAY2BGR)
+    for index, one in enumerate(picture.detections):
+        colour = _OUTLINE if one.sharp else _DOUBTFUL
+        cv2.polylines(
+            canvas, [_fixed(one.corners_px)], True, colour, 1, cv2.LINE_AA, _SUBPIXEL_BITS
+        )
+        first = _fixed(one.corners_px)[0]
+        cv2.circle(canvas, first.tolist(), 40, _FIRST, -1, cv2.LINE_AA, _SUBPIXEL_BITS)
+        posed = picture.posed[index] if picture.posed else None
+        if picture.camera is not None and posed is not None:
+            _draw_axes(canvas, posed, picture.camera)
+        _write_id(canvas, one)
+    return np.asarray(canvas, np.uint8)
+
+
+def drawing_names(paths: Sequence[Path]) -> list[str]:
+    """A name for the drawing of each file: its own stem, numbered where it came up before."""
+    stems = [path.stem for path in paths]
+    before = [stems[:index].count(stem) for index, stem in enumerate(stems)]
+    return [
+        f"{stem}_{count + 1}.png" if count else f"{stem}.png"
+        for stem, count in zip(stems, before, strict=True)
+    ]
+
+
+def write_drawing(picture: MarkerPicture, path: Path) -> None:
+    """Write `draw`'s picture as a PNG file.
+
+    Raises:
+        OSError: a file that cannot be written.
+    """
+    _, data = cv2.imencode(".png", draw(picture))
+    write_bytes(path, data.tobytes())
+
+
+def _draw_axes(canvas: ImageArray, posed: PosedMarker, camera: Camera) -> None:
+    """The better pose's axes x red, y green, z blue, half a marker long, from its first corner."""
+    pose = posed.camera_T_marker[0]
+    far = np.linalg.norm(pose.apply([0.0, 0.0, 0.0]))
+    spans = np.linalg.norm(posed.detection.corners_px[1] - posed.detection.corners_px[0])
+    length = 0.5 * float(spans) * float(far) / camera.fx
+    ends = camera.project(pose.apply(length * np.vstack([np.zeros(3), np.eye(3)])))
+    if not np.isfinite(ends).all():
+        return
+    origin = _fixed(ends[0]).tolist()
+    for end, colour in zip(ends[1:], _AXES, strict=True):
+        cv2.line(canvas, origin, _fixed(end).tolist(), colour, 2, cv2.LINE_AA, _SUBPIXEL_BITS)
+
+
+def _write_id(canvas: ImageArray, one: Detection) -> None:
+    span = float(np.linalg.norm(one.corners_px[2] - one.corners_px[0]))
+    scale = float(np.clip(span / 80.0, 0.4, 2.0))
+    text = str(one.marker_id)
+    (width, height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, scale, 1)
+    column, row = one.corners_px.mean(axis=0) + np.array([-0.5 * width, 0.5 * height])
+    place = (round(column), round(row))
+    for colour, thickness in (((255, 255, 255), 4), ((200, 0, 200), 1)):
+        cv2.putText(
+            canvas, text, place, cv2.FONT_HERSHEY_SIMPLEX, scale, colour, thickness, cv2.LINE_AA
+        )
+
+
+def _fixed(places: FloatArray) -> Any:
+    """Pixels as the fixed-point numbers that OpenCV draws sub-pixel places from."""
+    return np.rint(places * 2**_SUBPIXEL_BITS).astype(np.int32)
