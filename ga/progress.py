@@ -22,7 +22,8 @@ Item = TypeVar("Item")
 DELAY_S = 1.0
 LINE_EVERY_S = 4.0
 _TICK_S = 0.5
-_asked_for = True
+log = logging.getLogger("motorcade.progress")
+"""Disabled where none is asked for, so that a command can say so without importing this."""
 
 
 class _Lines:
@@ -52,8 +53,7 @@ _lines = _Lines()
 
 def show_progress(shown: bool) -> None:
     """Whether this process shows progress from here on, where there is any to show."""
-    global _asked_for
-    _asked_for = shown
+    log.disabled = not shown
 
 
 def track(items: Iterable[Item], what: str, total: int) -> Iterator[Item]:
@@ -154,7 +154,7 @@ def log_stages(recording: str = "") -> Iterator[logging.Logger]:
         return True
 
     before = stages.level
-    if _asked_for and stages.getEffectiveLevel() > logging.INFO:
+    if not log.disabled and stages.getEffectiveLevel() > logging.INFO:
         stages.setLevel(logging.INFO)
     if recording:
         stages.addFilter(named)
@@ -167,7 +167,7 @@ def log_stages(recording: str = "") -> Iterator[logging.Logger]:
 
 def _heard() -> bool:
     """Whether this process says how far it is, in bars or in lines."""
-    return _asked_for and multiprocessing.parent_process() is None
+    return not log.disabled and multiprocessing.parent_process() is None
 
 
 def _shown() -> bool:

@@ -319,7 +319,7 @@ def add_print(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def print_boards(arguments: argparse.Namespace) -> None:
     """Lay the boards out, write the sheets and the manifest's tables, and say where."""
-    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.io.files import write_bytes
     from motorcade.replays.io.readers.manifest.section import read_board
     from motorcade.replays.tasks.printing import (
         lay_out,

@@ -113,7 +113,7 @@ def author_scene(arguments: argparse.Namespace) -> None:
 
     from motorcade.animation.authoring import Snapping, scene_text
     from motorcade.replays.cli.arguments import print_json
-    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.io.files import write_bytes
     from motorcade.replays.tasks.gestures import author
 
     snapping = Snapping(

@@ -140,7 +140,7 @@ def _report(out: Path) -> None:
 
 
 def _recorded(arguments: argparse.Namespace) -> dict[str, object]:
-    from motorcade.replays.comparison.own_data import compare_recorded
+    from motorcade.replays.comparison.run import compare_recorded
     from motorcade.replays.io.trajectories import read_trajectory
 
     for name in ("trajectories", "degradations", "seeds", "quick"):
@@ -198,15 +198,15 @@ def add_consistency(commands: Subparsers, shared: argparse.ArgumentParser) -> No
 
 def consistency(arguments: argparse.Namespace) -> None:
     """Run, write the page, print the shares of steps within the bounds."""
-    from motorcade.replays.comparison.consistency.page import write_page
-    from motorcade.replays.comparison.consistency.run import (
+    from motorcade.replays.comparison.consistency import (
         ConsistencyPlan,
         as_json,
         as_table,
         run_plan,
+        write_page,
     )
     from motorcade.replays.engine.executors import check_executor
-    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.io.files import write_bytes
     from motorcade.replays.pipeline.results import require_writable
 
     names = ("motions", "filters", "runs", "seed", "duration_s")

@@ -187,7 +187,7 @@ def _add_relative_to(parser: argparse.ArgumentParser) -> None:
 
 def evaluate_files(arguments: argparse.Namespace) -> None:
     """Read all, evaluate, print a table."""
-    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.io.files import write_bytes
     from motorcade.replays.io.trajectories import check_rows, read_trajectory
 
     if arguments.plot is not None and arguments.plot.suffix != ".svg":

@@ -137,7 +137,7 @@ def _add_doubts(parser: argparse.ArgumentParser) -> None:
 
 def fuse(arguments: argparse.Namespace) -> None:
     """Read, fuse, write; print what was found."""
-    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.io.files import write_bytes
     from motorcade.replays.io.readers.manifest.inertial import read_imu_calibration
     from motorcade.replays.io.readers.opening import read_imu_of
     from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
@@ -204,7 +204,7 @@ def _calibration(
     extrinsics: Path | None, rig: ImuCalibration | None
 ) -> tuple[Motor | None, float, ImuNoise | None]:
     """Extrinsics, the offset of the clocks and the noise, as files say them."""
-    from motorcade.replays.io.extrinsics import read_extrinsics, read_offset
+    from motorcade.replays.io.readers.kalibr import read_extrinsics, read_offset
 
     imu_T_camera, offset_s, noise = None, 0.0, None
     if rig is not None:
@@ -262,7 +262,7 @@ def sync(arguments: argparse.Namespace) -> None:
     """Read both, estimate, print a table."""
     from motorcade.fusion.imu import ADIS16448, ImuNoise
     from motorcade.fusion.sync import synchronise
-    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.io.files import write_bytes
     from motorcade.replays.io.readers.opening import read_imu_of
     from motorcade.replays.io.trajectories import read_trajectory
 

@@ -205,8 +205,7 @@ def _faults(arguments: argparse.Namespace) -> ImuFaults:
 
 def _vibration(arguments: argparse.Namespace) -> VibrationSpectrum | None:
     from motorcade.fusion.imu import VibrationSpectrum
-    from motorcade.replays.io.imu import read_imu
-    from motorcade.replays.io.vibration import read_vibration
+    from motorcade.replays.io.imu import read_imu, read_vibration
 
     if arguments.vibration is not None:
         return read_vibration(arguments.vibration)
@@ -300,7 +299,7 @@ def _draw_allan(found: StreamNoise, path: Path) -> None:
     import numpy as np
 
     from motorcade.render.plots import plot_allan, standing_alone
-    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.io.files import write_bytes
 
     curves = {}
     for name, curve, axes in (
@@ -363,9 +362,9 @@ def add_orient(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 def orient(arguments: argparse.Namespace) -> None:
     """Read, estimate, write, and say what is doubtful."""
     from motorcade.fusion.orientation import estimate_orientation, orientation_doubts
-    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.io.files import write_bytes
     from motorcade.replays.io.magnetic import read_imu_and_field
-    from motorcade.replays.io.orientations import write_deviations, write_orientation
+    from motorcade.replays.io.trajectories import write_deviations, write_orientation
 
     model, magnetometer = _model(arguments), arguments.magnetometer
     if magnetometer == Path():

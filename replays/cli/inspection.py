@@ -61,10 +61,15 @@ def inspect(arguments: argparse.Namespace) -> None:
 def _describe(path: Path, manifest: Path | None) -> dict[str, Any]:
     """What a recording, a bag or a file of poses or readings holds."""
     from motorcade.replays.io.readers.opening import open_recording
-    from motorcade.replays.io.readers.ros.naming import is_bag
     from motorcade.replays.io.readers.ros.recording import holds_pictures
-    from motorcade.replays.tasks.inspection import describe, describe_whole
-    from motorcade.replays.tasks.listing import TEXT_SUFFIXES, describe_bag, describe_text
+    from motorcade.replays.io.trajectories import is_bag
+    from motorcade.replays.tasks.inspection import (
+        TEXT_SUFFIXES,
+        describe,
+        describe_bag,
+        describe_text,
+        describe_whole,
+    )
 
     if manifest is None and path.is_file() and path.suffix.lower() in TEXT_SUFFIXES:
         return describe_text(path)
@@ -170,8 +175,7 @@ def add_export(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def export(arguments: argparse.Namespace) -> None:
     """Read the run and write what was asked for."""
-    from motorcade.replays.pipeline.export.colmap import write_colmap
-    from motorcade.replays.pipeline.export.nerfstudio import write_nerfstudio
+    from motorcade.replays.pipeline.export.images import write_colmap, write_nerfstudio
     from motorcade.replays.pipeline.export.usd import write_usd
     from motorcade.replays.pipeline.runs import open_run, write_rrd, write_run_gltf
 

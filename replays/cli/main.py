@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
 from motorcade import __version__
-from motorcade.ga.progress import show_progress
 from motorcade.replays.cli import (
     cameras,
     characters,
@@ -133,7 +132,7 @@ def command_parser(
 
 
 def _set_up_logging(verbose: int, *, quiet: bool) -> None:
-    show_progress(not quiet)
+    logging.getLogger("motorcade.progress").disabled = quiet  # see `ga.progress`
     level = (logging.WARNING, logging.INFO, logging.DEBUG)[min(verbose, 2)]
     handler = _Lines()
     handler.addFilter(_Once())

@@ -13,7 +13,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.ga.progress import log_stages, show_progress
 from motorcade.replays.cli.arguments import (
     Subparsers,
     add_executor,
@@ -159,6 +158,7 @@ def run_one(job: Job, *, as_json: bool, strict: bool) -> None:
     Raises:
         RuntimeError: a doubtful result, where that is asked to be strict.
     """
+    from motorcade.ga.progress import log_stages
     from motorcade.replays.pipeline.job import run_job
 
     with log_stages() as lines:
@@ -171,6 +171,7 @@ def run_one(job: Job, *, as_json: bool, strict: bool) -> None:
 
 def _run_one_of_several(job: Job, *, quiet: bool) -> dict[str, Any]:
     """Run a recording, here or in another process; its log lines begin with its name."""
+    from motorcade.ga.progress import log_stages, show_progress
     from motorcade.replays.pipeline.job import run_job
 
     show_progress(not quiet)
@@ -270,6 +271,8 @@ def demo(arguments: argparse.Namespace) -> None:
     cache = arguments.cache or arguments.out / ".cache"
     start = time.perf_counter()
     recording = ensure_demo_recording(arguments.out / "recording", arguments.seed)
+    from motorcade.ga.progress import log_stages
+
     with log_stages() as lines:
         lines.info("recording: %.1f s", time.perf_counter() - start)
     job = Job(
@@ -373,8 +376,8 @@ def draw_graph(arguments: argparse.Namespace) -> None:
     """Print or write the drawing."""
     from motorcade.replays.engine import drawing
     from motorcade.replays.engine.knobs import described_knobs
-    from motorcade.replays.io.atomic import write_bytes
-    from motorcade.replays.pipeline.described.opening import description_graph
+    from motorcade.replays.io.files import write_bytes
+    from motorcade.replays.pipeline.described.describing import description_graph
     from motorcade.replays.pipeline.job import pipeline_graph
 
     graph = pipeline_graph()

@@ -78,7 +78,7 @@ def draw_file(arguments: argparse.Namespace) -> None:
     from motorcade.ga.drawing import draw_script
     from motorcade.ga.drawing.view import View
     from motorcade.ga.script.meaning import with_algebra
-    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.io.files import write_bytes
 
     given = dict(arguments.values)
     if len(given) < len(arguments.values):
@@ -148,7 +148,7 @@ def generate_code(arguments: argparse.Namespace) -> None:
     """Generate, then print or write."""
     from motorcade.ga.codegen.generate import generate
     from motorcade.ga.codegen.passes.stats import table_of_passes
-    from motorcade.replays.io.atomic import write_bytes
+    from motorcade.replays.io.files import write_bytes
 
     made = generate(
         arguments.script,

@@ -84,8 +84,7 @@ def smooth_files(arguments: argparse.Namespace) -> None:
     from motorcade.fusion.smoothing.changes import changes
     from motorcade.fusion.smoothing.methods import parsed_parameters
     from motorcade.replays.cli.arguments import check_known, print_json
-    from motorcade.replays.tasks.editing.inputs import refuse_inputs, trajectory_names
-    from motorcade.replays.tasks.editing.outputs import write_trajectories
+    from motorcade.replays.tasks.editing import refuse_inputs, trajectory_names, write_trajectories
 
     check_known("--method", [arguments.method], METHODS)
     if arguments.representation is not None:
@@ -114,7 +113,7 @@ def smooth_files(arguments: argparse.Namespace) -> None:
 
 
 def _is_bag(name: str) -> bool:
-    from motorcade.replays.io.readers.ros.naming import split_bag_name
+    from motorcade.replays.io.trajectories import split_bag_name
 
     return split_bag_name(name) is not None
 
@@ -134,8 +133,8 @@ def _written_as(
 def _files(
     formats: dict[str, TrajectoryFormat | None], output: Path, *, in_folder: bool
 ) -> dict[str, Path]:
-    from motorcade.replays.io.readers.ros.naming import is_bag
-    from motorcade.replays.tasks.editing.outputs import output_files
+    from motorcade.replays.io.trajectories import is_bag
+    from motorcade.replays.tasks.editing import output_files
 
     if not in_folder:
         if is_bag(output) and None in formats.values():
@@ -331,10 +330,14 @@ def _add_transforms(parser: argparse.ArgumentParser) -> None:
 
 def trajectory(arguments: argparse.Namespace) -> None:
     """Read, edit; write, plot, print the figures."""
-    from motorcade.replays.io.atomic import write_bytes
-    from motorcade.replays.tasks.editing import TrajectorySummary, edit_trajectories
-    from motorcade.replays.tasks.editing.inputs import refuse_inputs
-    from motorcade.replays.tasks.editing.outputs import output_files, write_trajectories
+    from motorcade.replays.io.files import write_bytes
+    from motorcade.replays.tasks.editing import (
+        TrajectorySummary,
+        edit_trajectories,
+        output_files,
+        refuse_inputs,
+        write_trajectories,
+    )
 
     if arguments.format is not None and arguments.output is None:
         raise ValueError("--format: expected -o with it, which names what is written")
@@ -366,7 +369,7 @@ def trajectory(arguments: argparse.Namespace) -> None:
 
 def _list_bags(arguments: argparse.Namespace) -> bool:
     """Whether all inputs are bags without a topic, whose contents were printed."""
-    from motorcade.replays.io.readers.ros.naming import split_bag_name
+    from motorcade.replays.io.trajectories import split_bag_name
 
     named = [split_bag_name(one) for one in arguments.inputs]
     bags = [one[0] for one in named if one is not None and not one[1]]
@@ -386,7 +389,7 @@ def _list_bags(arguments: argparse.Namespace) -> bool:
 
 
 def _read(arguments: argparse.Namespace) -> dict[str, Trajectory]:
-    from motorcade.replays.tasks.editing.inputs import trajectory_names
+    from motorcade.replays.tasks.editing import trajectory_names
 
     names = trajectory_names(arguments.inputs, every_topic=arguments.all_topics)
     return {name: _one(name, arguments) for name in names}
@@ -445,7 +448,7 @@ def _transform(path: Path | None, arguments: argparse.Namespace) -> Motor | Simi
 
 def _by_stem(found: Mapping[str, Trajectory]) -> dict[str, Trajectory]:
     """The trajectories by short names, where these differ."""
-    from motorcade.replays.tasks.editing.outputs import stem_of
+    from motorcade.replays.tasks.editing import stem_of
 
     short = {stem_of(name): one for name, one in found.items()}
     return short if len(short) == len(found) else dict(found)

@@ -55,7 +55,7 @@ from motorcade.replays.comparison.statistics import (
     verdicts,
 )
 from motorcade.replays.comparison.tuning import RANGES, Tuned
-from motorcade.replays.io.atomic import write_bytes, write_csv
+from motorcade.replays.io.files import write_bytes, write_csv
 
 FORMAT = "motorcade comparison 2"
 _PLACE = ("motion", "degradation", "method", "representation")

@@ -28,8 +28,8 @@ from motorcade.replays.engine.artifacts import (
     write_artifact,
 )
 from motorcade.replays.engine.executors import outcomes
-from motorcade.replays.engine.kept import holds
 from motorcade.replays.engine.provenance import code_digest
+from motorcade.replays.engine.store import holds
 
 log = logging.getLogger("motorcade.jobs")
 

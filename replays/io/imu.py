@@ -3,6 +3,8 @@
 A stream is EuRoC's CSV: stamp in ns, angular rate in rad/s, specific force in m/s²; or, a third as
 large and thirty times as quick to read, an ``.npz`` of the same three arrays. Streams that move in
 other units are refused; saturation and gaps are written to the log.
+
+Spectra of vibration from files: a CSV of frequencies and power spectral densities.
 """
 
 from __future__ import annotations
@@ -17,12 +19,13 @@ from numpy.typing import NDArray
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.screening import screen_imu
 from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.imu.vibration import VibrationSpectrum
 from motorcade.ga.archives import load_arrays, save_arrays_in_parts
 from motorcade.ga.files import FileError
-from motorcade.replays.io.atomic import replacing
-from motorcade.replays.io.door import refused
 from motorcade.replays.io.errors import RecordingError, refusal
+from motorcade.replays.io.files import refused, replacing
 from motorcade.replays.io.readers.columns import ANGULAR_RATE, SPECIFIC_FORCE, read_columns
+from motorcade.replays.io.readers.tables import read_table
 
 _LOG = logging.getLogger("motorcade.replays")
 _FORMAT = "motorcade imu 1"
@@ -143,3 +146,29 @@ def _rows(stream: ImuStream) -> Iterator[str]:
     )
     for stamp, (x, y, z), (u, v, w) in rows:
         yield f"{stamp},{x!r},{y!r},{z!r},{u!r},{v!r},{w!r}\n"
+
+
+_COLUMNS = ("frequency", "gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
+
+
+def read_vibration(path: Path) -> VibrationSpectrum:
+    r"""Read a spectrum: rows of Hz, (rad/s)²/Hz for three axes, and (m/s²)²/Hz for three.
+
+    Densities are one-sided; a header is optional.
+
+    Raises:
+        RecordingError: no rows, wrong columns, frequencies that do not increase, numbers below 0.
+
+    >>> import tempfile
+    >>> from motorcade.replays.io.imu import read_vibration
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "rotors.csv")
+    ...     _ = path.write_text("50,0,0,0,0,0,0\n60,0,0,0,0.01,0.01,0.04\n70,0,0,0,0,0,0\n")
+    ...     read_vibration(path).accel_rms_m_s2.round(3)
+    array([0.316, 0.316, 0.632])
+    """
+    values = read_table(path, _COLUMNS, separator=b",", header=True).values
+    try:
+        return VibrationSpectrum(values[:, 0], values[:, 1:4], values[:, 4:])
+    except ValueError as fault:
+        raise refusal(path, str(fault)) from fault

@@ -4,13 +4,19 @@ Conventions: stamps in integer nanoseconds, OpenCV camera axes, poses named `wor
 images uint8 in RGB order or grey as the file has them, upright (turned as EXIF or a video's display
 matrix says; the camera is that of the upright pictures), depth in metres with NaN where the sensor
 saw nothing (stored 0 or 65535).
+
+Markers in view that make up no board: they stand anywhere, and the recording may map them.
+
+Frames that are decoded one by one from a single file: a video, or a topic of a bag.
 """
 
 from __future__ import annotations
 
 import hashlib
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -22,14 +28,53 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import off_record
 from motorcade.ga.stamps import LONGEST_READOUT_S
 from motorcade.replays.io.errors import refusal
+from motorcade.tracking.checks import check_length
+from motorcade.tracking.markers.families import check_family
+from motorcade.tracking.markers.marker_map import MarkerMap
 
 if TYPE_CHECKING:
     from motorcade.fusion.imu.noise import ImuNoise
     from motorcade.fusion.imu.stream import ImuStream
-    from motorcade.replays.io.loose import LooseMarkers
     from motorcade.tracking.boards import Board
     from motorcade.tracking.cameras.camera import Camera
     from motorcade.tracking.slam import MapSnapshot
+
+
+@dataclass(frozen=True, eq=False)
+class LooseMarkers:
+    """Markers of one family and size.
+
+    Args:
+        family: one of `tracking.FAMILIES`.
+        side_m: side of the black squares, metres.
+        marker_map: where they stand, if that is known; the world is then the map's.
+
+    Raises:
+        ValueError: an unknown family, or a side that is not above zero.
+    """
+
+    family: str
+    side_m: float
+    marker_map: MarkerMap | None = None
+
+    def __post_init__(self) -> None:
+        check_family(self.family)
+        check_length(self.side_m, "LooseMarkers.side_m")
+
+    def content(self) -> bytes:
+        """Everything that a result can depend on."""
+        facts = f"{self.family} {self.side_m!r}".encode()
+        if self.marker_map is None:
+            return facts
+        known = self.marker_map
+        arrays = (
+            known.marker_ids,
+            known.side_m,
+            known.world_R_marker.coefficients,
+            known.origin_m,
+        )
+        return facts + b"".join(np.ascontiguousarray(array).tobytes() for array in arrays)
+
 
 ImageArray = NDArray[np.uint8]
 DepthArray = NDArray[np.float32]
@@ -354,3 +399,28 @@ class Recording:
 
 def _bytes(array: NDArray[Any]) -> memoryview:
     return np.ascontiguousarray(array).reshape(-1).view(np.uint8).data
+
+
+class DecodedFrames(ABC):
+    """A sequence of frames by their number; `_time_ns` holds their stamps."""
+
+    _time_ns: IntArray
+
+    @property
+    def time_ns(self) -> IntArray:
+        """Stamps ``(N,)``, strictly increasing, read-only."""
+        return self._time_ns
+
+    def __len__(self) -> int:
+        return len(self._time_ns)
+
+    def __getitem__(self, index: int) -> Frame:
+        index = range(len(self))[index]
+        return Frame(int(self._time_ns[index]), f"frame {index}", partial(self._image, index))
+
+    def __iter__(self) -> Iterator[Frame]:
+        return (self[index] for index in range(len(self)))
+
+    @abstractmethod
+    def _image(self, index: int) -> ImageArray:
+        """The picture of a frame."""

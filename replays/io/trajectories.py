@@ -14,6 +14,10 @@ In a comma file whose header names its columns, these may stand in any order and
 ``parent_T_child``. Text rounds, so a quaternion whose norm is within 0.01 of 1 is normalised and a
 matrix block that is within 0.01 of orthonormal (largest element of ``R^T R - 1``) is replaced by
 the nearest rotation; what lies further off is refused.
+
+A trajectory in a bag is named `flight.bag:/odom` or `flight.mcap:map/base_link`. A bag is a file
+that ends in .bag, .bag.bz2, .mcap or .db3, or a ROS 2 bag's folder. What follows the colon is a
+topic of poses, or two frames, which `trajectories` finds in the bag.
 """
 
 from __future__ import annotations
@@ -27,13 +31,13 @@ from typing import Literal, cast, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.fusion.orientation.estimate import Orientation
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import did_you_mean
-from motorcade.replays.io.atomic import write_bytes
 from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.files import write_bytes
 from motorcade.replays.io.readers.columns import POSITION, QUATERNION, opening_rows, read_columns
-from motorcade.replays.io.readers.ros.naming import split_bag_name
 from motorcade.replays.io.readers.tables import (
     REACH_M,
     UNIT_TOLERANCE,
@@ -386,3 +390,66 @@ def _euroc_rows(time_ns: IntArray, poses: Motor) -> Iterator[str]:
 def _kitti_rows(time_ns: IntArray, poses: Motor) -> Iterator[str]:
     for row in poses.as_matrix()[:, :3].reshape(-1, 12).tolist():
         yield " ".join(map(repr, row))
+
+
+_HEADER = (
+    "#timestamp [ns],tilt_deviation [rad],heading_deviation [rad],b_w_x [rad s^-1],"
+    "b_w_y [rad s^-1],b_w_z [rad s^-1],field_deviation [rad],at_rest []"
+)
+
+
+def write_orientation(found: Orientation, path: Path) -> None:
+    """Write ``world_T_imu`` with positions of 0; the name's ending says the format.
+
+    Raises:
+        ValueError: an unknown ending.
+        OSError: a file that cannot be written.
+    """
+    poses = Motor.from_rotor_translation(found.world_R_imu, np.zeros((found.time_ns.size, 3)))
+    write_trajectory(Trajectory(found.time_ns, poses, "world", "imu"), path)
+
+
+def write_deviations(found: Orientation, path: Path) -> None:
+    """Write what the filter expects of itself, a row a sample, as CSV.
+
+    Raises:
+        OSError: a file that cannot be written.
+    """
+    columns = np.column_stack(
+        [
+            found.tilt_deviation_rad,
+            found.heading_deviation_rad,
+            found.gyro_bias_rad_s,
+            found.field_deviation_rad,
+        ]
+    )
+    rows = zip(found.time_ns.tolist(), columns.tolist(), found.at_rest.tolist(), strict=True)
+    lines = [f"{stamp},{','.join(map(repr, row))},{rest:d}" for stamp, row, rest in rows]
+    write_bytes(path, "\n".join([_HEADER, *lines, ""]).encode("ascii"))
+
+
+_BAG_SUFFIXES = (".bag", ".bag.bz2", ".mcap", ".db3")
+
+
+def split_bag_name(name: Path | str) -> tuple[Path, str] | None:
+    """The bag, and what is named in it ("" where nothing is); None where this is no bag's name.
+
+    >>> split_bag_name("flight.bag:/odom")
+    (PosixPath('flight.bag'), '/odom')
+    >>> split_bag_name("flight.tum") is None
+    True
+    """
+    text = str(name)
+    if not text.lower().endswith(_BAG_SUFFIXES) and Path(text).is_file():
+        return None
+    places = [at for at, letter in enumerate(text) if letter == ":"]
+    for at in (*places, len(text)):
+        if is_bag(text[:at]):
+            return Path(text[:at]), text[at + 1 :]
+    return None
+
+
+def is_bag(path: Path | str) -> bool:
+    """Whether this is the name of a bag's file, or a ROS 2 bag's folder."""
+    text = str(path)
+    return text.lower().endswith(_BAG_SUFFIXES) or (Path(text) / "metadata.yaml").is_file()

@@ -26,14 +26,14 @@ from motorcade.replays.io.readers.manifest.cast import NOBODY, read_cast
 from motorcade.replays.io.readers.manifest.section import FILE_KNOBS, setting_from
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.pipeline.described.opening import (
+from motorcade.replays.pipeline.described.describing import (
     OpenedRecording,
     description_graph,
     open_described,
     parted,
     summary,
 )
-from motorcade.replays.pipeline.report.stage import report
+from motorcade.replays.pipeline.report.page import report
 from motorcade.replays.pipeline.results import OWN_MANIFEST, require_writable, write_results
 from motorcade.replays.stages.camera.board_poses import board_poses
 from motorcade.replays.stages.camera.camera_poses import camera_poses
@@ -41,9 +41,9 @@ from motorcade.replays.stages.camera.marker_poses import marker_poses
 from motorcade.replays.stages.camera.simulated_poses import simulated_poses
 from motorcade.replays.stages.camera.slam_poses import slam_poses
 from motorcade.replays.stages.camera.turning_poses import turning_poses
+from motorcade.replays.stages.characters.acted import check_scene
 from motorcade.replays.stages.characters.acting import MANNEQUIN, character_named, clip_named
 from motorcade.replays.stages.characters.casting import check_cast
-from motorcade.replays.stages.characters.checked import check_scene
 from motorcade.replays.stages.errors import errors
 from motorcade.replays.stages.inertial.convergence import convergence
 from motorcade.replays.stages.inertial.fused import fused

@@ -12,7 +12,7 @@ from typing import Any
 
 from motorcade.ga import Trajectory
 from motorcade.replays.engine.graph import GraphRun
-from motorcade.replays.io.atomic import copy_file, write_bytes
+from motorcade.replays.io.files import copy_file, write_bytes
 from motorcade.replays.io.trajectories import write_trajectory
 from motorcade.replays.pipeline.report.summary import without_nan
 

@@ -31,7 +31,7 @@ from motorcade.replays.pipeline.job import pipeline_graph
 from motorcade.replays.pipeline.results import trajectories
 from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.camera.offered import camera_of
-from motorcade.replays.stages.characters.performers import performers
+from motorcade.replays.stages.characters.acting import performers
 from motorcade.tracking.cameras.camera import Camera
 
 MAX_LOG_BYTES = 1 << 24

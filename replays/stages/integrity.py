@@ -20,11 +20,9 @@ from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.offered import camera_of
-from motorcade.replays.stages.values.board_poses import BoardPoses
-from motorcade.replays.stages.values.camera_poses import CameraPoses
-from motorcade.replays.stages.values.imu import UsedImu
-from motorcade.replays.stages.values.integrity import Integrity
-from motorcade.replays.stages.values.paths import FusedPath, SmoothedPaths
+from motorcade.replays.stages.values.camera_poses import BoardPoses, CameraPoses
+from motorcade.replays.stages.values.inertial import UsedImu
+from motorcade.replays.stages.values.paths import FusedPath, Integrity, SmoothedPaths
 from motorcade.tracking import registration_px
 from motorcade.tracking.audit import (
     DEPTH_ON_COLOUR_PX,

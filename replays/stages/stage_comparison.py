@@ -25,8 +25,12 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.held_out import at_stamps, judged_stamps
 from motorcade.replays.stages.values.camera_poses import CameraPoses
-from motorcade.replays.stages.values.paths import FusedPath, SmoothedPaths
-from motorcade.replays.stages.values.stage_comparison import NOT_COMPARED, StageComparison
+from motorcade.replays.stages.values.paths import (
+    NOT_COMPARED,
+    FusedPath,
+    SmoothedPaths,
+    StageComparison,
+)
 
 TOLERANCE = 0.02
 """Relative to the error before; below it nobody would choose one path for it."""

@@ -16,7 +16,7 @@ from motorcade.replays.io.recording import Recording
 from motorcade.replays.pipeline.runs import read_origin, read_run
 from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.camera.offered import camera_of
-from motorcade.replays.stages.characters.performers import performers
+from motorcade.replays.stages.characters.acting import performers
 from motorcade.replays.stages.view.anchored import Grounds
 from motorcade.replays.stages.view.ground import Ground
 from motorcade.replays.stages.view.overlay import extrapolated

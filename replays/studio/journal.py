@@ -41,7 +41,7 @@ from motorcade.animation.authoring import (
 from motorcade.ga import Similarity
 from motorcade.ga.files import is_there, read_bounded
 from motorcade.ga.locks import try_lock
-from motorcade.replays.io.atomic import write_bytes
+from motorcade.replays.io.files import write_bytes
 
 log = logging.getLogger("motorcade.studio")
 

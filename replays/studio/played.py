@@ -20,8 +20,7 @@ from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.files import off_record
 from motorcade.replays.pipeline.look.document import gltf_bytes
-from motorcade.replays.pipeline.look.packing import packed
-from motorcade.replays.pipeline.look.paths import rows_of
+from motorcade.replays.pipeline.look.packing import packed, rows_of
 from motorcade.replays.stages.characters.acted import Acted, acted
 from motorcade.replays.studio.filmed import Filmed
 

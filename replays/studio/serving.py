@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
-from motorcade.replays.io.door import admit_file
+from motorcade.replays.io.files import admit_file
 from motorcade.replays.studio.access import Access
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.io.atomic import write_bytes
 from motorcade.replays.io.errors import RecordingError, refusal
+from motorcade.replays.io.files import write_bytes
 from motorcade.replays.io.readers.frames.exif import picture_orientation
 from motorcade.replays.io.readers.frames.files import pictures_in
 from motorcade.replays.io.readers.frames.pictures import SUFFIXES, decode_gray, read_picture_bytes

@@ -21,11 +21,11 @@ from motorcade.fusion.sync import synchronise
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 from motorcade.ga.stamps import checked_span_ns
-from motorcade.replays.io.atomic import write_bytes
+from motorcade.replays.io.files import write_bytes
 from motorcade.replays.stages.inertial.filter_input import assumed_noise, levelled
 from motorcade.replays.stages.inertial.fused import ALIGNMENT_SIGMA_DEG, LEVELLED_SIGMA_DEG
 from motorcade.replays.stages.values.camera_poses import CameraPoses
-from motorcade.replays.stages.values.imu import UsedImu
+from motorcade.replays.stages.values.inertial import UsedImu
 from motorcade.tracking import PoseMeasurements
 
 Estimated = Literal["extrinsics", "offset"]

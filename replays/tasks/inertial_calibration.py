@@ -18,7 +18,7 @@ import numpy as np
 from motorcade.fusion.camera_imu import CameraImuCalibration, calibrate_camera_imu
 from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.replays.io.atomic import write_bytes
+from motorcade.replays.io.files import write_bytes
 from motorcade.replays.io.readers.frames.files import PictureFrames
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.readers.manifest.section import camera_toml

@@ -12,8 +12,8 @@ import cv2
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.io.atomic import write_bytes
 from motorcade.replays.io.errors import RecordingError, refusal
+from motorcade.replays.io.files import write_bytes
 from motorcade.replays.io.readers.frames.exif import picture_orientation
 from motorcade.replays.io.readers.frames.held import upright_camera
 from motorcade.replays.io.readers.frames.pictures import (

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from motorcade.render.plots import standing_alone
-from motorcade.replays.io.atomic import write_bytes
+from motorcade.replays.io.files import write_bytes
 from tests.bench.page import MACHINE, RUNS, machine, page
 from tests.bench.pictures import animation_picture
 from tests.bench.tables import SUITES, run_suite

@@ -57,7 +57,7 @@ ALLOWED = {
     ("replays/engine/provenance.py", "_origin(name).read_bytes"): "our own source",
     ("replays/engine/provenance.py", "path.read_bytes"): "our own source",
     ("replays/engine/provenance.py", "file.read_text"): "our own source",
-    ("replays/io/atomic.py", "building.open"): "what was just written",
+    ("replays/io/files.py", "building.open"): "what was just written",
     ("replays/io/readers/broad.py", "h5py.File"): "admitted",
     ("replays/io/readers/ros/admission.py", "sqlite3.connect"): "admitted",
     ("replays/io/readers/ros/bag.py", "Reader"): "admitted",

@@ -72,7 +72,7 @@ from motorcade.fusion.smoothing import (
 from motorcade.fusion.visual_inertial import InertialSlam, start_inertial
 from motorcade.ga import CumulativeBSpline, Motor, ScrewPath
 from motorcade.replays.cli.main import main as motorcade
-from motorcade.replays.comparison.own_data import compare_recorded
+from motorcade.replays.comparison.run import compare_recorded
 from motorcade.replays.io.imu import read_imu, write_imu
 from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
 from motorcade.tracking import Camera

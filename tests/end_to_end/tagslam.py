@@ -26,7 +26,7 @@ from motorcade.fusion.metrics import evaluate
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.io.readers.ros.bag import EmptyBag
 from motorcade.replays.io.readers.tagslam import corners as tagslam
-from motorcade.replays.io.readers.tagslam.reference import TagSlamReference, read_reference
+from motorcade.replays.io.readers.tagslam.recording import TagSlamReference, read_reference
 from motorcade.tracking.audit import worst
 from motorcade.tracking.markers.scenes import MappedScene, map_scene
 from tests.bench.tracking.tag_flips import tagslam_folder

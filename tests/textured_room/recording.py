@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.replays.io.atomic import write_bytes
+from motorcade.replays.io.files import write_bytes
 from motorcade.replays.io.readers.layouts.tum_rgbd import DEPTH_UNITS_PER_M
 from motorcade.replays.io.trajectories import write_trajectory
 from tests.textured_room.inertial import write_inertial

@@ -31,7 +31,7 @@ from motorcade.replays.comparison.report.pictures import (
     small_panels,
 )
 from motorcade.replays.comparison.report.results import Results, range_ends
-from motorcade.replays.io.atomic import write_bytes
+from motorcade.replays.io.files import write_bytes
 from motorcade.replays.web.pages import page_environment
 from motorcade.replays.web.pages.parts import PagePlot
 

@@ -1,6 +1,6 @@
 """GoPro's telemetry in a video (GPMF): accelerometer and gyroscope as one IMU stream.
 
-The metadata track holds a packet about every second (`gpmf_items`). Only ACCL and GYRO are taken,
+The metadata track holds a packet about every second (`gopro.items`). Only ACCL and GYRO are taken,
 of the first device that has both.
 
 Both sensors run at steady rates of their own and are stamped by packet only. Their stamps come
@@ -27,10 +27,9 @@ from av.error import FFmpegError
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.render.video import open_video
-from motorcade.replays.io.door import refused
 from motorcade.replays.io.errors import refusal
-from motorcade.replays.io.readers.gopro import DEFAULT_ORDER, gopro_camera
-from motorcade.replays.io.readers.gpmf_items import items, numbers
+from motorcade.replays.io.files import refused
+from motorcade.replays.io.readers.gopro import DEFAULT_ORDER, gopro_camera, items, numbers
 
 _LOG = logging.getLogger("motorcade.replays")
 

@@ -2,10 +2,13 @@
 
 `T_cam_imu` maps IMU coordinates to the camera's; OpenVINS may give its inverse, `T_imu_cam`. To a
 picture's stamp `timeshift_cam_imu` is added to make it the IMU's.
+
+`read_extrinsics` tells where a camera sits on an IMU, from files of several programs.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,12 +17,20 @@ from typing import TYPE_CHECKING
 from motorcade.ga import Motor
 from motorcade.ga.names import one_line
 from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.files import read_bounded
 from motorcade.replays.io.readers.calibration import make_camera, read_yaml, yaml_floats, yaml_model
-from motorcade.replays.io.transforms import as_float, is_number, transform
+from motorcade.replays.io.transforms import (
+    TRANSFORM_LIMIT,
+    as_float,
+    is_number,
+    read_transform,
+    transform,
+)
 
 if TYPE_CHECKING:
     from motorcade.fusion.imu import ImuStream
     from motorcade.tracking.cameras.camera import Camera
+
 
 CHAIN_NAMES = ("kalibr_imucam_chain.yaml", "camchain-imucam.yaml", "camchain.yaml")
 IMU_NAMES = ("kalibr_imu_chain.yaml", "imu_config.yaml", "imu.yaml")
@@ -101,3 +112,56 @@ def _offset_s(table: dict[str, object], path: Path, name: str) -> float | None:
         problem = f"expected seconds within {MOST_OFFSET_S:g}, got {one_line(offset)}"
         raise refusal(path, problem, field=f"{name} timeshift_cam_imu")
     return as_float(offset)
+
+
+_EXTRINSIC_KEYS = ("imu_T_camera_wxyz", "imu_T_camera_translation_m")
+
+
+def read_extrinsics(path: Path) -> Motor:
+    """Read ``imu_T_camera``: camera coordinates to the IMU's.
+
+    Args:
+        path: what `motorcade sync --json` or `motorcade fuse --json` wrote, a Kalibr chain (YAML,
+            its first camera), a transform as evo writes it (JSON with x to qw), or 4 by 4 numbers.
+
+    Raises:
+        RecordingError: missing, none of these, or with a scale.
+    """
+    if path.suffix.lower() in (".yaml", ".yml"):
+        place = read_chain(path)[0].imu_T_camera
+        if place is None:
+            raise refusal(path, "expected T_cam_imu or T_imu_cam of cam0, got neither")
+        return place
+    data = read_bounded(path, TRANSFORM_LIMIT)
+    if data.lstrip().startswith(b"{") and all(key.encode() in data for key in _EXTRINSIC_KEYS):
+        return _of_sync(path, data)
+    found = read_transform(path)
+    if not isinstance(found, Motor):
+        raise refusal(path, "expected a rigid motion, got one with a scale")
+    return found
+
+
+def read_offset(path: Path) -> float | None:
+    """What a Kalibr chain says that the IMU's clock is ahead of its first camera's, in seconds.
+
+    None: a chain without `timeshift_cam_imu`, or another file: both say nothing of clocks.
+
+    Raises:
+        RecordingError: as of `read_extrinsics`.
+    """
+    if path.suffix.lower() not in (".yaml", ".yml"):
+        return None
+
+    return read_chain(path)[0].offset_s
+
+
+def _of_sync(path: Path, data: bytes) -> Motor:
+    try:
+        given = json.loads(data)
+        turn, place = ([float(one) for one in given[key]] for key in _EXTRINSIC_KEYS)
+        if len(turn) != 4 or len(place) != 3 or not abs(sum(q * q for q in turn) - 1.0) < 1e-3:
+            raise ValueError(f"a unit quaternion and a place, got {turn}, {place}")
+        return Motor.from_quaternion_translation(turn, place)
+    except (ValueError, TypeError, KeyError, OverflowError, RecursionError) as fault:
+        told = one_line(fault, 100)
+        raise refusal(path, f"expected {' and '.join(_EXTRINSIC_KEYS)}: {told}") from fault

@@ -25,8 +25,15 @@ from motorcade.render import Performer
 from motorcade.render.plots.style import thinned
 from motorcade.replays.io.readers.frames.corners import CornerFrames
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.pipeline.look.packing import packed, packed_smooth, text
-from motorcade.replays.pipeline.look.paths import drawn_name, drawn_rows, rows_of, shown_paths
+from motorcade.replays.pipeline.look.packing import (
+    drawn_name,
+    drawn_rows,
+    packed,
+    packed_smooth,
+    rows_of,
+    shown_paths,
+    text,
+)
 from motorcade.replays.pipeline.look.surroundings import (
     shown_boards,
     shown_hiding,
@@ -36,7 +43,7 @@ from motorcade.replays.pipeline.look.surroundings import (
 )
 from motorcade.replays.pipeline.report.findings import Findings, map_unit, told_paths
 from motorcade.replays.stages.camera.as_found import as_found
-from motorcade.replays.stages.characters.performers import performers
+from motorcade.replays.stages.characters.acting import performers
 from motorcade.replays.stages.view.ground import prints_of
 from motorcade.replays.web.film import film_rate_hz
 from motorcade.tracking import Camera, MarkerMap

@@ -23,8 +23,7 @@ from motorcade.render.light import Prints
 from motorcade.render.scene import DepthArray
 from motorcade.replays.io.readers.frames.corners import CornerFrames
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.pipeline.look.packing import packed, text
-from motorcade.replays.pipeline.look.paths import rows_of
+from motorcade.replays.pipeline.look.packing import packed, rows_of, text
 from motorcade.replays.stages.values.camera_poses import CameraPoses
 from motorcade.replays.stages.values.view import PlacedCharacter
 from motorcade.tracking import Board, MarkerMap

@@ -11,7 +11,7 @@ from motorcade.ga.progress import track
 from motorcade.ga.unfinished import unfinished
 from motorcade.render.scene import ImageArray
 from motorcade.render.video import read_frames
-from motorcade.replays.io.atomic import copy_file, write_bytes
+from motorcade.replays.io.files import copy_file, write_bytes
 from motorcade.replays.pipeline.look.document import LookedAt, look_of
 from motorcade.replays.pipeline.report.findings import Findings
 from motorcade.replays.pipeline.report.words import headline

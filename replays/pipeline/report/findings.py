@@ -11,11 +11,8 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.values.camera_poses import CameraPoses
-from motorcade.replays.stages.values.convergence import Convergence
-from motorcade.replays.stages.values.errors import PathErrors
-from motorcade.replays.stages.values.imu import UsedImu
-from motorcade.replays.stages.values.integrity import Integrity
-from motorcade.replays.stages.values.paths import FusedPath, SmoothedPaths
+from motorcade.replays.stages.values.inertial import Convergence, UsedImu
+from motorcade.replays.stages.values.paths import FusedPath, Integrity, PathErrors, SmoothedPaths
 from motorcade.replays.stages.values.view import OverlayVideo, PlacedCharacter
 
 LABELS = {

@@ -1,8 +1,9 @@
-"""The report page: one HTML file, and beside it what would make it large."""
+"""Stage `report`: its figures as JSON, and one HTML page; what is large lies beside it."""
 
 from __future__ import annotations
 
 import base64
+import json
 import platform
 from importlib.metadata import version
 from pathlib import Path
@@ -11,9 +12,12 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga import kernels
+from motorcade.replays.engine.artifacts import new_file
 from motorcade.replays.io.readers.frames.corners import CornerFrames
-from motorcade.replays.pipeline.report.before_after import Stills, steadiness
-from motorcade.replays.pipeline.report.film import FilmView
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.pipeline.look.document import LookedAt
+from motorcade.replays.pipeline.report.before_after import Stills, steadiness, steps_between, stills
+from motorcade.replays.pipeline.report.film import FilmView, film_of, standing_sheet
 from motorcade.replays.pipeline.report.findings import Findings, told_paths
 from motorcade.replays.pipeline.report.pictures import sections
 from motorcade.replays.pipeline.report.summary import (
@@ -21,8 +25,9 @@ from motorcade.replays.pipeline.report.summary import (
     heading,
     shown_columns,
     shown_value,
+    summarise,
 )
-from motorcade.replays.pipeline.report.viewer import Viewer
+from motorcade.replays.pipeline.report.viewer import Kept, Viewer, embedded
 from motorcade.replays.pipeline.report.words import (
     errors_caption,
     headline,
@@ -33,7 +38,62 @@ from motorcade.replays.pipeline.report.words import (
     tiles,
     to_mend,
 )
+from motorcade.replays.stages.values.camera_poses import CameraPoses, MarkerPoses
+from motorcade.replays.stages.values.inertial import Convergence, UsedImu
+from motorcade.replays.stages.values.paths import (
+    FusedPath,
+    Integrity,
+    PathErrors,
+    ReportFiles,
+    SmoothedPaths,
+)
+from motorcade.replays.stages.values.view import OverlayVideo, PlacedCharacter
 from motorcade.replays.web.pages import page_environment
+
+
+def report(
+    recording: Recording,
+    camera_poses: CameraPoses,
+    imu: UsedImu,
+    fused: FusedPath,
+    smoothed: SmoothedPaths,
+    integrity: Integrity,
+    convergence: Convergence,
+    errors: PathErrors,
+    placed: PlacedCharacter,
+    overlay: OverlayVideo | None,
+    marker_poses: MarkerPoses | None = None,
+) -> ReportFiles:
+    """Write the page, with the viewer inside, and the films where they are small."""
+    findings = Findings(
+        recording=recording,
+        camera_poses=camera_poses,
+        imu=imu,
+        fused=fused,
+        smoothed=smoothed,
+        integrity=integrity,
+        convergence=convergence,
+        errors=errors,
+        placed=placed,
+        overlay=overlay,
+    )
+    film = film_of(findings)
+    summary = summarise(findings, film)
+    marker_map = None if marker_poses is None else marker_poses.marker_map
+    run = LookedAt(findings, marker_map, headline(findings))
+    frames = 0 if overlay is None else overlay.frames
+    kept = Kept(max(1, steps_between(frames)))
+    viewer = embedded(run, kept)
+    shown = stills(overlay, kept.pictures, run.recording.camera) if overlay and frames > 1 else None
+    standing = standing_sheet(findings, kept.pictures)
+    written = ReportFiles(
+        new_file("report.html"), new_file("report.json"), viewer.footage, viewer.file
+    )
+    written.page.write_text(page(findings, viewer, shown, film, standing), encoding="utf-8")
+    text = json.dumps(summary, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+    written.summary.write_text(text, encoding="utf-8")
+    return written
+
 
 TEMPLATE = Path(__file__).with_name("template.html")
 NO_VIDEO = (

@@ -17,7 +17,7 @@ from motorcade.replays.engine.stage import NotOffered
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.board_audit import audited_board
 from motorcade.replays.stages.camera.offered import camera_of, require_pictures
-from motorcade.replays.stages.values.board_poses import BoardPoses
+from motorcade.replays.stages.values.camera_poses import BoardPoses
 from motorcade.tracking import (
     Board,
     BoardTrack,

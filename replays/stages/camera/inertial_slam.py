@@ -14,7 +14,7 @@ from motorcade.ga.progress import track
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.offered import camera_of, rows_readout_s
 from motorcade.replays.stages.inertial.filter_input import assumed_noise
-from motorcade.replays.stages.values.inertial_history import InertialHistory
+from motorcade.replays.stages.values.inertial import InertialHistory
 from motorcade.tracking import PoseMeasurements
 
 if TYPE_CHECKING:

@@ -15,12 +15,10 @@ import numpy as np
 from motorcade.ga import Motor
 from motorcade.ga.progress import track
 from motorcade.replays.engine.stage import NotOffered, Unavailable
-from motorcade.replays.io.loose import LooseMarkers
 from motorcade.replays.io.readers.frames.corners import CornerFrames
-from motorcade.replays.io.recording import Recording
+from motorcade.replays.io.recording import LooseMarkers, Recording
 from motorcade.replays.stages.camera.offered import camera_of
-from motorcade.replays.stages.values.marker_poses import MarkerPoses
-from motorcade.replays.stages.values.sighted_points import SightedPoints
+from motorcade.replays.stages.values.camera_poses import MarkerPoses, SightedPoints
 from motorcade.tracking import Detection, PoseMeasurements, TrackingError, detect_markers
 from motorcade.tracking.audit import AuditFinding, scatter_px
 from motorcade.tracking.markers.corner_stream import CornerStream

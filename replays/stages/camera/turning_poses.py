@@ -14,8 +14,7 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.progress import track
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.offered import camera_of, require_pictures
-from motorcade.replays.stages.values.camera_poses import HELD_HEIGHT, CameraPoses
-from motorcade.replays.stages.values.sighted_points import SightedPoints
+from motorcade.replays.stages.values.camera_poses import HELD_HEIGHT, CameraPoses, SightedPoints
 from motorcade.tracking import PoseMeasurements, TrackingError
 from motorcade.tracking.shots.rotation import track_rotation
 

@@ -1,4 +1,7 @@
-"""The character of a scene and its motion: the mannequin or a file, clips, walks along a path."""
+"""The character of a scene and its motion: the mannequin or a file, clips, walks along a path.
+
+Who is drawn and exported: the placed character, or all of a cast or a scene, as they move.
+"""
 
 from __future__ import annotations
 
@@ -18,6 +21,8 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.files import files_now, files_read, is_there, put_on_record
 from motorcade.ga.names import did_you_mean
+from motorcade.render import Performer
+from motorcade.replays.stages.values.view import PlacedCharacter
 
 MANNEQUIN = "mannequin"
 IDLE = "idle"
@@ -190,3 +195,37 @@ def walked(
         poses[:, root] = (own[rows] @ Motor.normalize(poses[:, root])).coefficients
     time_s = np.concatenate([walk.time_s, arrived_s + rest_s])
     return Clip(f"{clip.name} along a path", time_s, Motor.normalize(poses))
+
+
+def performers(placed: PlacedCharacter, lasting_s: float = 0.0) -> list[Performer]:
+    """Those that stand in the footage, one or more, with clips that begin at its first frame.
+
+    Args:
+        placed: what the stage of that name made.
+        lasting_s: how long a clip shall last in all; one of a walk, that is.
+
+    Raises:
+        ValueError: a character or clip that is no longer there.
+    """
+    if placed.parts:
+        return [
+            Performer(
+                character_named(part.character, part.up, part.front),
+                part.clip,
+                part.placement,
+                part.motion,
+                placed.ground_motion if part.motion is None else part.ground_motion,
+                part.visible_s,
+            )
+            for part in placed.parts
+        ]
+    character = character_named(placed.character, placed.up, placed.front)
+    clip = clip_named(character, placed.clip)
+    if len(placed.path_m):
+        scale, start = placed.placement.scale, placed.plane_T_character
+        clip = walked(character, clip, placed.path_m, scale, start, lasting_s)
+    else:
+        clip, _ = standing_clip(character, clip)
+        if placed.looks_at_m is not None:
+            clip = looking_at(character, clip, placed.placement, placed.looks_at_m)
+    return [Performer(character, clip, placed.placement, ground_motion=placed.ground_motion)]

@@ -11,8 +11,7 @@ from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.inertial.filter_input import assumed_noise, levelled
 from motorcade.replays.stages.inertial.fused import filter_settings
 from motorcade.replays.stages.values.camera_poses import CameraPoses
-from motorcade.replays.stages.values.convergence import Convergence
-from motorcade.replays.stages.values.imu import UsedImu
+from motorcade.replays.stages.values.inertial import Convergence, UsedImu
 from motorcade.replays.stages.values.paths import FusedPath
 
 

@@ -10,7 +10,7 @@ from motorcade.fusion.imu import ImuNoise, ImuStream
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.stages.values.camera_poses import CameraPoses
-from motorcade.replays.stages.values.imu import ImuOrigin, UsedImu
+from motorcade.replays.stages.values.inertial import ImuOrigin, UsedImu
 from motorcade.tracking import PoseMeasurements
 
 NOISE_FACTORS: dict[ImuOrigin, tuple[float, float]] = {

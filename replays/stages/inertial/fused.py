@@ -21,7 +21,7 @@ from motorcade.replays.stages.held_out import without_held_out
 from motorcade.replays.stages.inertial.filter_input import Levelled, assumed_noise, levelled
 from motorcade.replays.stages.stage_comparison import compared_by_held_out
 from motorcade.replays.stages.values.camera_poses import CameraPoses
-from motorcade.replays.stages.values.imu import UsedImu
+from motorcade.replays.stages.values.inertial import UsedImu
 from motorcade.replays.stages.values.paths import FusedPath, FusedWith
 from motorcade.tracking import PoseMeasurements
 

@@ -13,7 +13,7 @@ from motorcade.fusion.sync import synchronise
 from motorcade.ga import Motor
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.values.camera_poses import CameraPoses
-from motorcade.replays.stages.values.imu import UsedImu
+from motorcade.replays.stages.values.inertial import UsedImu
 
 log = logging.getLogger("motorcade.imu")
 _NO_EXTRINSICS = (

@@ -1,4 +1,8 @@
-"""Measured poses of the camera, however they were found."""
+"""Measured poses of the camera, however they were found: by a board, loose markers or visual SLAM.
+
+With each comes what was seen: the board's track, the markers' map, the map of SLAM, and points of
+the world with where a camera saw them, which a path can be drawn against.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +11,20 @@ from typing import Literal
 
 import numpy as np
 
+from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.replays.engine.aside import ASIDE
-from motorcade.replays.stages.values.inertial_history import InertialHistory
-from motorcade.replays.stages.values.sighted_points import SightedPoints
-from motorcade.tracking import PoseMeasurements
+from motorcade.replays.stages.values.inertial import InertialHistory
+from motorcade.tracking import BoardTrack, PoseMeasurements
 from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.depth.cameras import DepthCamera
 from motorcade.tracking.frame_history import SlamHistory
+from motorcade.tracking.markers.marker_map import MarkerMap
+from motorcade.tracking.slam import MapSnapshot
+
+ASIDE = {"aside": True}
+"""Metadata for `dataclasses.field`: the field is stored, but is not part of the value's content."""
+
 
 PoseOrigin = Literal["board", "markers", "slam", "simulated", "turning"]
 HELD_HEIGHT = 1.5
@@ -84,3 +93,70 @@ class CameraPoses:
     def frames_per_s(self) -> float | None:
         """Rate of tracking, reading included; None where nothing was tracked."""
         return len(self.frame_times_ns) / self.seconds if self.seconds > 0 else None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SlamPoses(CameraPoses):
+    """Poses by SLAM; `slam_map` is the map as it may be saved and gone on in, in its own world."""
+
+    slam_map: MapSnapshot
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BoardPoses(CameraPoses):
+    """Poses by a board; `track` holds the corners and both planar candidates of every frame."""
+
+    track: BoardTrack
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MarkerPoses(CameraPoses):
+    """Poses by loose markers; `marker_map` says where these stand in the same world."""
+
+    marker_map: MarkerMap
+
+
+@dataclass(frozen=True, eq=False)
+class SightedPoints:
+    """Points that stand still, as one camera saw them.
+
+    Fields:
+        camera: who saw them, with the distortion of `px`.
+        time_ns: ``(F,)`` stamps of frames.
+        frame: ``(n,)`` row of `time_ns` of each sighting.
+        points: ``(n, 3)`` in the world of the measured poses and in its unit.
+        px: ``(n, 2)`` where they were seen.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor, Trajectory
+    >>> from motorcade.replays.stages.values.camera_poses import SightedPoints
+    >>> from motorcade.tracking import Camera
+    >>> camera = Camera(640, 480, 300.0, 300.0, 319.5, 239.5)
+    >>> row, point, px = np.array([0]), np.array([[0.0, 0.0, 2.0]]), np.array([[319.5, 239.5]])
+    >>> seen = SightedPoints(camera, np.array([0]), row, point, px)
+    >>> beside = Trajectory([0], Motor.from_translation([[0.01, 0.0, 0.0]]))  # world_T_camera
+    >>> seen.registration_px(beside).round(6)
+    array([1.5])
+    """
+
+    camera: Camera
+    time_ns: IntArray
+    frame: IntArray
+    points: FloatArray
+    px: FloatArray
+
+    def registration_px(self, path: Trajectory) -> FloatArray:
+        """How far points drawn along a path lie from where they were seen, a frame.
+
+        Returns:
+            ``(M,)`` root mean square over the points of each frame that has some and lies within
+            the path's span; NaN where one is behind the camera.
+        """
+        stamps = self.time_ns[self.frame]
+        inside = (stamps >= path.time_ns[0]) & (stamps <= path.time_ns[-1])
+        world_T_camera = path.motors_at(stamps[inside])
+        expected = self.camera.project(world_T_camera.inverse().apply(self.points[inside]))
+        squares = np.sum((expected - self.px[inside]) ** 2, axis=-1)
+        count = np.bincount(self.frame[inside], minlength=len(self.time_ns))
+        total = np.bincount(self.frame[inside], squares, minlength=len(self.time_ns))
+        return np.asarray(np.sqrt(total[count > 0] / count[count > 0]))

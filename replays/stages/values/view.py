@@ -10,7 +10,7 @@ import numpy as np
 from motorcade.animation import Clip, Placement
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.engine.aside import ASIDE
+from motorcade.replays.stages.values.camera_poses import ASIDE
 
 
 @dataclass(frozen=True)

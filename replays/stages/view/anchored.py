@@ -10,8 +10,7 @@ import numpy as np
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.stages.values.camera_poses import CameraPoses
-from motorcade.replays.stages.values.marker_poses import MarkerPoses
+from motorcade.replays.stages.values.camera_poses import CameraPoses, MarkerPoses
 from motorcade.replays.stages.values.view import StandingPlace
 from motorcade.replays.stages.view.candidates import (
     SURE,

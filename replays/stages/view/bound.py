@@ -12,8 +12,7 @@ from motorcade.animation.authoring import Scene, between_keyframes
 from motorcade.animation.authoring.parts import Interpolation
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.replays.stages.characters.acted import MOST_POSES, Acted, acted
-from motorcade.replays.stages.characters.checked import things_of
+from motorcade.replays.stages.characters.acted import MOST_POSES, Acted, acted, things_of
 from motorcade.replays.stages.values.view import PlayedPart
 from motorcade.replays.stages.view.anchored import Grounds
 from motorcade.replays.stages.view.ground import Ground

@@ -16,9 +16,8 @@ from motorcade.animation.place import followed
 from motorcade.fusion.smoothing import smooth
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.replays.io.loose import LooseMarkers
 from motorcade.replays.io.readers.frames.corners import CornerFrames
-from motorcade.replays.io.recording import Recording
+from motorcade.replays.io.recording import LooseMarkers, Recording
 from motorcade.replays.stages.camera.marker_poses import markers_found
 from motorcade.tracking import MarkerGrid, SingleMarker
 from motorcade.tracking.cameras.camera import Camera

@@ -40,11 +40,9 @@ from motorcade.replays.io.readers.frames.corners import CornerFrames
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.recording import Frame, FrameSequence, Recording
 from motorcade.replays.stages.camera.as_found import as_found
-from motorcade.replays.stages.characters.performers import performers
-from motorcade.replays.stages.values.camera_poses import CameraPoses
-from motorcade.replays.stages.values.integrity import Integrity
-from motorcade.replays.stages.values.marker_poses import MarkerPoses
-from motorcade.replays.stages.values.paths import SmoothedPaths
+from motorcade.replays.stages.characters.acting import performers
+from motorcade.replays.stages.values.camera_poses import CameraPoses, MarkerPoses
+from motorcade.replays.stages.values.paths import Integrity, SmoothedPaths
 from motorcade.replays.stages.values.view import OverlayVideo, PlacedCharacter
 from motorcade.replays.stages.view.ground import prints_of
 from motorcade.tracking.rolling import as_read

@@ -22,7 +22,7 @@ import numpy as np
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.io.readers.tagslam import corners as tagslam
-from motorcade.replays.io.readers.tagslam.reference import TagSlamReference, read_reference
+from motorcade.replays.io.readers.tagslam.recording import TagSlamReference, read_reference
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import (
     Resolution,

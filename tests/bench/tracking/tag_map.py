@@ -17,7 +17,7 @@ import numpy as np
 from motorcade.fusion.metrics import evaluate
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.io.readers.tagslam import corners as tagslam
-from motorcade.replays.io.readers.tagslam.reference import read_reference
+from motorcade.replays.io.readers.tagslam.recording import read_reference
 from motorcade.tracking.markers.mapping import map_markers, track_rig
 from tests.bench.tracking.tag_flips import tagslam_folder
 

@@ -13,7 +13,7 @@ import pytest
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.render.light import Prints
-from motorcade.replays.pipeline.look.paths import rows_at
+from motorcade.replays.pipeline.look.packing import rows_at
 from motorcade.replays.pipeline.look.surroundings import shown_hiding
 from tests.end_to_end.pages.drawn_where import Standing, as_written
 from tests.end_to_end.pages.made_looks import MadeLook

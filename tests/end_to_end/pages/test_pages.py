@@ -11,7 +11,7 @@ import pytest
 
 from motorcade.replays.cli import main
 from motorcade.replays.pipeline.report.findings import Findings
-from motorcade.replays.pipeline.report.stage import report
+from motorcade.replays.pipeline.report.page import report
 from motorcade.replays.pipeline.runs import read_run
 from tests.end_to_end.pages.accessibility.faults import AXE, UNFOLD, serious_faults
 

@@ -10,9 +10,9 @@ import pytest
 from motorcade.ga import Trajectory
 from motorcade.replays.cli.main import main
 from motorcade.replays.pipeline.look.document import LookedAt, look_of
-from motorcade.replays.pipeline.look.paths import drawn_name
+from motorcade.replays.pipeline.look.packing import drawn_name
 from motorcade.replays.pipeline.look.view import open_look
-from motorcade.replays.stages.characters.performers import performers
+from motorcade.replays.stages.characters.acting import performers
 from motorcade.replays.stages.view.overlay import extrapolated
 from motorcade.replays.web.page import view_page
 from tests.end_to_end.pages.drawn_where import Standing, apart

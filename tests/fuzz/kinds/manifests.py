@@ -17,7 +17,8 @@ import numpy as np
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.engine.knobs import parse_knobs
-from motorcade.replays.io.readers.manifest import reading, section, slam, truth
+from motorcade.replays.io.readers.manifest import reading, section, truth
+from motorcade.replays.io.readers.manifest import reading as slam
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.trajectories import write_trajectory
 from motorcade.replays.pipeline.job import pipeline_graph

@@ -10,8 +10,7 @@ from motorcade.animation.ik import fitted_legs
 from motorcade.animation.place import standing_height_m
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.stages.characters.acting import IDLE_HZ, character_named, walked
-from motorcade.replays.stages.characters.performers import performers
+from motorcade.replays.stages.characters.acting import IDLE_HZ, character_named, performers, walked
 from motorcade.replays.stages.values.view import PlacedCharacter
 
 PATH_M = np.array([[0.0, 0.0], [1.5, 0.0]])

@@ -9,8 +9,15 @@ import pytest
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.replays.cli import main
-from motorcade.replays.comparison.consistency.experiment import FILTERS, Experiment, judge, simulate
-from motorcade.replays.comparison.consistency.run import ConsistencyPlan, as_json, run_plan
+from motorcade.replays.comparison.consistency import (
+    FILTERS,
+    ConsistencyPlan,
+    Experiment,
+    as_json,
+    judge,
+    run_plan,
+    simulate,
+)
 
 PARTS = ("nees_pose", "nees_velocity", "nees_biases", "nis")
 

@@ -330,7 +330,7 @@ def test_a_rig_without_what_is_needed_is_refused(
 
 
 def test_extrinsics_are_read_as_kalibr_writes_them(tmp_path: Path) -> None:
-    from motorcade.replays.io.extrinsics import read_extrinsics
+    from motorcade.replays.io.readers.kalibr import read_extrinsics
 
     apart = read_extrinsics(_chain(tmp_path)).local(IMU_T_CAMERA)
     np.testing.assert_allclose(apart, 0.0, atol=1e-9)

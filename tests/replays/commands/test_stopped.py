@@ -35,7 +35,7 @@ JOBS = {
         ("cells.csv", "groups.csv"),
     ),
     "consistency": (
-        "motorcade.replays.comparison.consistency.run",
+        "motorcade.replays.comparison.consistency",
         "run_seeds",
         ".finished/*",
         ("consistency.csv",),
@@ -54,7 +54,7 @@ def words(config: Config, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], li
             return ["sweep", str(path)]
         if command == "compare":
             return [*COMPARE.split(), "--representations", "motor", "--seeds", "4"]
-        monkeypatch.setattr("motorcade.replays.comparison.consistency.run._RUNS_A_JOB", 1)
+        monkeypatch.setattr("motorcade.replays.comparison.consistency._RUNS_A_JOB", 1)
         return [*CONSISTENCY.split(), "--runs", "4"]
 
     return small

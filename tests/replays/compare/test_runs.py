@@ -15,10 +15,9 @@ from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.cli import main
-from motorcade.replays.comparison import own_data
+from motorcade.replays.comparison import run as own_data
 from motorcade.replays.comparison.cells import Setting, inputs_of
 from motorcade.replays.comparison.evaluator import METRICS
-from motorcade.replays.comparison.own_data import compare_recorded
 from motorcade.replays.comparison.plan import (
     COMPARED,
     DEGRADATIONS,
@@ -27,7 +26,7 @@ from motorcade.replays.comparison.plan import (
     quick,
     standard,
 )
-from motorcade.replays.comparison.run import run_comparison
+from motorcade.replays.comparison.run import compare_recorded, run_comparison
 from motorcade.replays.comparison.traits import exact_ties
 from motorcade.replays.comparison.truth import RecordedMotion
 from motorcade.replays.comparison.tuning import RANGES, SearchPlace, Tuned, tuned

@@ -18,8 +18,8 @@ from motorcade.replays.cli.main import main
 from motorcade.replays.demo import write_recording
 from motorcade.replays.io.readers.frames.files import PictureFrames
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.pipeline.described.camera import camera_by_view
 from motorcade.replays.pipeline.described.describing import described
+from motorcade.replays.pipeline.described.footage import camera_by_view
 from motorcade.replays.pipeline.described.telemetry import (
     GOPRO_IMU_R_CAMERA,
     camera_by_turning,

@@ -11,7 +11,7 @@ import pytest
 from motorcade.replays import open_recording
 from motorcade.replays.cli.main import main
 from motorcade.replays.io.readers.gopro import gopro_camera
-from motorcade.replays.pipeline.described.stated import stated_lens
+from motorcade.replays.pipeline.described.values import stated_lens
 
 KEY = "com.apple.quicktime.camera.focal_length.35mm_equivalent"
 

@@ -12,7 +12,7 @@ import pytest
 
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.replays.engine import artifacts
-from motorcade.replays.engine.aside import ASIDE
+from motorcade.replays.stages.values.camera_poses import ASIDE
 
 
 @dataclass(frozen=True)

@@ -28,8 +28,8 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, rule
 from motorcade.ga.unfinished import unfinished
 from motorcade.replays.engine import artifacts
 from motorcade.replays.engine import store as engine
-from motorcade.replays.engine.aside import ASIDE
 from motorcade.replays.engine.graph import Graph
+from motorcade.replays.stages.values.camera_poses import ASIDE
 
 REFUSALS = [errno.ENOSPC, errno.EROFS, errno.EACCES, errno.EDQUOT, errno.EIO]
 WRITES = [

@@ -10,7 +10,7 @@ import pytest
 from motorcade.ga import Motor, Trajectory, mean
 from motorcade.replays.engine import provenance
 from motorcade.replays.engine.provenance import Reach, code_digest, reach, types_within
-from motorcade.replays.pipeline.report.stage import report
+from motorcade.replays.pipeline.report.page import report
 from motorcade.replays.stages.smoothed import smoothed
 from motorcade.replays.stages.view.overlay import overlay
 from tests.replays.engine.key_sizes import recording_of_a_board

@@ -100,7 +100,7 @@ def test_what_a_killed_container_left_is_removed_by_the_next(tmp_path: Path) -> 
 FULL = """
 import os, subprocess, sys
 from pathlib import Path
-from motorcade.replays.io.atomic import write_bytes
+from motorcade.replays.io.files import write_bytes
 from tests.replays.engine import test_cache_laws as laws
 
 disk = Path(sys.argv[1])

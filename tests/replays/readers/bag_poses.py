@@ -11,7 +11,7 @@ from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
 
-from motorcade.replays.io.readers.ros.definitions import message_types
+from motorcade.replays.io.readers.ros.admission import message_types
 
 KINDS = ("bag", "folder", "mcap")
 TF = "tf2_msgs/msg/TFMessage"

@@ -18,9 +18,9 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.replays.io.errors import RecordingError
 from motorcade.replays.io.readers.ros import frame_tree
 from motorcade.replays.io.readers.ros import trajectories as bag_trajectories
-from motorcade.replays.io.readers.ros.definitions import message_types
+from motorcade.replays.io.readers.ros.admission import message_types
 from motorcade.replays.io.readers.ros.trajectories import list_bag_trajectories
-from motorcade.replays.io.readers.tagslam.reference import read_reference
+from motorcade.replays.io.readers.tagslam.recording import read_reference
 from motorcade.replays.io.trajectories import read_trajectory
 from tests.replays.readers.bag_poses import KINDS, Messages, write_messages
 

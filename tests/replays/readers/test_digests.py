@@ -13,9 +13,8 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor, Rotor
-from motorcade.replays.io.loose import LooseMarkers
 from motorcade.replays.io.readers.opening import open_recording
-from motorcade.replays.io.recording import Recording
+from motorcade.replays.io.recording import LooseMarkers, Recording
 from motorcade.tracking import MapSnapshot, MarkerMap
 from tests.replays.conftest import Made
 

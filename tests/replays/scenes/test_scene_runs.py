@@ -14,7 +14,7 @@ from motorcade.animation.place import GroundPath
 from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Performer, render_performers
-from motorcade.replays.stages.characters.performers import performers
+from motorcade.replays.stages.characters.acting import performers
 from motorcade.replays.stages.values.view import PlacedCharacter, PlayedPart
 from motorcade.replays.stages.view.placed import placed
 from tests.props import write_props

@@ -22,7 +22,7 @@ from motorcade.replays.stages.inertial.convergence import convergence
 from motorcade.replays.stages.inertial.fused import fused
 from motorcade.replays.stages.inertial.imu import imu
 from motorcade.replays.stages.values.camera_poses import CameraPoses
-from motorcade.replays.stages.values.imu import UsedImu
+from motorcade.replays.stages.values.inertial import UsedImu
 from motorcade.replays.stages.values.paths import FusedPath
 from motorcade.tracking import Camera, PoseMeasurements
 from motorcade.tracking.frame_history import SlamHistory

@@ -12,7 +12,7 @@ from motorcade.replays.io.readers.frames.files import PictureFrames
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.marker_poses import _sighted as of_markers
 from motorcade.replays.stages.camera.slam_poses import _sighted as of_keyframes
-from motorcade.replays.stages.values.sighted_points import SightedPoints
+from motorcade.replays.stages.values.camera_poses import SightedPoints
 from motorcade.tracking import (
     BoardTrack,
     Camera,

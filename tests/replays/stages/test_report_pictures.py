@@ -16,9 +16,9 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import write_video
 from motorcade.render.video import read_frames
 from motorcade.replays.pipeline.report.before_after import MOST_BYTES, sheet_jpeg, steps_between
-from motorcade.replays.pipeline.report.filter_plots import filter_errors, filter_pictures
+from motorcade.replays.pipeline.report.film import standing_sheet
 from motorcade.replays.pipeline.report.findings import Findings, as_drawn
-from motorcade.replays.pipeline.report.standing import standing_sheet
+from motorcade.replays.pipeline.report.pictures import filter_errors, filter_pictures
 from motorcade.replays.stages.values.view import StandingPlace
 from motorcade.tracking import Camera
 

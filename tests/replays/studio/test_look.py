@@ -11,8 +11,7 @@ from motorcade.fusion.metrics.poses.alignment import Alignment
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.render import Performer
 from motorcade.replays.pipeline.look.document import shown_character
-from motorcade.replays.pipeline.look.packing import packed, packed_smooth
-from motorcade.replays.pipeline.look.paths import back_home, rows_at
+from motorcade.replays.pipeline.look.packing import back_home, packed, packed_smooth, rows_at
 from motorcade.replays.pipeline.look.view import write_view
 
 

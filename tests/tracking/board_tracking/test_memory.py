@@ -7,8 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from motorcade.replays.io.loose import LooseMarkers
-from motorcade.replays.io.recording import Frame, Recording
+from motorcade.replays.io.recording import Frame, LooseMarkers, Recording
 from motorcade.replays.stages.camera.marker_poses import markers_found
 from motorcade.tracking import BoardTracker, Camera, SingleMarker
 from tests.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers

@@ -19,8 +19,8 @@ import numpy as np
 from motorcade.ga.arrays import IntArray
 from motorcade.ga.names import one_line
 from motorcade.ga.progress import track
-from motorcade.replays.io.door import read_bounded
 from motorcade.replays.io.errors import DamagedError, refusal
+from motorcade.replays.io.files import read_bounded
 from motorcade.replays.io.readers.frames import pictures
 from motorcade.replays.io.readers.frames.exif import picture_orientation
 from motorcade.replays.io.recording import DepthArray, Frame

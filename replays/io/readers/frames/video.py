@@ -27,9 +27,8 @@ from av.video.stream import VideoStream
 
 from motorcade.ga.files import admit_file
 from motorcade.render.video import MAX_FILE_BYTES
-from motorcade.replays.io.door import open_bounded, refused
 from motorcade.replays.io.errors import refusal
-from motorcade.replays.io.readers.frames.decoded import DecodedFrames
+from motorcade.replays.io.files import open_bounded, refused
 from motorcade.replays.io.readers.frames.held import another_size
 from motorcade.replays.io.readers.frames.packets import (
     ShownPictures,
@@ -41,7 +40,7 @@ from motorcade.replays.io.readers.frames.packets import (
     stored_packets,
 )
 from motorcade.replays.io.readers.gpmf import read_telemetry
-from motorcade.replays.io.recording import ImageArray, Recording
+from motorcade.replays.io.recording import DecodedFrames, ImageArray, Recording
 from motorcade.tracking.cameras.orientation import AS_STORED, PictureOrientation
 
 if TYPE_CHECKING:

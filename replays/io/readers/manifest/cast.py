@@ -1,6 +1,8 @@
 """Casts: a TOML file that says which characters act in the footage, and what each is asked to do.
 
 `docs/manifests/every_cast_key.toml` shows all keys. Files are named relative to the cast's folder.
+
+The files that a scene names: "mannequin", or glTF, Collada, MD5 and FBX beside the scene.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from motorcade.animation.authoring import ScenePart, read_scene
 from motorcade.animation.behaviour.actor import LASTING
 from motorcade.animation.behaviour.crowd import MOST
 from motorcade.ga.arrays import FloatArray
@@ -237,3 +240,19 @@ def _layers(path: Path, number: int, section: Section) -> tuple[LayerAsked, ...]
             )
         )
     return tuple(made)
+
+
+def file_of(part: ScenePart, folder: Path) -> str:
+    """The word "mannequin", or the whole name of the file of a character or prop."""
+    return part.file if part.file == MANNEQUIN else str((folder / part.file).absolute())
+
+
+def files_of_scene(path: Path) -> Iterator[Path]:
+    """Every file that a scene file names.
+
+    Raises:
+        ValueError: see `read_scene`.
+    """
+    for part in read_scene(path).parts.values():
+        if part.file not in ("", MANNEQUIN):
+            yield Path(file_of(part, path.absolute().parent))

@@ -10,14 +10,14 @@ inside a recording may not.
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from os.path import realpath
 from pathlib import Path
 
 from motorcade.ga import Motor
 from motorcade.ga.stamps import LONGEST_READOUT_S
-from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.errors import RecordingError, refusal
 from motorcade.replays.io.imu import read_imu
 from motorcade.replays.io.readers.frames.files import (
     PictureFrames,
@@ -32,9 +32,8 @@ from motorcade.replays.io.readers.frames.span import frames_between
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.readers.gpmf import read_telemetry
 from motorcade.replays.io.readers.layouts.detect import find_layout, read_layout
-from motorcade.replays.io.readers.manifest.cast import read_cast
+from motorcade.replays.io.readers.manifest.cast import files_of_scene, read_cast
 from motorcade.replays.io.readers.manifest.inertial import IMU_KEYS, section_imu
-from motorcade.replays.io.readers.manifest.scene import files_of_scene
 from motorcade.replays.io.readers.manifest.section import (
     CAMERA_KEYS,
     MARKERS_KEYS,
@@ -46,7 +45,6 @@ from motorcade.replays.io.readers.manifest.section import (
     section_rotation,
     setting_from,
 )
-from motorcade.replays.io.readers.manifest.slam import SLAM_KEYS, section_slam
 from motorcade.replays.io.readers.manifest.truth import TRUTH_KEYS, read_truth
 from motorcade.replays.io.readers.tables import UNITS
 from motorcade.replays.io.recording import FrameSequence, Recording
@@ -57,6 +55,7 @@ from motorcade.tracking.boards import Board
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.cameras.orientation import AS_STORED, camera_T_turned
 from motorcade.tracking.depth.cameras import FINEST, DepthCamera
+from motorcade.tracking.slam import MapSnapshot
 
 _LOG = logging.getLogger("motorcade.replays")
 
@@ -366,3 +365,24 @@ def _within(section: Section, frames: FrameSequence) -> FrameSequence:
         return frames_between(frames, round(1e9 * start_s), round(1e9 * end_s))
     except ValueError as fault:
         raise section.fault("start_s", str(fault)) from fault
+
+
+SLAM_KEYS = ("map_file",)
+
+
+def section_slam(section: Section, file: Callable[[Section, str], Path]) -> MapSnapshot:
+    """Read the map that a manifest's table names.
+
+    Args:
+        section: the table.
+        file: the file that a key of the table names.
+
+    Raises:
+        RecordingError: naming table and key.
+    """
+    try:
+        return MapSnapshot.load(file(section, "map_file"))
+    except RecordingError:
+        raise
+    except (ValueError, OSError) as fault:
+        raise section.fault("map_file", str(fault)) from fault

@@ -13,9 +13,8 @@ from functools import partial
 from pathlib import Path
 
 from motorcade.ga.names import did_you_mean, one_line
-from motorcade.replays.io.door import read_bounded
 from motorcade.replays.io.errors import RecordingError, refusal
-from motorcade.replays.io.loose import LooseMarkers
+from motorcade.replays.io.files import read_bounded
 from motorcade.replays.io.readers.calibration import (
     make_camera,
     read_matrix,
@@ -23,6 +22,7 @@ from motorcade.replays.io.readers.calibration import (
     yaml_camera,
 )
 from motorcade.replays.io.readers.frames.held import ROTATIONS_DEG
+from motorcade.replays.io.recording import LooseMarkers
 from motorcade.tracking.boards import (
     Board,
     CharucoBoard,

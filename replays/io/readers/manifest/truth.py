@@ -31,9 +31,8 @@ from motorcade.replays.io.errors import refusal
 from motorcade.replays.io.readers.calibration import read_numbers
 from motorcade.replays.io.readers.frames.files import natural
 from motorcade.replays.io.readers.manifest.section import Section
-from motorcade.replays.io.readers.ros.naming import is_bag
 from motorcade.replays.io.readers.tables import read_table
-from motorcade.replays.io.trajectories import even_stamps, read_times, read_trajectory
+from motorcade.replays.io.trajectories import even_stamps, is_bag, read_times, read_trajectory
 from motorcade.replays.io.transforms import transform
 
 if TYPE_CHECKING:

@@ -3,6 +3,10 @@
 rosbags opens whatever a folder's `metadata.yaml` names, unpacks files as a whole before it tells
 that they are packed, and unpacks chunks as far as they go. A database is a program of its own: only
 plain tables are asked.
+
+Types of ROS messages by their usual definitions, with those that rosbags does not bring along.
+
+The definitions that a bag brings along are never used.
 """
 
 from __future__ import annotations
@@ -13,14 +17,19 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import closing
+from functools import cache
 from itertools import accumulate
 from pathlib import Path, PurePath
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from motorcade.ga.names import one_line
 from motorcade.ga.plain_yaml import YamlError, parse_yaml
-from motorcade.replays.io.door import admit_file, read_bounded
 from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.files import admit_file, read_bounded
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
+
 
 FILE_LIMIT = 1 << 40
 METADATA_LIMIT = 1 << 20
@@ -138,3 +147,32 @@ def _unpacker(make: Callable[[], Any]) -> Callable[[bytes], bytes]:
         return b"".join(parts)
 
     return unpack
+
+
+_APRILTAG = """
+int32 id
+string family
+int32 hamming
+int32 border
+int32 bits
+geometry_msgs/Point center
+geometry_msgs/Point[4] corners
+"""
+_OF_ROS1 = {
+    "apriltag_msgs/msg/Apriltag": _APRILTAG,
+    "apriltag_msgs/msg/ApriltagArrayStamped": "std_msgs/Header header\nApriltag[] apriltags\n",
+    "tf/msg/tfMessage": "geometry_msgs/TransformStamped[] transforms\n",
+    "tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms\n",
+}
+
+
+@cache
+def message_types(*, ros1: bool) -> Typestore:
+    """The types of ROS 1 Noetic, TagSLAM's and tf's among them, or those of ROS 2 Humble."""
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE)
+    for name, text in _OF_ROS1.items() if ros1 else ():
+        found = get_types_from_msg(text, name)
+        store.register({key: value for key, value in found.items() if key not in store.types})
+    return store

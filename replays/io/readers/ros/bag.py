@@ -13,10 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from motorcade.ga.names import one_line
-from motorcade.replays.io.door import admit_file, read_bounded
 from motorcade.replays.io.errors import RecordingError, refusal
-from motorcade.replays.io.readers.ros.admission import bound_chunks
-from motorcade.replays.io.readers.ros.definitions import message_types
+from motorcade.replays.io.files import admit_file, read_bounded
+from motorcade.replays.io.readers.ros.admission import bound_chunks, message_types
 
 PACKED_LIMIT = 2**26
 BAG_LIMIT = 2**28

@@ -14,14 +14,13 @@ import cv2
 import numpy as np
 
 from motorcade.ga.names import one_line
-from motorcade.replays.io.door import open_bounded
 from motorcade.replays.io.errors import refusal
-from motorcade.replays.io.readers.frames.decoded import DecodedFrames
+from motorcade.replays.io.files import open_bounded
 from motorcade.replays.io.readers.frames.files import FRAME_LIMIT
 from motorcade.replays.io.readers.frames.pictures import PIXEL_LIMIT, picture_size
 from motorcade.replays.io.readers.ros.admission import FILE_LIMIT
 from motorcade.replays.io.readers.ros.reader import Bag
-from motorcade.replays.io.recording import ImageArray
+from motorcade.replays.io.recording import DecodedFrames, ImageArray
 
 if TYPE_CHECKING:
     from motorcade.tracking.cameras.camera import Camera

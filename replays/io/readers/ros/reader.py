@@ -13,9 +13,13 @@ from typing import Any, Self
 
 from motorcade.ga.names import one_line
 from motorcade.replays.io.errors import RecordingError, refusal
-from motorcade.replays.io.readers.ros.admission import admit_bag, bound_chunks, check_overlaps
+from motorcade.replays.io.readers.ros.admission import (
+    admit_bag,
+    bound_chunks,
+    check_overlaps,
+    message_types,
+)
 from motorcade.replays.io.readers.ros.bag import plain_bag
-from motorcade.replays.io.readers.ros.definitions import message_types
 
 
 class Bag:

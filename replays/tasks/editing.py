@@ -1,12 +1,18 @@
-"""What `motorcade trajectory` does to trajectories, in one order whatever the order of options."""
+"""What `motorcade trajectory` does to trajectories, in one order whatever the order of options.
+
+Which trajectories a command line names (files, and what is read of bags), what one is at a glance,
+and where edited ones are written: one file, or a folder of files by their own names.
+"""
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from math import radians
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +20,7 @@ from motorcade.fusion.metrics import Align, Plane, alignment_of, associate, crop
 from motorcade.fusion.metrics.poses.association import checked_offset_ns
 from motorcade.fusion.metrics.poses.projection import folded, projected
 from motorcade.ga import Motor, Similarity, Trajectory
-from motorcade.ga.stamps import GAP_STEPS, inside_gaps
+from motorcade.ga.stamps import GAP_STEPS, inside_gaps, near_steps
 from motorcade.ga.trajectory_edits import (
     downsampled,
     inverted,
@@ -24,6 +30,103 @@ from motorcade.ga.trajectory_edits import (
     scaled,
     shifted,
 )
+from motorcade.replays.io.trajectories import TrajectoryFormat, split_bag_name, write_trajectory
+
+
+@dataclass(frozen=True)
+class TrajectorySummary:
+    """Figures of one trajectory; those of steps are None for a single pose.
+
+    Fields:
+        parent, child: the two frames; poses are ``parent_T_child``.
+        poses: how many.
+        start_ns, end_ns: first and last stamp.
+        duration_s: seconds in between.
+        path_length_m: sum of the distances from pose to pose.
+        turned_deg: sum of the angles from pose to pose.
+        first_m, last_m: first and last position.
+        lowest_m, highest_m: least and largest coordinates.
+        step_min_s, step_mean_s, step_max_s: time from pose to pose.
+        gaps: steps of more than three median ones.
+        speed_min_m_s, speed_mean_m_s, speed_max_m_s: distance by time, from pose to pose.
+        turning_max_deg_s: the largest angle by time.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga import Motor, Trajectory
+        >>> from motorcade.replays.tasks.editing import TrajectorySummary
+        >>> path = Trajectory(10**9 * np.arange(2), Motor.from_translation([[0, 0, 0], [3, 4, 0]]))
+        >>> found = TrajectorySummary.of(path)
+        >>> found.path_length_m, found.speed_mean_m_s
+        (5.0, 5.0)
+    """
+
+    parent: str
+    child: str
+    poses: int
+    start_ns: int
+    end_ns: int
+    duration_s: float
+    path_length_m: float
+    turned_deg: float
+    first_m: tuple[float, ...]
+    last_m: tuple[float, ...]
+    lowest_m: tuple[float, ...]
+    highest_m: tuple[float, ...]
+    step_min_s: float | None = None
+    step_mean_s: float | None = None
+    step_max_s: float | None = None
+    gaps: int = 0
+    speed_min_m_s: float | None = None
+    speed_mean_m_s: float | None = None
+    speed_max_m_s: float | None = None
+    turning_max_deg_s: float | None = None
+
+    @classmethod
+    def of(cls, trajectory: Trajectory) -> TrajectorySummary:
+        """The figures of a trajectory; of similarities, those of the rigid part."""
+        path = trajectory.rigid
+        place, steps_ns = path.motors.translation_m, np.diff(path.time_ns)
+        far = np.linalg.norm(np.diff(place, axis=0), axis=1)
+        turned = np.rad2deg((path.motors.rotor[:-1].inverse() @ path.motors.rotor[1:]).angle())
+        known: dict[str, Any] = {}
+        if steps_ns.size:
+            step_s = steps_ns * 1e-9
+            speed = far / step_s
+            known = {
+                "step_min_s": float(step_s.min()),
+                "step_mean_s": float(step_s.mean()),
+                "step_max_s": float(step_s.max()),
+                "gaps": int(np.count_nonzero(~near_steps(steps_ns))),
+                "speed_min_m_s": float(speed.min()),
+                "speed_mean_m_s": float(speed.mean()),
+                "speed_max_m_s": float(speed.max()),
+                "turning_max_deg_s": float((turned / step_s).max()),
+            }
+        return cls(
+            parent=path.parent,
+            child=path.child,
+            poses=len(path),
+            start_ns=int(path.time_ns[0]),
+            end_ns=int(path.time_ns[-1]),
+            duration_s=path.duration_s,
+            path_length_m=float(far.sum()),
+            turned_deg=float(turned.sum()),
+            first_m=_triple(place[0]),
+            last_m=_triple(place[-1]),
+            lowest_m=_triple(place.min(axis=0)),
+            highest_m=_triple(place.max(axis=0)),
+            **known,
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        """The figures ready for JSON."""
+        return asdict(self)
+
+
+def _triple(values: Any) -> tuple[float, ...]:
+    return tuple(float(value) for value in values)
+
 
 _LOG = logging.getLogger("motorcade.replays")
 
@@ -256,3 +359,127 @@ def _named(name: str) -> Iterator[None]:
         yield
     except ValueError as fault:
         raise ValueError(f"{name}: {fault}") from fault
+
+
+def trajectory_names(
+    inputs: Sequence[Path], topics: Sequence[str] = (), *, every_topic: bool = False
+) -> list[str]:
+    """The names of trajectories of files and bags, as `read_trajectory` takes them.
+
+    Args:
+        inputs: files; bags, alone or with what is read of them.
+        topics: what is read of each bag that stands alone: topics of poses, or two frames.
+        every_topic: read every topic of poses of these.
+
+    Raises:
+        RecordingError: a bag that cannot be read.
+        ValueError: a trajectory that is named twice, topics without a bag that stands alone, or a
+            bag without a topic of poses where every one of them is asked for.
+
+    >>> trajectory_names([Path("run.tum"), Path("flight.bag")], ["/odom", "map/base"])
+    ['run.tum', 'flight.bag:/odom', 'flight.bag:map/base']
+    """
+    bags = [split_bag_name(one) for one in inputs]
+    alone = [one is not None and not one[1] for one in bags]
+    if topics and not any(alone):
+        raise ValueError(f"--topic {topics[0]}: expected a bag without a topic among the inputs")
+    found: list[str] = []
+    for name, is_alone in zip(inputs, alone, strict=True):
+        read = list(_of_bag(name, topics, every_topic)) if is_alone else [str(name)]
+        for one in read:
+            if one in found:
+                raise ValueError(f"{one}: expected each trajectory once, got it twice")
+            found.append(one)
+    return found
+
+
+def refuse_inputs(names: Iterable[str], files: Iterable[Path]) -> None:
+    """Refuse to write over what is read: measured poses cannot be had again.
+
+    Args:
+        names: what is read, as `trajectory_names` gives it.
+        files: what is written.
+
+    Raises:
+        ValueError: a file among both, by whatever path or link.
+    """
+    bags = ((name, split_bag_name(name)) for name in names)
+    read = [Path(name) if bag is None else bag[0] for name, bag in bags]
+    for file in files:
+        if file.is_file() and any(one.is_file() and one.samefile(file) for one in read):
+            raise ValueError(
+                f"--output {file}: this is one of the inputs; expected another file or folder"
+            )
+
+
+def _of_bag(bag: Path, topics: Sequence[str], every_topic: bool) -> Iterator[str]:
+    """What is read of a bag that stands alone; itself where nothing says what."""
+    if topics:
+        yield from (f"{bag}:{topic}" for topic in topics)
+    elif every_topic:
+        from motorcade.replays.io.readers.ros.trajectories import list_bag_trajectories
+
+        listed = list_bag_trajectories(bag).topics
+        if not listed:
+            raise ValueError(f"{bag}: expected topics of poses, got none")
+        yield from (f"{bag}:{topic}" for topic in listed)
+    else:
+        yield str(bag)
+
+
+def stem_of(name: str) -> str:
+    """What a trajectory's file is called: a file's stem, or what was read of a bag.
+
+    >>> stem_of("runs/estimate.tum"), stem_of("flight.mcap:/tf:map.base_link")
+    ('estimate', 'tf_map.base_link')
+    """
+    named = split_bag_name(name)
+    if named is None or not named[1]:
+        return Path(name).stem
+    return named[1].strip("/").replace(":", "_").replace("/", "_")
+
+
+def output_files(formats: Mapping[str, TrajectoryFormat | None], output: Path) -> dict[str, Path]:
+    """The file of each trajectory: `output` for one, or files in the folder `output`.
+
+    Args:
+        formats: of the files in a folder, by the trajectories' names.
+        output: a file, or a folder: one that is there, or a name without an ending.
+
+    Raises:
+        ValueError: several for one file, no format for a folder, or two of one name.
+    """
+    known = all(fmt is not None for fmt in formats.values())
+    if not (output.is_dir() or (not output.suffix and known)):
+        if len(formats) > 1:
+            raise ValueError(
+                f"{output}: expected a folder for {len(formats)} trajectories, with --format; or "
+                "--merge to make one of them"
+            )
+        return dict.fromkeys(formats, output)
+    if not known:
+        raise ValueError(f"{output}: expected --format for the files of a folder")
+    found = {
+        name: output / (stem_of(name) + (".csv" if fmt == "euroc" else f".{fmt}"))
+        for name, fmt in formats.items()
+    }
+    for name, path in found.items():
+        others = [one for one, other in found.items() if other == path and one != name]
+        if others:
+            raise ValueError(f"{path}: expected one trajectory, got {name} and {others[0]}")
+    return found
+
+
+def write_trajectories(
+    trajectories: Mapping[str, Trajectory],
+    files: Mapping[str, Path],
+    formats: Mapping[str, TrajectoryFormat | None],
+) -> None:
+    """Write each to its file, each whole or not at all.
+
+    Raises:
+        OSError: a file or its folder cannot be written.
+    """
+    for name, path in files.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_trajectory(trajectories[name], path, formats[name])
