@@ -128,9 +128,9 @@ class Material:
                 f"{self.alpha_mode!r}"
             )
         for name, count in (("base_color", 4), ("emission", 3)):
-            given = np.asarray(getattr(self, name), dtype=np.float64)
-            if given.shape != (count,) or not np.all(given >= 0.0):
-                raise ValueError(f"Material.{name}: expected {count} numbers from 0, got {given}")
+            values = np.asarray(getattr(self, name), dtype=np.float64)
+            if values.shape != (count,) or not np.all(values >= 0.0):
+                raise ValueError(f"Material.{name}: expected {count} numbers from 0, got {values}")
 
     @property
     def maps(self) -> dict[str, TextureMap]:

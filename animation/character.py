@@ -185,15 +185,15 @@ class Character:
 
 def _numbers(value: IntArray, name: str, shape: tuple[int, int], limit: int) -> IntArray:
     """A read-only int64 copy, checked for shape and range."""
-    given = np.asarray(value)
-    if given.shape != shape or given.dtype.kind not in "iu":
+    values = np.asarray(value)
+    if values.shape != shape or values.dtype.kind not in "iu":
         raise ValueError(
-            f"{name}: expected integers of shape {shape}, got {given.dtype} {given.shape}"
+            f"{name}: expected integers of shape {shape}, got {values.dtype} {values.shape}"
         )
-    if given.size and (given.min() < 0 or given.max() >= limit):
+    if values.size and (values.min() < 0 or values.max() >= limit):
         raise ValueError(
-            f"{name}: expected numbers from 0 to {limit - 1}, got {given.min()} to {given.max()}"
+            f"{name}: expected numbers from 0 to {limit - 1}, got {values.min()} to {values.max()}"
         )
-    own = given.astype(np.int64)
+    own = values.astype(np.int64)
     own.setflags(write=False)
     return own

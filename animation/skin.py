@@ -265,14 +265,20 @@ class Skinner:
         return self.skin_palette(np.ascontiguousarray(entries, dtype=np.float32))
 
     def _shape_by(self, weights: ArrayLike | None) -> None:
-        given = None if weights is None else np.array(weights, dtype=np.float64)
-        if given is None and self._weights is None:
+        values = None if weights is None else np.array(weights, dtype=np.float64)
+        if values is None and self._weights is None:
             return
-        if given is not None and self._weights is not None and np.array_equal(given, self._weights):
+        if (
+            values is not None
+            and self._weights is not None
+            and np.array_equal(values, self._weights)
+        ):
             return
-        one = self._character if given is None else self._character.shaped(given)
-        self._mesh.reshape(np.ascontiguousarray(one.vertices), np.ascontiguousarray(one.normals))
-        self._weights = given
+        character = self._character if values is None else self._character.shaped(values)
+        self._mesh.reshape(
+            np.ascontiguousarray(character.vertices), np.ascontiguousarray(character.normals)
+        )
+        self._weights = values
 
     def skin_palette(self, entries: Floats32) -> tuple[Floats32, Floats32]:
         """The same from a palette ``(J, 8 or 12)`` as `palette` or `PoseRuntime` gives it.

@@ -88,12 +88,12 @@ def _numbers(value: ArrayLike, name: str) -> NDArray[Any]:
         problem = f"{name}: expected numbers, got a {type(value).__name__}"
         raise ValueError(f"{problem}, which as_… converts; its own are its coefficients")
     try:
-        given = np.asarray(value)
+        values = np.asarray(value)
     except ValueError as ragged:
         raise ValueError(f"{name}: expected a regular array of numbers, {ragged}") from ragged
-    if given.dtype.kind not in "fiub":
-        raise ValueError(f"{name}: expected real numbers, got dtype {given.dtype}")
-    return given
+    if values.dtype.kind not in "fiub":
+        raise ValueError(f"{name}: expected real numbers, got dtype {values.dtype}")
+    return values
 
 
 def _check_shape(array: FloatArray, name: str, trailing: tuple[int, ...]) -> None:
@@ -186,10 +186,10 @@ class CoefficientBatch(ABC):
 
     def _like(self, coefficients: FloatArray) -> Self:
         """The same kind of value around coefficients just made; they are frozen, not copied."""
-        made = object.__new__(type(self))
-        made.__dict__.update(self.__dict__)
-        object.__setattr__(made, "coefficients", sealed(coefficients))
-        return made
+        versor = object.__new__(type(self))
+        versor.__dict__.update(self.__dict__)
+        object.__setattr__(versor, "coefficients", sealed(coefficients))
+        return versor
 
     @classmethod
     @abstractmethod

@@ -148,9 +148,9 @@ def name_text(name: str) -> str:
     """
     if name in _GREEK:
         return f"\\{name}"
-    found = re.fullmatch(r"([A-Za-z])([0-9]*)", name)
-    if found:
-        return f"{found[1]}_{{{found[2]}}}" if found[2] else name
+    match = re.fullmatch(r"([A-Za-z])([0-9]*)", name)
+    if match:
+        return f"{match[1]}_{{{match[2]}}}" if match[2] else name
     return rf"\mathit{{{name.replace('_', chr(92) + '_')}}}"
 
 
@@ -231,10 +231,10 @@ def _power(exponent: str) -> str:
 
 
 def _page_vector(name: str) -> str:
-    found = re.fullmatch(r"e(\w+)", name)
-    if found is None:
+    match = re.fullmatch(r"e(\w+)", name)
+    if match is None:
         return f"<i>{escape(name)}</i>"
-    return f"<b>e</b><sub>{'∞' if found[1] == 'inf' else escape(found[1])}</sub>"
+    return f"<b>e</b><sub>{'∞' if match[1] == 'inf' else escape(match[1])}</sub>"
 
 
 class ShownAsSum:

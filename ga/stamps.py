@@ -43,10 +43,10 @@ def checked_stamps(value: ArrayLike, name: str) -> IntArray:
     Raises:
         ValueError: no integers, or 2⁶² ns or more from zero.
     """
-    given = np.asarray(value)
-    if given.dtype.kind != "i":
-        raise ValueError(f"{name}: expected integer nanoseconds, got dtype {given.dtype}")
-    stamps = given.astype(np.int64, copy=False)
+    values = np.asarray(value)
+    if values.dtype.kind != "i":
+        raise ValueError(f"{name}: expected integer nanoseconds, got dtype {values.dtype}")
+    stamps = values.astype(np.int64, copy=False)
     if stamps.size:
         first, last = int(stamps.min()), int(stamps.max())
         if max(-first, last) >= STAMP_LIMIT_NS:

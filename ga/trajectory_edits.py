@@ -103,11 +103,11 @@ def merged(trajectories: Sequence[Trajectory]) -> Trajectory:
     if not trajectories:
         raise ValueError("merged: expected one trajectory or more, got none")
     first = trajectories[0]
-    for one in trajectories[1:]:
-        if (one.parent, one.child) != (first.parent, first.child):
+    for trajectory in trajectories[1:]:
+        if (trajectory.parent, trajectory.child) != (first.parent, first.child):
             raise ValueError(
                 f"merged: expected poses {first.parent}_T_{first.child}, got "
-                f"{one.parent}_T_{one.child}"
+                f"{trajectory.parent}_T_{trajectory.child}"
             )
     stamps = np.concatenate([one.time_ns for one in trajectories])
     order = np.argsort(stamps, kind="stable")
@@ -152,8 +152,8 @@ def scaled(trajectory: Trajectory, factor: float) -> Trajectory:
     if not 0.0 < factor < np.inf:
         raise ValueError(f"scaled: expected a factor above 0, got {factor}")
     poses = trajectory.motors
-    made = Motor.from_rotor_translation(poses.rotor, factor * poses.translation_m)
-    return Trajectory(trajectory.time_ns, made, trajectory.parent, trajectory.child)
+    motor = Motor.from_rotor_translation(poses.rotor, factor * poses.translation_m)
+    return Trajectory(trajectory.time_ns, motor, trajectory.parent, trajectory.child)
 
 
 def inverted(trajectory: Trajectory) -> Trajectory:
@@ -207,7 +207,9 @@ def _joined(trajectories: Sequence[Trajectory]) -> Motor | Similarity:
     if all(isinstance(one.poses, Motor) for one in trajectories):
         return Motor(np.concatenate([one.poses.coefficients for one in trajectories]))
     every = [
-        Similarity.from_motor_scale(one.poses) if isinstance(one.poses, Motor) else one.poses
-        for one in trajectories
+        Similarity.from_motor_scale(trajectory.poses)
+        if isinstance(trajectory.poses, Motor)
+        else trajectory.poses
+        for trajectory in trajectories
     ]
     return Similarity(np.concatenate([poses.coefficients for poses in every]))

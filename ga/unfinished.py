@@ -140,14 +140,14 @@ class _Mark:
         """That of a place; None where none is written yet, or it is not one."""
         try:
             with off_record():
-                given = json.loads(read_bounded(place / "mark", MARK_BYTES))
-            boot, namespace = given["boot"], given["pid_namespace"]
+                document = json.loads(read_bounded(place / "mark", MARK_BYTES))
+            boot, namespace = document["boot"], document["pid_namespace"]
             return _Mark(
-                str(given["host"]),
+                str(document["host"]),
                 None if boot is None else str(boot),
                 None if namespace is None else int(namespace),
-                int(given["process"]),
-                bool(given["locked"]),
+                int(document["process"]),
+                bool(document["locked"]),
             )
         except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
             return None

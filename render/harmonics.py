@@ -95,16 +95,16 @@ def rotate_harmonics(coefficients: ArrayLike, rotor: Rotor) -> FloatArray:
     >>> rotate_harmonics(upward, about_y).round(6) + 0.0
     array([0., 0., 0., 1.])
     """
-    given = np.asarray(coefficients, dtype=np.float64)
-    band = band_of(given)
-    if not np.all(np.isfinite(given)):
+    values = np.asarray(coefficients, dtype=np.float64)
+    band = band_of(values)
+    if not np.all(np.isfinite(values)):
         raise ValueError("rotate_harmonics(coefficients): expected finite numbers, got others")
     w, x, y, z = np.moveaxis(rotor.as_quaternion(), -1, 0)
     # Functions turn by the reverse of what turns their arguments.
     a, b = w - 1j * z, -y - 1j * x
     parts = []
     for degree in range(band + 1):
-        part = given[..., degree * degree : (degree + 1) ** 2]
+        part = values[..., degree * degree : (degree + 1) ** 2]
         parts.append(np.einsum("...ij,...j->...i", _turn(a, b, degree), part))
     return np.concatenate(parts, axis=-1)
 

@@ -196,6 +196,6 @@ def _sources(camera: Camera) -> FloatArray:
     columns, rows = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
     pixels = np.stack([columns, rows], axis=-1).astype(np.float64)
     some = (pixels[first : first + ROWS] for first in range(0, camera.height, ROWS))
-    found = np.concatenate([camera.undistort(part) for part in some])
-    found.setflags(write=False)
-    return found
+    sources = np.concatenate([camera.undistort(part) for part in some])
+    sources.setflags(write=False)
+    return sources

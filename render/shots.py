@@ -211,12 +211,12 @@ class FilmStage:
         parts: list[Extent] = []
         for moment in moments:
             pose = moment.world_T_camera
-            for one in moment.figures:
-                hull_m = pose.inverse().apply(one.hull_m())
+            for figure in moment.figures:
+                hull_m = pose.inverse().apply(figure.hull_m())
                 parts.append(seen_extent(pinhole, hull_m, NEAREST_M, 1.0))
-                if one.shade is not None:
-                    width_m, place = one.figure.half_width_m, one.camera_T_shade(pose)
-                    part = shade_extent(one.shade, width_m, pinhole, place)
+                if figure.shade is not None:
+                    width_m, place = figure.figure.half_width_m, figure.camera_T_shade(pose)
+                    part = shade_extent(figure.shade, width_m, pinhole, place)
                     parts += [] if part is None else [part]
         low, high = zip(*parts, strict=True)
         return self.lens.shown((np.min(low, axis=0), np.max(high, axis=0)))
@@ -232,10 +232,10 @@ class FilmStage:
         part = self.lens.drawn(window)
         shades = [
             shade_in_picture(
-                one.shade, one.figure.half_width_m, pinhole, one.camera_T_shade(pose), part
+                figure.shade, figure.figure.half_width_m, pinhole, figure.camera_T_shade(pose), part
             )
-            for one in moment.figures
-            if one.shade is not None
+            for figure in moment.figures
+            if figure.shade is not None
         ]
         seen = [self.lens.smooth(one, window) for one in shades if one is not None]
         # One sun throws them: where shadows lie over one another it is hidden once.

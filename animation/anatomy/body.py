@@ -257,17 +257,17 @@ def _toes(tree: JointTree, legs: Limbs, named: Mapping[int, str]) -> list[int] |
 
 def _moving(evidence: Evidence, motion: FloatArray) -> dict[str, float]:
     """Evidence of motions, and the way that is gone."""
-    found = evidence.forward(motion)
+    moving = evidence.forward(motion)
     across, trunk = evidence.axes(motion)
     below = evidence.trunk[0]
     step = np.diff(motion[:, below].mean(axis=1), axis=0)
     size = np.linalg.norm(np.diff(motion[:, evidence.trunk[1]].mean(axis=1), axis=0), axis=1)
     if len(step) and float(size.sum()) > 0.0:
         front = unit(np.cross(across, trunk))[:-1]
-        found["way"] = WAY * float(
+        moving["way"] = WAY * float(
             np.sum(step * front) / max(np.linalg.norm(step, axis=1).sum(), 1e-12)
         )
-    return found
+    return moving
 
 
 def _by_skin(evidence: Evidence, tree: JointTree, skin: FloatArray, across: FloatArray) -> float:
@@ -307,16 +307,16 @@ def _middle(
     """
     pairs = [limbs.pair for limbs in (legs, arms) if limbs is not None]
     limb = {int(one[0, c]) for one in (pair.chains for pair in pairs) for c in (0, 1)}
-    made: dict[str, int] = {}
+    middle: dict[str, int] = {}
     for joint, role in named.items():
         if role not in ("hips", "neck", "head") or any(tree.is_below(joint, k) for k in limb):
             continue
-        if role not in made or (role == "hips" and made["hips"] == tree.parents[joint]):
-            made[role] = joint
-    if "hips" not in made and legs is not None and legs.pair.above >= 0:
-        made["hips"] = legs.pair.above
-    if "head" in made or arms is None:
-        return made
+        if role not in middle or (role == "hips" and middle["hips"] == tree.parents[joint]):
+            middle[role] = joint
+    if "hips" not in middle and legs is not None and legs.pair.above >= 0:
+        middle["hips"] = legs.pair.above
+    if "head" in middle or arms is None:
+        return middle
     kept = {k for one in limb for k in tree.line(one)}
     chain: list[int] = []
     onward = [k for k in tree.children[arms.pair.above] if k not in kept]
@@ -324,10 +324,10 @@ def _middle(
         chain.append(max(onward, key=lambda one: tree.bone[one] + tree.reach[one]))
         onward = tree.children[chain[-1]]
     if chain:
-        made["head"] = chain[_head(tree, chain)]
+        middle["head"] = chain[_head(tree, chain)]
         if _head(tree, chain) > 0:
-            made.setdefault("neck", chain[0])
-    return made
+            middle.setdefault("neck", chain[0])
+    return middle
 
 
 def _head(tree: JointTree, chain: list[int]) -> int:
@@ -350,23 +350,23 @@ def _roles(
     sides: tuple[str, str],
     named: Mapping[int, str],
 ) -> dict[str, int]:
-    made: dict[str, int] = {}
+    roles: dict[str, int] = {}
     for kind, limbs in (("leg", legs), ("arm", arms)):
         if limbs is None:
             continue  # no two are alike: names tell, below
         toes = _toes(tree, limbs, named) if BEYOND[kind] else None
         for column, side in enumerate(sides):
             for part, row in zip(PARTS[kind], limbs.joints, strict=True):
-                made[f"{side}_{part}"] = int(row[column])
+                roles[f"{side}_{part}"] = int(row[column])
             if toes is not None:
-                made[f"{side}_toes"] = toes[column]
+                roles[f"{side}_toes"] = toes[column]
             if kind == "arm" and limbs.parts[0] > 0:
-                made[f"{side}_clavicle"] = int(limbs.pair.chains[limbs.parts[0] - 1, column])
+                roles[f"{side}_clavicle"] = int(limbs.pair.chains[limbs.parts[0] - 1, column])
             below = int(limbs.pair.chains[0, column])
             for joint, role in named.items():
                 part = role.partition("_")[2]
-                if part and tree.is_below(joint, below) and joint not in made.values():
-                    made.setdefault(f"{side}_{part}", joint)
+                if part and tree.is_below(joint, below) and joint not in roles.values():
+                    roles.setdefault(f"{side}_{part}", joint)
     astray = _by_sides(tree, legs, arms) * (1.0 if sides == SIDES else -1.0) < 0.0
     alone = {
         part
@@ -375,9 +375,9 @@ def _roles(
         if limbs is None
     }
     for joint, role in named.items():
-        if role.partition("_")[2] in alone and joint not in made.values():
-            made.setdefault(_other(role) if astray else role, joint)
-    return made
+        if role.partition("_")[2] in alone and joint not in roles.values():
+            roles.setdefault(_other(role) if astray else role, joint)
+    return roles
 
 
 def _by_names(tree: JointTree, named: Mapping[int, str]) -> dict[str, int]:

@@ -52,8 +52,8 @@ class Limbs:
     @property
     def joints(self) -> IntArray:
         """``(3, 2)``, one side a column."""
-        made: IntArray = self.pair.chains[list(self.parts)]
-        return made
+        chains: IntArray = self.pair.chains[list(self.parts)]
+        return chains
 
     def swapped(self) -> Limbs:
         """The same with its sides in the other order."""

@@ -70,19 +70,19 @@ def named_eyes(names: tuple[str, ...]) -> list[int]:
 
 def _bare(names: tuple[str, ...]) -> list[str]:
     """Names without what most of them begin with, and without numbers that end most of them."""
-    made = [name.rsplit(":", 1)[-1] for name in names]
+    bare_names = [name.rsplit(":", 1)[-1] for name in names]
     if len(names) < FEWEST_NAMES:
-        return made
+        return bare_names
     while True:
-        starts = Counter(name.split("_", 1)[0] for name in made if "_" in name)
+        starts = Counter(name.split("_", 1)[0] for name in bare_names if "_" in name)
         start, times = starts.most_common(1)[0] if starts else ("", 0)
         if times < MOST_ALIKE * len(names) or start.lower() in (*SIDES, "l", "r"):
             break
-        made = [name.removeprefix(start + "_") for name in made]
-    ends = [re.fullmatch(r"(.+)_\d+", name) for name in made]
+        bare_names = [name.removeprefix(start + "_") for name in bare_names]
+    ends = [re.fullmatch(r"(.+)_\d+", name) for name in bare_names]
     if sum(end is not None for end in ends) >= MOST_ALIKE * len(names):
-        made = [end[1] if end else name for end, name in zip(ends, made, strict=True)]
-    return made
+        bare_names = [end[1] if end else name for end, name in zip(ends, bare_names, strict=True)]
+    return bare_names
 
 
 def _role(side: str, part: str, words: list[tuple[str, str]]) -> str:

@@ -31,74 +31,74 @@ _SHORT = Repr()
 _SHORT.maxstring = _SHORT.maxlong = _SHORT.maxother = 70
 
 
-def number(given: object, where: str) -> float:
+def number(value: object, where: str) -> float:
     """A finite number of JSON.
 
     Raises:
         ValueError: anything else.
     """
-    if isinstance(given, bool) or not isinstance(given, int | float) or not abs(given) < 1e9:
-        raise ValueError(f"{where}: expected a number, got {short(given)}")
-    return float(given)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e9:
+        raise ValueError(f"{where}: expected a number, got {short(value)}")
+    return float(value)
 
 
-def vector(given: object, where: str, size: int) -> FloatArray:
+def vector(value: object, where: str, size: int) -> FloatArray:
     """A list of finite numbers of JSON.
 
     Raises:
         ValueError: anything else.
     """
-    if not isinstance(given, list) or len(given) != size:
-        raise ValueError(f"{where}: expected {size} numbers, got {short(given)}")
-    return checked_floats([number(one, where) for one in given], where, ())
+    if not isinstance(value, list) or len(value) != size:
+        raise ValueError(f"{where}: expected {size} numbers, got {short(value)}")
+    return checked_floats([number(one, where) for one in value], where, ())
 
 
-def text(given: object, where: str) -> str:
+def text(value: object, where: str) -> str:
     """A text of 1 to 1000 printable letters.
 
     Raises:
         ValueError: anything else.
     """
-    if not isinstance(given, str) or not 1 <= len(given) <= 1000 or not given.isprintable():
-        raise ValueError(f"{where}: expected a text, got {short(given)}")
-    return given
+    if not isinstance(value, str) or not 1 <= len(value) <= 1000 or not value.isprintable():
+        raise ValueError(f"{where}: expected a text, got {short(value)}")
+    return value
 
 
-def object_name(given: object, where: str) -> str:
+def object_name(value: object, where: str) -> str:
     """A name: a text of 1 to 100 printable letters.
 
     Raises:
         ValueError: anything else.
     """
-    if not isinstance(given, str) or not 1 <= len(given) <= 100 or not given.isprintable():
-        raise ValueError(f"{where}: expected a name, got {short(given)}")
-    return given
+    if not isinstance(value, str) or not 1 <= len(value) <= 100 or not value.isprintable():
+        raise ValueError(f"{where}: expected a name, got {short(value)}")
+    return value
 
 
-def listed(given: object, where: str, most: int) -> list[Any]:
+def listed(value: object, where: str, most: int) -> list[Any]:
     """A list of JSON of at most so many entries.
 
     Raises:
         ValueError: anything else.
     """
-    if not isinstance(given, list) or len(given) > most:
-        raise ValueError(f"{where}: expected a list of at most {most}, got {short(given)}")
-    return given
+    if not isinstance(value, list) or len(value) > most:
+        raise ValueError(f"{where}: expected a list of at most {most}, got {short(value)}")
+    return value
 
 
-def table(given: object, where: str, known: Iterable[str]) -> dict[str, Any]:
+def table(value: object, where: str, known: Iterable[str]) -> dict[str, Any]:
     """An object of JSON that has no keys but those known.
 
     Raises:
         ValueError: anything else; the message names the first key that is not.
     """
-    if not isinstance(given, dict):
-        raise ValueError(f"{where}: expected an object of JSON, got {short(given)}")
+    if not isinstance(value, dict):
+        raise ValueError(f"{where}: expected an object of JSON, got {short(value)}")
     allowed = sorted(known)
-    for key in given:
+    for key in value:
         if key not in allowed:
             raise ValueError(f"{where}: expected fields of {', '.join(allowed)}, got {short(key)}")
-    return given
+    return value
 
 
 def read_json(path: Path) -> Any:
@@ -143,20 +143,20 @@ def parsed_json(text: str, where: str) -> Any:
 
 
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    made = dict(pairs)
-    if len(made) < len(pairs):
+    fields = dict(pairs)
+    if len(fields) < len(pairs):
         twice = Counter(key for key, _ in pairs).most_common(1)[0][0]
         raise ValueError(f"expected different keys, got {short(twice)} twice")
-    return made
+    return fields
 
 
 def _no_number(word: str) -> Any:
     raise ValueError(f"expected a number, got {word}")
 
 
-def short(given: object) -> str:
+def short(value: object) -> str:
     """What was given in 80 letters at most, however large it is."""
-    told = _SHORT.repr(given)
+    told = _SHORT.repr(value)
     return told if len(told) <= 80 else f"{told[:77]}..."
 
 
@@ -203,20 +203,20 @@ def part_json(part: ScenePart) -> dict[str, Any]:
     return made
 
 
-def _keyframe_json(one: SceneKeyframe) -> dict[str, Any]:
-    made = {"time_s": one.time_s, **pose_json(one.parent_T_object)}
-    if one.angles_deg is not None:
-        del made["wxyz"]
-        made["euler_deg"] = list(one.angles_deg)
-    return made
+def _keyframe_json(scene_keyframe: SceneKeyframe) -> dict[str, Any]:
+    keyframe_json = {"time_s": scene_keyframe.time_s, **pose_json(scene_keyframe.parent_T_object)}
+    if scene_keyframe.angles_deg is not None:
+        del keyframe_json["wxyz"]
+        keyframe_json["euler_deg"] = list(scene_keyframe.angles_deg)
+    return keyframe_json
 
 
-def _pose_of_joints_json(one: JointKeyframe) -> dict[str, Any]:
-    joints = {name: rotor.as_quaternion().tolist() for name, rotor in one.rotors.items()}
-    made: dict[str, Any] = {"time_s": one.time_s, "joints": joints}
-    if one.end_s is not None:
-        made["end_s"] = one.end_s
-    return made
+def _pose_of_joints_json(joint_keyframe: JointKeyframe) -> dict[str, Any]:
+    joints = {name: rotor.as_quaternion().tolist() for name, rotor in joint_keyframe.rotors.items()}
+    pose: dict[str, Any] = {"time_s": joint_keyframe.time_s, "joints": joints}
+    if joint_keyframe.end_s is not None:
+        pose["end_s"] = joint_keyframe.end_s
+    return pose
 
 
 def layer_json(layer: SceneLayer) -> dict[str, Any]:
@@ -234,8 +234,8 @@ def layer_json(layer: SceneLayer) -> dict[str, Any]:
 
 
 def _walk_json(walk: SceneWalk) -> dict[str, Any]:
-    made: dict[str, Any] = {"path_m": walk.path_m.tolist(), "start_s": walk.start_s}
+    walk_json: dict[str, Any] = {"path_m": walk.path_m.tolist(), "start_s": walk.start_s}
     if walk.speed_m_s is not None:
-        made["speed_m_s"] = walk.speed_m_s
-    made["gaits"] = list(walk.gaits)
-    return made
+        walk_json["speed_m_s"] = walk.speed_m_s
+    walk_json["gaits"] = list(walk.gaits)
+    return walk_json

@@ -98,10 +98,10 @@ def _dragged(pose: ObjectPose, axis: FloatArray, angle_rad: float) -> Rotor:
     return after.pose("it").as_similarity().rotor
 
 
-def _between_deg(one: Rotor, other: Rotor) -> float:
-    return float(np.degrees((one.inverse() @ other).angle()))
+def _between_deg(rotor: Rotor, other: Rotor) -> float:
+    return float(np.degrees((rotor.inverse() @ other).angle()))
 
 
-def _angle_deg(one: FloatArray, other: FloatArray) -> float:
-    across = float(np.linalg.norm(np.cross(one, other)))
-    return float(np.degrees(np.arctan2(across, one @ other)))
+def _angle_deg(value: FloatArray, other: FloatArray) -> float:
+    across = float(np.linalg.norm(np.cross(value, other)))
+    return float(np.degrees(np.arctan2(across, value @ other)))

@@ -270,10 +270,10 @@ class ScenePart:
 
     def angles_at(self, number: int) -> FloatArray:
         """``(3,)`` rad of a keyframe, as written or as its turn has them."""
-        one = self.keyframes[number]
-        if one.angles_deg is not None:
-            return np.asarray(np.radians(one.angles_deg), dtype=np.float64)
-        return one.parent_T_object.rotor.as_euler()
+        keyframe = self.keyframes[number]
+        if keyframe.angles_deg is not None:
+            return np.asarray(np.radians(keyframe.angles_deg), dtype=np.float64)
+        return keyframe.parent_T_object.rotor.as_euler()
 
 
 def _checked_span(start_s: float, end_s: float | None, where: str) -> None:

@@ -118,8 +118,8 @@ class DragPlane:
             raise OutOfReach("the finger points past the plane: expected at a place in it")
         if not abs(height) < HORIZON * size * abs(slope):
             raise OutOfReach("the finger points above the horizon of the plane: expected below it")
-        made: FloatArray = ray.origin_m + (height / slope) * ray.direction
-        return made
+        point: FloatArray = ray.origin_m + (height / slope) * ray.direction
+        return point
 
 
 def checked_direction(value: ArrayLike, name: str) -> FloatArray:
@@ -392,8 +392,8 @@ class JointDrag:
         half = np.sqrt(max(radius**2 - aside**2, 0.0))
         wanted = float(ray.direction @ (place - ray.origin_m))
         depth = min((along - half, along + half), key=lambda one: abs(one - wanted))
-        made: FloatArray = ray.origin_m + depth * ray.direction
-        return made
+        point: FloatArray = ray.origin_m + depth * ray.direction
+        return point
 
 
 def limb_above(skeleton: Skeleton, local_pose: Motor, joint: str) -> dict[str, JointKind]:
@@ -441,5 +441,5 @@ def _hinge(skeleton: Skeleton, at: Motor, joint: int, below: int, bend: float) -
 
 def _unit(vector: FloatArray) -> FloatArray:
     length = float(np.linalg.norm(vector))
-    made: FloatArray = vector / length if length > 0.0 else vector
-    return made
+    unit: FloatArray = vector / length if length > 0.0 else vector
+    return unit

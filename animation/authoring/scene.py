@@ -241,9 +241,9 @@ class Scene:
 
     def but(self, **fields: Mapping[str, Any]) -> Scene:
         """The same with fields that need no check: a drag of a large scene has no time for it."""
-        made: Scene = object.__new__(Scene)
-        made.__dict__.update(self.__dict__ | fields)
-        return made
+        scene: Scene = object.__new__(Scene)
+        scene.__dict__.update(self.__dict__ | fields)
+        return scene
 
     def on_euler_angles(self) -> Scene:
         """The same scene with poses held as Euler angles."""

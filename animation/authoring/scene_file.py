@@ -132,13 +132,13 @@ class SceneEntry:
     part: ScenePart
 
 
-def object_of(given: object, where: str) -> SceneEntry:
+def object_of(value: object, where: str) -> SceneEntry:
     """An entry of `objects`.
 
     Raises:
         ValueError: a field that is unknown or wrong; the message begins with `where`.
     """
-    entry = table(given, where, ("name", "parent", *POSE_KEYS, *_PART))
+    entry = table(value, where, ("name", "parent", *POSE_KEYS, *_PART))
     name = object_name(entry.get("name"), f"{where}.name")
     parent = entry.get("parent")
     if parent is not None and not isinstance(parent, str):
@@ -165,29 +165,29 @@ def scene_text(scene: Scene) -> str:
     return made
 
 
-def _anchors(given: object, where: str) -> dict[str, SceneAnchor]:
-    made = {}
-    if not isinstance(given, dict) or len(given) > MOST_IN_A_LIST:
+def _anchors(value: object, where: str) -> dict[str, SceneAnchor]:
+    anchors = {}
+    if not isinstance(value, dict) or len(value) > MOST_IN_A_LIST:
         raise ValueError(f"{where}: expected at most {MOST_IN_A_LIST} anchors by name")
-    for name, one in given.items():
-        made[name] = anchor_of(one, f"{where}['{object_name(name, where)}']")
-    return made
+    for name, one in value.items():
+        anchors[name] = anchor_of(one, f"{where}['{object_name(name, where)}']")
+    return anchors
 
 
-def anchor_of(given: object, where: str) -> SceneAnchor:
+def anchor_of(value: object, where: str) -> SceneAnchor:
     """An entry of `anchors`.
 
     Raises:
         ValueError: a wrong field; the message begins with `where`.
     """
-    entry = table(given, where, ("on", "marker", "floor_m"))
+    entry = table(value, where, ("on", "marker", "floor_m"))
     marker = entry.get("marker")
     if marker is not None and (type(marker) is not int or not 0 <= marker < 10**6):
         raise ValueError(f"{where}.marker: expected an id, got {short(marker)}")
     floor_m = number(entry.get("floor_m", 0.0), f"{where}.floor_m")
     on = _word(entry.get("on", "auto"))
-    made: SceneAnchor = prefixed(where, lambda: SceneAnchor(on, marker, floor_m))
-    return made
+    anchor: SceneAnchor = prefixed(where, lambda: SceneAnchor(on, marker, floor_m))
+    return anchor
 
 
 def part_fields(given: Mapping[str, Any], where: str) -> dict[str, Any]:
@@ -215,26 +215,26 @@ def prefixed(where: str, read: Callable[..., Any], *given: Any) -> Any:
 
 
 def _rows(read: Callable[[object, str], Any], most: int) -> Callable[[object, str], Any]:
-    def made(given: object, where: str) -> tuple[Any, ...]:
-        rows = enumerate(listed(given, where, most))
+    def made(value: object, where: str) -> tuple[Any, ...]:
+        rows = enumerate(listed(value, where, most))
         return tuple(prefixed(f"{where}[{k}]", read, one, f"{where}[{k}]") for k, one in rows)
 
     return made
 
 
-def _span(given: object, where: str) -> tuple[float, float]:
-    start, end = vector(given, where, 2).tolist()
+def _span(value: object, where: str) -> tuple[float, float]:
+    start, end = vector(value, where, 2).tolist()
     return start, end
 
 
-def layer_of(given: object, where: str) -> SceneLayer:
+def layer_of(value: object, where: str) -> SceneLayer:
     """An entry of `layers`.
 
     Raises:
         ValueError: a wrong field; the message begins with `where`.
     """
     one = table(
-        given, where, ("clip", "joints", "weight", "additive", "start_s", "end_s", "fade_s")
+        value, where, ("clip", "joints", "weight", "additive", "start_s", "end_s", "fade_s")
     )
     additive = one.get("additive", False)
     if not isinstance(additive, bool):
@@ -251,8 +251,8 @@ def layer_of(given: object, where: str) -> SceneLayer:
     )
 
 
-def _walk(given: object, where: str) -> SceneWalk:
-    one = table(given, where, ("path_m", "start_s", "speed_m_s", "gaits"))
+def _walk(value: object, where: str) -> SceneWalk:
+    one = table(value, where, ("path_m", "start_s", "speed_m_s", "gaits"))
     points = listed(one.get("path_m"), f"{where}.path_m", MOST_IN_A_LIST)
     speed = one.get("speed_m_s")
     gaits = listed(one.get("gaits", ["walk"]), f"{where}.gaits", MOST_IN_A_LIST)
@@ -264,8 +264,8 @@ def _walk(given: object, where: str) -> SceneWalk:
     )
 
 
-def _keyframe(given: object, where: str) -> SceneKeyframe:
-    one = table(given, where, ("time_s", *POSE_KEYS))
+def _keyframe(value: object, where: str) -> SceneKeyframe:
+    one = table(value, where, ("time_s", *POSE_KEYS))
     angles = None
     if one.get("euler_deg") is not None:
         x, y, z = vector(one["euler_deg"], f"{where}.euler_deg", 3).tolist()
@@ -275,8 +275,8 @@ def _keyframe(given: object, where: str) -> SceneKeyframe:
     )
 
 
-def _joint_keyframe(given: object, where: str) -> JointKeyframe:
-    one = table(given, where, ("time_s", "joints", "end_s"))
+def _joint_keyframe(value: object, where: str) -> JointKeyframe:
+    one = table(value, where, ("time_s", "joints", "end_s"))
     joints = one.get("joints")
     if not isinstance(joints, dict) or len(joints) > MOST_IN_A_LIST:
         raise ValueError(f"{where}.joints: expected at most {MOST_IN_A_LIST} turns by joint")
@@ -315,22 +315,22 @@ def similarity_of(given: Mapping[str, Any], where: str) -> Similarity:
     return Similarity.from_motor_scale(motor, scale)
 
 
-def rotor_of(given: object, where: str) -> Rotor:
+def rotor_of(value: object, where: str) -> Rotor:
     """A turn ``wxyz``.
 
     Raises:
         ValueError: no quaternion; the message begins with `where`.
     """
-    wxyz = vector(given, where, 4)
+    wxyz = vector(value, where, 4)
     try:
         return Rotor.from_quaternion(wxyz)
     except ValueError as fault:
         raise ValueError(f"{where}: {fault}") from fault
 
 
-def _word(given: object, where: str = "") -> Any:
+def _word(value: object, where: str = "") -> Any:
     """A word that the value itself checks; whatever else JSON holds as text that is none."""
-    return given if isinstance(given, str) else short(given)
+    return value if isinstance(value, str) else short(value)
 
 
 # By the key of an object, the field of its part and how it is read.

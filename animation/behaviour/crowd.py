@@ -126,20 +126,20 @@ def closest_m(performances: Sequence[tuple[Actor, Performance]]) -> float:
     return found
 
 
-def _skin_m(actor: Actor, made: Performance) -> FloatArray:
+def _skin_m(actor: Actor, performance: Performance) -> FloatArray:
     """Points ``(F, P, 3)`` of a skin on the plane."""
-    way = made.plane_T_character.reshape(-1, 1)
-    return way.apply(actor.scale * actor.skin_m(made.poses, POINTS))
+    way = performance.plane_T_character.reshape(-1, 1)
+    return way.apply(actor.scale * actor.skin_m(performance.poses, POINTS))
 
 
-def _nearest_m(one: FloatArray, other: FloatArray) -> float:
+def _nearest_m(value: FloatArray, other: FloatArray) -> float:
     """Between two clouds ``(P, 3)``; points that cannot be the nearest are left out first."""
-    first = one[np.argmin(_from_box_m(one, other))]
+    first = value[np.argmin(_from_box_m(value, other))]
     second = other[np.argmin(np.linalg.norm(other - first, axis=1))]
-    most = float(np.linalg.norm(one - second, axis=1).min())
-    one = one[_from_box_m(one, other) <= most]
-    other = other[_from_box_m(other, one) <= most]
-    return float(np.sqrt(np.sum((one[:, None] - other) ** 2, axis=-1).min()))
+    most = float(np.linalg.norm(value - second, axis=1).min())
+    value = value[_from_box_m(value, other) <= most]
+    other = other[_from_box_m(other, value) <= most]
+    return float(np.sqrt(np.sum((value[:, None] - other) ** 2, axis=-1).min()))
 
 
 def _from_box_m(points: FloatArray, about: FloatArray) -> FloatArray:
@@ -183,16 +183,16 @@ def _least_gap(timelines: Sequence[Timeline]) -> float:
 
 def _refuse_overlap(wanted: Sequence[Timeline], gap_m: float) -> None:
     tracks = [_Track.of(_staying(one)) for one in wanted]
-    for k, one in enumerate(tracks):
+    for k, track in enumerate(tracks):
         for number, other in enumerate(tracks[k + 1 :], k + 1):
-            gap = float(_gaps(one, other).min())
+            gap = float(_gaps(track, other).min())
             if gap < gap_m:
                 names = wanted[k].actor.name, wanted[number].actor.name
-                need = np.linalg.norm(one.at_m[0] - other.at_m[0]) + gap_m - gap
+                need = np.linalg.norm(track.at_m[0] - other.at_m[0]) + gap_m - gap
                 raise ValueError(
                     f"'{names[0]}' and '{names[1]}' stand in each other at the start: expected "
                     f"them {need:.3g} m apart or more, got "
-                    f"{np.linalg.norm(one.at_m[0] - other.at_m[0]):.3g} m"
+                    f"{np.linalg.norm(track.at_m[0] - other.at_m[0]):.3g} m"
                 )
 
 
@@ -280,7 +280,7 @@ def _ways_round(
     at, heading = path.at(along)
     nearest = int(np.argmin(np.linalg.norm(at - place, axis=1)))
     across = np.array([-np.sin(heading[nearest]), np.cos(heading[nearest])])
-    made = []
+    ways = []
     for aside in ASIDE:
         for side in (1.0, -1.0):
             point = place + side * aside * wide * across
@@ -288,8 +288,8 @@ def _ways_round(
             if bent is None:
                 continue
             way = Timeline(me.actor, replace(me.errand, path_m=bent))
-            made.append((way, _Track.of(way)))
-    return made
+            ways.append((way, _Track.of(way)))
+    return ways
 
 
 def _bent(
@@ -325,10 +325,10 @@ def _why_it_stays(number: int, wanted: Sequence[Timeline], gap_m: float) -> str:
     return f"{said}: none that was tried keeps clear of the others"
 
 
-def _note(asked: Errand, made: Errand) -> str:
+def _note(asked: Errand, errand: Errand) -> str:
     parts = []
-    if made.waits_s > asked.waits_s:
-        parts.append(f"waits {made.waits_s - asked.waits_s:.2f} s")
-    if len(made.path_m) != len(asked.path_m) or not np.array_equal(made.path_m, asked.path_m):
+    if errand.waits_s > asked.waits_s:
+        parts.append(f"waits {errand.waits_s - asked.waits_s:.2f} s")
+    if len(errand.path_m) != len(asked.path_m) or not np.array_equal(errand.path_m, asked.path_m):
         parts.append("goes round")
     return " and ".join(parts)

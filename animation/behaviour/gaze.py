@@ -109,8 +109,8 @@ class Gaze:
             for one in line
         }
         joints |= {
-            skeleton.names[one]: Ball(EYES_RAD, (0.0, 0.0), axis=_inside(skeleton, one, AHEAD))
-            for one in eyes
+            skeleton.names[eye]: Ball(EYES_RAD, (0.0, 0.0), axis=_inside(skeleton, eye, AHEAD))
+            for eye in eyes
         }
         return cls(
             IkSolver(skeleton, joints),

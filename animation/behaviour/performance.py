@@ -99,7 +99,7 @@ def perform(
     return Performance(time_s, way, poses, timeline.segments)
 
 
-def foot_slides_m(actor: Actor, made: Performance) -> list[tuple[float, float, float]]:
+def foot_slides_m(actor: Actor, performance: Performance) -> list[tuple[float, float, float]]:
     """How far each foot goes on the ground while it is on it: (start s, end s, plane metres).
 
     On the ground is a foot whose ball is as low as it rests. It is told from the poses alone, not
@@ -108,9 +108,10 @@ def foot_slides_m(actor: Actor, made: Performance) -> list[tuple[float, float, f
     """
     skeleton = actor.skeleton
     own = Motor.from_rotor_translation(
-        made.plane_T_character.rotor, made.plane_T_character.translation_m / actor.scale
+        performance.plane_T_character.rotor,
+        performance.plane_T_character.translation_m / actor.scale,
     )
-    world = own.reshape(-1, 1) @ skeleton.world(made.poses)
+    world = own.reshape(-1, 1) @ skeleton.world(performance.poses)
     touches_m = TOUCHES * float(np.max(skeleton.rest_world.translation_m[:, 2]))
     found = []
     for leg in actor.legs:
@@ -121,7 +122,11 @@ def foot_slides_m(actor: Actor, made: Performance) -> list[tuple[float, float, f
             places = at[start:end, :2]
             off = np.linalg.norm(places - np.median(places, axis=0), axis=1).max()
             found.append(
-                (float(made.time_s[start]), float(made.time_s[end - 1]), actor.scale * float(off))
+                (
+                    float(performance.time_s[start]),
+                    float(performance.time_s[end - 1]),
+                    actor.scale * float(off),
+                )
             )
     return found
 
@@ -133,16 +138,18 @@ def _unplanted(
     actor = timeline.actor
     poses = np.empty((len(time_s), len(actor.skeleton), 8))
     stances = [np.ones(len(time_s), dtype=bool) for _ in actor.legs]
-    made: PoseSource | None = None
+    pose_source: PoseSource | None = None
     for segment, rows in zip(timeline.segments, timeline.rows(time_s), strict=True):
         if segment.state == "arrive":  # the walk goes on
             pass
-        elif made is None:
-            made = _source(actor, segment)
+        elif pose_source is None:
+            pose_source = _source(actor, segment)
         else:
-            made = Inertialized(made, _source(actor, segment), segment.start_s, SWITCH_S)
-        assert made is not None  # a timeline does not begin by arriving
-        poses[rows] = rigid(made, time_s[rows]).coefficients
+            pose_source = Inertialized(
+                pose_source, _source(actor, segment), segment.start_s, SWITCH_S
+            )
+        assert pose_source is not None  # a timeline does not begin by arriving
+        poses[rows] = rigid(pose_source, time_s[rows]).coefficients
         for number, standing in enumerate(_standing(actor, segment, time_s, rows)):
             stances[number][rows] = standing
     layered = _with_layers(timeline, time_s, Motor.normalize(poses))
@@ -182,12 +189,12 @@ def _standing(
     moved = act.motion.at(np.clip(local, act.clip.time_s[0], act.clip.time_s[-1] - 1e-9))
     world = moved.reshape(-1, 1) @ actor.skeleton.world(rigid(act.clip, local))
     near_m = _near_m(actor)
-    found = []
+    standing = []
     for leg in actor.legs:
         at = world[:, actor.skeleton.index(leg.ball)].translation_m
         still = np.linalg.norm(np.ptp(at, axis=0)) < near_m or len(clock) < 3
-        found.append(np.ones(len(clock), bool) if still else find_stances(at, clock))
-    return found
+        standing.append(np.ones(len(clock), bool) if still else find_stances(at, clock))
+    return standing
 
 
 def _standing_on_the_way(
@@ -218,9 +225,9 @@ def _with_layers(timeline: Timeline, time_s: FloatArray, poses: Motor) -> Motor:
             clip = replace(layer.clip, poses=layer.clip.poses.rigid)
             over = Shifted(clip, start, float(clip.time_s[0]))
             reference = clip.poses.rigid[0] if layer.additive else None
-            made = Layered(below, over, layer.mask, (start, end), FADE_S, reference)
+            layered = Layered(below, over, layer.mask, (start, end), FADE_S, reference)
             changed = poses.coefficients.copy()
-            changed[within] = made.at(time_s[within]).coefficients
+            changed[within] = layered.at(time_s[within]).coefficients
             poses = Motor(changed)
     return poses
 

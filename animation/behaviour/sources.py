@@ -67,8 +67,8 @@ class Along:
         """Motor ``(*, 1)``."""
         position, heading = self._on(np.asarray(time_s, dtype=np.float64) - self.start_s)
         flat = np.concatenate([position, np.zeros((*position.shape[:-1], 1))], axis=-1)
-        made = Motor.from_rotor_translation(turn_z(heading), flat)
-        return made.reshape(*made.shape, 1)
+        motor = Motor.from_rotor_translation(turn_z(heading), flat)
+        return motor.reshape(*motor.shape, 1)
 
     def lean_rad(self, passed_s: FloatArray) -> FloatArray:
         """How far to lean to the left ``(*)``, so that gravity and the bend's pull go down."""

@@ -91,13 +91,13 @@ class Timeline:
     @cached_property
     def ways(self) -> tuple[PoseSource, ...]:
         """The way of each segment, as it goes on from the one before; Motor ``(*, 1)``."""
-        made: list[PoseSource] = [self.segments[0].way]
+        pose_sources: list[PoseSource] = [self.segments[0].way]
         for before, now in zip(self.segments, self.segments[1:], strict=False):
             if now.way is before.way:
-                made.append(made[-1])
+                pose_sources.append(pose_sources[-1])
             else:
-                made.append(Inertialized(made[-1], now.way, now.start_s, EASED_S))
-        return tuple(made)
+                pose_sources.append(Inertialized(pose_sources[-1], now.way, now.start_s, EASED_S))
+        return tuple(pose_sources)
 
     def at(self, time_s: ArrayLike) -> Motor:
         """``plane_T_character`` ``(F,)`` at times ``(F,)``."""
@@ -140,7 +140,7 @@ class Timeline:
         acts, known = list(errand.acts), actor.acts or {}
         state: State | None = None
         way: Way = Still(here)
-        made: list[Segment] = []
+        segments: list[Segment] = []
         while True:
             wish = errand.facing_rad
             if path is not None and pace is not None:
@@ -167,10 +167,10 @@ class Timeline:
             elif state == "idle":
                 way = Still(here)
                 if waits <= 0.0:
-                    made.append(Segment(state, name, clock, np.inf, way))
-                    return tuple(made)
+                    segments.append(Segment(state, name, clock, np.inf, way))
+                    return tuple(segments)
                 waits = 0.0
-            made.append(Segment(state, name, clock, clock + lasts, way))
+            segments.append(Segment(state, name, clock, clock + lasts, way))
             clock += lasts
             here = way.at(clock)[..., 0]
             if state == "act":

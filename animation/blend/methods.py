@@ -205,14 +205,18 @@ def _quaternion(motors: Motor, shares: FloatArray) -> Motor:
 
 
 def _quaternion_linear(motors: Motor, shares: FloatArray) -> Motor:
-    given = QuaternionPose.from_quaternion_translation(*motors.as_quaternion_translation())
-    return Motor.from_quaternion_translation(*given.blend(shares).as_quaternion_translation())
+    quaternion_pose = QuaternionPose.from_quaternion_translation(
+        *motors.as_quaternion_translation()
+    )
+    return Motor.from_quaternion_translation(
+        *quaternion_pose.blend(shares).as_quaternion_translation()
+    )
 
 
 def _euler(motors: Motor, shares: FloatArray) -> Motor:
     angles, translation = motors.as_euler_translation()
-    given = EulerPose(np.concatenate([angles, translation], axis=-1))
-    blended = given.blend(shares)
+    euler_pose = EulerPose(np.concatenate([angles, translation], axis=-1))
+    blended = euler_pose.blend(shares)
     return Motor.from_euler_translation(blended.angles_rad, blended.translation_m)
 
 

@@ -85,11 +85,11 @@ def _linear(surface: RigSurface) -> RigSurface:
     return replace(surface, material=material, colors=colors)
 
 
-def _export(program: str, given: Path, made: Path) -> None:
+def _export(program: str, path: Path, made: Path) -> None:
     try:
         done = subprocess.run(
-            [program, "export", str(given), str(made)],
-            cwd=given.parent,
+            [program, "export", str(path), str(made)],
+            cwd=path.parent,
             stdin=subprocess.DEVNULL,
             capture_output=True,
             timeout=TIME_LIMIT_S,

@@ -98,13 +98,13 @@ def _pixels(opened: Image, factor: int) -> NDArray[np.uint8]:
         opened.draft(opened.mode, wanted)  # JPEG alone: halved in decoding, some times
         factor //= round(largest / max(opened.size))
     width, height = -(-opened.width // factor), -(-opened.height // factor)
-    made = np.empty((height, width, 4), np.uint8)
+    pixels = np.empty((height, width, 4), np.uint8)
     step = max(1, STRIP_PIXELS // (opened.width * factor))
     for top in range(0, height, step):
         bottom = min((top + step) * factor, opened.height)
         strip = _plain(opened.crop((0, top * factor, opened.width, bottom)))
-        made[top : top + step] = np.asarray(strip.reduce(factor) if factor > 1 else strip)
-    return made
+        pixels[top : top + step] = np.asarray(strip.reduce(factor) if factor > 1 else strip)
+    return pixels
 
 
 def _plain(strip: Image) -> Image:
@@ -167,9 +167,9 @@ class Textures:
     def _admitted(self, data: Callable[[], bytes]) -> bytes:
         if self._bytes_left <= 0:
             raise FormatError(f"expected at most {MAX_IMAGE_BYTES} bytes of pictures, got more")
-        made = data()
-        self._bytes_left -= len(made)
-        return made
+        admitted = data()
+        self._bytes_left -= len(admitted)
+        return admitted
 
     def _admit(self, width: int, height: int) -> int:
         count = width * height

@@ -299,10 +299,10 @@ def _rows(words: Words, count_name: str, name: str, width: int) -> FloatArray:
 
 
 def _whole(values: FloatArray, field: str) -> IntArray:
-    made = values.astype(np.int64)
-    if not np.array_equal(made, values):
+    numbers = values.astype(np.int64)
+    if not np.array_equal(numbers, values):
         raise expected(field, "whole numbers", "others")
-    return made
+    return numbers
 
 
 def orientation(xyz: FloatArray) -> FloatArray:

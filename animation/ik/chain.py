@@ -124,7 +124,7 @@ def laid_along(
     world = skeleton.world(local_pose)
     batch = np.broadcast_shapes(world.shape[:-1], points_m.shape[:-2])
     size = local_pose.coefficients.shape[-2:]
-    made = Motor(np.broadcast_to(local_pose.coefficients, (*batch, *size)))
+    laid = Motor(np.broadcast_to(local_pose.coefficients, (*batch, *size)))
     turned = Rotor.identity()
     at = world.translation_m
     for k, joint in enumerate(numbers[:-1]):
@@ -133,8 +133,8 @@ def laid_along(
         above = turned @ world[..., parent].rotor if parent >= 0 else Rotor.identity()
         bone = at[..., numbers[k + 1], :] - at[..., joint, :]
         turned = shortest_turn(bone, points_m[..., k + 1, :] - points_m[..., k, :])
-        made = turned_joint(made, joint, above.inverse() @ turned @ world[..., joint].rotor)
-    return made
+        laid = turned_joint(laid, joint, above.inverse() @ turned @ world[..., joint].rotor)
+    return laid
 
 
 @dataclass(frozen=True, eq=False)

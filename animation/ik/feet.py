@@ -281,18 +281,18 @@ def _knee_ahead(
     """
     at = skeleton.world(poses).translation_m
     hip, knee, ankle = (at[:, skeleton.index(name)] for name in limb)
-    made: FloatArray = hip + shortest_turn(ankle - hip, target - hip).apply(knee - hip)
-    return made
+    knee_ahead: FloatArray = hip + shortest_turn(ankle - hip, target - hip).apply(knee - hip)
+    return knee_ahead
 
 
 def _turned(skeleton: Skeleton, poses: Motor, leg: Leg, foot: Rotor, toes: Rotor) -> Motor:
     """Poses in which ankle and ball are turned as given in character space ``(F,)``."""
     ankle, ball = leg.foot(skeleton)
     above = skeleton.world(poses)[:, int(skeleton.parents[ankle])].rotor
-    made = turned_joint(poses, ankle, above.inverse() @ foot)
+    posed = turned_joint(poses, ankle, above.inverse() @ foot)
     if skeleton.parents[ball] == ankle:
-        made = turned_joint(made, ball, foot.inverse() @ toes)
-    return made
+        posed = turned_joint(posed, ball, foot.inverse() @ toes)
+    return posed
 
 
 def _holding(
@@ -355,15 +355,15 @@ def _facing(
 
 def _faded(time_s: FloatArray, values: FloatArray, known: NDArray[np.bool_]) -> FloatArray:
     """Known values, and between them a passage with no velocity at its ends."""
-    made, at = values.copy(), np.flatnonzero(known)
+    faded, at = values.copy(), np.flatnonzero(known)
     for before, after in pairwise(at):
         if after - before < 2:
             continue
         inner = np.arange(before + 1, after)
         x = (time_s[inner] - time_s[before]) / (time_s[after] - time_s[before])
-        made[inner] = values[before] + (values[after] - values[before]) * smoothstep(x)
-    made[: at[0]], made[at[-1] + 1 :] = values[at[0]], values[at[-1]]
-    return made
+        faded[inner] = values[before] + (values[after] - values[before]) * smoothstep(x)
+    faded[: at[0]], faded[at[-1] + 1 :] = values[at[0]], values[at[-1]]
+    return faded
 
 
 def _lowered(
@@ -539,11 +539,11 @@ def fitted_legs(legs: Sequence[Leg], character: Character) -> list[Leg]:
 
 def _below(parents: IntArray, joint: int) -> list[int]:
     """A joint and those that hang on it."""
-    found = [joint]
-    for one in range(joint + 1, len(parents)):
-        if parents[one] in found:
-            found.append(one)
-    return found
+    below = [joint]
+    for number in range(joint + 1, len(parents)):
+        if parents[number] in below:
+            below.append(number)
+    return below
 
 
 def _outermost(points: FloatArray) -> tuple[tuple[float, float, float], ...]:

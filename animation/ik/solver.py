@@ -89,13 +89,13 @@ class _Found:
 
     def presses_on(self, goal: int, at: tuple[int, ...]) -> FloatArray:
         """How hard what a goal lacks presses on swing and turn, ``(D, 2)``, as shares of it."""
-        made = np.zeros(self.presses.shape[-2:])
+        presses = np.zeros(self.presses.shape[-2:])
         for which, unit in ((0, self.size_m), (1, 1.0)):
             row = int(self.owners[goal, which])
             if row >= 0 and self.late[at][row] > 0.0:
                 lacks = self.left[at][row] / unit * self.goals[goal].weight ** 2
-                made += self.presses[at][row] / lacks
-        return made
+                presses += self.presses[at][row] / lacks
+        return presses
 
 
 @dataclass(frozen=True, eq=False)
@@ -385,10 +385,10 @@ def _bone(skeleton: Skeleton, joint: int) -> FloatArray:
 
 def _below(skeleton: Skeleton, numbers: Sequence[int]) -> list[bool]:
     """Of each joint, whether it is, or hangs on, one of those."""
-    made: list[bool] = []
+    below: list[bool] = []
     for joint, parent in enumerate(skeleton.parents):
-        made.append(joint in numbers or (parent >= 0 and made[parent]))
-    return made
+        below.append(joint in numbers or (parent >= 0 and below[parent]))
+    return below
 
 
 # How heavy goals may be, and how far away: beyond that squares of what is left overflow.
@@ -507,25 +507,25 @@ Goal = PoseGoal | LookAt
 
 
 def _vector(value: ArrayLike, name: str) -> FloatArray:
-    made = _near(value, name)
-    if made.shape != (3,):
-        raise ValueError(f"{name}: expected shape (3,), got {made.shape}")
-    return made
+    vector = _near(value, name)
+    if vector.shape != (3,):
+        raise ValueError(f"{name}: expected shape (3,), got {vector.shape}")
+    return vector
 
 
 def _near(value: ArrayLike, name: str) -> FloatArray:
-    made = checked_floats(value, name, (3,))
-    if np.any(np.abs(made) > _FARTHEST_M):
+    vector = checked_floats(value, name, (3,))
+    if np.any(np.abs(vector) > _FARTHEST_M):
         raise ValueError(
-            f"{name}: expected lengths within {_FARTHEST_M:g} m, got {np.abs(made).max():g}"
+            f"{name}: expected lengths within {_FARTHEST_M:g} m, got {np.abs(vector).max():g}"
         )
-    return made
+    return vector
 
 
 def _target(point: FloatArray, rotor: FloatArray) -> FloatArray:
-    made = np.empty((*np.broadcast_shapes(point.shape[:-1], rotor.shape[:-1]), 7))
-    made[..., :3], made[..., 3:] = point, rotor
-    return made
+    target = np.empty((*np.broadcast_shapes(point.shape[:-1], rotor.shape[:-1]), 7))
+    target[..., :3], target[..., 3:] = point, rotor
+    return target
 
 
 def _check_weight(weight: float, name: str) -> None:

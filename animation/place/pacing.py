@@ -138,8 +138,8 @@ class Pace:
 def _sped(x: FloatArray) -> FloatArray:
     """How far speed has led that grows from 0 to 1 by ``3 x² - 2 x³``."""
     x = np.clip(x, 0.0, 1.0)
-    made: FloatArray = x**3 - 0.5 * x**4
-    return made
+    sped: FloatArray = x**3 - 0.5 * x**4
+    return sped
 
 
 def standing_pose(loop: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> Clip:
@@ -170,15 +170,15 @@ def standing_pose(loop: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> Clip:
 
 def _with_flexed_knees(pose: Motor, skeleton: Skeleton, legs: Sequence[Leg]) -> Motor:
     """A pose lowered over its feet: legs that rest quite straight would snap when they come to."""
-    at, made = skeleton.rest_world.translation_m, pose
+    at, flexed = skeleton.rest_world.translation_m, pose
     long_m = np.mean([at[skeleton.index(leg.hip), 2] for leg in legs])
     down = Motor.from_translation(-LOWER * long_m * UP)
     for root in np.flatnonzero(skeleton.parents < 0):
-        made = with_joint(made, int(root), down @ pose[root])
+        flexed = with_joint(flexed, int(root), down @ pose[root])
     for leg in legs:
         ankle, ahead = at[skeleton.index(leg.ankle)], at[skeleton.index(leg.knee)] + [9.0, 0, 0]
-        made = bend_limb(skeleton, made, leg.limb, ankle, ahead)
-    return made
+        flexed = bend_limb(skeleton, flexed, leg.limb, ankle, ahead)
+    return flexed
 
 
 def passing_s(

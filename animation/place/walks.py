@@ -225,12 +225,12 @@ class _InStep:
 
 def played(cycle: Clip, standing: Clip | None, pace: Pace) -> PoseSource:
     """What the character does, not yet planted."""
-    made: PoseSource = _InStep(cycle, standing, pace)
+    pose_source: PoseSource = _InStep(cycle, standing, pace)
     if standing is not None and pace.starts:
-        made = Inertialized(standing, made, 0.0, pace.change_s)
+        pose_source = Inertialized(standing, pose_source, 0.0, pace.change_s)
     if standing is not None and pace.stops:
-        made = Inertialized(made, standing, pace.left_s, pace.done_s - pace.left_s)
-    return made
+        pose_source = Inertialized(pose_source, standing, pace.left_s, pace.done_s - pace.left_s)
+    return pose_source
 
 
 def rigid(motion: PoseSource, time_s: ArrayLike) -> Motor:
@@ -251,7 +251,7 @@ def stances_along(
     at = skeleton.world(poses).translation_m
     at[..., 0] += pace.along_m(time_s)[:, None]
     near_m = NEAR * float(np.max(skeleton.rest_world.translation_m[:, 2]))
-    found = []
+    stances = []
     for leg in legs:
         foot = at[:, skeleton.index(leg.ball)]
         if pace.starts or pace.stops:  # what would sink between walking and standing is low, too
@@ -263,8 +263,8 @@ def stances_along(
         if pace.stops:
             late = time_s[::-1] > pace.left_s
             standing = _stood_first(standing[::-1], foot[::-1], near_m, late)[::-1]
-        found.append(standing)
-    return found
+        stances.append(standing)
+    return stances
 
 
 def _stood_first(
@@ -275,11 +275,11 @@ def _stood_first(
     It then stands no longer than it is where it stood.
     """
     here = ~np.logical_or.accumulate(np.linalg.norm(at - at[0], axis=1) > near_m)
-    made = standing | here
-    first = int(np.argmin(made))
+    stands = standing | here
+    first = int(np.argmin(stands))
     if early[first]:
-        made[:first] &= here[:first]
-    return made
+        stands[:first] &= here[:first]
+    return stands
 
 
 def _catmull_rom(points: FloatArray) -> FloatArray:

@@ -278,22 +278,22 @@ def constants(match: Match) -> dict[int, Rotor]:
 def _from_rests(match: Match) -> dict[int, Rotor]:
     role_of = {joint: role for role, joint in match.roles.items()}
     turns: dict[int, Rotor] = {}
-    made: dict[int, Rotor] = {}
+    rotors: dict[int, Rotor] = {}
     seen = _at_rest(match.target, match.roles), _at_rest(match.source, match.source_roles)
     for joint, other in match.joints.items():
         role, above = role_of.get(joint, ""), match.above(joint)
         back, rest = match.source.rest_world[other].rotor, match.target.rest_world[joint].rotor
         laid = hand_turn(role, *seen) if is_of_hand(role) else None
         if laid is not None:
-            made[joint], turns[joint] = laid, back @ laid @ rest.inverse()
+            rotors[joint], turns[joint] = laid, back @ laid @ rest.inverse()
             continue
         turn = turns.get(above, Rotor.identity()) if _goes_along(role) else Rotor.identity()
         bones = _bones_at_rest(match, joint) if _is_laid(role) else None
         if bones is not None:
             turn = shortest_turn(turn.apply(bones[0]), bones[1]) @ turn
         turns[joint] = turn
-        made[joint] = back.inverse() @ turn @ rest
-    return made
+        rotors[joint] = back.inverse() @ turn @ rest
+    return rotors
 
 
 def _at_rest(skeleton: Skeleton, roles: Mapping[str, int]) -> Seen:

@@ -88,8 +88,8 @@ def _shares(skeleton: Skeleton, spine: list[int]) -> FloatArray:
     top = body.get("neck", body.get("head", spine[-1]))
     steps = np.linalg.norm(np.diff(at[[*spine, top]], axis=0), axis=1)
     ends = np.concatenate([[0.0], np.cumsum(np.maximum(steps, 1e-9))])
-    made: FloatArray = 0.5 * (ends[:-1] + ends[1:]) / ends[-1]
-    return made
+    shares: FloatArray = 0.5 * (ends[:-1] + ends[1:]) / ends[-1]
+    return shares
 
 
 def _joined(parts: list[Motor]) -> Motor:
@@ -349,8 +349,8 @@ def _clearance_m(skeleton: Skeleton, world: Motor, legs: Sequence[Leg], flat: bo
         for joint in {ankle, ball}:
             height = world[:, joint].translation_m[:, 2]
             feet.append(height - np.quantile(height, LOWEST_SHARE))
-    made: FloatArray = np.min(feet, axis=0)
-    return made
+    clearance_m: FloatArray = np.min(feet, axis=0)
+    return clearance_m
 
 
 def leg_scale(match: Match) -> float:

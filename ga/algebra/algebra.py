@@ -65,9 +65,9 @@ class Algebra(Signature):
         >>> double.signature, (double.blade("o2") | double.blade("i2"))["1"]
         ((2, 2, 0), -1)
         """
-        made: Algebra = object.__new__(cls)
-        made._set(*checked_vectors(squares, null_pairs, named))
-        return made
+        algebra: Algebra = object.__new__(cls)
+        algebra._set(*checked_vectors(squares, null_pairs, named))
+        return algebra
 
     def blade(self, name: str) -> Multivector:
         """The blade of this name: ``"1"``, ``"e1^e2"``, ``"e3^e1"`` (which is ``-e1^e3``).
@@ -126,9 +126,9 @@ def _rebuilt(
     names: tuple[str, ...],
     named: dict[str, Terms],
 ) -> Algebra:
-    made: Algebra = object.__new__(Algebra)
-    made._set(Basis(squares, pairs), names, named)
-    return made
+    rebuilt: Algebra = object.__new__(Algebra)
+    rebuilt._set(Basis(squares, pairs), names, named)
+    return rebuilt
 
 
 EGA3 = Algebra(3)

@@ -66,11 +66,13 @@ class BladeSum(Value, ShownAsSum):
 
     def __init__(self, algebra: Signature, coefficients: Mapping[str, Any]) -> None:
         total: dict[int, Any] = {}
-        for name, given in coefficients.items():
+        for name, coefficient in coefficients.items():
             terms = algebra.masks_of(name)
-            if isinstance(given, BladeSum):
-                raise ValueError(f"coefficient of {name}: expected a real scalar, got {given!r}")
-            value = checked_scalar(given, f"coefficient of {name}")
+            if isinstance(coefficient, BladeSum):
+                raise ValueError(
+                    f"coefficient of {name}: expected a real scalar, got {coefficient!r}"
+                )
+            value = checked_scalar(coefficient, f"coefficient of {name}")
             for mask, factor in terms:
                 part = scaled(factor, value)
                 total[mask] = total[mask] + part if mask in total else part
@@ -80,9 +82,9 @@ class BladeSum(Value, ShownAsSum):
     @classmethod
     def _trusted(cls, algebra: Signature, masks: Masks, values: Iterable[Any]) -> Self:
         """Wrap coefficients that a product has just made, blades in their order."""
-        made = object.__new__(cls)
-        made._set(algebra, masks, values)
-        return made
+        trusted = object.__new__(cls)
+        trusted._set(algebra, masks, values)
+        return trusted
 
     def _made(self, masks: Masks, values: Iterable[Any], algebra: Signature | None = None) -> Self:
         """Wrap coefficients made from these, in this algebra unless another is given."""

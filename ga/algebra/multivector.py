@@ -64,13 +64,13 @@ class Multivector(BladeSum):
         if isinstance(exponent, bool) or not isinstance(exponent, int | np.integer):
             raise ValueError(f"**: expected a whole exponent, got {exponent!r}; see exp and sqrt")
         factor, left = (self if exponent >= 0 else self.inverse()), abs(int(exponent))
-        made: Multivector | None = None
+        multivector: Multivector | None = None
         while left:
             if left & 1:
-                made = factor if made is None else made * factor
+                multivector = factor if multivector is None else multivector * factor
             left >>= 1
             factor = factor.square() if left else factor
-        return self._lifted(1) if made is None else made
+        return self._lifted(1) if multivector is None else multivector
 
     def inverse(self) -> Multivector:
         """The multivector ``y`` with ``x y = y x = 1``; see `algebra.inverse`.
@@ -101,5 +101,5 @@ class Multivector(BladeSum):
         return self._function(functions.versor)
 
     def _function(self, function: Callable[[Any], Any]) -> Multivector:
-        made: Multivector = function(self)
-        return made
+        multivector: Multivector = function(self)
+        return multivector

@@ -103,9 +103,9 @@ class Signature:
                 while wanted in names:
                     wanted += "_"
                 names[place] = wanted
-        made: Signature = object.__new__(type(self))
-        made._set(Basis(self.basis.squares, ()), tuple(names), {})
-        return made
+        signature: Signature = object.__new__(type(self))
+        signature._set(Basis(self.basis.squares, ()), tuple(names), {})
+        return signature
 
     @property
     def pseudoscalar_sign(self) -> int:
@@ -251,7 +251,7 @@ def _checked_sums(
     if len(named) > MAX_NAMED:
         raise ValueError(f"Algebra.of(named): expected at most {MAX_NAMED}, got {len(named)}")
     _check_names((*names, *named), len(names) + len(named))
-    made: dict[str, Terms] = {}
+    checked_sums: dict[str, Terms] = {}
     for name, parts in named.items():
         for part, value in parts.items():
             number = isinstance(value, int | float) and not isinstance(value, bool)
@@ -263,5 +263,5 @@ def _checked_sums(
         if not parts:
             raise ValueError(f"Algebra.of(named): expected a sum for {name}, got none")
         places = sorted((names.index(part), float(value)) for part, value in parts.items())
-        made[name] = tuple((1 << place, value) for place, value in places)
-    return made
+        checked_sums[name] = tuple((1 << place, value) for place, value in places)
+    return checked_sums

@@ -196,14 +196,14 @@ def dual_quaternion_log(q: ArrayLike) -> FloatArray:
     return _log(np.where(given[..., :1] < 0.0, -given, given))
 
 
-def _log(given: FloatArray) -> FloatArray:
+def _log(values: FloatArray) -> FloatArray:
     """The logarithm of the sign that is given: turns by up to 2π."""
-    cosine, vector, dual = given[..., :1], given[..., 1:4], given[..., 5:]
+    cosine, vector, dual = values[..., :1], values[..., 1:4], values[..., 5:]
     sine = np.linalg.norm(vector, axis=-1, keepdims=True)
     turns = sine > _NO_AXIS
     safe = np.where(turns, sine, 1.0)
     axis, half = vector / safe, np.arctan2(sine, cosine)
-    push = -given[..., 4:5] / safe
+    push = -values[..., 4:5] / safe
     moment = (dual - push * cosine * axis) / safe
     screw = np.concatenate([half * axis, push * axis + half * moment], axis=-1)
     return np.where(turns, screw, np.concatenate([vector, dual], axis=-1))

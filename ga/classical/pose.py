@@ -56,8 +56,8 @@ class Pose(CoefficientBatch):
 
     @classmethod
     def _check_alike(cls, what: str, *values: Self) -> None:
-        for one in values[1:]:
-            values[0]._check_same(one)
+        for value in values[1:]:
+            values[0]._check_same(value)
 
     def _batch(self, verb: str, *shapes: tuple[int, ...]) -> None:
         broadcast_batch(f"{type(self).__name__}{verb}", self.shape, *shapes)

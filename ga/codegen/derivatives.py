@@ -86,7 +86,7 @@ def jacobian_tape(name: str, tape: Tape, parameter: str) -> Tape:
     return _with_zeros(optimized(whole)[0], operands)
 
 
-def _values(tape: Tape, given: Callable[[Node], Any]) -> list[Any]:
+def _values(tape: Tape, value: Callable[[Node], Any]) -> list[Any]:
     """Each node's value in CasADi's symbols."""
     import casadi as ca
 
@@ -96,7 +96,7 @@ def _values(tape: Tape, given: Callable[[Node], Any]) -> list[Any]:
         if node.op == "const":
             values.append(ca.SX(node.value))
         elif node.op == "input":
-            values.append(given(node))
+            values.append(value(node))
         elif node.op == "neg":
             values.append(-args[0])
         elif node.op == "keep":
@@ -112,7 +112,7 @@ def _with_zeros(tape: Tape, wanted: Sequence[Operand]) -> Tape:
     builder.nodes.extend(tape.nodes)
     zero = builder.constant(0.0)
     results = []
-    for operand, made, row in zip(wanted, tape.outputs, tape.results, strict=True):
-        own = dict(zip(made.components, row, strict=True))
+    for operand, output, row in zip(wanted, tape.outputs, tape.results, strict=True):
+        own = dict(zip(output.components, row, strict=True))
         results.append([own.get(component, zero) for component in operand.components])
     return builder.finished(tape.inputs, tuple(wanted), results)

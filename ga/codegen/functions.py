@@ -71,8 +71,8 @@ class CompiledFunction:
         if named or len(args) != len(self._reads):
             args = _bound(self.program, args, named)
         values: list[Any] = []
-        for read, given in zip(self._reads, args, strict=True):
-            values += read(given)
+        for read, arg in zip(self._reads, args, strict=True):
+            values += read(arg)
         made = self._runs.components(*values)
         algebra = self.program.algebra
         if self.single:

@@ -119,7 +119,7 @@ def _precision(name: str) -> Precision:
     return known[_one_of("precision", name, known)]
 
 
-def _one_of(field: str, given: str, known: Iterable[str]) -> str:
-    if given not in known:
-        raise ValueError(f"{field}: expected {', '.join(known)}, got {given!a}")
-    return given
+def _one_of(field: str, value: str, known: Iterable[str]) -> str:
+    if value not in known:
+        raise ValueError(f"{field}: expected {', '.join(known)}, got {value!a}")
+    return value

@@ -266,13 +266,13 @@ class TapeBuilder:
 
     def _chosen(self, kept: int, otherwise: int) -> int | None:
         """CasADi writes a choice as the sum of two terms of which one is zero."""
-        one, other = self.nodes[kept], self.nodes[otherwise]
-        if one.op != "keep" or other.op != "keep":
+        node, other = self.nodes[kept], self.nodes[otherwise]
+        if node.op != "keep" or other.op != "keep":
             return None
         negation = self.nodes[other.args[0]]
-        if negation.op != "not" or negation.args[0] != one.args[0]:
+        if negation.op != "not" or negation.args[0] != node.args[0]:
             return None
-        return self.operation("select", one.args[0], one.args[1], other.args[1])
+        return self.operation("select", node.args[0], node.args[1], other.args[1])
 
     def _scaled(self, op: str, first: int, second: int) -> int | None:
         left, right = self.nodes[first], self.nodes[second]

@@ -75,11 +75,11 @@ def draw_script(
     made = watched(script, marked, algebra, variables)
     outputs = [Styled(x, name, None, marked.form) for name, x in made.items()]
     drawn, left_out = [], []
-    for one in marked.items or outputs:
+    for item in marked.items or outputs:
         try:
-            drawn.append((one, shapes_of(one.value, one.form)))
+            drawn.append((item, shapes_of(item.value, item.form)))
         except ValueError as refused:
-            left_out.append(f"{one.name or 'an expression'} is not drawn: {refused}")
+            left_out.append(f"{item.name or 'an expression'} is not drawn: {refused}")
     if not drawn:
         raise ValueError(
             f"{script.source.file}: expected something to draw, got none: "
@@ -110,18 +110,18 @@ class _Marked:
         name = "" if isinstance(step, Screen) else step.name
         self.items.append(Styled(value, name, self._color, self.form))
 
-    def _set(self, one: Screen) -> None:
+    def _set(self, screen: Screen) -> None:
         """Form and colour after a word for the picture."""
-        if one.word in ("IPNS", "OPNS"):
-            self.form = "inner" if one.word == "IPNS" else "outer"
-        elif one.word == "Color" and isinstance(one.value, Call):
-            parts = [_number(argument) for argument in one.value.arguments[:3]]
+        if screen.word in ("IPNS", "OPNS"):
+            self.form = "inner" if screen.word == "IPNS" else "outer"
+        elif screen.word == "Color" and isinstance(screen.value, Call):
+            parts = [_number(argument) for argument in screen.value.arguments[:3]]
             known = [part for part in parts if part is not None]
             if len(known) == 3:
                 largest = 1.0 if max(known) <= 1.0 else _LARGEST_PART
                 self._color = nearest_color(*(part / largest for part in known))
         else:
-            self._color = one.word.lower() if one.word.lower() in OBJECT_COLORS else "black"
+            self._color = screen.word.lower() if screen.word.lower() in OBJECT_COLORS else "black"
 
 
 def _number(value: Expression) -> float | None:

@@ -231,9 +231,9 @@ svg {{ max-width: 100%; height: auto }}
 
 def part(svg: str, marks: Sequence[Mark], projection: Projection, notes: Sequence[str]) -> str:
     """What a notebook shows: the picture, what was left out of it, and the script."""
-    told = "".join(f"<p>{escape(note)}</p>" for note in notes)
+    text = "".join(f"<p>{escape(note)}</p>" for note in notes)
     return (
-        f'<div class="motorcade-drawing">{svg}{told}'
+        f'<div class="motorcade-drawing">{svg}{text}'
         f'<script type="application/json">{in_script(scene(marks, projection))}</script>'
         f"<script>{_script()}</script></div>\n"
     )

@@ -47,12 +47,12 @@ else:
 
 
 def _threads_at_first() -> int:
-    given = os.environ.get("MOTORCADE_THREADS", "")
-    if not given:
+    value = os.environ.get("MOTORCADE_THREADS", "")
+    if not value:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
-    if not given.isdecimal() or int(given) < 1:
-        raise ValueError(f"MOTORCADE_THREADS: expected a count of at least 1, got {given!r}")
-    return int(given)
+    if not value.isdecimal() or int(value) < 1:
+        raise ValueError(f"MOTORCADE_THREADS: expected a count of at least 1, got {value!r}")
+    return int(value)
 
 
 set_threads(_threads_at_first())

@@ -51,10 +51,10 @@ def _of_fraction(
             fraction = float(fraction)
         elif fraction.shape != shape:
             shape = np.broadcast_shapes(shape, fraction.shape)
-    made = empty(shape, width, a.dtype)
+    rows = empty(shape, width, a.dtype)
     part = float(fraction) if isinstance(fraction, float | int) else spread(fraction, shape, 0)
-    kernel(spread(a, shape, 1), spread(b, shape, 1), part, made)
-    return made
+    kernel(spread(a, shape, 1), spread(b, shape, 1), part, rows)
+    return rows
 
 
 def blend(a: Array, b: Array, fraction: Array | float) -> Array:
@@ -98,9 +98,9 @@ def _accumulated(motors: Array, weights: Array) -> Array:
     other = empty(shape, 8, motors.dtype)
     spare = empty(shape, 8, motors.dtype)
     pivot = spread(motors[0], shape, 1)
-    for one, weight in zip(motors, weights, strict=True):
+    for motor, weight in zip(motors, weights, strict=True):
         part = float(weight) if weight.shape == () else spread(weight, shape, 0)
-        _accumulate(total, pivot, spread(one, shape, 1), part, other)
+        _accumulate(total, pivot, spread(motor, shape, 1), part, other)
         total, other, spare = other, spare, other
     return total
 
@@ -404,15 +404,15 @@ def checked_call(kernel: Callable[..., bool], width: int, *given: Array) -> tupl
     return made, kernel(*[spread(one, shape, 1) for one in given], made)
 
 
-def of_one(kernel: Callable[..., None], given: Array, width: int) -> Array:
+def of_one(kernel: Callable[..., None], array: Array, width: int) -> Array:
     """Apply a kernel of one input ``(*, n)``."""
-    shape = batch_of(given)
+    shape = batch_of(array)
     if not shape:
-        made = np.empty(width, given.dtype)
-        kernel(given, made)
+        made = np.empty(width, array.dtype)
+        kernel(array, made)
         return made
-    made = empty(shape, width, given.dtype)
-    kernel(spread(given, shape, 1), made)
+    made = empty(shape, width, array.dtype)
+    kernel(spread(array, shape, 1), made)
     return made
 
 

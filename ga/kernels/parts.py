@@ -133,8 +133,8 @@ def normalized_motor(m: Array) -> tuple[Array, float]:
     return _with_least(_project, 8, m)
 
 
-def _with_least(kernel: Callable[..., bool], width: int, given: Array) -> tuple[Array, float]:
-    made, finite = checked_call(kernel, width + 1, given)
+def _with_least(kernel: Callable[..., bool], width: int, array: Array) -> tuple[Array, float]:
+    made, finite = checked_call(kernel, width + 1, array)
     if not finite:
         return made[..., :width], nan
     return made[..., :width], float(np.min(made[..., width], initial=np.inf))

@@ -76,13 +76,13 @@ def _of_scalars(function: Callable[..., Any], arity: int = 1) -> Function:
 def _scalar_like(x: Multivector, value: Any) -> Multivector:
     """A scalar of the algebra of another multivector."""
     algebra: Any = x.algebra
-    made: Multivector = algebra.scalar(value)
-    return made
+    scalar: Multivector = algebra.scalar(value)
+    return scalar
 
 
-def _like(given: Any, made: Any) -> Any:
+def _like(value: Any, made: Any) -> Any:
     """A plain float where one was given: NumPy's would turn float32 batches into float64."""
-    return float(made) if type(given) in (int, float) else made
+    return float(made) if type(value) in (int, float) else made
 
 
 def _finite(value: Any) -> Any:
@@ -102,11 +102,11 @@ def _factorial(x: Multivector) -> Multivector:
     value = _scalar(x)
     if not is_numeric(value):
         raise ValueError(f"expected a number, got {type(value).__name__}")
-    given = np.asarray(value, dtype=np.float64)
-    if np.any((given != np.floor(given)) | (given < 0) | (given > _LARGEST_FACTORIAL)):
+    values = np.asarray(value, dtype=np.float64)
+    if np.any((values != np.floor(values)) | (values < 0) | (values > _LARGEST_FACTORIAL)):
         raise ValueError(f"expected whole numbers from 0 to {_LARGEST_FACTORIAL}")
-    made = np.array([float(math.factorial(int(n))) for n in given.ravel()])
-    return _scalar_like(x, made.reshape(given.shape) if given.ndim else float(made[0]))
+    made = np.array([float(math.factorial(int(n))) for n in values.ravel()])
+    return _scalar_like(x, made.reshape(values.shape) if values.ndim else float(made[0]))
 
 
 def _coefficient(x: Multivector, blade: Multivector) -> Multivector:
@@ -147,8 +147,8 @@ def _of_multivector(name: str) -> Function:
     """A method of multivectors; blades that are zero wherever they could be seen are left out."""
 
     def applied(x: Multivector) -> Multivector:
-        made: Multivector = getattr(_without_zeros(x), name)()
-        return made
+        multivector: Multivector = getattr(_without_zeros(x), name)()
+        return multivector
 
     return Function(1, applied)
 

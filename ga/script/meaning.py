@@ -81,17 +81,17 @@ def algebra_of(script: Script, given: Algebra | None = None) -> Algebra:
     Raises:
         ScriptError: an algebra that is not known, or two that differ.
     """
-    found = definition_for(script, given).algebra
-    return found if given is None else given
+    algebra = definition_for(script, given).algebra
+    return algebra if given is None else given
 
 
-def definition_for(script: Script, given: Algebra | None = None) -> AlgebraDefinition:
+def definition_for(script: Script, algebra: Algebra | None = None) -> AlgebraDefinition:
     """The algebra of a script as `algebra_of` finds it, with its macros.
 
     Raises:
         ScriptError: an algebra that is not known, or two that differ.
     """
-    chosen = None if given is None else definition_of(given)
+    chosen = None if algebra is None else definition_of(algebra)
     for pragma in script.pragmas:
         if isinstance(pragma, AlgebraPragma):
             named = _pragma_definition(script, pragma)
@@ -176,9 +176,9 @@ def _pragma_definition(script: Script, pragma: AlgebraPragma) -> AlgebraDefiniti
 
 def _read(folder: Path | None, file: str) -> AlgebraDefinition:
     """The definition of a file, whose macros are read to be refused here and not later."""
-    found = read_definition(folder, file)
-    assert found.macros is not None
-    return found
+    definition = read_definition(folder, file)
+    assert definition.macros is not None
+    return definition
 
 
 def free_variables(script: Script, algebra: Algebra) -> dict[str, Place]:
@@ -219,10 +219,10 @@ def _given_variables(
         raise ValueError(
             f"variables: expected {', '.join(free) or 'none'}, got also {', '.join(unknown)}"
         )
-    made = {}
+    given_variables = {}
     for name, value in variables.items():
         try:
-            made[name] = algebra.scalar(float(value) if type(value) is int else value)
+            given_variables[name] = algebra.scalar(float(value) if type(value) is int else value)
         except (ValueError, OverflowError) as refused:
             raise ValueError(f"variable {name}: {refused}") from refused
-    return made
+    return given_variables

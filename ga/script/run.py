@@ -93,14 +93,14 @@ class Run:
         script: Script,
         algebra: Algebra,
         definition: AlgebraDefinition,
-        given: dict[str, Multivector],
+        fields: dict[str, Multivector],
         watch: Watch | None = None,
     ) -> None:
         self._script = script
         self._watch = watch
         self._algebra = algebra
         self._constants = {name: algebra.blade(name) for name in constants_of(algebra)}
-        self._values = dict(given)
+        self._values = dict(fields)
         self._scope = _Scope(script.source, self._values)
         self._macros = Macros(script, definition)
         self._budget = Budget()

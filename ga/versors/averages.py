@@ -72,8 +72,8 @@ def blend(versors: V, weights: ArrayLike) -> V:
         array([1., 0., 0.])
     """
     share = _checked_weights("blend", versors, weights)
-    given = np.asarray(versors.coefficients, dtype=np.float64)
-    summed = type(versors)._kernels.weighted_sum(given, share)
+    values = np.asarray(versors.coefficients, dtype=np.float64)
+    summed = type(versors)._kernels.weighted_sum(values, share)
     total, bulk = summed[..., :-1], summed[..., -1]
     left = np.max(np.abs(total[..., :4]), axis=-1)
     lost = int(np.count_nonzero(left <= _CANCELLED[versors.dtype] * bulk))
@@ -111,8 +111,8 @@ def mean(versors: V, weights: ArrayLike | None = None, tolerance: float = 1e-12)
     checked_positive(tolerance, "mean(tolerance)")
     share = _shares(versors, weights)
     kind = type(versors)
-    given = np.asarray(versors.coefficients, dtype=np.float64)
-    everyone = np.broadcast_to(given, (*share.shape, given.shape[-1]))
+    values = np.asarray(versors.coefficients, dtype=np.float64)
+    everyone = np.broadcast_to(values, (*share.shape, values.shape[-1]))
     heaviest = np.argmax(share, axis=-1)[..., None, None]
     middle = kind._trusted(np.take_along_axis(everyone, heaviest, axis=-2)[..., 0, :])
     allowed = tolerance * _rounding_scale(everyone)

@@ -177,10 +177,10 @@ def coefficients_of_euler(angles_rad: ArrayLike, sequence: str) -> FloatArray:
     """Coefficients ``(*, 4)`` of `Rotor.from_euler`; see there."""
     operands = sequence_operands(sequence)
     given = given_floats(angles_rad, "angles_rad", (3,))
-    made, finite = parts.rotor_of_euler(given, operands.axes[given.dtype])
+    coefficients, finite = parts.rotor_of_euler(given, operands.axes[given.dtype])
     if not finite:
         checked_floats(given, "angles_rad", (3,))
-    return made
+    return coefficients
 
 
 def euler_of_coefficients(coefficients: FloatArray, sequence: str) -> FloatArray:
@@ -216,15 +216,15 @@ def check_rotation(matrix: FloatArray) -> None:
         raise ValueError("Rotor.from_matrix(matrix): expected determinant +1, got a reflection")
 
 
-def check_quaternions(given: FloatArray, name: str, tolerance: float) -> None:
+def check_quaternions(values: FloatArray, name: str, tolerance: float) -> None:
     """Refuse quaternions ``(*, 4)``.
 
     Raises:
         ValueError: NaN or infinity, or a norm further from 1 than the tolerance.
     """
-    checked_floats(given, name, (4,))
+    checked_floats(values, name, (4,))
     with np.errstate(over="ignore"):  # an infinite norm is refused like any other
-        norm = np.sqrt(np.sum(given**2, axis=-1))
+        norm = np.sqrt(np.sum(values**2, axis=-1))
     worst = float(np.max(np.abs(norm - 1.0), initial=0.0))
     if worst > tolerance:
         raise ValueError(

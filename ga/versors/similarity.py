@@ -97,13 +97,13 @@ class Similarity(Versor):
         """
         given = cls._checked(log, "Similarity.exp(log)", (7,))
         with np.errstate(over="ignore", invalid="ignore"):  # as the NumPy kernels would warn
-            made = SIMILARITIES.exp(given)
-        if not np.isfinite(made).all():
+            similarities = SIMILARITIES.exp(given)
+        if not np.isfinite(similarities).all():
             raise ValueError(
                 f"Similarity.exp(log): expected scales that {given.dtype} can hold, got E up to "
                 f"{float(np.max(np.abs(given[..., 3]))):.3g}"
             )
-        return cls._trusted(made)
+        return cls._trusted(similarities)
 
     @classmethod
     def normalize(cls, coefficients: ArrayLike) -> Similarity:

@@ -103,9 +103,9 @@ class Versor(Operators):
     @classmethod
     def _trusted(cls, coefficients: FloatArray) -> Self:
         """Wrap coefficients that a kernel has just made; they are frozen in place, not copied."""
-        made = object.__new__(cls)
-        made.__dict__["coefficients"] = sealed(coefficients)  # sooner than by __setattr__
-        return made
+        trusted = object.__new__(cls)
+        trusted.__dict__["coefficients"] = sealed(coefficients)  # sooner than by __setattr__
+        return trusted
 
     @classmethod
     def _of(cls, coefficients: FloatArray, *given: Any) -> Self:
@@ -239,10 +239,10 @@ class Versor(Operators):
     def _of_twist(cls, twist: ArrayLike, name: str) -> FloatArray:
         """Coefficients of twists; where these are not finite they are refused."""
         given = given_floats(twist, name, (cls._log_size,))
-        made, finite = cls._kernels.checked_of_twist(given)
+        motor, finite = cls._kernels.checked_of_twist(given)
         if not finite:
             checked_floats(given, name, (cls._log_size,))
-        return made
+        return motor
 
     def interpolate(self, other: Self, fraction: ArrayLike, short_way: bool = True) -> Self:
         """Constant-speed path ``self exp(fraction log(~self other))``, the screw between the two.

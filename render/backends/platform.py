@@ -197,12 +197,12 @@ class EglContext:
         if library is None or device >= len(displays):
             raise RenderUnavailable("EGL disappeared between probing and use")
         self._egl, self._display = library, displays[device]
-        made = None
+        context = None
         if library.eglInitialize(self._display, None, None):
-            made = new_egl_context(library, self._display)
-        if made is None:
+            context = new_egl_context(library, self._display)
+        if context is None:
             raise RenderUnavailable("EGL makes no further OpenGL 4.1 core context on this machine")
-        self._context = made
+        self._context = context
         self.make_current()
 
     def make_current(self) -> None:

@@ -164,7 +164,10 @@ class OffscreenRenderer(Renderer):
 def _name_left_out(surfaces: Sequence[Surface]) -> None:
     """Say what of materials is not drawn: colours of vertices stand for all of it."""
     parts = [
-        part for one in surfaces if one.appearance is not None for part in one.appearance.parts
+        part
+        for surface in surfaces
+        if surface.appearance is not None
+        for part in surface.appearance.parts
     ]
     left = {name.replace("_", " ") for part in parts for name in part.material.maps}
     left |= {"transparency" for part in parts if part.material.alpha_mode != "opaque"}

@@ -266,12 +266,12 @@ def _by_sector(
     values: FloatArray, sector: NDArray[np.int64], chosen: NDArray[np.bool_], at: float
 ) -> FloatArray:
     """Quantile of the chosen values of each sector, NaN where there are fewer than three."""
-    found = np.full(SECTORS, np.nan)
+    by_sector = np.full(SECTORS, np.nan)
     for k in range(SECTORS):
         own = values[chosen & (sector == k)]
         if own.size >= 3:
-            found[k] = np.quantile(own, at)
-    return found
+            by_sector[k] = np.quantile(own, at)
+    return by_sector
 
 
 def _filled(mask: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -185,21 +185,21 @@ def _direction(
     return light_direction(ground, shadows, normals, falling, placement.up)
 
 
-def _share(found: LightDirection, ground: GroundMap | None) -> float | None:
+def _share(direction: LightDirection, ground: GroundMap | None) -> float | None:
     """The sun's, of the light on the ground; None where nothing tells."""
-    if found.towards is None:
-        if found.darkening is not None:
+    if direction.towards is None:
+        if direction.darkening is not None:
             return UNTOLD
         shadowless = ground is not None and things_seen(ground) >= SHADOWLESS
         return SHARES[0] if shadowless else None
-    if found.darkening is None:
+    if direction.darkening is None:
         return SHARE
-    own = (found.darkening - HIDDEN_SKY) / (1.0 - HIDDEN_SKY)
+    own = (direction.darkening - HIDDEN_SKY) / (1.0 - HIDDEN_SKY)
     return float(np.clip(own, *SHARES))
 
 
 def _from(
-    found: LightDirection, usual: Lighting, placement: Placement, share: float | None
+    direction: LightDirection, usual: Lighting, placement: Placement, share: float | None
 ) -> Lighting:
     """Sun and light from all sides, of which the sun has a share; it is as wide as the rims of
     shadows say. What is not told is the usual light's, but soft.
@@ -207,10 +207,10 @@ def _from(
     if share is None:
         return replace(usual, sun=replace(usual.sun, radius_rad=SOFT_RAD))
     towards, up, radius = -np.array(usual.sun.direction), placement.up, SOFT_RAD
-    if found.towards is not None:
-        towards, radius = found.towards, usual.sun.radius_rad
-        if found.lamp_radius_rad is not None:
-            radius = float(np.clip(found.lamp_radius_rad, *RADII_RAD))
+    if direction.towards is not None:
+        towards, radius = direction.towards, usual.sun.radius_rad
+        if direction.lamp_radius_rad is not None:
+            radius = float(np.clip(direction.lamp_radius_rad, *RADII_RAD))
     height = max(float(towards @ up), STEEP)
     x, y, z = (-towards).tolist()
     ambient = 1.0 - share
@@ -422,16 +422,16 @@ def _slope(ground: GroundMap) -> FloatArray | None:
 
 
 def _shadow_look(
-    ground: GroundMap | None, shadows: Sequence[CastShadow], towards: FloatArray | None, told: str
+    ground: GroundMap | None, shadows: Sequence[CastShadow], towards: FloatArray | None, text: str
 ) -> tuple[float | None, str, float | None]:
     """How dark, and of how wide a lamp, shadows are that fall away from the light: the middle of
     those that are seen out to their ends, if there are such, since of others the rim alone may be.
     """
     if ground is None:
-        return None, told, None
+        return None, text, None
     own = None if towards is None else ground.world_T_ground.rotor.inverse().apply(towards)[:2]
     kept = [one for one in shadows if own is None or one.towards @ own > 0.5 * np.linalg.norm(own)]
     whole = [one for one in kept if one.lamp_radius_rad is not None]
     radii = [one.lamp_radius_rad for one in whole if one.lamp_radius_rad is not None]
     dark = float(np.median([one.darkening for one in whole or kept])) if kept else None
-    return dark, told, float(np.median(radii)) if radii else None
+    return dark, text, float(np.median(radii)) if radii else None

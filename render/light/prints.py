@@ -91,7 +91,7 @@ def light_on_paper(
     own = world_T_camera.inverse().apply(points)
     towards = world_T_camera.translation_m - points.mean(axis=1)
     facing = np.sum(towards * prints.normals, axis=1) > 0.0
-    found = []
+    light = []
     for k in np.flatnonzero(facing & np.all(own[..., 2] > 0.0, axis=1)):
         x, y = np.rint(camera.project(own[k])).astype(np.int64).T
         inside = (x >= 0) & (x < camera.width) & (y >= 0) & (y < camera.height)
@@ -105,5 +105,5 @@ def light_on_paper(
         white = np.quantile(shown[bright], WHITE_AT, axis=0)
         black = np.quantile(shown[~bright], BLACK_AT, axis=0)
         if white.mean() > LEAST_CONTRAST * black.mean():
-            found.append((int(k), np.maximum(white - black, 1e-4) / (PAPER - INK)))
-    return found
+            light.append((int(k), np.maximum(white - black, 1e-4) / (PAPER - INK)))
+    return light

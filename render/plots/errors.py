@@ -260,11 +260,11 @@ def plot_errors_along(
     with house_style():
         figure = Figure(figsize=(WIDTH_IN, sum(heights)))
         panels = figure.subplots(rows, 1, squeeze=False, height_ratios=heights)[:, 0]
-        for number, (name, one) in enumerate(errors.items()):
+        for number, (name, error) in enumerate(errors.items()):
             style = numbered_style(name, number)
-            panels[0].plot(*thinned(one.time_s, one.position_m), **style)
-            panels[1].plot(*thinned(one.time_s, one.rotation_deg), **style)
-            panels[2].plot(*thinned(one.relative_time_s, one.relative_m), **style)
+            panels[0].plot(*thinned(error.time_s, error.position_m), **style)
+            panels[1].plot(*thinned(error.time_s, error.rotation_deg), **style)
+            panels[2].plot(*thinned(error.relative_time_s, error.relative_m), **style)
         for axes, title, unit in zip(
             panels,
             ("position error", "rotation error", f"relative position error over {relative}"),
@@ -276,15 +276,15 @@ def plot_errors_along(
             axes.set_ylim(bottom=0.0)
         panels[0].legend(loc="upper left", fontsize=9)
         most_m = max(float(one.position_m.max()) for one in errors.values())
-        for axes, (name, one) in zip(panels[3:], errors.items(), strict=True):
-            _map(axes, name, one, reference_m, (across, up), most_m)
+        for axes, (name, error) in zip(panels[3:], errors.items(), strict=True):
+            _map(axes, name, error, reference_m, (across, up), most_m)
         return as_svg(figure, f"errors of {', '.join(errors)} over time and along the way")
 
 
 def _map(
     axes: Axes,
     name: str,
-    one: ErrorsAlong,
+    errors_along: ErrorsAlong,
     reference_m: FloatArray,
     sides: tuple[int, int],
     most_m: float,
@@ -294,7 +294,7 @@ def _map(
 
     truth = _strided(reference_m)[:, sides]
     axes.plot(*truth.T, color=INK, linewidth=0.6, label="ground truth")
-    ours = _strided(np.column_stack([one.path_m[:, sides], one.position_m]))
+    ours = _strided(np.column_stack([errors_along.path_m[:, sides], errors_along.position_m]))
     strokes = np.stack([ours[:-1, :2], ours[1:, :2]], axis=1)
     lines = LineCollection(list(strokes), cmap="viridis", linewidths=1.8)
     lines.set_array(ours[1:, 2])

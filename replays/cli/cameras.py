@@ -97,9 +97,12 @@ def detect(arguments: argparse.Namespace) -> None:
 def _print(picture: MarkerPicture) -> None:
     count = len(picture.detections)
     print(f"{picture.path}: {count} marker{'s' if count != 1 else ''}")
-    for index, one in enumerate(picture.detections):
-        corners = "  ".join(f"{x:8.2f} {y:8.2f}" for x, y in one.corners_px)
-        print(f"  id {one.marker_id:4d}  {corners}" + ("" if one.sharp else "  (not sharp)"))
+    for index, detection in enumerate(picture.detections):
+        corners = "  ".join(f"{x:8.2f} {y:8.2f}" for x, y in detection.corners_px)
+        print(
+            f"  id {detection.marker_id:4d}  {corners}"
+            + ("" if detection.sharp else "  (not sharp)")
+        )
         posed = picture.posed[index] if picture.posed else None
         if posed is None:
             continue

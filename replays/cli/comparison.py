@@ -124,9 +124,9 @@ def _motions(
     from motorcade.replays.cli.arguments import check_known
     from motorcade.replays.comparison.truth import RecordedMotion
 
-    given: Sequence[str] = arguments.trajectories
-    files = [Path(one) for one in given if not one.isidentifier()]
-    names = [one for one in given if one.isidentifier()]
+    trajectories: Sequence[str] = arguments.trajectories
+    files = [Path(one) for one in trajectories if not one.isidentifier()]
+    names = [one for one in trajectories if one.isidentifier()]
     check_known("--trajectories", names, {*MOTIONS, "all"})
     known = tuple(MOTIONS) if "all" in names else tuple(names)
     recorded = tuple(RecordedMotion.of(one, arguments.rate_hz, arguments.times) for one in files)

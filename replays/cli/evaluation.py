@@ -295,10 +295,10 @@ def _names(paths: Sequence[Path]) -> list[str]:
     return names
 
 
-def _printed(found: Mapping[str, Evaluation]) -> frozenset[str]:
+def _printed(evaluations: Mapping[str, Evaluation]) -> frozenset[str]:
     asked = {
         f"{error}_{statistic}{unit}"
-        for one in found.values()
+        for one in evaluations.values()
         for error, unit, _ in one.relations
         for statistic in ("rmse", "max")
     }

@@ -280,24 +280,24 @@ def sync(arguments: argparse.Namespace) -> None:
         write_bytes(arguments.json, (json.dumps(about, indent=2) + "\n").encode())
 
 
-def _as_dict(found: Synchronised) -> dict[str, float | list[float]]:
+def _as_dict(synchronised: Synchronised) -> dict[str, float | list[float]]:
     import numpy as np
 
-    noise = found.imu_noise
+    noise = synchronised.imu_noise
     return {
-        "offset_ms": 1e3 * found.offset_s,
-        "offset_sigma_ms": 1e3 * found.offset_sigma_s,
-        "imu_T_camera_wxyz": found.imu_T_camera.rotor.as_quaternion().tolist(),
-        "rotation_sigma_deg": np.rad2deg(found.rotation_sigma_rad).tolist(),
-        "imu_T_camera_translation_m": found.imu_T_camera.translation_m.tolist(),
-        "translation_sigma_m": found.lever_arm_sigma_m.tolist(),
-        "gravity_m_s2": found.gravity_m_s2.tolist(),
-        "gyro_bias_rad_s": found.gyro_bias_rad_s.mean(axis=0).tolist(),
-        "accel_bias_m_s2": found.accel_bias_m_s2.mean(axis=0).tolist(),
-        "rate_correlation": found.correlation,
-        "poses_used": len(found.time_ns),
-        "camera_sigma_deg": float(np.rad2deg(found.camera_sigma_rad)),
-        "camera_sigma_m": found.camera_sigma_m,
+        "offset_ms": 1e3 * synchronised.offset_s,
+        "offset_sigma_ms": 1e3 * synchronised.offset_sigma_s,
+        "imu_T_camera_wxyz": synchronised.imu_T_camera.rotor.as_quaternion().tolist(),
+        "rotation_sigma_deg": np.rad2deg(synchronised.rotation_sigma_rad).tolist(),
+        "imu_T_camera_translation_m": synchronised.imu_T_camera.translation_m.tolist(),
+        "translation_sigma_m": synchronised.lever_arm_sigma_m.tolist(),
+        "gravity_m_s2": synchronised.gravity_m_s2.tolist(),
+        "gyro_bias_rad_s": synchronised.gyro_bias_rad_s.mean(axis=0).tolist(),
+        "accel_bias_m_s2": synchronised.accel_bias_m_s2.mean(axis=0).tolist(),
+        "rate_correlation": synchronised.correlation,
+        "poses_used": len(synchronised.time_ns),
+        "camera_sigma_deg": float(np.rad2deg(synchronised.camera_sigma_rad)),
+        "camera_sigma_m": synchronised.camera_sigma_m,
         "gyro_density_rad_s_rthz": noise.gyro_density_rad_s_rthz,
         "gyro_walk_rad_s2_rthz": noise.gyro_walk_rad_s2_rthz,
         "accel_density_m_s2_rthz": noise.accel_density_m_s2_rthz,

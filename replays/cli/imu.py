@@ -159,14 +159,14 @@ def simulate(arguments: argparse.Namespace) -> None:
     write_imu((chunk.stream for chunk in simulated), arguments.output)
 
 
-def _noise(given: list[str]) -> ImuNoise | tuple[ImuNoise, ...] | None:
+def _noise(values: list[str]) -> ImuNoise | tuple[ImuNoise, ...] | None:
     from motorcade.fusion.imu import ADIS16448, ImuNoise
 
-    if given == ["none"]:
+    if values == ["none"]:
         return None
-    if len(given) not in (0, 1, 3):
-        raise ValueError(f"--noise: expected one file, or one for each axis, got {len(given)}")
-    axes = tuple(ImuNoise.load(Path(file)) for file in given)
+    if len(values) not in (0, 1, 3):
+        raise ValueError(f"--noise: expected one file, or one for each axis, got {len(values)}")
+    axes = tuple(ImuNoise.load(Path(file)) for file in values)
     return axes if len(axes) == 3 else axes[0] if axes else ADIS16448
 
 
@@ -248,15 +248,15 @@ def allan(arguments: argparse.Namespace) -> None:
     from motorcade.replays.io.imu import read_imu
 
     stream = read_imu(arguments.stream)
-    found = estimate_noise(stream)
+    noise = estimate_noise(stream)
     if arguments.plot is not None:
-        _draw_allan(found, arguments.plot)
+        _draw_allan(noise, arguments.plot)
     if arguments.json:
-        print_json({"duration_s": stream.duration_s, "rate_hz": stream.rate_hz} | _as_dict(found))
+        print_json({"duration_s": stream.duration_s, "rate_hz": stream.rate_hz} | _as_dict(noise))
         return
     print(f"{stream.duration_s:.0f} s at {stream.rate_hz:.1f} Hz; each ± one standard deviation")
     print(f"{'':8}{'density':>26}{'walk of the bias':>26}{'flicker of the bias':>26}")
-    for sensor, axes in (("gyro", found.gyro), ("accel", found.accel)):
+    for sensor, axes in (("gyro", noise.gyro), ("accel", noise.accel)):
         for name, axis in zip("xyz", axes, strict=True):
             values = (
                 f"{value:.4g} ± {deviation:.1g}"
@@ -268,12 +268,12 @@ def allan(arguments: argparse.Namespace) -> None:
             )
             print(f"{sensor:>6} {name}" + "".join(f"{value:>26}" for value in values))
     print("as Kalibr and EuRoC name them:")
-    for name, value in _kalibr(found).items():
+    for name, value in _kalibr(noise).items():
         print(f"{name}: {value:.6e}")
 
 
-def _kalibr(found: StreamNoise) -> dict[str, float]:
-    noise = found.noise
+def _kalibr(stream_noise: StreamNoise) -> dict[str, float]:
+    noise = stream_noise.noise
     return {
         "gyroscope_noise_density": noise.gyro_density_rad_s_rthz,
         "gyroscope_random_walk": noise.gyro_walk_rad_s2_rthz,
@@ -282,11 +282,11 @@ def _kalibr(found: StreamNoise) -> dict[str, float]:
     }
 
 
-def _as_dict(found: StreamNoise) -> dict[str, Any]:
-    described: dict[str, Any] = dict(_kalibr(found))
+def _as_dict(stream_noise: StreamNoise) -> dict[str, Any]:
+    described: dict[str, Any] = dict(_kalibr(stream_noise))
     for sensor, axes, units in (
-        ("gyro", found.gyro, ("rad_s_rthz", "rad_s2_rthz", "rad_s")),
-        ("accel", found.accel, ("m_s2_rthz", "m_s3_rthz", "m_s2")),
+        ("gyro", stream_noise.gyro, ("rad_s_rthz", "rad_s2_rthz", "rad_s")),
+        ("accel", stream_noise.accel, ("m_s2_rthz", "m_s3_rthz", "m_s2")),
     ):
         for name, unit in zip(("density", "walk", "flicker"), units, strict=True):
             for suffix in ("", "_deviation"):
@@ -295,7 +295,7 @@ def _as_dict(found: StreamNoise) -> dict[str, Any]:
     return described
 
 
-def _draw_allan(found: StreamNoise, path: Path) -> None:
+def _draw_allan(stream_noise: StreamNoise, path: Path) -> None:
     import numpy as np
 
     from motorcade.render.plots import plot_allan, standing_alone
@@ -303,8 +303,8 @@ def _draw_allan(found: StreamNoise, path: Path) -> None:
 
     curves = {}
     for name, curve, axes in (
-        ("gyroscope", found.gyro_curve, found.gyro),
-        ("accelerometer", found.accel_curve, found.accel),
+        ("gyroscope", stream_noise.gyro_curve, stream_noise.gyro),
+        ("accelerometer", stream_noise.accel_curve, stream_noise.accel),
     ):
         model = np.stack([axis.curve(curve.tau_s) for axis in axes], axis=-1)
         curves[name] = (curve.tau_s, curve.deviation, model)
@@ -370,12 +370,14 @@ def orient(arguments: argparse.Namespace) -> None:
     if magnetometer == Path():
         magnetometer = arguments.imu
     imu, field = read_imu_and_field(arguments.imu, magnetometer)
-    found = estimate_orientation(imu, model, magnetic_field=field, smooth=not arguments.online)
-    doubts = orientation_doubts(imu, found, model, with_magnetometer=field is not None)
-    write_orientation(found, arguments.output)
+    orientation = estimate_orientation(
+        imu, model, magnetic_field=field, smooth=not arguments.online
+    )
+    doubts = orientation_doubts(imu, orientation, model, with_magnetometer=field is not None)
+    write_orientation(orientation, arguments.output)
     if arguments.deviations is not None:
-        write_deviations(found, arguments.deviations)
-    summary = {**_summary(found, field is not None), "doubts": list(doubts)}
+        write_deviations(orientation, arguments.deviations)
+    summary = {**_summary(orientation, field is not None), "doubts": list(doubts)}
     if arguments.json is not None:
         write_bytes(arguments.json, (json.dumps(summary, indent=2) + "\n").encode())
     for key, value in summary.items():
@@ -396,18 +398,20 @@ def _model(arguments: argparse.Namespace) -> OrientationModel:
     return OrientationModel(noise=read_noise(arguments.noise), readings=arguments.readings)
 
 
-def _summary(found: Orientation, with_magnetometer: bool) -> dict[str, float]:
+def _summary(orientation: Orientation, with_magnetometer: bool) -> dict[str, float]:
     import numpy as np
 
-    made = {
-        "samples": found.time_ns.size,
-        "duration_s": 1e-9 * float(found.time_ns[-1] - found.time_ns[0]),
-        "at_rest_share": float(np.mean(found.at_rest)),
-        "tilt_deviation_deg": float(np.degrees(np.median(found.tilt_deviation_rad))),
-        "heading_deviation_deg": float(np.degrees(np.median(found.heading_deviation_rad))),
-        "gyro_bias_deg_s": float(np.degrees(np.linalg.norm(found.gyro_bias_rad_s[-1]))),
+    summary = {
+        "samples": orientation.time_ns.size,
+        "duration_s": 1e-9 * float(orientation.time_ns[-1] - orientation.time_ns[0]),
+        "at_rest_share": float(np.mean(orientation.at_rest)),
+        "tilt_deviation_deg": float(np.degrees(np.median(orientation.tilt_deviation_rad))),
+        "heading_deviation_deg": float(np.degrees(np.median(orientation.heading_deviation_rad))),
+        "gyro_bias_deg_s": float(np.degrees(np.linalg.norm(orientation.gyro_bias_rad_s[-1]))),
     }
     if with_magnetometer:
-        made["field_deviation_deg"] = float(np.degrees(np.median(found.field_deviation_rad)))
-        made["magnetometer_lag_ms"] = 1e3 * found.magnetometer_lag_s
-    return made
+        summary["field_deviation_deg"] = float(
+            np.degrees(np.median(orientation.field_deviation_rad))
+        )
+        summary["magnetometer_lag_ms"] = 1e3 * orientation.magnetometer_lag_s
+    return summary

@@ -89,10 +89,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _run(parser: argparse.ArgumentParser, given: Sequence[str]) -> None:
+def _run(parser: argparse.ArgumentParser, values: Sequence[str]) -> None:
     """Run what was given; what is still to be printed goes out while its errors can be told."""
     try:
-        arguments = parser.parse_args(given)
+        arguments = parser.parse_args(values)
         _set_up_logging(arguments.verbose, quiet=arguments.quiet)
         arguments.command(arguments)
     finally:
@@ -219,9 +219,9 @@ class Parser(argparse.ArgumentParser):
         except argparse.ArgumentError as error:
             if not isinstance(value, str) or action.choices is None:
                 raise
-            told = f"expected one of {', '.join(map(str, action.choices))}, got {value!r}"
+            text = f"expected one of {', '.join(map(str, action.choices))}, got {value!r}"
             raise argparse.ArgumentError(
-                action, f"{told}; {_nearest(value, [str(one) for one in action.choices])}"
+                action, f"{text}; {_nearest(value, [str(one) for one in action.choices])}"
             ) from error
 
 

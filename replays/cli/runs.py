@@ -334,8 +334,8 @@ def sweep_recordings(arguments: argparse.Namespace) -> None:
     if summary.left:
         done = len(plan) - summary.left
         where = f"results in {', '.join(map(str, summary.files))}" if done else "no table yet"
-        told = f"stopped; {done} of {len(plan)} runs are done, {where}"
-        raise KeyboardInterrupt(f"{told}; the same command does the rest")
+        text = f"stopped; {done} of {len(plan)} runs are done, {where}"
+        raise KeyboardInterrupt(f"{text}; the same command does the rest")
     if arguments.json:
         print_json({"rows": [dict(row) for row in summary.rows]})
     else:
@@ -344,11 +344,11 @@ def sweep_recordings(arguments: argparse.Namespace) -> None:
             print(f"{summary.doubtful} of them are DOUBTFUL; the table says why")
         print("results in " + ", ".join(map(str, summary.files)))
     if summary.failed:
-        told = f"{summary.failed} of {len(plan)} runs failed; the table says why"
-        raise RuntimeError(told + (", the others are done" if summary.failed < len(plan) else ""))
+        text = f"{summary.failed} of {len(plan)} runs failed; the table says why"
+        raise RuntimeError(text + (", the others are done" if summary.failed < len(plan) else ""))
     if arguments.strict and summary.doubtful:
-        told = f"{summary.doubtful} of {len(plan)} results are doubtful; the table says why"
-        raise RuntimeError(told)
+        text = f"{summary.doubtful} of {len(plan)} results are doubtful; the table says why"
+        raise RuntimeError(text)
 
 
 WIDTH = 92

@@ -240,11 +240,11 @@ def doctor(arguments: argparse.Namespace) -> None:
     else:
         for group, members in groupby(findings, key=lambda one: one.group):
             print(group)
-            for one in members:
-                mark = "ok" if one.works else "--"
-                print(f"  {mark} {one.name:30} {one.found}")
-                if not one.works:
-                    print(f"     {'':30} for {one.enables}: {one.remedy}")
+            for member in members:
+                mark = "ok" if member.works else "--"
+                print(f"  {mark} {member.name:30} {member.found}")
+                if not member.works:
+                    print(f"     {'':30} for {member.enables}: {member.remedy}")
     if broken:
-        told = "; ".join(f"{one.name}: {one.found}; {one.remedy}" for one in broken)
-        raise RuntimeError(f"the install is broken: {told}")
+        text = "; ".join(f"{one.name}: {one.found}; {one.remedy}" for one in broken)
+        raise RuntimeError(f"the install is broken: {text}")

@@ -125,8 +125,8 @@ def _written_as(
     from motorcade.replays.io.trajectories import trajectory_format
 
     if arguments.format is not None or not in_folder:
-        given: TrajectoryFormat | None = arguments.format
-        return given
+        written_as: TrajectoryFormat | None = arguments.format
+        return written_as
     return "tum" if _is_bag(name) else trajectory_format(Path(name))
 
 
@@ -442,16 +442,16 @@ def _transform(path: Path | None, arguments: argparse.Namespace) -> Motor | Simi
 
     if path is None:
         return None
-    found = read_transform(path)
-    return found.inverse() if arguments.invert_transform else found
+    transform = read_transform(path)
+    return transform.inverse() if arguments.invert_transform else transform
 
 
-def _by_stem(found: Mapping[str, Trajectory]) -> dict[str, Trajectory]:
+def _by_stem(trajectories: Mapping[str, Trajectory]) -> dict[str, Trajectory]:
     """The trajectories by short names, where these differ."""
     from motorcade.replays.tasks.editing import stem_of
 
-    short = {stem_of(name): one for name, one in found.items()}
-    return short if len(short) == len(found) else dict(found)
+    short = {stem_of(name): one for name, one in trajectories.items()}
+    return short if len(short) == len(trajectories) else dict(trajectories)
 
 
 def _plot_format(path: Path) -> str:

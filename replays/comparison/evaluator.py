@@ -122,7 +122,7 @@ class PathEvaluator:
 
     def _overshoot(self, poses: Motor) -> FloatArray:
         """Largest overshoot of position in metres and rotation in degrees ``(P, 2)``."""
-        found = np.full((len(poses), 2), np.nan)
+        overshoot = np.full((len(poses), 2), np.nan)
         for column, rotation in enumerate((False, True)):
             for before, stop, after in self._stops[column]:
                 at, stretch = self.true[stop : stop + 1], slice(before, after + 1)
@@ -132,9 +132,9 @@ class PathEvaluator:
                     true = np.max(_way(at, self.true[stretch], rotation) @ course)
                     ours = np.max(_way(at, poses[:, stretch], rotation) @ course, axis=-1)
                     over = np.maximum((ours - true) / length, 0.0)
-                    found[:, column] = np.fmax(found[:, column], over)
-        found[:, 1] = np.rad2deg(found[:, 1])
-        return found
+                    overshoot[:, column] = np.fmax(overshoot[:, column], over)
+        overshoot[:, 1] = np.rad2deg(overshoot[:, 1])
+        return overshoot
 
     @functools.cached_property
     def _stops(self) -> tuple[list[tuple[int, int, int]], list[tuple[int, int, int]]]:

@@ -176,10 +176,10 @@ def _rigid(degradation: Degradation) -> Degradation:
     return degradation
 
 
-def _check_names(name: str, given: tuple[str, ...], known: Collection[str]) -> None:
-    if not given or len(set(given)) < len(given):
-        raise ValueError(f"plan.{name}: expected one or more different names, got {given}")
-    for one in given:
+def _check_names(name: str, values: tuple[str, ...], known: Collection[str]) -> None:
+    if not values or len(set(values)) < len(values):
+        raise ValueError(f"plan.{name}: expected one or more different names, got {values}")
+    for one in values:
         if one not in known:
             advice = did_you_mean(one, known)
             raise ValueError(f"plan.{name}: expected known names, got {one!r}; {advice}")

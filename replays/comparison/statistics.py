@@ -122,9 +122,9 @@ class Intervals:
 def grouped(samples: Iterable[Sample]) -> list[Group]:
     """Samples by motion and degradation, in the order in which they first come."""
     places: dict[tuple[str, str], dict[int, list[Sample]]] = {}
-    for one in samples:
-        seeds = places.setdefault((one.motion, one.degradation), {})
-        seeds.setdefault(one.seed, []).append(one)
+    for sample in samples:
+        seeds = places.setdefault((sample.motion, sample.degradation), {})
+        seeds.setdefault(sample.seed, []).append(sample)
     return [_group(*place, seeds) for place, seeds in places.items()]
 
 
@@ -196,7 +196,7 @@ def bootstrap(values: FloatArray, counts: FloatArray) -> Intervals:
     return Intervals(*(part.reshape(values.shape[1:]) for part in (mean, *ends)))
 
 
-def verdicts(difference: FloatArray, found: Intervals, base: FloatArray) -> list[str]:
+def verdicts(difference: FloatArray, intervals: Intervals, base: FloatArray) -> list[str]:
     """Verdicts ``(M,)`` on differences ``(S, M)`` from costs ``(S, M)``; see the module.
 
     "" where nothing can be said.
@@ -206,7 +206,7 @@ def verdicts(difference: FloatArray, found: Intervals, base: FloatArray) -> list
         size = np.array([_mean(column) for column in base.T])
         largest = np.array([_largest(column) for column in difference.T])
     for i, metric in enumerate(METRICS):
-        mean, low, high = found.mean[i], found.low[i], found.high[i]
+        mean, low, high = intervals.mean[i], intervals.low[i], intervals.high[i]
         if not np.isfinite(mean):
             made.append("")
         elif largest[i] <= _EQUAL_SHARE * size[i]:
@@ -294,14 +294,14 @@ def ratios_to_motor(groups: Sequence[Group]) -> list[dict[str, Any]]:
 
 
 def _scopes(groups: Sequence[Group]) -> list[tuple[str, list[Group]]]:
-    made = [("all", list(groups))]
+    scopes = [("all", list(groups))]
     for field in ("motion", "degradation"):
         values = dict.fromkeys(getattr(group, field) for group in groups)
-        made += [
+        scopes += [
             (f"{field}:{value}", [g for g in groups if getattr(g, field) == value])
             for value in values
         ]
-    return made
+    return scopes
 
 
 def _scores(groups: Sequence[Group]) -> tuple[list[Name], FloatArray, list[Name]]:

@@ -109,7 +109,7 @@ def write_tables(outcome: Outcome, out: Path) -> dict[str, Any]:
     rows = [row for group in groups for row in _group_rows(group)]
     write_csv(out / "cells.csv", _CELLS, _cell_rows(outcome.samples))
     write_csv(out / "groups.csv", _GROUPS, rows)
-    told = {
+    document = {
         "format": FORMAT,
         "motorcade": __version__,
         "python": platform.python_version(),
@@ -124,8 +124,8 @@ def write_tables(outcome: Outcome, out: Path) -> dict[str, Any]:
         "ratios_to_motor": ratios_to_motor(groups),
         "exact_ties": list(outcome.exact_ties),
     }
-    write_bytes(out / "results.json", (json.dumps(told, indent=1) + "\n").encode())
-    return told
+    write_bytes(out / "results.json", (json.dumps(document, indent=1) + "\n").encode())
+    return document
 
 
 def _cell_rows(samples: Iterable[Sample]) -> Iterable[list[Any]]:
@@ -176,8 +176,8 @@ def _group_rows(group: Group) -> Iterable[list[Any]]:
             ]
 
 
-def _at(found: Intervals, i: int) -> Intervals:
-    return Intervals(found.mean[i], found.low[i], found.high[i])
+def _at(intervals: Intervals, i: int) -> Intervals:
+    return Intervals(intervals.mean[i], intervals.low[i], intervals.high[i])
 
 
 def _argmin(column: FloatArray) -> int:
@@ -193,12 +193,12 @@ def _failures(group: Group) -> list[dict[str, Any]]:
     ]
 
 
-def _parameters(place: tuple[str, str, str, str], one: Tuned) -> dict[str, Any]:
+def _parameters(place: tuple[str, str, str, str], tuned: Tuned) -> dict[str, Any]:
     return dict(zip(_PLACE, place, strict=True)) | {
-        "parameters": dict(one.setting.parameters),
-        "how": one.how,
-        "objective": one.objective,
-        "trials": one.trials,
+        "parameters": dict(tuned.setting.parameters),
+        "how": tuned.how,
+        "objective": tuned.objective,
+        "trials": tuned.trials,
     }
 
 

@@ -161,9 +161,9 @@ class RecordedMotion:
         Raises:
             RecordingError: a file that cannot be read.
         """
-        found = read_trajectory(path, rate_hz=rate_hz, times=times)
+        trajectory = read_trajectory(path, rate_hz=rate_hz, times=times)
         stamps = None if times is None else str(times.resolve())
-        return cls(path.stem, str(path.resolve()), digest_of(found), rate_hz, stamps)
+        return cls(path.stem, str(path.resolve()), digest_of(trajectory), rate_hz, stamps)
 
     def read(self) -> Trajectory:
         """The whole path.
@@ -171,17 +171,17 @@ class RecordedMotion:
         Raises:
             ValueError: the file holds another path by now.
         """
-        found = read_trajectory(self.file, rate_hz=self.rate_hz, times=self.times)
-        if digest_of(found) != self.digest:
+        trajectory = read_trajectory(self.file, rate_hz=self.rate_hz, times=self.times)
+        if digest_of(trajectory) != self.digest:
             raise ValueError(f"{self.file}: changed since the comparison began")
-        return found
+        return trajectory
 
 
 def digest_of(*paths: Trajectory) -> str:
     """SHA-256 of all stamps and poses."""
     content = hashlib.sha256()
-    for one in paths:
-        content.update(one.time_ns.tobytes() + one.motors.coefficients.tobytes())
+    for path in paths:
+        content.update(path.time_ns.tobytes() + path.motors.coefficients.tobytes())
     return content.hexdigest()
 
 

@@ -83,30 +83,30 @@ def write_artifact(
     """
     try:
         with unfinished(folder.parent) as place:
-            made = Stored(folder, "", float(seconds), dict(files))
-            return _built(value, place / "artifact", made)
+            stored = Stored(folder, "", float(seconds), dict(files))
+            return _built(value, place / "artifact", stored)
     except OSError as fault:
         problem = f"cannot be written: {fault.strerror or fault}"
         raise OSError(fault.errno or errno.EIO, problem, str(folder)) from fault
 
 
-def _built(value: object, building: Path, made: Stored) -> Stored:
+def _built(value: object, building: Path, stored: Stored) -> Stored:
     (building / "files").mkdir(parents=True)
     encoder = _Encoder(building / "files")
     tree = encoder.encode(value, "value")
     _write_json(building / "value.json", tree)
     _write_json(building / "aside.json", encoder.aside)
     np.savez(building / "arrays.npz", allow_pickle=False, **encoder.joined())
-    made = replace(made, digest=_content_digest(building))
+    stored = replace(stored, digest=_content_digest(building))
     about: dict[str, Any] = {
         "version": FORMAT_VERSION,
-        "name": made.folder.name,
-        "digest": made.digest,
-        "seconds": made.seconds,
-        "files": {str(path): state for path, state in made.files.items()},
+        "name": stored.folder.name,
+        "digest": stored.digest,
+        "seconds": stored.seconds,
+        "files": {str(path): state for path, state in stored.files.items()},
     }
     _write_json(building / "artifact.json", about | {"seal": _seal(building, about)})
-    return _publish(building, made.folder) or made
+    return _publish(building, stored.folder) or stored
 
 
 def find_artifact(folder: Path) -> Stored | None:
@@ -336,10 +336,10 @@ class _Decoder:
         if tree is None and types.NoneType in typing.get_args(kind):
             return None
         refusals = []
-        for one in typing.get_args(kind):
+        for get_arg in typing.get_args(kind):
             try:
-                if one is not types.NoneType:
-                    return self.decode(tree, one, where)
+                if get_arg is not types.NoneType:
+                    return self.decode(tree, get_arg, where)
             except (KeyError, TypeError, ValueError) as refusal:
                 refusals.append(str(refusal))
         raise TypeError(f"{where}: expected {kind}, but {'; '.join(refusals)}")

@@ -94,7 +94,7 @@ def reach(*modules: str) -> Reach:
 
 def types_within(value: object) -> set[type[Any]]:
     """Types of ours among a value and what it holds: fields of dataclasses, and containers."""
-    found: set[type[Any]] = set()
+    types: set[type[Any]] = set()
     waiting = [value]
     while waiting:
         one = waiting.pop()
@@ -103,10 +103,10 @@ def types_within(value: object) -> set[type[Any]]:
         elif isinstance(one, (tuple, list)):
             waiting.extend(one)
         elif type(one).__module__.partition(".")[0] == OURS:
-            found.add(type(one))
+            types.add(type(one))
             if is_dataclass(one):
                 waiting.extend(getattr(one, field.name) for field in fields(one))
-    return found
+    return types
 
 
 @dataclass(frozen=True)

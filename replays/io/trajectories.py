@@ -398,18 +398,20 @@ _HEADER = (
 )
 
 
-def write_orientation(found: Orientation, path: Path) -> None:
+def write_orientation(orientation: Orientation, path: Path) -> None:
     """Write ``world_T_imu`` with positions of 0; the name's ending says the format.
 
     Raises:
         ValueError: an unknown ending.
         OSError: a file that cannot be written.
     """
-    poses = Motor.from_rotor_translation(found.world_R_imu, np.zeros((found.time_ns.size, 3)))
-    write_trajectory(Trajectory(found.time_ns, poses, "world", "imu"), path)
+    poses = Motor.from_rotor_translation(
+        orientation.world_R_imu, np.zeros((orientation.time_ns.size, 3))
+    )
+    write_trajectory(Trajectory(orientation.time_ns, poses, "world", "imu"), path)
 
 
-def write_deviations(found: Orientation, path: Path) -> None:
+def write_deviations(orientation: Orientation, path: Path) -> None:
     """Write what the filter expects of itself, a row a sample, as CSV.
 
     Raises:
@@ -417,13 +419,15 @@ def write_deviations(found: Orientation, path: Path) -> None:
     """
     columns = np.column_stack(
         [
-            found.tilt_deviation_rad,
-            found.heading_deviation_rad,
-            found.gyro_bias_rad_s,
-            found.field_deviation_rad,
+            orientation.tilt_deviation_rad,
+            orientation.heading_deviation_rad,
+            orientation.gyro_bias_rad_s,
+            orientation.field_deviation_rad,
         ]
     )
-    rows = zip(found.time_ns.tolist(), columns.tolist(), found.at_rest.tolist(), strict=True)
+    rows = zip(
+        orientation.time_ns.tolist(), columns.tolist(), orientation.at_rest.tolist(), strict=True
+    )
     lines = [f"{stamp},{','.join(map(repr, row))},{rest:d}" for stamp, row, rest in rows]
     write_bytes(path, "\n".join([_HEADER, *lines, ""]).encode("ascii"))
 

@@ -77,9 +77,9 @@ def read_transform(path: Path) -> Motor | Similarity:
 
 def _of_json(path: Path, data: bytes) -> Motor | Similarity:
     try:
-        given = json.loads(data)
-        *place, x, y, z, w = (float(given[key]) for key in _KEYS)
-        scale = float(given.get("scale", 1.0))
+        document = json.loads(data)
+        *place, x, y, z, w = (float(document[key]) for key in _KEYS)
+        scale = float(document.get("scale", 1.0))
     except (
         ValueError,
         TypeError,

@@ -86,8 +86,8 @@ def open_run(folder: Path) -> Shown:
         OSError: its recording is gone.
     """
     recording, run = read_run(folder, "placed")
-    placed, found = run.outputs["placed"], run.outputs["camera_poses"]
-    recording = as_found(recording, found.camera, found.depth_camera)
+    placed, camera_poses = run.outputs["placed"], run.outputs["camera_poses"]
+    recording = as_found(recording, camera_poses.camera, camera_poses.depth_camera)
     shown = performers(placed)
     names = [part.name for part in placed.parts] or ["character"]
     return Shown(
@@ -96,7 +96,7 @@ def open_run(folder: Path) -> Shown:
         trajectories(run),
         run.outputs["integrity"].drawn,
         dict(zip(names, shown, strict=True)),
-        np.asarray(found.points, dtype=np.float64),
+        np.asarray(camera_poses.points, dtype=np.float64),
     )
 
 
@@ -164,12 +164,12 @@ def read_origin(folder: Path) -> RunOrigin:
             "run.json is not there"
         )
     try:
-        told = json.loads(read_bounded(file, MAX_LOG_BYTES))
-        recording, manifest = (_found(folder, told, one) for one in ("recording", "manifest"))
+        document = json.loads(read_bounded(file, MAX_LOG_BYTES))
+        recording, manifest = (_found(folder, document, one) for one in ("recording", "manifest"))
         if recording is None:
             raise ValueError("recording: expected a path, got none")
-        settings = tuple(map(str, told["settings"]))
-        return RunOrigin(recording, manifest, str(told["content"]), settings)
+        settings = tuple(map(str, document["settings"]))
+        return RunOrigin(recording, manifest, str(document["content"]), settings)
     except FileError:
         raise
     except (ValueError, KeyError, TypeError, RecursionError) as fault:
@@ -179,11 +179,11 @@ def read_origin(folder: Path) -> RunOrigin:
         ) from fault
 
 
-def _found(folder: Path, told: dict[str, Any], name: str) -> Path | None:
+def _found(folder: Path, stated: dict[str, Any], name: str) -> Path | None:
     """Where a file of a run lies: where it lay, or where it was moved together with the run."""
-    if told[name] is None:
+    if stated[name] is None:
         return None
-    there, moved = Path(told[name]), told.get(f"{name}_from_here")
+    there, moved = Path(stated[name]), stated.get(f"{name}_from_here")
     return there if there.exists() or moved is None else Path(normpath(folder.absolute() / moved))
 
 

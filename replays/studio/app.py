@@ -105,10 +105,10 @@ class _Site:
 
     async def module(self, request: Request) -> Response:
         """A module or style sheet of the page, by its name."""
-        found = self._shell.files.get(request.path_params["name"])
-        if found is None:
+        file = self._shell.files.get(request.path_params["name"])
+        if file is None:
             raise HTTPException(404)
-        return Response(found.content, media_type=found.media_type, headers=KEPT)
+        return Response(file.content, media_type=file.media_type, headers=KEPT)
 
     async def editor(self, request: Request) -> Response:
         """The page on which a run's scene is edited."""

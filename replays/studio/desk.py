@@ -64,7 +64,9 @@ class RunDesk:
         poses[~filmed.has_pose] = np.nan
         first = filmed.ground(filmed.first)
         anchors = dict(scene.anchors) | {
-            name: one for name, one in filmed.stands.items() if one not in scene.anchors.values()
+            name: stand
+            for name, stand in filmed.stands.items()
+            if stand not in scene.anchors.values()
         }
         far = np.linalg.norm(
             filmed.world_T_camera.translation_m - first.world_T_plane.translation_m, axis=-1

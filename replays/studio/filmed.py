@@ -163,10 +163,10 @@ def open_filmed(folder: Path) -> Filmed:
     origin = read_origin(folder)
     recording, run = read_run(folder, "placed")
     words = tuple(origin.words(recording))
-    found, integrity = run.outputs["camera_poses"], run.outputs["integrity"]
-    recording = as_found(recording, found.camera, found.depth_camera)
-    path: Trajectory = extrapolated(integrity.drawn, found.measurements.trajectory)
-    grounds = Grounds(recording, found, run.outputs.get("marker_poses"), path)
+    poses, integrity = run.outputs["camera_poses"], run.outputs["integrity"]
+    recording = as_found(recording, poses.camera, poses.depth_camera)
+    path: Trajectory = extrapolated(integrity.drawn, poses.measurements.trajectory)
+    grounds = Grounds(recording, poses, run.outputs.get("marker_poses"), path)
     knobs = origin.knobs.get("placed", {})
     told = {name: knobs[name] for name in ("on", "marker", "floor_m") if name in knobs}
     placed = run.outputs["placed"]

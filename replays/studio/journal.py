@@ -201,10 +201,10 @@ class Journal:
         if not is_there(path):
             return []
         try:
-            found = json.loads(read_bounded(path, MAX_MARK_BYTES))
+            document = json.loads(read_bounded(path, MAX_MARK_BYTES))
         except (ValueError, RecursionError):
             return []  # it marks nothing: the session is set aside, and the scene is as it is
-        return list(map(str, found)) if isinstance(found, list) else []
+        return list(map(str, document)) if isinstance(document, list) else []
 
 
 def _opened(path: Path, way: int) -> int:
@@ -332,7 +332,8 @@ def _by_anchors(gesture: Gesture) -> bool:
     return isinstance(gesture, Edit) and gesture.line["do"] in _BY_ANCHORS
 
 
-def _same(one: Mapping[str, Similarity], other: Mapping[str, Similarity]) -> bool:
-    return one.keys() == other.keys() and all(
-        bool((one[name].coefficients == other[name].coefficients).all()) for name in one
+def _same(similarities: Mapping[str, Similarity], other: Mapping[str, Similarity]) -> bool:
+    return similarities.keys() == other.keys() and all(
+        bool((similarities[name].coefficients == other[name].coefficients).all())
+        for name in similarities
     )

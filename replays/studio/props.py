@@ -75,8 +75,8 @@ class Props:
         Raises:
             ValueError: it does.
         """
-        given = line.get("object") if line.get("do") == "add" else line
-        file = given.get("file") if isinstance(given, Mapping) else None
+        value = line.get("object") if line.get("do") == "add" else line
+        file = value.get("file") if isinstance(value, Mapping) else None
         known = {MANNEQUIN, *self.files, *(part.file for part in scene.parts.values())}
         if file is not None and (not isinstance(file, str) or file not in known):
             raise ValueError("file: expected one that is on offer")
@@ -177,8 +177,8 @@ def free_place_m(
     places: FloatArray = np.asarray(middle_m) + 0.45 * height_m * _spiral(MOST_PLACES)
     apart = np.minimum(_apart(places, _taken_m(scene, on, beside)), 0.4 * height_m)
     seen = _in_view(places, height_m, world_T_plane, filmed, frame)
-    found: FloatArray = places[np.lexsort((np.arange(MOST_PLACES), ~seen, -apart))[0]]
-    return found
+    place: FloatArray = places[np.lexsort((np.arange(MOST_PLACES), ~seen, -apart))[0]]
+    return place
 
 
 def room_m(
@@ -207,15 +207,15 @@ def _taken_m(scene: Scene, on: str, beside: str | None) -> FloatArray:
 def _spiral(count: int) -> FloatArray:
     """Places ``(count, 2)`` for one after another, so that none stands in another."""
     number = np.arange(count)
-    made: FloatArray = np.sqrt(number)[:, None] * np.exp(2.4j * number)[:, None].view(np.float64)
-    return made
+    spiral: FloatArray = np.sqrt(number)[:, None] * np.exp(2.4j * number)[:, None].view(np.float64)
+    return spiral
 
 
 def _apart(places: FloatArray, taken: FloatArray) -> FloatArray:
     """How far each place is from the nearest that is taken."""
     ways = np.linalg.norm(places[:, None] - taken[None], axis=-1)
-    found: FloatArray = ways.min(axis=1, initial=np.inf)
-    return found
+    apart: FloatArray = ways.min(axis=1, initial=np.inf)
+    return apart
 
 
 def _in_view(

@@ -38,12 +38,12 @@ def parsed(text: str) -> Mapping[str, Any]:
     {'n': 1, 'do': 'undo'}
     """
     try:
-        found = json.loads(text, parse_constant=_no_number)
+        document = json.loads(text, parse_constant=_no_number)
     except (ValueError, RecursionError) as fault:
         raise ValueError("expected a message of JSON") from fault
-    if not isinstance(found, dict):
-        raise ValueError(f"expected an object of JSON, got {type(found).__name__}")
-    return found
+    if not isinstance(document, dict):
+        raise ValueError(f"expected an object of JSON, got {type(document).__name__}")
+    return document
 
 
 def _no_number(text: str) -> float:
@@ -134,10 +134,10 @@ def name_of(message: Mapping[str, Any], key: str) -> str:
     Raises:
         ValueError: none, or a long one.
     """
-    found = message.get(key)
-    if not isinstance(found, str) or not 0 < len(found) <= MAX_NAME:
+    name = message.get(key)
+    if not isinstance(name, str) or not 0 < len(name) <= MAX_NAME:
         raise ValueError(f"{key}: expected a name")
-    return found
+    return name
 
 
 def frame_of_axes(message: Mapping[str, Any]) -> Frame:
@@ -199,7 +199,7 @@ def point_of(message: Mapping[str, Any], key: str) -> FloatArray | None:
     return None if found is None else np.array(_numbers(found, key, 3))
 
 
-def _numbers(given: object, key: str, count: int) -> list[float]:
-    if not isinstance(given, list) or len(given) != count:
+def _numbers(value: object, key: str, count: int) -> list[float]:
+    if not isinstance(value, list) or len(value) != count:
         raise ValueError(f"{key}: expected {count} numbers")
-    return [number_of({key: one}, key) for one in given]
+    return [number_of({key: one}, key) for one in value]

@@ -172,9 +172,9 @@ def _video(path: Path) -> Iterator[_Read]:
 
 def describe_calibration(run: CalibrationRun) -> dict[str, Any]:
     """The camera and what speaks for it, for JSON and for people."""
-    found = run.calibration
-    camera = found.camera
-    errors = found.view_error_px[found.used]
+    calibration = run.calibration
+    camera = calibration.camera
+    errors = calibration.view_error_px[calibration.used]
     return {
         "board": run.board.name,
         "camera": {
@@ -188,24 +188,26 @@ def describe_calibration(run: CalibrationRun) -> dict[str, Any]:
             "distortion": list(camera.distortion),
         },
         "standard_deviation": {
-            **dict(zip(("fx_px", "fy_px", "cx_px", "cy_px"), found.deviation[:4], strict=True)),
-            "distortion": found.deviation[4:].tolist(),
+            **dict(
+                zip(("fx_px", "fy_px", "cx_px", "cy_px"), calibration.deviation[:4], strict=True)
+            ),
+            "distortion": calibration.deviation[4:].tolist(),
         },
         "held_out_px": {trial.model: _finite(trial.typical_px) for trial in run.trials},
         "doubt": run.doubt or None,
-        "reprojection_rmse_px": found.rmse_px,
+        "reprojection_rmse_px": calibration.rmse_px,
         "worst_view_rmse_px": float(errors.max()),
         "pictures_searched": run.searched,
         "pictures_with_board": run.found,
-        "views_used": int(found.used.sum()),
-        "views_left_out": int((~found.used).sum()),
-        "coverage": found.coverage(run.views),
-        "largest_turn_deg": found.turn_deg,
+        "views_used": int(calibration.used.sum()),
+        "views_left_out": int((~calibration.used).sum()),
+        "coverage": calibration.coverage(run.views),
+        "largest_turn_deg": calibration.turn_deg,
         "unreadable": list(run.unreadable),
         "views": [
             {"picture": name, "corners": len(view), "used": bool(used), "rmse_px": _finite(error)}
             for name, view, used, error in zip(
-                run.names, run.views, found.used, found.view_error_px, strict=True
+                run.names, run.views, calibration.used, calibration.view_error_px, strict=True
             )
         ],
     }
@@ -226,20 +228,22 @@ def write_calibration(run: CalibrationRun, path: Path) -> Path:
     """
     from motorcade.render.plots import plot_coverage
 
-    found = run.calibration
-    camera = found.camera
+    calibration = run.calibration
+    camera = calibration.camera
     said = (
-        f"# {int(found.used.sum())} views of {run.board.name}, {found.rmse_px:.4f} px RMS;\n"
+        f"# {int(calibration.used.sum())} views of {run.board.name}, "
+        f"{calibration.rmse_px:.4f} px RMS;\n"
         "# standard deviations of fx fy cx cy and distortion: "
-        f"{' '.join(f'{one:.2g}' for one in found.deviation)}\n"
+        f"{' '.join(f'{one:.2g}' for one in calibration.deviation)}\n"
     )
     write_bytes(path, (said + camera_toml(camera, run.orientation.degrees)).encode())
     picture = path.with_name(f"{path.stem}_coverage.png")
-    title = f"{path.stem}: {found.rmse_px:.3f} px RMS, {found.coverage(run.views):.0%} of the cells"
+    coverage = calibration.coverage(run.views)
+    title = f"{path.stem}: {calibration.rmse_px:.3f} px RMS, {coverage:.0%} of the cells"
     data = plot_coverage(
         (camera.width, camera.height),
         _corners(run, used=True),
-        found.residuals_px,
+        calibration.residuals_px,
         _corners(run, used=False),
         title,
     )

@@ -172,11 +172,11 @@ def _kernels() -> list[Finding]:
         motors = Motor.random(np.random.default_rng(0), (33,))
         residue = float(np.abs((motors @ motors.inverse()).as_matrix() - np.eye(4)).max())
     except Exception as fault:  # whatever keeps them from loading is what is asked for here
-        told = f"{type(fault).__name__}: {' '.join(str(fault).split())}"
-        return [Finding("kernels", "kernels", False, told, enables, _REINSTALL, needed=True)]
+        text = f"{type(fault).__name__}: {' '.join(str(fault).split())}"
+        return [Finding("kernels", "kernels", False, text, enables, _REINSTALL, needed=True)]
     if not residue < 1e-12:
-        told = f"{kernels.backend}, but a motor times its inverse is {residue:.1g} off the identity"
-        return [Finding("kernels", "kernels", False, told, enables, _REINSTALL, needed=True)]
+        text = f"{kernels.backend}, but a motor times its inverse is {residue:.1g} off the identity"
+        return [Finding("kernels", "kernels", False, text, enables, _REINSTALL, needed=True)]
     return [
         Finding("kernels", "kernels", True, kernels.backend, enables, needed=True),
         _speed(kernels.backend),
@@ -195,10 +195,10 @@ def _speed(backend: str) -> Finding:
     if backend == "compiled":
         return Finding("kernels", "SIMD", True, simd(flags()), enables)
     if os.environ.get("MOTORCADE_KERNELS"):
-        told, remedy = "MOTORCADE_KERNELS asks for NumPy", "unset MOTORCADE_KERNELS"
+        text, remedy = "MOTORCADE_KERNELS asks for NumPy", "unset MOTORCADE_KERNELS"
     else:
-        told, remedy = "the compiled kernels are absent", _REINSTALL
-    return Finding("kernels", "SIMD", False, told, enables, remedy)
+        text, remedy = "the compiled kernels are absent", _REINSTALL
+    return Finding("kernels", "SIMD", False, text, enables, remedy)
 
 
 def _compiler() -> Finding:

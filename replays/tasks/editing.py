@@ -218,9 +218,9 @@ def edit_trajectories(
     """
     _check(edits, reference)
     found = {}
-    for name, one in trajectories.items():
+    for name, trajectory in trajectories.items():
         with _named(name):
-            found[name] = _thinned(_prepared(one.rigid, edits), edits)
+            found[name] = _thinned(_prepared(trajectory.rigid, edits), edits)
     if edits.merge:
         found = {"merged": _merged(found)}
     true = None if reference is None else _thinned(reference.rigid, edits)
@@ -267,10 +267,10 @@ def _thinned(path: Trajectory, edits: TrajectoryEdits) -> Trajectory:
     return path
 
 
-def _merged(found: Mapping[str, Trajectory]) -> Trajectory:
-    every = list(found.values())
+def _merged(trajectories: Mapping[str, Trajectory]) -> Trajectory:
+    every = list(trajectories.values())
     first = every[0]
-    for name, one in found.items():
+    for name, one in trajectories.items():
         if (one.parent, one.child) != (first.parent, first.child):
             text = "%s: poses %s_T_%s are merged as if they were %s_T_%s"
             _LOG.warning(text, name, one.parent, one.child, first.parent, first.child)

@@ -77,9 +77,9 @@ def error_picture(matched: Mapping[str, Matched], delta: Delta, plane: Plane | N
     )
 
 
-def _along(one: Matched, delta: Delta, start_ns: int) -> ErrorsAlong:
-    ours, true = one.pairs.estimate, one.pairs.reference
-    time_s: FloatArray = np.asarray((one.pairs.time_ns - start_ns) * 1e-9, dtype=np.float64)
+def _along(matched: Matched, delta: Delta, start_ns: int) -> ErrorsAlong:
+    ours, true = matched.pairs.estimate, matched.pairs.reference
+    time_s: FloatArray = np.asarray((matched.pairs.time_ns - start_ns) * 1e-9, dtype=np.float64)
     try:
         _, last = delta.ends(ours, true)
         (relative_m,) = relative_errors(ours, true, delta, ("trans_part",))

@@ -124,13 +124,13 @@ class FusedPoses:
 
     def as_dict(self) -> dict[str, Any]:
         """Figures, ready for JSON; keys carry units."""
-        found = self.fused
-        nis = found.nis[np.isfinite(found.nis)]
-        last = found.imu_T_camera[-1]
+        fused = self.fused
+        nis = fused.nis[np.isfinite(fused.nis)]
+        last = fused.imu_T_camera[-1]
         return {
             "poses": self.poses,
-            "fused_poses": len(found.trajectory),
-            "refused": int(np.count_nonzero(~found.accepted)),
+            "fused_poses": len(fused.trajectory),
+            "refused": int(np.count_nonzero(~fused.accepted)),
             "nis_per_dimension": float(nis.mean()) / 6.0 if nis.size else None,
             "sigma_m": self.sigma_m,
             "sigma_deg": float(np.rad2deg(self.sigma_rad)),
@@ -139,11 +139,11 @@ class FusedPoses:
             "offset_sigma_ms": self.offset_sigma_s and 1e3 * self.offset_sigma_s,
             "imu_T_camera_wxyz": last.rotor.as_quaternion().tolist(),
             "imu_T_camera_translation_m": last.translation_m.tolist(),
-            "gravity_m_s2": found.gravity_m_s2[-1].tolist(),
-            "gyro_bias_rad_s": found.gyro_bias_rad_s.mean(axis=0).tolist(),
-            "accel_bias_m_s2": found.accel_bias_m_s2.mean(axis=0).tolist(),
-            "doubts": list(found.doubts),
-            "health": found.health.as_dict(),
+            "gravity_m_s2": fused.gravity_m_s2[-1].tolist(),
+            "gyro_bias_rad_s": fused.gyro_bias_rad_s.mean(axis=0).tolist(),
+            "accel_bias_m_s2": fused.accel_bias_m_s2.mean(axis=0).tolist(),
+            "doubts": list(fused.doubts),
+            "health": fused.health.as_dict(),
             "noise": None if self.noise is None else self.noise.as_dict(),
         }
 
@@ -238,9 +238,9 @@ def fuse_poses(
     )
 
 
-def _cause(found: Fused) -> str:
+def _cause(fused: Fused) -> str:
     """The worst that is known of it, and what to do."""
-    causes = [one for one in found.health.findings if one.fault != "measurements_refused"]
+    causes = [one for one in fused.health.findings if one.fault != "measurements_refused"]
     if causes:
         return causes[0].summary
     return "check whether both are of one recording, and the noise that is stated of either"
@@ -252,9 +252,9 @@ def _measurements(
     """The poses with covariances, and the deviations of place and rotation in them."""
     sigma_m, sigma_rad = options.sigma_m, options.sigma_rad
     if sigma_m is None or sigma_rad is None:
-        told = estimate_noise(poses)
-        sigma_m = sigma_m or max(told.translation.noise, _FLOOR_M)
-        sigma_rad = sigma_rad or max(told.rotation.noise, _FLOOR_RAD)
+        noise = estimate_noise(poses)
+        sigma_m = sigma_m or max(noise.translation.noise, _FLOOR_M)
+        sigma_rad = sigma_rad or max(noise.rotation.noise, _FLOOR_RAD)
     spread = np.diag(np.repeat([sigma_rad**2, sigma_m**2], 3))
     covariance = np.tile(spread, (len(poses), 1, 1))
     return PoseMeasurements(poses, covariance), sigma_m, sigma_rad

@@ -156,8 +156,13 @@ def describe_inertial(run: InertialRun) -> dict[str, Any]:
         "gyro_density_rad_s_rthz": found.noise.gyro_density_rad_s_rthz,
         "accel_density_m_s2_rthz": found.noise.accel_density_m_s2_rthz,
         "parameters": [
-            {"name": one.name, "value": one.value, "sigma": one.sigma, "untold": one.untold or None}
-            for one in found.parameters
+            {
+                "name": parameter.name,
+                "value": parameter.value,
+                "sigma": parameter.sigma,
+                "untold": parameter.untold or None,
+            }
+            for parameter in found.parameters
         ],
         "health": found.health.as_dict(),
     }
@@ -200,14 +205,14 @@ def _manifest(run: InertialRun, noise_file: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def chain_yaml(found: CameraImuCalibration) -> str:
+def chain_yaml(camera_imu_calibration: CameraImuCalibration) -> str:
     """Kalibr's ``camchain-imucam.yaml``."""
-    camera = found.camera
+    camera = camera_imu_calibration.camera
     model = "none" if camera.model == "pinhole" else camera.model
     numbers = [camera.fx, camera.fy, camera.cx, camera.cy]
     return (
         "cam0:\n"
-        f"  T_cam_imu: {_rows(found.imu_T_camera.inverse().as_matrix())}\n"
+        f"  T_cam_imu: {_rows(camera_imu_calibration.imu_T_camera.inverse().as_matrix())}\n"
         "  cam_overlaps: []\n"
         "  camera_model: pinhole\n"
         f"  distortion_coeffs: {_list(camera.distortion)}\n"
@@ -215,21 +220,21 @@ def chain_yaml(found: CameraImuCalibration) -> str:
         f"  intrinsics: {_list(numbers)}\n"
         f"  resolution: [{camera.width}, {camera.height}]\n"
         "  rostopic: /cam0/image_raw\n"
-        f"  timeshift_cam_imu: {_number(found.offset_s)}\n"
+        f"  timeshift_cam_imu: {_number(camera_imu_calibration.offset_s)}\n"
     )
 
 
-def imu_yaml(found: CameraImuCalibration, rate_hz: float) -> str:
+def imu_yaml(camera_imu_calibration: CameraImuCalibration, rate_hz: float) -> str:
     """Kalibr's ``imu.yaml`` of its model `scale-misalignment`."""
-    lower, turn = found.kalibr_gyroscope
-    noise = found.noise
+    lower, turn = camera_imu_calibration.kalibr_gyroscope
+    noise = camera_imu_calibration.noise
     return (
         "imu0:\n"
         f"  T_i_b: {_rows(np.eye(4))}\n"
         f"  accelerometer_noise_density: {_number(noise.accel_density_m_s2_rthz)}\n"
         f"  accelerometer_random_walk: {_number(noise.accel_walk_m_s3_rthz)}\n"
         "  accelerometers:\n"
-        f"    M: {_rows(found.accel_matrix)}\n"
+        f"    M: {_rows(camera_imu_calibration.accel_matrix)}\n"
         f"  gyroscope_noise_density: {_number(noise.gyro_density_rad_s_rthz)}\n"
         f"  gyroscope_random_walk: {_number(noise.gyro_walk_rad_s2_rthz)}\n"
         "  gyroscopes:\n"

@@ -275,17 +275,17 @@ def describe_text(path: Path) -> dict[str, Any]:
     """
     try:
         fmt = trajectory_format(path)
-        found = read_trajectory(path, rate_hz=1.0 if fmt == "kitti" else None)
+        trajectory = read_trajectory(path, rate_hz=1.0 if fmt == "kitti" else None)
     except RecordingError as no_poses:
         if path.suffix.lower() in (".tum", ".kitti"):
             raise
         return _inertial(path, no_poses)
     about: dict[str, Any] = {"name": path.name, "holds": f"poses, as {_WRITTEN[fmt]}"}
     if fmt == "kitti":
-        about["poses_count"] = len(found.time_ns)
+        about["poses_count"] = len(trajectory.time_ns)
     else:
-        about |= describe_stream("poses", found.time_ns)
-    steps = np.diff(found.rigid.poses.translation_m, axis=0)
+        about |= describe_stream("poses", trajectory.time_ns)
+    steps = np.diff(trajectory.rigid.poses.translation_m, axis=0)
     about["path_m"] = float(np.linalg.norm(steps, axis=1).sum())
     return about | {"next": _next(str(path), " --rate-hz HZ" if fmt == "kitti" else "")}
 

@@ -113,14 +113,14 @@ def describe(picture: MarkerPicture) -> dict[str, Any]:
     """What was found, for JSON: pixels, metres, quaternions wxyz (see `motorcade detect`)."""
     height, width = picture.gray.shape
     rows = []
-    for index, one in enumerate(picture.detections):
+    for index, detection in enumerate(picture.detections):
         row: dict[str, Any] = {
-            "id": one.marker_id,
-            "family": one.family,
-            "corners_px": np.round(one.corners_px, 4).tolist(),
-            "wrong_cells": one.wrong_cells,
-            "agreement": round(one.agreement, 4),
-            "sharp": one.sharp,
+            "id": detection.marker_id,
+            "family": detection.family,
+            "corners_px": np.round(detection.corners_px, 4).tolist(),
+            "wrong_cells": detection.wrong_cells,
+            "agreement": round(detection.agreement, 4),
+            "sharp": detection.sharp,
         }
         if picture.posed:
             row |= _described_pose(picture.posed[index])
@@ -150,17 +150,17 @@ def draw(picture: MarkerPicture) -> ImageArray:
     Outlines of corners that are not sharp are orange. Returns BGR ``(height, width, 3)``.
     """
     canvas = cv2.cvtColor(picture.gray, cv2.COLOR_GRAY2BGR)
-    for index, one in enumerate(picture.detections):
-        colour = _OUTLINE if one.sharp else _DOUBTFUL
+    for index, detection in enumerate(picture.detections):
+        colour = _OUTLINE if detection.sharp else _DOUBTFUL
         cv2.polylines(
-            canvas, [_fixed(one.corners_px)], True, colour, 1, cv2.LINE_AA, _SUBPIXEL_BITS
+            canvas, [_fixed(detection.corners_px)], True, colour, 1, cv2.LINE_AA, _SUBPIXEL_BITS
         )
-        first = _fixed(one.corners_px)[0]
+        first = _fixed(detection.corners_px)[0]
         cv2.circle(canvas, first.tolist(), 40, _FIRST, -1, cv2.LINE_AA, _SUBPIXEL_BITS)
         posed = picture.posed[index] if picture.posed else None
         if picture.camera is not None and posed is not None:
             _draw_axes(canvas, posed, picture.camera)
-        _write_id(canvas, one)
+        _write_id(canvas, detection)
     return np.asarray(canvas, np.uint8)
 
 
@@ -198,12 +198,12 @@ def _draw_axes(canvas: ImageArray, posed: PosedMarker, camera: Camera) -> None:
         cv2.line(canvas, origin, _fixed(end).tolist(), colour, 2, cv2.LINE_AA, _SUBPIXEL_BITS)
 
 
-def _write_id(canvas: ImageArray, one: Detection) -> None:
-    span = float(np.linalg.norm(one.corners_px[2] - one.corners_px[0]))
+def _write_id(canvas: ImageArray, detection: Detection) -> None:
+    span = float(np.linalg.norm(detection.corners_px[2] - detection.corners_px[0]))
     scale = float(np.clip(span / 80.0, 0.4, 2.0))
-    text = str(one.marker_id)
+    text = str(detection.marker_id)
     (width, height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, scale, 1)
-    column, row = one.corners_px.mean(axis=0) + np.array([-0.5 * width, 0.5 * height])
+    column, row = detection.corners_px.mean(axis=0) + np.array([-0.5 * width, 0.5 * height])
     place = (round(column), round(row))
     for colour, thickness in (((255, 255, 255), 4), ((200, 0, 200), 1)):
         cv2.putText(

@@ -269,10 +269,10 @@ def manifest_lines(boards: Sequence[Board]) -> tuple[str, ...]:
         return (board_toml(boards[0]),)
     return tuple(
         dict.fromkeys(
-            markers_toml(one.family, one.side_m)
-            if isinstance(one, SingleMarker)
-            else board_toml(one)
-            for one in boards
+            markers_toml(board.family, board.side_m)
+            if isinstance(board, SingleMarker)
+            else board_toml(board)
+            for board in boards
         )
     )
 
@@ -326,8 +326,8 @@ def paper_named(name: str) -> Paper:
     """
     if name.lower() in PAPERS:
         return PAPERS[name.lower()]
-    if found := re.fullmatch(r"(\d{1,4}(?:\.\d{1,3})?)x(\d{1,4}(?:\.\d{1,3})?)mm", name):
-        width, height = (float(one) for one in found.groups())
+    if match := re.fullmatch(r"(\d{1,4}(?:\.\d{1,3})?)x(\d{1,4}(?:\.\d{1,3})?)mm", name):
+        width, height = (float(one) for one in match.groups())
         if min(width, height) > 0.0 and max(width, height) <= _LARGEST_MM:
             return Paper(name, min(width, height), max(width, height))
     raise ValueError(
@@ -438,9 +438,9 @@ def sheets_pdf(sheets: Sequence[Sheet]) -> bytes:
         canvas.drawPath(path, stroke=0, fill=1, fillMode=_EVEN_ODD)
         canvas.setLineWidth(_THIN_MM)
         canvas.lines([(a[0], height - a[1], b[0], height - b[1]) for a, b in sheet.lines])
-        for one in sheet.words:
-            canvas.setFont("Helvetica", one.size_mm)
-            canvas.drawString(one.x_mm, height - one.y_mm, one.text)
+        for word in sheet.words:
+            canvas.setFont("Helvetica", word.size_mm)
+            canvas.drawString(word.x_mm, height - word.y_mm, word.text)
         canvas.showPage()
     canvas.save()
     return file.getvalue()
@@ -461,9 +461,9 @@ def sheet_svg(sheet: Sheet) -> bytes:
     )
     lines = " ".join(f"M{a[0]:.6g},{a[1]:.6g}L{b[0]:.6g},{b[1]:.6g}" for a, b in sheet.lines)
     words = "\n".join(
-        f'<text x="{one.x_mm:.6g}" y="{one.y_mm:.6g}" font-size="{one.size_mm:.6g}">'
-        f"{escape(one.text)}</text>"
-        for one in sheet.words
+        f'<text x="{word.x_mm:.6g}" y="{word.y_mm:.6g}" font-size="{word.size_mm:.6g}">'
+        f"{escape(word.text)}</text>"
+        for word in sheet.words
     )
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}mm" height="{height:g}mm" '

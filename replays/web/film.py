@@ -110,8 +110,8 @@ def _set_up(stream: Any, apart: int) -> None:
     context.flags |= Flags.bitexact.value
     context.time_base = Fraction(1, _TICKS)
     stream.pix_fmt = "yuv420p"
-    told = f"keyint={apart}:min-keyint={apart}:scenecut=0:bframes=0:mbtree=0:subme=2"
-    stream.options = {"crf": str(QUALITY), "preset": "superfast", "x264-params": told}
+    text = f"keyint={apart}:min-keyint={apart}:scenecut=0:bframes=0:mbtree=0:subme=2"
+    stream.options = {"crf": str(QUALITY), "preset": "superfast", "x264-params": text}
     context.color_range = ColorRange.MPEG.value
     context.colorspace = Colorspace.ITU709.value
     context.color_primaries = context.color_trc = 1

@@ -102,14 +102,14 @@ class Drag:
         """
         given = self.checked(amount)
         if isinstance(given, Similarity):
-            made: ObjectPose = pose.moved(given, self.frame, world_T_parent)
+            object_pose: ObjectPose = pose.moved(given, self.frame, world_T_parent)
         elif self.kind == "rotate":
-            made = pose.rotated(self.axis, given, self.frame, world_T_parent)
+            object_pose = pose.rotated(self.axis, given, self.frame, world_T_parent)
         elif self.kind == "translate":
-            made = pose.translated(given * self.axis, self.frame, world_T_parent)
+            object_pose = pose.translated(given * self.axis, self.frame, world_T_parent)
         else:
-            made = pose.scaled(given)
-        return checked_pose(made)
+            object_pose = pose.scaled(given)
+        return checked_pose(object_pose)
 
 
 _STILL = Similarity.identity().coefficients

@@ -202,13 +202,13 @@ class SceneEditor:
             )
         return start.towards(end, np.linspace(0.0, 1.0, steps + 1))
 
-    def _done(self, one: Dragged | Edit) -> None:
-        if isinstance(one, Edit):
-            self._scene = one.applied(self._scene, self._world_T_anchor)
+    def _done(self, value: Dragged | Edit) -> None:
+        if isinstance(value, Edit):
+            self._scene = value.applied(self._scene, self._world_T_anchor)
             return
-        self._scene.pose(one.drag.object_name)
-        self._drag, self._before = one.drag, self._scene
-        for amount in one.amounts:
+        self._scene.pose(value.drag.object_name)
+        self._drag, self._before = value.drag, self._scene
+        for amount in value.amounts:
             self.drag_to(amount)
 
     def _origin_m(self, drag: Drag) -> FloatArray:

@@ -152,24 +152,24 @@ def _keyframes(scene: Scene, name: str, time_s: float) -> tuple[Any, list[Any]]:
 
 def _pose_given(line: Mapping[str, Any]) -> dict[str, Any]:
     """What a line says of a pose, checked as that of an object; null is what is left out."""
-    given = {key: line[key] for key in POSE_KEYS if line.get(key) is not None}
-    similarity_of(given, "pose")
-    return given
+    pose = {key: line[key] for key in POSE_KEYS if line.get(key) is not None}
+    similarity_of(pose, "pose")
+    return pose
 
 
-def _posed(scene: Scene, name: str, time_s: float | None, given: Mapping[str, Any]) -> ObjectPose:
+def _posed(scene: Scene, name: str, time_s: float | None, fields: Mapping[str, Any]) -> ObjectPose:
     """The pose of an object at a time, with some of it as given."""
     pose, kind = scene.pose_at(name, time_s), pose_kind(scene)
-    if not given:
+    if not fields:
         return kind.from_similarity(pose)
     kept = pose_json(pose)
-    if "euler_deg" in given:
+    if "euler_deg" in fields:
         del kept["wxyz"]
-    asked = {**kept, **given}
-    made = kind.from_similarity(similarity_of(asked, "pose"))
-    if isinstance(made, EulerObjectPose) and "euler_deg" in given:
-        made = EulerObjectPose(np.radians(given["euler_deg"]), made.position_m, made.scale)
-    return checked_pose(made)
+    asked = {**kept, **fields}
+    posed = kind.from_similarity(similarity_of(asked, "pose"))
+    if isinstance(posed, EulerObjectPose) and "euler_deg" in fields:
+        posed = EulerObjectPose(np.radians(fields["euler_deg"]), posed.position_m, posed.scale)
+    return checked_pose(posed)
 
 
 _MOST_JOINTS = 1000
@@ -178,12 +178,12 @@ _MOST_JOINTS = 1000
 def joints_set(line: Mapping[str, Any]) -> Change:
     """Turns of joints at a time, beside those that are there."""
     name, time_s = object_at(line, "time_s"), number(line.get("time_s"), "time_s")
-    given = line.get("joints")
-    if not isinstance(given, dict) or not 1 <= len(given) <= _MOST_JOINTS:
+    joint_values = line.get("joints")
+    if not isinstance(joint_values, dict) or not 1 <= len(joint_values) <= _MOST_JOINTS:
         raise ValueError(f"joints: expected 1 to {_MOST_JOINTS} turns by joint")
     turns: dict[str, Rotor | None] = {
         object_name(joint, "joints"): None if wxyz is None else rotor_of(wxyz, f"joints['{joint}']")
-        for joint, wxyz in given.items()
+        for joint, wxyz in joint_values.items()
     }
 
     def made(scene: Scene, _: Mapping[str, Similarity]) -> Scene:

@@ -84,8 +84,8 @@ class Dragged:
         if drag.time_s is not None:
             made["time_s"] = float(drag.time_s)
         made[_AMOUNTS[drag.kind]] = [
-            one.coefficients.tolist() if isinstance(one, Similarity) else float(one)
-            for one in self.amounts
+            amount.coefficients.tolist() if isinstance(amount, Similarity) else float(amount)
+            for amount in self.amounts
         ]
         return made
 
@@ -171,12 +171,12 @@ def read_gestures(path: Path) -> list[Gesture]:
         ValueError: a file that cannot be read or is larger than 64 MiB, more than a million
             lines, a line that is no gesture; the message names file, line and field.
     """
-    made: list[Gesture] = []
+    gestures: list[Gesture] = []
     for at, given in read_json_lines(path):
-        if len(made) == MOST_GESTURES:
+        if len(gestures) == MOST_GESTURES:
             raise ValueError(f"{path}:{at}: expected at most {MOST_GESTURES} gestures, got more")
-        made.append(gesture_of(given, f"{path}:{at}"))
-    return made
+        gestures.append(gesture_of(given, f"{path}:{at}"))
+    return gestures
 
 
 def gestures_text(gestures: Sequence[Gesture]) -> str:
@@ -185,7 +185,7 @@ def gestures_text(gestures: Sequence[Gesture]) -> str:
     return "".join(lines)
 
 
-def gesture_of(given: object, where: str = "gesture") -> Gesture:
+def gesture_of(value: object, where: str = "gesture") -> Gesture:
     """A gesture by its line of JSON.
 
     Raises:
@@ -195,60 +195,60 @@ def gesture_of(given: object, where: str = "gesture") -> Gesture:
     >>> gesture_of({"do": "undo"})
     HistoryStep(way='undo')
     """
-    if not isinstance(given, dict):
-        raise ValueError(f"{where}: expected an object of JSON, got {type(given).__name__}")
-    kind = given.get("do")
+    if not isinstance(value, dict):
+        raise ValueError(f"{where}: expected an object of JSON, got {type(value).__name__}")
+    kind = value.get("do")
     try:
         if kind in ("undo", "redo"):
-            table(given, "step", ("do",))
+            table(value, "step", ("do",))
             return HistoryStep(kind)
         if kind == "anchors":
-            return _anchors(given)
+            return _anchors(value)
         if kind == "together":
-            table(given, "together", ("do", "gestures"))
-            rows = listed(given.get("gestures"), "gestures", _MOST_TOGETHER)
+            table(value, "together", ("do", "gestures"))
+            rows = listed(value.get("gestures"), "gestures", _MOST_TOGETHER)
             return Together(tuple(_one(one) for one in rows))
-        return _one(given)
+        return _one(value)
     except (ValueError, TypeError) as fault:
         raise ValueError(f"{where}: {fault}") from fault
 
 
-def _one(given: object) -> Dragged | Edit:
+def _one(value: object) -> Dragged | Edit:
     """A drag or an edit."""
-    if not isinstance(given, dict):
-        raise ValueError(f"expected an object of JSON, got {short(given)}")
-    kind = given.get("do")
+    if not isinstance(value, dict):
+        raise ValueError(f"expected an object of JSON, got {short(value)}")
+    kind = value.get("do")
     if kind not in KINDS:  # whatever JSON holds, lists too
         if kind not in EDITS:
             raise ValueError(f"do: expected one of {', '.join(_WORDS)}, got {short(kind)}")
-        return Edit(given)
+        return Edit(value)
     key = _AMOUNTS[kind]
-    table(given, kind, ("object", "do", "axis", "frame", "time_s", key))
-    axis = vector(given.get("axis", [0, 0, 1]), "axis", 3)
-    frame, time = given.get("frame", "local"), given.get("time_s")
+    table(value, kind, ("object", "do", "axis", "frame", "time_s", key))
+    axis = vector(value.get("axis", [0, 0, 1]), "axis", 3)
+    frame, time = value.get("frame", "local"), value.get("time_s")
     if frame not in FRAMES:
         raise ValueError(f"frame: expected local, parent or global, got {short(frame)}")
     drag = Drag(
-        object_name(given.get("object"), "object"),
+        object_name(value.get("object"), "object"),
         kind,
         axis,
         frame,
         None if time is None else number(time, "time_s"),
     )
-    return Dragged(drag, _amounts(given.get(key), key))
+    return Dragged(drag, _amounts(value.get(key), key))
 
 
-def _amounts(given: object, key: str) -> tuple[Amount, ...]:
-    if not isinstance(given, list) or not given:
-        raise ValueError(f"{key}: expected a list of one number or more, got {short(given)}")
+def _amounts(value: object, key: str) -> tuple[Amount, ...]:
+    if not isinstance(value, list) or not value:
+        raise ValueError(f"{key}: expected a list of one number or more, got {short(value)}")
     if key == "similarities":
-        return tuple(_similarity(one, key) for one in given)
-    return tuple(number(one, key) for one in given)
+        return tuple(_similarity(one, key) for one in value)
+    return tuple(number(one, key) for one in value)
 
 
-def _anchors(given: dict[str, Any]) -> AnchorsStand:
-    table(given, "anchors", ("do", "world_T_anchor"))
-    places = given.get("world_T_anchor")
+def _anchors(fields: dict[str, Any]) -> AnchorsStand:
+    table(fields, "anchors", ("do", "world_T_anchor"))
+    places = fields.get("world_T_anchor")
     if not isinstance(places, dict) or len(places) > 1000:
         raise ValueError("world_T_anchor: expected at most 1000 similarities by anchor")
     return AnchorsStand(
@@ -256,8 +256,8 @@ def _anchors(given: dict[str, Any]) -> AnchorsStand:
     )
 
 
-def _similarity(given: object, where: str) -> Similarity:
+def _similarity(value: object, where: str) -> Similarity:
     try:
-        return Similarity(vector(given, where, 12))
+        return Similarity(vector(value, where, 12))
     except ValueError as fault:
         raise ValueError(f"{where}: {fault}") from fault

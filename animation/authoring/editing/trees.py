@@ -84,8 +84,8 @@ def renamed(line: Mapping[str, Any]) -> Change:
             return scene
         _check_new(scene, new)
 
-        def called(one: str) -> str:
-            return new if one == name else one
+        def called(value: str) -> str:
+            return new if value == name else value
 
         parents = {
             called(one): None if above is None else called(above)
@@ -107,8 +107,8 @@ def grouped(line: Mapping[str, Any]) -> Change:
 
     def made(scene: Scene, world_T_anchor: Mapping[str, Similarity]) -> Scene:
         _check_new(scene, new)
-        for one in names:
-            for below in scene.branch(one)[1:]:
+        for name in names:
+            for below in scene.branch(name)[1:]:
                 if below in names:
                     raise ValueError(f"objects: expected none that hang on others, got '{below}'")
         parent = scene.parents[names[0]]
@@ -119,8 +119,8 @@ def grouped(line: Mapping[str, Any]) -> Change:
         middle = world.inverse().apply(np.mean(at, axis=0))
         amid = Similarity.from_motor_scale(Motor.from_translation(middle))
         grown = grown.with_pose(new, checked_pose(type(frame).from_similarity(amid)))
-        for one in names:
-            grown = hung(grown, one, new, time_s, world_T_anchor)
+        for name in names:
+            grown = hung(grown, name, new, time_s, world_T_anchor)
         return grown
 
     return made
@@ -218,8 +218,8 @@ def hung(
             raise ValueError(f"parent: expected a plane like that in which '{name}' walks")
         part = replace(part, walk=replace(part.walk, path_m=path[:, :2]))
     keys = tuple(
-        SceneKeyframe(one.time_s, there(one.parent_T_object).as_similarity())
-        for one in part.keyframes
+        SceneKeyframe(keyframe.time_s, there(keyframe.parent_T_object).as_similarity())
+        for keyframe in part.keyframes
     )
     made = made.with_pose(name, there(scene.poses[name].as_similarity()))
     return made.with_part(name, replace(part, keyframes=keys)) if name in scene.parts else made
@@ -237,18 +237,18 @@ def pose_kind(scene: Scene) -> type[ObjectPose]:
 
 def _in_order(parents: Mapping[str, str | None], anchors: Mapping[str, Any]) -> dict[str, Any]:
     """The same, each parent before its children, else in their order."""
-    made: dict[str, str | None] = {}
+    ordered: dict[str, str | None] = {}
     waiting: dict[str, list[str]] = {}
     for name, parent in parents.items():
-        if parent is not None and parent not in made and parent not in anchors:
+        if parent is not None and parent not in ordered and parent not in anchors:
             waiting.setdefault(parent, []).append(name)
             continue
         ready = [name]
         while ready:
             one = ready.pop()
-            made[one] = parents[one]
+            ordered[one] = parents[one]
             ready.extend(reversed(waiting.pop(one, [])))
-    return made
+    return ordered
 
 
 def _with(scene: Scene, rows: Sequence[tuple[str, str | None, ObjectPose, ScenePart]]) -> Scene:
@@ -286,5 +286,5 @@ def _name(line: Mapping[str, Any], key: str) -> str:
 
 
 def _time(line: Mapping[str, Any]) -> float | None:
-    given = line.get("time_s")
-    return None if given is None else number(given, "time_s")
+    value = line.get("time_s")
+    return None if value is None else number(value, "time_s")

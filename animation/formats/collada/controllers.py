@@ -58,18 +58,18 @@ class Controllers:
         Raises:
             FormatError: sources that are missing or do not fit, or joints that are no nodes.
         """
-        made: list[RigSurface] = []
+        rig_surfaces: list[RigSurface] = []
         joints: set[int] = set()
         for node, element in enumerate(self._scene.elements):
             for instance in element.all("instance_controller"):
                 skin = self._skin_of(instance.get("url"))
                 if skin is not None:
                     surfaces, held = self._skinned(skin, instance, node)
-                    made += surfaces
+                    rig_surfaces += surfaces
                     joints.update(held)
             for instance in element.all("instance_geometry"):
-                made += self._hanging(instance, node)
-        return tuple(made), tuple(sorted(joints))
+                rig_surfaces += self._hanging(instance, node)
+        return tuple(rig_surfaces), tuple(sorted(joints))
 
     def _skin_of(self, url: str) -> Element | None:
         controller = self._library.named(url, "controller", "instance_controller")
@@ -262,13 +262,13 @@ def read_geometry(library: Library, geometry: Element) -> tuple[list[PolygonGrou
     if not len(positions):
         raise expected(f"geometry '{name}'", "positions", "none")
     parts, notices = [], []
-    for one in mesh.children:
-        if one.name in KINDS:
-            part = _part(library, one, positions, vertices, name)
+    for child in mesh.children:
+        if child.name in KINDS:
+            part = _part(library, child, positions, vertices, name)
             if part is not None:
                 parts.append(part)
-        elif one.name in OTHERS:
-            notices.append(f"<{one.name}> of '{name}' is left out")
+        elif child.name in OTHERS:
+            notices.append(f"<{child.name}> of '{name}' is left out")
     return parts, notices
 
 
@@ -313,8 +313,8 @@ def _part(
     )
 
 
-def _offset(given: Element, name: str) -> int:
-    return number(given.get("offset") or "0", f"'{name}' offset", 0, 63)
+def _offset(element: Element, name: str) -> int:
+    return number(element.get("offset") or "0", f"'{name}' offset", 0, 63)
 
 
 def _checked(numbers: IntArray, values: FloatArray, field: str) -> IntArray:

@@ -118,9 +118,9 @@ def parse_xml(data: bytes) -> Element:
             raise FormatError(
                 f"XML: expected at most {MAX_DEPTH} levels and {MAX_ELEMENTS} elements, got more"
             )
-        made = Element(name.rpartition(" ")[2], attributes)
-        stack[-1].children.append(made)
-        stack.append(made)
+        element = Element(name.rpartition(" ")[2], attributes)
+        stack[-1].children.append(element)
+        stack.append(element)
 
     def text(data: str) -> None:
         if not stack[-1].children:
@@ -165,12 +165,12 @@ class Library:
         self._total = 0
 
     def _everything(self) -> list[Element]:
-        found, waiting = [], [self.root]
+        elements, waiting = [], [self.root]
         while waiting:
             one = waiting.pop()
-            found.append(one)
+            elements.append(one)
             waiting += one.children[::-1]
-        return found
+        return elements
 
     def find(self, url: str) -> Element | None:
         """The element that `#id` names, or None."""
@@ -235,10 +235,10 @@ class Library:
 
 def inputs_of(element: Element) -> dict[str, Element]:
     """The inputs of an element by their semantic; of several the first."""
-    made: dict[str, Element] = {}
+    inputs: dict[str, Element] = {}
     for one in element.all("input"):
-        made.setdefault(one.get("semantic"), one)
-    return made
+        inputs.setdefault(one.get("semantic"), one)
+    return inputs
 
 
 def number(text: str, field: str, low: int, high: int) -> int:

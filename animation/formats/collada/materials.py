@@ -148,12 +148,12 @@ class ColladaMaterials:
             self._lost.add("bump maps")
 
     def _value(
-        self, effect: Element, given: Element | None
+        self, effect: Element, element: Element | None
     ) -> tuple[FloatArray | None, TextureMap | None]:
         """A colour of three numbers or more, or a picture."""
-        if given is None:
+        if element is None:
             return None, None
-        color, texture = given.first("color"), given.first("texture")
+        color, texture = element.first("color"), element.first("texture")
         if color is not None:
             values = color.floats()
             return (values if len(values) >= 3 else None), None
@@ -185,17 +185,17 @@ class ColladaMaterials:
         )
 
 
-def _sampling(given: Element | None) -> dict[str, Any]:
+def _sampling(element: Element | None) -> dict[str, Any]:
     """How a sampler reads its picture; smoothly and repeating where it does not say."""
-    if given is None:
+    if element is None:
         return {}
     wrap = []
     for axis in ("wrap_s", "wrap_t"):
-        said = given.first(axis)
+        said = element.first(axis)
         wrap.append("repeat" if said is None else WRAPS.get(said.text.strip(), "clamp"))
     nearest: dict[str, Filter] = {}
     for ours, theirs in (("magnify", "magfilter"), ("minify", "minfilter")):
-        said = given.first(theirs)
+        said = element.first(theirs)
         if said is not None and said.text.strip().startswith("NEAREST"):
             nearest[ours] = "nearest"
     return {"wrap": tuple(wrap), **nearest}
@@ -211,9 +211,9 @@ def _roughness(kind: str, shader: Element) -> float:
     return roughness_of(exponent * (BLINN_OF_PHONG if kind == "phong" else 1.0))
 
 
-def _number(given: Element | None, default: float) -> float:
+def _number(element: Element | None, default: float) -> float:
     """The number of `<float>` within an element."""
-    inside = None if given is None else given.first("float")
+    inside = None if element is None else element.first("float")
     if inside is None:
         return default
     values = inside.floats()

@@ -107,12 +107,16 @@ def read_scene(library: Library) -> ColladaScene:
     names = tuple((one.get("name") or one.get("id"))[:200] for one in elements)
     tree = NodeTree(names, np.array(parents), Transforms.from_matrices(rest))
     notices = (f"{left_out} instances of library nodes are left out",) if left_out else ()
-    made = ColladaScene(tree, tuple(elements), stacks, notices)
+    collada_scene = ColladaScene(tree, tuple(elements), stacks, notices)
     for number, one in enumerate(elements):
-        for key, known in (("id", made.by_id), ("sid", made.by_sid), ("name", made.by_name)):
+        for key, known in (
+            ("id", collada_scene.by_id),
+            ("sid", collada_scene.by_sid),
+            ("name", collada_scene.by_name),
+        ):
             if one.get(key):
                 known.setdefault(one.get(key), number)
-    return made
+    return collada_scene
 
 
 def matrix_of_steps(
@@ -128,13 +132,15 @@ def matrix_of_steps(
 
 def _stack(element: Element) -> tuple[TransformStep, ...]:
     steps = []
-    for one in element.children:
-        if one.name in ("lookat", "skew"):
+    for child in element.children:
+        if child.name in ("lookat", "skew"):
             raise expected(
-                f"node '{element.get('id')}'", "matrix, translate, rotate or scale", one.name
+                f"node '{element.get('id')}'", "matrix, translate, rotate or scale", child.name
             )
-        if one.name in SIZES:
-            steps.append(TransformStep(one.name, one.get("sid"), one.floats(SIZES[one.name])))
+        if child.name in SIZES:
+            steps.append(
+                TransformStep(child.name, child.get("sid"), child.floats(SIZES[child.name]))
+            )
     return tuple(steps)
 
 
@@ -143,15 +149,15 @@ def _matrix(kind: str, values: FloatArray) -> FloatArray:
     shape = values.shape[:-1]
     if kind == "matrix":
         return values.reshape(*shape, 4, 4)
-    made = np.zeros((*shape, 4, 4))
-    made[..., [0, 1, 2, 3], [0, 1, 2, 3]] = 1.0
+    matrix = np.zeros((*shape, 4, 4))
+    matrix[..., [0, 1, 2, 3], [0, 1, 2, 3]] = 1.0
     if kind == "translate":
-        made[..., :3, 3] = values
+        matrix[..., :3, 3] = values
     elif kind == "scale":
-        made[..., [0, 1, 2], [0, 1, 2]] = values
+        matrix[..., [0, 1, 2], [0, 1, 2]] = values
     else:
-        made[..., :3, :3] = _rotation(values)
-    return made
+        matrix[..., :3, :3] = _rotation(values)
+    return matrix
 
 
 def _rotation(values: FloatArray) -> FloatArray:
@@ -330,18 +336,18 @@ def _target(scene: ColladaScene, target: str) -> tuple[int, int, slice | int | N
     step = next((i for i, one in enumerate(scene.stacks[node]) if one.sid == sid and sid), None)
     if step is None:
         return None
-    found = scene.stacks[node][step]
+    stack = scene.stacks[node][step]
     member = rest[len(sid) :]
     if not member:
         return node, step, slice(None)
     if member.startswith("."):
         index = MEMBERS.get(member[1:])
-        if index is None or index >= len(found.values) or found.kind == "matrix":
+        if index is None or index >= len(stack.values) or stack.kind == "matrix":
             return None
         return node, step, index
     numbers = [int(text) for text in ELEMENTS.findall(member)]
-    if found.kind != "matrix":
-        inside = len(numbers) == 1 and numbers[0] < len(found.values)
+    if stack.kind != "matrix":
+        inside = len(numbers) == 1 and numbers[0] < len(stack.values)
         return (node, step, numbers[0]) if inside else None
     if len(numbers) != 2 or max(numbers) > 3:
         return None
@@ -391,5 +397,5 @@ def _handles(
 def _cubic(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray, u: FloatArray) -> FloatArray:
     """A Bézier cubic with these four control values."""
     v = 1.0 - u
-    made: FloatArray = v**3 * a + 3.0 * v**2 * u * b + 3.0 * v * u**2 * c + u**3 * d
-    return made
+    cubic: FloatArray = v**3 * a + 3.0 * v**2 * u * b + 3.0 * v * u**2 * c + u**3 * d
+    return cubic

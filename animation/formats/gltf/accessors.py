@@ -105,9 +105,9 @@ class Accessors:
             raise expected(f"accessors[{number}].type", kind, entry.get("type"))
         if known is not None:
             return known
-        made = self._decode(entry, number)
-        self._read[number] = made
-        return made
+        raw = self._decode(entry, number)
+        self._read[number] = raw
+        return raw
 
     def _decode(self, entry: dict[str, Any], number: int) -> NDArray[Any]:
         width = WIDTHS[entry["type"]]
@@ -165,9 +165,9 @@ class Accessors:
         where = rows[:, 0].astype(np.int64)
         if where.max() >= len(base) or np.any(np.diff(where) <= 0):
             raise expected(f"{field}.indices", f"increasing numbers below {len(base)}", "others")
-        made = base.copy()
-        made[where] = new
-        return made
+        sparse = base.copy()
+        sparse[where] = new
+        return sparse
 
 
 def widened(raw: NDArray[Any]) -> FloatArray:
@@ -178,8 +178,8 @@ def widened(raw: NDArray[Any]) -> FloatArray:
 
 def _component(entry: dict[str, Any], field: str) -> np.dtype[Any]:
     """The type that a number stands for."""
-    given = entry.get("componentType")
-    kind = TYPES.get(given) if type(given) is int else None
+    value = entry.get("componentType")
+    kind = TYPES.get(value) if type(value) is int else None
     if kind is None:
-        raise expected(f"{field}.componentType", "5120 to 5126", given)
+        raise expected(f"{field}.componentType", "5120 to 5126", value)
     return kind

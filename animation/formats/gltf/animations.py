@@ -100,8 +100,8 @@ def read_animations(
     check_count("animations", len(entries), MAX_CLIPS)
     reader = _ChannelReader(accessors, nodes, targets)
     clips = []
-    for number, one in enumerate(entries):
-        given = table(one, f"animations[{number}]")
+    for number, entry in enumerate(entries):
+        given = table(entry, f"animations[{number}]")
         groups, weights = reader.groups(given, f"animations[{number}]")
         if groups or weights:
             clips.append(_clip(given, groups, weights, nodes))
@@ -112,16 +112,16 @@ def read_animations(
 
 
 def _clip(
-    given: dict[str, Any], groups: list[_Group], weights: list[_Weights], nodes: Nodes
+    fields: dict[str, Any], groups: list[_Group], weights: list[_Weights], nodes: Nodes
 ) -> RigClip:
     channels: list[_Group | _Weights] = [*groups, *weights]
     steps = [one.interpolation == "STEP" for one in channels]
     times = key_times([one.keys for one in channels], steps)
     none = np.zeros(0, dtype=np.int64)
     moving = np.unique(np.concatenate([none, *(group.nodes for group in groups)]))
-    extras = given.get("extras")
+    extras = fields.get("extras")
     return RigClip(
-        str(given.get("name", ""))[:200],
+        str(fields.get("name", ""))[:200],
         times,
         partial(_transforms, groups, nodes, moving, _replaced_helpers(nodes.tree, moving)),
         moving,
@@ -146,14 +146,14 @@ def _transforms(
     wxyz[:, dropped] = (1.0, 0.0, 0.0, 0.0)
     places[:, dropped] = 0.0
     scales[:, dropped] = 1.0
-    made = Transforms.from_parts(wxyz, places, scales)
+    transforms = Transforms.from_parts(wxyz, places, scales)
     blocks = nodes.tree.rest.blocks
     if blocks is None:
-        return made
-    own = np.array(made.as_blocks())
+        return transforms
+    own = np.array(transforms.as_blocks())
     still = np.setdiff1d(np.arange(len(blocks)), np.union1d(moving, dropped))
     own[:, still] = blocks[still]
-    return Transforms(made.wxyz, made.translation, made.scale, own)
+    return Transforms(transforms.wxyz, transforms.translation, transforms.scale, own)
 
 
 def _replaced_helpers(tree: NodeTree, targets: IntArray) -> IntArray:
@@ -192,13 +192,13 @@ class _ChannelReader:
         self._total = 0
         self.left_out = 0
 
-    def groups(self, given: dict[str, Any], field: str) -> tuple[list[_Group], list[_Weights]]:
+    def groups(self, fields: dict[str, Any], field: str) -> tuple[list[_Group], list[_Weights]]:
         """Channels of an animation by path, keys and interpolation; those of weights by node."""
         weights: dict[int, _Weights] = {}
-        samplers = listed(given.get("samplers"), f"{field}.samplers")
+        samplers = listed(fields.get("samplers"), f"{field}.samplers")
         gathered: dict[tuple[str, str, bytes], tuple[FloatArray, list[int], list[Any]]] = {}
         nodes = len(self._number) - 1
-        for channel in listed(given.get("channels"), f"{field}.channels"):
+        for channel in listed(fields.get("channels"), f"{field}.channels"):
             if type(channel) is not dict or type(channel.get("target")) is not dict:
                 raise expected(f"{field}.channels", "objects with a target", channel)
             target = channel["target"]
@@ -229,10 +229,10 @@ class _ChannelReader:
         ], list(weights.values())
 
     def _sampler(
-        self, given: object, field: str, path: str, each: int = 1
+        self, value: object, field: str, path: str, each: int = 1
     ) -> tuple[str, FloatArray, bytes, NDArray[Any]]:
         """Interpolation, keys, the keys' bytes, and values of a sampler."""
-        sampler = table(given, field)
+        sampler = table(value, field)
         interpolation = sampler.get("interpolation", "LINEAR")
         if interpolation not in INTERPOLATIONS:
             raise expected(f"{field} sampler", "LINEAR, STEP or CUBICSPLINE", interpolation)

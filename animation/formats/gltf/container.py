@@ -231,7 +231,7 @@ def _chunks(data: bytes) -> tuple[bytes, bytes | None]:
 
 def _buffers(root: dict[str, Any], binary: bytes | None, folder: Path) -> list[bytes]:
     """The bytes of every buffer."""
-    made: list[bytes] = []
+    buffers: list[bytes] = []
     total = 0
     for number, given in enumerate(listed(root.get("buffers", []), "buffers")):
         field = f"buffers[{number}]"
@@ -250,8 +250,8 @@ def _buffers(root: dict[str, Any], binary: bytes | None, folder: Path) -> list[b
         total += len(data)
         if total > 2 * MAX_FILE_BYTES:
             raise expected("buffers", f"at most {2 * MAX_FILE_BYTES} bytes", total)
-        made.append(data[:length] if length < len(data) else data)
-    return made
+        buffers.append(data[:length] if length < len(data) else data)
+    return buffers
 
 
 def load(uri: str, folder: Path, field: str) -> bytes:

@@ -48,7 +48,8 @@ def unpack_draco(document: Document, accessors: Accessors) -> None:
         return
     extensions = [table(part["extensions"][DRACO], DRACO) for part in parts]
     which = [
-        integer(one.get("bufferView"), f"{DRACO}.bufferView", 0, 1 << 30) for one in extensions
+        integer(extension.get("bufferView"), f"{DRACO}.bufferView", 0, 1 << 30)
+        for extension in extensions
     ]
     views = sorted(set(which))
     meshes = dict(zip(views, _decoded([_mesh(document, view) for view in views]), strict=True))
@@ -57,10 +58,10 @@ def unpack_draco(document: Document, accessors: Accessors) -> None:
         for name, number in table(given.get("attributes"), f"{DRACO}.attributes").items():
             if name not in attributes:
                 raise expected(f"{DRACO}.attributes", "those of its primitive", name)
-            found = meshes[view].get(str(integer(number, f"{DRACO}.{name}", 0, 1 << 31)))
-            if found is None:
+            attribute = meshes[view].get(str(integer(number, f"{DRACO}.{name}", 0, 1 << 31)))
+            if attribute is None:
                 raise expected(f"{DRACO}.{name}", "an attribute of the mesh", number)
-            accessors.unpacked(attributes[name], found, f"{DRACO}.{name}")
+            accessors.unpacked(attributes[name], attribute, f"{DRACO}.{name}")
         if "indices" in part:
             faces = meshes[view]["faces"].reshape(-1, 1)
             accessors.unpacked(part["indices"], faces, f"{DRACO} indices")
@@ -68,9 +69,9 @@ def unpack_draco(document: Document, accessors: Accessors) -> None:
 
 def _compressed(document: Document) -> list[dict[str, Any]]:
     """Primitives that are there in Draco's form alone."""
-    found = []
-    for number, given in enumerate(document.entries("meshes")):
-        mesh = table(given, f"meshes[{number}]")
+    compressed = []
+    for number, entry in enumerate(document.entries("meshes")):
+        mesh = table(entry, f"meshes[{number}]")
         for one in listed(mesh.get("primitives"), f"meshes[{number}].primitives"):
             part = table(one, f"meshes[{number}]")
             if DRACO not in table(part.get("extensions", {}), f"meshes[{number}].extensions"):
@@ -81,8 +82,8 @@ def _compressed(document: Document) -> list[dict[str, Any]]:
                 continue
             if part.get("mode", TRIANGLES) != TRIANGLES:
                 raise expected(f"{DRACO} mode", "triangles (4)", part["mode"])
-            found.append(part)
-    return found
+            compressed.append(part)
+    return compressed
 
 
 def _mesh(document: Document, view: int) -> bytes:
@@ -124,9 +125,9 @@ def _decoded(meshes: list[bytes]) -> list[dict[str, NDArray[Any]]]:
         lines = done.stderr.decode("utf-8", "replace").strip().splitlines()
         why = lines[-1] if lines else f"an end by signal {-done.returncode}"
         raise FormatError(f"{DRACO}: expected meshes that can be decoded, got {shown(why, 200)}")
-    made: list[dict[str, NDArray[Any]]] = [{} for _ in meshes]
+    decoded: list[dict[str, NDArray[Any]]] = [{} for _ in meshes]
     with np.load(io.BytesIO(done.stdout), allow_pickle=False) as found:
         for name in found.files:
             number, _, key = name.partition("/")
-            made[int(number)][key] = found[name]
-    return made
+            decoded[int(number)][key] = found[name]
+    return decoded

@@ -77,11 +77,11 @@ class LookWriter:
         return self._with_names(character, primitives)
 
     def _with_names(self, character: Character, primitives: list[Any]) -> dict[str, Any]:
-        made: dict[str, Any] = {"primitives": primitives}
+        mesh: dict[str, Any] = {"primitives": primitives}
         if character.morphs:
-            made["weights"] = [target.weight for target in character.morphs]
-            made["extras"] = {"targetNames": [target.name for target in character.morphs]}
-        return made
+            mesh["weights"] = [target.weight for target in character.morphs]
+            mesh["extras"] = {"targetNames": [target.name for target in character.morphs]}
+        return mesh
 
     def _primitive(
         self, character: Character, rows: IntArray, triangles: IntArray, *, flat: bool
@@ -95,7 +95,7 @@ class LookWriter:
             attributes["NORMAL"] = add(character.normals[rows], target=VERTICES)
         attributes["JOINTS_0"] = add(character.joints[rows], kind, target=VERTICES)
         attributes["WEIGHTS_0"] = add(character.weights[rows], target=VERTICES)
-        made: dict[str, Any] = {
+        primitive: dict[str, Any] = {
             "attributes": attributes,
             "indices": add(triangles.reshape(-1), wide, target=INDICES),
         }
@@ -108,81 +108,84 @@ class LookWriter:
                 given["NORMAL"] = self._buffer.add_few(whole[1, rows])
             targets.append(given)
         if targets:
-            made["targets"] = targets
-        return made
+            primitive["targets"] = targets
+        return primitive
 
-    def _material(self, given: Material) -> int:
-        if id(given) not in self._materials:
+    def _material(self, material: Material) -> int:
+        if id(material) not in self._materials:
             listed = self._document.setdefault("materials", [])
-            self._materials[id(given)] = len(listed)
-            listed.append(self._described(given))
-        return self._materials[id(given)]
+            self._materials[id(material)] = len(listed)
+            listed.append(self._described(material))
+        return self._materials[id(material)]
 
-    def _described(self, given: Material) -> dict[str, Any]:
+    def _described(self, material: Material) -> dict[str, Any]:
         """A material as it stands in the file."""
         base: dict[str, Any] = {
-            "baseColorFactor": list(given.base_color),
-            "metallicFactor": given.metallic,
-            "roughnessFactor": given.roughness,
+            "baseColorFactor": list(material.base_color),
+            "metallicFactor": material.metallic,
+            "roughnessFactor": material.roughness,
         }
-        made: dict[str, Any] = {"pbrMetallicRoughness": base, "alphaMode": given.alpha_mode.upper()}
-        if given.name:
-            made["name"] = given.name
-        if given.alpha_mode == "mask":
-            made["alphaCutoff"] = given.alpha_cutoff
-        if given.double_sided:
-            made["doubleSided"] = True
-        strength = max(1.0, *given.emission)
-        if any(given.emission):
-            made["emissiveFactor"] = [part / strength for part in given.emission]
+        described: dict[str, Any] = {
+            "pbrMetallicRoughness": base,
+            "alphaMode": material.alpha_mode.upper(),
+        }
+        if material.name:
+            described["name"] = material.name
+        if material.alpha_mode == "mask":
+            described["alphaCutoff"] = material.alpha_cutoff
+        if material.double_sided:
+            described["doubleSided"] = True
+        strength = max(1.0, *material.emission)
+        if any(material.emission):
+            described["emissiveFactor"] = [part / strength for part in material.emission]
         extensions: dict[str, Any] = {}
         if strength > 1.0:
             extensions["KHR_materials_emissive_strength"] = {"emissiveStrength": strength}
-        if given.unlit:
+        if material.unlit:
             extensions["KHR_materials_unlit"] = {}
         if extensions:
             self._extensions |= extensions.keys()
-            made["extensions"] = extensions
+            described["extensions"] = extensions
         for key, name in MAPS.items():
-            one = given.maps.get(name)
+            one = material.maps.get(name)
             if one is not None:
-                holder = base if name in ("base_map", "metallic_roughness_map") else made
+                holder = base if name in ("base_map", "metallic_roughness_map") else described
                 holder[key] = self._link(one)
-        if given.normal_map is not None:
-            made["normalTexture"]["scale"] = given.normal_scale
-        if given.occlusion_map is not None:
-            made["occlusionTexture"]["strength"] = given.occlusion_strength
-        return made
+        if material.normal_map is not None:
+            described["normalTexture"]["scale"] = material.normal_scale
+        if material.occlusion_map is not None:
+            described["occlusionTexture"]["strength"] = material.occlusion_strength
+        return described
 
-    def _link(self, given: TextureMap) -> dict[str, Any]:
+    def _link(self, texture_map: TextureMap) -> dict[str, Any]:
         sampler = {
-            "magFilter": MAGNIFY[given.magnify],
-            "minFilter": MINIFY[given.minify, given.mipmaps],
-            "wrapS": WRAP_CODES[given.wrap[0]],
-            "wrapT": WRAP_CODES[given.wrap[1]],
+            "magFilter": MAGNIFY[texture_map.magnify],
+            "minFilter": MINIFY[texture_map.minify, texture_map.mipmaps],
+            "wrapS": WRAP_CODES[texture_map.wrap[0]],
+            "wrapT": WRAP_CODES[texture_map.wrap[1]],
         }
         texture = {
-            "source": self._image(given),
+            "source": self._image(texture_map),
             "sampler": _number(self._document.setdefault("samplers", []), sampler),
         }
-        made: dict[str, Any] = {
+        link: dict[str, Any] = {
             "index": _number(self._document.setdefault("textures", []), texture),
-            "texCoord": given.coordinate_set,
+            "texCoord": texture_map.coordinate_set,
         }
-        moved = np.array(given.transform)
+        moved = np.array(texture_map.transform)
         if not np.array_equal(moved, np.eye(2, 3)):
             self._extensions.add(TRANSFORM)
-            made["extensions"] = {TRANSFORM: _parts_of(moved)}
-        return made
+            link["extensions"] = {TRANSFORM: _parts_of(moved)}
+        return link
 
-    def _image(self, given: TextureMap) -> int:
-        if id(given.pixels) not in self._images:
+    def _image(self, texture_map: TextureMap) -> int:
+        if id(texture_map.pixels) not in self._images:
             images = self._document.setdefault("images", [])
-            self._images[id(given.pixels)] = len(images)
-            data = given.encoded or _as_png(given.pixels)
+            self._images[id(texture_map.pixels)] = len(images)
+            data = texture_map.encoded or _as_png(texture_map.pixels)
             kind = "image/png" if data.startswith(b"\x89PNG") else "image/jpeg"
             images.append({"bufferView": self._buffer.add_bytes(data), "mimeType": kind})
-        return self._images[id(given.pixels)]
+        return self._images[id(texture_map.pixels)]
 
 
 def _number(listed: list[Any], entry: dict[str, Any]) -> int:

@@ -125,23 +125,23 @@ class GltfMaterials:
         made[:, : values.shape[1]] = np.clip(values, 0.0, 1.0)
         return made
 
-    def _material(self, given: dict[str, Any]) -> Material:
-        name = str(given.get("name", ""))[:100]
-        extensions = table(given.get("extensions", {}), "material.extensions")
+    def _material(self, fields: dict[str, Any]) -> Material:
+        name = str(fields.get("name", ""))[:100]
+        extensions = table(fields.get("extensions", {}), "material.extensions")
         self._plainer |= {str(one)[:60] for one in extensions.keys() - DRAWN}
-        base = table(given.get("pbrMetallicRoughness", {}), "pbrMetallicRoughness")
+        base = table(fields.get("pbrMetallicRoughness", {}), "pbrMetallicRoughness")
         keys = {"baseColorFactor", "baseColorTexture"}
         if SPECULAR in extensions and not (base.keys() & keys):
             base = _from_specular(table(extensions[SPECULAR], SPECULAR))
         color = floats(base.get("baseColorFactor", [1.0, 1.0, 1.0, 1.0]), "baseColorFactor", 4)
-        emission = floats(given.get("emissiveFactor", [0.0, 0.0, 0.0]), "emissiveFactor", 3)
+        emission = floats(fields.get("emissiveFactor", [0.0, 0.0, 0.0]), "emissiveFactor", 3)
         stronger = table(extensions.get("KHR_materials_emissive_strength", {}), "emissive_strength")
         emission = emission * number(stronger.get("emissiveStrength", 1.0), "emissiveStrength")
-        mode = given.get("alphaMode", "OPAQUE")
+        mode = fields.get("alphaMode", "OPAQUE")
         if mode not in ("OPAQUE", "MASK", "BLEND"):
             raise expected(f"material '{name}'.alphaMode", "OPAQUE, MASK or BLEND", mode)
         alpha_mode: AlphaMode = get_args(AlphaMode)[("OPAQUE", "MASK", "BLEND").index(mode)]
-        both = {**given, **base}
+        both = {**fields, **base}
         maps: dict[str, Any] = {}
         for key, into in MAPS.items():
             found = self._map(both[key], key) if key in both else None
@@ -149,8 +149,8 @@ class GltfMaterials:
                 maps[into] = found
             elif key == "baseColorTexture" and key in both and self._has_source(both[key]):
                 color[:3] *= PLAIN
-        normal = table(given.get("normalTexture", {}), "normalTexture")
-        occlusion = table(given.get("occlusionTexture", {}), "occlusionTexture")
+        normal = table(fields.get("normalTexture", {}), "normalTexture")
+        occlusion = table(fields.get("occlusionTexture", {}), "occlusionTexture")
         return replace(
             Material(name, tuple(np.clip(color, 0.0, 1.0).tolist())),
             metallic=_share(base.get("metallicFactor", 1.0), "metallicFactor"),
@@ -159,8 +159,8 @@ class GltfMaterials:
             normal_scale=number(normal.get("scale", 1.0), "normalTexture.scale"),
             occlusion_strength=_share(occlusion.get("strength", 1.0), "occlusion strength"),
             alpha_mode=alpha_mode,
-            alpha_cutoff=number(given.get("alphaCutoff", 0.5), "alphaCutoff"),
-            double_sided=boolean(given.get("doubleSided", False), "doubleSided"),
+            alpha_cutoff=number(fields.get("alphaCutoff", 0.5), "alphaCutoff"),
+            double_sided=boolean(fields.get("doubleSided", False), "doubleSided"),
             unlit="KHR_materials_unlit" in extensions,
             **maps,
         )
@@ -178,9 +178,9 @@ class GltfMaterials:
             self._plainer |= {f"textures of {str(one)[:60]}" for one in extensions}
         return texture.get("source")
 
-    def _map(self, given: object, field: str) -> TextureMap | None:
+    def _map(self, value: object, field: str) -> TextureMap | None:
         """A picture with its sampler and transform; None where it cannot be read."""
-        link = table(given, field)
+        link = table(value, field)
         which = link.get("texCoord", 0)
         extensions = table(link.get("extensions", {}), f"{field}.extensions")
         moved = table(extensions.get(TRANSFORM, {}), TRANSFORM)
@@ -241,20 +241,20 @@ def _share(value: object, field: str) -> float:
     return min(max(number(value, field), 0.0), 1.0)
 
 
-def _from_specular(given: dict[str, Any]) -> dict[str, Any]:
+def _from_specular(fields: dict[str, Any]) -> dict[str, Any]:
     """A material of diffuse and specular colours as a dielectric of the same base and gloss."""
     made: dict[str, Any] = {"metallicFactor": 0.0}
     for old, new in (("diffuseFactor", "baseColorFactor"), ("diffuseTexture", "baseColorTexture")):
-        if old in given:
-            made[new] = given[old]
-    gloss = number(given.get("glossinessFactor", 1.0), "glossinessFactor")
+        if old in fields:
+            made[new] = fields[old]
+    gloss = number(fields.get("glossinessFactor", 1.0), "glossinessFactor")
     return made | {"roughnessFactor": 1.0 - gloss}
 
 
-def _transform(given: dict[str, Any]) -> tuple[tuple[float, ...], ...]:
+def _transform(fields: dict[str, Any]) -> tuple[tuple[float, ...], ...]:
     """The (2, 3) matrix of KHR_texture_transform: scaled, turned, then moved."""
-    u, v = floats(given.get("offset", [0.0, 0.0]), "offset", 2).tolist()
-    wide, high = floats(given.get("scale", [1.0, 1.0]), "scale", 2).tolist()
-    turn = number(given.get("rotation", 0.0), "rotation")
+    u, v = floats(fields.get("offset", [0.0, 0.0]), "offset", 2).tolist()
+    wide, high = floats(fields.get("scale", [1.0, 1.0]), "scale", 2).tolist()
+    turn = number(fields.get("rotation", 0.0), "rotation")
     c, s = cos(turn), sin(turn)
     return (c * wide, s * high, u), (-s * wide, c * high, v)

@@ -175,7 +175,7 @@ class Meshes:
         material = self._materials.material(part, name)
         coordinates = self._materials.coordinates(given, name, count)
         tints = self._materials.vertex_colors(given, name, count)
-        made = RigSurface(
+        surface = RigSurface(
             name,
             node,
             vertices,
@@ -189,9 +189,9 @@ class Meshes:
             tangents=tangents,
         )
         if skin is None:
-            return made
+            return surface
         numbers, weights = self._influences(given, name, count, len(skin.nodes))
-        return replace(made, skin=skin, influences=numbers, weights=weights)
+        return replace(surface, skin=skin, influences=numbers, weights=weights)
 
     def _targets(
         self,
@@ -207,14 +207,14 @@ class Meshes:
         check_count("morph targets", self._targets_read, MAX_MORPHS)
         self._looked_at += 6 * count * len(entries)
         check_count("numbers of morph targets", self._looked_at, 4 * MAX_VALUES)
-        given = node.get("weights", mesh.get("weights", [0.0] * len(entries)))
-        weights = floats(given, f"'{name}'.weights", len(entries))
+        value = node.get("weights", mesh.get("weights", [0.0] * len(entries)))
+        weights = floats(value, f"'{name}'.weights", len(entries))
         extras = mesh.get("extras")
         names = extras.get("targetNames") if isinstance(extras, dict) else None
         made = []
-        for number, one in enumerate(entries):
+        for number, entry in enumerate(entries):
             field = f"'{name}'.targets[{number}]"
-            target = table(one, field)
+            target = table(entry, field)
             positions, normals = np.zeros((count, 3)), None
             if "POSITION" in target:
                 positions = self._same(target["POSITION"], f"{field}.POSITION", "VEC3", count)
@@ -264,21 +264,21 @@ class Meshes:
         if mode == FAN:
             first = np.full(len(run) - 2, run[0])
             return np.stack([first, run[1:-1], run[2:]], axis=1)
-        made = np.stack([run[:-2], run[1:-1], run[2:]], axis=1)
-        made[1::2] = made[1::2, ::-1]
-        return made
+        triangles = np.stack([run[:-2], run[1:-1], run[2:]], axis=1)
+        triangles[1::2] = triangles[1::2, ::-1]
+        return triangles
 
     def _influences(
-        self, given: dict[str, Any], name: str, count: int, joints: int
+        self, fields: dict[str, Any], name: str, count: int, joints: int
     ) -> tuple[IntArray, FloatArray]:
         numbers, weights = [], []
         for group in range(16):
-            if f"JOINTS_{group}" not in given:
+            if f"JOINTS_{group}" not in fields:
                 break
             field = f"'{name}'.JOINTS_{group}"
-            these = self._accessors.integers(given[f"JOINTS_{group}"], field, "VEC4")
+            these = self._accessors.integers(fields[f"JOINTS_{group}"], field, "VEC4")
             field = f"'{name}'.WEIGHTS_{group}"
-            shares = self._same(given.get(f"WEIGHTS_{group}"), field, "VEC4", count)
+            shares = self._same(fields.get(f"WEIGHTS_{group}"), field, "VEC4", count)
             if len(these) != count:
                 raise expected(field, f"{count} values", len(these))
             numbers.append(these)

@@ -35,9 +35,9 @@ def unpack_meshopt(document: Document) -> None:
             `MAX_UNPACKED_BYTES` in all.
     """
     left = MAX_UNPACKED_BYTES
-    for number, given in enumerate(document.entries("bufferViews")):
+    for number, entry in enumerate(document.entries("bufferViews")):
         field = f"bufferViews[{number}]"
-        view = table(given, field)
+        view = table(entry, field)
         extensions = table(view.get("extensions", {}), f"{field}.extensions")
         for name in sorted(MESHOPT & extensions.keys())[:1]:
             packed = table(extensions[name], f"{field}.{name}")
@@ -169,13 +169,13 @@ def _walked(
 def _gathered(data: NDArray[np.uint8], bits_of: bytearray, begins: array[int]) -> NDArray[np.uint8]:
     """What the groups (G,) hold, (G, 16)."""
     every, starts = np.frombuffer(bits_of, np.uint8), np.frombuffer(begins, np.int64)
-    made = np.zeros((len(every), GROUP), np.uint8)
+    gathered = np.zeros((len(every), GROUP), np.uint8)
     for bits in (1, 2, 4, 8):
         which = np.flatnonzero(every == bits)
         for first in range(0, len(which), AT_ONCE):
             some = which[first : first + AT_ONCE]
-            made[some] = _values(data, starts[some, None], bits)
-    return made
+            gathered[some] = _values(data, starts[some, None], bits)
+    return gathered
 
 
 def _values(data: NDArray[np.uint8], starts: NDArray[np.int64], bits: int) -> NDArray[np.uint8]:
@@ -360,10 +360,10 @@ def _quaternion(rows: Bytes) -> NDArray[Any]:
     parts = values[:, :3] * (np.sqrt(0.5) / (last | 3))[:, None]
     largest = np.sqrt(np.maximum(1.0 - (parts * parts).sum(axis=1), 0.0))
     every = np.concatenate([largest[:, None], parts], axis=1)
-    made = np.zeros_like(values)
+    quaternion = np.zeros_like(values)
     places = (last[:, None] + np.arange(4)) % 4
-    np.put_along_axis(made, places, _rounded(every * 32767.0).astype(np.int16), axis=1)
-    return made
+    np.put_along_axis(quaternion, places, _rounded(every * 32767.0).astype(np.int16), axis=1)
+    return quaternion
 
 
 def _exponential(rows: Bytes) -> NDArray[Any]:

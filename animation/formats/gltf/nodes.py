@@ -47,9 +47,9 @@ def read_nodes(document: Document, names: Mapping[int, str]) -> Nodes:
     children = [
         [
             integer(child, f"nodes[{i}].children", 0, len(entries) - 1)
-            for child in listed(one.get("children", []), f"nodes[{i}].children")
+            for child in listed(entry.get("children", []), f"nodes[{i}].children")
         ]
-        for i, one in enumerate(entries)
+        for i, entry in enumerate(entries)
     ]
     parent = [-1] * len(entries)
     for node, below in enumerate(children):
@@ -90,25 +90,25 @@ def _parents_first(parent: list[int], children: list[list[int]]) -> list[int]:
     if all(above < node for node, above in enumerate(parent)):
         return list(range(len(parent)))
     waiting = [node for node in range(len(parent)) if parent[node] < 0][::-1]
-    found: list[int] = []
+    ordered: list[int] = []
     while waiting:
         node = waiting.pop()
-        found.append(node)
+        ordered.append(node)
         waiting += children[node][::-1]
-    if len(found) < len(parent):
-        raise expected("nodes", "a hierarchy", f"a circle of {len(parent) - len(found)} nodes")
-    return found
+    if len(ordered) < len(parent):
+        raise expected("nodes", "a hierarchy", f"a circle of {len(parent) - len(ordered)} nodes")
+    return ordered
 
 
 def _rest(
-    given: list[dict[str, Any]],
+    fields: list[dict[str, Any]],
 ) -> tuple[tuple[FloatArray, FloatArray, FloatArray], Transforms]:
     """Rest transforms, in parts and whole."""
-    count = len(given)
+    count = len(fields)
     wxyz, places, scales = np.zeros((count, 4)), np.zeros((count, 3)), np.ones((count, 3))
     wxyz[:, 0] = 1.0
     matrices: dict[int, FloatArray] = {}
-    for node, one in enumerate(given):
+    for node, one in enumerate(fields):
         if "matrix" in one:
             matrices[node] = floats(one["matrix"], f"node '{one.get('name', '')}'.matrix", 16)
             continue

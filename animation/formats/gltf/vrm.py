@@ -64,8 +64,8 @@ def _notices(springs: bool) -> tuple[str, ...]:
     return ("springs of hair and clothes stand still",) if springs else ()
 
 
-def _old_bones(document: Document, given: dict[str, Any]) -> dict[int, str]:
-    humanoid = table(given.get("humanoid", {}), "VRM.humanoid")
+def _old_bones(document: Document, fields: dict[str, Any]) -> dict[int, str]:
+    humanoid = table(fields.get("humanoid", {}), "VRM.humanoid")
     bones: dict[int, str] = {}
     for one in listed(humanoid.get("humanBones", []), "VRM.humanBones"):
         bone = table(one, "VRM.humanBones")
@@ -73,16 +73,16 @@ def _old_bones(document: Document, given: dict[str, Any]) -> dict[int, str]:
     return bones
 
 
-def _new_bones(document: Document, given: dict[str, Any]) -> dict[int, str]:
-    humanoid = table(given.get("humanoid", {}), "VRMC_vrm.humanoid")
+def _new_bones(document: Document, fields: dict[str, Any]) -> dict[int, str]:
+    humanoid = table(fields.get("humanoid", {}), "VRMC_vrm.humanoid")
     bones: dict[int, str] = {}
     for name, one in table(humanoid.get("humanBones", {}), "VRMC_vrm.humanBones").items():
         _add(bones, document, name, table(one, "VRMC_vrm.humanBones").get("node"))
     return bones
 
 
-def _add(bones: dict[int, str], document: Document, name: str, given: object) -> None:
-    node = integer(given, f"VRM bone '{name[:40]}'", 0, len(document.entries("nodes")) - 1)
+def _add(bones: dict[int, str], document: Document, name: str, value: object) -> None:
+    node = integer(value, f"VRM bone '{name[:40]}'", 0, len(document.entries("nodes")) - 1)
     if node in bones:
         raise expected(f"VRM bone '{name[:40]}'", "a node of its own", f"that of {bones[node]}")
     bones[node] = name[:60]

@@ -154,12 +154,16 @@ def write_gltf(
     numbers = scene.add(character, on_path=world_T_character is not None)
     lens = None if camera is None else scene.add_camera(camera.vertical_field_rad, camera.aspect)
     for clip in chosen or _still(character, world_T_character):
-        made = AnimationWriter(scene.buffer)
-        _carry(made, character, clip, numbers, world_T_character)
+        animation_writer = AnimationWriter(scene.buffer)
+        _carry(animation_writer, character, clip, numbers, world_T_character)
         if camera is not None and lens is not None and world_T_character is not None:
             start_ns = int(world_T_character.time_ns[0])
-            made.path(camera.world_T_camera, lens, start_ns, LOOKING, character.height_m)
-        scene.animate(made.document(clip.name, looped=clip.looped and world_T_character is None))
+            animation_writer.path(
+                camera.world_T_camera, lens, start_ns, LOOKING, character.height_m
+            )
+        scene.animate(
+            animation_writer.document(clip.name, looped=clip.looped and world_T_character is None)
+        )
     if points_m is not None:
         scene.add_points(points_m)
     scene.write(target)
@@ -215,32 +219,32 @@ def write_cast_gltf(
         )
     _check_points(points_m, cast[0].world_T_character)
     scene, start_ns = SceneWriter(), starts.pop()
-    made = AnimationWriter(scene.buffer)
+    animation_writer = AnimationWriter(scene.buffer)
     for one in cast:
         numbers = scene.add(one.character, on_path=True, name=one.name if len(cast) > 1 else "")
-        _carry(made, one.character, one.clip, numbers, one.world_T_character)
+        _carry(animation_writer, one.character, one.clip, numbers, one.world_T_character)
     if camera is not None:
         lens = scene.add_camera(camera.vertical_field_rad, camera.aspect)
         reach_m = max(one.character.height_m for one in cast)
-        made.path(camera.world_T_camera, lens, start_ns, LOOKING, reach_m)
-    scene.animate(made.document("cast", looped=False))
+        animation_writer.path(camera.world_T_camera, lens, start_ns, LOOKING, reach_m)
+    scene.animate(animation_writer.document("cast", looped=False))
     if points_m is not None:
         scene.add_points(points_m)
     scene.write(target)
 
 
 def _carry(
-    made: AnimationWriter,
+    animation_writer: AnimationWriter,
     character: Character,
     clip: Clip,
     numbers: NodeNumbers,
     path: Trajectory | None,
 ) -> None:
     """Channels of a character: its joints, its morph targets, and what its path carries."""
-    made.clip(clip, numbers.first, character, path)
+    animation_writer.clip(clip, numbers.first, character, path)
     if path is not None:
         start_ns = int(path.time_ns[0])
-        made.path(path, numbers.path, start_ns, Rotor.identity(), character.height_m)
+        animation_writer.path(path, numbers.path, start_ns, Rotor.identity(), character.height_m)
 
 
 def _check(

@@ -152,15 +152,15 @@ def assemble_motion(rig: Rig, wanted: Wanted) -> SkeletalMotion:
     return SkeletalMotion(skeleton, clips, (*notices, *notice))
 
 
-def _track(given: RigClip, mesh: BoundMesh) -> MorphTrack | None:
+def _track(rig_clip: RigClip, mesh: BoundMesh) -> MorphTrack | None:
     """Weights of all targets; those that the clip does not move stay at rest."""
-    if not given.weights:
+    if not rig_clip.weights:
         return None
-    times = np.unique(np.concatenate([one for one, _ in given.weights.values()]))
+    times = np.unique(np.concatenate([one for one, _ in rig_clip.weights.values()]))
     made = np.tile([target.weight for target in mesh.morphs], (len(times), 1))
     for column, (node, number) in enumerate(mesh.morph_nodes):
-        if node in given.weights:
-            own, values = given.weights[node]
+        if node in rig_clip.weights:
+            own, values = rig_clip.weights[node]
             made[:, column] = np.interp(times, own, values[:, number])
     return MorphTrack(times, made)
 
@@ -284,7 +284,7 @@ class Soles:
         return lowest
 
     def ground_m(
-        self, found: JointPoses, clips: list[JointPoses], height_m: float
+        self, poses: JointPoses, clips: list[JointPoses], height_m: float
     ) -> tuple[float, list[str]]:
         """Height of the ground in the file's world, and a notice where clips tell another.
 
@@ -292,13 +292,13 @@ class Soles:
         which the nodes stand if that is another.
 
         Args:
-            found: the nodes' pose (1, J).
+            poses: the nodes' pose (1, J).
             clips: some poses (F, J) of each.
             height_m: of the figure.
         """
         own = self.bound_m
         if not self.binding.agrees or float(self.stage.axes.standing.angle()) > 0.0:
-            own = float(self.heights(found)[0])
+            own = float(self.heights(poses)[0])
         levels = [float(np.quantile(self.heights(one), LOW_SHARE)) for one in clips]
         if self.binding.agrees:
             levels = [one for one in levels if abs(one - own) < FLYING * height_m]
@@ -365,8 +365,8 @@ def _standing_likeness(stage: Stance, at: FloatArray) -> FloatArray | None:
     _, trunk = evidence.axes(at)
     hip, knee, ankle = (at[:, joints] for joints in evidence.legs)
     parts = [trunk[:, None], unit(hip - knee), unit(knee - ankle)]
-    made: FloatArray = np.concatenate([one[..., 2] for one in parts], axis=1).min(axis=1)
-    return made
+    likeness: FloatArray = np.concatenate([one[..., 2] for one in parts], axis=1).min(axis=1)
+    return likeness
 
 
 def _across(stage: Stance, at: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -382,8 +382,8 @@ def _across(stage: Stance, at: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _places(stage: Stance, poses: JointPoses) -> FloatArray:
     joints = stage.joints
     skeleton = Skeleton(joints.names, joints.parents, poses.motors()[0])
-    made: FloatArray = skeleton.world(poses.motors()).translation_m
-    return made
+    places: FloatArray = skeleton.world(poses.motors()).translation_m
+    return places
 
 
 def _feet(stage: Stance) -> list[int]:
@@ -396,9 +396,9 @@ def _feet(stage: Stance) -> list[int]:
 
 def _below(stage: Stance, joint: int) -> FloatArray:
     """Whether each joint (J,) is another or hangs below it."""
-    made = np.zeros(len(stage.joints.nodes), dtype=bool)
-    made[joint] = True
+    below = np.zeros(len(stage.joints.nodes), dtype=bool)
+    below[joint] = True
     for one, parent in enumerate(stage.joints.parents.tolist()):
         if parent >= 0:
-            made[one] |= made[parent]
-    return made
+            below[one] |= below[parent]
+    return below

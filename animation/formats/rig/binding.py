@@ -132,10 +132,10 @@ def _upright(
     quarter = along_axes(Rotor.from_matrix(turn)).as_matrix()
     if np.diagonal(quarter.T @ turn).min() > UPRIGHT_COSINE:
         turn = quarter
-    made = np.eye(4)
-    made[:3, :3] = scale * turn
-    made[:3, 3] = place - made[:3, :3] @ point
-    return made
+    upright = np.eye(4)
+    upright[:3, :3] = scale * turn
+    upright[:3, 3] = place - upright[:3, :3] @ point
+    return upright
 
 
 def _check_invertible(skin: Skin) -> None:

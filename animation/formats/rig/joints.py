@@ -117,12 +117,12 @@ def _moving_trees(rig: Rig) -> list[int]:
     return [int(node) for node in inside if HELPER not in tree.names[node]] or [largest]
 
 
-def _names(given: list[str]) -> tuple[tuple[str, ...], int]:
+def _names(values: list[str]) -> tuple[tuple[str, ...], int]:
     """Different names that are not empty, and how many had to be changed."""
     taken: set[str] = set()
     names, renamed = [], 0
     counts: dict[str, int] = {}
-    for joint, wanted in enumerate(given):
+    for joint, wanted in enumerate(values):
         name = wanted or f"joint_{joint}"
         while name in taken:
             counts[wanted] = counts.get(wanted, 1) + 1

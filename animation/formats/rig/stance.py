@@ -138,20 +138,20 @@ class Stance:
             growth = np.abs(growth)
         names: set[str] = set()
         made: list[Clip] = []
-        for number, given in enumerate(rig.clips):
-            name = new_name(given.name, names)
+        for number, clip in enumerate(rig.clips):
+            name = new_name(clip.name, names)
             names.add(name)
-            if name != given.name:
-                notices.append(f"a clip called '{given.name}' is now '{name}'")
+            if name != clip.name:
+                notices.append(f"a clip called '{clip.name}' is now '{name}'")
             where = slice(sampled.starts[number], sampled.starts[number + 1])
             poses = growing(self.joints, motors[where], growth[where])
-            made.append(_clip(given, name, sampled.times[number], poses))
+            made.append(_clip(clip, name, sampled.times[number], poses))
         return tuple(made), notices
 
 
-def _clip(given: RigClip, name: str, times: FloatArray, poses: Motor | Similarity) -> Clip:
-    keys = given.key_count or len(given.key_times)
-    if given.looped and len(times) > 1:
+def _clip(rig_clip: RigClip, name: str, times: FloatArray, poses: Motor | Similarity) -> Clip:
+    keys = rig_clip.key_count or len(rig_clip.key_times)
+    if rig_clip.looped and len(times) > 1:
         try:
             return Clip(name, times, poses, looped=True, key_count=keys)
         except ValueError as fault:
@@ -193,15 +193,15 @@ def _places(rig: Rig, joints: Joints) -> Places:
     rest = joint_poses(rig.tree, joints, rig.tree.rest[None], plain)
     skeleton = Skeleton(joints.names, joints.parents, rest.motors()[0])
     binding = bind(joints, rest, rig.surfaces) if rig.surfaces else None
-    found = skeleton.rest_world.translation_m
-    bound = found if binding is None else binding.world.translation_m
+    translation_m = skeleton.rest_world.translation_m
+    bound = translation_m if binding is None else binding.world.translation_m
     moving = [
         skeleton.world(joint_poses(rig.tree, joints, nodes, plain).motors()).translation_m
         for nodes in seen_nodes(rig)
     ]
     return Places(
         bound,
-        found,
+        translation_m,
         np.concatenate(moving) if moving else None,
         None if binding is None else _skin(rig, joints, binding),
     )
@@ -228,10 +228,10 @@ def _skin(rig: Rig, joints: Joints, binding: Binding) -> FloatArray:
     return np.asarray(np.where(counts[:, None] > 0, sums / np.maximum(counts, 1)[:, None], np.nan))
 
 
-def _unit_m(rig: Rig, axes: Axes, places: Places, given: float | None) -> tuple[float, str]:
+def _unit_m(rig: Rig, axes: Axes, places: Places, value: float | None) -> tuple[float, str]:
     """The length of the file's unit, and a notice where it was guessed."""
-    if given is not None:
-        return given, ""
+    if value is not None:
+        return value, ""
     # Meshes may lie in units of their own: only where joints do not tell do they count.
     turned = (axes.standing @ axes.turn).apply(places.bound)
     height = float(np.ptp(turned[:, 2])) or _tallest(rig) or float(np.ptp(turned, axis=0).max())

@@ -169,8 +169,8 @@ def _morphs(
     pieces: dict[tuple[int, int], list[MorphTarget]] = {}
     start = 0
     for surface, part in zip(surfaces, parts, strict=True):
-        for number, one in enumerate(part.morphs):
-            moved = replace(one, rows=one.rows + start)
+        for number, morph in enumerate(part.morphs):
+            moved = replace(morph, rows=morph.rows + start)
             pieces.setdefault((surface.node, number), []).append(moved)
         start += len(part.vertices)
     made = tuple(
@@ -201,8 +201,8 @@ def _appearance(surfaces: tuple[RigSurface, ...], placed: list[BoundMesh]) -> Ap
     vertex, triangle = 0, 0
     for surface, bound in zip(surfaces, placed, strict=True):
         where = slice(vertex, vertex + len(surface.vertices))
-        for number, given in enumerate(surface.coordinates):
-            coordinates[number, where] = given
+        for number, coordinate in enumerate(surface.coordinates):
+            coordinates[number, where] = coordinate
         if colors is not None and surface.vertex_colors is not None:
             colors[where] = surface.vertex_colors
         if tangents is not None and bound.tangents is not None:
@@ -288,30 +288,30 @@ def _placed(
 
 
 def _tangents(
-    given: FloatArray | None, blocks: FloatArray, mirrored: NDArray[np.bool_]
+    values: FloatArray | None, blocks: FloatArray, mirrored: NDArray[np.bool_]
 ) -> FloatArray | None:
     """Tangents turned with their surface: unit, or zero where the file's are."""
-    if given is None:
+    if values is None:
         return None
-    made = np.einsum("vij,vj->vi", np.broadcast_to(blocks, (len(given), 3, 3)), given[:, :3])
-    sides = np.where(given[:, 3] < 0.0, -1.0, 1.0) * np.where(mirrored, -1.0, 1.0)
+    made = np.einsum("vij,vj->vi", np.broadcast_to(blocks, (len(values), 3, 3)), values[:, :3])
+    sides = np.where(values[:, 3] < 0.0, -1.0, 1.0) * np.where(mirrored, -1.0, 1.0)
     return np.column_stack([unit(made, np.zeros(3)), sides])
 
 
 def _morph(
-    given: RigMorph, blocks: FloatArray, mirrored: NDArray[np.bool_], count: int
+    rig_morph: RigMorph, blocks: FloatArray, mirrored: NDArray[np.bool_], count: int
 ) -> MorphTarget:
     """A target turned and scaled as its surface of so many vertices was."""
-    own = np.broadcast_to(blocks, (count, 3, 3))[given.rows]
-    positions = np.einsum("vij,vj->vi", own, given.positions)
+    own = np.broadcast_to(blocks, (count, 3, 3))[rig_morph.rows]
+    positions = np.einsum("vij,vj->vi", own, rig_morph.positions)
     normals = np.zeros_like(positions)
-    if given.normals is not None and len(given.rows):
-        cofactors = _cofactors(own, np.broadcast_to(mirrored, count)[given.rows])
+    if rig_morph.normals is not None and len(rig_morph.rows):
+        cofactors = _cofactors(own, np.broadcast_to(mirrored, count)[rig_morph.rows])
         # Where scale is uniform, this is what makes the surface's own normal unit.
         size = np.linalg.norm(cofactors, axis=(1, 2)) / np.sqrt(3.0)
-        turned = np.einsum("vij,vj->vi", cofactors, given.normals)
+        turned = np.einsum("vij,vj->vi", cofactors, rig_morph.normals)
         normals = turned / np.maximum(size, 1e-30)[:, None]
-    return MorphTarget(given.name, given.rows, positions, normals, given.weight)
+    return MorphTarget(rig_morph.name, rig_morph.rows, positions, normals, rig_morph.weight)
 
 
 def _cofactors(blocks: FloatArray, mirrored: NDArray[np.bool_]) -> FloatArray:
@@ -326,16 +326,16 @@ def _cofactors(blocks: FloatArray, mirrored: NDArray[np.bool_]) -> FloatArray:
 def _normals(
     blocks: FloatArray,
     mirrored: NDArray[np.bool_],
-    given: FloatArray,
+    values: FloatArray,
     vertices: FloatArray,
     triangles: IntArray,
 ) -> tuple[FloatArray, int]:
     """Normals turned by the cofactors of the blocks, and how many were made anew."""
     cofactors = _cofactors(blocks, mirrored)
     if len(blocks) == 1:
-        normals = given @ cofactors[0].T
+        normals = values @ cofactors[0].T
     else:
-        normals = np.einsum("vij,vj->vi", cofactors, given)
+        normals = np.einsum("vij,vj->vi", cofactors, values)
     size = float(np.abs(cofactors).max())
     bare = ~(np.linalg.norm(normals, axis=1) > 1e-3 * size)
     made = unit(normals, UP)

@@ -88,11 +88,11 @@ class Transforms:
 
     def as_matrices(self) -> FloatArray:
         """Matrices (*, 4, 4) that act on columns."""
-        made = np.zeros((*self.shape, 4, 4))
-        made[..., :3, :3] = self.as_blocks()
-        made[..., :3, 3] = self.translation
-        made[..., 3, 3] = 1.0
-        return made
+        matrices = np.zeros((*self.shape, 4, 4))
+        matrices[..., :3, :3] = self.as_blocks()
+        matrices[..., :3, 3] = self.translation
+        matrices[..., 3, 3] = 1.0
+        return matrices
 
     def as_blocks(self) -> FloatArray:
         """Blocks (*, 3, 3) of turn and scale."""

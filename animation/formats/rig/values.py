@@ -324,8 +324,8 @@ def key_times(keys: list[FloatArray], stepped: list[bool]) -> FloatArray:
     """All times of curves' keys (K,), and times just before the steps of those that step."""
     jumps = [one[1:] - JUMP_S for one in keys]
     kept = [
-        jump[jump > one[:-1]]
-        for jump, one, steps in zip(jumps, keys, stepped, strict=True)
+        jump[jump > key[:-1]]
+        for jump, key, steps in zip(jumps, keys, stepped, strict=True)
         if steps
     ]
     return np.unique(np.concatenate([*keys, *kept]))

@@ -254,9 +254,9 @@ def _split(c: Any, s: Any, h: Any) -> _Angles:
     """``h > 0``: by the values ``c ± √h`` of the cosine, where both planes turn nearly alike."""
     root = apply("sqrt", larger(h, 0.0))
     more, less = (s + 2 * c * root, c + root), (s - 2 * c * root, c - root)
-    one, other = _ratios(*more, 0)[0], _ratios(*less, 0)[0]
+    ratio, other = _ratios(*more, 0)[0], _ratios(*less, 0)[0]
     worst = [where(cosine < 0, squared, -1.0) for squared, cosine in (more, less)]
-    return _Angles((one + other) / 2, (one - other) / (2 * nonzero(root)), larger(*worst))
+    return _Angles((ratio + other) / 2, (ratio - other) / (2 * nonzero(root)), larger(*worst))
 
 
 def _ratios(squared: Any, cosine: Any, sign: int) -> tuple[Any, Any]:

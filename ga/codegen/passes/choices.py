@@ -85,13 +85,13 @@ class _Writer:
 
     def _needed(self, waiting: list[_Place]) -> dict[_Place, list[_Place]]:
         """All nodes that these depend on, and what each of them needs."""
-        found: dict[_Place, list[_Place]] = {}
+        needed: dict[_Place, list[_Place]] = {}
         while waiting:
             place = waiting.pop()
-            if place not in found:
-                found[place] = self._arguments(*place)
-                waiting += found[place]
-        return found
+            if place not in needed:
+                needed[place] = self._arguments(*place)
+                waiting += needed[place]
+        return needed
 
     def _relevant(self, index: int, facts: Mapping[int, bool]) -> _Known:
         """The facts that decide about choices which a node depends on."""
@@ -140,10 +140,10 @@ class _Writer:
 
 def _decided_below(tape: Tape) -> list[frozenset[int]]:
     """For each node the conditions of the choices that it depends on, or is."""
-    made: list[frozenset[int]] = []
+    decided_below: list[frozenset[int]] = []
     for node in tape.nodes:
-        below = frozenset[int]().union(*(made[k] for k in node.args))
+        below = frozenset[int]().union(*(decided_below[k] for k in node.args))
         if node.op in ("select", "keep"):
             below |= {node.args[0]}
-        made.append(below)
-    return made
+        decided_below.append(below)
+    return decided_below

@@ -29,14 +29,14 @@ def as_reciprocals(tape: Tape) -> Tape:
     place: list[int] = []
     for index, node in enumerate(tape.nodes):
         args = tuple(place[k] for k in node.args)
-        found = divisors.get(node.args[1]) if node.op == "div" else None
+        divisor = divisors.get(node.args[1]) if node.op == "div" else None
         if node.op != "div":
-            made = copied(tape, index, args, builder)
-        elif tape.nodes[node.args[1]].op == "const" or not (found and found[0] in split):
-            made = _over(builder, args[0], args[1])
+            copy = copied(tape, index, args, builder)
+        elif tape.nodes[node.args[1]].op == "const" or not (divisor and divisor[0] in split):
+            copy = _over(builder, args[0], args[1])
         else:
-            monomial, coefficient = found
-            made = args[0]
+            monomial, coefficient = divisor
+            copy = args[0]
             for factor in monomial:
                 # A root may come later on the tape: it is computed here then.
                 below = (
@@ -44,10 +44,10 @@ def as_reciprocals(tape: Tape) -> Tape:
                     if factor < index
                     else builder.operation("sqrt", place[tape.nodes[factor].args[0]])
                 )
-                made = _over(builder, made, below)
+                copy = _over(builder, copy, below)
             scale = builder.constant(float(1 / Fraction(coefficient)))
-            made = builder.operation("mul", scale, made)
-        place.append(made)
+            copy = builder.operation("mul", scale, copy)
+        place.append(copy)
     results = [[place[k] for k in row] for row in tape.results]
     return builder.finished(tape.inputs, tape.outputs, results)
 
@@ -103,10 +103,10 @@ def _monomial(
     return tuple(sorted(k for part in parts for k in part)), coefficient
 
 
-def _worth_splitting(found: list[Monomial]) -> set[Monomial]:
+def _worth_splitting(monomials: list[Monomial]) -> set[Monomial]:
     """The products that share factors so that fewer reciprocals serve all of them."""
     split: set[Monomial] = set()
-    for group in _connected(sorted(set(found))):
+    for group in _connected(sorted(set(monomials))):
         factors = {factor for monomial in group for factor in monomial}
         if len(factors) < len(group) or all(len(set(monomial)) == 1 for monomial in group):
             split.update(group)

@@ -107,13 +107,13 @@ class _Expander(Forms):
     def _multiplied_out(
         self, monomial: Monomial, coefficient: Coefficient, chosen: frozenset[int], most: int
     ) -> Form | None:
-        made: Form = {tuple([k for k in monomial if k not in chosen]): coefficient}
+        form: Form = {tuple([k for k in monomial if k not in chosen]): coefficient}
         for factor in monomial:
             if factor in chosen:
-                if len(made) * len(self.forms[factor]) > most:
+                if len(form) * len(self.forms[factor]) > most:
                     return None
-                made = self.product(made, self.forms[factor])
-        return made
+                form = self.product(form, self.forms[factor])
+        return form
 
 
 def _written(tape: Tape, forms: list[Form]) -> Tape:

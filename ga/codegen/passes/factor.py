@@ -133,10 +133,10 @@ class Network:
 
     def monomials(self) -> Counter[Monomial]:
         """How many terms each product of two factors or more stands in."""
-        found: Counter[Monomial] = Counter()
+        counter: Counter[Monomial] = Counter()
         for terms in self.sums.values():
-            found.update(factors for _, factors in terms if len(factors) > 1)
-        return found
+            counter.update(factors for _, factors in terms if len(factors) > 1)
+        return counter
 
     def tape(self) -> Tape:
         """The network as a tape."""
@@ -307,22 +307,22 @@ def _share_terms(network: Network) -> None:
 
 
 def _share_pair(
-    network: Network, one: Monomial, other: Monomial, sign: int, places: list[int]
+    network: Network, monomial: Monomial, other: Monomial, sign: int, places: list[int]
 ) -> bool:
     """Do it for one pair, in those sums that still have it, if these are several."""
     left = []
     for index in places:
         signs = {factors: s for s, factors in network.sums[index]}
         once = len(signs) == len(network.sums[index])
-        if once and one in signs and signs.get(other) == sign * signs[one]:
-            left.append((index, signs[one]))
+        if once and monomial in signs and signs.get(other) == sign * signs[monomial]:
+            left.append((index, signs[monomial]))
     if len(left) < 2:
         return False
-    made = network.new_number()
+    number = network.new_number()
     for index, first in left:
-        rest = [term for term in network.sums[index] if term[1] not in (one, other)]
-        network.sums[index] = [*rest, (first, (made,))]
-    network.sums[made] = [(1, one), (sign, other)]
+        rest = [term for term in network.sums[index] if term[1] not in (monomial, other)]
+        network.sums[index] = [*rest, (first, (number,))]
+    network.sums[number] = [(1, monomial), (sign, other)]
     return True
 
 
@@ -343,10 +343,10 @@ def _share_factors(network: Network, *, least: int, numbers_only: bool) -> None:
             left = [factors for factors in places if factors not in renamed]
             if len(left) < least:
                 continue
-            made = network.new_number()
-            network.products[made] = pair
+            number = network.new_number()
+            network.products[number] = pair
             for factors in left:
-                renamed[factors] = tuple(sorted((*without(factors, pair), made)))
+                renamed[factors] = tuple(sorted((*without(factors, pair), number)))
         for index, terms in network.sums.items():
             network.sums[index] = [(sign, renamed.get(f, f)) for sign, f in terms]
 

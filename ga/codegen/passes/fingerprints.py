@@ -103,12 +103,12 @@ def fingerprints(tape: Tape, points: int = POINTS) -> Fingerprints:
 def _of_high_degree(tape: Tape) -> list[bool]:
     """Which nodes count as unknown because their degree may be too high."""
     degrees: list[tuple[int, int]] = []
-    found: list[bool] = []
+    high_degree: list[bool] = []
     for node in tape.nodes:
         above, below = _degrees(node, [degrees[k] for k in node.args])
-        found.append(max(above, below) > _HIGHEST_DEGREE)
-        degrees.append((1, 0) if found[-1] else (above, below))
-    return found
+        high_degree.append(max(above, below) > _HIGHEST_DEGREE)
+        degrees.append((1, 0) if high_degree[-1] else (above, below))
+    return high_degree
 
 
 def _degrees(node: Node, args: list[tuple[int, int]]) -> tuple[int, int]:
@@ -170,10 +170,10 @@ class _Point:
         return True
 
     def _unknown(self, *key: object) -> Element:
-        found = self._unknowns.get(key)
-        if found is None:
-            found = self._unknowns[key] = (int(self._random.integers(1, finite_field.PRIME)), 0)
-        return found
+        unknown = self._unknowns.get(key)
+        if unknown is None:
+            unknown = self._unknowns[key] = (int(self._random.integers(1, finite_field.PRIME)), 0)
+        return unknown
 
     def _other(self, node: Node) -> Element | None:
         args = [self.values[k] for k in node.args]

@@ -56,18 +56,18 @@ class Forms:
 
     def _summed(self, index: int) -> Form:
         """The terms of a sum and of those inside it, from left to right."""
-        made: Form = {}
+        summed: Form = {}
         waiting: list[tuple[int, int]] = [(index, 1)]
         while waiting:
             last, sign = waiting.pop()
             node = self.tape.nodes[last]
             if last != index and not self.inside[last]:
-                add_to(made, self.factor(last), sign)
+                add_to(summed, self.factor(last), sign)
                 continue
             second = -sign if node.op == "sub" else sign
             waiting.extend((k, second) for k in node.args[1:])
             waiting.append((node.args[0], -sign if node.op == "neg" else sign))
-        return made
+        return summed
 
     def factor(self, index: int) -> Form:
         """A node as a factor: its form if that is one product of few factors, else itself."""
@@ -80,15 +80,15 @@ class Forms:
 
     def product(self, left: Form, right: Form) -> Form:
         """The product of two forms, multiplied out."""
-        made: Form = {}
+        form: Form = {}
         ruled = self._ruled
         for one, a in left.items():
             for other, b in right.items():
                 monomial = tuple(sorted(one + other)) if one and other else one + other
                 if not ruled.isdisjoint(monomial):
                     monomial = self.shortened(monomial)
-                add_term(made, monomial, times(a, b))
-        return made
+                add_term(form, monomial, times(a, b))
+        return form
 
     def shortened(self, monomial: Monomial) -> Monomial:
         """A product without pairs of factors that are known to be one factor or 1."""
@@ -163,12 +163,12 @@ def write_form(form: Form, place: dict[int, int], builder: TapeBuilder) -> int:
 
 def _inside(tape: Tape, uses: list[int]) -> list[bool]:
     """Which sums are only a term of one other sum."""
-    found = [False] * len(tape.nodes)
+    inside = [False] * len(tape.nodes)
     for node in tape.nodes:
         if node.op in _SUMS:
             for k in node.args:
-                found[k] = uses[k] == 1 and tape.nodes[k].op in _SUMS
-    return found
+                inside[k] = uses[k] == 1 and tape.nodes[k].op in _SUMS
+    return inside
 
 
 def _rules(tape: Tape) -> dict[int, list[tuple[int, Monomial]]]:

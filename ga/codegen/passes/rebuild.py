@@ -30,16 +30,16 @@ def folded_tape(tape: Tape) -> Tape:
 
 def product_of(factors: Sequence[int], builder: TapeBuilder) -> int:
     """The product of nodes of a builder, 1 of none; powers by squaring."""
-    made = builder.constant(1.0)
+    product = builder.constant(1.0)
     for factor, count in Counter(factors).items():
         power = factor
         while count:
             if count & 1:
-                made = builder.operation("mul", made, power)
+                product = builder.operation("mul", product, power)
             count >>= 1
             if count:
                 power = builder.operation("mul", power, power)
-    return made
+    return product
 
 
 def with_single_differences(tape: Tape) -> Tape:

@@ -55,9 +55,9 @@ class NumpyProgram:
         self._plain = all(node.op in _PLAIN for node in tape.nodes)
         self._functions: dict[str, NumpyFunction] = {}
 
-    def arrays(self, precision: Precision, given: Sequence[Any]) -> tuple[Array, ...]:
+    def arrays(self, precision: Precision, values: Sequence[Any]) -> tuple[Array, ...]:
         """An array ``(*, n)`` an output, of one ``(*, n)`` an input."""
-        taken = self._taken(self._inputs, precision, given)
+        taken = self._taken(self._inputs, precision, values)
         batches = [
             one.shape if width < 0 else one.shape[:-1]
             for one, (_, width) in zip(taken, self._inputs, strict=True)
@@ -88,30 +88,30 @@ class NumpyProgram:
             for _, width in self._outputs
         )
 
-    def components(self, precision: Precision, given: Sequence[Any]) -> tuple[Any, ...]:
+    def components(self, precision: Precision, values: Sequence[Any]) -> tuple[Any, ...]:
         """One number or array a component, of one a component; they must be finite."""
-        given = [-x if minus else x for x, minus in zip(given, self._negative, strict=False)]
-        if all(type(one) is float for one in given) and len(given) == len(self._scalars):
-            return self._of_numbers(precision, given)
-        taken = self._taken(self._scalars, precision, given)
+        values = [-x if minus else x for x, minus in zip(values, self._negative, strict=False)]
+        if all(type(one) is float for one in values) and len(values) == len(self._scalars):
+            return self._of_numbers(precision, values)
+        taken = self._taken(self._scalars, precision, values)
         shape = self._broadcast([one.shape for one in taken])
         count = sum(abs(width) for _, width in self._outputs)
         made = [np.empty(shape, precision.numpy) for _ in range(count)]
         self._run(precision, taken, shape, made)
         self._check([bool(np.isfinite(one).all()) for one in made])
-        if shape == () and not any(isinstance(one, np.ndarray) for one in given):
+        if shape == () and not any(isinstance(one, np.ndarray) for one in values):
             return tuple(one.item() for one in made)
         return tuple(one[()] for one in made)
 
-    def _of_numbers(self, precision: Precision, given: Sequence[float]) -> tuple[float, ...]:
+    def _of_numbers(self, precision: Precision, values: Sequence[float]) -> tuple[float, ...]:
         function = self._function(precision)
         if self._plain:
-            made = tuple(map(float, function(*given)))
+            numbers = tuple(map(float, function(*values)))
         else:
             with np.errstate(all="ignore"):
-                made = tuple(map(float, function(*map(np.float64, given))))
-        self._check([math.isfinite(value) for value in made])
-        return made
+                numbers = tuple(map(float, function(*map(np.float64, values))))
+        self._check([math.isfinite(value) for value in numbers])
+        return numbers
 
     def _check(self, finite: Sequence[bool]) -> None:
         left = iter(finite)
@@ -122,23 +122,23 @@ class NumpyProgram:
                     f"{self._name}: expected finite numbers in {name}, got NaN or infinite ones"
                 )
 
-    def _taken(self, operands: Widths, precision: Precision, given: Sequence[Any]) -> list[Array]:
-        if len(given) != len(operands):
-            raise ValueError(f"{self._name}: expected {len(operands)} arguments, got {len(given)}")
+    def _taken(self, operands: Widths, precision: Precision, values: Sequence[Any]) -> list[Array]:
+        if len(values) != len(operands):
+            raise ValueError(f"{self._name}: expected {len(operands)} arguments, got {len(values)}")
         return [
             self._array(name, width, precision, one)
-            for (name, width), one in zip(operands, given, strict=True)
+            for (name, width), one in zip(operands, values, strict=True)
         ]
 
-    def _array(self, name: str, width: int, precision: Precision, given: Any) -> Array:
-        number = width < 0 and type(given) in (int, float)
-        if not number and not isinstance(given, np.ndarray | np.generic):
+    def _array(self, name: str, width: int, precision: Precision, value: Any) -> Array:
+        number = width < 0 and type(value) in (int, float)
+        if not number and not isinstance(value, np.ndarray | np.generic):
             wanted = "a number or an array" if width < 0 else "an array"
             raise TypeError(
                 f"{self._name}: {name}: expected {wanted} of real numbers, "
-                f"got {type(given).__name__}"
+                f"got {type(value).__name__}"
             )
-        array = np.asarray(given)
+        array = np.asarray(value)
         if array.dtype.kind not in "iuf":
             raise TypeError(
                 f"{self._name}: {name}: expected real numbers, got the type {array.dtype}"
@@ -301,5 +301,5 @@ def numpy_function(tape: Tape, precision: Precision) -> NumpyFunction:
     return function
 
 
-def _x(k: int, given: Operand) -> str:
-    return component_name("x", k, given.width)
+def _x(k: int, operand: Operand) -> str:
+    return component_name("x", k, operand.width)

@@ -114,9 +114,9 @@ def cache_key(*parts: str) -> str:
 
 def cache_folder() -> Path:
     """The folder of this user, made if need be, or one of this process."""
-    given = os.environ.get("MOTORCADE_PROGRAM_CACHE", "")
+    value = os.environ.get("MOTORCADE_PROGRAM_CACHE", "")
     home = os.environ.get("XDG_CACHE_HOME", "") or str(Path.home() / ".cache")
-    folder = Path(given) if given else Path(home) / "motorcade" / "programs"
+    folder = Path(value) if value else Path(home) / "motorcade" / "programs"
     problem = _problem_of(folder)
     if problem is None:
         return folder

@@ -123,18 +123,18 @@ class Evaluator:
 
         self.arrays, self.components = either(arrays, "arrays"), either(components, "components")
 
-    def _slowly(self, verb: str, given: Sequence[Any]) -> Any:
+    def _slowly(self, verb: str, values: Sequence[Any]) -> Any:
         """A call whose precision is not compiled: begin that, and do without."""
-        precision = precision_of(given)
+        precision = precision_of(values)
         if precision.numpy not in self._state:
             self._start(precision)
             if way_wanted() == "wait":
                 self.wait(precision.numpy)
             if precision.numpy in self._libraries:
-                return getattr(self, verb)(*given)
+                return getattr(self, verb)(*values)
         if verb == "components":
-            return self._numpy.components(precision, given)
-        made = self._numpy.arrays(precision, given)
+            return self._numpy.components(precision, values)
+        made = self._numpy.arrays(precision, values)
         return made[0] if self._bare else made
 
     def _start(self, precision: Precision) -> None:
@@ -197,9 +197,9 @@ class Evaluator:
         _log.info("%s: %s runs as NumPy: %s", self._name, precision.numpy, reason)
 
 
-def precision_of(given: Sequence[Any]) -> Precision:
+def precision_of(values: Sequence[Any]) -> Precision:
     """The precision that arguments are computed in: float32 where all typed ones are."""
-    kinds = {one.dtype for one in given if isinstance(one, np.ndarray | np.generic)}
+    kinds = {one.dtype for one in values if isinstance(one, np.ndarray | np.generic)}
     return SINGLE if kinds == {np.dtype(np.float32)} else DOUBLE
 
 

@@ -66,21 +66,24 @@ def _inner(program: Program) -> str:
     return name
 
 
-def _steps(program: Program, made: CallWriter) -> str:
+def _steps(program: Program, call_writer: CallWriter) -> str:
     """All steps, in a function without any name of the script."""
     outputs = [operand for operand in program.tape.outputs if operand.components]
-    body = [*made.steps(), *made.stores(outputs)]
+    body = [*call_writer.steps(), *call_writer.stores(outputs)]
     if not any("in[" in line for line in body):
         body.insert(0, "(void)in;")
-    parameters = [f"const {made.real} *in", *(f"{made.real} *out{k}" for k in range(len(outputs)))]
+    parameters = [
+        f"const {call_writer.real} *in",
+        *(f"{call_writer.real} *out{k}" for k in range(len(outputs))),
+    ]
     head = f"static {function(_inner(program), parameters, 'void')}"
     return "\n".join([head, "{", *indented(body), "}"])
 
 
-def _call(program: Program, made: CallWriter) -> str:
+def _call(program: Program, call_writer: CallWriter) -> str:
     variables = ", ".join(operand.name for operand in program.tape.inputs) or "0"
     outputs = [f"out_{operand.name}" for operand in program.tape.outputs if operand.components]
-    arguments = [f"(const {made.real}[]){{{variables}}}", *outputs]
+    arguments = [f"(const {call_writer.real}[]){{{variables}}}", *outputs]
     return f"{_inner(program)}({', '.join(arguments)});"
 
 
@@ -174,8 +177,8 @@ class CallWriter(ABC):
             kind = "_Bool" if statement.boolean else self.real
             lines.append(f"const {kind} {statement.name} = {statement.expression};")
         values = list(written.results[0])
-        made = values[0] if step.is_scalar else self.given(step.masks, values)
-        return [*lines, self._declaration(number, step, made)]
+        value = values[0] if step.is_scalar else self.given(step.masks, values)
+        return [*lines, self._declaration(number, step, value)]
 
 
 def _scalar_expression(step: Step) -> str:

@@ -130,20 +130,20 @@ class TableWriter(CallWriter):
         operands = [self._operand(number) for number in step.args]
         if step.op in SIGNS:
             self._signs.add(step.op)
-            made = f"{self.name}_signed({self.name}_{step.op}, {operands[0]})"
+            text = f"{self.name}_signed({self.name}_{step.op}, {operands[0]})"
         elif step.op == "part":
             return self._part(step, f"v{step.args[0]}")
         elif step.op in PRODUCTS:
             self._meet(step)
-            made = self.product(step.op, operands)
+            text = self.product(step.op, operands)
         else:
             self._functions.add("sum")
             factor = self.dialect.constant(1.0 if step.op == "add" else -1.0)
-            made = f"{self.name}_sum({operands[0]}, {factor}, {operands[1]})"
+            text = f"{self.name}_sum({operands[0]}, {factor}, {operands[1]})"
         if step.is_scalar:
-            return f"{made}.c[0]"
+            return f"{text}.c[0]"
         return (
-            made if self._grades(step) <= {*map(grade_of, step.masks)} else self._part(step, made)
+            text if self._grades(step) <= {*map(grade_of, step.masks)} else self._part(step, text)
         )
 
     def definitions(self) -> list[str]:
@@ -189,8 +189,8 @@ class TableWriter(CallWriter):
         self._functions.add("part")
         places = ", ".join(str(self.place[mask]) for mask in step.masks)
         kept = f"(const unsigned short[]){{{places}}}"
-        made = f"{self.name}_part({_bits(step.masks)}, {len(step.masks)}, {kept}, {operand})"
-        return f"{made}.c[0]" if step.is_scalar else made
+        text = f"{self.name}_part({_bits(step.masks)}, {len(step.masks)}, {kept}, {operand})"
+        return f"{text}.c[0]" if step.is_scalar else text
 
     def _grades(self, step: Step) -> set[int]:
         """The grades that the operation leaves in use."""

@@ -116,22 +116,22 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
 
 
 def _parameters(
-    precision: Precision, restrict: str, given: Sequence[str], made: Sequence[str]
+    precision: Precision, restrict: str, values: Sequence[str], made: Sequence[str]
 ) -> list[str]:
     return [
-        *(f"const {precision.c} *{restrict}{pointer}" for pointer in given),
+        *(f"const {precision.c} *{restrict}{pointer}" for pointer in values),
         *(f"{precision.c} *{restrict}{pointer}" for pointer in made),
     ]
 
 
 def _body(
-    blocks: str, precision: Precision, given: Sequence[str], made: Sequence[str]
+    blocks: str, precision: Precision, values: Sequence[str], made: Sequence[str]
 ) -> list[str]:
     """Whole blocks, and the last rows in one that overlaps them, or in one that is padded."""
-    pointers = [*given, *made]
+    pointers = [*values, *made]
     padded = [f"padded[{k}]" for k in range(len(pointers))]
-    loads = [f"padded[{k}][row] = {one}[row];" for k, one in enumerate(given)]
-    stores = [f"{one}[row] = padded[{k}][row];" for k, one in enumerate(made, len(given))]
+    loads = [f"padded[{k}][row] = {one}[row];" for k, one in enumerate(values)]
+    stores = [f"{one}[row] = padded[{k}][row];" for k, one in enumerate(made, len(values))]
     lines = [f"if (rows < {BLOCK}) {{"]
     lines.append(f"    {precision.c} padded[{len(pointers)}][{BLOCK}] = {{{{0}}}};")
     if loads:

@@ -115,9 +115,9 @@ def functions_called(lines: Iterable[str]) -> str:
 @cache
 def _known_functions() -> dict[str, str]:
     """The text of each function of the header by its name."""
-    made = {}
+    known_functions = {}
     for block in _HEADER.read_text(encoding="utf-8").split("\n\n"):
-        found = _DEFINED.search(block)
-        if found:
-            made[found[1]] = block
-    return made
+        match = _DEFINED.search(block)
+        if match:
+            known_functions[match[1]] = block
+    return known_functions

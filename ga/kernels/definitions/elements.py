@@ -25,9 +25,9 @@ class Coefficients(NamedTuple):
         """An operand of these coefficients."""
         return Operand(name, self.names)
 
-    def of(self, given: Sequence[Any]) -> Multivector:
+    def of(self, values: Sequence[Any]) -> Multivector:
         """The multivector of the first coefficients; those that are not given are zero."""
-        return CGA3.multivector(dict(zip(self.blades[: len(given)], given, strict=True)))
+        return CGA3.multivector(dict(zip(self.blades[: len(values)], values, strict=True)))
 
     def numbers(self, element: Multivector) -> list[Any]:
         """The coefficients of a multivector; others that it has are left out."""

@@ -108,8 +108,8 @@ def _dual(value: Dual, dual_z: Any) -> Multivector:
     return on.DUAL.of((value[0], value[1] * dual_z))
 
 
-def _scaled(factor: float, given: Numbers) -> Numbers:
-    return [factor * value for value in given]
+def _scaled(factor: float, numbers: Numbers) -> Numbers:
+    return [factor * value for value in numbers]
 
 
 def _versors(name: str, prefix: str, versor: on.Coefficients, bivector: on.Coefficients) -> Versors:

@@ -103,12 +103,12 @@ def _shift_of_turn(means: _Means, twist: Numbers) -> Callable[[Numbers, Numbers]
     _, a1, a2 = means.shift
     once = _cross(turn, push)
 
-    def column(given: Numbers, turned: Numbers) -> Numbers:
-        crossed = _cross(given, push)
-        along = 2 * sum(x * y for x, y in zip(turn, given, strict=True))
+    def column(numbers: Numbers, turned: Numbers) -> Numbers:
+        crossed = _cross(numbers, push)
+        along = 2 * sum(x * y for x, y in zip(turn, numbers, strict=True))
         return _sum(
             _cross(shift, turned), _scaled(along, slope), _scaled(a1, crossed),
-            _scaled(a2, _sum(_cross(given, once), _cross(turn, crossed))),
+            _scaled(a2, _sum(_cross(numbers, once), _cross(turn, crossed))),
         )  # fmt: skip
 
     return column

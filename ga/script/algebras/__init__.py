@@ -66,17 +66,17 @@ class AlgebraDefinition:
 
 
 def _macros_of(script: Script) -> dict[tuple[str, int], Macro]:
-    made: dict[tuple[str, int], Macro] = {}
+    macros: dict[tuple[str, int], Macro] = {}
     for statement in script.statements:
         if isinstance(statement, Screen):
             continue
         if not isinstance(statement, Macro):
             raise script.source.error(statement.place, "expected macros alone in an algebra's file")
         key = (statement.name, statement.arity)
-        if key in made:
+        if key in macros:
             raise statement.source.error(statement.place, f"{statement.name} is already defined")
-        made[key] = statement
-    return made
+        macros[key] = statement
+    return macros
 
 
 @cache
@@ -84,8 +84,8 @@ def definitions() -> dict[str, AlgebraDefinition]:
     """The algebras that have a name, in the order of their folders."""
     made = {}
     for path in sorted(Path(__file__).parent.glob("*/definition.toml")):
-        found = read_definition(path.parent, path.name)
-        made.update(dict.fromkeys(found.names, found))
+        definition = read_definition(path.parent, path.name)
+        made.update(dict.fromkeys(definition.names, definition))
     return made
 
 
@@ -160,6 +160,6 @@ def _expect(holds: bool, field: str, wanted: str, got: object) -> None:
         raise ValueError(f"{field}: expected {wanted}, got {shown}")
 
 
-def _texts(given: Any) -> bool:
-    texts = isinstance(given, list) and all(isinstance(item, str) for item in given)
-    return texts and all(len(item) <= MAX_NAME for item in given)
+def _texts(value: Any) -> bool:
+    texts = isinstance(value, list) and all(isinstance(item, str) for item in value)
+    return texts and all(len(item) <= MAX_NAME for item in value)

@@ -63,19 +63,19 @@ def tokenize(source: Source) -> list[Token]:
     tokens: list[Token] = []
     while position < len(text):
         place = Place(line, position - start + 1)
-        found = _PATTERN.match(text, position)
-        if found is None:
+        match = _PATTERN.match(text, position)
+        if match is None:
             raise _unknown(source, place, text[position])
-        kind, end = str(found.lastgroup), found.end()
+        kind, end = str(match.lastgroup), match.end()
         if kind == "block":
             end = _comment_end(source, position, place)
         if kind in ("newline", "block"):
             line += text.count("\n", position, end)
             start = max(start, text.rfind("\n", position, end) + 1)
-        elif kind == "comment" and _ALMOST.match(found.group()):
+        elif kind == "comment" and _ALMOST.match(match.group()):
             source.warn(place, "a comment, and no pragma: write //#pragma without a blank")
         elif kind not in ("space", "comment"):
-            token = Token(kind, found.group(kind), place)
+            token = Token(kind, match.group(kind), place)
             tokens.append(_checked(source, token, text[end : end + 1]))
         if len(tokens) > MAX_TOKENS:
             raise source.error(place, f"expected at most {MAX_TOKENS} tokens", "split the script")

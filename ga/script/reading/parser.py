@@ -108,19 +108,19 @@ def _parsed(source: Source, folder: Path | None, imports: Imports) -> Script:
 
 def _imported(source: Source, pragma: ImportPragma, imports: Imports) -> list[Macro]:
     """The macros of a file, and of those that it imports."""
-    made: list[Macro] = []
+    imported: list[Macro] = []
     with imports.opened(source, pragma) as found:
         if found is None:
             return []
         script = _parsed(found, imports.folder, imports)
         for statement in script.statements:
             if isinstance(statement, Macro):
-                made.append(statement)
+                imported.append(statement)
             elif not isinstance(statement, Screen):
                 raise found.error(
                     statement.place, "expected macros alone in a file that is imported"
                 )
-    return made
+    return imported
 
 
 class _Statements:
@@ -137,15 +137,15 @@ class _Statements:
     def read(self) -> list[Statement]:
         """All statements of the text."""
         cursor = self._cursor
-        made: list[Statement] = []
+        statements: list[Statement] = []
         while cursor.token.kind != "end":
             if cursor.token.text in _ALGEBRAS and cursor.following.text == "(":
                 self._pragmas.append(_algebra_statement(cursor))
             elif cursor.token.kind == "name" and self._opens_macro():
-                made.append(self._macro())
+                statements.append(self._macro())
             else:
-                made.extend(self._step())
-        return made
+                statements.extend(self._step())
+        return statements
 
     def _opens_macro(self) -> bool:
         return self._cursor.following.text == "=" and self._cursor.second.text == "{"
@@ -179,18 +179,18 @@ class _Statements:
             raise cursor.source.error(
                 cursor.token.place, f"expected at most {MAX_BLOCKS} blocks in each other"
             )
-        made: list[Step] = []
+        steps: list[Step] = []
         if cursor.at("{"):
             cursor.take()
             while not cursor.at("}"):
                 if cursor.token.kind == "end":
                     raise cursor.unexpected("'}'", "a block is { statements }")
-                made.extend(self._step())
+                steps.extend(self._step())
             cursor.take()
         else:
-            made = self._step()
+            steps = self._step()
         self._blocks -= 1
-        return tuple(made)
+        return tuple(steps)
 
     def _if(self) -> If:
         cursor = self._cursor
@@ -362,10 +362,10 @@ def parse_pragma(source: Source, token: Token) -> list[Pragma]:
         kind, _, said = text.removeprefix("#pragma").strip().partition(" ")
     if kind not in _READERS:
         raise source.error(token.place, f"expected a pragma {', '.join(USES)}, got {kind[:40]!a}")
-    made = _READERS[kind](said.strip(), token)
-    if not made:
+    pragma = _READERS[kind](said.strip(), token)
+    if not pragma:
         raise source.error(token.place, f"this {kind} pragma cannot be read", f"write {USES[kind]}")
-    return made
+    return pragma
 
 
 def _names(said: str) -> list[str]:
@@ -384,10 +384,12 @@ def _output(said: str, token: Token) -> list[Pragma]:
 
 def _return(said: str, token: Token) -> list[Pragma]:
     names, *shaped = re.split(r"\s+typed\s+|\s+as\s+", said)
-    made: list[Pragma] = [OutputPragma(token.place, name, ()) for name in _names(names)]
-    if made and shaped:
-        made.append(LeftOutPragma(token.place, "outputs are multivectors: typed … as is left out"))
-    return made
+    pragmas: list[Pragma] = [OutputPragma(token.place, name, ()) for name in _names(names)]
+    if pragmas and shaped:
+        pragmas.append(
+            LeftOutPragma(token.place, "outputs are multivectors: typed … as is left out")
+        )
+    return pragmas
 
 
 def _in2out(said: str, token: Token) -> list[Pragma]:
@@ -402,13 +404,13 @@ def _in2out(said: str, token: Token) -> list[Pragma]:
 
 
 def _range(said: str, token: Token) -> list[Pragma]:
-    found = _RANGE.fullmatch(said)
-    if found is None:
+    match = _RANGE.fullmatch(said)
+    if match is None:
         return []
-    low, high = float(found[1]), float(found[3])
+    low, high = float(match[1]), float(match[3])
     if not (math.isfinite(low) and math.isfinite(high) and low <= high):
         return []
-    return [RangePragma(token.place, low, found[2], high)]
+    return [RangePragma(token.place, low, match[2], high)]
 
 
 def _algebra_pragma(said: str, token: Token) -> list[Pragma]:

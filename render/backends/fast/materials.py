@@ -53,13 +53,13 @@ class Pictures:
         self._table: Any = None
         self._told = False
 
-    def texture(self, given: TextureMap, *, encoded: bool) -> Any:
+    def texture(self, texture_map: TextureMap, *, encoded: bool) -> Any:
         """A texture with the map's sampler; `encoded` pixels are turned into linear light."""
-        sampling = given.wrap, given.magnify, given.minify, given.mipmaps
-        key = id(given.pixels), encoded, sampling
+        sampling = texture_map.wrap, texture_map.magnify, texture_map.minify, texture_map.mipmaps
+        key = id(texture_map.pixels), encoded, sampling
         if key not in self._made:
             # The pixels are kept, so that their number is not given to others.
-            self._made[key] = self._upload(given, encoded=encoded), given.pixels
+            self._made[key] = self._upload(texture_map, encoded=encoded), texture_map.pixels
         return self._made[key][0]
 
     def use_table(self) -> None:
@@ -78,10 +78,10 @@ class Pictures:
             texture.release()
         self._made = {}
 
-    def _upload(self, given: TextureMap, *, encoded: bool) -> Any:
+    def _upload(self, texture_map: TextureMap, *, encoded: bool) -> Any:
         import moderngl
 
-        pixels = np.ascontiguousarray(given.pixels)
+        pixels = np.ascontiguousarray(texture_map.pixels)
         most = int(self._gl.info["GL_MAX_TEXTURE_SIZE"])
         step = -(-max(pixels.shape[:2]) // most)
         if step > 1:
@@ -95,10 +95,10 @@ class Pictures:
             pixels = _means(pixels, step, encoded=encoded)
         size = pixels.shape[1], pixels.shape[0]
         kind = {"internal_format": SRGB8_ALPHA8} if encoded else {}
-        made = self._gl.texture(size, 4, pixels, **kind)
-        made.repeat_x, made.repeat_y = (way == "repeat" for way in given.wrap)
-        made.use(FIRST_UNIT)
-        for name, way in zip((WRAP_S, WRAP_T), given.wrap, strict=True):
+        upload = self._gl.texture(size, 4, pixels, **kind)
+        upload.repeat_x, upload.repeat_y = (way == "repeat" for way in texture_map.wrap)
+        upload.use(FIRST_UNIT)
+        for name, way in zip((WRAP_S, WRAP_T), texture_map.wrap, strict=True):
             if way == "mirror":
                 self._set_parameter(TEXTURE_2D, name, MIRRORED_REPEAT)
         filters = {
@@ -109,11 +109,11 @@ class Pictures:
             ("nearest", "linear"): moderngl.NEAREST_MIPMAP_LINEAR,
             ("linear", "linear"): moderngl.LINEAR_MIPMAP_LINEAR,
         }
-        if given.mipmaps is not None:
-            made.build_mipmaps()
-        magnify = moderngl.NEAREST if given.magnify == "nearest" else moderngl.LINEAR
-        made.filter = filters[given.minify, given.mipmaps], magnify
-        return made
+        if texture_map.mipmaps is not None:
+            upload.build_mipmaps()
+        magnify = moderngl.NEAREST if texture_map.magnify == "nearest" else moderngl.LINEAR
+        upload.filter = filters[texture_map.minify, texture_map.mipmaps], magnify
+        return upload
 
 
 def _means(pixels: NDArray[np.uint8], step: int, *, encoded: bool) -> NDArray[np.uint8]:
@@ -121,16 +121,16 @@ def _means(pixels: NDArray[np.uint8], step: int, *, encoded: bool) -> NDArray[np
     height, width = pixels.shape[:2]
     starts = np.arange(0, width, step)
     counts = np.diff([*starts, width])[:, None]
-    made = np.empty((-(-height // step), len(starts), 4), np.uint8)
-    for row in range(len(made)):
+    means = np.empty((-(-height // step), len(starts), 4), np.uint8)
+    for row in range(len(means)):
         part = pixels[row * step : (row + 1) * step] / 255.0
         if encoded:
             part[..., :3] = to_linear(part[..., :3])
         mean = np.add.reduceat(part.mean(axis=0), starts, axis=0) / counts
         if encoded:
             mean[:, :3] = to_srgb(mean[:, :3])
-        made[row] = np.rint(255.0 * mean)
-    return made
+        means[row] = np.rint(255.0 * mean)
+    return means
 
 
 class DrawnPart:
@@ -289,7 +289,7 @@ def mirrored_table() -> NDArray[np.float32]:
 
 def _reversed_bits(number: NDArray[np.int64]) -> NDArray[np.float64]:
     """Van der Corput's sequence in base 2, 0 to 1."""
-    made = np.zeros(len(number))
+    reversed_bits = np.zeros(len(number))
     for bit in range(16):
-        made += ((number >> bit) & 1) * 2.0 ** -(bit + 1)
-    return made
+        reversed_bits += ((number >> bit) & 1) * 2.0 ** -(bit + 1)
+    return reversed_bits

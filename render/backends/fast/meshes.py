@@ -87,14 +87,14 @@ class RenderMesh:
         self._held = []
 
     def _buffer(self, data: NDArray[Any], *, dynamic: bool = False) -> Any:
-        made = self._gl.buffer(np.ascontiguousarray(data), dynamic=dynamic)
-        self._held.append(made)
-        return made
+        buffer = self._gl.buffer(np.ascontiguousarray(data), dynamic=dynamic)
+        self._held.append(buffer)
+        return buffer
 
     def _array(self, program: Any, content: Any, corners: Any) -> Any:
-        made = self._gl.vertex_array(program, content, corners)
-        self._held.append(made)
-        return made
+        array = self._gl.vertex_array(program, content, corners)
+        self._held.append(array)
+        return array
 
 
 class SkinnedMesh:
@@ -334,9 +334,9 @@ class MeshParts:
                 self._bare.tell_unit(part.program, name, unit)
 
     def _buffer(self, data: NDArray[Any]) -> Any:
-        made = self._gl.buffer(np.ascontiguousarray(data))
-        self._held.append(made)
-        return made
+        buffer = self._gl.buffer(np.ascontiguousarray(data))
+        self._held.append(buffer)
+        return buffer
 
     def _look_up(self, buffer: Any, form: int) -> int:
         self._shown.append(self._bare.look_up(buffer, form))

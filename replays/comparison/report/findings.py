@@ -155,10 +155,10 @@ def _at_their_best(results: Results) -> Iterator[str]:
             continue
         same = [motion for motion, ratio in ratios.items() if abs(ratio - 1.0) <= PRACTICAL_SHARE]
         less = [motion for motion, ratio in ratios.items() if ratio < 1.0 - PRACTICAL_SHARE]
-        told = f"`{name}` comes within 1 % of motors on {len(same)} of {len(ratios)} motions"
-        told += _named(same, len(ratios))
+        text = f"`{name}` comes within 1 % of motors on {len(same)} of {len(ratios)} motions"
+        text += _named(same, len(ratios))
         far = max(ratios, key=lambda motion: ratios[motion])
-        parts = [told]
+        parts = [text]
         if less:
             low = min(ratios, key=lambda motion: ratios[motion])
             parts.append(
@@ -249,10 +249,10 @@ def _frames(results: Results) -> Iterator[str]:
         ours = [row for row in ours if row not in idle]
         both = [f"`{row['method']}`" for row in ours if _defect(row) <= _FRAME_BOUND]
         world = [row for row in ours if _defect(row, ("left",)) <= _FRAME_BOUND]
-        told = f"{len(both) or 'none'} of {len(ours)} methods give the same answer in every frame"
+        text = f"{len(both) or 'none'} of {len(ours)} methods give the same answer in every frame"
         if both:
-            told += f" ({listed(both)})"
-        yield f"On `{name}`, {told}; {len(world) or 'none'} in every world frame."
+            text += f" ({listed(both)})"
+        yield f"On `{name}`, {text}; {len(world) or 'none'} in every world frame."
         if idle:
             names = [f"`{row['method']}`" for row in idle]
             yield f"On `{name}`, {listed(names)} found no parameters that help, and does nothing."

@@ -233,11 +233,11 @@ def _on_axis(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 def _parameters(results: Results, motion: str, degradation: str) -> list[dict[str, Any]]:
     """A row a method: each representation's parameters as text."""
     found = results.parameters(motion, degradation)
-    made = []
+    parameters = []
     for method in results.methods:
         cells = [_parameter_text(found.get((method, one))) for one in results.representations]
-        made.append({"method": method, "cells": cells})
-    return made
+        parameters.append({"method": method, "cells": cells})
+    return parameters
 
 
 def _parameter_text(row: Mapping[str, Any] | None) -> list[str]:

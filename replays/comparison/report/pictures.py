@@ -86,8 +86,10 @@ def method_apart(results: Results, motion: str, degradation: str) -> str | None:
 
     def apart(method: str) -> float:
         at = {
-            one: results.figures.get((motion, degradation, method, one, "rotation_rmse_deg"))
-            for one in results.representations
+            representation: results.figures.get(
+                (motion, degradation, method, representation, "rotation_rmse_deg")
+            )
+            for representation in results.representations
         }
         base = at.get(REFERENCE)
         known = [one.mean for one in at.values() if one is not None]
@@ -257,7 +259,9 @@ def crossing(replayed: Replayed) -> Crossing:
         strip=[(name, [_moment(points, errors, name, i) for i in columns]) for name in paths],
         moments_s=[f"{replayed.time_s[i]:.2f} s" for i in columns],
         curves={
-            name: _curve(replayed.time_s, one) for name, one in errors.items() if name != "truth"
+            name: _curve(replayed.time_s, error)
+            for name, error in errors.items()
+            if name != "truth"
         },
         ticks=[(f"{deg:g}°", _height(np.array(deg)).item()) for deg in (0.1, 1.0, 10.0, 100.0)],
         worst_deg={name: float(np.max(one)) for name, one in errors.items() if name != "truth"},

@@ -82,13 +82,13 @@ class Results:
             ValueError: a ``results.json`` of another format.
         """
         path = folder / "results.json"
-        told = json.loads(read_bounded(path, MAX_FILE_BYTES))
-        if not isinstance(told, dict) or told.get("format") != FORMAT:
+        document = json.loads(read_bounded(path, MAX_FILE_BYTES))
+        if not isinstance(document, dict) or document.get("format") != FORMAT:
             raise ValueError(f"{path}: expected format {FORMAT!r}")
         groups = read_bounded(folder / "groups.csv", MAX_FILE_BYTES).decode("utf-8")
         rows = csv.DictReader(io.StringIO(groups, newline=""))
         figures = {_key(row): _figure(row) for row in rows}
-        return cls(told, figures)
+        return cls(document, figures)
 
     @property
     def drawn_from(self) -> str:

@@ -135,10 +135,10 @@ def read_sweep(path: Path, graph: Graph) -> Sweep:
                 parse_knobs([f"{name}={value}"], graph)
     except GraphError as fault:
         raise GraphError(f"{path}: {fault}") from fault
-    made = Sweep(_recordings(top), seeds, knobs, until)
-    if len(made) > MOST_RUNS:
-        raise refusal(path, f"expected at most {MOST_RUNS} runs, got {len(made)}")
-    return made
+    sweep = Sweep(_recordings(top), seeds, knobs, until)
+    if len(sweep) > MOST_RUNS:
+        raise refusal(path, f"expected at most {MOST_RUNS} runs, got {len(sweep)}")
+    return sweep
 
 
 def _seeds(top: Section) -> tuple[int | None, ...]:

@@ -198,11 +198,11 @@ def report_page(plan: Sweep, rows: Sequence[Row], left: int = 0) -> str:
 
 def _headline(plan: Sweep) -> str:
     varied = [f"{name} ({len(values)})" for name, values in plan.knobs if len(values) > 1]
-    told = f"Every combination of {', '.join(varied)}." if varied else "No knob varies."
+    text = f"Every combination of {', '.join(varied)}." if varied else "No knob varies."
     fixed = [f"{name} = {values[0]}" for name, values in plan.knobs if len(values) == 1]
     if fixed:
-        told += f" In all runs: {', '.join(fixed)}."
-    return f"{told} Each run goes up to the stage “{plan.until}”."
+        text += f" In all runs: {', '.join(fixed)}."
+    return f"{text} Each run goes up to the stage “{plan.until}”."
 
 
 def _caption(shown: int, count: int) -> str:
@@ -251,9 +251,9 @@ def _medians(
         [
             *map(_label, named),
             PageCell(str(len(groups[named])), len(groups[named])),
-            *(_figure(key, one[key], best[key]) for key in figures),
+            *(_figure(key, value[key], best[key]) for key in figures),
         ]
-        for named, one in values.items()
+        for named, value in values.items()
     ]
     return {"heads": heads, "rows": cells}
 

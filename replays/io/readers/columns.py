@@ -232,10 +232,10 @@ def _meant(words: list[str], unit: str, quantities: tuple[Quantity, ...]) -> tup
         rest = words[: len(words) - len(ending)]
         if not rest or tuple(words[len(rest) :]) != ending:
             continue
-        for one in quantities:
-            axis = one.axis(rest)
+        for quantity in quantities:
+            axis = quantity.axis(rest)
             if axis is not None:
-                return one.label + axis, unit or "_".join(ending)
+                return quantity.label + axis, unit or "_".join(ending)
     return None, unit
 
 

@@ -93,17 +93,17 @@ def gopro_camera(path: Path) -> GoProCamera | None:
 
 def _settings(body: bytes, path: Path) -> dict[bytes, bytes | float | None]:
     """Values of the entries of all devices: text as bytes, numbers as their first."""
-    found: dict[bytes, bytes | float | None] = {}
+    settings: dict[bytes, bytes | float | None] = {}
     try:
         for device in items(body, path):
-            for one in items(device.body, path) if not device.kind else ():
-                if one.kind == "c":
-                    found[one.key] = one.body.split(b"\0")[0]
-                elif one.kind and one.kind not in "?UFG":
-                    found[one.key] = float(numbers(one, path).ravel()[0])
+            for item in items(device.body, path) if not device.kind else ():
+                if item.kind == "c":
+                    settings[item.key] = item.body.split(b"\0")[0]
+                elif item.kind and item.kind not in "?UFG":
+                    settings[item.key] = float(numbers(item, path).ravel()[0])
     except (ValueError, IndexError):
-        return found
-    return found
+        return settings
+    return settings
 
 
 def _text(value: bytes | float | None) -> str | None:

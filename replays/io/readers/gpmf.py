@@ -101,12 +101,12 @@ def _sensors(data: bytes, path: Path, stored: str = DEFAULT_ORDER) -> dict[bytes
     for device in items(data, path):
         if device.key != b"DEVC" or device.kind:
             continue
-        found: dict[bytes, FloatArray] = {}
+        sensors: dict[bytes, FloatArray] = {}
         for stream in items(device.body, path):
             if stream.key == b"STRM" and not stream.kind:
-                found |= _stream(stream.body, path, stored)
-        if len(found) == 2:
-            return found
+                sensors |= _stream(stream.body, path, stored)
+        if len(sensors) == 2:
+            return sensors
     return {}
 
 
@@ -115,8 +115,8 @@ def _stream(data: bytes, path: Path, stored: str) -> dict[bytes, FloatArray]:
     units = {b"ACCL": (b"m/s\xb2", b"m/s2"), b"GYRO": (b"rad/s",)}
     for key in units.keys() & known.keys():
         field = f"telemetry {key.decode()}"
-        given = known.get(b"SIUN")
-        unit = b"" if given is None else given.body[: given.size].rstrip(b"\0 ")
+        value = known.get(b"SIUN")
+        unit = b"" if value is None else value.body[: value.size].rstrip(b"\0 ")
         if unit not in units[key]:
             raise refusal(path, f"expected {units[key][0]!r}, got {unit!r}", field=field)
         scale = numbers(known[b"SCAL"], path).ravel() if b"SCAL" in known else np.ones(1)

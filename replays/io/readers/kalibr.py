@@ -135,10 +135,10 @@ def read_extrinsics(path: Path) -> Motor:
     data = read_bounded(path, TRANSFORM_LIMIT)
     if data.lstrip().startswith(b"{") and all(key.encode() in data for key in _EXTRINSIC_KEYS):
         return _of_sync(path, data)
-    found = read_transform(path)
-    if not isinstance(found, Motor):
+    extrinsics = read_transform(path)
+    if not isinstance(extrinsics, Motor):
         raise refusal(path, "expected a rigid motion, got one with a scale")
-    return found
+    return extrinsics
 
 
 def read_offset(path: Path) -> float | None:
@@ -157,8 +157,8 @@ def read_offset(path: Path) -> float | None:
 
 def _of_sync(path: Path, data: bytes) -> Motor:
     try:
-        given = json.loads(data)
-        turn, place = ([float(one) for one in given[key]] for key in _EXTRINSIC_KEYS)
+        document = json.loads(data)
+        turn, place = ([float(one) for one in document[key]] for key in _EXTRINSIC_KEYS)
         if len(turn) != 4 or len(place) != 3 or not abs(sum(q * q for q in turn) - 1.0) < 1e-3:
             raise ValueError(f"a unit quaternion and a place, got {turn}, {place}")
         return Motor.from_quaternion_translation(turn, place)

@@ -84,13 +84,13 @@ def read_imu_of(path: Path) -> ImuStream:
         RecordingError: a video or a recording without an IMU, or what their readers refuse.
     """
     if video.recognise(path):
-        found = read_telemetry(path)
+        imu = read_telemetry(path)
     elif path.is_dir() and euroc.recognise(path) and not (path / manifests.LOCAL_NAME).exists():
-        found = euroc.read_own_imu(path)
+        imu = euroc.read_own_imu(path)
     elif path.is_dir() or ros.recognise(path):
-        found = open_recording(path).imu
+        imu = open_recording(path).imu
     else:
-        found = read_imu(path)
-    if found is None:
+        imu = read_imu(path)
+    if imu is None:
         raise refusal(path, "expected accelerometer and gyroscope, got a recording without them")
-    return found
+    return imu

@@ -145,15 +145,15 @@ def open_described(
     with off_record():
         recording = recording.intact()
     run = description_graph().run(STAGE, {"recording": recording}, cache, knobs)
-    found: Description = run.outputs[STAGE]
-    for one in found.assumed:
+    description: Description = run.outputs[STAGE]
+    for one in description.assumed:
         log.info("assumed %s", one)
     before = "" if given is None else read_bounded(given, TOML_LIMIT).decode()
-    text = found.manifest(before)
+    text = description.manifest(before)
     place = cache / f"manifest-{hashlib.sha256(text.encode()).hexdigest()[:16]}.toml"
     write_bytes(place, text.encode())
     seconds = run.records[0].seconds
-    return OpenedRecording(open_recording(path, place), text, found.assumed, seconds)
+    return OpenedRecording(open_recording(path, place), text, description.assumed, seconds)
 
 
 def _given(path: Path, manifest: Path | None) -> Path | None:
@@ -247,18 +247,18 @@ def _named(recording: Recording, name: str, pictures: tuple[GrayImage, ...]) -> 
     if recording.board is not None or recording.markers is not None:
         problem = "expected no board's name beside a manifest's [board] or [markers]"
         raise ValueError(f"{recording.name}: described.board: {problem}, got {name}; say it once")
-    found = seen_board(board, pictures)
-    if len(found.pictures) >= _ENOUGH_SHARE * found.searched:
-        return found
+    named = seen_board(board, pictures)
+    if len(named.pictures) >= _ENOUGH_SHARE * named.searched:
+        return named
     counted = find_target(pictures)
-    seen = f"{name} is in {len(found.pictures)} of {found.searched} pictures"
+    seen = f"{name} is in {len(named.pictures)} of {named.searched} pictures"
     other = "" if counted is None else f"; they show {counted.summary}"
-    if not found.pictures:
+    if not named.pictures:
         raise ValueError(
             f"{recording.name}: described.board: expected a board that is in view, but {seen}"
             f"{other}; leave --board out, or name the one in view"
         )
-    return replace(found, doubt=f"{seen}{other}")
+    return replace(named, doubt=f"{seen}{other}")
 
 
 class _Describing:
@@ -308,28 +308,35 @@ class _Describing:
         self.stated = stated_lens(self.recording, size)
         if fov_deg is not None:
             said = f"a lens without distortion that sees {fov_deg:g} degrees"
-            found = FoundCamera(camera_by_view(size, fov_deg), said, "what was told", target)
+            camera_of_footage = FoundCamera(
+                camera_by_view(size, fov_deg), said, "what was told", target
+            )
         elif target is not None:
             try:
-                found = self._checked(camera_by_target(target, sample))
+                camera_of_footage = self._checked(camera_by_target(target, sample))
             except ValueError as why:
                 if len(target.pictures) < _ENOUGH_SHARE * target.searched:
                     problem = (
                         f"{self.recording.name}: {target.summary}, do not tell its camera: {why}"
                     )
-                    found = replace(self._camera_of_motion(size, problem), target=target)
+                    camera_of_footage = replace(
+                        self._camera_of_motion(size, problem), target=target
+                    )
                 else:
-                    found = self._as_stated(target, size, why)
+                    camera_of_footage = self._as_stated(target, size, why)
         else:
             problem = f"{self.recording.name}: no camera known, no board or markers in its pictures"
-            found = self._camera_of_motion(size, problem)
+            camera_of_footage = self._camera_of_motion(size, problem)
         if target is None:
             self._tracked_without_target()
-        self.doubts += found.doubts
-        said = "; ".join((found.said, *found.doubts))
-        self._assume("camera", said, found.source, "described.fov_deg=65")
+        self.doubts += camera_of_footage.doubts
+        said = "; ".join((camera_of_footage.said, *camera_of_footage.doubts))
+        self._assume("camera", said, camera_of_footage.source, "described.fov_deg=65")
         # A sensor reads the rows that it stores, from the first on.
-        readout_s, source = float(np.dot(found.shutter_s, self.recording.rows_run)), found.source
+        readout_s, source = (
+            float(np.dot(camera_of_footage.shutter_s, self.recording.rows_run)),
+            camera_of_footage.source,
+        )
         if readout_s <= 0.0 and self.stated is not None:
             readout_s, source = self.stated.readout_s, self.stated.said
         readout = ""
@@ -337,10 +344,10 @@ class _Describing:
             readout = f"readout_s = {readout_s!r}\n"
             said = f"{1e3 * readout_s:.1f} ms from a picture's first row to its last"
             self._assume("rolling shutter", said, source, "readout_s under [camera]")
-        if found.sigma:
-            readout += f"focal_sigma = {found.sigma!r}\n"
-        self._tables.append(camera_toml(found.camera, self._turned_deg()) + readout)
-        return found
+        if camera_of_footage.sigma:
+            readout += f"focal_sigma = {camera_of_footage.sigma!r}\n"
+        self._tables.append(camera_toml(camera_of_footage.camera, self._turned_deg()) + readout)
+        return camera_of_footage
 
     def _turned_deg(self) -> int:
         """By how much the pictures are turned to be shown: the camera is of those shown."""
@@ -413,15 +420,15 @@ class _Describing:
             stated.camera, stated.said, "the file's own notes", target, doubts=doubts
         )
 
-    def _checked(self, found: FoundCamera) -> FoundCamera:
+    def _checked(self, found_camera: FoundCamera) -> FoundCamera:
         """A camera that was found, doubted where the file states quite another."""
         stated = self.stated
         if stated is None or stated.camera is None:
-            return found
-        if abs(found.camera.fx / stated.camera.fx - 1.0) <= AGREES_SHARE:
-            return found
+            return found_camera
+        if abs(found_camera.camera.fx / stated.camera.fx - 1.0) <= AGREES_SHARE:
+            return found_camera
         doubt = f"the file says otherwise: {stated.said}"
-        return replace(found, doubts=(*found.doubts, doubt))
+        return replace(found_camera, doubts=(*found_camera.doubts, doubt))
 
     def _turns(self, imu: ImuStream) -> SeenTurns:
         if self._seen_turns is None:

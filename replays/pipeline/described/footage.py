@@ -144,19 +144,30 @@ def camera_by_motion(frames: FrameSequence, size: tuple[int, int]) -> FoundCamer
     return _said(self_calibrate_motion(pictures, size, frames.time_ns), "the motion of the scene")
 
 
-def _said(made: SelfCalibration, by: str, target: FoundTarget | None = None) -> FoundCamera:
+def _said(
+    self_calibration: SelfCalibration, by: str, target: FoundTarget | None = None
+) -> FoundCamera:
     said = (
-        f"{made.camera.model}, focal length {made.camera.fx:.0f} px ± "
-        f"{100.0 * made.sigma_focal:.2g} %, {made.rms_px:.2g} px RMS over {made.views} frames"
+        f"{self_calibration.camera.model}, focal length {self_calibration.camera.fx:.0f} px ± "
+        f"{100.0 * self_calibration.sigma_focal:.2g} %, {self_calibration.rms_px:.2g} px RMS "
+        f"over {self_calibration.views} frames"
     )
     source = f"self-calibration by {by}"
-    shutter_s = _shutter_s(made)
-    return FoundCamera(made.camera, said, source, target, shutter_s, made.doubts, made.sigma_focal)
+    shutter_s = _shutter_s(self_calibration)
+    return FoundCamera(
+        self_calibration.camera,
+        said,
+        source,
+        target,
+        shutter_s,
+        self_calibration.doubts,
+        self_calibration.sigma_focal,
+    )
 
 
-def _shutter_s(made: SelfCalibration) -> tuple[float, float]:
+def _shutter_s(self_calibration: SelfCalibration) -> tuple[float, float]:
     """The read-out along both axes, where it is more than its own uncertainty."""
-    readout = made.readout
+    readout = self_calibration.readout
     if readout is None or readout.seconds < _SURE_SIGMAS * readout.sigma_s:
         return 0.0, 0.0
     way = {"right": (1.0, 0.0), "left": (-1.0, 0.0), "down": (0.0, 1.0), "up": (0.0, -1.0)}

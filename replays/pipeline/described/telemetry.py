@@ -66,14 +66,18 @@ def check_axes(turns: SeenTurns, camera: Camera, imu_R_camera: FloatArray) -> Ax
 
     Breaks down where near things pass by: that the camera moves counts as turning here.
     """
-    seen, told = turns.seen_rad_s(camera), turns.rate_rad_s
+    seen, stated_rad_s = turns.seen_rad_s(camera), turns.rate_rad_s
     known = np.isfinite(seen).all(axis=-1)
-    seen, told = seen[known], told[known]
-    sizes = float(np.linalg.norm(seen) * np.linalg.norm(told))
-    if len(seen) < _FEWEST_PAIRS or np.sqrt((told**2).sum(axis=-1).mean()) < _LEAST_RATE_RAD_S:
+    seen, stated_rad_s = seen[known], stated_rad_s[known]
+    sizes = float(np.linalg.norm(seen) * np.linalg.norm(stated_rad_s))
+    if (
+        len(seen) < _FEWEST_PAIRS
+        or np.sqrt((stated_rad_s**2).sum(axis=-1).mean()) < _LEAST_RATE_RAD_S
+    ):
         return AxesCheck("do not tell", 0.0, 0.0)
     likeness = {
-        way.tobytes(): float(((seen @ way.T) * told).sum()) / max(sizes, 1e-12) for way in _ways()
+        way.tobytes(): float(((seen @ way.T) * stated_rad_s).sum()) / max(sizes, 1e-12)
+        for way in _ways()
     }
     stated, best = likeness[(np.rint(imu_R_camera) + 0.0).tobytes()], max(likeness.values())
     if stated >= _ALIKE and best - stated <= _AS_GOOD:
@@ -84,13 +88,13 @@ def check_axes(turns: SeenTurns, camera: Camera, imu_R_camera: FloatArray) -> Ax
 
 def _ways() -> list[FloatArray]:
     """All rotations ``(3, 3)`` that lay axes on axes."""
-    made = []
+    ways = []
     for order, signs in product(permutations(range(3)), product((1.0, -1.0), repeat=3)):
         way = np.zeros((3, 3))
         way[range(3), order] = signs
         if np.linalg.det(way) > 0.0:
-            made.append(way + 0.0)
-    return made
+            ways.append(way + 0.0)
+    return ways
 
 
 @dataclass(frozen=True, eq=False)

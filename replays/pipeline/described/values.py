@@ -89,10 +89,10 @@ class Description:
     doubts: tuple[str, ...] = ()
     span: str = ""
 
-    def manifest(self, given: str) -> str:
+    def manifest(self, value: str) -> str:
         """The text of a manifest that says all this beside what the given one says, if any."""
         said = "".join(f"# {one}\n" for one in self.assumed)
-        stated = tomllib.loads(given)
+        stated = tomllib.loads(value)
         lists = "".join(  # before all tables; TOML reads such strings as JSON does
             f"{key} = {json.dumps(texts, ensure_ascii=False)}\n"
             for key, texts in (("settings", self.settings), ("doubts", self.doubts))
@@ -100,10 +100,10 @@ class Description:
         )
         span = ""
         if self.span and "frames" in stated:
-            given = re.sub(r"(?m)^\s*\[frames\].*$", rf"\g<0>\n{self.span}", given, count=1)
+            value = re.sub(r"(?m)^\s*\[frames\].*$", rf"\g<0>\n{self.span}", value, count=1)
         elif self.span:
             span = f"[frames]\n{self.span}"
-        return "\n".join(text for text in (said, lists, given, span, self.tables) if text)
+        return "\n".join(text for text in (said, lists, value, span, self.tables) if text)
 
 
 @dataclass(frozen=True, eq=False)

@@ -126,9 +126,9 @@ def colmap_camera(camera: Camera) -> tuple[str, list[float]]:
 
 def _cameras(camera: Camera) -> str:
     model, numbers = colmap_camera(camera)
-    told = " ".join(repr(float(one)) for one in numbers)
+    text = " ".join(repr(float(one)) for one in numbers)
     head = "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]"
-    return f"{head}\n1 {model} {camera.width} {camera.height} {told}\n"
+    return f"{head}\n1 {model} {camera.width} {camera.height} {text}\n"
 
 
 def _images(pictures: PosedPictures) -> str:

@@ -211,24 +211,26 @@ def joint_paths(skeleton: Skeleton) -> list[str]:
 def _add_skeleton(stage: Usd.Stage, place: Sdf.Path, skeleton: Skeleton) -> Any:
     from pxr import UsdSkel
 
-    made = UsdSkel.Skeleton.Define(stage, place)
-    made.CreateJointsAttr(joint_paths(skeleton))
-    made.CreateBindTransformsAttr([as_matrix(one) for one in skeleton.rest_world.as_matrix()])
-    made.CreateRestTransformsAttr([as_matrix(one) for one in skeleton.rest.as_matrix()])
-    return made
+    skeleton_prim = UsdSkel.Skeleton.Define(stage, place)
+    skeleton_prim.CreateJointsAttr(joint_paths(skeleton))
+    skeleton_prim.CreateBindTransformsAttr(
+        [as_matrix(one) for one in skeleton.rest_world.as_matrix()]
+    )
+    skeleton_prim.CreateRestTransformsAttr([as_matrix(one) for one in skeleton.rest.as_matrix()])
+    return skeleton_prim
 
 
 def _add_motion(stage: Usd.Stage, place: Sdf.Path, who: Performer, clock: UsdClock) -> Any:
     """The joints' poses, and weights of morph targets, at each frame."""
     from pxr import UsdSkel, Vt
 
-    made = UsdSkel.Animation.Define(stage, place)
-    made.CreateJointsAttr(joint_paths(who.character.skeleton))
-    moves, turns = made.CreateTranslationsAttr(), made.CreateRotationsAttr()
-    scales, weights = made.CreateScalesAttr(), None
+    animation = UsdSkel.Animation.Define(stage, place)
+    animation.CreateJointsAttr(joint_paths(who.character.skeleton))
+    moves, turns = animation.CreateTranslationsAttr(), animation.CreateRotationsAttr()
+    scales, weights = animation.CreateScalesAttr(), None
     if who.character.morphs:
-        made.CreateBlendShapesAttr(_morph_names(who.character))
-        weights = made.CreateBlendShapeWeightsAttr()
+        animation.CreateBlendShapesAttr(_morph_names(who.character))
+        weights = animation.CreateBlendShapeWeightsAttr()
     for code, time_s in zip(clock.codes.tolist(), clock.since_start_s.tolist(), strict=True):
         pose = who.clip.at(time_s)
         wxyz = pose.rotor.as_quaternion().astype(np.float32)
@@ -242,7 +244,7 @@ def _add_motion(stage: Usd.Stage, place: Sdf.Path, who: Performer, clock: UsdClo
             weights.Set(
                 Vt.FloatArray(list(map(float, at_rest if shares is None else shares))), code
             )
-    return made
+    return animation
 
 
 def _morph_names(character: Character) -> list[str]:
@@ -250,8 +252,8 @@ def _morph_names(character: Character) -> list[str]:
     from pxr import Tf
 
     return [
-        Tf.MakeValidIdentifier(f"{one.name}_{number}")
-        for number, one in enumerate(character.morphs)
+        Tf.MakeValidIdentifier(f"{morph.name}_{number}")
+        for number, morph in enumerate(character.morphs)
     ]
 
 
@@ -281,11 +283,11 @@ def _add_mesh(stage: Usd.Stage, place: Sdf.Path, character: Character) -> Any:
         names = _morph_names(character)
         binding.CreateBlendShapesAttr().Set(names)
         targets = binding.CreateBlendShapeTargetsRel()
-        for name, one in zip(names, character.morphs, strict=True):
+        for name, morph in zip(names, character.morphs, strict=True):
             shape = UsdSkel.BlendShape.Define(stage, place.AppendChild(name))
-            shape.CreateOffsetsAttr(_floats(one.positions))
-            shape.CreateNormalOffsetsAttr(_floats(one.normals))
-            shape.CreatePointIndicesAttr(Vt.IntArray(one.rows.tolist()))
+            shape.CreateOffsetsAttr(_floats(morph.positions))
+            shape.CreateNormalOffsetsAttr(_floats(morph.normals))
+            shape.CreatePointIndicesAttr(Vt.IntArray(morph.rows.tolist()))
             targets.AddTarget(shape.GetPath())
     return mesh.GetPrim()
 

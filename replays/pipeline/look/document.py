@@ -178,13 +178,13 @@ def _plot(
     title: str,
     unit: str,
     lines: Mapping[str, tuple[FloatArray, FloatArray]],
-    told: Mapping[str, str],
+    fields: Mapping[str, str],
     later_s: float,
 ) -> dict[str, Any]:
     series = [
-        _line(key, told[key], time_s + later_s, values)
+        _line(key, fields[key], time_s + later_s, values)
         for key, (time_s, values) in lines.items()
-        if len(time_s) and key in told
+        if len(time_s) and key in fields
     ]
     return {"name": name, "title": title, "unit": unit, "log": True, "series": series}
 
@@ -230,8 +230,13 @@ def shown_states(findings: Findings, start_ns: int) -> list[dict[str, Any]]:
     out = np.flatnonzero(~findings.fused.accepted)
     stamps = (findings.fused.trajectory.time_ns[out] - start_ns) * 1e-9
     spans += [
-        {"from_s": one, "to_s": one, "state": "left out", "why": "the filter left this pose out"}
-        for one in stamps.tolist()
+        {
+            "from_s": stamp,
+            "to_s": stamp,
+            "state": "left out",
+            "why": "the filter left this pose out",
+        }
+        for stamp in stamps.tolist()
     ]
     return sorted(spans, key=lambda span: span["from_s"])
 

@@ -75,8 +75,8 @@ def shown_paths(findings: Findings, time_ns: IntArray) -> list[dict[str, Any]]:
         paths["truth"] = truth
     start_ns = int(time_ns[0])
     return [
-        _shown(name, told.get(name) or LABELS[name], one, time_ns, start_ns)
-        for name, one in paths.items()
+        _shown(name, told.get(name) or LABELS[name], path, time_ns, start_ns)
+        for name, path in paths.items()
     ]
 
 

@@ -38,8 +38,8 @@ def open_look(folder: Path) -> LookedAt:
     named: dict[str, Any] = {one.name: outputs.get(one.name) for one in fields(Findings)}
     findings = Findings(**named | {"recording": recording})
     markers = outputs.get("marker_poses")
-    found = None if markers is None else markers.marker_map
-    return LookedAt(findings, found, headline(findings))
+    marker_map = None if markers is None else markers.marker_map
+    return LookedAt(findings, marker_map, headline(findings))
 
 
 def write_view(folders: list[Path], out: Path) -> list[Path]:

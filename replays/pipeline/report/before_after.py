@@ -172,9 +172,9 @@ def _seen_px(path: Trajectory, stamps: np.ndarray, spot: FloatArray, lens: Camer
     at = path.motors_at(stamps).inverse().apply(spot)
     usual = float(np.median(at[:, 2]))
     far = at[:, 2] > max(NEAREST * usual, 1e-9)
-    found = np.full((len(at), 2), np.nan)
-    found[far] = lens.project(at[far])
-    return found
+    seen_px = np.full((len(at), 2), np.nan)
+    seen_px[far] = lens.project(at[far])
+    return seen_px
 
 
 def _slow(values: FloatArray, time_s: FloatArray, at_s: FloatArray) -> FloatArray:

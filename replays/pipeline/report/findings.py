@@ -131,11 +131,11 @@ def alike(smoothed: SmoothedPaths, *, metric: bool) -> dict[str, tuple[str, ...]
     return found
 
 
-def _is_alike(one: Trajectory, other: Trajectory, metric: bool) -> bool:
-    if not np.array_equal(one.time_ns, other.time_ns):
+def _is_alike(trajectory: Trajectory, other: Trajectory, metric: bool) -> bool:
+    if not np.array_equal(trajectory.time_ns, other.time_ns):
         return False
-    apart = one.motors.inverse() @ other.motors
-    reach = float(np.linalg.norm(np.ptp(one.motors.translation_m, axis=0)))
+    apart = trajectory.motors.inverse() @ other.motors
+    reach = float(np.linalg.norm(np.ptp(trajectory.motors.translation_m, axis=0)))
     limit = max(ALIKE_SHARE * reach, ALIKE_M if metric else 0.0)
     turned = np.rad2deg(np.linalg.norm(apart.rotor.as_rotation_vector(), axis=-1))
     moved = np.linalg.norm(apart.translation_m, axis=-1)

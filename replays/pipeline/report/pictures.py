@@ -130,7 +130,7 @@ def _slam(findings: Findings, lost: Spans) -> tuple[PagePlot, ...]:
         for one in happened[:_MOST_EVENTS]
     )
     more = " and more" if len(happened) > _MOST_EVENTS else ""
-    told = f" {first[:1].upper()}{first[1:]}{more}." if happened else ""
+    text = f" {first[:1].upper()}{first[1:]}{more}." if happened else ""
     corners = plot_series(
         {"measured": (time_s, history.inliers.astype(np.float64))},
         "corners that the pose explains",
@@ -143,7 +143,7 @@ def _slam(findings: Findings, lost: Spans) -> tuple[PagePlot, ...]:
         "keyframes",
         shaded_s=lost,
     )
-    caption = f"Frames: {', '.join(states)}.{told}{_inertial(findings)}"
+    caption = f"Frames: {', '.join(states)}.{text}{_inertial(findings)}"
     return (
         PagePlot("Corners that the pose explains", caption, corners, ("measured",)),
         PagePlot("Keyframes", "In all maps together.", keyframes, ("measured",)),
@@ -152,16 +152,18 @@ def _slam(findings: Findings, lost: Spans) -> tuple[PagePlot, ...]:
 
 def _inertial(findings: Findings) -> str:
     """What the IMU inside told, as further sentences of a caption."""
-    told = findings.camera_poses.inertial
-    if told is None:
+    inertial = findings.camera_poses.inertial
+    if inertial is None:
         return ""
-    states = ", ".join(f"{count} {state}" for state, count in told.frames_in_state.items())
-    across, down, ahead = told.gravity_direction
+    states = ", ".join(f"{count} {state}" for state, count in inertial.frames_in_state.items())
+    across, down, ahead = inertial.gravity_direction
     return (
-        f" With the IMU: {states}. The map has been in metres since {told.metric_from_s:.2f} s, "
-        f"when its unit was {told.metres_a_unit:.4g} m ± {100 * told.scale_sigma:.2g} %. Gravity "
+        f" With the IMU: {states}. The map has been in metres since "
+        f"{inertial.metric_from_s:.2f} s, "
+        f"when its unit was {inertial.metres_a_unit:.4g} m ± {100 * inertial.scale_sigma:.2g} %. "
+        "Gravity "
         f"is along ({across:.3f}, {down:.3f}, {ahead:.3f}) in the axes of the map's first camera, "
-        f"± {np.rad2deg(told.tilt_sigma_rad):.2g}°."
+        f"± {np.rad2deg(inertial.tilt_sigma_rad):.2g}°."
     )
 
 
@@ -323,19 +325,20 @@ def _floor(findings: Findings) -> str:
 
 
 def _tilt(findings: Findings) -> list[PagePlot]:
-    found = findings.convergence
-    if not len(found.time_s):
+    convergence = findings.convergence
+    if not len(convergence.time_s):
         return []
     settled = (
-        f"it is below a tenth of that for good after {found.settled_s:.2f} s"
-        if found.settled_s is not None
+        f"it is below a tenth of that for good after {convergence.settled_s:.2f} s"
+        if convergence.settled_s is not None
         else "it does not settle below a tenth of that here"
     )
     caption = (
-        f"The filter once more, forwards only, started {found.initial_tilt_deg:g}° wrong in tilt "
-        f"with zero biases, judged by the {found.judged_by}: {settled}."
+        "The filter once more, forwards only, started "
+        f"{convergence.initial_tilt_deg:g}° wrong in tilt "
+        f"with zero biases, judged by the {convergence.judged_by}: {settled}."
     )
-    series = {"fused": (found.time_s, found.tilt_error_deg)}
+    series = {"fused": (convergence.time_s, convergence.tilt_error_deg)}
     svg = plot_series(series, "tilt error", "tilt error (°)", log_scale=True)
     return [PagePlot("Convergence from a wrong start", caption, svg, ("fused",))]
 

@@ -96,12 +96,12 @@ def _cast(findings: Findings) -> dict[str, Any] | None:
                 "worst_foot_slide_m": part.worst_slide_m,
                 "states": [
                     {
-                        "state": one.state,
-                        "clip": one.clip,
-                        "start_s": one.start_s,
-                        "end_s": one.end_s,
+                        "state": state.state,
+                        "clip": state.clip,
+                        "start_s": state.start_s,
+                        "end_s": state.end_s,
                     }
-                    for one in part.states
+                    for state in part.states
                 ],
             }
             for part in placed.parts

@@ -90,8 +90,8 @@ def embedded(run: LookedAt, kept: Kept) -> Viewer:
         beside = any(one.beside for one in films.values())
         return Viewer(films, data, paths.get("footage") if beside else None)
     films = {name: PageFilm(f"film-{name}", beside=f"{name}.mp4") for name in paths}
-    for one in films.values():
-        text = text.replace(f'"#{one.id}"', f'"{one.beside}"')
+    for film in films.values():
+        text = text.replace(f'"#{film.id}"', f'"{film.beside}"')
     file = new_file(VIEWER)
     file.write_text(text, encoding="utf-8")
     return Viewer(films, "", paths.get("footage"), file)
@@ -118,9 +118,9 @@ def _copy_footage(run: LookedAt, path: Path, kept: Kept) -> dict[str, Any]:
 def _films(paths: dict[str, Path]) -> dict[str, PageFilm]:
     """Films inside the page where they are small together, else beside it."""
     small = sum(path.stat().st_size for path in paths.values()) <= FILMS_INSIDE_BYTES
-    found = {}
+    films = {}
     for name, path in paths.items():
         data = read_bounded(path, FILMS_INSIDE_BYTES) if small else b""
         text = base64.b64encode(data).decode("ascii")
-        found[name] = PageFilm(f"film-{name}", text, "" if small else f"{name}.mp4")
-    return found
+        films[name] = PageFilm(f"film-{name}", text, "" if small else f"{name}.mp4")
+    return films

@@ -92,8 +92,8 @@ def headline(findings: Findings) -> str:
     imu = f"; IMU {_imu(findings)}" if fused.by == "imu" else ""
     text = f"Camera poses {poses.summary}{imu}. The path was {fused.summary}."
     if fused.noise is not None:
-        told = fused.noise.summary
-        text += f" {capital(told)}."
+        summary = fused.noise.summary
+        text += f" {capital(summary)}."
     if poses.skipped:
         text += f" Skipped: {'; '.join(poses.skipped)}."
     damaged = findings.recording.damaged
@@ -126,24 +126,24 @@ def verdict(findings: Findings, film: FilmView | None) -> Tile:
 
 
 def _verdict(findings: Findings) -> Tile:
-    found = findings.integrity
-    if found.doubts:
-        reasons = "; ".join(check.summary for check in found.checks if not check.passed)
-        drawn = f"The character stands along the {found.drawn_is} path."
-        return Tile(VERDICTS[found.verdict], f"{capital(reasons)}. {drawn}", wrong=True)
-    passed = [check.name for check in found.checks if check.verdict == "consistent"]
+    integrity = findings.integrity
+    if integrity.doubts:
+        reasons = "; ".join(check.summary for check in integrity.checks if not check.passed)
+        drawn = f"The character stands along the {integrity.drawn_is} path."
+        return Tile(VERDICTS[integrity.verdict], f"{capital(reasons)}. {drawn}", wrong=True)
+    passed = [check.name for check in integrity.checks if check.verdict == "consistent"]
     agreed = [IN_ORDER[name] for name in passed if name in IN_ORDER]
     others = ", ".join(_words(name) for name in passed if name not in IN_ORDER)
     agreed += [f"in order too: {others}"] if others else []
     unknown = [
         MATTERS.get(check.name, _words(check.name))
-        for check in found.checks
+        for check in integrity.checks
         if check.verdict == "unknown"
     ]
     text = f"Nothing that was checked speaks against it: {'; '.join(agreed)}." if agreed else ""
     if unknown:
         text += f" This recording cannot tell: {', '.join(unknown)}."
-    return Tile(VERDICTS[found.verdict], text.strip())
+    return Tile(VERDICTS[integrity.verdict], text.strip())
 
 
 def _words(name: str) -> str:
@@ -165,21 +165,23 @@ def _how_good(findings: Findings) -> list[Tile]:
     poses, first = findings.camera_poses, next(iter(findings.smoothed.trajectories))
     figures = findings.errors.figures.get(first, {})
     measured = len(poses.measurements.trajectory)
-    told = [Tile(f"{measured} of {len(poses.frame_times_ns)}", "pictures with a camera pose")]
+    how_good = [Tile(f"{measured} of {len(poses.frame_times_ns)}", "pictures with a camera pose")]
     off_px = figures.get("registration_rmse_px")
     if off_px is not None:
-        told.append(Tile(f"{plainly(off_px, 0.01)} px", "what is drawn is off the footage"))
+        how_good.append(Tile(f"{plainly(off_px, 0.01)} px", "what is drawn is off the footage"))
     elif np.any(np.isfinite(poses.reprojection_px)):
         median = float(np.nanmedian(poses.reprojection_px))
-        told.append(Tile(f"{plainly(median, 0.01)} px", "measured points are off in the median"))
+        how_good.append(
+            Tile(f"{plainly(median, 0.01)} px", "measured points are off in the median")
+        )
     off_m, off_deg = figures.get("ape_rmse_m"), figures.get("rotation_rmse_deg")
     if off_m is not None and off_deg is not None:
         off = f"{length_words(off_m, 'm')}, {plainly(off_deg, 1e-3)}°"
-        told.append(Tile(off, "the camera is off the ground truth"))
-    told += _shake(findings)
+        how_good.append(Tile(off, "the camera is off the ground truth"))
+    how_good += _shake(findings)
     if not poses.metric:
-        told.append(Tile("no metre", "lengths are in units of the map, of unknown length"))
-    return told
+        how_good.append(Tile("no metre", "lengths are in units of the map, of unknown length"))
+    return how_good
 
 
 def _shake(findings: Findings) -> list[Tile]:
@@ -214,8 +216,10 @@ def to_mend(findings: Findings, without_film: str) -> list[str]:
 
     `without_film` says why there is no film, where there is none.
     """
-    found = findings.integrity
-    told = [capital(check.advice) for check in found.checks if not check.passed and check.advice]
+    integrity = findings.integrity
+    told = [
+        capital(check.advice) for check in integrity.checks if not check.passed and check.advice
+    ]
     gaps = [one for one in findings.unmeasured_spans_s() if one[1] - one[0] > LONG_GAP_S]
     if gaps:
         start_s, end_s = max(gaps, key=lambda one: one[1] - one[0])
@@ -265,19 +269,19 @@ def errors_caption(findings: Findings) -> str:
 
 def stages_caption(findings: Findings) -> str:
     """How far each stage's path is from what judges it, at the same stamps."""
-    found = findings.errors.stages
-    if found.judged_by == "nothing":
+    stages = findings.errors.stages
+    if stages.judged_by == "nothing":
         return ""
-    unit = "m" if found.judged_by == "ground truth" else map_unit(findings)
-    turned = {name: plainly(one, 1e-3) for name, one in found.rotation_rmse_deg.items()}
+    unit = "m" if stages.judged_by == "ground truth" else map_unit(findings)
+    turned = {name: plainly(one, 1e-3) for name, one in stages.rotation_rmse_deg.items()}
     each = ", ".join(
         f"{_words(name)} {length_words(off, unit)} and {turned[name]}°"
-        for name, off in found.position_rmse_m.items()
+        for name, off in stages.position_rmse_m.items()
     )
     how = {
-        "ground truth": f"At the {found.poses} stamps that all paths and the ground truth have",
-        "held-out poses": f"Judged by {found.poses} measured poses that they were made without",
-    }[found.judged_by]
+        "ground truth": f"At the {stages.poses} stamps that all paths and the ground truth have",
+        "held-out poses": f"Judged by {stages.poses} measured poses that they were made without",
+    }[stages.judged_by]
     return f"{how}, the stages' paths are off by: {each}."
 
 

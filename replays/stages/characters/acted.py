@@ -166,12 +166,12 @@ def _timeline(actor: Actor, walk: SceneWalk) -> Timeline:
     return Timeline(actor, Errand(walk.path_m[0], heading, walk.path_m, waits_s=walk.start_s))
 
 
-def _states(made: Performance) -> tuple[PartState, ...]:
-    last_s = float(made.time_s[-1])
+def _states(performance: Performance) -> tuple[PartState, ...]:
+    last_s = float(performance.time_s[-1])
     return tuple(
-        PartState(one.state, one.clip, one.start_s, min(one.end_s, last_s))
-        for one in made.segments
-        if one.start_s <= last_s
+        PartState(segment.state, segment.clip, segment.start_s, min(segment.end_s, last_s))
+        for segment in performance.segments
+        if segment.start_s <= last_s
     )
 
 
@@ -187,23 +187,23 @@ def _layered(character: Character, layer: SceneLayer, time_s: FloatArray, poses:
         return poses
     over = Shifted(clip, layer.start_s, float(clip.time_s[0]))
     reference = clip.poses.rigid[0] if layer.additive else None
-    made = Layered(Clip("below", time_s, poses), over, mask, span, layer.fade_s, reference)
+    layered = Layered(Clip("below", time_s, poses), over, mask, span, layer.fade_s, reference)
     changed = poses.coefficients.copy()
-    changed[within] = made.at(time_s[within]).coefficients
+    changed[within] = layered.at(time_s[within]).coefficients
     return Motor(changed)
 
 
 def _turned(skeleton: Skeleton, part: ScenePart, time_s: FloatArray, poses: Motor) -> Motor:
     """Poses with the joints turned as keyframes have them, out of their clips and back to them."""
     keys: dict[str, list[JointKeyframe]] = {}
-    for one in part.joint_keyframes:
-        for joint in one.rotors:
-            keys.setdefault(joint, []).append(one)
+    for joint_keyframe in part.joint_keyframes:
+        for joint in joint_keyframe.rotors:
+            keys.setdefault(joint, []).append(joint_keyframe)
     changed = poses.coefficients.copy()
-    for joint, told in keys.items():
+    for joint, key in keys.items():
         number = skeleton.index(joint)
-        rotors = Rotor.stack([one.rotors[joint] for one in told])
-        before, after, share, weight = _between(told, time_s)
+        rotors = Rotor.stack([one.rotors[joint] for one in key])
+        before, after, share, weight = _between(key, time_s)
         turn = rotors[before].interpolate(rotors[after], share)
         kept = poses[:, number]
         turn = kept.rotor.interpolate(turn, weight)
@@ -212,12 +212,12 @@ def _turned(skeleton: Skeleton, part: ScenePart, time_s: FloatArray, poses: Moto
 
 
 def _between(
-    told: Sequence[JointKeyframe], time_s: FloatArray
+    joint_keyframes: Sequence[JointKeyframe], time_s: FloatArray
 ) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
     """The poses ``(T,)`` of a joint between which it is, its share of the way, and their weight."""
-    at = np.array([one.time_s for one in told])
+    at = np.array([one.time_s for one in joint_keyframes])
     next_at = np.append(at[1:], np.inf)
-    ends = np.array([np.inf if one.end_s is None else one.end_s for one in told])
+    ends = np.array([np.inf if one.end_s is None else one.end_s for one in joint_keyframes])
     ended = ends < next_at
     before = np.clip(np.searchsorted(at, time_s, side="right") - 1, 0, len(at) - 1)
     after = np.minimum(before + 1, len(at) - 1)
@@ -277,10 +277,10 @@ def cast_as(scene: Scene, name: str, folder: Path) -> Character:
             rigid_clip(character, clip)
         for layer in part.layers:
             mask_of(character.skeleton, layer.joints)
-        for one in part.joint_keyframes:
-            for joint in one.rotors:
+        for joint_keyframe in part.joint_keyframes:
+            for joint in joint_keyframe.rotors:
                 character.skeleton.index(joint)
     except ValueError as fault:
-        told = str(fault).removeprefix("placed.character: ").removeprefix("placed.clip: ")
-        raise ValueError(f"scene, '{name}': {told}") from fault
+        text = str(fault).removeprefix("placed.character: ").removeprefix("placed.clip: ")
+        raise ValueError(f"scene, '{name}': {text}") from fault
     return character

@@ -200,29 +200,29 @@ def _tell(crowd: Crowd, actors: list[Actor], lasts_s: float) -> None:
 
 
 def _part(
-    member: CastMember, actor: Actor, made: Performance, note: str, plane: Motor
+    member: CastMember, actor: Actor, performance: Performance, note: str, plane: Motor
 ) -> PlayedPart:
     """Poses in the frame of a placement in the middle of the way, where light is made for."""
-    places = made.plane_T_character.translation_m
+    places = performance.plane_T_character.translation_m
     middle = 0.5 * (places.min(axis=0) + places.max(axis=0))
-    start = Motor.from_rotor_translation(made.plane_T_character[0].rotor, middle)
-    way = start.inverse() @ made.plane_T_character
+    start = Motor.from_rotor_translation(performance.plane_T_character[0].rotor, middle)
+    way = start.inverse() @ performance.plane_T_character
     own = Motor.from_rotor_translation(way.rotor, way.translation_m / actor.scale)
-    poses = np.array(made.poses.coefficients)
+    poses = np.array(performance.poses.coefficients)
     for root in np.flatnonzero(actor.skeleton.parents < 0):
         poses[:, root] = (own @ Motor.normalize(poses[:, root])).coefficients
-    last_s = float(made.time_s[-1])
+    last_s = float(performance.time_s[-1])
     states = tuple(
-        PartState(one.state, one.clip, one.start_s, min(one.end_s, last_s))
-        for one in made.segments
-        if one.start_s <= last_s
+        PartState(segment.state, segment.clip, segment.start_s, min(segment.end_s, last_s))
+        for segment in performance.segments
+        if segment.start_s <= last_s
     )
-    slides = [slide for _, _, slide in foot_slides_m(actor, made)]
+    slides = [slide for _, _, slide in foot_slides_m(actor, performance)]
     return PlayedPart(
         member.name,
         member.file,
         Placement(plane @ start, actor.scale),
-        made.time_s,
+        performance.time_s,
         Motor.normalize(poses),
         states,
         note,
@@ -237,9 +237,9 @@ def _character(member: CastMember) -> Character:
     try:
         return character_named(member.file, member.up, member.front)
     except ValueError as fault:
-        told = str(fault).removeprefix("placed.")
-        key = "" if told.startswith(("up: ", "front: ")) else "file: "
-        raise ValueError(f"{key}{told.removeprefix('character: ')}") from fault
+        text = str(fault).removeprefix("placed.")
+        key = "" if text.startswith(("up: ", "front: ")) else "file: "
+        raise ValueError(f"{key}{text.removeprefix('character: ')}") from fault
 
 
 def rigid_clip(character: Character, name: str) -> Clip:

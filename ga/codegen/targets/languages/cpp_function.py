@@ -45,18 +45,18 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     dialect = Templates(_TEMPLATES, {}, real, suffix=suffix)
     written = statements(program.tape, dialect, CPP_NAMES.words)
     arrays = [f"std::array<{real.c}, {o.width}>" for o in program.tape.outputs if o.width]
-    made = arrays[0] if len(arrays) == 1 else f"std::tuple<{', '.join(arrays)}>"
+    array = arrays[0] if len(arrays) == 1 else f"std::tuple<{', '.join(arrays)}>"
     body = [
         *(f"static_cast<void>({name});" for name in unread(program)),
         *declarations(written.body, f"const {real.c}", "const bool"),
-        *_returned(made, arrays, [row for row in written.results if row]),
+        *_returned(array, arrays, [row for row in written.results if row]),
     ]
     described = [*description(program, f"cpp --precision {real.numpy}"), *_CALLING]
     parameters = [f"{real.c} {name}" for name in variables(program)]
     lines = [
         comment(described),
         *("#pragma once", "", "#include <array>", "#include <cmath>", "#include <tuple>", ""),
-        *call(f"inline {made} {program.name}", parameters, ""),
+        *call(f"inline {array} {program.name}", parameters, ""),
         *("{", *indented(body), "}"),
     ]
     return {f"{program.name}.hpp": "\n".join(lines) + "\n"}

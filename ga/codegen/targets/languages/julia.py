@@ -103,9 +103,9 @@ def _field(name: str, reserved: Reserved) -> str:
     return f'var"{name}"' if reserved.keeps(name) or not name.strip("_") else name
 
 
-def _converted(given: Sequence[str], kind: str) -> list[str]:
-    names = ", ".join(given)
-    if not given:
+def _converted(values: Sequence[str], kind: str) -> list[str]:
+    names = ", ".join(values)
+    if not values:
         return []
     if kind:
         return [f"({names},) = {kind}.(({names},))"]

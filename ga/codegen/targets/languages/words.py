@@ -94,15 +94,15 @@ def typed(tape: Tape) -> Tape:
     A condition that is used as a number becomes the choice of 1 or 0, a number that is used as a
     condition is compared with 0.
     """
-    made: list[Node] = []
+    nodes: list[Node] = []
     numbers: list[int] = []
     conditions: dict[int, int] = {}
     known: dict[Node, int] = {}
 
     def add(node: Node) -> int:
         if node not in known:
-            known[node] = len(made)
-            made.append(node)
+            known[node] = len(nodes)
+            nodes.append(node)
         return known[node]
 
     def condition(old: int) -> int:
@@ -127,7 +127,7 @@ def typed(tape: Tape) -> Tape:
         if node.op in BOOLEANS:
             conditions[old], numbers[old] = new, -1
     results = tuple(tuple(number(k) for k in row) for row in tape.results)
-    return Tape(tape.inputs, tape.outputs, tuple(made), results)
+    return Tape(tape.inputs, tape.outputs, tuple(nodes), results)
 
 
 def _chooses(node: Node) -> bool:

@@ -142,9 +142,9 @@ class _Writer:
         return BranchStatement(condition, names, ends[0], ends[1])
 
     def _named(self, index: int, text: str) -> Statement:
-        made = Statement(next(self._names), text, self._tape.nodes[index].op in BOOLEANS)
-        self._written[index] = made.name, _ATOM
-        return made
+        named = Statement(next(self._names), text, self._tape.nodes[index].op in BOOLEANS)
+        self._written[index] = named.name, _ATOM
+        return named
 
 
 def _free_names(tape: Tape, reserved: frozenset[str]) -> Iterator[str]:
@@ -253,11 +253,11 @@ def _paths(tape: Tape, groups: dict[int, _Group]) -> list[_Path]:
     return [path or () for path in paths]
 
 
-def _common(one: _Path, other: _Path) -> _Path:
+def _common(value: _Path, other: _Path) -> _Path:
     length = 0
-    while length < min(len(one), len(other)) and one[length] == other[length]:
+    while length < min(len(value), len(other)) and value[length] == other[length]:
         length += 1
-    return one[:length]
+    return value[:length]
 
 
 def _kept(path: _Path, jumps: dict[tuple[_Group, _Path], tuple[int, ...]]) -> _Path:

@@ -58,10 +58,10 @@ def focal_35mm(data: bytes) -> int | None:
         if tiff is None:
             return None
         inner = _entries(tiff).get(_EXIF)
-        found = None if inner is None else _entries(tiff, inner).get(_FOCAL_35MM)
+        focal = None if inner is None else _entries(tiff, inner).get(_FOCAL_35MM)
     except struct.error:
         return None
-    return found or None  # 0: unknown
+    return focal or None  # 0: unknown
 
 
 def _tiff(data: bytes) -> bytes | None:
@@ -105,10 +105,10 @@ def _entries(tiff: bytes, first: int | None = None) -> dict[int, int]:
     if first is None:
         (first,) = struct.unpack_from(f"{order}I", tiff, 4)
     (count,) = struct.unpack_from(f"{order}H", tiff, first)
-    found: dict[int, int] = {}
+    entries: dict[int, int] = {}
     for entry in range(first + 2, first + 2 + 12 * count, 12):
         tag, kind = struct.unpack_from(f"{order}HH", tiff, entry)
         form = {_SHORT: "H", _LONG: "I"}.get(kind)
-        if form is not None and tag not in found:
-            found[tag] = int(struct.unpack_from(f"{order}{form}", tiff, entry + 8)[0])
-    return found
+        if form is not None and tag not in entries:
+            entries[tag] = int(struct.unpack_from(f"{order}{form}", tiff, entry + 8)[0])
+    return entries

@@ -324,13 +324,13 @@ def numbered(paths: Sequence[Path]) -> list[int] | None:
 
 def _patterns(paths: Sequence[Path]) -> dict[str, list[int]]:
     """The last numbers of file names, by what else the names are; none where one has no number."""
-    found: dict[str, list[int]] = {}
+    patterns: dict[str, list[int]] = {}
     for path in paths:
         part = _NUMBERED.fullmatch(path.name)
         if part is None:
             return {}
-        found.setdefault(f"{part[1]}*{part[3]}", []).append(int(part[2]))
-    return found
+        patterns.setdefault(f"{part[1]}*{part[3]}", []).append(int(part[2]))
+    return patterns
 
 
 def _refuse_several(paths: Sequence[Path]) -> None:

@@ -322,7 +322,7 @@ def _best_stamps(pts: Sequence[int | None], dts: Sequence[int | None]) -> list[i
     return chosen
 
 
-def _increasing(told: dict[int, int], count: int, step_ns: int) -> tuple[list[int], int]:
+def _increasing(stated: dict[int, int], count: int, step_ns: int) -> tuple[list[int], int]:
     """Stamps of all pictures, and how many were counted: the most that increase are kept.
 
     Those between two that are kept are spread evenly, those before and after all are `step_ns`
@@ -332,7 +332,7 @@ def _increasing(told: dict[int, int], count: int, step_ns: int) -> tuple[list[in
     ends: list[int] = []  # the least last stamp of a chain of each length, less what is between
     tails: list[int] = []
     before: dict[int, int] = {}
-    for at, stamp in told.items():
+    for at, stamp in stated.items():
         spare = stamp - apart_ns * at
         length = bisect_right(ends, spare)
         ends[length : length + 1], tails[length : length + 1] = [spare], [at]
@@ -343,14 +343,14 @@ def _increasing(told: dict[int, int], count: int, step_ns: int) -> tuple[list[in
         at = before[at]
     kept.reverse()
     first = kept[0] if kept else 0
-    origin = told[first] if kept else 0
+    origin = stated[first] if kept else 0
     times = [origin + (place - first) * step_ns for place in range(count)]
     for place, after in pairwise(kept):
-        span, start = told[after] - told[place], told[place]
+        span, start = stated[after] - stated[place], stated[place]
         for between in range(place, after):
             times[between] = start + span * (between - place) // (after - place)
     for place in range(kept[-1] if kept else count, count):
-        times[place] = told[kept[-1]] + (place - kept[-1]) * step_ns
+        times[place] = stated[kept[-1]] + (place - kept[-1]) * step_ns
     return times, count - len(kept)
 
 

@@ -71,10 +71,10 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
 
 def _partners(root: Path, right: Path, files: tuple[Path, ...]) -> tuple[Path, ...]:
     """The right pictures of the same names as the left ones."""
-    found = picture_glob(root, f"{right.name}/*.*")
-    if [path.name for path in found] != [path.name for path in files]:
+    partners = picture_glob(root, f"{right.name}/*.*")
+    if [path.name for path in partners] != [path.name for path in files]:
         raise refusal(right, f"expected the {len(files)} names of the left pictures, got others")
-    return found
+    return partners
 
 
 def _stamps(root: Path, count: int) -> IntArray:

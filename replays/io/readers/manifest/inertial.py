@@ -69,10 +69,10 @@ def read_imu_calibration(path: Path) -> ImuCalibration:
     if "imu" not in tables:
         raise Section(path, "", {}, ()).fault("imu", "the table is missing")
     section = Section(path, "imu", tables["imu"], IMU_KEYS)
-    made = section_imu(section, lambda part, key: path.parent / part.text(key))
-    if made.imu_T_camera is None:
+    imu_calibration = section_imu(section, lambda part, key: path.parent / part.text(key))
+    if imu_calibration.imu_T_camera is None:
         raise section.fault("imu_T_camera", "the key is missing", "give a 4 by 4 matrix")
-    return made
+    return imu_calibration
 
 
 def section_imu(section: Section, file: Callable[[Section, str], Path]) -> ImuCalibration:

@@ -151,10 +151,10 @@ class _Manifest:
 
     def _setting(self, text: str) -> str:
         """A setting whose file, where it names one, is looked for as those of keys are."""
-        made = setting_from(text, lambda name: self._named(self.top, "settings", name))
-        if made == text or self.may_leave:
-            return made
-        name, _, path = made.partition("=")
+        setting = setting_from(text, lambda name: self._named(self.top, "settings", name))
+        if setting == text or self.may_leave:
+            return setting
+        name, _, path = setting.partition("=")
         files: Iterable[Path] = ()
         if name == "placed.cast":
             files = read_cast(Path(path)).files()
@@ -164,7 +164,7 @@ class _Manifest:
             if not Path(realpath(file)).is_relative_to(realpath(self.folder)):
                 problem = f"expected files inside {self.folder}, got {file}"
                 raise self.top.fault("settings", problem)
-        return made
+        return setting
 
     def _file(self, section: Section, key: str) -> Path:
         """The file that a key names."""
@@ -221,9 +221,9 @@ class _Manifest:
             time_ns = even_stamps(len(files), section.number("rate_hz", 1e-3, 1e5))
             refuse_gaps(files, "copy it again; pictures taken at uneven times need [frames] stamps")
         shown_size, orientation = first_look(files)
-        made = PictureFrames(files, time_ns, orientation=orientation, shown_size=shown_size)
+        frames = PictureFrames(files, time_ns, orientation=orientation, shown_size=shown_size)
         if "depth" not in section:
-            return made
+            return frames
         if orientation != AS_STORED:
             raise section.fault(
                 "depth",
@@ -235,20 +235,22 @@ class _Manifest:
         if len(depth) != len(files):
             raise section.fault("depth", f"expected {len(files)} pictures, got {len(depth)}")
         units = section.number("depth_units_per_m", 1e-3, 1e6)
-        return replace(made, depth_files=depth, depth_units_per_m=units)
+        return replace(frames, depth_files=depth, depth_units_per_m=units)
 
-    def _with_camera(self, made: Recording) -> Recording:
+    def _with_camera(self, recording: Recording) -> Recording:
         """Replace the camera, and ask the frames for its size; or say how it reads its rows."""
         if "camera" not in self.top:
-            return made
-        frames = made.frames
+            return recording
+        frames = recording.frames
         section = self._section("camera", CAMERA_KEYS)
         if "readout_s" in section:
-            made = replace(made, readout_s=section.number("readout_s", 0.0, LONGEST_READOUT_S))
-            if made.camera is not None and section.holds_only("readout_s"):
-                return made
+            recording = replace(
+                recording, readout_s=section.number("readout_s", 0.0, LONGEST_READOUT_S)
+            )
+            if recording.camera is not None and section.holds_only("readout_s"):
+                return recording
         if "focal_sigma" in section:
-            made = replace(made, focal_sigma=section.number("focal_sigma", 0.0, 1.0))
+            recording = replace(recording, focal_sigma=section.number("focal_sigma", 0.0, 1.0))
         if not isinstance(frames, VideoFrames | PictureFrames):
             raise section.fault("", "this recording's camera cannot be replaced")
         stated = "width" in section or "height" in section
@@ -261,10 +263,10 @@ class _Manifest:
             self.stated_T_upright = camera_T_turned(turns)
         if isinstance(frames, VideoFrames):
             frames.check(camera)
-            return replace(made, camera=camera)
+            return replace(recording, camera=camera)
         registered_to = None if frames.depth_camera is None else camera
         frames = replace(frames, size=(camera.width, camera.height), colour_camera=registered_to)
-        return replace(made, camera=camera, frames=frames)
+        return replace(recording, camera=camera, frames=frames)
 
     def _upright(
         self, section: Section, stated: Camera, frames: VideoFrames | PictureFrames
@@ -285,10 +287,10 @@ class _Manifest:
     def _camera(self, section: Section, size: tuple[int, int] | None) -> Camera:
         return section_camera(self.path, section, size, lambda key: self._file(section, key))
 
-    def _with_depth_camera(self, made: Recording) -> Recording:
+    def _with_depth_camera(self, recording: Recording) -> Recording:
         """Say what took the depth pictures, where they lie on pixels of their own."""
         section = self._section("depth_camera", DEPTH_CAMERA_KEYS)
-        frames, colour = made.frames, made.camera
+        frames, colour = recording.frames, recording.camera
         if not isinstance(frames, PictureFrames) or not any(frames.depth_files):
             raise section.fault("", "expected depth pictures, got none", "say [frames] depth")
         if colour is None:
@@ -302,21 +304,25 @@ class _Manifest:
                 raise section.fault(key, f"{expected}, got {own:g}")
         pose = transform(section["colour_T_depth"], self.path, "[depth_camera] colour_T_depth")
         taken_by = DepthCamera(lens, pose)
-        return replace(made, frames=replace(frames, depth_camera=taken_by, colour_camera=colour))
+        return replace(
+            recording, frames=replace(frames, depth_camera=taken_by, colour_camera=colour)
+        )
 
-    def _with_right(self, made: Recording) -> Recording:
+    def _with_right(self, recording: Recording) -> Recording:
         """Add the right pictures of rectified pairs."""
         section = self._section("stereo", STEREO_KEYS)
-        if not isinstance(made.frames, PictureFrames):
+        if not isinstance(recording.frames, PictureFrames):
             raise section.fault("", "expected pictures in files, got a video or markers alone")
         files = picture_glob(self.folder, section.text("right"))
-        if len(files) != len(made.frames):
-            problem = f"expected {len(made.frames)} pictures, got {len(files)}"
+        if len(files) != len(recording.frames):
+            problem = f"expected {len(recording.frames)} pictures, got {len(files)}"
             raise section.fault("right", problem)
         baseline_m = section.number("baseline_m", 1e-3, 1e3)
-        if made.frames.orientation != AS_STORED:
+        if recording.frames.orientation != AS_STORED:
             raise section.fault("right", "expected pictures that are shown as stored, got turned")
-        return replace(made, frames=replace(made.frames, right_files=files), baseline_m=baseline_m)
+        return replace(
+            recording, frames=replace(recording.frames, right_files=files), baseline_m=baseline_m
+        )
 
     def _board(self) -> tuple[Board, Motor, bool]:
         """The board, where it hangs, and whether its size is known."""
@@ -329,22 +335,22 @@ class _Manifest:
         pose = transform(table["world_T_board"], self.path, "[board] world_T_board")
         return board, pose, metric
 
-    def _with_imu(self, made: Recording) -> Recording:
+    def _with_imu(self, recording: Recording) -> Recording:
         section = self._section("imu", IMU_KEYS)
         if "file" in section:
-            made = replace(made, imu=read_imu(self._file(section, "file")))
-        if made.imu is None:
+            recording = replace(recording, imu=read_imu(self._file(section, "file")))
+        if recording.imu is None:
             raise section.fault("file", "the key is missing")
-        told = section_imu(section, self._file)
-        made = replace(made, imu=told.on_camera_clock(made.imu))
-        if told.noise is not None:
-            made = replace(made, imu_noise=told.noise)
-        if told.imu_T_camera is not None:
-            pose, turn = told.imu_T_camera, self.stated_T_upright
-            made = replace(made, imu_T_camera=pose if turn is None else pose @ turn)
-        if made.imu_T_camera is None:
+        imu = section_imu(section, self._file)
+        recording = replace(recording, imu=imu.on_camera_clock(recording.imu))
+        if imu.noise is not None:
+            recording = replace(recording, imu_noise=imu.noise)
+        if imu.imu_T_camera is not None:
+            pose, turn = imu.imu_T_camera, self.stated_T_upright
+            recording = replace(recording, imu_T_camera=pose if turn is None else pose @ turn)
+        if recording.imu_T_camera is None:
             raise section.fault("imu_T_camera", "the key is missing", "give a 4 by 4 matrix")
-        return made
+        return recording
 
 
 def _size(frames: VideoFrames | PictureFrames) -> tuple[int, int]:

@@ -259,11 +259,11 @@ def section_rotation(section: Section) -> int | None:
     """
     if "rotation_deg" not in section:
         return None
-    found = section.whole("rotation_deg")
-    if found not in ROTATIONS_DEG:
+    rotation = section.whole("rotation_deg")
+    if rotation not in ROTATIONS_DEG:
         expected = "expected 0, 90, 180 or 270 degrees clockwise"
-        raise section.fault("rotation_deg", f"{expected}, got {found}")
-    return found
+        raise section.fault("rotation_deg", f"{expected}, got {rotation}")
+    return rotation
 
 
 def read_camera(path: Path) -> Camera:

@@ -53,17 +53,19 @@ class FrameTree:
             if count > _MOST_TRANSFORMS:
                 problem = f"expected at most {_MOST_TRANSFORMS} transforms, got more"
                 raise refusal(self._path, problem)
-            for one in message.transforms:
-                self._add(one, still=still)
+            for transform in message.transforms:
+                self._add(transform, still=still)
 
-    def _add(self, one: Any, *, still: bool) -> None:
+    def _add(self, value: Any, *, still: bool) -> None:
         parent, child = (
-            str(name).removeprefix("/") for name in (one.header.frame_id, one.child_frame_id)
+            str(name).removeprefix("/") for name in (value.header.frame_id, value.child_frame_id)
         )
         links, field = self._static if still else self._moving, one_line(f"{parent}/{child}")
         if still or child not in links:
             links[child] = StampedPoses(self._path, field)
-        links[child].add(header_stamp_ns(one), one.transform.translation, one.transform.rotation)
+        links[child].add(
+            header_stamp_ns(value), value.transform.translation, value.transform.rotation
+        )
         self._parents.setdefault(child, {})[parent] = None
         self.links[parent, child] = None
         if len(self.links) > _MOST_LINKS:
@@ -99,18 +101,18 @@ class FrameTree:
 
     def _upwards(self, frame: str) -> list[str]:
         """The frame, its parent, and so on to one that has none."""
-        found = [frame]
-        while found[-1] in self._parents:
-            parents = list(self._parents[found[-1]])
+        frames = [frame]
+        while frames[-1] in self._parents:
+            parents = list(self._parents[frames[-1]])
             if len(parents) > 1:
                 named = " and ".join(map(one_line, parents[:4]))
-                problem = f"expected one parent of {one_line(found[-1])}, got {named}"
+                problem = f"expected one parent of {one_line(frames[-1])}, got {named}"
                 raise refusal(self._path, problem)
-            if parents[0] in found or len(found) > _DEEPEST:
+            if parents[0] in frames or len(frames) > _DEEPEST:
                 problem = f"expected a tree of at most {_DEEPEST} levels, got another"
-                raise refusal(self._path, problem, field=one_line(found[-1]))
-            found.append(parents[0])
-        return found
+                raise refusal(self._path, problem, field=one_line(frames[-1]))
+            frames.append(parents[0])
+        return frames
 
     def _stamps(self, links: Sequence[str], field: str) -> IntArray:
         """The stamps of the moving link that has the most, where all of them have poses."""

@@ -95,12 +95,12 @@ class BagFrames(DecodedFrames):
 
     @cached_property
     def _digests(self) -> list[bytes]:
-        root, found = self._path, []
+        root, digests = self._path, []
         for path in sorted(root.iterdir()) if root.is_dir() else [root]:
             if path.is_file() and path.stat().st_size:
                 with open_bounded(path, FILE_LIMIT) as file:
-                    found.append(hashlib.file_digest(file, "sha256").digest())
-        return found
+                    digests.append(hashlib.file_digest(file, "sha256").digest())
+        return digests
 
     def _image(self, index: int) -> ImageArray:
         field = f"{one_line(self._topic)} frame {index}"

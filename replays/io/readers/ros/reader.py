@@ -74,8 +74,8 @@ class Bag:
 
     def _check_names(self) -> None:
         """Refuse topics that a description calls by numbers, as YAML reads them."""
-        for one in self._reader.connections:
-            for name in (one.topic, one.msgtype):
+        for connection in self._reader.connections:
+            for name in (connection.topic, connection.msgtype):
                 if not isinstance(name, str):
                     problem = f"expected names of topics and types, got {one_line(name)}"
                     raise refusal(self.path, problem)
@@ -88,9 +88,11 @@ class Bag:
     def kinds(self) -> dict[str, tuple[str, int]]:
         """Type and count of the messages of every topic, by its name, sorted."""
         found: dict[str, tuple[str, int]] = {}
-        for one in sorted(self._reader.connections, key=lambda one: (one.topic, one.msgtype)):
-            kind, count = found.get(one.topic, (one.msgtype, 0))
-            found[one.topic] = kind, count + int(one.msgcount)
+        for connection in sorted(
+            self._reader.connections, key=lambda one: (one.topic, one.msgtype)
+        ):
+            kind, count = found.get(connection.topic, (connection.msgtype, 0))
+            found[connection.topic] = kind, count + int(connection.msgcount)
         return found
 
     def messages(

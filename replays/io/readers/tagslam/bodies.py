@@ -90,9 +90,9 @@ def read_pose(
     position_m, rotation_rad = noise or (_POSITION_M, _ROTATION_RAD)
     sigmas = []
     for part, usual in (("rotation_noise", rotation_rad), ("position_noise", position_m)):
-        given = pose.get(part)
+        value = pose.get(part)
         sigmas.append(
-            np.full(3, usual) if given is None else _vector(path, f"{field}.{part}", given)
+            np.full(3, usual) if value is None else _vector(path, f"{field}.{part}", value)
         )
     spread = np.clip(np.abs(np.concatenate(sigmas)), _LEAST, _HIGHEST)
     return StatedPose(motor, np.diag(spread**2))

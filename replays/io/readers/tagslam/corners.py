@@ -217,8 +217,8 @@ def _cameras(path: Path) -> dict[str, tuple[Camera, str]]:
             raise refusal(path, f"expected a table, got {one_line(entry)}", field=one_line(name))
         model = _MODELS.get(str(entry.get("distortion_model")))
         if entry.get("camera_model") != "pinhole" or model is None:
-            given = f"{entry.get('camera_model')}, {entry.get('distortion_model')}"
-            problem = f"expected a pinhole with {', '.join(_MODELS)}, got {one_line(given)}"
+            text = f"{entry.get('camera_model')}, {entry.get('distortion_model')}"
+            problem = f"expected a pinhole with {', '.join(_MODELS)}, got {one_line(text)}"
             raise refusal(path, problem, field=one_line(name))
         size = yaml_floats(path, entry, "resolution", 2)
         intrinsics = yaml_floats(path, entry, "intrinsics", 4)

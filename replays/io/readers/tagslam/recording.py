@@ -38,27 +38,27 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
     Raises:
         RecordingError: what `corners`, `odometry` or `reference` refuses.
     """
-    found = read_corners(root)
-    placed = [name for name in found.streams if name in found.rig_T_camera]
-    first = placed[0] if placed else next(iter(found.streams))
-    streams = {first: found.streams[first], **found.streams}
-    known = {name: found.rig_T_camera[name] for name in placed} or {first: Motor.identity()}
+    corners = read_corners(root)
+    placed = [name for name in corners.streams if name in corners.rig_T_camera]
+    first = placed[0] if placed else next(iter(corners.streams))
+    streams = {first: corners.streams[first], **corners.streams}
+    known = {name: corners.rig_T_camera[name] for name in placed} or {first: Motor.identity()}
     has_truth = own_truth and any((root / f"reference.bag{end}").is_file() for end in ("", ".bz2"))
     return Recording(
         name=root.resolve().name,
         root=root,
         layout="tagslam",
         frames=CornerFrames(
-            bag_file(root, "tag_detections"), streams, known, found.side_m, found.scene
+            bag_file(root, "tag_detections"), streams, known, corners.side_m, corners.scene
         ),
         camera=streams[first].camera,
         truth=_reference(root, first, streams[first].marker_ids) if has_truth else None,
-        odometry=_odometry(found, known[first]),
+        odometry=_odometry(corners, known[first]),
     )
 
 
-def _odometry(found: TagSlamRecording, rig_T_camera: Motor) -> Odometry | None:
-    odometry = found.odometry
+def _odometry(tag_slam_recording: TagSlamRecording, rig_T_camera: Motor) -> Odometry | None:
+    odometry = tag_slam_recording.odometry
     if odometry is None:
         return None
     return Odometry(odometry.trajectory, odometry.body_T_odometry.inverse() @ rig_T_camera)
@@ -145,10 +145,10 @@ def read_reference(root: Path) -> TagSlamReference:
             continue
         if len(message.transforms) > _MOST_TRANSFORMS:
             raise refusal(path, f"expected at most {_MOST_TRANSFORMS} transforms a message")
-        for one in message.transforms:
-            there = motor_of(path, one.transform.translation, one.transform.rotation)
-            tree = trees.setdefault(header_stamp_ns(one), {})
-            tree[str(one.child_frame_id)] = (str(one.header.frame_id), there)
+        for transform in message.transforms:
+            there = motor_of(path, transform.transform.translation, transform.transform.rotation)
+            tree = trees.setdefault(header_stamp_ns(transform), {})
+            tree[str(transform.child_frame_id)] = (str(transform.header.frame_id), there)
     stamps = sorted(poses)
     if not stamps:
         raise EmptyBag(str(refusal(path, "expected odometry, got none")))

@@ -205,15 +205,15 @@ def _carriers(path: Path, bodies: Sequence[MarkerBody]) -> dict[str, str]:
 
 def _wiggles(path: Path) -> dict[str, tuple[float, float]]:
     """How far cameras turn (rad) and move (m) from frame to frame, of those that do at all."""
-    found = {}
+    wiggles = {}
     for name, entry in read_yaml(path).items():
         table = entry if isinstance(entry, dict) else {}
         turned, moved = (
             _parameter(path, table, f"wiggle_{one}", _FIXED) for one in ("rotation", "translation")
         )
         if max(turned, moved) > _FIXED:
-            found[str(name)] = (max(turned, _FIXED), max(moved, _FIXED))
-    return found
+            wiggles[str(name)] = (max(turned, _FIXED), max(moved, _FIXED))
+    return wiggles
 
 
 def _distances(path: Path, value: object) -> tuple[CornerDistance, ...]:
@@ -276,13 +276,13 @@ def _corner(path: Path, table: Mapping[str, object], key: str) -> int:
 
 def _named(path: Path, value: object, field: str) -> Sequence[Mapping[str, object]]:
     """Tables of a list of tables with one key each."""
-    found = []
+    named = []
     for entry in _tables(path, value, field):
         for one in entry.values():
             if not isinstance(one, dict):
                 raise refusal(path, f"expected a table, got {one_line(one)}", field=field)
-            found.append(one)
-    return found
+            named.append(one)
+    return named
 
 
 def _tables(path: Path, value: object, field: str) -> Sequence[Mapping[str, object]]:
