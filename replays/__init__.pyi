@@ -25,7 +25,7 @@ from .pipeline.job import Job as Job
 from .pipeline.job import pipeline_graph as pipeline_graph
 from .pipeline.job import run_job as run_job
 from .stages.values.camera_poses import CameraPoses as CameraPoses
+from .stages.values.errors import Integrity as Integrity
+from .stages.values.errors import PathErrors as PathErrors
 from .stages.values.paths import FusedPath as FusedPath
-from .stages.values.paths import Integrity as Integrity
-from .stages.values.paths import PathErrors as PathErrors
 from .stages.values.paths import SmoothedPaths as SmoothedPaths

@@ -26,12 +26,11 @@ import logging
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal, cast, get_args
+from typing import TYPE_CHECKING, Literal, cast, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.orientation.estimate import Orientation
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import did_you_mean
@@ -46,6 +45,9 @@ from motorcade.replays.io.readers.tables import (
     in_order,
     read_table,
 )
+
+if TYPE_CHECKING:
+    from motorcade.fusion.orientation.estimate import Orientation
 
 TrajectoryFormat = Literal["tum", "euroc", "kitti"]
 _MOST_FRAMES = 1e9

@@ -21,14 +21,13 @@ from motorcade.ga import Trajectory
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.stage_comparison import compared_by_held_out, compared_by_truth
 from motorcade.replays.stages.values.camera_poses import CameraPoses
-from motorcade.replays.stages.values.paths import (
+from motorcade.replays.stages.values.errors import (
     AccelerationSeries,
     ErrorSeries,
-    FusedPath,
     Integrity,
     PathErrors,
-    SmoothedPaths,
 )
+from motorcade.replays.stages.values.paths import FusedPath, SmoothedPaths
 
 _FEWEST_PAIRS = 3
 

@@ -21,8 +21,9 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.offered import camera_of
 from motorcade.replays.stages.values.camera_poses import BoardPoses, CameraPoses
+from motorcade.replays.stages.values.errors import Integrity
 from motorcade.replays.stages.values.inertial import UsedImu
-from motorcade.replays.stages.values.paths import FusedPath, Integrity, SmoothedPaths
+from motorcade.replays.stages.values.paths import FusedPath, SmoothedPaths
 from motorcade.tracking import registration_px
 from motorcade.tracking.audit import (
     DEPTH_ON_COLOUR_PX,

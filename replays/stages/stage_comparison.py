@@ -25,12 +25,8 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.held_out import at_stamps, judged_stamps
 from motorcade.replays.stages.values.camera_poses import CameraPoses
-from motorcade.replays.stages.values.paths import (
-    NOT_COMPARED,
-    FusedPath,
-    SmoothedPaths,
-    StageComparison,
-)
+from motorcade.replays.stages.values.errors import NOT_COMPARED, StageComparison
+from motorcade.replays.stages.values.paths import FusedPath, SmoothedPaths
 
 TOLERANCE = 0.02
 """Relative to the error before; below it nobody would choose one path for it."""

@@ -12,7 +12,7 @@ import numpy as np
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.io.recording import Frame, FrameSequence, ImageArray, LooseMarkers, Recording
 from motorcade.replays.stages.values.camera_poses import CameraPoses
-from motorcade.replays.stages.values.paths import Integrity
+from motorcade.replays.stages.values.errors import Integrity
 from motorcade.tracking import Board, Camera, PoseMeasurements
 from tests.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 

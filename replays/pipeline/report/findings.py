@@ -11,8 +11,9 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.values.camera_poses import CameraPoses
+from motorcade.replays.stages.values.errors import Integrity, PathErrors
 from motorcade.replays.stages.values.inertial import Convergence, UsedImu
-from motorcade.replays.stages.values.paths import FusedPath, Integrity, PathErrors, SmoothedPaths
+from motorcade.replays.stages.values.paths import FusedPath, SmoothedPaths
 from motorcade.replays.stages.values.view import OverlayVideo, PlacedCharacter
 
 LABELS = {

@@ -39,14 +39,9 @@ from motorcade.replays.pipeline.report.words import (
     to_mend,
 )
 from motorcade.replays.stages.values.camera_poses import CameraPoses, MarkerPoses
+from motorcade.replays.stages.values.errors import Integrity, PathErrors, ReportFiles
 from motorcade.replays.stages.values.inertial import Convergence, UsedImu
-from motorcade.replays.stages.values.paths import (
-    FusedPath,
-    Integrity,
-    PathErrors,
-    ReportFiles,
-    SmoothedPaths,
-)
+from motorcade.replays.stages.values.paths import FusedPath, SmoothedPaths
 from motorcade.replays.stages.values.view import OverlayVideo, PlacedCharacter
 from motorcade.replays.web.pages import page_environment
 

@@ -27,7 +27,8 @@ from motorcade.replays.stages.camera.inertial_slam import (
 from motorcade.replays.stages.camera.metres import Metres, NoMetres, in_metres
 from motorcade.replays.stages.camera.offered import camera_of, require_pictures
 from motorcade.replays.stages.camera.sensor_audit import audited_pair
-from motorcade.replays.stages.values.camera_poses import SightedPoints, SlamPoses
+from motorcade.replays.stages.values.camera_poses import SightedPoints
+from motorcade.replays.stages.values.slam_poses import SlamPoses
 from motorcade.tracking import PoseMeasurements, TrackingError
 from motorcade.tracking.slam.geometry import seen_through
 

@@ -1,7 +1,7 @@
-"""Measured poses of the camera, however they were found: by a board, loose markers or visual SLAM.
+"""Measured poses of the camera, however they were found; those of SLAM stand in `slam_poses`.
 
-With each comes what was seen: the board's track, the markers' map, the map of SLAM, and points of
-the world with where a camera saw them, which a path can be drawn against.
+With each comes what was seen: the board's track, the markers' map, and points of the world with
+where a camera saw them, which a path can be drawn against.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.depth.cameras import DepthCamera
 from motorcade.tracking.frame_history import SlamHistory
 from motorcade.tracking.markers.marker_map import MarkerMap
-from motorcade.tracking.slam import MapSnapshot
 
 ASIDE = {"aside": True}
 """Metadata for `dataclasses.field`: the field is stored, but is not part of the value's content."""
@@ -93,13 +92,6 @@ class CameraPoses:
     def frames_per_s(self) -> float | None:
         """Rate of tracking, reading included; None where nothing was tracked."""
         return len(self.frame_times_ns) / self.seconds if self.seconds > 0 else None
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SlamPoses(CameraPoses):
-    """Poses by SLAM; `slam_map` is the map as it may be saved and gone on in, in its own world."""
-
-    slam_map: MapSnapshot
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -42,7 +42,8 @@ from motorcade.replays.io.recording import Frame, FrameSequence, Recording
 from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.characters.acting import performers
 from motorcade.replays.stages.values.camera_poses import CameraPoses, MarkerPoses
-from motorcade.replays.stages.values.paths import Integrity, SmoothedPaths
+from motorcade.replays.stages.values.errors import Integrity
+from motorcade.replays.stages.values.paths import SmoothedPaths
 from motorcade.replays.stages.values.view import OverlayVideo, PlacedCharacter
 from motorcade.replays.stages.view.ground import prints_of
 from motorcade.tracking.rolling import as_read

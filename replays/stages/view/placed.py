@@ -28,7 +28,7 @@ from motorcade.replays.stages.characters.acting import (
 )
 from motorcade.replays.stages.characters.casting import played
 from motorcade.replays.stages.values.camera_poses import CameraPoses, MarkerPoses
-from motorcade.replays.stages.values.paths import Integrity
+from motorcade.replays.stages.values.errors import Integrity
 from motorcade.replays.stages.values.view import PlacedCharacter
 from motorcade.replays.stages.view.anchored import GroundKind, Grounds
 from motorcade.replays.stages.view.bound import BoundScene, light_placement

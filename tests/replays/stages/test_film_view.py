@@ -13,7 +13,7 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.pipeline.report.film import FilmView, film_of
 from motorcade.replays.pipeline.report.words import verdict
 from motorcade.replays.stages.characters.acting import character_named
-from motorcade.replays.stages.values.paths import Integrity
+from motorcade.replays.stages.values.errors import Integrity
 from motorcade.replays.stages.values.view import OverlayVideo, PlacedCharacter
 from motorcade.tracking import Camera
 from motorcade.tracking.audit import AuditFinding

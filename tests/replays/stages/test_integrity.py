@@ -23,7 +23,7 @@ from motorcade.replays.stages.inertial.imu import imu
 from motorcade.replays.stages.integrity import integrity
 from motorcade.replays.stages.smoothed import smoothed
 from motorcade.replays.stages.values.camera_poses import BoardPoses
-from motorcade.replays.stages.values.paths import Integrity
+from motorcade.replays.stages.values.errors import Integrity
 from motorcade.tracking import BoardTrack, Camera, PoseMeasurements, registration_px
 from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.measurements import MarkerObservation

@@ -15,7 +15,7 @@ from motorcade.replays.io.recording import LooseMarkers, Recording
 from motorcade.replays.stages.camera.marker_poses import marker_poses
 from motorcade.replays.stages.characters.acting import character_named, clip_named
 from motorcade.replays.stages.values.camera_poses import CameraPoses
-from motorcade.replays.stages.values.paths import Integrity
+from motorcade.replays.stages.values.errors import Integrity
 from motorcade.replays.stages.values.view import PlacedCharacter
 from motorcade.replays.stages.view.placed import placed
 from motorcade.tracking import Board, MarkerGrid, SingleMarker

@@ -20,7 +20,8 @@ from motorcade.replays.stages.characters.acting import (
     walked,
 )
 from motorcade.replays.stages.values.camera_poses import CameraPoses, PoseOrigin
-from motorcade.replays.stages.values.paths import Integrity, SmoothedPaths
+from motorcade.replays.stages.values.errors import Integrity
+from motorcade.replays.stages.values.paths import SmoothedPaths
 from motorcade.replays.stages.values.view import PlacedCharacter
 from motorcade.replays.stages.view.ground import upward
 from motorcade.replays.stages.view.overlay import overlay

@@ -20,7 +20,7 @@ from motorcade.replays.pipeline.report.summary import (
     without_nan,
 )
 from motorcade.replays.pipeline.report.words import length_words, plainly, verdict
-from motorcade.replays.stages.values.paths import Integrity
+from motorcade.replays.stages.values.errors import Integrity
 from motorcade.tracking.audit import AuditFinding, Verdict
 
 FIGURES = {

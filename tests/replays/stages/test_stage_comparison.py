@@ -22,7 +22,7 @@ from motorcade.replays.stages.integrity import integrity
 from motorcade.replays.stages.smoothed import smoothed
 from motorcade.replays.stages.stage_comparison import _beyond_chance
 from motorcade.replays.stages.values.camera_poses import CameraPoses
-from motorcade.replays.stages.values.paths import PathErrors
+from motorcade.replays.stages.values.errors import PathErrors
 from tests.replays.stages.stamps import Stamps
 
 
