@@ -44,7 +44,7 @@ class StageComparison:
             held out have errors of their own, which are in these figures.
         worse: a sentence for each stage whose path is farther off than the one before, and why.
 
-    >>> from motorcade.replays.stages.values.paths import StageComparison
+    >>> from motorcade.replays.stages.values.errors import StageComparison
     >>> found = StageComparison("nothing", 0, {}, {}, ())
     >>> found.as_dict()["worse"]
     []
