@@ -8,8 +8,8 @@ array ``(N, 8)``            the same behind a stamp in seconds (TUM)  first colu
 array ``(N, 4, 4)``         homogeneous matrices, or their first      `time_s`
 or ``(N, 3, 4)``            three rows
 list of any such rows       as the array                              as the array
-two arrays                  positions ``(N, 3)``; qx, qy, qz, qw      `time_s`
-                            ``(N, 4)`` or scipy ``Rotation``
+positions ``(N, 3)`` and    a `Rotor` or scipy ``Rotation``, whose    `time_s`
+rotations                   maker is told the order of quaternions
 array ``(B, N, 7)`` …       B bodies, each for itself                 `time_s`, for all of them
 torch tensor                as the array                              as the array
 Motor, Similarity ``(N,)``                                            `time_s`
@@ -187,7 +187,7 @@ def _read(given: Any, time_s: Any) -> GivenPoses:
     if isinstance(given, list) and given and type(given[0]).__name__ == "Pose3":
         return _pose3(given, time_s)
     if isinstance(given, tuple) and len(given) == 2 and np.shape(given[0])[1:] == (3,):
-        return _positions_and_turns(given, time_s)
+        return _positions_and_rotations(given, time_s)
     if (
         isinstance(given, list | tuple)
         and given
@@ -196,8 +196,8 @@ def _read(given: Any, time_s: Any) -> GivenPoses:
         return _rows(given, time_s)
     raise TypeError(
         "poses: expected a Trajectory, an array (N, 7), (N, 8), (N, 3, 4) or (N, 4, 4), a list of "
-        "its rows, positions with quaternions, a torch tensor, scipy's Rotation or RigidTransform, "
-        "a pandas DataFrame, evo's PoseTrajectory3D or PosePath3D, a list "
+        "its rows, positions beside a Rotor or scipy's Rotation, a torch tensor, scipy's Rotation "
+        "or RigidTransform, a pandas DataFrame, evo's PoseTrajectory3D or PosePath3D, a list "
         f"of gtsam's Pose3 or a dict of these, got {type(given).__name__}"
     )
 
@@ -284,20 +284,33 @@ def _rows(given: Any, time_s: Any) -> GivenPoses:
     return replace(poses, written=written)
 
 
-def _positions_and_turns(given: tuple[Any, Any], time_s: Any) -> GivenPoses:
+def _positions_and_rotations(given: tuple[Any, Any], time_s: Any) -> GivenPoses:
+    """Positions beside rotations that know their own order, as bare quaternions do not.
+
+    No recording tells it: to read qx, qy, qz, qw for qw, qx, qy, qz inverts every rotation between
+    two that are constant, so that a path is as smooth, and turns by as much, in either order.
+    """
     positions, turns = given
-    rotation = type(turns) if _library(turns) == "scipy" else None
-    xyzw = turns.as_quat() if rotation else np.asarray(turns)
+    if not isinstance(turns, Rotor) and _library(turns) != "scipy":
+        raise ValueError(
+            "poses: expected rotations beside the positions that tell the order of their "
+            f"quaternions, got {type(turns).__name__}; give Rotor.from_quaternion(quaternions) "
+            "where these are qw, qx, qy, qz, scipy's Rotation.from_quat(quaternions) where they "
+            "are qx, qy, qz, qw"
+        )
+    own = isinstance(turns, Rotor)
+    xyzw = turns.as_quaternion()[..., [1, 2, 3, 0]] if own else turns.as_quat()
     if np.shape(xyzw) != (len(positions), 4):
         raise ValueError(
-            f"poses: expected {len(positions)} quaternions qx, qy, qz, qw beside the positions, "
-            f"got shape {np.shape(xyzw)}"
+            f"poses: expected {len(positions)} rotations, one beside each position, got shape "
+            f"{np.shape(xyzw)[:-1]}"
         )
     poses = _array(np.column_stack([positions, xyzw]), time_s)
 
     def written(made: Trajectory, times: Any) -> Any:
         rows = poses.written(made, times)
-        return rows[:, :3], rotation.from_quat(rows[:, 3:]) if rotation else rows[:, 3:]
+        back = rows[:, [6, 3, 4, 5]] if own else rows[:, 3:]
+        return rows[:, :3], Rotor.from_quaternion(back) if own else type(turns).from_quat(back)
 
     return replace(poses, written=written)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -171,6 +172,13 @@ def add_export(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--every", type=int, default=1, metavar="N", help="of the pictures written (1)"
     )
+    parser.add_argument(
+        "--max-gap-s",
+        type=float,
+        metavar="S",
+        help="leave out frames between poses that are farther apart (glTF holds the path's own "
+        "poses alone)",
+    )
 
 
 def export(arguments: argparse.Namespace) -> None:
@@ -189,7 +197,7 @@ def export(arguments: argparse.Namespace) -> None:
     asked = {name: place for name in writers if (place := getattr(arguments, name)) is not None}
     if not asked:
         raise ValueError(f"export: expected one of --{', --'.join(writers)}, got none")
-    shown = open_run(arguments.run)
+    shown = replace(open_run(arguments.run), max_gap_s=arguments.max_gap_s)
     for name, place in asked.items():
         writers[name](shown, place)
         print(f"wrote {place}")

@@ -7,9 +7,11 @@ again where that is gone.
 from __future__ import annotations
 
 import json
+import logging
 import shlex
 import tempfile
 from dataclasses import dataclass
+from functools import cached_property
 from os.path import normpath
 from pathlib import Path
 from typing import Any
@@ -22,6 +24,7 @@ from motorcade.animation.morphs import MorphTrack
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import FileError, read_bounded
+from motorcade.ga.stamps import GAP_STEPS, inside_gaps
 from motorcade.render import Performer
 from motorcade.replays.engine.graph import GraphRun
 from motorcade.replays.engine.knobs import parse_knobs
@@ -33,6 +36,8 @@ from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.camera.offered import camera_of
 from motorcade.replays.stages.characters.acting import performers
 from motorcade.tracking.cameras.camera import Camera
+
+_LOG = logging.getLogger("motorcade.export")
 
 MAX_LOG_BYTES = 1 << 24
 POINTS_SHOWN = 200_000
@@ -51,6 +56,7 @@ class Shown:
         path: see `paths`.
         cast: who stands there and what they do, by name.
         points_m: (N, 3) mapped points, world; N may be 0.
+        max_gap_s: frames between poses that are farther apart are left out; None leaves out none.
     """
 
     recording: Recording
@@ -59,6 +65,33 @@ class Shown:
     path: Trajectory
     cast: dict[str, Performer]
     points_m: FloatArray
+    max_gap_s: float | None = None
+
+    @cached_property
+    def frames_posed(self) -> IntArray:
+        """Rows of the frames with poses: within the path, and in no gap of it that is too long.
+
+        Raises:
+            ValueError: no frame is left, or a gap that is not above 0.
+        """
+        stamps, known_ns = self.recording.frames.time_ns, self.path.time_ns
+        inside = (stamps >= known_ns[0]) & (stamps <= known_ns[-1])
+        usual_s = 1e-9 * float(np.median(np.diff(known_ns))) if len(known_ns) > 1 else 1.0
+        longest_s = GAP_STEPS * usual_s if self.max_gap_s is None else self.max_gap_s
+        invented = inside & inside_gaps(stamps, known_ns, longest_s)
+        if np.any(invented):
+            ends = "max_gap_s (--max-gap-s) leaves them out"
+            _LOG.warning(
+                "%d of %d frames lie in gaps of the path of more than %.3g s; %s",
+                np.count_nonzero(invented),
+                len(stamps),
+                longest_s,
+                ends if self.max_gap_s is None else "they are left out",
+            )
+        rows = np.flatnonzero(inside if self.max_gap_s is None else inside & ~invented)
+        if not len(rows):
+            raise ValueError(f"max_gap_s: expected frames with poses, got none at {longest_s:g} s")
+        return rows
 
     def world_T_character(self, name: str) -> Trajectory:
         """Where a character stands over the path's time, and how large it is."""
@@ -243,15 +276,13 @@ def write_rrd(shown: Shown, path: Path) -> None:
 
 
 def _log_frames(rr: Any, stream: Any, shown: Shown) -> None:
-    """Every frame within the path: picture, pose, and the characters as they stand then.
+    """Every frame with a pose: picture, pose, and the characters as they stand then.
 
     Pictures are one H.264 film without the lens's distortion, which frames refer to. What of a
     character does not change is logged once, and its shape ten times a second.
     """
-    stamps = shown.recording.frames.time_ns
-    inside = (stamps >= shown.path.time_ns[0]) & (stamps <= shown.path.time_ns[-1])
-    shown_ns = stamps[inside]
-    _log_film(rr, stream, shown, np.flatnonzero(inside))
+    shown_ns = shown.recording.frames.time_ns[shown.frames_posed]
+    _log_film(rr, stream, shown, shown.frames_posed)
     for name, one in shown.cast.items():
         colors = np.rint(255 * one.character.colors).astype(np.uint8)
         still = {"triangle_indices": one.character.triangles, "vertex_colors": colors}

@@ -57,10 +57,9 @@ def write_pictures(shown: Shown, folder: Path, every: int = 1) -> PosedPictures:
         raise refusal(place, "holds files already", advice="name a new folder")
     place.mkdir(parents=True, exist_ok=True)
     names, stamps = [], []
-    first_ns, last_ns = shown.path.time_ns[[0, -1]]
-    for number, frame in enumerate(shown.recording.frames):
-        if number % every or not first_ns <= frame.time_ns <= last_ns:
-            continue
+    rows = shown.frames_posed
+    for number in map(int, rows[rows % every == 0]):
+        frame = shown.recording.frames[number]
         picture = frame.image()
         ordered = picture if picture.ndim == 2 else picture[..., ::-1]
         _, data = cv2.imencode(".jpg", ordered, [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])

@@ -128,7 +128,7 @@ class UsdClock:
     """Stamps of a run's frames as time codes.
 
     Attributes:
-        time_ns: (N,) of the frames within the path.
+        time_ns: (N,) of the frames with poses.
         codes: (N,) what USD calls these times.
         rate_hz: codes a second.
         since_start_s: (N,) on the characters' clock, which begins with the first frame.
@@ -136,8 +136,7 @@ class UsdClock:
 
     def __init__(self, shown: Shown) -> None:
         every: IntArray = shown.recording.frames.time_ns
-        first_ns, last_ns = shown.path.time_ns[[0, -1]]
-        self.time_ns = every[(first_ns <= every) & (every <= last_ns)]
+        self.time_ns = every[shown.frames_posed]
         usual_s = 1e-9 * float(np.median(np.diff(every))) if len(every) > 1 else 1.0
         self.rate_hz = float(round(1.0 / usual_s)) or 1.0 / usual_s
         self.codes: FloatArray = 1e-9 * self.rate_hz * (self.time_ns - self.time_ns[0])

@@ -52,6 +52,7 @@ def bench_smoothers(
     noises: Sequence[str] = (),
     ways: Sequence[str] = (),
     folder: Path | None = None,
+    seed: int = 0,
 ) -> dict[str, Any]:
     """What each way leaves of error (e2), and of error and jitter (s4), on every cell at hand.
 
@@ -60,10 +61,11 @@ def bench_smoothers(
         noises: the same of noises.
         ways: the same of peers and `OWN`.
         folder: of the recordings.
+        seed: of the cells' noise.
     """
     data = data_folder() if folder is None else folder
     wanted = [way for way in (*PEERS, OWN) if _named(way, ways)]
-    rows = [*_cell_rows(data, on, noises, wanted), *_estimate_rows(data, on, noises, wanted)]
+    rows = [*_cell_rows(data, on, noises, wanted, seed), *_estimate_rows(data, on, noises, wanted)]
     return {"rows": rows}
 
 
@@ -72,7 +74,7 @@ def _named(name: str, chosen: Sequence[str]) -> bool:
 
 
 def _cell_rows(
-    data: Path, on: Sequence[str], noises: Sequence[str], ways: Sequence[str]
+    data: Path, on: Sequence[str], noises: Sequence[str], ways: Sequence[str], seed: int
 ) -> Iterator[dict[str, Any]]:
     groups = ((FLIGHTS_GROUP, JUDGED, None), (FURTHER_GROUP, FURTHER, _FURTHER_S))
     for group, names, duration_s in groups:
@@ -81,7 +83,7 @@ def _cell_rows(
             for noise in NOISES if true is not None else ():
                 if true is None or not _named(noise, noises):
                     continue
-                one = cell(name, noise, true)
+                one = cell(name, noise, true, seed)
                 case = _case_of_cell(one)
                 for way in ways:
                     path, told = _smoothed(way, case)
@@ -251,8 +253,10 @@ def main() -> None:
         parser.add_argument(
             f"--{option}", action="append", default=[], help=f"{what} whose name begins so (all)"
         )
+    parser.add_argument("--seed", type=int, default=0, help="of the noise (0)")
     given = parser.parse_args()
-    print(smoothers_table(bench_smoothers(given.on, given.noise, given.way)))
+    figures = bench_smoothers(given.on, given.noise, given.way, seed=given.seed)
+    print(smoothers_table(figures))
 
 
 if __name__ == "__main__":

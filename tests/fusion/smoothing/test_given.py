@@ -15,7 +15,7 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import smooth
 from motorcade.fusion.smoothing.given import with_trajectories
-from motorcade.ga import Motor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 
 STILL = np.tile([1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0], (5, 1))
@@ -92,11 +92,40 @@ def test_lists_pairs_and_matrices_of_three_rows() -> None:
     by_three = with_trajectories(matrices[:, :3], path.time_s, smoothed)
     np.testing.assert_allclose(np.stack(by_arrays)[:, :3], by_three, atol=1e-12)
     np.testing.assert_allclose(by_three[:, :, 3], expected[:, :3], atol=1e-12)
-    for turns in (rows[:, 3:], Rotation.from_quat(rows[:, 3:])):
+    wxyz = rows[:, [6, 3, 4, 5]]
+    for turns in (Rotor.from_quaternion(wxyz), Rotation.from_quat(rows[:, 3:])):
         positions, turned = with_trajectories((rows[:, :3], turns), path.time_s, smoothed)
-        both = np.column_stack([positions, getattr(turned, "as_quat", lambda t=turned: t)()])
-        assert max(differs_in_rotation_and_position(both, expected)) < 1e-7
         assert isinstance(turned, type(turns))
+        xyzw = (
+            turned.as_quaternion()[:, [1, 2, 3, 0]]
+            if isinstance(turned, Rotor)
+            else turned.as_quat()
+        )
+        both = np.column_stack([positions, xyzw])
+        assert max(differs_in_rotation_and_position(both, expected)) < 1e-7
+
+
+@pytest.mark.parametrize("name", ["handheld", "tumble", "screw"])
+def test_the_order_of_quaternions_beside_positions_is_asked_for(name: str) -> None:
+    """Neither order is told by the path: rotations from pose to pose are as large in both."""
+    true = MOTIONS[name].sampled(30.0, 2.0).rigid
+    wxyz, positions = true.motors.as_quaternion_translation()
+    xyzw = wxyz[:, [1, 2, 3, 0]]
+    steps = [
+        (Rotor.from_quaternion(one[:-1]).inverse() @ Rotor.from_quaternion(one[1:])).angle()
+        for one in (wxyz, xyzw)
+    ]
+    np.testing.assert_allclose(*steps, atol=1e-9)
+    time_s = np.arange(len(wxyz)) / 30.0
+    for given in (wxyz, xyzw, xyzw.tolist()):
+        with pytest.raises(ValueError, match=r"give Rotor.from_quaternion.*Rotation.from_quat"):
+            smooth((positions, given), time_s=time_s)
+    by_rotor = smooth((positions, Rotor.from_quaternion(wxyz)), "gaussian", time_s=time_s)
+    by_scipy = smooth((positions, Rotation.from_quat(xyzw)), "gaussian", time_s=time_s)
+    back = by_rotor[1].as_quaternion()[:, [1, 2, 3, 0]]
+    assert (Rotation.from_quat(back).inv() * by_scipy[1]).magnitude().max() < 1e-12
+    with pytest.raises(ValueError, match="one beside each position, got shape"):
+        smooth((positions, Rotor.from_quaternion(wxyz[1:])), time_s=time_s)
 
 
 def test_columns_as_ros_names_them() -> None:
@@ -346,7 +375,7 @@ def test_what_are_no_stamps_is_refused(stamps: list[object], says: str) -> None:
         (np.full((5, 7), np.nan), np.arange(5.0), ValueError, "finite"),
         (NAN_ROWS, np.arange(5.0), ValueError, "2 with NaN or infinity: 1, 3; leave"),
         (2.0 * np.eye(4)[None, :3], [0.0], ValueError, "which Similarity.from_matrix reads"),
-        ((STILL[:, :3], STILL[:4, 3:]), np.arange(5.0), ValueError, "expected 5 quaternions"),
+        ((STILL[:, :3], STILL[:4, 3:]), np.arange(5.0), ValueError, "tell the order of their"),
         (["a", "b"], [0.0, 1.0], TypeError, "expected a Trajectory, an array"),
         (STILL, np.arange(5) / 30.0 + 1e10, ValueError, "divide milliseconds by 1e3, nanos"),
         (STILL, np.arange("2500", "2505", dtype="M8[Y]"), ValueError, "of 1970, got 2500"),

@@ -163,6 +163,28 @@ def test_points_of_a_map_are_in_the_gltf(shown: Shown, tmp_path: Path) -> None:
     np.testing.assert_allclose(glb.array(primitive["attributes"]["POSITION"]), points, atol=1e-6)
 
 
+def test_frames_in_a_gap_are_said_or_left_out(
+    shown: Shown, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """A path without poses for a while: no pose is invented there without a word."""
+    from dataclasses import replace
+
+    from motorcade.replays.pipeline.export.images import write_pictures
+
+    stamps = shown.recording.frames.time_ns
+    lost = (shown.path.time_ns > stamps[4]) & (shown.path.time_ns < stamps[11])
+    gap = replace(shown, path=shown.path[~lost])
+    assert len(gap.frames_posed) == len(shown.frames_posed)
+    assert "max_gap_s (--max-gap-s) leaves them out" in caplog.text
+    told = replace(gap, max_gap_s=2.5e-9 * float(stamps[1] - stamps[0]))
+    assert len(told.frames_posed) == len(shown.frames_posed) - 6
+    assert "6 of 16 frames lie in gaps" in caplog.text
+    written = write_pictures(told, tmp_path)
+    assert [int(name[-10:-4]) for name in written.names] == told.frames_posed.tolist()
+    with pytest.raises(ValueError, match="max_gap_s: expected seconds above 0"):
+        _ = replace(gap, max_gap_s=0.0).frames_posed
+
+
 def test_without_rerun_one_line_says_what_brings_it(
     finished: Path,
     tmp_path: Path,
