@@ -19,7 +19,9 @@ from motorcade.tracking.measurements import PoseMeasurements
 log = logging.getLogger("motorcade.fuse")
 
 _GLANCE_NS, _FEWEST_POSES, _APART_NS = 30_000_000_000, 60, 200_000_000
-"""What `fit_noise` looks at: the middle of a recording, and how many poses of it there must be."""
+_BESIDE_NS = 1_000_000_000
+"""What `fit_noise` looks at: the middle of a recording, and how many poses of it there must be;
+and how much of the stream before and behind these."""
 _TOLD = 1.0
 """By so much a log likelihood must tell one density from another; else the larger is taken, for too
 little noise is what makes a path believe itself."""
@@ -87,6 +89,8 @@ def fit_noise(
     stamps = used.trajectory.time_ns
     if len(stamps) < _FEWEST_POSES or any(chosen.known_sigmas[1:]):
         return noise
+    around = stamps[[0, -1]] + shift_ns + np.array([-_BESIDE_NS, _BESIDE_NS])
+    imu = imu.around(np.clip(around, imu.time_ns[0], imu.time_ns[-1]))
     rows = np.arange(len(stamps)) > 0
     turn = (stamps - stamps[0]) // TURN_NS
     trials = Trials(used, imu, imu_T_camera, chosen, time_offset_s, rows)

@@ -37,6 +37,7 @@ from motorcade.fusion.smoothing.batch.start import (
     first_path,
     in_better_axes,
     no_worse,
+    of_one_turn,
     of_one_twist,
 )
 from motorcade.fusion.smoothing.checks import in_double, warn_of_coarse
@@ -173,6 +174,8 @@ class SmootherChoice:
         if self.by_twist:
             whole = all(one.stiff for one in self.models[: self.axes[1]])
             told.append("a constant twist" if whole else "a constant angular rate")
+        if self.models[0].joint:
+            told.append("rotations smoothed together")
         if self.jumps:
             told.append(f"{self.jumps} jump{'s' * (self.jumps > 1)} of level kept")
         if self.tails != NORMAL_TAILS:
@@ -362,6 +365,7 @@ def _chosen(
     found = settled(measured, found, models, tails)
     free = representation is None
     measured, found, models = of_one_twist(start, measured, found, models, tails, free)
+    found, models = of_one_turn(start, measured, found, models, tails)
     found, models = no_worse(start, measured, found, models, tails, known)
     noise = np.where(np.isnan(known), found.noise, known)
     choice = SmootherChoice(

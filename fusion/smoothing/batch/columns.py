@@ -52,6 +52,7 @@ class ColumnModel:
         memory_s: in which an error decays to a third (1/e); 0 where errors are white.
         untold: why values do not tell their noise, whose size then says nothing; else empty.
         stiff: whether it moves by a constant twist; see `twist`.
+        joint: whether all rotations are smoothed together, by this model; see there.
     """
 
     order: int
@@ -60,11 +61,16 @@ class ColumnModel:
     memory_s: float = 0.0
     untold: str = ""
     stiff: bool = False
+    joint: bool = False
 
     @property
     def density(self) -> float:
         """Of the process, in the column's unit over s^(order + 1) √Hz."""
         return self.ratio * self.noise
+
+    def rate(self, interval_s: float) -> float:
+        """In rad/s, at which process and noise are as strong."""
+        return float((self.ratio / np.sqrt(interval_s)) ** (1.0 / (self.order + 1)))
 
     def told(self, interval_s: float) -> ColumnModel:
         """The model where it leaves enough of the band to noise alone, else one through all."""
@@ -83,14 +89,14 @@ class ColumnModel:
     def through_all(self, interval_s: float, untold: str) -> ColumnModel:
         """A model that goes through every value, whose noise is not told, and why."""
         ratio = ratio_of(_EXACT, self.order, interval_s)
-        return replace(self, ratio=ratio, memory_s=0.0, untold=untold, stiff=False)
+        return replace(self, ratio=ratio, memory_s=0.0, untold=untold, stiff=False, joint=False)
 
     def smoother(self, smoothness: float, interval_s: float) -> ColumnModel:
         """The model that averages over ``2**smoothness`` times as long.
 
         A spline that goes through every value is made smoother from where it first does not.
         """
-        rate = _rate(self.order, self.ratio, interval_s)
+        rate = self.rate(interval_s)
         if smoothness > 0.0:
             rate = min(rate, np.pi / interval_s)
         ratio = float(np.sqrt(interval_s) * (rate * 2.0**-smoothness) ** (self.order + 1))
@@ -351,11 +357,6 @@ def likelihoods(
         return np.full(len(squares), -np.inf)
     logarithms = sum(one[2] for one in found)
     return np.asarray(-0.5 * (rows * (np.log(squares / rows) + 1.0) + logarithms))
-
-
-def _rate(order: int, ratio: float, interval_s: float) -> float:
-    """In rad/s, at which process and noise of a model are as strong."""
-    return float((ratio / np.sqrt(interval_s)) ** (1.0 / (order + 1)))
 
 
 def standard_errors_behind(

@@ -34,7 +34,7 @@ from motorcade.fusion.smoothing.batch.columns import (
     splined,
 )
 from motorcade.fusion.smoothing.batch.lasting import with_lasting_errors
-from motorcade.fusion.smoothing.batch.twist import twisted
+from motorcade.fusion.smoothing.batch.twist import moved_together
 from motorcade.fusion.smoothing.representations import Representation
 from motorcade.ga.arrays import FloatArray, IntArray
 
@@ -166,7 +166,7 @@ def smoothed_per_axis(
         summed, moved = developed(measured, path)
         squares, noise = np.zeros(len(path)), np.empty(axes)
         unsure, known = np.zeros(len(path), dtype=np.bool_), np.ones(len(path), dtype=np.bool_)
-        stiff = twisted(
+        together = moved_together(
             measured.representation,
             measured.time_s,
             measured.coordinates,
@@ -175,7 +175,7 @@ def smoothed_per_axis(
             models.columns,
         )
         for k, model in enumerate(models.columns):
-            column = stiff.get(k) or splined(
+            column = together.get(k) or splined(
                 measured.time_s,
                 moved[:, k],
                 weights,
@@ -191,7 +191,7 @@ def smoothed_per_axis(
                 unsure |= column.variance > _UNSURE
             spread[:, k], left_out[:, k] = column.spread, column.left_out
             known &= column.spread <= _UNSURE
-            moved[:, k] = column.values if k in stiff else column.values - summed[:, k]
+            moved[:, k] = column.values if k in together else column.values - summed[:, k]
         squares[unsure & (weights == 0.0)] = np.inf
         counted = weights > 0.0  # what lies between runs away where nothing holds it
         square = np.mean(moved**2, axis=0, where=counted[:, None])

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.batch.columns import NO_JUMPS, ColumnStretch
+from motorcade.fusion.smoothing.batch.columns import EQUAL, NO_JUMPS, ColumnStretch
 from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, inlier_poses
 from motorcade.fusion.smoothing.batch.jumps import with_jumps
 from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
@@ -24,7 +24,7 @@ from motorcade.fusion.smoothing.batch.per_axis import (
 )
 from motorcade.fusion.smoothing.batch.predicted import judged_runs, worse_than_measured
 from motorcade.fusion.smoothing.batch.problem import with_rigid
-from motorcade.fusion.smoothing.batch.twist import moves_beside
+from motorcade.fusion.smoothing.batch.twist import moves_beside, turning_model
 from motorcade.fusion.smoothing.representations import (
     REPRESENTATIONS,
     Representation,
@@ -40,6 +40,12 @@ _MISSES = "what lies next to a pose predicts it better than any spline"
 # Columns that one twist has in these, and the share of the band that noise alone has at least where
 # there may be no motion beside it.
 _STIFF, _STILL = {_BODY: 6, "rotor": 3}, 0.9
+# Axes apart neglect that errors turn along with a body. So far it turns, in rad, while its usual
+# axis is averaged over, where that may count.
+_TURNS = 1.0
+# Where no axis tells its noise, so far from one pose to the next: over a gap it turns half around,
+# and the short way from pose to pose is wrong.
+_FAR = 0.5
 # A changing acceleration tells stamps and axes from each other as well as any order that is chosen.
 _FIRST_ORDER = (2,)
 # By how much the logarithm of poses must be likelier with even stamps for these to be taken.
@@ -210,6 +216,42 @@ def of_one_twist(
         if not moves_beside(ColumnStretch(poses.time_s, beyond, made.weights), columns):
             return poses, made, by_twist
     return measured, found, models
+
+
+def of_one_turn(
+    start: PathStart, measured: Measured, found: PerAxisPath, models: AxisModels, tails: float
+) -> tuple[PerAxisPath, AxisModels]:
+    """The same with rotations smoothed together, where a body turns so fast that axes apart neglect
+    what counts, and unless they predict held-out rotations better all the same.
+    """
+    usual_s, own = float(np.median(np.diff(measured.time_s))), models.columns[:3]
+    if measured.representation.name not in _STIFF or len(measured.jumps) or own[0].stiff:
+        return found, models
+    path = restored(measured.representation, found.coordinates, start.trajectory).poses.rigid
+    turn = float(np.median((path[:-1].rotor.inverse() @ path[1:].rotor).angle())) / usual_s
+    told = [one.rate(usual_s) for one in own if not one.untold]
+    if turn < (_TURNS * float(np.median(told)) if told else _FAR / usual_s):
+        return found, models
+    noise = max(_root_mean_square([one.noise for one in own]), 1e-9)
+    poses = start.trajectory.poses.rigid
+    model = turning_model(measured.time_s, poses, found.weights, noise).told(usual_s)
+    if model.untold:
+        return found, models
+    joint = replace(models, columns=(*[model] * 3, *models.columns[3:]))
+    made = smoothed_per_axis(measured, found.coordinates, found.weights, joint, tails, LAST_STEPS)
+    kept = (found.weights > 0.0) & (made.weights > 0.0)
+    gained = _held_out(found, kept) - _held_out(made, kept)
+    least = (-EQUAL if told else EQUAL) * np.std(gained) / np.sqrt(len(gained))
+    if np.mean(gained) <= least:
+        return found, models
+    return made, joint
+
+
+def _held_out(found: PerAxisPath, kept: NDArray[np.bool_]) -> FloatArray:
+    """Squares ``(M,)`` by which rotations are missed, as generalised cross-validation has them."""
+    shares = 1.0 - found.weights[kept, None] * found.spread[kept, :3]
+    residuals = found.left_out[kept, :3] * shares / np.mean(shares, axis=0)
+    return np.asarray(np.sum(residuals**2, axis=1), dtype=np.float64)
 
 
 def no_worse(

@@ -1,9 +1,10 @@
-"""Paths of one constant twist, as of a screw, a spin or a body at rest.
+"""Columns that move together: of one constant twist, or of rotations that turn fast.
 
 However stiff the splines of its axes are, a body that turns takes the axes along, and errors with
 them. But where nothing else moves the path is ``X exp(t ξ)``, whose twelve numbers least squares
 tell from all poses (T. D. Barfoot, State Estimation for Robotics, 2nd ed., 2024, ch. 7); where it
-goes anywhere and turns evenly, six do for its rotations.
+goes anywhere and turns evenly, six do for its rotations. Where the rate changes as well, a Kalman
+filter and smoother propagates errors of all three axes along the turn (`causal.kalman`).
 """
 
 from __future__ import annotations
@@ -14,14 +15,20 @@ import numpy as np
 
 from motorcade.fusion.smoothing.batch.columns import (
     COARSE,
+    FINE,
     ColumnModel,
     ColumnPath,
     ColumnStretch,
     likelihoods,
     ratio_of,
 )
+from motorcade.fusion.smoothing.causal.kalman import (
+    ConstantAccelerationFilter,
+    ConstantVelocityFilter,
+    smoothed_states,
+)
 from motorcade.fusion.smoothing.representation import Representation
-from motorcade.ga import Motor
+from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 
 _ROUNDS = 4
@@ -29,9 +36,12 @@ _ROUNDS = 4
 _FINEST = 0.1
 # Noise of rotations in rad, or positions in m, that is none.
 _LEAST = 1e-9
+# Orders of rotations that are smoothed together, the least weight that a pose has there, and noise
+# that is enough for rounding.
+_JOINT_ORDERS, _LIGHTEST, _NO_NOISE = (1, 2), 1e-12, 1e-6
 
 
-def twisted(
+def moved_together(
     representation: Representation,
     time_s: FloatArray,
     coordinates: FloatArray,
@@ -39,10 +49,10 @@ def twisted(
     weights: FloatArray,
     models: Sequence[ColumnModel],
 ) -> dict[int, ColumnPath]:
-    """The columns whose models are stiff, as splines have them, of values beyond a path's.
+    """The columns whose models are stiff or joint, as splines have them, of values beyond a path's.
 
     Args:
-        representation: motors where rotations and positions are stiff, else rotors.
+        representation: motors where rotations and positions are stiff, else rotors or motors.
         time_s: ``(N,)`` increasing.
         coordinates: ``(N, D)`` of measured poses.
         path: ``(N, D)`` near them, to start from.
@@ -50,9 +60,19 @@ def twisted(
         models: of the columns.
     """
     stiff = [k for k, model in enumerate(models) if model.stiff]
-    if not stiff:
+    joint = models[0].joint
+    if not stiff and not joint:
         return {}
     poses, near = (representation.poses(one).rigid for one in (coordinates, path))
+    if joint:
+        made, spread = turned_together(time_s, poses, weights, models[0])
+        beyond, off = (
+            (one.rotor.inverse() @ other.rotor).as_rotation_vector()
+            for one, other in ((near, made), (made, poses))
+        )
+        others = spread / np.maximum(1.0 - weights * spread, _LEAST)
+        left_out = off * (1.0 + weights * others)[:, None]
+        return {k: ColumnPath(beyond[:, k], left_out[:, k], others, spread) for k in range(3)}
     if len(stiff) == 3:
         poses, near = (
             Motor.from_rotor_translation(one.rotor, np.zeros((len(one), 3)))
@@ -88,6 +108,48 @@ def _fitted(
         step = covariance @ (rows.T @ (off * scales).ravel())
     spread = np.einsum("nij,jk,nik->ni", slopes, covariance, slopes, optimize=True)
     return pose @ moved, off, spread / noise**2
+
+
+def turned_together(
+    time_s: FloatArray, poses: Motor, weights: FloatArray, model: ColumnModel
+) -> tuple[Motor, FloatArray]:
+    """Poses ``(N,)`` with smoothed rotations, and their variance in that of a pose of weight 1."""
+    noise = max(model.noise, _NO_NOISE)
+    noise_rad = noise / np.sqrt(np.maximum(weights, _LIGHTEST))
+    chosen = (
+        ConstantVelocityFilter(
+            angular_acceleration_rad_s2=model.ratio * noise,
+            noise_rad=noise_rad,
+            representation="rotor",
+        )
+        if model.order == 1
+        else ConstantAccelerationFilter(
+            angular_jerk_rad_s3=model.ratio * noise, noise_rad=noise_rad, representation="rotor"
+        )
+    )
+    still = Motor.from_rotor_translation(poses.rotor, np.zeros((len(poses), 3)))
+    found = smoothed_states(Trajectory(np.rint(1e9 * time_s).astype(np.int64), still), chosen)
+    return found.trajectory.motors, (found.deviations[:, 0, 0] / noise) ** 2
+
+
+def turning_model(
+    time_s: FloatArray, poses: Motor, weights: FloatArray, noise: float
+) -> ColumnModel:
+    """What predicts each rotation best from all others, by generalised cross-validation."""
+    interval_s, kept = float(np.median(np.diff(time_s))), weights > 0.0
+
+    def scored(order: int, level: float) -> tuple[float, ColumnModel]:
+        model = ColumnModel(order, ratio_of(level, order, interval_s), noise, joint=True)
+        made, spread = turned_together(time_s, poses, weights, model)
+        off = (made.rotor.inverse() @ poses.rotor).angle()[kept]
+        shares = 1.0 - (weights * spread)[kept]
+        return float(np.mean(weights[kept] * off**2) / np.mean(shares) ** 2), model
+
+    tried = [scored(order, level) for order in _JOINT_ORDERS for level in COARSE]
+    best = int(np.argmin([score for score, _ in tried]))
+    order, level = _JOINT_ORDERS[best // len(COARSE)], COARSE[best % len(COARSE)]
+    tried += [scored(order, level + step) for step in FINE]
+    return min(tried, key=lambda one: one[0])[1]
 
 
 def moves_beside(stretch: ColumnStretch, columns: int) -> bool:
