@@ -365,7 +365,7 @@ def _chosen(
     found = settled(measured, found, models, tails)
     free = representation is None
     measured, found, models = of_one_twist(start, measured, found, models, tails, free)
-    found, models = of_one_turn(start, measured, found, models, tails)
+    measured, found, models = of_one_turn(start, measured, found, models, tails)
     found, models = no_worse(start, measured, found, models, tails, known)
     noise = np.where(np.isnan(known), found.noise, known)
     choice = SmootherChoice(

@@ -37,9 +37,8 @@ from motorcade.ga.arrays import FloatArray, IntArray
 FIRST_STEPS = 3
 _BODY = "motor"
 _MISSES = "what lies next to a pose predicts it better than any spline"
-# Columns that one twist has in these, and the share of the band that noise alone has at least where
-# there may be no motion beside it.
-_STIFF, _STILL = {_BODY: 6, "rotor": 3}, 0.9
+# Columns that one twist has in these.
+_STIFF = {_BODY: 6, "rotor": 3}
 # Axes apart neglect that errors turn along with a body. So far it turns, in rad, while its usual
 # axis is averaged over, where that may count.
 _TURNS = 1.0
@@ -203,11 +202,11 @@ def of_one_twist(
     tried = [(measured, found.coordinates)]
     if any_axes and measured.representation.name != _BODY:
         tried.insert(0, in_axes_of_body(start, measured, found))
-    for poses, path in tried:
+    for each, path in tried:
+        poses = replace(each, jumps=NO_JUMPS)  # where nothing else is left there was none
         columns = _STIFF.get(poses.representation.name, 0)
         own = models.columns[:columns]
-        usual_s = float(np.median(np.diff(poses.time_s)))
-        if not own or len(poses.jumps) or any(one.noise_alone(usual_s) < _STILL for one in own):
+        if not own or any(one.untold for one in own):
             continue
         stiff = [replace(one, stiff=True, memory_s=0.0) for one in own]
         by_twist = replace(models, columns=(*stiff, *models.columns[columns:]))
@@ -220,38 +219,39 @@ def of_one_twist(
 
 def of_one_turn(
     start: PathStart, measured: Measured, found: PerAxisPath, models: AxisModels, tails: float
-) -> tuple[PerAxisPath, AxisModels]:
+) -> tuple[Measured, PerAxisPath, AxisModels]:
     """The same with rotations smoothed together, where a body turns so fast that axes apart neglect
-    what counts, and unless they predict held-out rotations better all the same.
+    what counts, and unless they predict held-out poses better all the same.
+
+    What axes apart took for jumps of the level is none then, or they do.
     """
     usual_s, own = float(np.median(np.diff(measured.time_s))), models.columns[:3]
-    if measured.representation.name not in _STIFF or len(measured.jumps) or own[0].stiff:
-        return found, models
+    if measured.representation.name not in _STIFF or own[0].stiff:
+        return measured, found, models
     path = restored(measured.representation, found.coordinates, start.trajectory).poses.rigid
     turn = float(np.median((path[:-1].rotor.inverse() @ path[1:].rotor).angle())) / usual_s
     told = [one.rate(usual_s) for one in own if not one.untold]
     if turn < (_TURNS * float(np.median(told)) if told else _FAR / usual_s):
-        return found, models
+        return measured, found, models
     noise = max(_root_mean_square([one.noise for one in own]), 1e-9)
-    poses = start.trajectory.poses.rigid
+    poses, steady = start.trajectory.poses.rigid, replace(measured, jumps=NO_JUMPS)
     model = turning_model(measured.time_s, poses, found.weights, noise).told(usual_s)
-    if model.untold:
-        return found, models
     joint = replace(models, columns=(*[model] * 3, *models.columns[3:]))
-    made = smoothed_per_axis(measured, found.coordinates, found.weights, joint, tails, LAST_STEPS)
+    if model.untold:
+        return measured, found, models
+    made = smoothed_per_axis(steady, found.coordinates, found.weights, joint, tails, LAST_STEPS)
     kept = (found.weights > 0.0) & (made.weights > 0.0)
-    gained = _held_out(found, kept) - _held_out(made, kept)
-    least = (-EQUAL if told else EQUAL) * np.std(gained) / np.sqrt(len(gained))
-    if np.mean(gained) <= least:
-        return found, models
-    return made, joint
+    gained = (_held_out(found, kept) - _held_out(made, kept)) @ np.maximum(found.noise, 1e-9) ** -2
+    sure = EQUAL if len(measured.jumps) or not told else -EQUAL
+    if np.mean(gained) <= sure * np.std(gained) / np.sqrt(len(gained)):
+        return measured, found, models
+    return steady, made, joint
 
 
 def _held_out(found: PerAxisPath, kept: NDArray[np.bool_]) -> FloatArray:
-    """Squares ``(M,)`` by which rotations are missed, as generalised cross-validation has them."""
-    shares = 1.0 - found.weights[kept, None] * found.spread[kept, :3]
-    residuals = found.left_out[kept, :3] * shares / np.mean(shares, axis=0)
-    return np.asarray(np.sum(residuals**2, axis=1), dtype=np.float64)
+    """Squares ``(M, d)`` by which axes are missed, as generalised cross-validation has them."""
+    shares = 1.0 - found.weights[kept, None] * found.spread[kept]
+    return np.asarray((found.left_out[kept] * shares / np.mean(shares, axis=0)) ** 2)
 
 
 def no_worse(

@@ -157,8 +157,11 @@ def moves_beside(stretch: ColumnStretch, columns: int) -> bool:
 
     That is where a spline of a velocity that white noise changes makes them likelier than noise
     does by what G. Schwarz asks for of two numbers more: how large that is, and where it starts.
+    What is much finer than errors about the other axes is none.
     """
     interval_s = float(np.median(np.diff(stretch.time_s)))
     found = [likelihoods([stretch], 1, ratio_of(one, 1, interval_s), 0.0) for one in COARSE]
-    gained = np.max(found, axis=0) - found[0]
-    return bool(np.any(gained[:columns] > np.log(np.count_nonzero(stretch.weights))))
+    gained = (np.max(found, axis=0) - found[0])[:columns]
+    parts = np.sqrt(np.mean(stretch.values[:, :columns] ** 2, axis=0)).reshape(-1, 3)
+    counts = parts > _FINEST * np.sqrt(np.mean(parts**2, axis=1, keepdims=True))
+    return bool(np.any(gained[counts.ravel()] > np.log(np.count_nonzero(stretch.weights))))
