@@ -356,10 +356,16 @@ def _chosen(
     """What a path calls for, and the path smoothed so."""
     named = representation_named(representation or _WORLD, start.trajectory.poses)
     even, measured, found = first_path(start, named)
-    if representation is None:
-        measured, found = in_better_axes(start, measured, found)
     known = knobs.known_noise(measured.representation, found.noise.size)
-    models = chosen_models(measured, found.coordinates, found.weights, known=known)
+    taken = measured, found
+    if representation is None:
+        taken = in_better_axes(start, measured, found)
+    models = chosen_models(taken[0], taken[1].coordinates, found.weights, known=known)
+    if taken[0] is not measured and models.untold > 0:
+        world = chosen_models(measured, found.coordinates, found.weights, known=known)
+        if world.untold < models.untold:  # what is left as measured is not predicted better
+            taken, models = (measured, found), world
+    measured, found = taken
     warn_of_coarse(float(np.median(np.diff(measured.time_s))))
     tails = tails_of(found.squares, found.weights, len(models.columns))
     found = settled(measured, found, models, tails)

@@ -114,6 +114,11 @@ class AxisModels:
     columns: tuple[ColumnModel, ...]
     score: float
 
+    @property
+    def untold(self) -> int:
+        """Of how many the noise is not told."""
+        return sum(bool(one.untold) for one in self.columns)
+
 
 def chosen_models(
     measured: Measured,
