@@ -15,8 +15,12 @@ from motorcade.fusion.measurements.interface import (
     numerical_jacobian,
 )
 from motorcade.fusion.measurements.poses import BodyPoseMeasurements, RelativePoseMeasurements
-from motorcade.fusion.measurements.positions import AltitudeMeasurements, PositionMeasurements
-from motorcade.fusion.measurements.velocities import BodyVelocityMeasurements, VelocityMeasurements
+from motorcade.fusion.measurements.positions import (
+    AltitudeMeasurements,
+    BodyVelocityMeasurements,
+    PositionMeasurements,
+    VelocityMeasurements,
+)
 
 __all__ = [
     "AltitudeMeasurements",

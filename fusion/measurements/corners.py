@@ -18,7 +18,7 @@ from motorcade.fusion.measurements.interface import (
     PredictedState,
     skew,
 )
-from motorcade.fusion.measurements.values import checked_rows, checked_stamps
+from motorcade.fusion.measurements.values import set_checked
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 from motorcade.tracking.cameras.camera import Camera, by_twist
@@ -73,7 +73,6 @@ class CornerMeasurements(Measurements):
     covariance: FloatArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        stamps = checked_stamps(self.time_ns, "time_ns")
         count = self.pixels.shape[1] if np.ndim(self.pixels) == 3 else 0
         if not 1 <= count <= _MOST:
             raise ValueError(
@@ -84,13 +83,9 @@ class CornerMeasurements(Measurements):
             if not 0.0 <= getattr(self, name) < np.inf:
                 raise ValueError(f"{name}: expected a number from 0 on, got {getattr(self, name)}")
         of_row = self.sigma_px**2 * np.eye(2 * count)  # of independent pixels
-        for name, value in (
-            ("time_ns", stamps),
-            ("pixels", checked_rows(self.pixels, "pixels", len(stamps), (count, 2))),
-            ("points_m", checked_rows(self.points_m, "points_m", len(stamps), (count, 3))),
-            ("covariance", np.broadcast_to(of_row, (len(stamps), 2 * count, 2 * count))),
-        ):
-            object.__setattr__(self, name, value)
+        rows = set_checked(self, 0, pixels=(count, 2), points_m=(count, 3))
+        every = np.broadcast_to(of_row, (rows, 2 * count, 2 * count))
+        object.__setattr__(self, "covariance", every)
 
     @property
     def parameters(self) -> FloatArray:

@@ -14,14 +14,9 @@ from motorcade.fusion.measurements.interface import (
     PredictedState,
     skew,
 )
-from motorcade.fusion.measurements.values import (
-    checked_rows,
-    checked_stamps,
-    checked_vector,
-    spread,
-)
+from motorcade.fusion.measurements.values import set_checked
 from motorcade.ga import Rotor
-from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray, frozen
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -57,17 +52,10 @@ class HeadingMeasurements(Measurements):
     axis: FloatArray = field(default_factory=lambda: np.array([1.0, 0.0, 0.0]))
 
     def __post_init__(self) -> None:
-        stamps = checked_stamps(self.time_ns, "time_ns")
-        axis = checked_vector(self.axis, "axis")
-        if not np.any(axis):
+        set_checked(self, 1, ("axis",), heading_rad=())
+        if not np.any(self.axis):
             raise ValueError("axis: expected a direction, got zero")
-        for name, value in (
-            ("time_ns", stamps),
-            ("heading_rad", checked_rows(self.heading_rad, "heading_rad", len(stamps), ())),
-            ("covariance", spread(self.covariance, "covariance", len(stamps), 1)),
-            ("axis", axis / np.linalg.norm(axis)),
-        ):
-            object.__setattr__(self, name, value)
+        object.__setattr__(self, "axis", frozen(self.axis / np.linalg.norm(self.axis)))
 
     def residual(self, row: int, state: PredictedState) -> FloatArray:
         """Measured less predicted heading ``(1,)``, within ±π."""
@@ -118,19 +106,9 @@ class MagneticFieldMeasurements(Measurements):
     imu_R_sensor: Rotor = field(default_factory=Rotor.identity)
 
     def __post_init__(self) -> None:
-        stamps = checked_stamps(self.time_ns, "time_ns")
         if self.imu_R_sensor.shape != ():
             raise ValueError(f"imu_R_sensor: expected one rotor, got {self.imu_R_sensor.shape}")
-        for name, value in (
-            ("time_ns", stamps),
-            (
-                "measured_field",
-                checked_rows(self.measured_field, "measured_field", len(stamps), (3,)),
-            ),
-            ("world_field", checked_vector(self.world_field, "world_field")),
-            ("covariance", spread(self.covariance, "covariance", len(stamps), 3)),
-        ):
-            object.__setattr__(self, name, value)
+        set_checked(self, 3, ("world_field",), measured_field=(3,))
 
     def residual(self, row: int, state: PredictedState) -> FloatArray:
         """Measured less predicted field ``(3,)``, in the sensor's axes."""

@@ -14,7 +14,7 @@ from motorcade.fusion.measurements.interface import (
     Measurements,
     PredictedState,
 )
-from motorcade.fusion.measurements.values import checked_stamps, spread
+from motorcade.fusion.measurements.values import checked_stamps, set_checked, spread
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
@@ -60,11 +60,8 @@ class BodyPoseMeasurements(Measurements):
     imu_T_body: Motor = field(default_factory=Motor.identity)
 
     def __post_init__(self) -> None:
-        stamps = checked_stamps(self.time_ns, "time_ns")
-        _checked_poses(self.world_T_body, "world_T_body", len(stamps), self.imu_T_body)
-        object.__setattr__(self, "time_ns", stamps)
-        own = spread(self.covariance, "covariance", len(stamps), 6)
-        object.__setattr__(self, "covariance", own)
+        count = set_checked(self, 6)
+        _checked_poses(self.world_T_body, "world_T_body", count, self.imu_T_body)
 
     def residual(self, row: int, state: PredictedState) -> FloatArray:
         """The twist ``(6,)`` from the predicted pose to the measured one."""
@@ -118,15 +115,11 @@ class RelativePoseMeasurements(Measurements):
     imu_T_body: Motor = field(default_factory=Motor.identity)
 
     def __post_init__(self) -> None:
-        stamps = checked_stamps(self.time_ns, "time_ns")
-        earlier = checked_stamps(self.earlier_ns, "earlier_ns")
-        if earlier.shape != stamps.shape:
-            raise ValueError(f"earlier_ns: expected shape {stamps.shape}, got {earlier.shape}")
-        _checked_poses(self.earlier_T_body, "earlier_T_body", len(stamps), self.imu_T_body)
-        object.__setattr__(self, "time_ns", stamps)
+        count, earlier = set_checked(self, 6), checked_stamps(self.earlier_ns, "earlier_ns")
+        if earlier.shape != (count,):
+            raise ValueError(f"earlier_ns: expected shape {(count,)}, got {earlier.shape}")
+        _checked_poses(self.earlier_T_body, "earlier_T_body", count, self.imu_T_body)
         object.__setattr__(self, "earlier_ns", earlier)
-        own = spread(self.covariance, "covariance", len(stamps), 6)
-        object.__setattr__(self, "covariance", own)
 
     @classmethod
     def along(

@@ -1,4 +1,4 @@
-"""Kinds that measure where a point of the body is: satellite navigation, beacons, altimeters."""
+"""Kinds that measure where a point of the body is, and how fast it moves."""
 
 from __future__ import annotations
 
@@ -11,19 +11,17 @@ from numpy.typing import ArrayLike
 from motorcade.fusion.measurements.geodesy import GeodeticOrigin
 from motorcade.fusion.measurements.interface import (
     ERROR_NUMBERS,
+    GYRO_BIAS,
     POSITION,
     ROTATION,
+    VELOCITY,
     Measurements,
     PredictedState,
     skew,
 )
-from motorcade.fusion.measurements.values import (
-    checked_rows,
-    checked_stamps,
-    checked_vector,
-    spread,
-)
-from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.fusion.measurements.values import checked_rows, set_checked
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -58,15 +56,7 @@ class PositionMeasurements(Measurements):
     arm_m: FloatArray = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
-        stamps = checked_stamps(self.time_ns, "time_ns")
-        count = len(stamps)
-        for name, value in (
-            ("time_ns", stamps),
-            ("position_m", checked_rows(self.position_m, "position_m", count, (3,))),
-            ("covariance", spread(self.covariance, "covariance", count, 3)),
-            ("arm_m", checked_vector(self.arm_m, "arm_m")),
-        ):
-            object.__setattr__(self, name, value)
+        set_checked(self, 3, ("arm_m",), position_m=(3,))
 
     @classmethod
     def from_geodetic(
@@ -94,14 +84,11 @@ class PositionMeasurements(Measurements):
             ValueError: latitudes beyond ±90°, shapes that do not agree, NaN or infinity.
             ModuleNotFoundError: without pyproj.
         """
-        stamps = checked_stamps(time_ns, "time_ns")
-        position_m = origin.local_m(latitude_deg, longitude_deg, height_m)
-        own = spread(covariance, "covariance", len(stamps), 3)
         return cls(
-            time_ns=stamps,
-            position_m=position_m,
-            covariance=own,
-            arm_m=checked_vector(arm_m, "arm_m"),
+            time_ns=time_ns,
+            position_m=origin.local_m(latitude_deg, longitude_deg, height_m),
+            covariance=np.asarray(covariance),
+            arm_m=np.asarray(arm_m),
         )
 
     def residual(self, row: int, state: PredictedState) -> FloatArray:
@@ -149,14 +136,7 @@ class AltitudeMeasurements(Measurements):
     arm_m: FloatArray = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
-        stamps = checked_stamps(self.time_ns, "time_ns")
-        for name, value in (
-            ("time_ns", stamps),
-            ("altitude_m", checked_rows(self.altitude_m, "altitude_m", len(stamps), ())),
-            ("covariance", spread(self.covariance, "covariance", len(stamps), 1)),
-            ("arm_m", checked_vector(self.arm_m, "arm_m")),
-        ):
-            object.__setattr__(self, name, value)
+        set_checked(self, 1, ("arm_m",), altitude_m=())
 
     def residual(self, row: int, state: PredictedState) -> FloatArray:
         """Measured less predicted height ``(1,)``."""
@@ -168,4 +148,157 @@ class AltitudeMeasurements(Measurements):
         made = np.zeros((1, ERROR_NUMBERS))
         made[0, ROTATION] = state.world_R_imu[2] @ skew(self.arm_m)
         made[0, POSITION] = -state.world_R_imu[2]
+        return made
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class VelocityMeasurements(Measurements):
+    """Velocities of a point on the body in the world: satellite navigation, motion capture, rest.
+
+    The point moves about the IMU by the gyroscope's rate, whose noise is left out: with an arm of
+    a metre that is some mm/s.
+
+    Args:
+        time_ns: ``(N,)`` of the IMU's clock.
+        velocity_m_s: ``(N, 3)`` in the world.
+        covariance: ``(3, 3)`` or ``(N, 3, 3)`` in the world's axes.
+        arm_m: ``(3,)`` the point from the IMU, in the IMU's axes.
+
+    Raises:
+        ValueError: shapes that do not agree, NaN or infinity.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.measurements import PredictedState, VelocityMeasurements
+        >>> from motorcade.ga import Motor
+        >>> still = VelocityMeasurements.zero(time_ns=np.array([0]), sigma_m_s=0.01)
+        >>> still.residual(0, PredictedState.at(Motor.identity(), [0.0, 0.2, 0.0])) + 0.0
+        array([ 0. , -0.2,  0. ])
+    """
+
+    name: ClassVar[str] = "velocity"
+    time_ns: IntArray
+    velocity_m_s: FloatArray
+    covariance: FloatArray
+    arm_m: FloatArray = field(default_factory=lambda: np.zeros(3))
+
+    def __post_init__(self) -> None:
+        set_checked(self, 3, ("arm_m",), velocity_m_s=(3,))
+
+    @classmethod
+    def zero(cls, time_ns: IntArray, sigma_m_s: float) -> VelocityMeasurements:
+        """Rest at given stamps, to within a deviation an axis (m/s).
+
+        Raises:
+            ValueError: a deviation that is not above zero.
+        """
+        square = checked_positive(sigma_m_s, "sigma_m_s") ** 2
+        none = np.zeros((len(time_ns), 3))
+        return cls(time_ns=time_ns, velocity_m_s=none, covariance=square * np.eye(3))
+
+    def residual(self, row: int, state: PredictedState) -> FloatArray:
+        """Measured less predicted velocity ``(3,)``, in the world's axes."""
+        about = state.world_R_imu @ np.cross(state.angular_rate_rad_s, self.arm_m)
+        seen: FloatArray = self.velocity_m_s[row] - state.velocity_m_s - about
+        return seen
+
+    def jacobian(self, row: int, state: PredictedState) -> FloatArray:
+        """Derivative ``(3, 30)`` of that."""
+        made = np.zeros((3, ERROR_NUMBERS))
+        about = np.cross(state.angular_rate_rad_s, self.arm_m)
+        made[:, ROTATION] = state.world_R_imu @ skew(about)
+        made[:, VELOCITY] = -state.world_R_imu
+        made[:, GYRO_BIAS] = -state.world_R_imu @ skew(self.arm_m)
+        return made
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BodyVelocityMeasurements(Measurements):
+    """Velocities of a point on the body in the body's own axes: wheels, Doppler sensors.
+
+    Args:
+        time_ns: ``(N,)`` of the IMU's clock.
+        velocity_m_s: ``(N, 3)`` over the ground, in the body's axes.
+        covariance: ``(3, 3)`` or ``(N, 3, 3)`` in the body's axes.
+        imu_R_body: turns the body's axes to the IMU's.
+        arm_m: ``(3,)`` the point from the IMU, in the IMU's axes.
+
+    Raises:
+        ValueError: shapes that do not agree, NaN or infinity.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.measurements import BodyVelocityMeasurements, PredictedState
+        >>> from motorcade.ga import Motor
+        >>> driven = BodyVelocityMeasurements.of_wheels(
+        ...     time_ns=np.array([0]), speed_m_s=[3.0], sigma_m_s=0.1, slip_sigma_m_s=0.05
+        ... )
+        >>> world_T_imu = Motor.from_twist([0.0, 0.0, np.pi / 2, 0.0, 0.0, 0.0])  # faces +y
+        >>> driven.residual(0, PredictedState.at(world_T_imu, [0.0, 3.0, 0.0])).round(9) + 0.0
+        array([0., 0., 0.])
+    """
+
+    name: ClassVar[str] = "body_velocity"
+    time_ns: IntArray
+    velocity_m_s: FloatArray
+    covariance: FloatArray
+    imu_R_body: Rotor = field(default_factory=Rotor.identity)
+    _body_R_imu: FloatArray = field(init=False, repr=False)
+    arm_m: FloatArray = field(default_factory=lambda: np.zeros(3))
+
+    def __post_init__(self) -> None:
+        if self.imu_R_body.shape != ():
+            raise ValueError(f"imu_R_body: expected one rotor, got {self.imu_R_body.shape}")
+        set_checked(self, 3, ("arm_m",), velocity_m_s=(3,))
+        object.__setattr__(self, "_body_R_imu", self.imu_R_body.inverse().as_matrix())
+
+    @classmethod
+    def of_wheels(
+        cls,
+        time_ns: IntArray,
+        speed_m_s: ArrayLike,
+        sigma_m_s: float,
+        slip_sigma_m_s: float,
+        imu_R_body: Rotor | None = None,
+        arm_m: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> BodyVelocityMeasurements:
+        """Of wheels that roll along the body's x and slip neither sideways nor upwards.
+
+        Args:
+            time_ns: ``(N,)``.
+            speed_m_s: ``(N,)`` along x, backwards negative.
+            sigma_m_s: its deviation.
+            slip_sigma_m_s: deviation of the velocity sideways and upwards, which is measured as 0.
+            imu_R_body: turns the vehicle's axes (x ahead) to the IMU's; by default they agree.
+            arm_m: the middle of the axle that does not steer, from the IMU.
+
+        Raises:
+            ValueError: deviations that are not above zero.
+        """
+        along, across = (
+            checked_positive(value, name) ** 2
+            for value, name in ((sigma_m_s, "sigma_m_s"), (slip_sigma_m_s, "slip_sigma_m_s"))
+        )
+        speed = checked_rows(speed_m_s, "speed_m_s", len(time_ns), ())
+        return cls(
+            time_ns=time_ns,
+            velocity_m_s=speed[:, None] * np.array([1.0, 0.0, 0.0]),
+            covariance=np.diag([along, across, across]),
+            imu_R_body=Rotor.identity() if imu_R_body is None else imu_R_body,
+            arm_m=np.asarray(arm_m),
+        )
+
+    def residual(self, row: int, state: PredictedState) -> FloatArray:
+        """Measured less predicted velocity ``(3,)``, in the body's axes."""
+        own = state.velocity_m_s @ state.world_R_imu
+        own = own + np.cross(state.angular_rate_rad_s, self.arm_m)
+        seen: FloatArray = self.velocity_m_s[row] - self._body_R_imu @ own
+        return seen
+
+    def jacobian(self, row: int, state: PredictedState) -> FloatArray:
+        """Derivative ``(3, 30)`` of that."""
+        made = np.zeros((3, ERROR_NUMBERS))
+        made[:, ROTATION] = -self._body_R_imu @ skew(state.velocity_m_s @ state.world_R_imu)
+        made[:, VELOCITY] = -self._body_R_imu
+        made[:, GYRO_BIAS] = -self._body_R_imu @ skew(self.arm_m)
         return made

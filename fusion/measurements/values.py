@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from motorcade.fusion.measurements.interface import Measurements
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 
 
@@ -58,3 +59,33 @@ def spread(value: ArrayLike, name: str, count: int, size: int) -> FloatArray:
             f"{name}: expected shape {(size, size)} or {(count, size, size)}, got {array.shape}"
         )
     return frozen(np.broadcast_to(array, (count, size, size)))
+
+
+def set_checked(
+    kind: Measurements,
+    size: int,
+    vectors: tuple[str, ...] = (),
+    **rows: tuple[int, ...],
+) -> int:
+    """Check a frozen kind's numbers as it is made, and set them read-only; how many rows it has.
+
+    Args:
+        kind: with stamps `time_ns` and a `covariance` as `spread` takes it.
+        size: of the covariances; 0 where the kind sets its own.
+        vectors: fields of three numbers.
+        rows: fields of numbers ``(N, *shape)``, with that shape.
+
+    Raises:
+        ValueError: stamps that are no integers ``(N,)``, another shape, NaN or infinity.
+    """
+    stamps = checked_stamps(kind.time_ns, "time_ns")
+    count = len(stamps)
+    object.__setattr__(kind, "time_ns", stamps)
+    for name, shape in rows.items():
+        object.__setattr__(kind, name, checked_rows(getattr(kind, name), name, count, shape))
+    if size:
+        own = spread(kind.covariance, "covariance", count, size)
+        object.__setattr__(kind, "covariance", own)
+    for name in vectors:
+        object.__setattr__(kind, name, checked_vector(getattr(kind, name), name))
+    return count
