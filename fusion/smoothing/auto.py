@@ -355,7 +355,7 @@ def _chosen(
 ) -> tuple[SmootherChoice, Measured, PerAxisPath]:
     """What a path calls for, and the path smoothed so."""
     named = representation_named(representation or _WORLD, start.trajectory.poses)
-    even, measured, found = first_path(start, named)
+    start, even, measured, found = first_path(start, named)
     known = knobs.known_noise(measured.representation, found.noise.size)
     taken = measured, found
     if representation is None:

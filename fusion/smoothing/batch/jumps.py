@@ -59,6 +59,14 @@ def with_jumps(
             break
         measured = replace(measured, jumps=np.union1d(measured.jumps, more))
         models = chosen_models(measured, path, weights, (2,))
+    for row in measured.jumps.tolist():
+        without = replace(measured, jumps=measured.jumps[measured.jumps != row])
+        jump, single = (_savings(one, path, weights, models) for one in (without, measured))
+        if (
+            jump[0, row]
+            < _least_saved(single[2], np.flatnonzero(weights), len(models.columns))[row]
+        ):
+            measured = without
     return measured, models
 
 
@@ -68,10 +76,7 @@ def _more_jumps(
     """Rows before which the level jumps, beside those that are known."""
     kept = np.flatnonzero(weights)
     jump, slope, single = _savings(measured, path, weights, models)
-    axes = len(models.columns)
-    tail = float(np.quantile(single[kept], _TAIL)) / _quantile(axes, _TAIL)
-    rare = _quantile(axes, 1.0 - _FALSE_ALARM / len(kept))
-    least_saved = max(1.0, tail) * rare * _size_around(single, kept, axes)
+    least_saved = _least_saved(single, kept, len(models.columns))
     other = _largest_near(np.maximum(slope, single))
     found = (jump > least_saved) & (jump >= _largest_near(jump)) & (jump > _AHEAD * other)
     # Between two poses that count any row would do: the level changes with the later one.
@@ -81,6 +86,13 @@ def _more_jumps(
     places, borders = np.searchsorted(kept, rows), np.searchsorted(kept, edges)
     far = np.min(np.abs(places[:, None] - borders), axis=1, initial=len(kept))
     return np.unique(rows[far >= FEWEST_AT_LEVEL])
+
+
+def _least_saved(single: FloatArray, kept: IntArray, axes: int) -> FloatArray:
+    """What a jump before each row ``(N,)`` must save, by what leaving its pose out does."""
+    tail = float(np.quantile(single[kept], _TAIL)) / _quantile(axes, _TAIL)
+    rare = _quantile(axes, 1.0 - _FALSE_ALARM / len(kept))
+    return max(1.0, tail) * rare * _size_around(single, kept, axes)
 
 
 def _savings(

@@ -213,6 +213,9 @@ def smoothed_per_axis(
         if np.count_nonzero(weights) < _FEWEST_KEPT * np.count_nonzero(used):
             # Not wrong poses but motion that the models do not have.
             weights = used
+        if np.any((weights > 0.0) != counted):
+            # Another path is looked for, so that a larger correction leads nowhere astray.
+            share, before = 1.0, float("inf")
     return PerAxisPath(path, used, squares, noise, spread, left_out)
 
 

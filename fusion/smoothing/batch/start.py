@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,6 +112,17 @@ class PathStart:
         ]
         return made[0], made[1], made[2]
 
+    def without_runs_between(self, jumps: IntArray) -> PathStart:
+        """The same without poses between two jumps that the path returns from; see `predicted`."""
+        kept, time_s, poses = self.weights > 0.0, self.trajectory.time_s, self.trajectory.poses
+        for first, last in pairwise(jumps):
+            without = kept.copy()
+            without[first:last] = False
+            if not np.any(judged_runs(time_s, poses.rigid, without).motion[first:last]):
+                kept = without
+        same = np.array_equal(kept, self.weights > 0.0)
+        return self if same else replace(self, weights=kept.astype(np.float64))
+
     def written(self, representation: Representation) -> tuple[Measured, FloatArray]:
         """The measured poses, and the chain's with what lies between them, as coordinates."""
         poses, kept = self.trajectory.poses, self.weights > 0.0
@@ -145,8 +157,11 @@ class PathStart:
 
 def first_path(
     start: PathStart, representation: Representation
-) -> tuple[bool, Measured, PerAxisPath]:
-    """A first path with its jumps, and whether stamps are taken for even for it."""
+) -> tuple[PathStart, bool, Measured, PerAxisPath]:
+    """A first path with its jumps, and whether stamps are taken for even for it.
+
+    The start is another one where poses between jumps turn out to be wrong.
+    """
     measured, path = start.written(representation)
     models = chosen_models(measured, path, start.weights, _FIRST_ORDER)
     even, even_s = False, even_stamps(measured.time_s)
@@ -156,8 +171,11 @@ def first_path(
         even = others.score - _LIKELIER > models.score
         measured, models = (in_step, others) if even else (measured, models)
     measured, models = with_jumps(measured, path, start.weights, models)
+    other = start.without_runs_between(measured.jumps)
+    if other is not start:
+        return first_path(other, representation)
     found = smoothed_per_axis(measured, path, start.weights, models, HEAVY_TAILS, FIRST_STEPS)
-    return even, measured, found
+    return start, even, measured, found
 
 
 def in_better_axes(

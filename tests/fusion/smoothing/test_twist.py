@@ -139,3 +139,20 @@ def test_rotations_of_what_spins_at_a_changing_rate_are_smoothed_together(
         assert twice < 1.1 * after
         left.append(after / before)
     assert np.sqrt(np.mean(np.square(left))) < 0.45
+
+
+@pytest.mark.parametrize("first", [20, 90, 185])
+def test_a_burst_of_wrong_poses_in_a_spin_is_left_out_wherever_it_is(first: int) -> None:
+    """One near an end was averaged in, or kept as two jumps of level."""
+    rng = np.random.default_rng([37, first])
+    true = MOTIONS["fast_spin"].sampled(20.0, 9.95).rigid
+    raw = NOISE.apply(true, rng)
+    burst = slice(first, first + 8)
+    poses = raw.motors.coefficients.copy()
+    off = Motor.from_twist([0.3, -0.2, 0.1, 0.0, 0.0, 0.0]), Motor.from_translation([0.3, 0.1, 0.2])
+    poses[burst] = (off[1] @ raw.motors[burst] @ off[0]).coefficients
+    wrong = Trajectory(raw.time_ns, Motor(poses), raw.parent, raw.child)
+    found = smoothed_automatically(wrong)
+    assert not np.any(found.weights[burst])
+    assert np.count_nonzero(found.weights == 0.0) < 12
+    assert np.all(sizes(found.trajectory, true) < 0.06 * sizes(wrong, true))
