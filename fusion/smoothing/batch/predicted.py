@@ -40,6 +40,9 @@ _AROUND = 12
 _AS_GOOD = 2.0
 # A pose held out misses by its own and its prediction's error: as large where by so many times one.
 _AS_SURE = 2.0**0.5
+# A path across poses left out is the smoothest there is: where it bends by so many times as much as
+# it does anywhere it was not led there but astray.
+_ASTRAY = 2.0
 # Poses at an end that may not be a level of their own.
 FEWEST_AT_LEVEL = 6
 # All but so few steps of good poses bend less than a leap does.
@@ -144,7 +147,19 @@ def unpredicted(
                 continue
             right = np.all(far[first:last] <= _AS_GOOD * near, axis=1)
             made[first:last] = right[:, None] & (near > _AS_SURE * usual)
+    path = restored(measured.representation, found.coordinates, like).poses.rigid
+    bent, beside = _bent(measured.time_s, path), _widened(~kept)
+    most = np.inf if np.all(beside) else _ASTRAY * np.max(bent[~beside], axis=0)
+    for first, last in runs_of(~kept):
+        if first > 0 and last < len(kept):  # beyond the ends it is not led anywhere
+            made[first:last] |= np.any(bent[first - 1 : last + 1] > most)
     return made
+
+
+def _bent(time_s: FloatArray, path: Motor) -> FloatArray:
+    """By how much the rates of a path change at each pose, a second ``(N, 2)``."""
+    rates = (path[:-1].inverse() @ path[1:]).as_twist() / np.diff(time_s)[:, None]
+    return _parts(np.pad(np.diff(rates, axis=0), ((1, 1), (0, 0))) / np.gradient(time_s)[:, None])
 
 
 def worse_than_measured(like: Trajectory, measured: Measured, found: PerAxisPath) -> Kept:
