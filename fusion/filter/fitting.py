@@ -22,9 +22,10 @@ _GLANCE_NS, _FEWEST_POSES, _APART_NS = 30_000_000_000, 60, 200_000_000
 _BESIDE_NS = 1_000_000_000
 """What `fit_noise` looks at: the middle of a recording, and how many poses of it there must be;
 and how much of the stream before and behind these."""
-_TOLD = 1.0
-"""By so much a log likelihood must tell one density from another; else the larger is taken, for too
-little noise is what makes a path believe itself."""
+_TOLD = 1.92
+"""By so much a log likelihood must tell one density from another, half of what chi-squared of one
+number reaches once in twenty; else the larger is taken, for too little noise is what makes a path
+believe itself."""
 _MOST = np.log(64.0) + 1e-9
 """No sensor shakes more beyond its data sheet; what needs more is another fault."""
 _COLOURED = 4.0
