@@ -25,8 +25,12 @@ constexpr std::size_t most_rivals = 6;
 // How long the IMU alone may carry a prediction that was given up, as it may over gaps.
 constexpr std::int64_t longest_bridge_ns = 10'000'000'000;
 
-// How long measurements may agree on something else before it is no burst: as cameras are blind.
-constexpr std::int64_t longest_burst_ns = 2'000'000'000;
+// How long measurements may agree on something else before it is no burst: twice as long as cameras
+// are blind.
+constexpr std::int64_t longest_burst_ns = 4'000'000'000;
+
+// Deviations by which a position that the IMU tells is another than what is measured.
+constexpr double told_apart = 3.0;
 
 // A state that runs beside the filter's own.
 template <std::size_t N> struct Track {
@@ -108,12 +112,23 @@ template <std::size_t N> void Timeline<N>::challenge(std::size_t index) {
     give_up(winner);
 }
 
-// Whether the IMU alone still tells the path as well as poses would, from a prediction that was
-// right for long. Measurements that agree on something else may be a burst of wrong ones, which is
-// seen when it ends; if the map was relocated, waiting costs what such a gap costs.
+// Whether the IMU alone still tells the path well enough, from a prediction that was right for long.
+// Measurements that agree on something else may be a burst of wrong ones, which is seen when it
+// ends; if the map was relocated, waiting costs what such a gap costs. That is nothing while poses
+// would not tell more, and less than to follow a burst while three deviations of what the IMU tells
+// are nearer to it than what is measured.
 template <std::size_t N> bool Timeline<N>::imu_suffices(const Event &event) const {
-    return own_hits_ >= established_hits && event.time_ns - doubted_ns_ <= longest_burst_ns &&
-           bridged(p_, event);
+    if (own_hits_ < established_hits || event.time_ns - doubted_ns_ > longest_burst_ns) return false;
+    if (bridged(p_, event)) return true;
+    Innovation<N> innovation;
+    if (!event.from_pose() || !Prediction<N>(now_, reading(time_ns_)).of(event, innovation))
+        return false;
+    double square = 0.0, apart = 0.0;
+    for (std::size_t k = position; k < velocity; ++k) {
+        square += p_.row[k][k];
+        apart += innovation.residual[k] * innovation.residual[k];
+    }
+    return told_apart * told_apart * square <= apart;
 }
 
 // Whether the prediction of what was left out may just have been worse than it said, as after a

@@ -85,16 +85,16 @@ def _outliers(share: float) -> Disturbance:
     return disturb
 
 
-def _bursts(share: float, together: bool) -> Disturbance:
+def _bursts(share: float, together: bool, burst_s: float = _BURST_S) -> Disturbance:
     """In bursts, each pose by itself or all of one by the same motion of the world."""
 
     def disturb(
         poses: Motor, seconds: FloatArray, rng: np.random.Generator
     ) -> tuple[Motor, NDArray[np.bool_]]:
-        period = _BURST_S / share
+        period = burst_s / share
         starts = np.arange(0.0, seconds[-1], period)
-        starts = starts + rng.uniform(0.0, period - _BURST_S, len(starts))
-        inside = (seconds[:, None] >= starts) & (seconds[:, None] < starts + _BURST_S)
+        starts = starts + rng.uniform(0.0, period - burst_s, len(starts))
+        inside = (seconds[:, None] >= starts) & (seconds[:, None] < starts + burst_s)
         wrong = np.any(inside, axis=1)
         if not together:
             shift, turn = _off(len(seconds), rng)
@@ -118,6 +118,7 @@ DISTURBANCES: Mapping[str, Disturbance] = {
     **{f"outliers {share:.0%}": _outliers(share) for share in (0.1, 0.3, 0.5)},
     **{f"bursts {share:.0%}": _bursts(share, False) for share in (0.1, 0.3, 0.5)},
     **{f"bursts {share:.0%}, moved as one": _bursts(share, True) for share in (0.1, 0.3)},
+    "bursts of 3 s, 10%, moved as one": _bursts(0.1, True, 3.0),
 }  # fmt: skip
 """By name, what is done to the poses."""
 
@@ -185,6 +186,7 @@ def _seed(one: Flight, how: str, seed: int, graph: bool) -> dict[str, float]:
         ("robust", by, given, path.time_ns),
         ("live", partial(by, smoothed=False), given, path.time_ns),
         ("known", by, known, path.time_ns[first:]),
+        ("known_live", partial(by, smoothed=False), known, path.time_ns[first:]),
         ("graph", partial(fuse_by_graph, imu=one.imu, noise=NOISE, imu_T_camera=Motor.identity()),
          given, path.time_ns),
     ):  # fmt: skip
@@ -197,7 +199,7 @@ def _seed(one: Flight, how: str, seed: int, graph: bool) -> dict[str, float]:
         if name in ("robust", "graph"):
             made[f"{name}_mean"] = float(error.mean())
             made[f"{name}_nees"] = _nees(one, result)
-        if name == "live":
+        if name in ("live", "known_live"):
             settled = (result.trajectory.time_ns - path.time_ns[0]) * 1e-9 > _AFTER_S
             error, turned = error[settled], turned[settled]
         made[f"{name}_m"], made[f"{name}_m_max"] = _rms(error), float(error.max())
@@ -226,7 +228,7 @@ def disturbed_table(found: Mapping[str, Any]) -> str:
     """A line a flight and disturbance; errors in mm, worst in parentheses."""
     lines = [
         f"{'position error, rms (max), mm':<38}{'smoothed':>18}{'known':>16}"
-        f"{'live after 1 s':>20}{'gtsam':>18}{'rotation':>10}{'misjudged':>11}"
+        f"{'live after 1 s':>20}{'/ known':>8}{'gtsam':>18}{'rotation':>10}{'misjudged':>11}"
         f"{'NEES/6':>8}{'gtsam':>7}{'mean / gtsam':>14}{'time':>9}{'/ known':>8}{'/ gtsam':>8}"
     ]
     for row in found["rows"]:
@@ -240,7 +242,8 @@ def disturbed_table(found: Mapping[str, Any]) -> str:
         mean = row["robust_mean"] / row.get("graph_mean", np.nan)
         lines.append(
             f"{row['flight'] + ', ' + row['disturbed']:<38}{both['robust']:>18}{both['known']:>16}"
-            f"{both['live']:>20}{both['graph']:>18}{row['robust_deg_max']:>9.2f}°"
+            f"{both['live']:>20}{row['live_m'] / row['known_live_m']:>8.2f}"
+            f"{both['graph']:>18}{row['robust_deg_max']:>9.2f}°"
             f"{row['misjudged_share']:>11.2%}{row['robust_nees']:>8.2f}"
             f"{row.get('graph_nees', np.nan):>7.2f}{mean:>14.2f}"
             f"{1e3 * row['robust_seconds']:>6.0f} ms"
