@@ -106,7 +106,8 @@ template <std::size_t N> void Timeline<N>::challenge(std::size_t index) {
     const bool likely = best->returned || strained(events_[best->birth]);
     if (best->hits < (likely ? enough_likely_hits : enough_hits) + (explained_ - best->base))
         return;
-    if (!likely && imu_suffices(event)) return;
+    // What explained twice as many is not given up lightly.
+    if (!likely && own_hits_ >= 2 * best->hits && imu_suffices(event)) return;
     const Rival<N> winner = *best;
     rivals_.clear();
     give_up(winner);

@@ -33,12 +33,12 @@ def disturbed(run: Run, how: str, seed: int) -> tuple[Run, np.ndarray]:
     return shifted(run, poses), wrong
 
 
-def without(run: Run, wrong: np.ndarray) -> Fused:
+def without(run: Run, wrong: np.ndarray, *, smoothed: bool = True) -> Fused:
     """The path by the right poses alone, at the stamps of all from the first right one on."""
     given, first = run.measurements, np.flatnonzero(~wrong)[0]
     right = PoseMeasurements(given.trajectory[~wrong], given.covariance[~wrong])
     stamps = given.trajectory.time_ns[first:]
-    return fuse(right, run.imu, run.noise, run.imu_T_camera, stamps)
+    return fuse(right, run.imu, run.noise, run.imu_T_camera, stamps, smoothed=smoothed)
 
 
 def apart_m(one: Fused, other: Fused) -> FloatArray:
@@ -114,6 +114,25 @@ def test_live_a_burst_that_moves_as_one_is_not_followed(record: Callable[..., Ru
     np.testing.assert_array_equal(found.accepted[wrong], False)
     assert found.accepted[seconds > 5.2].all()
     assert not len(found.given_up_ns)
+
+
+def test_live_a_burst_of_three_seconds_costs_what_a_gap_does(record: Callable[..., Run], rng):
+    """It lies metres off: the IMU tells the old map from that for longer than poses are missed."""
+    run = record(rng, 14.0)
+    path = run.measurements.trajectory
+    seconds = path.time_s - path.time_s[0]
+    wrong = (seconds >= 8.0) & (seconds < 11.0)
+    shift = wrong[:, None] * np.array([0.2, 0.0, 0.9, 3.0, -4.0, 2.0])
+    found = shifted(run, Motor.from_twist(shift) @ path.motors).fuse(smoothed=False)
+    known = without(run, wrong, smoothed=False)
+    errors = [
+        absolute_translation_m(one.trajectory.motors, run.camera.at(one.trajectory.time_ns))
+        for one in (found, known)
+    ]
+    right = np.isin(path.time_ns, known.trajectory.time_ns)
+    assert np.sqrt(np.mean(errors[0][right] ** 2)) < 1.5 * np.sqrt(np.mean(errors[1] ** 2))
+    np.testing.assert_array_equal(found.accepted[wrong], False)
+    assert found.accepted[seconds > 11.2].all()
 
 
 def test_it_tells_for_which_spans_it_did_not_know(record: Callable[..., Run], rng):

@@ -188,7 +188,7 @@ def test_when_the_world_has_moved_the_camera_is_believed_again(record, rng):
     """A tracker that restarts elsewhere: live the IMU carries on for a while, in the old world, as
     it might be a burst of wrong poses; looking back none is left out.
     """
-    run = record(rng, 10.0)
+    run = record(rng, 8.0)
     stamps = run.measurements.trajectory.time_ns
     seconds = (stamps - stamps[0]) * 1e-9
     later = seconds > 4.0
@@ -203,12 +203,10 @@ def test_when_the_world_has_moved_the_camera_is_believed_again(record, rng):
         if smoothed:
             assert not left_out.size
         else:
-            assert 5 <= left_out.size <= 82
+            assert 5 <= left_out.size <= 41
             np.testing.assert_array_equal(left_out, seconds[later][: left_out.size])
             old = absolute_translation_m(path, run.camera.at(stamps))
-            # Three deviations of what the IMU tells are nearer than the new world, 2.3 m away.
-            assert np.max(old[later & ~believed]) < 2.3 / 2.0
-            assert np.max(old[later & (seconds < 5.5)]) < 0.1
+            assert np.max(old[later & ~believed]) < 0.1
             assert found.given_up_ns[0, 0] == stamps[later][0]
         true = Motor.concatenate(
             [run.camera.at(stamps[~believed]), jump @ run.camera.at(stamps[believed])]
