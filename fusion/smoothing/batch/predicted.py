@@ -148,11 +148,18 @@ def unpredicted(
             right = np.all(far[first:last] <= _AS_GOOD * near, axis=1)
             made[first:last] = right[:, None] & (near > _AS_SURE * usual)
     path = restored(measured.representation, found.coordinates, like).poses.rigid
-    bent, beside = _bent(measured.time_s, path), _widened(~kept)
-    most = np.inf if np.all(beside) else _ASTRAY * np.max(bent[~beside], axis=0)
+    return made | _astray(measured.time_s, path, kept)[:, None]
+
+
+def _astray(time_s: FloatArray, path: Motor, kept: Kept) -> Kept:
+    """Poses left out between others that a path bends more for than a smooth one would."""
+    made, bent, near = np.zeros_like(kept), _bent(time_s, path), _widened(~kept)
+    if np.all(near):
+        return made
+    most = _ASTRAY * np.max(bent[~near], axis=0)
     for first, last in runs_of(~kept):
         if first > 0 and last < len(kept):  # beyond the ends it is not led anywhere
-            made[first:last] |= np.any(bent[first - 1 : last + 1] > most)
+            made[first:last] = np.any(bent[first - 1 : last + 1] > most)
     return made
 
 
