@@ -13,7 +13,6 @@ from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.values.camera_poses import CameraPoses, MarkerPoses
 from motorcade.replays.stages.values.view import StandingPlace
 from motorcade.replays.stages.view.candidates import (
-    SURE,
     SeenScene,
     foot_ground,
     grounds_in,
@@ -39,6 +38,9 @@ GroundKind = Literal["auto", "board", "marker", "plane", "floor"]
 BELIEF_IN_PRINT = 0.98
 PRINTS_LIE = 0.9
 """Share of prints that lie, before anything is seen of them: sheets do not stand by themselves."""
+SURE_OF_PRINT = 0.92
+"""So sure is what was seen, and not that share alone: steep above, a print that leans is seen as
+one that lies."""
 ACROSS_TO_ALONG = float(2.0 / np.tan(np.deg2rad(0.5 * NEAR_DEG)))
 """Solid angle of the directions across a normal over that of those along it, so far off either."""
 ROOM = 2.5
@@ -166,7 +168,7 @@ class Grounds:
         edge = replace(on_top_edge(face, up.across(normal)), rank=stands)
         doubts = [f"that {face.name} {how} is a guess" for how in ("lies flat", "stands upright")]
         grounds = [
-            replace(one, doubt=f"{doubt} ({100 * one.rank:.0f} % sure)" * (one.rank < SURE))
+            replace(one, doubt=f"{doubt} ({100 * one.rank:.0f} % sure)" * (one.rank < SURE_OF_PRINT))
             for one, doubt in zip((face, edge), doubts, strict=True)
         ]
         return sorted(grounds, key=lambda ground: -ground.rank)

@@ -14,7 +14,7 @@ from motorcade.tracking.planes import (
     foot_level,
     segment_rays,
 )
-from tests.tracking.planes.drawn_stands import CAMERA, by_hand, stood, thirty
+from tests.tracking.planes.drawn_stands import CAMERA, board, by_hand, stood, thirty
 
 DOWN = np.array([0.0, -1.0, 0.0])
 
@@ -127,8 +127,20 @@ def test_a_steep_table_and_a_board_that_stands_upright() -> None:
     assert board.right or board.ground.doubt
 
 
+@pytest.mark.parametrize("seed", (13, 14, 15, 37, 41))
+def test_a_board_that_leans_is_doubted(seed: int) -> None:
+    """From steeply above its face it looks as a lying one does, and most prints lie."""
+    ground = stood(board(np.random.default_rng([1, seed, 3]), "leaning")).ground
+    assert "lies flat is a guess" in ground.doubt
+
+
+def test_a_board_that_lies_is_not_doubted() -> None:
+    outcomes = [stood(board(np.random.default_rng([0, seed, 3]), "lying")) for seed in range(5)]
+    assert not any(one.ground.doubt for one in outcomes)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(20, 24))
+@pytest.mark.parametrize("seed", (*range(20, 24), 4471))
 def test_thirty_drawn_scenes_are_stood_on_rightly_or_doubted(seed: int) -> None:
     """None is wrong in silence, and most are right without any picture to see lines in."""
     outcomes = [stood(scene) for scene in thirty(np.random.default_rng(seed))]
