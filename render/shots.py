@@ -308,8 +308,8 @@ def _depth_to_the_rim(layer: Layer) -> DepthArray:
     return np.asarray(np.where(layer.depth_m > 0.0, layer.depth_m, wider), dtype=np.float32)
 
 
-# What has sunk into a plane by less than this is held to stand on it.
-SUNK_M = 1e-3
+# What has sunk into a plane by less than this share of its height is held to stand on it.
+SUNK = 1e-3
 # Planes through the eye, nearly, are seen edge on and hide nothing.
 EDGE_ON = 1e12
 # A thing is before the ground, and not on it, where it is nearer by this share.
@@ -365,7 +365,8 @@ def _side(world_T_plane: Motor, points_m: FloatArray) -> FloatArray:
 def _between(world_T_plane: Motor, eye_m: FloatArray, figure_m: FloatArray) -> bool:
     """Whether any of the figure lies beyond the plane, seen from the eye."""
     towards = 1.0 if _side(world_T_plane, eye_m) >= 0.0 else -1.0
-    return bool(np.min(towards * _side(world_T_plane, figure_m)) < -SUNK_M)
+    heights_m = towards * _side(world_T_plane, figure_m)
+    return bool(np.min(heights_m) < -SUNK * np.ptp(heights_m))
 
 
 def _lay(
@@ -428,4 +429,4 @@ def share_beyond(known_m: DepthArray, ground_m: DepthArray) -> FloatArray:
         ground_m: of the plane, in the same pixels; infinite at and above the horizon.
     """
     before = (known_m > 0.0) & (known_m < (1.0 - NEARER) * ground_m)
-    return np.asarray(1.0 - cv2.GaussianBlur(before.astype(np.float64), (0, 0), 0.5))
+    return np.asarray(1.0 - cv2.GaussianBlur(before.astype(np.float32), (0, 0), 0.5))

@@ -99,6 +99,19 @@ def test_what_has_the_figure_and_the_camera_on_one_side_hides_nothing() -> None:
     np.testing.assert_allclose(sunk, 2.0, rtol=1e-6)
 
 
+@pytest.mark.parametrize("height_m", (0.03, 1.75, 40.0))
+def test_soles_that_sink_by_their_own_share_are_not_hidden(height_m: float) -> None:
+    """Where lengths are counted in squares a figure is three of them tall, not 1.75 m."""
+    eye = Motor.from_rotor_translation(
+        Rotor.from_rotation_vector([np.pi, 0.0, 0.0]), [0.0, 0.0, 4.0 * height_m]
+    )
+    prints = Prints(Motor.identity().reshape(1), np.full((1, 2), -0.3), np.full((1, 2), 0.3))
+    figure_m = height_m * np.array([[-0.1, -0.1, -0.0006], [0.1, 0.1, 1.0]])
+    assert known_depth(CAMERA, eye, figure_m, prints, Motor.identity()) is None
+    deeper_m = figure_m - [0.0, 0.0, 0.005 * height_m]
+    assert known_depth(CAMERA, eye, deeper_m, prints, Motor.identity()) is not None
+
+
 def test_a_ground_seen_from_beneath_hides_nothing() -> None:
     eye = Motor.from_translation([0.0, 0.0, -1.0])
     assert known_depth(CAMERA, eye, EVERYWHERE_M, None, Motor.identity()) is None
