@@ -143,11 +143,17 @@ def test_fewer_pictures_than_the_index_promises_are_said(
     assert not VideoFrames(video_file).notes  # as where an edit list cuts the others away
 
 
-def test_a_clip_trimmed_by_an_edit_list_holds_what_is_shown(tmp_path: Path) -> None:
-    """As phones trim: all pictures stay in the file, from the keyframe on, and some are hidden."""
+@pytest.mark.parametrize("keys_apart", ("12", "300"))
+def test_a_clip_trimmed_by_an_edit_list_holds_what_is_shown(
+    tmp_path: Path, keys_apart: str
+) -> None:
+    """As phones trim: all pictures stay in the file, from the keyframe on, and some are hidden.
+
+    Where keyframes are far apart, the only one is among the hidden.
+    """
     path = tmp_path / "trimmed.mp4"
     with av.open(str(path), "w") as container:
-        stream = container.add_stream("libx264", rate=30, options={"crf": "0", "g": "12"})
+        stream = container.add_stream("libx264", rate=30, options={"crf": "0", "g": keys_apart})
         stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv444p"
         for index in range(-7, 20):
             image = np.full((48, 64, 3), 100 + 4 * index, np.uint8)
@@ -155,9 +161,9 @@ def test_a_clip_trimmed_by_an_edit_list_holds_what_is_shown(tmp_path: Path) -> N
             frame.pts, frame.time_base = index, Fraction(1, 30)
             container.mux(stream.encode(frame))
         container.mux(stream.encode(None))
-    frames = open_recording(path).frames
-    assert frames.time_ns.tolist() == [round(1e9 * index / 30) for index in range(20)]
-    assert [int(frames[index].image()[0, 0, 0]) for index in (0, 19)] == [100, 176]
+    for frames in (open_recording(path).frames, open_recording(path).intact().frames):
+        assert frames.time_ns.tolist() == [round(1e9 * index / 30) for index in range(20)]
+        assert [int(frames[index].image()[0, 0, 0]) for index in (0, 19)] == [100, 176]
 
 
 @pytest.mark.parametrize(

@@ -288,7 +288,7 @@ def _noting_torn(
 
 def _clean_keys(keys: list[int], packets: list[int], faults: list[int]) -> list[int]:
     """Keyframes without a fault before the next: what is concealed depends on what came before."""
-    ends = [*(packets[key] for key in keys[1:]), 1 + max(packets)]
+    ends = [*(packets[key] for key in keys), 1 + max(packets)][1:]  # of no key where all is hidden
     return [
         key
         for key, end in zip(keys, ends, strict=True)
