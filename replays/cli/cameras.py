@@ -74,9 +74,11 @@ def detect(arguments: argparse.Namespace) -> None:
     rotation_deg = None if arguments.camera is None else stated_rotation(arguments.camera)
     described: list[dict[str, Any]] = []
     failed = 0
-    found = markers_in(arguments.images, arguments.family, camera, arguments.size_m, rotation_deg)
+    pictures = markers_in(
+        arguments.images, arguments.family, camera, arguments.size_m, rotation_deg
+    )
     names = drawing_names(arguments.images)
-    for path, name, picture in zip(arguments.images, names, found, strict=True):
+    for path, name, picture in zip(arguments.images, names, pictures, strict=True):
         if isinstance(picture, RecordingError):
             failed += 1
             print(f"motorcade: {one_line(picture)}", file=sys.stderr)
@@ -241,31 +243,32 @@ def _calibrate_imu(arguments: argparse.Namespace) -> None:
     print(f"manifest in {arguments.output}; for Kalibr {chain} and {imu}")
 
 
-def _print_inertial(found: dict[str, Any]) -> None:
+def _print_inertial(calibration: dict[str, Any]) -> None:
     print(
-        f"{found['board']}: found in {found['pictures_with_board']} of "
-        f"{found['pictures_searched']} pictures; {found['pictures_used']} used, "
-        f"{found['pictures_refused']} refused, over {found['span_s']:.1f} s"
+        f"{calibration['board']}: found in {calibration['pictures_with_board']} of "
+        f"{calibration['pictures_searched']} pictures; {calibration['pictures_used']} used, "
+        f"{calibration['pictures_refused']} refused, over {calibration['span_s']:.1f} s"
     )
-    for one in found["parameters"]:
-        print(f"  {one['name']:<18} {one['value']:12.6f} +- {one['sigma']:.6f}")
+    for parameter in calibration["parameters"]:
+        print(f"  {parameter['name']:<18} {parameter['value']:12.6f} +- {parameter['sigma']:.6f}")
     print(
-        f"  reprojection {found['reprojection_rmse_px']:.3f} px RMS; residuals squared, of what "
-        f"noise explains: {found['misfit']:.2f}"
+        f"  reprojection {calibration['reprojection_rmse_px']:.3f} px RMS; residuals squared, "
+        "of what "
+        f"noise explains: {calibration['misfit']:.2f}"
     )
-    if found["misfit"] > _MUCH:
+    if calibration["misfit"] > _MUCH:
         print("  deviations are stated larger by its root; is the board flat, and of that size?")
-    for one in found["parameters"]:
-        if one["untold"]:
-            print(f"  not told by this motion: {one['name']}; {one['untold']}")
+    for parameter in calibration["parameters"]:
+        if parameter["untold"]:
+            print(f"  not told by this motion: {parameter['name']}; {parameter['untold']}")
 
 
-def _print_camera(found: dict[str, Any]) -> None:
-    camera, deviation = found["camera"], found["standard_deviation"]
+def _print_camera(calibration: dict[str, Any]) -> None:
+    camera, deviation = calibration["camera"], calibration["standard_deviation"]
     print(
-        f"{found['board']}: found in {found['pictures_with_board']} of "
-        f"{found['pictures_searched']} pictures; {found['views_used']} views used, "
-        f"{found['views_left_out']} left out"
+        f"{calibration['board']}: found in {calibration['pictures_with_board']} of "
+        f"{calibration['pictures_searched']} pictures; {calibration['views_used']} views used, "
+        f"{calibration['views_left_out']} left out"
     )
     for key in ("fx_px", "fy_px", "cx_px", "cy_px"):
         print(f"  {key[:2]}  {camera[key]:10.3f} +- {deviation[key]:.3f} px")
@@ -275,15 +278,16 @@ def _print_camera(found: dict[str, Any]) -> None:
         name = ("k1", "k2", "p1", "p2") if camera["model"] == "radtan" else ("k1", "k2", "k3", "k4")
         print(f"  {name[index]}  {value:10.5f} +- {spread:.5f}")
     print(
-        f"  reprojection {found['reprojection_rmse_px']:.4f} px RMS, worst view "
-        f"{found['worst_view_rmse_px']:.4f}; {found['coverage']:.0%} of the picture's cells "
-        f"covered; board turned by up to {found['largest_turn_deg']:.0f} degrees"
+        f"  reprojection {calibration['reprojection_rmse_px']:.4f} px RMS, worst view "
+        f"{calibration['worst_view_rmse_px']:.4f}; {calibration['coverage']:.0%} of the "
+        "picture's cells "
+        f"covered; board turned by up to {calibration['largest_turn_deg']:.0f} degrees"
     )
-    trials = found["held_out_px"].items()
+    trials = calibration["held_out_px"].items()
     listed = ", ".join(f"{model} {px:.3f}" for model, px in trials if px is not None)
     print(f"  lens {camera['model']}; error on held-out views: {listed or 'too few views'} px")
-    if found["doubt"]:
-        print(f"motorcade: doubtful: {found['doubt']}", file=sys.stderr)
+    if calibration["doubt"]:
+        print(f"motorcade: doubtful: {calibration['doubt']}", file=sys.stderr)
 
 
 PRINTING = """\
@@ -336,7 +340,9 @@ def print_boards(arguments: argparse.Namespace) -> None:
     if output.suffix.lower() not in (".pdf", ".svg"):
         raise ValueError(f"-o {output}: expected a name that ends in .pdf or .svg")
     boards = [
-        one for name in arguments.boards for one in _following(read_board(name), arguments.count)
+        board
+        for name in arguments.boards
+        for board in _following(read_board(name), arguments.count)
     ]
     sheets = lay_out(boards, paper_named(arguments.paper))
     if output.suffix.lower() == ".pdf":

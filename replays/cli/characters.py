@@ -119,15 +119,15 @@ def author_scene(arguments: argparse.Namespace) -> None:
     snapping = Snapping(
         float(np.radians(arguments.snap_deg)), arguments.snap_m, arguments.snap_scale
     )
-    made = author(arguments.scene, arguments.gestures, arguments.rotations, snapping)
+    authored = author(arguments.scene, arguments.gestures, arguments.rotations, snapping)
     if arguments.output is not None:
-        write_bytes(arguments.output, scene_text(made.scene).encode())
+        write_bytes(arguments.output, scene_text(authored.scene).encode())
     if arguments.json:
-        print_json(made.as_json())
+        print_json(authored.as_json())
         return
-    print(f"{made.gestures} gestures; each object, and how far Euler angles end from rotors")
-    for name, (degrees, metres) in made.apart.items():
-        at = made.scene.world_T_object(name).translation_m
+    print(f"{authored.gestures} gestures; each object, and how far Euler angles end from rotors")
+    for name, (degrees, metres) in authored.apart.items():
+        at = authored.scene.world_T_object(name).translation_m
         print(
             f"  {name}: at {at[0]:z.3f} {at[1]:z.3f} {at[2]:z.3f} m; {degrees:.3f}°, {metres:.4f} m"
         )

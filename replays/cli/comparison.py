@@ -104,10 +104,10 @@ def compare_smoothers(arguments: argparse.Namespace) -> None:
         "representations": tuple(arguments.representations),
     }
     if arguments.quick:
-        given: dict[str, Any] = {name: value for name, value in chosen.items() if value}
+        options: dict[str, Any] = {name: value for name, value in chosen.items() if value}
         if arguments.seeds is not None:
-            given["test_seeds"] = tuple(range(100, 100 + arguments.seeds))
-        plan = replace(quick(), recorded=recorded, **given)
+            options["test_seeds"] = tuple(range(100, 100 + arguments.seeds))
+        plan = replace(quick(), recorded=recorded, **options)
     else:
         plan = standard(
             SEEDS if arguments.seeds is None else arguments.seeds, **chosen, recorded=recorded
@@ -210,12 +210,12 @@ def consistency(arguments: argparse.Namespace) -> None:
     from motorcade.replays.pipeline.results import require_writable
 
     names = ("motions", "filters", "runs", "seed", "duration_s")
-    given = {name: getattr(arguments, name) for name in names}
-    if given["filters"] is not None:
-        given["filters"] = tuple(name.strip() for name in given["filters"].split(","))
-    if given["motions"] is not None:
-        given["motions"] = tuple(given["motions"])
-    plan = ConsistencyPlan(**{name: value for name, value in given.items() if value is not None})
+    options = {name: getattr(arguments, name) for name in names}
+    if options["filters"] is not None:
+        options["filters"] = tuple(name.strip() for name in options["filters"].split(","))
+    if options["motions"] is not None:
+        options["motions"] = tuple(options["motions"])
+    plan = ConsistencyPlan(**{name: value for name, value in options.items() if value is not None})
     check_executor(arguments.executor)
     require_writable(arguments.out)
     verdicts = run_plan(plan, arguments.out, arguments.executor)

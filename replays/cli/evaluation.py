@@ -201,9 +201,9 @@ def evaluate_files(arguments: argparse.Namespace) -> None:
             check_rows({path: estimate, arguments.reference: reference})
         matched[name] = _matched(arguments, estimate, reference)
     delta = _delta(arguments)
-    found = {name: _evaluated(one, delta, arguments) for name, one in matched.items()}
-    figures = {name: one.as_dict() for name, one in found.items()}
-    for line in _table(figures, None if arguments.all else _printed(found)):
+    evaluations = {name: _evaluated(one, delta, arguments) for name, one in matched.items()}
+    figures = {name: one.as_dict() for name, one in evaluations.items()}
+    for line in _table(figures, None if arguments.all else _printed(evaluations)):
         print(line)
     if arguments.json is not None:
         (only, *more) = figures.values()
@@ -298,8 +298,8 @@ def _names(paths: Sequence[Path]) -> list[str]:
 def _printed(evaluations: Mapping[str, Evaluation]) -> frozenset[str]:
     asked = {
         f"{error}_{statistic}{unit}"
-        for one in evaluations.values()
-        for error, unit, _ in one.relations
+        for evaluation in evaluations.values()
+        for error, unit, _ in evaluation.relations
         for statistic in ("rmse", "max")
     }
     return _FIRST | asked

@@ -149,19 +149,19 @@ def fuse(arguments: argparse.Namespace) -> None:
     imu = read_imu_of(arguments.imu)
     if rig is not None:
         imu = rig.corrected(imu)
-    found = fuse_poses(poses, imu, options, _stamps(arguments.stamps, poses, imu, options))
-    path = found.fused.trajectory
+    fused = fuse_poses(poses, imu, options, _stamps(arguments.stamps, poses, imu, options))
+    path = fused.fused.trajectory
     write_trajectory(path, arguments.output, arguments.format)
     if arguments.covariance is not None:
-        write_covariance(arguments.covariance, path.time_ns, found.fused.covariance)
-    figures = found.as_dict()
-    if found.noise is not None:
-        print(found.noise.summary)
+        write_covariance(arguments.covariance, path.time_ns, fused.fused.covariance)
+    figures = fused.as_dict()
+    if fused.noise is not None:
+        print(fused.noise.summary)
     for key, value in figures.items():
         if key not in ("noise", "doubts", "health"):
             print(f"{key:>28}  {shown(value)}")
-    if found.fused.doubts:
-        print(found.fused.health.summary)
+    if fused.fused.doubts:
+        print(fused.fused.health.summary)
     if arguments.json is not None:
         write_bytes(arguments.json, (json.dumps(figures, indent=2) + "\n").encode())
 
@@ -269,14 +269,17 @@ def sync(arguments: argparse.Namespace) -> None:
     noise = ADIS16448 if arguments.noise is None else ImuNoise.load(arguments.noise)
     camera = read_trajectory(arguments.camera, rate_hz=arguments.rate_hz, times=arguments.times)
     imu = read_imu_of(arguments.imu)
-    found = synchronise(camera, imu, noise, search_s=arguments.search_s)
-    results = _as_dict(found)
-    for line in (*(one.summary for one in found.health.findings), *found.health.unknown):
+    synchronised = synchronise(camera, imu, noise, search_s=arguments.search_s)
+    results = _as_dict(synchronised)
+    for line in (
+        *(one.summary for one in synchronised.health.findings),
+        *synchronised.health.unknown,
+    ):
         print(f"{'health':>34}  {line}")
     for key, value in results.items():
         print(f"{key:>34}  {shown(value)}")
     if arguments.json is not None:
-        about = results | {"health": found.health.as_dict()}
+        about = results | {"health": synchronised.health.as_dict()}
         write_bytes(arguments.json, (json.dumps(about, indent=2) + "\n").encode())
 
 

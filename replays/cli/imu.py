@@ -119,14 +119,14 @@ def _add_faults(parser: argparse.ArgumentParser) -> None:
 
 def _add_vibration(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("vibration of what carries it")
-    given = group.add_mutually_exclusive_group()
-    given.add_argument(
+    sources = group.add_mutually_exclusive_group()
+    sources.add_argument(
         "--vibration",
         type=Path,
         metavar="SPECTRUM.csv",
         help="rows of Hz, (rad/s)²/Hz for x, y, z and (m/s²)²/Hz for x, y, z",
     )
-    given.add_argument(
+    sources.add_argument(
         "--vibration-of", type=Path, metavar="IMU", help="a recording in motion to learn it from"
     )
     group.add_argument(

@@ -48,8 +48,8 @@ def inspect(arguments: argparse.Namespace) -> None:
         description = describe_character(
             arguments.recording, arguments.pose, up=arguments.up, front=arguments.front
         )
-    elif given := [one for one in ("pose", "up", "front") if getattr(arguments, one) is not None]:
-        raise ValueError(f"--{given[0]}: expected a character, got {arguments.recording}")
+    elif unused := [one for one in ("pose", "up", "front") if getattr(arguments, one) is not None]:
+        raise ValueError(f"--{unused[0]}: expected a character, got {arguments.recording}")
     else:
         description = _describe(arguments.recording, arguments.manifest)
     if arguments.json:

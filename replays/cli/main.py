@@ -63,19 +63,19 @@ NAMES = {command.__name__.removeprefix("add_").replace("_", "-"): command for co
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
-    given = sys.argv[1:] if argv is None else list(argv)
-    named = NAMES.get(given[0]) if given else None
+    words = sys.argv[1:] if argv is None else list(argv)
+    named = NAMES.get(words[0]) if words else None
     parser = command_parser(COMMANDS if named is None else (named,))
-    if named is None and given and not given[0].startswith("-"):
+    if named is None and words and not words[0].startswith("-"):
         # Not at the top: commands such as doctor run where kernels do not load.
         from motorcade.ga.names import did_you_mean
 
-        parser.error(f"no command {given[0]!r}; {did_you_mean(given[0], NAMES)}")
+        parser.error(f"no command {words[0]!r}; {did_you_mean(words[0], NAMES)}")
     try:
-        _run(parser, given)
+        _run(parser, words)
     except KeyboardInterrupt as stop:
-        told = str(stop) or "stopped; what was finished is kept"
-        print(f"motorcade: {told}", file=sys.stderr)
+        reason = str(stop) or "stopped; what was finished is kept"
+        print(f"motorcade: {reason}", file=sys.stderr)
         return 130
     except BrokenPipeError:
         # The reader of our output has gone; what is left to say goes nowhere.
@@ -188,10 +188,10 @@ class Parser(argparse.ArgumentParser):
     ) -> tuple[argparse.Namespace, list[str]]:
         """Parse; what is not known is an error of the command whose options it is not among."""
         self._given = tuple(sys.argv[1:] if args is None else args)
-        found, unknown = super().parse_known_args(args, namespace)
+        namespace_read, unknown = super().parse_known_args(args, namespace)
         if unknown:
             self.error(f"unrecognized arguments: {' '.join(unknown)}{self._proposed(unknown)}")
-        return found, unknown
+        return namespace_read, unknown
 
     def error(self, message: str) -> NoReturn:
         """Leave with usage and message; of what is missing, also the word that may be meant for it.
@@ -207,9 +207,9 @@ class Parser(argparse.ArgumentParser):
 
     def _proposed(self, unknown: Iterable[str]) -> str:
         options = [name for name in self._option_string_actions if name.startswith("--")]
-        for one in unknown:
-            if one.startswith("-"):
-                return f"; {_nearest(one.partition('=')[0], options)}"
+        for word in unknown:
+            if word.startswith("-"):
+                return f"; {_nearest(word.partition('=')[0], options)}"
         return ""
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:

@@ -60,9 +60,9 @@ def add_draw(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 
 def _value(text: str) -> tuple[str, list[float]]:
-    name, _, given = text.partition("=")
+    name, _, value = text.partition("=")
     try:
-        values = [float(part) for part in given.split(",")]
+        values = [float(part) for part in value.split(",")]
     except ValueError:
         values = []
     if not name or not values or not all(map(math.isfinite, values)):
@@ -150,7 +150,7 @@ def generate_code(arguments: argparse.Namespace) -> None:
     from motorcade.ga.codegen.passes.stats import table_of_passes
     from motorcade.replays.io.files import write_bytes
 
-    made = generate(
+    generated = generate(
         arguments.script,
         target=arguments.target,
         strategy=arguments.strategy,
@@ -158,12 +158,12 @@ def generate_code(arguments: argparse.Namespace) -> None:
         algebra=arguments.algebra,
     )
     if arguments.stats:
-        sys.stderr.write(table_of_passes(made.program.passes))
+        sys.stderr.write(table_of_passes(generated.program.passes))
     if arguments.output is None:
         # The first file needs no other: a header is for its callers.
-        sys.stdout.write(next(iter(made.files.values())))
+        sys.stdout.write(next(iter(generated.files.values())))
         return
-    places = _places(arguments.output, made.files)
+    places = _places(arguments.output, generated.files)
     if any(path.exists() and path.samefile(arguments.script) for path in places):
         raise ValueError(f"-o {arguments.output}: expected another file than the script itself")
     for path, text in places.items():
@@ -238,7 +238,7 @@ def doctor(arguments: argparse.Namespace) -> None:
     if arguments.json:
         print_json({"works": not broken, "findings": [asdict(one) for one in findings]})
     else:
-        for group, members in groupby(findings, key=lambda one: one.group):
+        for group, members in groupby(findings, key=lambda finding: finding.group):
             print(group)
             for member in members:
                 mark = "ok" if member.works else "--"

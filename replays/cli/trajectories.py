@@ -172,17 +172,17 @@ def _smoothed(
 
     method, representation = arguments.method, arguments.representation
     if method != "auto" or "lag_s" in parameters:
-        made = smooth(path, method, representation, **parameters)
+        smoothed = smooth(path, method, representation, **parameters)
         named = representation or ("rotor" if method == "auto" else "motor")
         used = {"method": method, "representation": named} | parameters
-        return made, used, ""
-    found = smoothed_automatically(path, representation, **parameters)
-    picked, made = found.choice, found.trajectory
+        return smoothed, used, ""
+    chosen = smoothed_automatically(path, representation, **parameters)
+    picked, smoothed = chosen.choice, chosen.trajectory
     used = {"method": method, "representation": picked.representation} | parameters
     used |= {"noise_m": picked.noise_m, "noise_rad": picked.noise_rad}
     used |= {"outliers": picked.outliers, "jumps": picked.jumps}
     used["even_stamps"] = picked.even_stamps
-    return made, used, f"auto: {picked}"
+    return smoothed, used, f"auto: {picked}"
 
 
 class _List(argparse.Action):
@@ -343,22 +343,25 @@ def trajectory(arguments: argparse.Namespace) -> None:
         raise ValueError("--format: expected -o with it, which names what is written")
     if _list_bags(arguments):
         return
-    given = _read(arguments)
+    trajectories = _read(arguments)
     reference = None if arguments.reference is None else _one(arguments.reference, arguments)
-    found, reference = edit_trajectories(given, _edits(arguments), reference)
-    figures = {name: TrajectorySummary.of(one).as_dict() for name, one in found.items()}
+    edited, reference = edit_trajectories(trajectories, _edits(arguments), reference)
+    figures = {name: TrajectorySummary.of(one).as_dict() for name, one in edited.items()}
     if arguments.output is not None:
-        formats = dict.fromkeys(found, arguments.format)
+        formats = dict.fromkeys(edited, arguments.format)
         files = output_files(formats, arguments.output)
         refuse_inputs(_named(arguments), files.values())
-        write_trajectories(found, files, formats)
+        write_trajectories(edited, files, formats)
     if arguments.plot is not None:
         from motorcade.render.plots import plot_paths
 
         write_bytes(
             arguments.plot,
             plot_paths(
-                _by_stem(found), reference, arguments.plot_plane or "", _plot_format(arguments.plot)
+                _by_stem(edited),
+                reference,
+                arguments.plot_plane or "",
+                _plot_format(arguments.plot),
             ),
         )
     if arguments.json is not None:
@@ -378,12 +381,12 @@ def _list_bags(arguments: argparse.Namespace) -> bool:
     from motorcade.replays.io.readers.ros.trajectories import list_bag_trajectories
 
     for bag in bags:
-        found = list_bag_trajectories(bag)
-        for topic, (kind, count) in found.topics.items():
+        rows = list_bag_trajectories(bag)
+        for topic, (kind, count) in rows.topics.items():
             print(f"{bag}:{topic}  {kind}, {count} messages")
-        for parent, child in found.links:
+        for parent, child in rows.links:
             print(f"{bag}:{parent}/{child}  frames")
-        if not found:
+        if not rows:
             print(f"{bag}  holds no trajectory")
     return True
 

@@ -43,11 +43,11 @@ class Setting:
         """
         parameters: dict[str, Any] = dict(self.parameters)
         name = None if self.representation == OWN else self.representation
-        made: Trajectory = smooth(trajectory, self.method, name, **parameters)
-        farthest = float(np.max(np.abs(made.poses.coefficients)))
+        smoothed: Trajectory = smooth(trajectory, self.method, name, **parameters)
+        farthest = float(np.max(np.abs(smoothed.poses.coefficients)))
         if not farthest < _FARTHEST:
             raise ValueError(f"the result runs away, to coefficients of {farthest:.3g}")
-        return made
+        return smoothed
 
 
 @dataclass(frozen=True)
@@ -113,12 +113,12 @@ def measured_rows(
     for setting in settings:
         name = (setting.method, setting.representation)
         try:
-            made = setting.smooth(degraded)
+            smoothed = setting.smooth(degraded)
         except Exception as error:  # one failing method never ends the others; its row says why
             failed.append(MeasuredRow(*name, {}, why(error)))
             continue
         names.append(name)
-        paths.append(made)
+        paths.append(smoothed)
     values = evaluator.measure(paths)
     return [
         MeasuredRow(*name, _told(row)) for name, row in zip(names, values, strict=True)

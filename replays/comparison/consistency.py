@@ -155,8 +155,8 @@ class Judged:
 def simulate(experiment: Experiment, seeds: range) -> Simulated:
     """Simulate a run a seed; a seed's run is the same whatever the others are."""
     path, tag = experiment.path(), crc32(experiment.motion.encode())
-    made = [_run(experiment, path, np.random.default_rng((tag, seed))) for seed in seeds]
-    return Simulated(tuple(data for data, _ in made), RunStates.stacked([true for _, true in made]))
+    runs = [_run(experiment, path, np.random.default_rng((tag, seed))) for seed in seeds]
+    return Simulated(tuple(data for data, _ in runs), RunStates.stacked([true for _, true in runs]))
 
 
 def _run(
@@ -181,17 +181,17 @@ def _run(
 def judge(simulated: Simulated, experiment: Experiment, name: str) -> Judged:
     """Filter the runs of an experiment by the filter of a name in `FILTERS`, and judge it."""
     filtered, coordinates = FILTERS[name]
-    found = filtered(simulated, experiment)
-    errors = coordinates.local(found.state, simulated.truth)
+    estimates = filtered(simulated, experiment)
+    errors = coordinates.local(estimates.state, simulated.truth)
     nees = {
-        part: normalised_squared(errors[..., at], found.covariance[..., at, at])
+        part: normalised_squared(errors[..., at], estimates.covariance[..., at, at])
         for part, at in PARTS.items()
     }
-    turn = (found.state.rotor.inverse() @ simulated.truth.rotor).angle()
-    shift = np.linalg.norm(found.state.position_m - simulated.truth.position_m, axis=-1)
+    turn = (estimates.state.rotor.inverse() @ simulated.truth.rotor).angle()
+    shift = np.linalg.norm(estimates.state.position_m - simulated.truth.position_m, axis=-1)
     time_s = simulated.recorded[0][0].trajectory.time_s
-    left_out = np.count_nonzero(~found.accepted, axis=1)
-    return Judged(time_s - time_s[0], nees, found.nis, turn, shift, left_out)
+    left_out = np.count_nonzero(~estimates.accepted, axis=1)
+    return Judged(time_s - time_s[0], nees, estimates.nis, turn, shift, left_out)
 
 
 def _on_motors(simulated: Simulated, experiment: Experiment) -> Estimates:
@@ -210,12 +210,12 @@ def _on_motors(simulated: Simulated, experiment: Experiment) -> Estimates:
     ]
     states = [
         RunStates(
-            one.trajectory.motors.rotor,
-            one.trajectory.motors.translation_m,
-            one.velocity_m_s,
-            np.concatenate([one.gyro_bias_rad_s, one.accel_bias_m_s2], axis=-1),
+            run.trajectory.motors.rotor,
+            run.trajectory.motors.translation_m,
+            run.velocity_m_s,
+            np.concatenate([run.gyro_bias_rad_s, run.accel_bias_m_s2], axis=-1),
         )
-        for one in each
+        for run in each
     ]
     return Estimates(
         RunStates.stacked(states),
@@ -400,9 +400,9 @@ def as_table(figures: Mapping[str, Any]) -> str:
 def _row(verdict: Verdict) -> dict[str, Any]:
     judged = {f"nees_{part}": one for part, one in verdict.nees.items()} | {"nis": verdict.nis}
     row: dict[str, Any] = {}
-    for name, one in judged.items():
-        row[f"{name}_share_within"] = one.share_within
-        row[f"{name}_over_expected"] = one.ratio
+    for name, judged_filter in judged.items():
+        row[f"{name}_share_within"] = judged_filter.share_within
+        row[f"{name}_over_expected"] = judged_filter.ratio
     rotation, position = (
         float(np.sqrt(np.mean(values[verdict.settled] ** 2)))
         for values in (verdict.rotation_rms_deg, verdict.position_rms_m)
@@ -547,9 +547,9 @@ def _squares(
     verdicts: Mapping[str, Verdict],
     skipped: int,
 ) -> PagePlot:
-    one = next(iter(judged.values()))
+    first = next(iter(judged.values()))
     series = {of: (verdicts[of].time_s[skipped:], found.average) for of, found in judged.items()}
     unit = "average over the runs"
-    svg = plot_squares(series, one.freedom, (one.low, one.high), f"{title} on {motion}", unit)
-    caption = f"Expected {one.freedom}, dashed; tinted: {one.low:.2f} to {one.high:.2f}."
+    svg = plot_squares(series, first.freedom, (first.low, first.high), f"{title} on {motion}", unit)
+    caption = f"Expected {first.freedom}, dashed; tinted: {first.low:.2f} to {first.high:.2f}."
     return PagePlot(title, caption, with_own_ids(svg, f"{motion}-{name}"))

@@ -138,11 +138,11 @@ class PathEvaluator:
 
     @functools.cached_property
     def _stops(self) -> tuple[list[tuple[int, int, int]], list[tuple[int, int, int]]]:
-        made = []
+        rows = []
         for rotation in (False, True):
             ways = _way(self.true[:-1], self.true[1:], rotation)
-            made.append(stops(np.linalg.norm(ways, axis=-1) / np.diff(self.time_s)))
-        return made[0], made[1]
+            rows.append(stops(np.linalg.norm(ways, axis=-1) / np.diff(self.time_s)))
+        return rows[0], rows[1]
 
     def _turning(self, poses: Motor) -> FloatArray:
         """The gimbal index ``(P, 3)``."""
@@ -225,9 +225,9 @@ class LagTable:
     def lags_s(self, paths: FloatArray) -> FloatArray:
         """Lags ``(P, 1)`` of values ``(P, N, 3)`` at the stamps or steps; NaN where unknown."""
         ours = paths[:, self.kept]
-        found = np.full((len(paths), 1), np.nan)
+        overshoots = np.full((len(paths), 1), np.nan)
         if len(self.kept) < _FEWEST or len(self.lag_s) < 5 or not _changes(self.true):
-            return found
+            return overshoots
         centred = ours - ours.mean(axis=1, keepdims=True)
         size = np.linalg.norm(centred, axis=(1, 2))
         true = self.true - self.true.mean(axis=1, keepdims=True)
@@ -236,8 +236,8 @@ class LagTable:
         height = np.einsum("pk,lk->pl", centred.reshape(len(ours), -1), flat)
         for i, heights in enumerate(height):
             if size[i] > _EVEN * np.linalg.norm(ours[i]):
-                found[i, 0] = self._peak(centred[i], heights, true)
-        return found
+                overshoots[i, 0] = self._peak(centred[i], heights, true)
+        return overshoots
 
     def _peak(self, ours: FloatArray, height: FloatArray, true: FloatArray) -> float:
         best = int(np.argmax(height))

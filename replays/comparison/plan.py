@@ -40,8 +40,10 @@ _OUTLIERS = Outliers(0.05, 0.1, 0.2)
 
 COMPARED = tuple(
     name
-    for one in REPRESENTATIONS
-    for name in ((BEST_EULER, one) if one == "euler_unwrapped" else (one,))
+    for representation in REPRESENTATIONS
+    for name in (
+        (BEST_EULER, representation) if representation == "euler_unwrapped" else (representation,)
+    )
 )
 """Representations of the standard plan: each of `REPRESENTATIONS`, and Euler angles of the order
 that stays farthest from its gimbal lock."""
@@ -126,8 +128,8 @@ class ComparisonPlan:
 
     def as_dict(self) -> dict[str, Any]:
         """All of it, ready for JSON, with what each degradation does."""
-        told = {name: repr(DEGRADATIONS[name]) for name in self.degradations}
-        return asdict(self) | {"degradation_values": told}
+        degradations = {name: repr(DEGRADATIONS[name]) for name in self.degradations}
+        return asdict(self) | {"degradation_values": degradations}
 
 
 def degradation_named(name: str, similarities: bool) -> Degradation:
@@ -179,10 +181,10 @@ def _rigid(degradation: Degradation) -> Degradation:
 def _check_names(name: str, values: tuple[str, ...], known: Collection[str]) -> None:
     if not values or len(set(values)) < len(values):
         raise ValueError(f"plan.{name}: expected one or more different names, got {values}")
-    for one in values:
-        if one not in known:
-            advice = did_you_mean(one, known)
-            raise ValueError(f"plan.{name}: expected known names, got {one!r}; {advice}")
+    for value in values:
+        if value not in known:
+            advice = did_you_mean(value, known)
+            raise ValueError(f"plan.{name}: expected known names, got {value!r}; {advice}")
 
 
 def _check_seeds(name: str, seeds: tuple[int, ...]) -> None:

@@ -59,8 +59,8 @@ def run_comparison(plan: ComparisonPlan, out: Path, executor: str = "local") -> 
         ValueError, RuntimeError: the executor is unknown or cannot be reached.
         OSError: a folder that cannot be written.
     """
-    found = _tuned(plan, out, executor)
-    cells = list(_cells(plan, found))
+    tuned = _tuned(plan, out, executor)
+    cells = list(_cells(plan, tuned))
     measured = finished(run_cell, {cell: asdict(cell) for cell in cells}, out, executor, "cells")
     samples = tuple(Sample.of(cell, rows) for cell, rows in measured.items())
     traits = [
@@ -70,23 +70,23 @@ def run_comparison(plan: ComparisonPlan, out: Path, executor: str = "local") -> 
             plan.tuning_seeds[0],
             plan.rate_hz,
             plan.duration_s,
-            found[plan.motions[0], plan.degradations[0], *pair].setting,
+            tuned[plan.motions[0], plan.degradations[0], *pair].setting,
             plan.recording(plan.motions[0]),
         )
         for pair in plan.pairs()
     ]
     # Alone, one after another: they are timed.
-    told = finished(run_trait, {trait: asdict(trait) for trait in traits}, out, "local", "times")
-    outcome = Outcome(plan.as_dict(), samples, found, tuple(told.values()), exact_ties())
+    timed = finished(run_trait, {trait: asdict(trait) for trait in traits}, out, "local", "times")
+    outcome = Outcome(plan.as_dict(), samples, tuned, tuple(timed.values()), exact_ties())
     return write_tables(outcome, out)
 
 
 def _cells(
-    plan: ComparisonPlan, found: dict[tuple[str, str, str, str], Tuned]
+    plan: ComparisonPlan, tuned: dict[tuple[str, str, str, str], Tuned]
 ) -> Iterator[ComparisonCell]:
     for motion in plan.motions:
         for degradation in plan.degradations:
-            settings = tuple(found[motion, degradation, *pair].setting for pair in plan.pairs())
+            settings = tuple(tuned[motion, degradation, *pair].setting for pair in plan.pairs())
             for seed in plan.test_seeds:
                 yield ComparisonCell(
                     motion,
@@ -130,12 +130,12 @@ def _tuned(
         for search, results in finished(run_tuning, about, out, executor, "searches").items()
         for pair, one in zip(search.pairs, results, strict=True)
     }
-    found = {}
+    tuned = {}
     for (motion, place), lender in lenders.items():
         result = searched[motion, lender]
         key = (motion, place.degradation, place.method, place.representation)
-        found[key] = result if lender == place else place.borrowed(result)
-    return found
+        tuned[key] = result if lender == place else place.borrowed(result)
+    return tuned
 
 
 def _places(plan: ComparisonPlan) -> list[SearchPlace]:
@@ -245,8 +245,8 @@ def compare_recorded(
     blocks = _blocks(_aligned(estimate, truth, align))
     judged = blocks[1::2]
     pairs = [(m, r) for m in methods or METHODS for r in representations or COMPARED]
-    found = _tuned_on_blocks(pairs, RecordedBlocks(blocks[::2], truth), out, executor)
-    settings = tuple(found[pair].setting for pair in pairs)
+    tuned = _tuned_on_blocks(pairs, RecordedBlocks(blocks[::2], truth), out, executor)
+    settings = tuple(tuned[pair].setting for pair in pairs)
     cells = [RecordedCell(settings, RecordedBlocks((path,), truth)) for path in judged]
     measured = finished(
         run_recorded_cell, {cell: cell.about() for cell in cells}, out, executor, "blocks"
@@ -273,7 +273,7 @@ def compare_recorded(
             for i, path in enumerate(blocks)
         ],
     }
-    places = {(name, _DEGRADATION, *pair): one for pair, one in found.items()}
+    places = {(name, _DEGRADATION, *pair): one for pair, one in tuned.items()}
     outcome = Outcome(plan, tuple(samples), places, tuple(traits), exact_ties())
     return write_tables(outcome, out)
 

@@ -80,13 +80,13 @@ class Sample:
     @classmethod
     def named(cls, motion: str, degradation: str, seed: int, rows: Sequence[MeasuredRow]) -> Sample:
         """From rows that belong to any place."""
-        told = [[row.values.get(metric) for metric in METRICS] for row in rows]
+        values = [[row.values.get(metric) for metric in METRICS] for row in rows]
         return cls(
             motion,
             degradation,
             seed,
             tuple((row.method, row.representation) for row in rows),
-            np.array(told, dtype=np.float64),
+            np.array(values, dtype=np.float64),
             tuple(row.failure for row in rows),
         )
 
@@ -156,11 +156,11 @@ def _group(motion: str, degradation: str, seeds: dict[int, list[Sample]]) -> Gro
 
 def cost(values: FloatArray) -> FloatArray:
     """Costs ``(*, M)`` of metrics ``(*, M)``: less is better, 0 is best."""
-    made: FloatArray = np.abs(values)
+    magnitudes: FloatArray = np.abs(values)
     for metric in _BEST_IS_ONE:
         at = METRICS.index(metric)
-        made[..., at] = np.abs(values[..., at] - 1.0)
-    return made
+        magnitudes[..., at] = np.abs(values[..., at] - 1.0)
+    return magnitudes
 
 
 def resampling(seeds: int, motions: int = 1, resamples: int = RESAMPLES) -> FloatArray:
@@ -201,23 +201,23 @@ def verdicts(difference: FloatArray, intervals: Intervals, base: FloatArray) -> 
 
     "" where nothing can be said.
     """
-    made = []
+    rows = []
     with np.errstate(invalid="ignore"):
         size = np.array([_mean(column) for column in base.T])
         largest = np.array([_largest(column) for column in difference.T])
     for i, metric in enumerate(METRICS):
         mean, low, high = intervals.mean[i], intervals.low[i], intervals.high[i]
         if not np.isfinite(mean):
-            made.append("")
+            rows.append("")
         elif largest[i] <= _EQUAL_SHARE * size[i]:
-            made.append("equal")
+            rows.append("equal")
         elif not np.isfinite(low):
-            made.append("")
+            rows.append("")
         elif low <= 0.0 <= high or abs(mean) <= max(FLOORS[metric], PRACTICAL_SHARE * size[i]):
-            made.append("tie")
+            rows.append("tie")
         else:
-            made.append("better" if mean < 0.0 else "worse")
-    return made
+            rows.append("better" if mean < 0.0 else "worse")
+    return rows
 
 
 def _mean(column: FloatArray) -> float:
@@ -272,7 +272,7 @@ def ratios_to_motor(groups: Sequence[Group]) -> list[dict[str, Any]]:
 
     For every method and, as method "all", over those that are complete in every representation.
     """
-    made = []
+    rows = []
     for scope, chosen in _scopes(groups):
         names, scores, unranked = _scores(chosen)
         if not names:
@@ -287,10 +287,10 @@ def ratios_to_motor(groups: Sequence[Group]) -> list[dict[str, Any]]:
             ratio = scores[:, at[method, representation]] - scores[:, at[method, "motor"]]
             if method not in partly:
                 parts.setdefault(representation, []).append(ratio)
-            made += _ratio_rows(scope, method, representation, ratio, counts)
+            rows += _ratio_rows(scope, method, representation, ratio, counts)
         for representation, ratios in parts.items():
-            made += _ratio_rows(scope, "all", representation, np.mean(ratios, axis=0), counts)
-    return made
+            rows += _ratio_rows(scope, "all", representation, np.mean(ratios, axis=0), counts)
+    return rows
 
 
 def _scopes(groups: Sequence[Group]) -> list[tuple[str, list[Group]]]:
@@ -339,20 +339,20 @@ def _motions(groups: Sequence[Group]) -> list[str]:
 
 
 def _ranked(names: list[Name], scores: FloatArray, counts: FloatArray) -> list[dict[str, Any]]:
-    found = bootstrap(scores, counts)
+    interval = bootstrap(scores, counts)
     drawn = counts @ scores / scores.shape[0]
     ranks = 1 + np.argsort(np.argsort(drawn, axis=1, kind="stable"), axis=1, kind="stable")
     low, high = np.percentile(ranks, (2.5, 97.5), axis=0, method="nearest")
-    order = np.argsort(found.mean, kind="stable")
+    order = np.argsort(interval.mean, kind="stable")
     behind = bootstrap(scores - scores[:, order[:1]], counts)
     return [
         {
             "rank": place + 1,
             "method": names[i][0],
             "representation": names[i][1],
-            "ratio_to_raw": _rounded(np.exp(found.mean[i])),
-            "ratio_low": _rounded(np.exp(found.low[i])),
-            "ratio_high": _rounded(np.exp(found.high[i])),
+            "ratio_to_raw": _rounded(np.exp(interval.mean[i])),
+            "ratio_low": _rounded(np.exp(interval.low[i])),
+            "ratio_high": _rounded(np.exp(interval.high[i])),
             "rank_low": int(low[i]),
             "rank_high": int(high[i]),
             "ties_with_best": bool(
@@ -366,16 +366,16 @@ def _ranked(names: list[Name], scores: FloatArray, counts: FloatArray) -> list[d
 def _ratio_rows(
     scope: str, method: str, representation: str, ratio: FloatArray, counts: FloatArray
 ) -> list[dict[str, Any]]:
-    found = bootstrap(ratio, counts)
+    interval = bootstrap(ratio, counts)
     return [
         {
             "scope": scope,
             "method": method,
             "representation": representation,
             "metric": metric,
-            "ratio_to_motor": _rounded(np.exp(found.mean[k])),
-            "ratio_low": _rounded(np.exp(found.low[k])),
-            "ratio_high": _rounded(np.exp(found.high[k])),
+            "ratio_to_motor": _rounded(np.exp(interval.mean[k])),
+            "ratio_low": _rounded(np.exp(interval.low[k])),
+            "ratio_high": _rounded(np.exp(interval.high[k])),
         }
         for k, metric in enumerate(RANKED)
     ]

@@ -133,8 +133,8 @@ def _cell_rows(samples: Iterable[Sample]) -> Iterable[list[Any]]:
     for sample in samples:
         raw = sample.values[sample.names.index(RAW)][jitters]
         for name, values, failure in zip(sample.names, sample.values, sample.failures, strict=True):
-            told = [_number(value, 9) for value in (*values, *(values[jitters] / raw))]
-            yield [sample.motion, sample.degradation, sample.seed, *name, *told, failure]
+            rounded = [_number(value, 9) for value in (*values, *(values[jitters] / raw))]
+            yield [sample.motion, sample.degradation, sample.seed, *name, *rounded, failure]
 
 
 def _group_rows(group: Group) -> Iterable[list[Any]]:
@@ -254,9 +254,11 @@ def _ranking(results: Mapping[str, Any]) -> list[str]:
 def _representations(results: Mapping[str, Any]) -> list[str]:
     metrics = ("ape_rmse_m", "rotation_rmse_deg", "linear_jitter_m_s2", "angular_jitter_rad_s2")
     rows = [
-        one
-        for one in results["ratios_to_motor"]
-        if one["method"] == "all" and one["scope"] == "all" and one["representation"] != "motor"
+        ratio
+        for ratio in results["ratios_to_motor"]
+        if ratio["method"] == "all"
+        and ratio["scope"] == "all"
+        and ratio["representation"] != "motor"
     ]
     lines = [f"{'times what motors leave, all methods':<38}" + "".join(f"{m:<24}" for m in metrics)]
     for name in dict.fromkeys(row["representation"] for row in rows):
@@ -273,8 +275,8 @@ def _ties(results: Mapping[str, Any]) -> list[str]:
     for theory in dict.fromkeys(one["theory"] for one in ties):
         of = [one for one in ties if one["theory"] == theory]
         largest = max(
-            one[key] or 0.0
-            for one in of
+            row[key] or 0.0
+            for row in of
             for key in ("largest_difference_m", "largest_difference_rad")
         )
         holds = "holds" if all(one["holds"] for one in of) else "DOES NOT HOLD"

@@ -60,7 +60,7 @@ def measured_trait(setting: Setting, path: Trajectory) -> dict[str, str | int | 
     shifts of about a metre. The time is that of the fastest of three runs, a pose, called from
     Python.
     """
-    made: dict[str, str | int | float] = {
+    fields: dict[str, str | int | float] = {
         "method": setting.method,
         "representation": setting.representation,
         "poses": len(path),
@@ -71,8 +71,8 @@ def measured_trait(setting: Setting, path: Trajectory) -> dict[str, str | int | 
         defect = frame_change_defect(setting.smooth, path, left, right)
         time_s = seconds_per_pose(setting.smooth, path)
     except Exception as error:  # one failing method never ends the others; its row says why
-        return made | {"failure": why(error)}
-    return made | {
+        return fields | {"failure": why(error)}
+    return fields | {
         "left_defect_m": defect.left_m,
         "left_defect_rad": defect.left_rad,
         "right_defect_m": defect.right_m,
@@ -104,7 +104,7 @@ _ALL = (
 def exact_ties() -> list[dict[str, Any]]:
     """Every tie with what theory says and what was measured on a noisy path of 300 poses."""
     path = _noisy("walk_and_look")
-    made = [
+    rows = [
         _told(
             "the linear blend of rigid motors is the dual quaternion linear blend",
             "motor coefficients and dual quaternions are the same eight numbers up to order and "
@@ -126,14 +126,14 @@ def exact_ties() -> list[dict[str, Any]]:
                 metres, radians = _apart(smoothed(first), smoothed(second))
             except Exception as error:  # one failing method never ends the others; its row says why
                 row = _told(theory, reason, method, (first, second), (None, None))
-                made.append(row | {"holds": False, "failure": why(error)})
+                rows.append(row | {"holds": False, "failure": why(error)})
                 continue
-            found = (
+            costs = (
                 metres if which != "rotation" else None,
                 radians if which != "position" else None,
             )
-            made.append(_told(theory, reason, method, (first, second), found))
-    return made
+            rows.append(_told(theory, reason, method, (first, second), costs))
+    return rows
 
 
 _LAWS = (
@@ -178,12 +178,12 @@ def _noisy(motion: str) -> Trajectory:
 
 
 def _cached(path: Trajectory, method: str) -> Callable[[str], Trajectory]:
-    made: dict[str, Trajectory] = {}
+    paths: dict[str, Trajectory] = {}
 
     def smoothed(representation: str) -> Trajectory:
-        if representation not in made:
-            made[representation] = smooth(path, method, representation)
-        return made[representation]
+        if representation not in paths:
+            paths[representation] = smooth(path, method, representation)
+        return paths[representation]
 
     return smoothed
 

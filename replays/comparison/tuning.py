@@ -186,14 +186,14 @@ def tuned(
         return _objectives(settings, inputs, raw)
 
     for again in (False, True) if len(ranges) > 1 else (False,):
-        for one in ranges:
-            objective = functools.partial(tried, one.parameter)
+        for span in ranges:
+            objective = functools.partial(tried, span.parameter)
             if again:
-                best, least = _searched_again(objective, one, chosen[one.parameter], least)
+                best, least = _searched_again(objective, span, chosen[span.parameter], least)
             else:
-                best, least = _searched(objective, one)
+                best, least = _searched(objective, span)
             if np.isfinite(least):
-                chosen[one.parameter] = _value(best)
+                chosen[span.parameter] = _value(best)
     setting = Setting(method, representation, tuple(chosen.items()))
     if not np.isfinite(least):
         return Tuned(setting, "defaults", None, trials)
@@ -206,10 +206,10 @@ _Objective = Callable[[Sequence[float]], FloatArray]
 def _searched(objective: _Objective, within: ParameterRange) -> tuple[float, float]:
     """The logarithm of the best value of the whole range, the first of equals; its objective."""
     logs = np.linspace(np.log(within.low), np.log(within.high), _COARSE)
-    found = objective(logs.tolist())
-    i = int(np.argmin(found))
+    scores = objective(logs.tolist())
+    i = int(np.argmin(scores))
     ends = logs[max(i - 1, 0)], logs[min(i + 1, _COARSE - 1)]
-    return _golden(objective, (float(logs[i]), float(found[i])), ends, _STEPS)
+    return _golden(objective, (float(logs[i]), float(scores[i])), ends, _STEPS)
 
 
 def _searched_again(
@@ -230,10 +230,10 @@ def _golden(
     for _ in range(steps):
         above = high - best >= best - low
         probe = best + _GOLDEN * (high - best if above else low - best)
-        found = float(objective([probe])[0])
-        if found < least:
+        score = float(objective([probe])[0])
+        if score < least:
             low, high = (best, high) if above else (low, best)
-            best, least = probe, found
+            best, least = probe, score
         elif above:
             high = probe
         else:
@@ -259,9 +259,9 @@ class SearchPlace:
         spared = rigid and self.representation == "similarity"
         return SearchPlace(degradation, method, "motor" if spared else self.representation)
 
-    def borrowed(self, found: Tuned) -> Tuned:
+    def borrowed(self, tuned: Tuned) -> Tuned:
         """What was found for its lender, for this place."""
-        parameters = dict(found.setting.parameters)
+        parameters = dict(tuned.setting.parameters)
         if self.method in _LENDERS:
             parameters |= dict(_NOISE_OF.get(self.degradation, NOISE))
         setting = Setting(self.method, self.representation, tuple(parameters.items()))
@@ -276,10 +276,10 @@ def _objectives(
     """The objective of each setting; infinite where it is refused on one of the paths."""
     ratios = np.full((len(inputs), len(tried)), np.inf)
     for row, ((degraded, evaluator), base) in enumerate(zip(inputs, raw, strict=True)):
-        made = [(i, path) for i, one in enumerate(tried) if (path := _smoothed(one, degraded))]
-        if made:
-            errors = evaluator.errors([path for _, path in made])
-            ratios[row, [i for i, _ in made]] = np.nanmean(errors / base, axis=1)
+        paths = [(i, path) for i, one in enumerate(tried) if (path := _smoothed(one, degraded))]
+        if paths:
+            errors = evaluator.errors([path for _, path in paths])
+            ratios[row, [i for i, _ in paths]] = np.nanmean(errors / base, axis=1)
     return np.asarray(np.mean(ratios, axis=0), dtype=np.float64)
 
 

@@ -65,8 +65,8 @@ def settings_beside(asked: Sequence[str]) -> tuple[str, ...]:
     >>> settings_beside(["fused.gate=0.99"])
     ('fused.gate=0.99',)
     """
-    told = {one.partition("=")[0].strip() for one in asked}
-    instead = told & {f"placed.{name}" for name in CAST_SAYS} and "placed.cast" not in told
+    knobs = {one.partition("=")[0].strip() for one in asked}
+    instead = knobs & {f"placed.{name}" for name in CAST_SAYS} and "placed.cast" not in knobs
     return (*(("placed.cast=none", STANDING) if instead else ()), *asked)
 
 

@@ -108,8 +108,8 @@ def _parse(text: str, kind: Any, name: str) -> Any:
         return _parse(text, present, name)
     if origin is typing.Literal:
         if text not in arguments:
-            told = f"{name}: expected one of {', '.join(arguments)}, got {text!r}"
-            raise GraphError(told + nearest_name(text, arguments))
+            problem = f"{name}: expected one of {', '.join(arguments)}, got {text!r}"
+            raise GraphError(problem + nearest_name(text, arguments))
         return text
     if origin is tuple:
         return tuple(_parse(part.strip(), arguments[0], name) for part in text.split(",") if part)

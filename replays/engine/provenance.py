@@ -55,15 +55,15 @@ class Reach:
 def code_digest(function: Callable[..., Any], given: Iterable[object] = ()) -> str:
     """SHA-256 over all that a function can run on the values given, and the versions beneath."""
     types = {one for value in given for one in types_within(value)}
-    found = reach(function.__module__, *sorted({one.__module__ for one in types}))
+    used = reach(function.__module__, *sorted({one.__module__ for one in types}))
     content = hashlib.sha256(platform.python_version().encode())
-    for name in sorted(found.modules | found.faces):
+    for name in sorted(used.modules | used.faces):
         content.update(name.encode())
         content.update(hashlib.sha256(_origin(name).read_bytes()).digest())
-    for path in sorted({path for name in found.modules for path in _beside(_origin(name).parent)}):
+    for path in sorted({path for name in used.modules for path in _beside(_origin(name).parent)}):
         content.update(path.name.encode())
         content.update(hashlib.sha256(path.read_bytes()).digest())
-    for name in sorted(found.foreign):
+    for name in sorted(used.foreign):
         content.update(f"{name}={_version(name)}".encode())
     return content.hexdigest()
 
@@ -120,12 +120,12 @@ class _Use:
 @functools.cache
 def _uses(module: str) -> frozenset[_Use]:
     """What stands in import statements of a module, and of a face's `__init__.pyi`."""
-    found: set[_Use] = set()
+    uses: set[_Use] = set()
     for text in _sources(module):
         # Expressions are most of a tree: they are looked at where one may name modules.
         parts = (ast.AST,) if _A_TEMPLATE.search(text) else _STATEMENTS
-        found.update(_imports(ast.parse(text), module, parts))
-    return frozenset(found)
+        uses.update(_imports(ast.parse(text), module, parts))
+    return frozenset(uses)
 
 
 @functools.cache
@@ -194,24 +194,24 @@ def _definers(use: _Use) -> tuple[tuple[str, frozenset[str]], ...]:
     if name is None or not _is_package(use.module) or _defines(use.module, name):
         return ((use.module, frozenset()),)
     listed = [_definers(one) for one in _listed(use.module, name)]
-    found = [(target, passed | {use.module}) for one in listed for target, passed in one]
+    definers = [(target, passed | {use.module}) for one in listed for target, passed in one]
     if _find(f"{use.module}.{name}") is not None:
-        found.append((f"{use.module}.{name}", frozenset({use.module})))
-    return tuple(found) or ((use.module, frozenset()),)
+        definers.append((f"{use.module}.{name}", frozenset({use.module})))
+    return tuple(definers) or ((use.module, frozenset()),)
 
 
 def _defines(package: str, name: str) -> bool:
     """Whether a package's `__init__` makes the name itself, or makes names up as they are asked."""
-    made: set[str] = set()
+    strings: set[str] = set()
     for node in _trees(package)[0].body:
         if isinstance(node, (ast.FunctionDef, ast.ClassDef, ast.AsyncFunctionDef)):
-            made.add(node.name)
+            strings.add(node.name)
         elif isinstance(node, (ast.Assign, ast.AnnAssign)):
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
             inside = (part for target in targets for part in ast.walk(target))
-            made.update(part.id for part in inside if isinstance(part, ast.Name))
+            strings.update(part.id for part in inside if isinstance(part, ast.Name))
     lazily = len(_trees(package)) > 1
-    return name in made or ("__getattr__" in made and not lazily)
+    return name in strings or ("__getattr__" in strings and not lazily)
 
 
 def _listed(package: str, name: str) -> Iterator[_Use]:
@@ -221,11 +221,11 @@ def _listed(package: str, name: str) -> Iterator[_Use]:
             if isinstance(node, ast.Import):
                 yield from (_Use(one.name) for one in node.names if one.asname == name)
             elif isinstance(node, ast.ImportFrom):
-                for one in node.names:
-                    if name == (one.asname or one.name) or one.name == "*":
+                for alias in node.names:
+                    if name == (alias.asname or alias.name) or alias.name == "*":
                         source = _source(node, package)
                         if source != package:  # else it is the module of that name
-                            yield _Use(source, None if one.name == "*" else one.name)
+                            yield _Use(source, None if alias.name == "*" else alias.name)
 
 
 def _parents(name: str) -> set[str]:

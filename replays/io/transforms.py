@@ -88,8 +88,8 @@ def _of_json(path: Path, data: bytes) -> Motor | Similarity:
         OverflowError,
         RecursionError,
     ) as fault:
-        told = one_line(fault, 100)
-        raise refusal(path, f"expected JSON of numbers {', '.join(_KEYS)}: {told}") from fault
+        reason = one_line(fault, 100)
+        raise refusal(path, f"expected JSON of numbers {', '.join(_KEYS)}: {reason}") from fault
     norm = math.hypot(w, x, y, z)
     if not abs(norm - 1.0) < _UNIT or not np.isfinite(place).all():
         raise refusal(path, f"expected a unit quaternion and a place, got norm {norm:g}, {place}")

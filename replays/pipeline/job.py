@@ -108,12 +108,12 @@ class Job:
     def all_settings(self, recording: Recording) -> tuple[str, ...]:
         """The recording's own settings and the job's; a scene says in place of the recording's."""
         own = recording.settings
-        given = parted(self.settings)[1]
+        words = parted(self.settings)[1]
         if self.scene is not None:
             said = tuple(f"placed.{name}=" for name in SCENE_SAYS)
             own = tuple(one for one in own if not one.replace(" ", "").startswith(said))
-            given = (*given, f"placed.scene={self.scene}")
-        return (*own, *(setting_from(one, lambda file: Path(file).absolute()) for one in given))
+            words = (*words, f"placed.scene={self.scene}")
+        return (*own, *(setting_from(one, lambda file: Path(file).absolute()) for one in words))
 
 
 def pipeline_graph() -> Graph:

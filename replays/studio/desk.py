@@ -27,11 +27,11 @@ from motorcade.replays.io.recording import FrameSequence
 from motorcade.replays.pipeline.look.document import shown_camera
 from motorcade.replays.pipeline.look.packing import packed
 from motorcade.replays.studio.filmed import Filmed, open_filmed, spoken
-from motorcade.replays.studio.journal import Journal, Ledger
 from motorcade.replays.studio.offers import Answer, Offer
 from motorcade.replays.studio.played import PlayedScene, rows
 from motorcade.replays.studio.props import GROUND, Props, files_beside
 from motorcade.replays.studio.session import EditingSession, ToldScene
+from motorcade.replays.studio.write_ahead import SceneHistory, WriteAheadLog
 
 SCENE_NAME = "scene.json"
 
@@ -59,7 +59,7 @@ class RunDesk:
 
     def about(self) -> dict[str, Any]:
         """What there is, for the page."""
-        filmed, scene = self.filmed, self.session.ledger.scene
+        filmed, scene = self.filmed, self.session.history.scene
         poses = rows(filmed.world_T_camera)[:, :7]
         poses[~filmed.has_pose] = np.nan
         first = filmed.ground(filmed.first)
@@ -88,7 +88,7 @@ class RunDesk:
 
     def film_command(self) -> str:
         """What draws the scene into the footage, to be typed where the server runs."""
-        scene = self.session.ledger.journal.scene.absolute()
+        scene = self.session.history.write_log.scene.absolute()
         out = scene.with_name(f"{scene.stem}-film")
         return shlex.join([*self.filmed.words, "--scene", str(scene), "--out", str(out)])
 
@@ -118,7 +118,7 @@ class RunDesk:
 
     def close(self) -> None:
         """Write the scene as it is, and let others edit it; raises `OSError` where it cannot be."""
-        self.session.ledger.close()
+        self.session.history.close()
 
 
 def open_desk(run: Path, scene: Path | None = None) -> RunDesk:
@@ -136,22 +136,22 @@ def open_desk(run: Path, scene: Path | None = None) -> RunDesk:
     filmed = open_filmed(run)
     file = run / SCENE_NAME if scene is None else scene
     empty = Scene({}, {}, {}, {GROUND: filmed.first})
-    journal = Journal(file, scene_text(empty).encode())
-    return desk_of(filmed, journal)
+    write_log = WriteAheadLog(file, scene_text(empty).encode())
+    return desk_of(filmed, write_log)
 
 
-def desk_of(filmed: Filmed, journal: Journal) -> RunDesk:
-    """The desk of a session; the journal is closed where it cannot be shown.
+def desk_of(filmed: Filmed, write_log: WriteAheadLog) -> RunDesk:
+    """The desk of a session; the write-ahead log is closed where it cannot be shown.
 
     Raises:
         ValueError: a line of the session, or a file of the scene, that cannot be read.
     """
     with ExitStack() as refused:
-        refused.callback(journal.close)
-        folder = journal.scene.absolute().parent
-        ledger, props = Ledger(journal), Props(folder, files_beside(folder))
+        refused.callback(write_log.close)
+        folder = write_log.scene.absolute().parent
+        history, props = SceneHistory(write_log), Props(folder, files_beside(folder))
         played = PlayedScene(filmed, folder)
-        session = EditingSession(filmed, ledger, played, props, ToldScene(filmed, played, props))
+        session = EditingSession(filmed, history, played, props, ToldScene(filmed, played, props))
         session.joined(0)  # a scene that cannot be shown is refused here, and not to each browser
         refused.pop_all()
     return RunDesk(filmed, session)

@@ -33,7 +33,6 @@ from motorcade.ga import Similarity
 from motorcade.replays.pipeline.look.packing import packed
 from motorcade.replays.studio.filmed import Filmed, spoken
 from motorcade.replays.studio.grip import Grab, Grip, JointGrip, joints_held_by
-from motorcade.replays.studio.journal import Ledger
 from motorcade.replays.studio.offers import Answer
 from motorcade.replays.studio.played import PlayedScene, rows
 from motorcade.replays.studio.props import GROUND, Props, free_name, room_m, thinned
@@ -45,6 +44,7 @@ from motorcade.replays.studio.visitors import (
     pixels_of,
     point_of,
 )
+from motorcade.replays.studio.write_ahead import SceneHistory
 
 
 @dataclass
@@ -116,14 +116,14 @@ class EditingSession:
 
     Args:
         filmed: the footage.
-        ledger: the scene with its history.
+        history: the scene with its history.
         played: what its objects do over the footage.
         props: what may be put into it.
         told: what pages are told of it.
     """
 
     filmed: Filmed
-    ledger: Ledger
+    history: SceneHistory
     played: PlayedScene
     props: Props
     told: ToldScene
@@ -178,7 +178,7 @@ class EditingSession:
     def _begin(self, visitor: int, message: Message) -> Answer:
         name = name_of(message, "object")
         frame = frame_number(message, self.filmed.frames)
-        scene = self.ledger.scene
+        scene = self.history.scene
         scene.pose(name)
         rays = self._rays(frame, message)
         if message.get("gesture") == "joint":
@@ -220,7 +220,7 @@ class EditingSession:
         self._require_idle(visitor)
         if len(rays) != 1:
             raise ValueError("pixels: expected those of one finger")
-        name, scene = name_of(message, "object"), self.ledger.scene
+        name, scene = name_of(message, "object"), self.history.scene
         joint = None if message.get("joint") is None else name_of(message, "joint")
         grip = JointGrip(self.played, scene, name, frame, rays[0], joint)
         self._hands.take(visitor, name, scene)
@@ -245,10 +245,10 @@ class EditingSession:
     def _end(self, visitor: int, message: Message) -> Answer:
         grip = self._grip(visitor)
         news = self._dropped(visitor)
-        gesture, before = grip.gesture(), self.ledger.scene
+        gesture, before = grip.gesture(), self.history.scene
         if gesture is None:
             return Answer(dict(news or {}), news)
-        self.ledger.do(gesture, {} if isinstance(grip, JointGrip) else grip.anchors)
+        self.history.do(gesture, {} if isinstance(grip, JointGrip) else grip.anchors)
         return self._changed(before)
 
     def _cancel(self, visitor: int, message: Message) -> Answer:
@@ -267,7 +267,7 @@ class EditingSession:
         self._hands.let_go(visitor)
         if grip is None:
             return None
-        names = self.ledger.scene.branch(grip.name)
+        names = self.history.scene.branch(grip.name)
         return {"free": names, "holds": sorted(self._hands.held.values())}
 
     # Edits
@@ -275,8 +275,8 @@ class EditingSession:
     def _step(self, visitor: int, way: Literal["undo", "redo"]) -> Answer:
         self._hands.require_all_free(visitor)
         self._require_idle(visitor)
-        before = self.ledger.scene
-        self.ledger.step(way)
+        before = self.history.scene
+        self.history.step(way)
         return self._changed(before)
 
     def _edit(self, visitor: int, message: Message) -> Answer:
@@ -297,7 +297,7 @@ class EditingSession:
         """Do edits and drags as one step, at the moment that the browser shows."""
         frame = frame_number(message, self.filmed.frames)
         self._require_idle(visitor)
-        before = self.ledger.scene
+        before = self.history.scene
         for line in lines:
             self._require_free(visitor, line)
             self.props.require_offered(line, before)
@@ -309,7 +309,7 @@ class EditingSession:
         for name in after.parents:  # what cannot be shown is refused before it is kept
             if before.parts.get(name) is not after.parts.get(name):
                 self.told.about(after, name, None)
-        self.ledger.do(gesture, trial.world_T_anchor)
+        self.history.do(gesture, trial.world_T_anchor)
         return self._changed(before)
 
     def _require_idle(self, visitor: int) -> None:
@@ -319,12 +319,12 @@ class EditingSession:
     def _require_free(self, visitor: int, line: Mapping[str, Any]) -> None:
         named = line.get("objects") if line.get("do") == "group" else [line.get("object")]
         for name in named if isinstance(named, list) else []:
-            if isinstance(name, str) and name in self.ledger.scene.parents:
-                self._hands.require_free(visitor, name, self.ledger.scene)
+            if isinstance(name, str) and name in self.history.scene.parents:
+                self._hands.require_free(visitor, name, self.history.scene)
 
     def _place(self, visitor: int, message: Message) -> Answer:
         """Somebody or something new, in the middle of what there is to stand on."""
-        scene, lines = self.ledger.scene, []
+        scene, lines = self.history.scene, []
         if not scene.anchors:
             stand = anchor_json(self.filmed.first)
             lines.append({"do": "anchor", "name": free_name(GROUND, scene), **stand})
@@ -336,7 +336,7 @@ class EditingSession:
 
     def _copy(self, visitor: int, message: Message) -> Answer:
         """The same again, beside it."""
-        name, scene = name_of(message, "object"), self.ledger.scene
+        name, scene = name_of(message, "object"), self.history.scene
         scene.pose(name)
         new = free_name(name.rstrip(" 0123456789") or name, scene)
         frame = frame_number(message, self.filmed.frames)
@@ -354,7 +354,7 @@ class EditingSession:
 
     def _hang(self, visitor: int, message: Message) -> Answer:
         """On another parent: on what was tracked it is put, on an object it stays where it is."""
-        name, scene = name_of(message, "object"), self.ledger.scene
+        name, scene = name_of(message, "object"), self.history.scene
         on = None if message.get("on") is None else name_of(message, "on")
         frame = frame_number(message, self.filmed.frames)
         lines: list[dict[str, Any]] = []
@@ -373,7 +373,7 @@ class EditingSession:
         """A way drawn on the picture, as points of the plane that the walker stands on."""
         name = name_of(message, "object")
         frame = frame_number(message, self.filmed.frames)
-        scene, time_s = self.ledger.scene, float(self.filmed.time_s[frame])
+        scene, time_s = self.history.scene, float(self.filmed.time_s[frame])
         plane = scene.world_T_parent(name, time_s, self.anchors(scene, frame))
         surface = DragPlane(plane.translation_m, plane.rotor.apply([0.0, 0.0, 1.0]))
         points = []
@@ -393,7 +393,7 @@ class EditingSession:
         """Where an object is in its parent at the moment on show, as numbers."""
         name = name_of(message, "object")
         time_s = float(self.filmed.time_s[frame_number(message, self.filmed.frames)])
-        pose, scale = self.ledger.scene.pose_at(name, time_s).as_motor_scale()
+        pose, scale = self.history.scene.pose_at(name, time_s).as_motor_scale()
         return Answer(
             {
                 "numbers": {
@@ -412,11 +412,11 @@ class EditingSession:
         return Answer(told, told)
 
     def _scene(self, before: Scene | None) -> dict[str, Any]:
-        scene, held = self.ledger.scene, set(self._hands.held.values())
+        scene, held = self.history.scene, set(self._hands.held.values())
         objects = [self.told.about(scene, name, before) for name in scene.parents]
         return {
-            "undo": self.ledger.can_undo,
-            "redo": self.ledger.can_redo,
+            "undo": self.history.can_undo,
+            "redo": self.history.can_redo,
             "objects": [{**one, "held": one["name"] in held} for one in objects],
         }
 

@@ -7,6 +7,7 @@ by their parts: `sharpen` is found in `sharpen_corners` and in `CornerSharpen`, 
 
 import ast
 import re
+import tokenize
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -42,6 +43,10 @@ def retired() -> dict[tuple[str, ...], str]:
 
 
 RETIRED = retired()
+IN_PROSE = re.compile(
+    r"\b(liveliness|plumb|straighten|sharpen|diary|ladders?|spoil(ed)?|holed|ledgers?)\b", re.I
+)
+"""Those that have no other use: comments, docstrings and messages do without them too."""
 
 
 def comes_back(name: str) -> str | None:
@@ -112,6 +117,18 @@ def returned(room: str) -> list[str]:
 @pytest.mark.parametrize("room", ROOMS)
 def test_retired_words_do_not_come_back(room: str) -> None:
     faults = returned(room)
+    assert not faults, "\n".join(faults)
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_the_clearest_of_them_do_not_come_back_in_prose(room: str) -> None:
+    faults = []
+    for path in (path for path in files(room) if path.suffix == ".py"):
+        with path.open(encoding="utf-8") as file:
+            for token in tokenize.generate_tokens(file.readline):
+                if token.type in (tokenize.COMMENT, tokenize.STRING):
+                    words = {match[0] for match in IN_PROSE.finditer(token.string)}
+                    faults += [f"{path}:{token.start[0]}: {word}" for word in words]
     assert not faults, "\n".join(faults)
 
 

@@ -84,9 +84,10 @@ def _best(results: Results) -> Iterator[str]:
         f"motion and degradation ({places}), {_name(rows[0])} leaves the least residual "
         f"error and jitter: {_left(rows[0])}. {tie}"
     )
-    found = {name: results.best_ratio("all", name) for name in results.representations}
+    best_ratios = {name: results.best_ratio("all", name) for name in results.representations}
     first = sorted(
-        ((name, *best) for name, best in found.items() if best), key=lambda one: one[1].value
+        ((name, *best) for name, best in best_ratios.items() if best),
+        key=lambda named: named[1].value,
     )
     if len(first) > 1:
         each = [f"`{name}` {percent(left.value)} (`{method}`)" for name, left, method in first]
@@ -194,14 +195,14 @@ def _wins(results: Results) -> Iterator[str]:
     for name in results.representations:
         if name in best:
             _, (motion, degradation, method, _, metric), figure = best[name]
-            told = METRICS[metric]
+            metric_text = METRICS[metric]
             ours, theirs = (
-                shown(told.factor * value)
+                shown(metric_text.factor * value)
                 for value in (figure.mean, figure.mean - figure.versus_motor)
             )
-            unit = told.unit if told.unit == "°" else f" {told.unit}"
+            unit = metric_text.unit if metric_text.unit == "°" else f" {metric_text.unit}"
             yield (
-                f"`{name}`: {told.heading} of `{method}` on "
+                f"`{name}`: {metric_text.heading} of `{method}` on "
                 f"{motion} with {LABELS[degradation]}, {ours}{unit} against {theirs}{unit}."
             )
 

@@ -71,11 +71,11 @@ def best_of_each(results: Results) -> Matrix:
         best = [results.best_ratio(f"motion:{motion}", one) for one in results.representations]
         base = results.best_ratio(f"motion:{motion}", REFERENCE)
         cells = []
-        for one in best:
-            if one is None or base is None:
+        for cell in best:
+            if cell is None or base is None:
                 cells.append(PageCell("–", math.nan, "none"))
                 continue
-            ratio, method = one
+            ratio, method = cell
             tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_MOTOR, ratio.value / base[0].value)]
             cells.append(PageCell(shown(ratio.value), ratio.value, tint, note=method))
         rows.append((motion, cells))
@@ -154,8 +154,8 @@ def _motor_cell(ratio: Ratio | None) -> PageCell:
 
 
 def _sizes(results: Results, scope: str, metric: str) -> Matrix:
-    told = METRICS[metric]
-    factor = told.factor
+    metric_text = METRICS[metric]
+    factor = metric_text.factor
 
     def cell(method: str, representation: str) -> PageCell:
         value = factor * results.mean_size(scope, (method, representation), metric)
@@ -163,12 +163,13 @@ def _sizes(results: Results, scope: str, metric: str) -> Matrix:
             return PageCell("–", math.nan, "none")
         return PageCell(shown(value), value, _ORANGE[bisect_left(_STEPS[metric], value)])
 
-    unit = f", {told.unit}" if told.unit else ""
+    unit = f", {metric_text.unit}" if metric_text.unit else ""
     caption = (
-        f"Mean size of {told.heading}{unit}, where it can be told: {told.definition}. Orange is "
+        f"Mean size of {metric_text.heading}{unit}, where it can be told: "
+        f"{metric_text.definition}. Orange is "
         "more; dashes are where fewer than half of the places tell."
     )
-    return _matrix(results, metric, "as measured", told.heading, caption, cell)
+    return _matrix(results, metric, "as measured", metric_text.heading, caption, cell)
 
 
 def _matrix(
@@ -275,14 +276,14 @@ def _cell(row: Mapping[str, Any] | None, key: str) -> PageCell:
 def exact_ties(results: Results) -> list[dict[str, Any]]:
     """A row a tie that theory predicts, over the methods it was tried on."""
     ties = results.told["exact_ties"]
-    made = []
+    rows = []
     for theory in dict.fromkeys(one["theory"] for one in ties):
         of = [one for one in ties if one["theory"] == theory]
         largest = {
             unit: max((one[f"largest_difference_{unit}"] or 0.0 for one in of), default=0.0)
             for unit in ("m", "rad")
         }
-        made.append(
+        rows.append(
             {
                 "theory": theory,
                 "reason": of[0]["reason"],
@@ -296,7 +297,7 @@ def exact_ties(results: Results) -> list[dict[str, Any]]:
                 ),
             }
         )
-    return made
+    return rows
 
 
 def verdict_counts(results: Results) -> list[dict[str, Any]]:

@@ -88,8 +88,8 @@ def _environment() -> Environment:
 
     def sentence(text: str) -> Markup:
         """Names in backticks become code that may break after its underscores."""
-        made = re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text)))
-        return Markup(made)
+        marked = re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text)))
+        return Markup(marked)
 
     def name(text: str) -> Markup:
         return Markup(str(escape(text)).replace("_", "_<wbr>"))

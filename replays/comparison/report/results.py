@@ -134,9 +134,9 @@ class Results:
 
     def unranked(self, scope: str = "all") -> list[Pair]:
         """Methods and representations without a result in every cell of a scope."""
-        for one in self.told["rankings"]:
-            if one["scope"] == scope:
-                return [(method, representation) for method, representation in one["unranked"]]
+        for ranking in self.told["rankings"]:
+            if ranking["scope"] == scope:
+                return [(method, representation) for method, representation in ranking["unranked"]]
         return []
 
     def ratio_to_raw(self, scope: str, metric: str) -> dict[Pair, Ratio]:
@@ -224,13 +224,15 @@ def range_ends(results: Results) -> list[str]:
     more than it takes away, most where the motion is what the method takes for constant: then a
     longer range would be followed further, to little gain.
     """
-    found = sorted(_found(results), key=itemgetter(0, 1))
-    made = []
-    for (most, method), rows in groupby(found, key=itemgetter(0, 1)):
+    facts = sorted(_found(results), key=itemgetter(0, 1))
+    sentences = []
+    for (most, method), rows in groupby(facts, key=itemgetter(0, 1)):
         motions = list(dict.fromkeys(motion for _, _, motion in rows))
         named = "every motion" if len(motions) == len(results.motions) else listed(motions)
-        made.append(f"`{method}` asks for the {'most' if most else 'least'} smoothing on {named}.")
-    return made
+        sentences.append(
+            f"`{method}` asks for the {'most' if most else 'least'} smoothing on {named}."
+        )
+    return sentences
 
 
 def _found(results: Results) -> Iterator[tuple[bool, str, str]]:

@@ -144,15 +144,15 @@ def read_sweep(path: Path, graph: Graph) -> Sweep:
 def _seeds(top: Section) -> tuple[int | None, ...]:
     if "seeds" not in top:
         return (None,)
-    given = top["seeds"]
-    if not isinstance(given, list) or not given:
-        raise top.fault("seeds", f"expected a list of whole numbers, got {one_line(given)}")
-    for seed in given:
+    seeds = top["seeds"]
+    if not isinstance(seeds, list) or not seeds:
+        raise top.fault("seeds", f"expected a list of whole numbers, got {one_line(seeds)}")
+    for seed in seeds:
         if not isinstance(seed, int) or isinstance(seed, bool) or not 0 <= seed < 2**31:
             raise top.fault("seeds", f"expected whole numbers of at least 0, got {one_line(seed)}")
-    if len(set(given)) < len(given):
+    if len(set(seeds)) < len(seeds):
         raise top.fault("seeds", "expected different ones, got one twice")
-    return tuple(given)
+    return tuple(seeds)
 
 
 def _knobs(top: Section) -> Iterator[tuple[str, tuple[str, ...]]]:
@@ -189,11 +189,11 @@ def _from_file(top: Section, name: str, text: str) -> str:
 
 
 def _recordings(top: Section) -> tuple[tuple[Path, Path | None], ...]:
-    given = top["recordings"]
-    if not isinstance(given, list) or not given:
-        raise top.fault("recordings", f"expected a list, got {one_line(given)}")
-    found: dict[tuple[Path, Path | None], None] = {}
-    for entry in given:
+    patterns = top["recordings"]
+    if not isinstance(patterns, list) or not patterns:
+        raise top.fault("recordings", f"expected a list, got {one_line(patterns)}")
+    recordings: dict[tuple[Path, Path | None], None] = {}
+    for entry in patterns:
         if not isinstance(entry, str | Mapping):
             expected = "expected paths, or tables of path and manifest"
             raise top.fault("recordings", f"{expected}, got {one_line(entry)}")
@@ -212,8 +212,8 @@ def _recordings(top: Section) -> tuple[tuple[Path, Path | None], ...]:
             raise section.fault("path", f"expected a path or pattern: {fault}") from fault
         if not places:
             raise section.fault("path", f"no recording is called {one_line(section.text('path'))}")
-        found |= dict.fromkeys((place, manifest) for place in places)
-    return tuple(found)
+        recordings |= dict.fromkeys((place, manifest) for place in places)
+    return tuple(recordings)
 
 
 def _places(folder: Path, text: str) -> list[Path]:

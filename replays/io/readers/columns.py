@@ -130,8 +130,8 @@ def read_columns(path: Path, quantities: tuple[Quantity, ...]) -> Table:
     number, header, rows = _opening(path, 1 + len(names))
     places, units = list(range(1 + len(names))), [""] * (1 + len(names))
     if header is not None:
-        found = _Header(path, number, header)
-        places, units = found.layout(quantities, (_STAMP, *names))
+        columns = _Header(path, number, header)
+        places, units = columns.layout(quantities, (_STAMP, *names))
     unit = _stamp_unit(
         path, number, units[0], [row[places[0]] for row in rows if places[0] < len(row)]
     )

@@ -155,8 +155,8 @@ def _joined(packets: Sequence[_Packet], path: Path) -> tuple[IntArray, FloatArra
             return np.rint(1e9 * stamps_s).astype(np.int64), values
         _LOG.warning("%s: telemetry lost samples: %.0f ms off a steady rate", path, 1e3 * worst_s)
     spread = [
-        one.start_s + one.duration_s * np.arange(len(one.values)) / len(one.values)
-        for one in filled
+        packet.start_s + packet.duration_s * np.arange(len(packet.values)) / len(packet.values)
+        for packet in filled
     ]
     time_ns = np.rint(1e9 * np.concatenate(spread)).astype(np.int64)
     if np.any(np.diff(time_ns) <= 0):

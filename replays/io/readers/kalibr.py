@@ -163,5 +163,5 @@ def _of_sync(path: Path, data: bytes) -> Motor:
             raise ValueError(f"a unit quaternion and a place, got {turn}, {place}")
         return Motor.from_quaternion_translation(turn, place)
     except (ValueError, TypeError, KeyError, OverflowError, RecursionError) as fault:
-        told = one_line(fault, 100)
-        raise refusal(path, f"expected {' and '.join(_EXTRINSIC_KEYS)}: {told}") from fault
+        reason = one_line(fault, 100)
+        raise refusal(path, f"expected {' and '.join(_EXTRINSIC_KEYS)}: {reason}") from fault

@@ -112,9 +112,9 @@ def parted(settings: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     >>> parted(["described.size_m=0.03", "tracked.by=slam"])
     (('described.size_m=0.03',), ('tracked.by=slam',))
     """
-    given = tuple(settings)
-    own = tuple(one for one in given if one.strip().startswith(f"{STAGE}."))
-    return own, tuple(one for one in given if one not in own)
+    words = tuple(settings)
+    own = tuple(one for one in words if one.strip().startswith(f"{STAGE}."))
+    return own, tuple(one for one in words if one not in own)
 
 
 def open_described(
@@ -134,8 +134,8 @@ def open_described(
         GraphError: knobs for a recording that lacks nothing.
     """
     path = recording.root
-    given = _given(path, manifest)
-    names_camera = given is not None and "camera" in load_toml(given)
+    stated = _given(path, manifest)
+    names_camera = stated is not None and "camera" in load_toml(stated)
     if names_camera or not lacks_description(recording):
         if knobs.get(STAGE):
             knob = next(iter(knobs[STAGE]))
@@ -148,7 +148,7 @@ def open_described(
     description: Description = run.outputs[STAGE]
     for one in description.assumed:
         log.info("assumed %s", one)
-    before = "" if given is None else read_bounded(given, TOML_LIMIT).decode()
+    before = "" if stated is None else read_bounded(stated, TOML_LIMIT).decode()
     text = description.manifest(before)
     place = cache / f"manifest-{hashlib.sha256(text.encode()).hexdigest()[:16]}.toml"
     write_bytes(place, text.encode())
@@ -212,22 +212,22 @@ def described(
     if shot < 0:
         raise ValueError(f"described.shot: expected a number from 1 on, or 0, got {shot}")
     chosen = ChosenShot(recording, shot, lenient=fov_deg is not None)
-    made, sample = _Describing(chosen.recording, chosen.shot.motion), chosen.sample
+    describing, sample = _Describing(chosen.recording, chosen.shot.motion), chosen.sample
     refuse_oblong_pixels(chosen.recording)
-    made.frames(rate_hz, chosen, recording.frames)
+    describing.frames(rate_hz, chosen, recording.frames)
     with working("looking for boards and markers"):
         told = _told(recording, sample.spread)
         named = None if board is None else _named(recording, board, sample.spread)
-        found = told or named or (None if target == "none" else find_target(sample.spread))
+        target_seen = told or named or (None if target == "none" else find_target(sample.spread))
     with working("finding the camera"):
-        camera = made.camera(sample, found, fov_deg)
+        camera = describing.camera(sample, target_seen, fov_deg)
     if told is None:
         unit_m = None if board is None else board_in_units(board)[1]
         source = f"its name, {board}" if board else "counting in pictures spread over the recording"
-        made.target(named or camera.target, unit_m if size_m is None else size_m, source)
-    made.telemetry(camera.camera)
-    made.up(camera.target)
-    return made.description()
+        describing.target(named or camera.target, unit_m if size_m is None else size_m, source)
+    describing.telemetry(camera.camera)
+    describing.up(camera.target)
+    return describing.description()
 
 
 def _told(recording: Recording, pictures: tuple[GrayImage, ...]) -> FoundTarget | None:
@@ -380,8 +380,8 @@ class _Describing:
                     return camera_of_fixed_place(self.motion, size, self.stated)
                 if self.stated is not None and self.stated.camera is not None:
                     doubt = f"the pictures do not tell it ({why})"
-                    found = camera_of_fixed_place(self.motion, size, self.stated)
-                    return replace(found, doubts=(doubt,))
+                    fixed_camera = camera_of_fixed_place(self.motion, size, self.stated)
+                    return replace(fixed_camera, doubts=(doubt,))
                 problem += f", in which {self.motion}, and no path follows: {why}"
                 raise ValueError(problem) from why
         said = f"pinhole, focal length {turned.camera.fx:.0f} px ± {100.0 * turned.sigma:.2g} %, "
@@ -412,9 +412,9 @@ class _Describing:
         """The lens that the file states, or a usual one, where the target does not tell it."""
         stated = self.stated
         if stated is None or stated.camera is None:
-            found = camera_of_fixed_place(CameraMotion("unknown"), size, None)
-            doubts = (*found.doubts, f"{target.summary}, do not tell it: {why}")
-            return replace(found, target=target, doubts=doubts)
+            camera_found = camera_of_fixed_place(CameraMotion("unknown"), size, None)
+            doubts = (*camera_found.doubts, f"{target.summary}, do not tell it: {why}")
+            return replace(camera_found, target=target, doubts=doubts)
         doubts = (f"good to look at, not to measure with: the pictures do not tell it ({why})",)
         return FoundCamera(
             stated.camera, stated.said, "the file's own notes", target, doubts=doubts
@@ -466,19 +466,21 @@ class _Describing:
         imu = self.recording.imu
         if imu is None or self.recording.imu_T_camera is not None:
             return
-        told = check_axes(self._turns(imu), camera, GOPRO_IMU_R_CAMERA)
-        if told.verdict == "contradict":
+        checked = check_axes(self._turns(imu), camera, GOPRO_IMU_R_CAMERA)
+        if checked.verdict == "contradict":
             said = "left aside: the pictures turn otherwise than GoPro's axes say"
-            self._assume("imu", said, f"a likeness of {told.likeness:.2f}", "[imu] in a manifest")
+            self._assume(
+                "imu", said, f"a likeness of {checked.likeness:.2f}", "[imu] in a manifest"
+            )
             return
         pose = np.eye(4)
         pose[:3, :3] = GOPRO_IMU_R_CAMERA
         rows = ",\n".join(f"    {row}" for row in pose.tolist())
         self._tables.append(f"[imu]\nimu_T_camera = [\n{rows},\n]\n")
         agree = {
-            "agree": f"the pictures agree, likeness {told.likeness:.2f}",
+            "agree": f"the pictures agree, likeness {checked.likeness:.2f}",
             "do not tell": "the pictures do not tell",
-        }[told.verdict]
+        }[checked.verdict]
         source = f"GoPro's axes; {agree}"
         said = "the telemetry's, the lens looking along its -y, upright along z"
         self._assume("imu", said, source, "[imu] imu_T_camera in a manifest")

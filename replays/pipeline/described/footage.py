@@ -94,8 +94,8 @@ def camera_of_fixed_place(
         return FoundCamera(stated.camera, stated.said, "the file's own notes", None, doubts=doubts)
     focal, sigma = with_prior(motion.focal, motion.focal_sigma)
     said = f"a lens without distortion that sees {view_deg(focal):.0f} degrees"
-    told = math.isfinite(motion.focal_sigma)
-    source = "how the picture turns, and what is usual" if told else "what is usual"
+    is_known = math.isfinite(motion.focal_sigma)
+    source = "how the picture turns, and what is usual" if is_known else "what is usual"
     camera = camera_by_view(size, view_deg(focal))
     return FoundCamera(camera, said, source, None, doubts=(doubt_of(focal, sigma),), sigma=sigma)
 
@@ -118,10 +118,10 @@ def camera_by_target(target: FoundTarget, sample: SampledPictures) -> FoundCamer
     if target.family is not None and (target.board is None or isinstance(target.board, MarkerGrid)):
         seen = seen_markers(target.family, sample.pictures, set(target.marker_ids))
         frames = [_detections(str(target.family), one) for one in seen.markers]
-        made = self_calibrate_tags(frames, sample.size, sample.time_ns)
+        calibrated = self_calibrate_tags(frames, sample.size, sample.time_ns)
         if isinstance(target.board, MarkerGrid):
-            target = replace(target, board=regapped(target.board, seen.markers, made.camera))
-        return _said(made, "the markers in view", target)
+            target = replace(target, board=regapped(target.board, seen.markers, calibrated.camera))
+        return _said(calibrated, "the markers in view", target)
     board = target.board
     if board is None:
         raise ValueError("target: expected a board or markers, got neither")
@@ -130,8 +130,8 @@ def camera_by_target(target: FoundTarget, sample: SampledPictures) -> FoundCamer
         for row in sample.places:
             # A whole board's neighbours tell of the shutter; a part of one only of the lens.
             views[row] = views[row] or corners_in_view(board, sample.pictures[row])
-    made = self_calibrate_board(views, sample.size, sample.time_ns)
-    return _said(made, "the board in view", target)
+    calibrated = self_calibrate_board(views, sample.size, sample.time_ns)
+    return _said(calibrated, "the board in view", target)
 
 
 def camera_by_motion(frames: FrameSequence, size: tuple[int, int]) -> FoundCamera:

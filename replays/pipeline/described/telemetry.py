@@ -115,8 +115,8 @@ class SeenTurns:
     def seen_rad_s(self, camera: Camera) -> FloatArray:
         """Rates ``(p, 3)`` in the camera's frame, as if it only turned; NaN where none fits."""
         turns = [_turn(*pair, camera) for pair in zip(self.before, self.after, strict=True)]
-        found: FloatArray = np.array(turns).reshape(-1, 3) / self.seconds[:, None]
-        return found
+        rates: FloatArray = np.array(turns).reshape(-1, 3) / self.seconds[:, None]
+        return rates
 
 
 def seen_turns(frames: FrameSequence, imu: ImuStream) -> SeenTurns:
@@ -141,10 +141,10 @@ def seen_turns(frames: FrameSequence, imu: ImuStream) -> SeenTurns:
 
 def _followed(before: GrayImage, after: GrayImage) -> tuple[FloatArray, FloatArray]:
     """Features ``(n, 2)`` of one picture, and where they are in the other."""
-    found = cv2.goodFeaturesToTrack(before, _FEATURES, 0.01, _APART_PX)
-    if found is None:
+    corners = cv2.goodFeaturesToTrack(before, _FEATURES, 0.01, _APART_PX)
+    if corners is None:
         return np.zeros((0, 2)), np.zeros((0, 2))
-    px = found.reshape(-1, 2).astype(np.float64)
+    px = corners.reshape(-1, 2).astype(np.float64)
     there, kept = track_corners(before, after, px, px)
     return px[kept], there[kept]
 
@@ -191,8 +191,11 @@ def camera_by_turning(turns: SeenTurns, size: tuple[int, int]) -> TurnedFocal | 
     bends, are errors here, and not told.
     """
     rates = turns.rate_rad_s @ GOPRO_IMU_R_CAMERA
-    told = rates[:, :2]
-    if len(told) < _FEWEST_PAIRS or np.sqrt((told**2).sum(axis=-1).mean()) < _LEAST_PAN_RAD_S:
+    rates_seen = rates[:, :2]
+    if (
+        len(rates_seen) < _FEWEST_PAIRS
+        or np.sqrt((rates_seen**2).sum(axis=-1).mean()) < _LEAST_PAN_RAD_S
+    ):
         return None
     focal = 0.6 * max(size)
     middle = 0.5 * (size[0] - 1), 0.5 * (size[1] - 1)
@@ -202,7 +205,7 @@ def camera_by_turning(turns: SeenTurns, size: tuple[int, int]) -> TurnedFocal | 
         known = np.isfinite(seen).all(axis=-1)
         if np.count_nonzero(known) < _FEWEST_PAIRS:
             return None
-        seen, truth = seen[known], told[known]
+        seen, truth = seen[known], rates_seen[known]
         ratio = float((seen * truth).sum() / (truth * truth).sum())
         if not 0.2 < ratio < 5.0:
             return None

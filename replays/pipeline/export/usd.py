@@ -68,8 +68,8 @@ def write_usd(shown: Shown, path: Path) -> None:
         _add_camera(stage, shown, clock)
         UsdGeom.Scope.Define(stage, "/World/Paths")
         UsdGeom.Scope.Define(stage, "/World/Cast")
-        for name, one in zip(identifiers(shown.paths), shown.paths.values(), strict=True):
-            _add_line(stage, f"/World/Paths/{name}", one.poses.translation_m)
+        for name, path_shown in zip(identifiers(shown.paths), shown.paths.values(), strict=True):
+            _add_line(stage, f"/World/Paths/{name}", path_shown.poses.translation_m)
         if len(shown.points_m):
             _add_points(stage, thinned(shown.points_m))
         for name, who in zip(identifiers(shown.cast), shown.cast.values(), strict=True):
@@ -81,26 +81,26 @@ def _add_camera(stage: Usd.Stage, shown: Shown, clock: UsdClock) -> None:
     from pxr import Gf, UsdGeom
 
     lens = shown.camera
-    made = UsdGeom.Camera.Define(stage, "/World/Camera")
-    set_lens(made, lens)
-    made.CreateClippingRangeAttr(Gf.Vec2f(0.01, 1000.0))
-    move = made.AddTransformOp()
+    prim = UsdGeom.Camera.Define(stage, "/World/Camera")
+    set_lens(prim, lens)
+    prim.CreateClippingRangeAttr(Gf.Vec2f(0.01, 1000.0))
+    move = prim.AddTransformOp()
     poses = shown.path.motors_at(clock.time_ns).as_matrix() @ OPENCV_T_OPENGL
     for code, matrix in zip(clock.codes, poses, strict=True):
         move.Set(as_matrix(matrix), float(code))
 
 
-def set_lens(made: Any, lens: Camera) -> None:
+def set_lens(prim: Any, lens: Camera) -> None:
     """Give a USD camera the field of view of ours, its off-centre principal point included.
 
     USD knows lengths on a film: apertures and their offsets from the axis, over the focal length.
     """
     focal = _FILM_WIDTH * lens.fx / lens.width
-    made.CreateFocalLengthAttr(focal)
-    made.CreateHorizontalApertureAttr(_FILM_WIDTH)
-    made.CreateVerticalApertureAttr(focal * lens.height / lens.fy)
-    made.CreateHorizontalApertureOffsetAttr(focal * (0.5 * lens.width - 0.5 - lens.cx) / lens.fx)
-    made.CreateVerticalApertureOffsetAttr(focal * (lens.cy + 0.5 - 0.5 * lens.height) / lens.fy)
+    prim.CreateFocalLengthAttr(focal)
+    prim.CreateHorizontalApertureAttr(_FILM_WIDTH)
+    prim.CreateVerticalApertureAttr(focal * lens.height / lens.fy)
+    prim.CreateHorizontalApertureOffsetAttr(focal * (0.5 * lens.width - 0.5 - lens.cx) / lens.fx)
+    prim.CreateVerticalApertureOffsetAttr(focal * (lens.cy + 0.5 - 0.5 * lens.height) / lens.fy)
 
 
 def _add_line(stage: Usd.Stage, path: str, places_m: FloatArray) -> None:
@@ -154,13 +154,13 @@ def identifiers(names: Iterable[str]) -> list[str]:
     """What USD may call things of these names, each once."""
     from pxr import Tf
 
-    made: list[str] = []
+    unique: list[str] = []
     for name in names:
         own = Tf.MakeValidIdentifier(name)
-        while own in made:
+        while own in unique:
             own += "_"
-        made.append(own)
-    return made
+        unique.append(own)
+    return unique
 
 
 def add_figure(stage: Usd.Stage, place: Sdf.Path, who: Performer, clock: UsdClock) -> None:

@@ -138,7 +138,8 @@ def _figures(
 ) -> list[dict[str, Any]]:
     names = [part.name for part in findings.placed.parts] or ["character"]
     return [
-        shown_character(name, one, time_ns) for name, one in zip(names, performing, strict=True)
+        shown_character(name, performer, time_ns)
+        for name, performer in zip(names, performing, strict=True)
     ]
 
 
@@ -163,14 +164,14 @@ def shown_plots(findings: Findings, start_ns: int) -> list[dict[str, Any]]:
     position = {name: (one.time_s, 1e3 * one.position_m) for name, one in against.items()}
     jitter = {name: (one.time_s, one.angular_rad_s2) for name, one in errors.acceleration.items()}
     registered, told = _registered(findings), told_paths(findings)
-    made = [
+    plots = [
         _plot("rotation", "Rotation error", "°", rotation, told, later_s),
         _plot("position", "Position error", "mm", position, told, later_s),
         _plot("jitter", "Angular acceleration", "rad/s²", jitter, told, later_s),
         _plot("registration", "Distance from the footage", "px", registered, told, later_s),
         _squares(findings, start_ns),
     ]
-    return [one for one in made if one["series"]]
+    return [one for one in plots if one["series"]]
 
 
 def _plot(
@@ -211,8 +212,8 @@ def _squares(findings: Findings, start_ns: int) -> dict[str, Any]:
     known = np.isfinite(fused.nis) & (fused.nis > 0.0)
     time_s = 1e-9 * (fused.trajectory.time_ns[known] - start_ns).astype(np.float64)
     lines = {"fused": (time_s, fused.nis[known])} if np.any(known) else {}
-    made = _plot("squares", "Innovations squared (NIS)", "", lines, {"fused": "Fused"}, 0.0)
-    return made | {"band": list(map(float, chi2_bounds(FREEDOM, 1))), "dots": True}
+    plot = _plot("squares", "Innovations squared (NIS)", "", lines, {"fused": "Fused"}, 0.0)
+    return plot | {"band": list(map(float, chi2_bounds(FREEDOM, 1))), "dots": True}
 
 
 def shown_states(findings: Findings, start_ns: int) -> list[dict[str, Any]]:

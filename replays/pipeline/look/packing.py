@@ -64,18 +64,18 @@ def shown_paths(findings: Findings, time_ns: IntArray) -> list[dict[str, Any]]:
     by. A pose is NaN where a path has none.
     """
     measured = findings.camera_poses.measurements.trajectory
-    found = findings.smoothed.trajectories | {"fused": findings.fused.trajectory}
-    told = told_paths(findings)
+    trajectories = findings.smoothed.trajectories | {"fused": findings.fused.trajectory}
+    paths_told = told_paths(findings)
     paths = {
-        name: measured if name == "measured" else extrapolated(found[name], measured)
-        for name in told
+        name: measured if name == "measured" else extrapolated(trajectories[name], measured)
+        for name in paths_told
     }
     truth = _truth(findings)
     if truth is not None:
         paths["truth"] = truth
     start_ns = int(time_ns[0])
     return [
-        _shown(name, told.get(name) or LABELS[name], path, time_ns, start_ns)
+        _shown(name, paths_told.get(name) or LABELS[name], path, time_ns, start_ns)
         for name, path in paths.items()
     ]
 

@@ -98,8 +98,8 @@ def _small(run: LookedAt, clips: dict[str, Path]) -> dict[str, Path]:
     path = clips["footage"].with_name(clips["footage"].name.replace("footage", "small"))
     stamps, (width, height) = run.recording.frames.time_ns, _size_of(run, "small")["size"]
     pictures = (picture for _, picture in read_frames(clips["footage"]))
-    told = track(pictures, "small pictures copied", len(stamps))
-    write_film(path, told, stamps, (width, height))
+    tracked = track(pictures, "small pictures copied", len(stamps))
+    write_film(path, tracked, stamps, (width, height))
     return {"small": path} if path.stat().st_size <= INSIDE_BYTES else {}
 
 
@@ -115,11 +115,11 @@ def _films(run: LookedAt, number: int, place: Path) -> dict[str, Path]:
     if not run.has_pictures:
         return {}
     stamps = run.recording.frames.time_ns
-    made = {"footage": _footage(run)}
+    films = {"footage": _footage(run)}
     if run.findings.overlay is not None:
-        made["overlay"] = _overlay(run)
+        films["overlay"] = _overlay(run)
     paths = {}
-    for name, pictures in made.items():
+    for name, pictures in films.items():
         paths[name] = place / f"{name}-{number}.mp4"
         copied = track(pictures, f"pictures of the {name} copied", len(stamps))
         write_film(paths[name], copied, stamps)

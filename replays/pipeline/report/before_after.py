@@ -202,15 +202,15 @@ def _most_different(off: FloatArray, time_s: FloatArray) -> slice:
 
 def steadiness(findings: Findings) -> PagePlot | None:
     """The measured and the smoothed path as pixels of what is drawn along them."""
-    found = spot_course(findings)
-    if found is None:
+    course = spot_course(findings)
+    if course is None:
         return None
     first = next(iter(findings.smoothed.trajectories))
     series = {
-        "measured": (found.time_s, found.measured_px),
-        first: (found.time_s, found.smoothed_px),
+        "measured": (course.time_s, course.measured_px),
+        first: (course.time_s, course.smoothed_px),
     }
-    way = "sideways" if found.sideways else "up and down"
+    way = "sideways" if course.sideways else "up and down"
     caption = (
         f"How far the spot under the character would be drawn off its even course, {way}, in the "
         "seconds in which both differ most."

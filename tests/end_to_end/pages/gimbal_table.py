@@ -103,12 +103,12 @@ def dragged_rings(tab: Tab, at: RunDesk, pictures: bool = False) -> Iterator[Dra
     for pitch in PITCHES_DEG:
         for number, axis in enumerate(AXES):
             typed_turn(tab, (0.0, pitch, 0.0))
-            before = at.session.ledger.scene
+            before = at.session.history.scene
             way = tab.evaluate(ON_RING.replace("AXIS", str(number)))
             assert way, f"no place on the ring of {axis} can be taken hold of"
             tab.drag([(round(x), round(y)) for x, y in way])
             tab.settled()
-            after = at.session.ledger.scene
+            after = at.session.history.scene
             gesture = last_gesture(at)
             asked = float(gesture.amounts[-1])
             start = before.pose("Person").as_similarity().rotor
@@ -133,7 +133,7 @@ def dragged_rings(tab: Tab, at: RunDesk, pictures: bool = False) -> Iterator[Dra
 
 def last_gesture(at: RunDesk) -> Dragged:
     """What the page's session recorded last."""
-    line = at.session.ledger.journal.gestures.read_text().splitlines()[-1]
+    line = at.session.history.write_log.gestures.read_text().splitlines()[-1]
     gesture = gesture_of(json.loads(line))
     assert isinstance(gesture, Dragged)
     return gesture

@@ -141,7 +141,7 @@ def test_a_hand_is_dragged_and_stays_under_mouse_and_finger(
     moved = np.array(one.evaluate(hand)) - start
     assert np.hypot(*(moved - (up - down))) < 0.5
     assert np.hypot(*moved) > 3.0
-    assert len(at.session.ledger.scene.part("Person").joint_keyframes) == 1
+    assert len(at.session.history.scene.part("Person").joint_keyframes) == 1
     one.press("Undo")
     one.until("editor.one.turns.length === 0")
     one.settled()
@@ -169,7 +169,7 @@ def test_layers_and_poses_come_end_and_go(
     one.drag([(x - round(share * wide), y) for share in np.linspace(0.0, 0.5, 8)])
     one.until("editor.one.layers[0].end_s !== undefined")
     one.settled()
-    layer = at.session.ledger.scene.part("Person").layers[0]
+    layer = at.session.history.scene.part("Person").layers[0]
     assert (layer.clip, layer.joints) == ("wave", "right_arm")
     assert layer.end_s == pytest.approx(0.5 * at.filmed.time_s[-1], abs=0.03)
     one.evaluate("editor.seek(0)")
@@ -190,7 +190,7 @@ def test_layers_and_poses_come_end_and_go(
         one.until(f"editor.one.{done}")
         one.settled()
     last = float(at.filmed.time_s[-1])
-    held = at.session.ledger.scene.part("Person").joint_keyframes[0]
+    held = at.session.history.scene.part("Person").joint_keyframes[0]
     assert held.time_s == pytest.approx(0.2 * last, abs=0.06)
     assert held.end_s == pytest.approx(0.6 * last, abs=0.06)
     one.drag([one.middle(".mark.pose")])
@@ -200,7 +200,7 @@ def test_layers_and_poses_come_end_and_go(
         one.press("Undo")
         one.until(f"editor.one.{back}")
         one.settled()
-    assert at.session.ledger.scene.part("Person").joint_keyframes[0].end_s is None
+    assert at.session.history.scene.part("Person").joint_keyframes[0].end_s is None
     one.drag([one.middle(".mark.layer")])
     one.press("Remove this layer")
     one.until("editor.one.layers.length === 0")
@@ -220,7 +220,7 @@ def test_a_drawn_way_is_walked_and_others_hear_of_it(tab: Callable[..., Tab], at
         one.until("editor.draws")
         one.drag([(x - 4 * k, y + (k % 7)) for k in range(30)])
         one.until("editor.one?.walk === true")
-        assert at.session.ledger.scene.part("Person").walk is not None
+        assert at.session.history.scene.part("Person").walk is not None
         one.until("editor.timeline.playing || editor.frame > 0")
         one.press("Undo")
         one.until("editor.one?.walk === false")

@@ -96,7 +96,7 @@ def _content(value: object) -> Iterator[bytes]:
             yield repr(key).encode()
             yield from _content(value[key])
     elif isinstance(value, tuple):
-        for one in value:
-            yield from _content(one)
+        for row in value:
+            yield from _content(row)
     else:
         yield repr(value).encode()

@@ -186,12 +186,12 @@ class PictureFrames:
 
     def _check_orientation(self, path: Path, name: str, data: bytes) -> None:
         """One camera holds for all pictures, so all must be held alike."""
-        found = picture_orientation(data)
-        if found != self.orientation:
+        orientation = picture_orientation(data)
+        if orientation != self.orientation:
             raise refusal(
                 path,
                 f"expected a picture that is shown as the others are ({_told(self.orientation)}), "
-                f"got one {_told(found)}",
+                f"got one {_told(orientation)}",
                 field=name,
                 advice="leave it out: one camera holds for pictures that are held alike",
             )
@@ -277,13 +277,13 @@ def pictures_in(root: Path) -> tuple[Path, ...]:
     Raises:
         RecordingError: nothing found, or a million files or more.
     """
-    found = [path for path in root.iterdir() if path.suffix.lower() in pictures.SUFFIXES]
-    if not found:
+    paths = [path for path in root.iterdir() if path.suffix.lower() in pictures.SUFFIXES]
+    if not paths:
         known = " ".join(pictures.SUFFIXES)
         raise refusal(root, f"expected pictures ({known}), got none", advice="say [frames] images")
-    if len(found) > FRAME_LIMIT:
-        raise refusal(root, f"expected at most {FRAME_LIMIT} pictures, got {len(found)}")
-    return tuple(sorted(found, key=natural))
+    if len(paths) > FRAME_LIMIT:
+        raise refusal(root, f"expected at most {FRAME_LIMIT} pictures, got {len(paths)}")
+    return tuple(sorted(paths, key=natural))
 
 
 def picture_glob(root: Path, pattern: str) -> tuple[Path, ...]:
@@ -297,19 +297,19 @@ def picture_glob(root: Path, pattern: str) -> tuple[Path, ...]:
     if pattern.count("**") > 1:
         raise refusal(root, f"expected at most one ** in the pattern, got {one_line(pattern)}")
     try:
-        found = sorted(root.glob(pattern), key=natural)
+        paths = sorted(root.glob(pattern), key=natural)
     except (ValueError, OSError, re.error) as fault:
         raise refusal(root, f"the pattern {one_line(pattern)} cannot be used: {fault}") from fault
-    if not found:
+    if not paths:
         advice = "say in [frames] images where they lie in this folder"
         raise refusal(root, f"expected pictures {one_line(pattern)}, got none", advice=advice)
-    if len(found) > FRAME_LIMIT:
-        raise refusal(root, f"expected at most {FRAME_LIMIT} pictures, got {len(found)}")
-    for path in found:
+    if len(paths) > FRAME_LIMIT:
+        raise refusal(root, f"expected at most {FRAME_LIMIT} pictures, got {len(paths)}")
+    for path in paths:
         if path.suffix.lower() not in pictures.SUFFIXES:
             known = " ".join(pictures.SUFFIXES)
             raise refusal(path, f"expected pictures ({known})", advice="narrow the pattern")
-    return tuple(found)
+    return tuple(paths)
 
 
 _NUMBERED = re.compile(r"(.*?)([0-9]{1,18})([^0-9]*)")

@@ -164,16 +164,16 @@ def scan(path: Path, changed_ns: int, size: int) -> ShownPictures:
         raise refusal(path, cut or "expected pictures, got none", advice="copy the file again")
     notes = (f"{cut}: what is there is read",) if cut else ()
     stamps = [stored[number][0] for number in shown]
-    told = [one for one in stamps if one is not None]
-    in_order = all(one < after for one, after in pairwise(told))
-    if len(set(told)) < len(shown) or (in_order and reordered and len(shown) > 1):
+    known = [one for one in stamps if one is not None]
+    in_order = all(one < after for one, after in pairwise(known))
+    if len(set(known)) < len(shown) or (in_order and reordered and len(shown) > 1):
         nothing = np.empty(0, np.int64)
         pictures = ShownPictures(
             stored, hidden, nothing, nothing, nothing, (width, height), notes=notes
         )
         return look_through(path, pictures)
-    packets = np.array(shown, np.int64)[np.argsort(np.array(told, np.int64), kind="stable")]
-    time_ns = _nanoseconds(path, sorted(told), base)
+    packets = np.array(shown, np.int64)[np.argsort(np.array(known, np.int64), kind="stable")]
+    time_ns = _nanoseconds(path, sorted(known), base)
     if np.any(np.diff(time_ns) <= 0):
         raise refusal(path, "expected stamps a nanosecond apart, got finer ones")
     places = np.flatnonzero([stored[number][3] for number in packets])
@@ -249,9 +249,9 @@ def _decode_all(path: Path, before: ShownPictures, threads: ThreadType) -> Shown
     stored = [before.stored[number][0] for number in packets]
     best = _best_stamps(stored, dts)
     step_ns = round(10**9 / (rate or _ASSUMED_HZ))
-    told = {at: one for at, one in enumerate(best) if one is not None}
-    in_ns = _nanoseconds(path, list(told.values()), base).tolist()
-    time_ns, counted = _increasing(dict(zip(told, in_ns, strict=True)), len(best), step_ns)
+    known = {at: one for at, one in enumerate(best) if one is not None}
+    in_ns = _nanoseconds(path, list(known.values()), base).tolist()
+    time_ns, counted = _increasing(dict(zip(known, in_ns, strict=True)), len(best), step_ns)
     counted = max(counted, sum(one != was for one, was in zip(best, stored, strict=True)))
     notes = before.notes
     if counted:

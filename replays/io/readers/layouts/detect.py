@@ -150,5 +150,5 @@ def _folder(root: Path) -> Path | None:
 
 
 def _enough(folder: Path) -> bool:
-    found = (one for one in folder.iterdir() if one.suffix.lower() in SUFFIXES)
-    return sum(1 for _, _ in zip(found, range(FEWEST), strict=False)) == FEWEST
+    pictures = (one for one in folder.iterdir() if one.suffix.lower() in SUFFIXES)
+    return sum(1 for _, _ in zip(pictures, range(FEWEST), strict=False)) == FEWEST

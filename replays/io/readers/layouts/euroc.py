@@ -47,8 +47,8 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
         RecordingError: whatever is missing in the middle, does not fit or cannot be read.
     """
     mav = root / "mav0" if (root / "mav0").is_dir() else root
-    made = _from_chain if not (mav / "cam0" / "sensor.yaml").is_file() else _from_sensors
-    known = made(root, mav)
+    reader = _from_chain if not (mav / "cam0" / "sensor.yaml").is_file() else _from_sensors
+    known = reader(root, mav)
     imu, truth = read_own_imu(root), _truth(root, mav, known.body_T_camera) if own_truth else None
     if known.offset_ns and imu is not None:
         imu = replace(imu, time_ns=imu.time_ns - known.offset_ns)
@@ -166,15 +166,15 @@ def _truth(root: Path, mav: Path, body_T_camera: Motor) -> Trajectory | None:
 
 def _truth_beside(folder: Path) -> Path | None:
     """The one trajectory file beside `mav0`; superseded `X_original` files are left out."""
-    found = []
+    rows = []
     for path in sorted([*folder.glob("*.txt"), *folder.glob("*.csv")]):
         try:
             if trajectory_format(path) in ("tum", "euroc"):
-                found.append(path)
+                rows.append(path)
         except RecordingError:
             continue
-    stems = {path.stem for path in found}
-    kept = [p for p in found if p.stem.removesuffix("_original") not in stems - {p.stem}]
+    stems = {path.stem for path in rows}
+    kept = [p for p in rows if p.stem.removesuffix("_original") not in stems - {p.stem}]
     if len(kept) > 1:
         names = ", ".join(path.name for path in kept)
         raise refusal(

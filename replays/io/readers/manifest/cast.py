@@ -222,15 +222,15 @@ def _layers(path: Path, number: int, section: Section) -> tuple[LayerAsked, ...]
     if not isinstance(listed, list) or len(listed) > MOST:
         expected = f"expected up to {MOST} [[characters.layers]] tables"
         raise section.fault("layers", f"{expected}, got {one_line(listed)}")
-    made = []
-    for one in listed:
-        layer = Section(path, f"characters {number} layers", one, _LAYER)
+    entries = []
+    for entry in listed:
+        layer = Section(path, f"characters {number} layers", entry, _LAYER)
         additive: object = False
         if "additive" in layer:
             additive = layer["additive"]
         if not isinstance(additive, bool):
             raise layer.fault("additive", f"expected true or false, got {one_line(additive)}")
-        made.append(
+        entries.append(
             LayerAsked(
                 layer.text("clip"),
                 layer.text("joints", MASKS) if "joints" in layer else "upper",
@@ -239,7 +239,7 @@ def _layers(path: Path, number: int, section: Section) -> tuple[LayerAsked, ...]
                 additive,
             )
         )
-    return tuple(made)
+    return tuple(entries)
 
 
 def file_of(part: ScenePart, folder: Path) -> str:

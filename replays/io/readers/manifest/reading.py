@@ -277,12 +277,12 @@ class _Manifest:
         if rotation_deg is None and frames.orientation == AS_STORED:
             return stated, 0  # the pictures are compared with it when they are read
         try:
-            found = upright_camera(stated, rotation_deg, stored, frames.orientation)
+            camera = upright_camera(stated, rotation_deg, stored, frames.orientation)
         except ValueError as fault:
             raise section.fault("", str(fault)) from fault
-        if found.said:
-            _LOG.warning("%s: [camera]: %s", self.path, found.said)
-        return found.camera, found.quarter_turns
+        if camera.said:
+            _LOG.warning("%s: [camera]: %s", self.path, camera.said)
+        return camera.camera, camera.quarter_turns
 
     def _camera(self, section: Section, size: tuple[int, int] | None) -> Camera:
         return section_camera(self.path, section, size, lambda key: self._file(section, key))

@@ -74,8 +74,8 @@ def read_truth(
         for key in ("rate_hz", "times", "rows"):
             if key in section:
                 raise section.fault(key, f"not for {fmt} files, which hold their own stamps")
-        given = _stamped(section, fmt, file_of(section, "file"))
-        time_ns, poses = given.time_ns, given.motors
+        truth = _stamped(section, fmt, file_of(section, "file"))
+        time_ns, poses = truth.time_ns, truth.motors
     else:
         poses = _unstamped(section, fmt, file_of)
         if "rows" in section:

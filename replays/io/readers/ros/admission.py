@@ -83,8 +83,8 @@ def _admit_database(path: Path) -> None:
         until_s = time.monotonic() + SQLITE_LIMIT_S
         with closing(sqlite3.connect(f"file:{path}?immutable=1", uri=True)) as database:
             database.set_progress_handler(lambda: time.monotonic() > until_s, _SQLITE_STEPS)
-            found = database.execute("SELECT type, name, sql FROM sqlite_master").fetchall()
-            for kind, name, sql in found:
+            tables = database.execute("SELECT type, name, sql FROM sqlite_master").fetchall()
+            for kind, name, sql in tables:
                 words = str(sql).upper().split()
                 if kind not in ("table", "index") or words[:2] == ["CREATE", "VIRTUAL"]:
                     raise refusal(path, f"expected tables alone, got {one_line(name)}")
@@ -122,8 +122,8 @@ def check_overlaps(reader: Any) -> None:
         RecordingError: more than `OVERLAP_LIMIT` bytes.
     """
     storage = getattr(reader, "storage", None)
-    for one in getattr(storage, "storages", [storage]):
-        chunks = getattr(one, "chunks", [])
+    for store in getattr(storage, "storages", [storage]):
+        chunks = getattr(store, "chunks", [])
         ends = [(chunk.message_end_time, 1, -chunk.uncompressed_size) for chunk in chunks]
         starts = [(chunk.message_start_time, 0, chunk.uncompressed_size) for chunk in chunks]
         at_once = max(accumulate(size for _, _, size in sorted(starts + ends)), default=0)
@@ -136,14 +136,14 @@ def _unpacker(make: Callable[[], Any]) -> Callable[[bytes], bytes]:
     def unpack(data: bytes) -> bytes:
         parts, left = [], CHUNK_LIMIT
         while data:
-            one = make()
-            parts.append(one.decompress(data, max_length=left + 1))
+            storage = make()
+            parts.append(storage.decompress(data, max_length=left + 1))
             left -= len(parts[-1])
             if left < 0:
                 raise ValueError(f"expected chunks of at most {CHUNK_LIMIT} bytes unpacked")
-            if not one.eof:
+            if not storage.eof:
                 raise ValueError("expected a whole chunk, got one that is cut short")
-            data = one.unused_data or b""
+            data = storage.unused_data or b""
         return b"".join(parts)
 
     return unpack
@@ -173,6 +173,6 @@ def message_types(*, ros1: bool) -> Typestore:
 
     store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE)
     for name, text in _OF_ROS1.items() if ros1 else ():
-        found = get_types_from_msg(text, name)
-        store.register({key: value for key, value in found.items() if key not in store.types})
+        types = get_types_from_msg(text, name)
+        store.register({key: value for key, value in types.items() if key not in store.types})
     return store

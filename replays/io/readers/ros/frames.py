@@ -108,9 +108,9 @@ class BagFrames(DecodedFrames):
             if self._bag is None:
                 self._bag = Bag(self._path)
                 weakref.finalize(self, self._bag.close)
-            found = self._bag.messages([self._topic], IMAGE_TYPES, self._recorded_ns[index])
+            messages = self._bag.messages([self._topic], IMAGE_TYPES, self._recorded_ns[index])
             wanted = int(self._time_ns[index])
-            message = next((one for stamp, one in found if stamp == wanted), None)
+            message = next((one for stamp, one in messages if stamp == wanted), None)
         if message is None:
             raise refusal(self._path, "the picture is gone", field=field)
         decode = _raw if hasattr(message, "encoding") else _compressed

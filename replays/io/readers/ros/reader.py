@@ -87,13 +87,13 @@ class Bag:
 
     def kinds(self) -> dict[str, tuple[str, int]]:
         """Type and count of the messages of every topic, by its name, sorted."""
-        found: dict[str, tuple[str, int]] = {}
+        topics: dict[str, tuple[str, int]] = {}
         for connection in sorted(
             self._reader.connections, key=lambda one: (one.topic, one.msgtype)
         ):
-            kind, count = found.get(connection.topic, (connection.msgtype, 0))
-            found[connection.topic] = kind, count + int(connection.msgcount)
-        return found
+            kind, count = topics.get(connection.topic, (connection.msgtype, 0))
+            topics[connection.topic] = kind, count + int(connection.msgcount)
+        return topics
 
     def messages(
         self, topics: Sequence[str], types: Sequence[str], at_ns: int | None = None

@@ -40,10 +40,10 @@ class BagTrajectories:
 
     def __str__(self) -> str:
         """What there is, in one line."""
-        told = [f"{one_line(name)} ({kind})" for name, (kind, _) in self.topics.items()]
-        told += [one_line(f"{parent}/{child}") for parent, child in self.links]
-        more = f" and {len(told) - _SHOWN} more" if len(told) > _SHOWN else ""
-        return ", ".join(told[:_SHOWN]) + more
+        names = [f"{one_line(name)} ({kind})" for name, (kind, _) in self.topics.items()]
+        names += [one_line(f"{parent}/{child}") for parent, child in self.links]
+        more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
+        return ", ".join(names[:_SHOWN]) + more
 
     def __len__(self) -> int:
         return len(self.topics) + len(self.links)
@@ -78,8 +78,8 @@ def read_bag_trajectory(
     with Bag(path) as bag:
         topics = _pose_topics(bag)
         topic = next((one for one in (name, f"/{name}") if name and one in topics), None)
-        found = _chain(bag, name) if topic is None else _poses(bag, topic, topics[topic][0])
-    return Trajectory(found.time_ns, found.poses, parent or found.parent, child or found.child)
+        poses = _chain(bag, name) if topic is None else _poses(bag, topic, topics[topic][0])
+    return Trajectory(poses.time_ns, poses.poses, parent or poses.parent, child or poses.child)
 
 
 def _pose_topics(bag: Bag) -> dict[str, tuple[str, int]]:

@@ -117,11 +117,11 @@ def _covariance(path: Path, field: str, pose: Mapping[str, object]) -> FloatArra
     return covariance
 
 
-def _vector(path: Path, field: str, found: object) -> FloatArray:
-    if not isinstance(found, dict):
-        raise refusal(path, f"expected x, y and z, got {one_line(found)}", field=one_line(field))
+def _vector(path: Path, field: str, value: object) -> FloatArray:
+    if not isinstance(value, dict):
+        raise refusal(path, f"expected x, y and z, got {one_line(value)}", field=one_line(field))
     part = field.rpartition(".")[2]
-    return np.array(yaml_floats(path, {part: [found.get(one) for one in "xyz"]}, part, 3))
+    return np.array(yaml_floats(path, {part: [value.get(one) for one in "xyz"]}, part, 3))
 
 
 def _bodies(path: Path, value: object) -> Iterator[tuple[str, Mapping[str, object]]]:
@@ -230,10 +230,10 @@ def _odometry(
 ) -> BodyOdometry | None:
     if "T_body_odom" not in body and "odom_topic" not in body:
         return None
-    found = odometry.get(str(body.get("odom_topic")))
-    if found is None and len(odometry) == 1 and "odom_topic" not in body:
-        found = next(iter(odometry.values()))
-    if found is None:
+    topic = odometry.get(str(body.get("odom_topic")))
+    if topic is None and len(odometry) == 1 and "odom_topic" not in body:
+        topic = next(iter(odometry.values()))
+    if topic is None:
         return None
     if "T_body_odom" in body:
         stated = read_pose(path, f"{name}.T_body_odom", body["T_body_odom"])
@@ -248,7 +248,7 @@ def _odometry(
         usual = _number(path, name, body, key) or _ACCELERATION
         least.append(_number(path, name, body, f"{key}_noise_min") or usual)
         most.append(_number(path, name, body, f"{key}_noise_max") or _JUMP * least[-1])
-    return BodyOdometry(found, body_T_odometry, (least[0], least[1]), (most[0], most[1]))
+    return BodyOdometry(topic, body_T_odometry, (least[0], least[1]), (most[0], most[1]))
 
 
 def _still(path: Path, name: str, body: Mapping[str, object]) -> tuple[float, float] | None:

@@ -67,8 +67,8 @@ class TagSlamRecording:
     @property
     def odometry(self) -> BodyOdometry | None:
         """Of the first body with odometry; None where there is none."""
-        found = (body.odometry for body in self.scene.bodies)
-        return next((one for one in found if one is not None), None)
+        topics = (body.odometry for body in self.scene.bodies)
+        return next((one for one in topics if one is not None), None)
 
 
 def recognise(root: Path) -> bool:
@@ -184,11 +184,11 @@ def _stream(
     squashed: Sequence[SquashedTags],
 ) -> CornerStream:
     """All detections of one camera, in the order of their stamps; sorted by id in a frame."""
-    ordered = sorted(frames, key=lambda one: one[0])
+    ordered = sorted(frames, key=lambda frame: frame[0])
     rows, ids, corners = [], [], []
     for row, (time_ns, tags) in enumerate(ordered):
         named = [(_meant(int(tag.id), time_ns, name, remaps), tag) for tag in tags]
-        for marker, tag in sorted(named, key=lambda one: one[0]):
+        for marker, tag in sorted(named, key=lambda pair: pair[0]):
             found = [(corner.x, corner.y) for corner in tag.corners]
             left_out = any(one.leaves_out(int(tag.id), time_ns) for one in squashed)
             if scene.side_m(marker) is None or left_out:

@@ -86,8 +86,8 @@ def read_scene(root: Path, odometry: Mapping[str, Trajectory]) -> MarkerScene:
     if sigma_px == 0.0:
         raise refusal(path, "expected pixels above 0, got 0", field="pixel_noise")
     unheeded = _unheeded(content, parameters)
-    for told in unheeded:
-        _LOG.warning("%s: %s", path, told)
+    for key in unheeded:
+        _LOG.warning("%s: %s", path, key)
     try:
         return MarkerScene(
             bodies,
@@ -106,12 +106,12 @@ def read_scene(root: Path, odometry: Mapping[str, Trajectory]) -> MarkerScene:
 
 def _unheeded(content: Mapping[str, object], parameters: Mapping[str, object]) -> tuple[str, ...]:
     """What is stated and not used."""
-    told = []
+    texts = []
     if content.get("amnesia") is True:
-        told.append("amnesia is not heeded: frames are mapped together, none alone")
+        texts.append("amnesia is not heeded: frames are mapped together, none alone")
     if parameters.get("minimum_tag_area"):
-        told.append("minimum_tag_area is not heeded: small tags weigh as little as their corners")
-    return tuple(told)
+        texts.append("minimum_tag_area is not heeded: small tags weigh as little as their corners")
+    return tuple(texts)
 
 
 def _parameter(path: Path, table: Mapping[str, object], key: str, usual: float) -> float:
@@ -127,15 +127,15 @@ def read_remaps(path: Path) -> tuple[MarkerRemap, ...]:
     Raises:
         RecordingError: lists or numbers that are none.
     """
-    found = []
+    tags = []
     for entry in _tables(path, read_yaml(path).get("tag_id_remap"), "tag_id_remap"):
-        for one in _tables(path, entry.get("remaps"), "tag_id_remap.remaps"):
+        for remap in _tables(path, entry.get("remaps"), "tag_id_remap.remaps"):
             marker, instead = (
-                _whole(path, table, key) for table, key in ((entry, "id"), (one, "remap_id"))
+                _whole(path, table, key) for table, key in ((entry, "id"), (remap, "remap_id"))
             )
-            first, last = (_stamp_ns(path, one, key) for key in ("start_time", "end_time"))
-            found.append(MarkerRemap(marker, instead, first, last, str(one.get("camera", ""))))
-    return tuple(found)
+            first, last = (_stamp_ns(path, remap, key) for key in ("start_time", "end_time"))
+            tags.append(MarkerRemap(marker, instead, first, last, str(remap.get("camera", ""))))
+    return tuple(tags)
 
 
 @dataclass(frozen=True)
@@ -161,14 +161,14 @@ def read_squashed(path: Path) -> tuple[SquashedTags, ...]:
     Raises:
         RecordingError: lists or numbers that are none.
     """
-    found = []
+    bodies = []
     for entry in _tables(path, read_yaml(path).get("squash"), "squash"):
         tags = entry.get("tags")
         if not isinstance(tags, list) or len(tags) > _MOST_MEASURED:
             raise refusal(path, f"expected a list, got {one_line(tags)}", field="squash.tags")
         markers = frozenset(_whole(path, {"tags": one}, "tags") for one in tags)
-        found.append(SquashedTags(_stamp_ns(path, entry, "time"), markers))
-    return tuple(found)
+        bodies.append(SquashedTags(_stamp_ns(path, entry, "time"), markers))
+    return tuple(bodies)
 
 
 def _stamp_ns(path: Path, table: Mapping[str, object], key: str) -> int:
@@ -185,11 +185,11 @@ def _camera_poses(path: Path) -> dict[str, StatedPose]:
         pose = entry.get("pose") if isinstance(entry, dict) else None
         if pose is None and isinstance(entry, dict):
             continue
-        found = read_pose(path, f"{one_line(name)}.pose", pose)
-        if found is None:
+        body_pose = read_pose(path, f"{one_line(name)}.pose", pose)
+        if body_pose is None:
             problem = f"expected x, y and z, got {one_line(pose)}"
             raise refusal(path, problem, field=f"{one_line(name)}.pose.position")
-        poses[str(name)] = found
+        poses[str(name)] = body_pose
     return poses
 
 
@@ -209,7 +209,8 @@ def _wiggles(path: Path) -> dict[str, tuple[float, float]]:
     for name, entry in read_yaml(path).items():
         table = entry if isinstance(entry, dict) else {}
         turned, moved = (
-            _parameter(path, table, f"wiggle_{one}", _FIXED) for one in ("rotation", "translation")
+            _parameter(path, table, f"wiggle_{kind}", _FIXED)
+            for kind in ("rotation", "translation")
         )
         if max(turned, moved) > _FIXED:
             wiggles[str(name)] = (max(turned, _FIXED), max(moved, _FIXED))
@@ -217,42 +218,50 @@ def _wiggles(path: Path) -> dict[str, tuple[float, float]]:
 
 
 def _distances(path: Path, value: object) -> tuple[CornerDistance, ...]:
-    found = []
-    for one in _named(path, value, "distance_measurements"):
-        a, b = (_whole(path, one, key) for key in ("tag1", "tag2"))
-        first, second = (_corner(path, one, key) for key in ("corner1", "corner2"))
-        length_m, sigma_m = _length(path, one, "distance")
-        found.append(CornerDistance((a, b), (first, second), length_m, sigma_m))
-    return tuple(found)
+    distances = []
+    for measurement in _named(path, value, "distance_measurements"):
+        a, b = (_whole(path, measurement, key) for key in ("tag1", "tag2"))
+        first, second = (_corner(path, measurement, key) for key in ("corner1", "corner2"))
+        length_m, sigma_m = _length(path, measurement, "distance")
+        distances.append(CornerDistance((a, b), (first, second), length_m, sigma_m))
+    return tuple(distances)
 
 
 def _coordinates(path: Path, value: object) -> tuple[CornerCoordinate, ...]:
-    found = []
-    for one in _named(path, value, "coordinate_measurements"):
-        length_m, sigma_m = _length(path, one, "length")
-        corner = None if one.get("corner") in (None, -1) else _corner(path, one, "corner")
-        marker = _whole(path, one, "tag")
-        found.append(CornerCoordinate(marker, corner, _direction(path, one), length_m, sigma_m))
-    return tuple(found)
+    coordinates = []
+    for measurement in _named(path, value, "coordinate_measurements"):
+        length_m, sigma_m = _length(path, measurement, "length")
+        corner = (
+            None
+            if measurement.get("corner") in (None, -1)
+            else _corner(path, measurement, "corner")
+        )
+        marker = _whole(path, measurement, "tag")
+        coordinates.append(
+            CornerCoordinate(marker, corner, _direction(path, measurement), length_m, sigma_m)
+        )
+    return tuple(coordinates)
 
 
 def _planes(path: Path, value: object) -> tuple[CornerCoordinate, ...]:
     """Centres of tags at one coordinate."""
-    found = []
-    for one in _named(path, value, "plane_measurements"):
-        length_m, sigma_m = _length(path, one, "distance")
-        tags = one.get("tags")
+    planes = []
+    for measurement in _named(path, value, "plane_measurements"):
+        length_m, sigma_m = _length(path, measurement, "distance")
+        tags = measurement.get("tags")
         if not isinstance(tags, list) or len(tags) > _MOST_MEASURED:
             raise refusal(path, f"expected a list, got {one_line(tags)}", field="tags")
         for tag in tags:
             marker = _whole(path, {"tags": tag}, "tags")
-            found.append(CornerCoordinate(marker, None, _direction(path, one), length_m, sigma_m))
-    return tuple(found)
+            planes.append(
+                CornerCoordinate(marker, None, _direction(path, measurement), length_m, sigma_m)
+            )
+    return tuple(planes)
 
 
 def _length(path: Path, table: Mapping[str, object], key: str) -> tuple[float, float]:
     length_m, sigma_m = (
-        yaml_floats(path, {one: [table.get(one)]}, one, 1)[0] for one in (key, "noise")
+        yaml_floats(path, {part: [table.get(part)]}, part, 1)[0] for part in (key, "noise")
     )
     if not 0.0 < sigma_m <= _HIGHEST or abs(length_m) > _HIGHEST:
         raise refusal(path, f"expected metres, got {length_m:g} ± {sigma_m:g}", field=key)
@@ -290,9 +299,9 @@ def _tables(path: Path, value: object, field: str) -> Sequence[Mapping[str, obje
         return []
     if not isinstance(value, list) or len(value) > _MOST_MEASURED:
         raise refusal(path, f"expected a list, got {one_line(value)}", field=field)
-    for one in value:
-        if not isinstance(one, dict):
-            raise refusal(path, f"expected a table, got {one_line(one)}", field=field)
+    for entry in value:
+        if not isinstance(entry, dict):
+            raise refusal(path, f"expected a table, got {one_line(entry)}", field=field)
     return value
 
 

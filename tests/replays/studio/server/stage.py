@@ -15,8 +15,8 @@ from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.view.ground import Ground
 from motorcade.replays.studio.desk import RunDesk, desk_of
 from motorcade.replays.studio.filmed import Filmed
-from motorcade.replays.studio.journal import Journal
 from motorcade.replays.studio.props import GROUND
+from motorcade.replays.studio.write_ahead import WriteAheadLog
 from motorcade.tracking import Camera
 
 FRAMES = 12
@@ -86,7 +86,7 @@ def desk(folder: Path, camera: Camera = STRAIGHT) -> RunDesk:
     """The desk of a scene in a folder, as it was left."""
     seen = filmed(camera)
     empty = Scene({}, {}, {}, {GROUND: seen.first})
-    return desk_of(seen, Journal(folder / "scene.json", scene_text(empty).encode()))
+    return desk_of(seen, WriteAheadLog(folder / "scene.json", scene_text(empty).encode()))
 
 
 class Visitor:
@@ -118,5 +118,5 @@ def seen(at: RunDesk, frame: int, point: np.ndarray) -> np.ndarray:
 
 def stands(at: RunDesk, name: str, frame: int) -> Similarity:
     session = at.session
-    scene, time_s = session.ledger.scene, float(at.filmed.time_s[frame])
+    scene, time_s = session.history.scene, float(at.filmed.time_s[frame])
     return scene.world_T_object(name, time_s, session.anchors(scene, frame))

@@ -60,11 +60,11 @@ def test_somebody_comes_into_a_scene_that_hangs_on_nothing(tmp_path: Path) -> No
     (tmp_path / "scene.json").write_text('{"objects": [{"name": "ground"}]}')
     one = Visitor(desk(tmp_path))
     placed = one.put()
-    scene = one.at.session.ledger.scene
+    scene = one.at.session.history.scene
     assert scene.parents[placed] == "ground 2"
     assert scene.anchors["ground 2"] == one.at.filmed.first
     one.done("undo")
-    assert not one.at.session.ledger.scene.anchors
+    assert not one.at.session.history.scene.anchors
 
 
 def test_a_file_that_cannot_be_read_is_left_out_alone(tmp_path: Path) -> None:

@@ -75,31 +75,31 @@ def test_a_full_disk_leaves_no_part_of_a_step(tmp_path: Path) -> None:
     kept = gestures.read_bytes()
     at = desk(tmp_path)
     one = Visitor(at)
-    before = at.session.ledger.scene
+    before = at.session.history.scene
     with files_of_at_most(len(kept) + 20):
         assert not one.ask("place", file="mannequin")["ok"]
         assert gestures.read_bytes() == kept
-        assert at.session.ledger.scene is before
-        assert not at.session.ledger.can_redo, "a step that no line tells"
+        assert at.session.history.scene is before
+        assert not at.session.history.can_redo, "a step that no line tells"
     name = one.put()
     at.close()
     again = desk(tmp_path)
-    assert name in again.session.ledger.scene.parents
+    assert name in again.session.history.scene.parents
     again.close()
 
 
 def test_a_scene_that_could_not_be_written_again_and_again_goes_on(tmp_path: Path) -> None:
     begun(tmp_path)
     at = desk(tmp_path)
-    journal, old = at.session.ledger.journal, (tmp_path / "scene.json").read_bytes()
+    write_log, old = at.session.history.write_log, (tmp_path / "scene.json").read_bytes()
     with files_of_at_most(400):
         for k in range(3):
             with pytest.raises(OSError, match="written"):
-                journal.save(old + b" " * (k + 1000))
+                write_log.save(old + b" " * (k + 1000))
     assert (tmp_path / "scene.json").read_bytes() == old
     at.close()
     again = desk(tmp_path)
-    assert again.session.ledger.can_undo, "it is the same session"
+    assert again.session.history.can_undo, "it is the same session"
     assert not (tmp_path / "scene.session-1").exists()
 
 
@@ -111,10 +111,10 @@ def test_a_step_that_changes_nothing_leaves_anchors_as_the_file_has_them(tmp_pat
     for parent in ("marker 7", None, "marker 7"):  # the first of them changes nothing
         edit = {"do": "reparent", "object": "Person", "parent": parent, "time_s": time_s}
         one.done("edit", frame=5, edit=edit)
-    made = at.session.ledger.scene.as_json()
+    made = at.session.history.scene.as_json()
     at.close()
     again = desk(tmp_path)
-    assert again.session.ledger.scene.as_json() == made
+    assert again.session.history.scene.as_json() == made
     again.close()
 
 

@@ -17,7 +17,7 @@ from motorcade.animation.authoring import (
     replay,
     scene_text,
 )
-from motorcade.replays.studio.journal import Journal
+from motorcade.replays.studio.write_ahead import WriteAheadLog
 from motorcade.replays.tasks.gestures import author
 from tests.replays.studio.server.stage import FRAMES, Visitor, desk, seen, stands
 
@@ -61,7 +61,7 @@ def test_all_is_kept_and_replays_to_the_same_bytes(tmp_path: Path) -> None:
     at.close()
     written = (tmp_path / "scene.json").read_bytes()
     again = desk(tmp_path)
-    assert again.session.ledger.can_undo, "the history is kept too"
+    assert again.session.history.can_undo, "the history is kept too"
     again.close()
     assert (tmp_path / "scene.json").read_bytes() == written
     session = tmp_path / "scene.session"
@@ -72,12 +72,12 @@ def test_all_is_kept_and_replays_to_the_same_bytes(tmp_path: Path) -> None:
 def test_a_scene_that_cannot_be_written_is_told_and_its_steps_are_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    def full(self: Journal, scene: bytes) -> None:
+    def full(self: WriteAheadLog, scene: bytes) -> None:
         raise OSError("no space left")
 
     at = desk(tmp_path)
     with monkeypatch.context() as patched:
-        patched.setattr(Journal, "save", full)
+        patched.setattr(WriteAheadLog, "save", full)
         Visitor(at).put()
         with pytest.raises(OSError, match="no space left"):
             at.close()
@@ -205,7 +205,7 @@ def edits_until_killed(folder: Path, seed: int, told: int) -> None:
     while True:
         play(one, rng)
         kept = len(gestures.read_bytes().splitlines()) if gestures.exists() else 0
-        os.write(told, json.dumps([kept, scene_text(at.session.ledger.scene)]).encode() + b"\n")
+        os.write(told, json.dumps([kept, scene_text(at.session.history.scene)]).encode() + b"\n")
 
 
 @pytest.mark.slow
@@ -226,14 +226,14 @@ def test_a_kill_loses_at_most_what_is_in_the_hand(tmp_path: Path) -> None:
         with os.fdopen(hears, "rb") as pipe:
             said = [json.loads(line) for line in pipe if line.endswith(b"\n")]
         at = desk(tmp_path)
-        ledger = at.session.ledger
-        done = read_gestures(ledger.journal.gestures)
+        history = at.session.history
+        done = read_gestures(history.write_log.gestures)
         if said:
             heard += len(said)
             kept, text = said[-1]
             assert kept <= len(done) <= kept + 2, "a step, and where anchors stood in it"
-            start = SceneEditor(read_scene(ledger.journal.start))
+            start = SceneEditor(read_scene(history.write_log.start))
             assert scene_text(replay(start, done[:kept])) == text, "what was answered is there"
-            assert scene_text(replay(start, done[kept:])) == scene_text(ledger.scene)
+            assert scene_text(replay(start, done[kept:])) == scene_text(history.scene)
         at.close()
     assert heard > 100

@@ -30,7 +30,7 @@ def one(tmp_path: Path) -> Visitor:
 def joint_at(at: RunDesk, name: str, joint: str, frame: int) -> np.ndarray:
     """Where a joint is in the world, by what the page draws."""
     session = at.session
-    scene = session.ledger.scene
+    scene = session.history.scene
     number, made = session.played.acted(scene, name)
     motion = session.played.motion(number)
     assert motion is not None
@@ -42,9 +42,9 @@ def placed(at: RunDesk, name: str, frame: int, joints: dict[str, object], index:
     """A joint of packed poses in the world, as `Actor.joint` has it."""
     rows = np.frombuffer(base64.b64decode(str(joints["f32"])), "<f4").reshape(joints["shape"])
     session = at.session
-    stands = session.played.world_T_object(session.ledger.scene, name)
+    stands = session.played.world_T_object(session.history.scene, name)
     rigid, scale = stands[min(frame, stands.shape[0] - 1)].as_motor_scale()
-    size = session.played.acted(session.ledger.scene, name)[1].size
+    size = session.played.acted(session.history.scene, name)[1].size
     row = rows[min(frame, len(rows) - 1), index, :3].astype(float)
     return Similarity.from_motor_scale(rigid, scale * size).apply(row)
 
@@ -55,7 +55,7 @@ def test_a_joint_stays_under_the_finger(tmp_path: Path, lens: str) -> None:
     at = desk(tmp_path, LENSES[lens])
     one = Visitor(at)
     name = one.put()
-    skeleton = at.session.played.acted(at.session.ledger.scene, name)[1].character.skeleton
+    skeleton = at.session.played.acted(at.session.history.scene, name)[1].character.skeleton
     for joint, top in TOPS.items():
         frame = int(rng.integers(FRAMES))
         start = seen(at, frame, joint_at(at, name, joint, frame))
@@ -85,7 +85,7 @@ def test_what_is_held_off_the_joint_does_not_jump(one: Visitor) -> None:
         "begin", object=name, gesture="joint", joint="left_hand", frame=0, pixels=[finger.tolist()]
     )
     told = one.done("drag", pixels=[finger.tolist()])["joints"][name]
-    index = at.session.played.acted(at.session.ledger.scene, name)[1].character.skeleton.index(
+    index = at.session.played.acted(at.session.history.scene, name)[1].character.skeleton.index(
         "left_hand"
     )
     np.testing.assert_allclose(seen(at, 0, placed(at, name, 0, told, index)), start, atol=0.01)
@@ -102,7 +102,7 @@ def test_a_finger_takes_the_nearest_where_no_joint_is_named(one: Visitor) -> Non
 
 def test_poses_are_one_step_each_and_replay_to_the_same_bytes(one: Visitor) -> None:
     at, name = one.at, one.put()
-    before = scene_text(at.session.ledger.scene)
+    before = scene_text(at.session.history.scene)
     for frame, joint in ((0, "left_hand"), (5, "left_hand"), (5, "right_foot"), (9, "head")):
         start = seen(at, frame, joint_at(at, name, joint, frame))
         one.done(
@@ -111,22 +111,22 @@ def test_poses_are_one_step_each_and_replay_to_the_same_bytes(one: Visitor) -> N
         for step in (3.0, 9.0, 5.0):
             one.done("drag", pixels=[(start + np.array([step, -step])).tolist()])
         one.done("end")
-    made = scene_text(at.session.ledger.scene)
-    times = at.session.ledger.scene.part(name).joint_keyframes
+    made = scene_text(at.session.history.scene)
+    times = at.session.history.scene.part(name).joint_keyframes
     assert [round(key.time_s, 3) for key in times] == [0.0, 0.2, 0.36]
-    journal = at.session.ledger.journal
-    editor = SceneEditor(read_scene(journal.start))
-    for line in journal.gestures.read_text().splitlines():
+    write_log = at.session.history.write_log
+    editor = SceneEditor(read_scene(write_log.start))
+    for line in write_log.gestures.read_text().splitlines():
         editor.do(gesture_of(json.loads(line), "line"))
     assert scene_text(editor.scene) == made
     for _ in range(4):
         one.done("undo")
-    assert scene_text(at.session.ledger.scene) == before
+    assert scene_text(at.session.history.scene) == before
 
 
 def test_who_is_dragged_and_let_go_stands_as_before(one: Visitor) -> None:
     at, name = one.at, one.put()
-    scene = at.session.ledger.scene
+    scene = at.session.history.scene
     held = {"object": name, "gesture": "joint", "joint": "left_hand", "frame": 0}
     one.done("begin", pixels=[[320.0, 200.0]], **held)
     assert one.news["holds"] == [name]
@@ -137,7 +137,7 @@ def test_who_is_dragged_and_let_go_stands_as_before(one: Visitor) -> None:
     assert not one.ask("drag", pixels=[])["ok"]
     assert not one.ask("drag", amount=0.3)["ok"]
     assert one.done("cancel")["free"] == [name]
-    assert at.session.ledger.scene is scene
+    assert at.session.history.scene is scene
 
 
 @pytest.mark.parametrize(

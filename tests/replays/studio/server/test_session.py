@@ -178,7 +178,7 @@ def test_a_way_that_is_drawn_is_walked(one: Visitor) -> None:
     told = one.done("walk", object=name, frame=2, pixels=seen(one.at, 2, line).tolist())
     about = told["scene"]["objects"][0]
     assert about["walk"]
-    path = one.at.session.ledger.scene.part(name).walk.path_m
+    path = one.at.session.history.scene.part(name).walk.path_m
     np.testing.assert_allclose(path[[0, -1]], line[[0, -1], :2], atol=0.03)
     assert about["track"]["shape"] == [FRAMES, 8]
     for pixels in ([], [[320, 240]], [[320.0, -900.0], [300.0, -900.0]]):
@@ -273,15 +273,15 @@ def test_what_is_refused_is_said_in_a_line_and_changes_nothing(
     one: Visitor, message: dict[str, object]
 ) -> None:
     one.put()
-    before = one.at.session.ledger.scene
-    lines = (one.at.session.ledger.journal.gestures).read_bytes()
+    before = one.at.session.history.scene
+    lines = (one.at.session.history.write_log.gestures).read_bytes()
     answer = one.at.answer(1, {"n": 1, **message})
     assert answer.reply["ok"] is False
     assert 0 < len(answer.reply["error"]) <= 300
     assert "\n" not in answer.reply["error"]
     assert answer.news is None
-    assert one.at.session.ledger.scene is before
-    assert one.at.session.ledger.journal.gestures.read_bytes() == lines
+    assert one.at.session.history.scene is before
+    assert one.at.session.history.write_log.gestures.read_bytes() == lines
     one.done("begin", object="Person", gesture="move", frame=0, pixels=[[320, 300]])
 
 

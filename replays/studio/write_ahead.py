@@ -45,12 +45,12 @@ from motorcade.replays.io.files import write_bytes
 
 log = logging.getLogger("motorcade.studio")
 
-MAX_JOURNAL_BYTES = 256 << 20
+MAX_GESTURES_BYTES = 256 << 20
 MAX_SCENE_BYTES = 16 << 20
 MAX_MARK_BYTES = 4096
 
 
-class Journal:
+class WriteAheadLog:
     """The session of one scene, which is this one's alone until it is closed.
 
     Args:
@@ -193,7 +193,7 @@ class Journal:
     def _read(self) -> bytes:
         if not is_there(self.gestures) or not self.gestures.stat().st_size:
             return b""
-        return read_bounded(self.gestures, MAX_JOURNAL_BYTES)
+        return read_bounded(self.gestures, MAX_GESTURES_BYTES)
 
     def _marks(self) -> list[str]:
         """SHA-256 of what was written as the scene last, and before that."""
@@ -224,22 +224,22 @@ _BY_ANCHORS = ("group", "ungroup", "reparent")
 """Edits whose outcome depends on where anchors stand."""
 
 
-class Ledger:
-    """The history of one scene, replayed from its journal.
+class SceneHistory:
+    """The history of one scene, replayed from its write-ahead log.
 
     Args:
-        journal: the session.
+        write_log: the session.
 
     Raises:
         ValueError: a start or a line that cannot be read.
     """
 
-    def __init__(self, journal: Journal) -> None:
-        self.journal = journal
-        self._editor = SceneEditor(read_scene(journal.start))
-        lines = journal.lines()
+    def __init__(self, write_log: WriteAheadLog) -> None:
+        self.write_log = write_log
+        self._editor = SceneEditor(read_scene(write_log.start))
+        lines = write_log.lines()
         for number, line in enumerate(lines, 1):
-            self._editor.do(gesture_of(line, f"{journal.gestures}:{number}"))
+            self._editor.do(gesture_of(line, f"{write_log.gestures}:{number}"))
         self._writer = ThreadPoolExecutor(1)
         self._saved: Scene | None = None if lines else self.scene
         if lines:  # a process that was killed may have left the scene a step behind
@@ -279,7 +279,7 @@ class Ledger:
         if not self._changes(gesture, stands):
             return
         # Written first: nothing is taken back, which would leave a step to redo that no line tells.
-        self.journal.append(*lines)
+        self.write_log.append(*lines)
         editor.stand(stands)
         editor.do(gesture)
         self._save()
@@ -304,7 +304,7 @@ class Ledger:
         """
         last = self._save()
         self._writer.shutdown()
-        self.journal.close()
+        self.write_log.close()
         last.result()
 
     def _save(self) -> Future[None]:
@@ -316,7 +316,7 @@ class Ledger:
         if scene is self._saved:
             return
         try:
-            self.journal.save(scene_text(scene).encode())
+            self.write_log.save(scene_text(scene).encode())
         except OSError as fault:
             log.warning("the scene is not written, its steps are kept: %s", fault)
             raise
