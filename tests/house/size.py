@@ -5,6 +5,7 @@
 
 Examples in docstrings are not counted: they are documentation, and tests run them. Of modules it
 counts all, those below 60 lines (faces of packages apart), and those that one other imports.
+Bindings of `VAGUE` names are counted, but for those in comprehensions of one line.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
 PYTHON, NATIVE = {".py", ".pyi"}, {".c", ".cpp", ".h"}
 SMALL = 60
+VAGUE = {"one", "made", "found", "given", "told"}
+"""Names that do not say what they hold."""
 
 
 def git(*arguments: str) -> str:
@@ -64,6 +67,27 @@ def lines(texts: dict[str, str]) -> dict[str, int]:
     return total
 
 
+def vague_bindings(texts: dict[str, str]) -> int:
+    """Variables and arguments that are called by one of the `VAGUE` names."""
+    count = 0
+    comprehensions = (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
+    for tree in (ast.parse(text) for name, text in texts.items() if name.endswith(".py")):
+        short = {
+            id(part)
+            for node in ast.walk(tree)
+            if isinstance(node, comprehensions) and node.lineno == node.end_lineno
+            for generator in node.generators
+            for part in ast.walk(generator.target)
+        }
+        for node in ast.walk(tree):
+            match node:
+                case ast.Name(id=name, ctx=ast.Store()) if id(node) not in short:
+                    count += name in VAGUE
+                case ast.arg(arg=name):
+                    count += name in VAGUE
+    return count
+
+
 def modules(texts: dict[str, str]) -> dict[str, int]:
     """Modules: all, small ones, and those that one other module of the product imports."""
     python = {name: text for name, text in texts.items() if name.endswith(".py")}
@@ -87,6 +111,7 @@ def modules(texts: dict[str, str]) -> dict[str, int]:
         "packages": len(faces),
         f"below {SMALL}": len(small),
         "one importer": sum(len(users) == 1 for users in importers.values()),
+        "vague names": vague_bindings(python),
     }
 
 
