@@ -5,7 +5,9 @@ their neighbours, under a velocity, an acceleration or a jerk that white noise c
 `batch.columns`); poses that none of them explain are told apart (`batch.per_axis`). Three things
 more are found out from the path: whether its axes are those of the world or of the body (a camera
 knows depth less than width; a vehicle goes where it points); whether errors have heavy tails; and
-whether stamps tremble that should be even. Where nothing tells noise from motion the path stays.
+whether stamps tremble that should be even. Beside the splines stand a constant twist and, where a
+body turns fast, a filter of all rotations together (`batch.twist`). Where nothing tells noise from
+motion the path stays.
 """
 
 from __future__ import annotations
