@@ -1,8 +1,8 @@
 """`python -m tests.end_to_end.focal_lengths RUN…`: focal lengths that runs found, beside OpenCV's.
 
 Each run's recording is calibrated anew by OpenCV alone: its own detectors (by sectors, and the
-classical one with refined corners), `calibrateCamera` with five terms on every second picture. Where
-the two detectors differ, OpenCV's own deviation is too small by so much and is widened to it. Runs
+classical one with refined corners), `calibrateCamera` with five terms on every second picture.
+Where the two differ, OpenCV's own deviation is too small by so much and is widened to it. Runs
 without a checkerboard are passed over. Exit status 1 where a run's focal length is more than two
 standard deviations, its own and OpenCV's together, from one that OpenCV tells to a per cent.
 """

@@ -99,7 +99,7 @@ def test_what_has_the_figure_and_the_camera_on_one_side_hides_nothing() -> None:
     np.testing.assert_allclose(sunk, 2.0, rtol=1e-6)
 
 
-@pytest.mark.parametrize("height_m", (0.03, 1.75, 40.0))
+@pytest.mark.parametrize("height_m", [0.03, 1.75, 40.0])
 def test_soles_that_sink_by_their_own_share_are_not_hidden(height_m: float) -> None:
     """Where lengths are counted in squares a figure is three of them tall, not 1.75 m."""
     eye = Motor.from_rotor_translation(

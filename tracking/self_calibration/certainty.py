@@ -3,7 +3,8 @@
 Least squares takes each corner's error for its own. They are not: neighbouring views show a print
 from one side and with one blur, and a print that is bent is so in all views. So the fit's scores
 are summed over what errs alike, once over stretches of the clip and once over the print's points,
-and the scatter of these sums says how far the focal length may be off.
+and the scatter of these sums says how far the focal length may be off. Glare lies in one part of
+the picture throughout: an offset of each part's corners is estimated as a random effect.
 
 Sources: Cameron, Gelbach & Miller 2011 (standard errors clustered two ways); Bell & McCaffrey 2002
 (each cluster left out, for few of them).
@@ -19,6 +20,8 @@ from motorcade.tracking.self_calibration.fitting import BodyFit
 
 STRETCHES = 8
 """A clip is cut into so many parts: few enough that their errors are independent."""
+_PARTS, _POSE = 4, 6
+"""What was seen of the picture is cut into so many columns and rows; a pose has six numbers."""
 
 
 def stretches(views: int) -> IntArray:
@@ -53,8 +56,29 @@ def error_inflation(seen: BodySightings, found: BodyFit) -> float:
     by_point = np.bincount(point.ravel(), scores @ by_focal)
     scatter = (count - 1) / count * float(np.square(left_out).sum())
     scatter += float(np.square(by_point).sum())
+    scatter += _by_place(at, seen, reduced @ by_focal, found.sigma_px)
     expected = found.sigma_px**2 * float(by_focal @ data @ by_focal)
     return float(np.sqrt(max(scatter / max(expected, 1e-300), 1.0)))
+
+
+def _by_place(
+    at: BodyReprojection, seen: BodySightings, pulls: FloatArray, sigma_px: float
+) -> float:
+    """Variance of the focal length by what moves all corners of a part of the picture alike.
+
+    Glare does, and what no lens model explains. A fit hides such an error in its own direction, so
+    its size is taken from what is left in the parts, and its effect from how they pull.
+    """
+    low, high = seen.px.min(axis=0), seen.px.max(axis=0)
+    column, row = ((seen.px - low) / (high - low) * (_PARTS - 1e-9)).astype(np.int64).T
+    _, part = np.unique(_PARTS * row + column, return_inverse=True)
+    weight = np.bincount(part, at.weight)
+    means = np.stack([np.bincount(part, at.weight * one) for one in at.residuals_px.T], -1)
+    means /= weight[:, None]
+    pulled = np.stack([np.bincount(part, at.weight * one) for one in pulls.T], -1)
+    free = max(means.size - len(at.free_numbers) - _POSE, 1)
+    common = (np.square(means).sum() - 2.0 * (sigma_px**2 / weight).sum()) / free
+    return float(max(common, 0.0) * np.square(pulled).sum())
 
 
 def _without_views(at: BodyReprojection, seen: BodySightings) -> FloatArray:

@@ -27,8 +27,9 @@ from motorcade.tracking.shots.linking import FEWEST_CORNERS, corners_in, rest_of
 from motorcade.tracking.shots.shot import BreakKind, ClipShot, ShotBreak, Shots
 
 _LONG_SIDE = 320
-_DARK, _PLAIN = 40.0, 2.0
-"""Of 255: nearly all of a black picture is darker; a plain one has less contrast."""
+_DARK, _FAINT, _PLAIN = 40.0, 3.0, 2.0
+"""Of 255: nearly all of a black picture is darker, with less contrast than one taken in poor light
+has; a plain one has less still."""
 _KEPT_SHARE = 0.5
 _AROUND = 3
 _FEWEST_FRAMES = 8
@@ -97,7 +98,8 @@ class _Reading:
         self.size = preview.shape[1], preview.shape[0]
         contrast = float(preview.std())
         dark = float(np.quantile(preview[::2, ::2], 0.99)) < _DARK
-        kind: BreakKind | None = "black" if dark else "plain" if contrast < _PLAIN else None
+        black = dark and contrast < _FAINT
+        kind: BreakKind | None = "black" if black else "plain" if contrast < _PLAIN else None
         self._kinds.append(kind)
         self._contrast.append(contrast)
         self._change.append(0.0 if before is None else float(cv2.absdiff(before, preview).mean()))

@@ -38,7 +38,7 @@ GroundKind = Literal["auto", "board", "marker", "plane", "floor"]
 BELIEF_IN_PRINT = 0.98
 PRINTS_LIE = 0.9
 """Share of prints that lie, before anything is seen of them: sheets do not stand by themselves."""
-SURE_OF_PRINT = 0.92
+PRINT_SURE = 0.92
 """So sure is what was seen, and not that share alone: steep above, a print that leans is seen as
 one that lies."""
 ACROSS_TO_ALONG = float(2.0 / np.tan(np.deg2rad(0.5 * NEAR_DEG)))
@@ -168,7 +168,7 @@ class Grounds:
         edge = replace(on_top_edge(face, up.across(normal)), rank=stands)
         doubts = [f"that {face.name} {how} is a guess" for how in ("lies flat", "stands upright")]
         grounds = [
-            replace(one, doubt=f"{doubt} ({100 * one.rank:.0f} % sure)" * (one.rank < SURE_OF_PRINT))
+            replace(one, doubt=f"{doubt} ({100 * one.rank:.0f} % sure)" * (one.rank < PRINT_SURE))
             for one, doubt in zip((face, edge), doubts, strict=True)
         ]
         return sorted(grounds, key=lambda ground: -ground.rank)

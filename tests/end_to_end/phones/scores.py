@@ -115,7 +115,7 @@ def score(clip: Path, case: Case, out: Path, until: str = "overlay") -> Score:
     if status:
         return Score(case.name, case.bears, seconds, refused=f"({status}) {last}")
     if not case.bears:
-        return Score(case.name, case.bears, seconds, faults=_film_faults(clip, out, until))
+        return Score(case.name, case.bears, seconds, faults=film_faults(clip, out, until))
     return scored(clip, case, out, until, seconds)
 
 
@@ -133,14 +133,15 @@ def scored(clip: Path, case: Case, out: Path, until: str, seconds: float) -> Sco
     run = {0: (0.0, 1.0), 90: (-1.0, 0.0), 270: (1.0, 0.0)}[case.rotation]
     shutter_s = table.get("readout_s", 0.0) * np.array(run)
     registration, covered = registration_px(path, camera, truth, shutter_s)
-    faults = _film_faults(clip, out, until)
+    faults = film_faults(clip, out, until)
     focal = float(truth["focal_px"].mean())
     said = next(one for one in log["assumed"] if one.startswith("camera:"))
     error = camera.fx / focal - 1.0
     return Score(case.name, case.bears, seconds, "", error, registration, covered, faults, said)
 
 
-def _film_faults(clip: Path, out: Path, until: str) -> tuple[str, ...]:
+def film_faults(clip: Path, out: Path, until: str) -> tuple[str, ...]:
+    """What is wrong with a run's film against its clip: no film, other frames, stamps or sound."""
     film = out / "overlay.mp4"
     if not film.exists():
         return ("no film",) if until == "overlay" else ()

@@ -143,7 +143,7 @@ def test_fewer_pictures_than_the_index_promises_are_said(
     assert not VideoFrames(video_file).notes  # as where an edit list cuts the others away
 
 
-@pytest.mark.parametrize("keys_apart", ("12", "300"))
+@pytest.mark.parametrize("keys_apart", ["12", "300"])
 def test_a_clip_trimmed_by_an_edit_list_holds_what_is_shown(
     tmp_path: Path, keys_apart: str
 ) -> None:

@@ -127,7 +127,7 @@ def test_a_steep_table_and_a_board_that_stands_upright() -> None:
     assert board.right or board.ground.doubt
 
 
-@pytest.mark.parametrize("seed", (13, 14, 15, 37, 41))
+@pytest.mark.parametrize("seed", [13, 14, 15, 37, 41])
 def test_a_board_that_leans_is_doubted(seed: int) -> None:
     """From steeply above its face it looks as a lying one does, and most prints lie."""
     ground = stood(board(np.random.default_rng([1, seed, 3]), "leaning")).ground
@@ -140,7 +140,7 @@ def test_a_board_that_lies_is_not_doubted() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", (*range(20, 24), 4471))
+@pytest.mark.parametrize("seed", [*range(20, 24), 4471])
 def test_thirty_drawn_scenes_are_stood_on_rightly_or_doubted(seed: int) -> None:
     """None is wrong in silence, and most are right without any picture to see lines in."""
     outcomes = [stood(scene) for scene in thirty(np.random.default_rng(seed))]

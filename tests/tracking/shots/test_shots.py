@@ -50,6 +50,13 @@ def test_black_pictures_have_no_shot() -> None:
     assert find_shots([np.zeros((48, 64), np.uint8)] * 20).shots == ()
 
 
+def test_pictures_taken_in_poor_light_are_not_black() -> None:
+    """A black frame shows nothing but noise; a dim scene has contrast, however dark it is."""
+    dim = [(16 + (blobs(4) // 11)).astype(np.uint8)] * 10
+    assert max(int(one.max()) for one in dim) < 40
+    assert find_shots(dim).whole
+
+
 @pytest.mark.slow
 def test_the_attitudes_of_a_turning_camera_come_back() -> None:
     count = 40

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from tests.end_to_end.phones.cases import CASES
 from tests.end_to_end.phones.kinds.kinds import Kind
-from tests.end_to_end.phones.scores import Score, scored
+from tests.end_to_end.phones.scores import Score, film_faults, scored
 
 __all__ = ["Judged", "judge"]
 
@@ -45,6 +45,9 @@ class Judged:
         """Whether it is as it must be; never with a traceback, nor with more than one line."""
         if any("Traceback" in line for line in self.said):
             return False
+        if self.kind.must == "filmed":
+            doubted = any(re.search(self.kind.why, line) for line in self.doubts)
+            return self.score is not None and self.score.right and doubted
         if self.score is not None and self.score.right and self.kind.must != "refused":
             return True
         if self.kind.must == "right":
@@ -87,7 +90,10 @@ def judge(file: Path, kind: Kind, out: Path, until: str) -> Judged:
         return Judged(kind, ran.returncode, said, None, seconds)
     case = next(one for one in CASES if one.name == kind.of)
     case = replace(case, name=kind.name, rotation=kind.coded.turned_deg if case.readout_s else 0)
-    score = scored(file, case, out, until, seconds)
+    if kind.must == "filmed":  # from no path that a truth could be held against
+        score = Score(kind.name, False, seconds, faults=film_faults(file, out, until))
+    else:
+        score = scored(file, case, out, until, seconds)
     log = json.loads((out / "run.json").read_text())
     doubts = [one for one in log.get("assumed", []) if ";" in one.split("; override")[0]]
     doubts += [one for one in said if not one.startswith("assumed")]

@@ -35,6 +35,7 @@ class Kind:
         name: of its file.
         of: the clip that it is made of.
         must: "right": come out as the clip must; "refused": be refused with `why` in the line;
+            "filmed": get a film as from a fixed place, doubted with `why`;
             "told": be right, or be refused or called doubtful with `why` in what is said.
         why: a regular expression.
         coded: how the file is written.
@@ -156,10 +157,10 @@ KINDS = (
     Kind("hz_120", rows=_every, speed=4.0),
     Kind("every_frame_twice", rows=_doubled, speed=2.0, even=True),
     Kind("jump_cut", rows=_jumping, even=True),
-    Kind("three_frames", must="refused", why="expected at least 5 frames", rows=_first(3)),
-    Kind("one_frame", must="refused", why="frame", rows=_first(1)),
-    Kind("no_motion", must="refused", why="angle|move", rows=_still, even=True),
-    Kind("no_motion_room", "room", must="refused", why="stand|move", rows=_still, even=True),
+    Kind("three_frames", must="filmed", why="how wide it sees", rows=_first(3)),
+    Kind("one_frame", must="filmed", why="how wide it sees", rows=_first(1)),
+    Kind("no_motion", must="filmed", why="focal length is known to", rows=_still, even=True),
+    Kind("no_motion_room", "room", must="filmed", why="how wide it sees", rows=_still, even=True),
     # Pictures.
     Kind(
         "one_tag", "loose", must="told", why="focal length is known to", edit=covers.all_but_tag(3)
