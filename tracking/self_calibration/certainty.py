@@ -73,8 +73,8 @@ def _by_place(
     column, row = ((seen.px - low) / (high - low) * (_PARTS - 1e-9)).astype(np.int64).T
     _, part = np.unique(_PARTS * row + column, return_inverse=True)
     weight = np.bincount(part, at.weight)
-    means = np.stack([np.bincount(part, at.weight * one) for one in at.residuals_px.T], -1)
-    means /= weight[:, None]
+    left = np.stack([np.bincount(part, at.weight * one) for one in at.residuals_px.T], -1)
+    means = left / weight[:, None]
     pulled = np.stack([np.bincount(part, at.weight * one) for one in pulls.T], -1)
     free = max(means.size - len(at.free_numbers) - _POSE, 1)
     common = (np.square(means).sum() - 2.0 * (sigma_px**2 / weight).sum()) / free
