@@ -266,6 +266,18 @@ class TestTumRgbd:
         assert found[0][0, 0] == pytest.approx(1.5)
         assert recording.truth is not None
 
+    def test_depth_of_another_clock_is_said(self, make: Make) -> None:
+        made = make("tum_rgbd")
+        assert open_recording(made.root).doubts == ()
+        listed = made.root / "depth.txt"
+        rows = [line.split() for line in listed.read_text().splitlines() if line[0] != "#"]
+        listed.write_text("".join(f"{float(stamp) + 1.0:.6f} {name}\n" for stamp, name in rows))
+        recording = open_recording(made.root)
+        assert not any(frame.depth_m() is not None for frame in recording.frames)
+        (doubt,) = recording.doubts
+        assert doubt.startswith("0 of 5 colour pictures have one of depth within 0.02 s")
+        assert "begins +1.0" in doubt
+
     def test_association_agrees_with_trying_all_pairs(self) -> None:
         rng = np.random.default_rng(3)
         wanted, given = (np.unique(rng.integers(0, 10_000, 200)) for _ in range(2))

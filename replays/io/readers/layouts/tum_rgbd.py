@@ -52,13 +52,13 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
     colour = read_listing(root / "rgb.txt", separator=None, unit="s")
     camera = _camera(root)
     depth: tuple[Path | None, ...] = ()
+    doubts: tuple[str, ...] = ()
     if (root / "depth.txt").is_file():
         listing = read_listing(root / "depth.txt", separator=None, unit="s")
         files = _files(root, listing)
-        depth = tuple(
-            None if index < 0 else files[index]
-            for index in nearest(colour.time_ns, listing.time_ns, ASSOCIATION_NS)
-        )
+        paired = nearest(colour.time_ns, listing.time_ns, ASSOCIATION_NS)
+        depth = tuple(None if index < 0 else files[index] for index in paired)
+        doubts = _unpaired(colour.time_ns, listing.time_ns, paired)
     truth_file = root / "groundtruth.txt"
     frames = PictureFrames(
         _files(root, colour),
@@ -74,6 +74,20 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
         frames=frames,
         camera=camera,
         truth=read_trajectory(truth_file, "tum") if truth_file.is_file() and own_truth else None,
+        doubts=doubts,
+    )
+
+
+def _unpaired(colour_ns: IntArray, depth_ns: IntArray, paired: IntArray) -> tuple[str, ...]:
+    """What to say where most colour pictures have no depth, though there is some."""
+    with_depth = int(np.count_nonzero(paired >= 0))
+    if 2 * with_depth >= min(len(colour_ns), len(depth_ns)):
+        return ()
+    start_s, end_s = (1e-9 * float(depth_ns[end] - colour_ns[end]) for end in (0, -1))
+    return (
+        f"{with_depth} of {len(colour_ns)} colour pictures have one of depth within "
+        f"{1e-9 * ASSOCIATION_NS:g} s: depth begins {start_s:+.3f} s and ends {end_s:+.3f} s from "
+        "colour; if the two clocks differ, correct the stamps in depth.txt",
     )
 
 
