@@ -68,7 +68,7 @@ def test_on_a_terminal_every_line_has_its_own_row(board_recording: Path, tmp_pat
     termios = pytest.importorskip("termios")
     near, far = pty.openpty()
     termios.tcsetwinsize(far, (24, 200))  # bars know that one without a size shows nothing
-    slow = "from motorcade.replays.engine import progress; progress.DELAY_S = 0.0; "
+    slow = "from motorcade.ga import progress; progress.DELAY_S = 0.0; "
     command = ["run", str(board_recording), "--out", str(tmp_path), "--until", "smoothed"]
     with subprocess.Popen(
         [sys.executable, "-c", slow + RUN, *command], stdout=subprocess.DEVNULL, stderr=far

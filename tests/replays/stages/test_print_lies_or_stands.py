@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor
-from motorcade.replays.stages.view.anchored import Grounds
+from motorcade.replays.stages.view.anchored import PRINT_SURE, Grounds
 from motorcade.replays.stages.view.ground import Ground
 from motorcade.tracking.planes import UpEstimate
 
@@ -47,4 +47,4 @@ def test_the_denser_of_the_two_is_taken_and_doubted_where_it_is_a_guess(
     assert first.name == name
     assert first.rank >= second.rank
     assert first.rank + second.rank == pytest.approx(lies + stands, abs=1e-6)
-    assert ("guess" in first.doubt) == (first.rank < 0.9)
+    assert ("guess" in first.doubt) == (first.rank < PRINT_SURE)
