@@ -113,13 +113,14 @@ template <std::size_t N> void Timeline<N>::challenge(std::size_t index) {
     give_up(winner);
 }
 
-// Whether the IMU alone still tells the path well enough, from a prediction that was right for long.
-// Measurements that agree on something else may be a burst of wrong ones, which is seen when it
-// ends; if the map was relocated, waiting costs what such a gap costs. That is nothing while poses
-// would not tell more, and less than to follow a burst while three deviations of what the IMU tells
-// are nearer to it than what is measured.
+// Whether the IMU alone still tells the path well enough, from a prediction that was right for
+// long. Measurements that agree on something else may be a burst of wrong ones, which is seen when
+// it ends; if the map was relocated, waiting costs what such a gap costs. That is nothing while
+// poses would not tell more, and less than to follow a burst while three deviations of what the IMU
+// tells are nearer to it than what is measured.
 template <std::size_t N> bool Timeline<N>::imu_suffices(const Event &event) const {
-    if (own_hits_ < established_hits || event.time_ns - doubted_ns_ > longest_burst_ns) return false;
+    if (own_hits_ < established_hits || event.time_ns - doubted_ns_ > longest_burst_ns)
+        return false;
     if (bridged(p_, event)) return true;
     Innovation<N> innovation;
     if (!event.from_pose() || !Prediction<N>(now_, reading(time_ns_)).of(event, innovation))
