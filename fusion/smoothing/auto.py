@@ -108,7 +108,7 @@ class SmootherChoice:
         models = self.models[: self.axes[0]]
         if len(models) == _AXES:
             return told_noise(models)
-        if any(one.untold for one in models):
+        if any(one.unobservable for one in models):
             return None
         # Four components have the errors of three half angles, shared as the pose turns.
         squares = sum(one.noise**2 for one in models) / _AXES
@@ -128,9 +128,9 @@ class SmootherChoice:
         return told_noise(self.models[self.axes[1] :])
 
     @property
-    def untold(self) -> str:
+    def unobservable(self) -> str:
         """Why the noise of some axes is not told; empty where it is of all."""
-        reasons = [one.untold for one in self.models] + [_MIXED if self._mixed else ""]
+        reasons = [one.unobservable for one in self.models] + [_MIXED if self._mixed else ""]
         return ", ".join(dict.fromkeys(one for one in reasons if one))
 
     @property
@@ -140,7 +140,7 @@ class SmootherChoice:
     @property
     def raw(self) -> bool:
         """Whether no axis tells its noise, so that good poses are left as they are."""
-        return all(one.untold for one in self.models)
+        return all(one.unobservable for one in self.models)
 
     @property
     def by_twist(self) -> bool:
@@ -160,8 +160,9 @@ class SmootherChoice:
         """The choice in one line."""
         if self.raw:
             return (
-                f"poses left as they are ({100.0 * self.outliers:.1f} % outliers): {self.untold} "
-                "its noise; a higher rate would, or noise_m and noise_rad where they are known"
+                f"poses left as they are ({100.0 * self.outliers:.1f} % outliers): "
+                f"{self.unobservable} its noise; a higher rate would, or noise_m and noise_rad "
+                "where they are known"
             )
         orders = "/".join(str(one.order) for one in self.models)
         frame = {_WORLD: "axes of the world", _BODY: "axes of the body"}
@@ -171,8 +172,8 @@ class SmootherChoice:
             f"noise {noise_in_words(self.noise_m, self.noise_rad)} an axis",
             f"{100.0 * self.outliers:.1f} % outliers",
         ]
-        if self.untold:
-            told.append(f"not told of an axis: {self.untold}")
+        if self.unobservable:
+            told.append(f"not told of an axis: {self.unobservable}")
         if self.by_twist:
             whole = all(one.stiff for one in self.models[: self.axes[1]])
             told.append("a constant twist" if whole else "a constant angular rate")
@@ -363,9 +364,11 @@ def _chosen(
     if representation is None:
         taken = in_better_axes(start, measured, found)
     models = chosen_models(taken[0], taken[1].coordinates, found.weights, known=known)
-    if taken[0] is not measured and models.untold > 0:
+    if taken[0] is not measured and models.unobservable > 0:
         world = chosen_models(measured, found.coordinates, found.weights, known=known)
-        if world.untold < models.untold:  # what is left as measured is not predicted better
+        if (
+            world.unobservable < models.unobservable
+        ):  # what is left as measured is not predicted better
             taken, models = (measured, found), world
     measured, found = taken
     warn_of_coarse(float(np.median(np.diff(measured.time_s))))
@@ -379,7 +382,7 @@ def _chosen(
     choice = SmootherChoice(
         measured.representation.name,
         tuple(
-            replace(model, noise=float("nan") if model.untold else float(size))
+            replace(model, noise=float("nan") if model.unobservable else float(size))
             for model, size in zip(models.columns, noise, strict=True)
         ),
         tails,

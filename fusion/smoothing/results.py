@@ -225,11 +225,11 @@ def _covariance(
                 for one in ends
             )
             jacobian[:, :, column] = (later - earlier) / (2.0 * _STEP)
-        untold = np.isnan(variance[rows])
-        weighted = jacobian * np.where(untold, 0.0, variance[rows])[:, None, :]
+        unobservable = np.isnan(variance[rows])
+        weighted = jacobian * np.where(unobservable, 0.0, variance[rows])[:, None, :]
         made[rows] = weighted @ np.swapaxes(jacobian, 1, 2)
-        if np.any(untold):
-            reached = (np.abs(jacobian) > _STEP) & untold[:, None, :]
+        if np.any(unobservable):
+            reached = (np.abs(jacobian) > _STEP) & unobservable[:, None, :]
             lost = np.any(reached, axis=2)
             made[rows][lost[:, :, None] | lost[:, None, :]] = np.nan
     return made

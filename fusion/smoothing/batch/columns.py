@@ -50,7 +50,7 @@ class ColumnModel:
         ratio: density of the noise that drives the highest, in deviations of a value.
         noise: deviation of a value.
         memory_s: in which an error decays to a third (1/e); 0 where errors are white.
-        untold: why values do not tell their noise, whose size then says nothing; else empty.
+        unobservable: why values do not tell their noise, whose size then says nothing; else empty.
         stiff: whether it moves by a constant twist; see `twist`.
         joint: whether all rotations are smoothed together, by this model; see there.
     """
@@ -59,7 +59,7 @@ class ColumnModel:
     ratio: float
     noise: float
     memory_s: float = 0.0
-    untold: str = ""
+    unobservable: str = ""
     stiff: bool = False
     joint: bool = False
 
@@ -86,10 +86,12 @@ class ColumnModel:
         motion = level * np.sum(np.abs(_BAND + _FOLDS) ** (-2.0 * (self.order + 1)), axis=0)
         return float(np.mean(errors / (errors + motion)))
 
-    def through_all(self, interval_s: float, untold: str) -> ColumnModel:
+    def through_all(self, interval_s: float, unobservable: str) -> ColumnModel:
         """A model that goes through every value, whose noise is not told, and why."""
         ratio = ratio_of(_EXACT, self.order, interval_s)
-        return replace(self, ratio=ratio, memory_s=0.0, untold=untold, stiff=False, joint=False)
+        return replace(
+            self, ratio=ratio, memory_s=0.0, unobservable=unobservable, stiff=False, joint=False
+        )
 
     def smoother(self, smoothness: float, interval_s: float) -> ColumnModel:
         """The model that averages over ``2**smoothness`` times as long.
@@ -327,7 +329,7 @@ class Prediction:
 
 def told_noise(models: Sequence[ColumnModel]) -> float | None:
     """Root mean square deviation of the columns that tell theirs; None where none does."""
-    told = [one.noise for one in models if not one.untold]
+    told = [one.noise for one in models if not one.unobservable]
     return float(np.sqrt(np.mean(np.square(told)))) if told else None
 
 

@@ -115,9 +115,9 @@ class AxisModels:
     score: float
 
     @property
-    def untold(self) -> int:
+    def unobservable(self) -> int:
         """Of how many the noise is not told."""
-        return sum(bool(one.untold) for one in self.columns)
+        return sum(bool(one.unobservable) for one in self.columns)
 
 
 def chosen_models(

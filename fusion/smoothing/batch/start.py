@@ -224,7 +224,7 @@ def of_one_twist(
         poses = replace(each, jumps=NO_JUMPS)  # where nothing else is left there was none
         columns = _STIFF.get(poses.representation.name, 0)
         own = models.columns[:columns]
-        if not own or any(one.untold for one in own):
+        if not own or any(one.unobservable for one in own):
             continue
         stiff = [replace(one, stiff=True, memory_s=0.0) for one in own]
         by_twist = replace(models, columns=(*stiff, *models.columns[columns:]))
@@ -248,19 +248,19 @@ def of_one_turn(
         return measured, found, models
     path = restored(measured.representation, found.coordinates, start.trajectory).poses.rigid
     turn = float(np.median((path[:-1].rotor.inverse() @ path[1:].rotor).angle())) / usual_s
-    told = [one.rate(usual_s) for one in own if not one.untold]
-    if turn < (_TURNS * float(np.median(told)) if told else _FAR / usual_s):
+    rates = [column.rate(usual_s) for column in own if not column.unobservable]
+    if turn < (_TURNS * float(np.median(rates)) if rates else _FAR / usual_s):
         return measured, found, models
     noise = max(_root_mean_square([one.noise for one in own]), 1e-9)
     poses, steady = start.trajectory.poses.rigid, replace(measured, jumps=NO_JUMPS)
     model = turning_model(measured.time_s, poses, found.weights, noise).told(usual_s)
     joint = replace(models, columns=(*[model] * 3, *models.columns[3:]))
-    if model.untold:
+    if model.unobservable:
         return measured, found, models
     made = smoothed_per_axis(steady, found.coordinates, found.weights, joint, tails, LAST_STEPS)
     kept = (found.weights > 0.0) & (made.weights > 0.0)
     gained = (_held_out(found, kept) - _held_out(made, kept)) @ np.maximum(found.noise, 1e-9) ** -2
-    sure = EQUAL if len(measured.jumps) or not told else -EQUAL
+    sure = EQUAL if len(measured.jumps) or not rates else -EQUAL
     if np.mean(gained) <= sure * np.std(gained) / np.sqrt(len(gained)):
         return measured, found, models
     return steady, made, joint

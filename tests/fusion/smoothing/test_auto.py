@@ -221,7 +221,7 @@ def test_noise_is_that_of_poses_whatever_they_are_written_as(
         assert found.noise_m == pytest.approx(0.005, rel=0.25)
     else:
         assert found.noise_m is None
-        assert "dual parts mix" in found.untold
+        assert "dual parts mix" in found.unobservable
 
 
 @pytest.mark.parametrize("gap_s", [60.0, 3600.0, 3e7])

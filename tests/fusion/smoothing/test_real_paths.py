@@ -36,8 +36,8 @@ def test_trajectories_of_slam_come_no_farther_from_the_truth_and_jitter_less(
     choice = choose(raw)
     smoothed = choice.smooth(raw)
     # What cannot be told of the noise is not named, and nothing is at a floor of the search.
-    assert all(one.noise > 3e-4 for one in choice.models if not one.untold)
-    assert all(np.isnan(one.noise) for one in choice.models if one.untold)
+    assert all(one.noise > 3e-4 for one in choice.models if not one.unobservable)
+    assert all(np.isnan(one.noise) for one in choice.models if one.unobservable)
     before, after = (evaluate(path, reference, align, 0.02) for path in (raw, smoothed))
     assert after.ape_m.rmse < 1.001 * before.ape_m.rmse
     assert after.rotation_deg.rmse < 1.01 * before.rotation_deg.rmse
