@@ -75,6 +75,8 @@ docs: $(READY) names
 kernels: $(READY)
 	$(BIN)/python -m motorcade.ga.codegen
 	$(BIN)/python -m motorcade.fusion.smoothing.header
+	$(BIN)/python -m motorcade.fusion.filter.model
+	$(BIN)/python -m motorcade.fusion.sync.model
 
 # three.js and uPlot as one module, from what package-lock.json names.
 web: build/web

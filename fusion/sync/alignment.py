@@ -24,8 +24,8 @@ from motorcade.fusion.imu.noise import (
 )
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.preintegration import Preintegrated, preintegrate
-from motorcade.fusion.sync.model import interval_residuals, pose_residuals
 from motorcade.fusion.sync.normal_equations import Bordered, Solved
+from motorcade.fusion.sync.residuals import interval_residuals, pose_residuals
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 

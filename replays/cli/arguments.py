@@ -112,10 +112,12 @@ def shown(value: object) -> str:
 def one_line(error: BaseException) -> str:
     """What went wrong as one line: what, where, and what to do."""
     if isinstance(error, ModuleNotFoundError) and error.name is not None:
+        from motorcade.replays.tasks.doctor import how_to_install
+
         package = error.name.partition(".")[0]
         return (
             f"this command needs the Python package {package!r}, which is not installed; "
-            'pip install "motorcade[pipeline]" brings it'
+            f"{how_to_install(package)} brings it"
         )
     if isinstance(error, OSError) and error.filename is not None:
         return f"{error.filename}: {error.strerror}"

@@ -91,8 +91,10 @@ OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
         "DracoPy": ("DracoPy", "meshes of characters that Draco compressed"),
         "pillow": ("PIL", "textures of characters"),
         "tqdm": ("tqdm", "progress bars"),
-        "casadi": ("casadi", "symbolic code from scripts and kernels"),
         "moderngl": ("moderngl", "drawing characters into footage, and skinning in shaders"),
+    },
+    "generate": {
+        "casadi": ("casadi", "symbolic code from scripts and kernels"),
     },
     "pyrender": {
         "pyrender": ("pyrender", "a second renderer, to compare with"),
@@ -120,6 +122,18 @@ OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
     },
 }
 """Extra, distribution: the module it brings, and what that is for."""
+
+
+def how_to_install(module: str) -> str:
+    """The command that brings a Python module: the extra that it belongs to, or the module itself.
+
+    >>> how_to_install("casadi"), how_to_install("requests")
+    ('pip install "motorcade[generate]"', 'pip install requests')
+    """
+    for extra, packages in OPTIONAL.items():
+        if any(module == known for known, _ in packages.values()):
+            return f'pip install "motorcade[{extra}]"'
+    return f"pip install {module}"
 
 
 def examine_packages() -> list[Finding]:

@@ -26,7 +26,7 @@ from motorcade.ga.codegen.targets.shared.python_module import (
     assignments,
     listed,
 )
-from motorcade.ga.codegen.targets.shared.text import COMPARISONS, SAME_NAMES, WIDTH, wrapped
+from motorcade.ga.codegen.targets.shared.text import COMPARISONS, SAME_NAMES, WIDTH, call, wrapped
 
 _FUNCTIONS = SAME_NAMES | {
     "asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2", "abs": "abs",
@@ -105,7 +105,7 @@ def library_dialect(precision: Precision) -> ArrayTemplates:
 def library_source(group: str, kernels: Sequence[Kernel]) -> str:
     """The Python module of a group of kernels, both precisions."""
     listed = ", ".join(kernel.name for kernel in kernels)
-    functions = [_kernel(k, p) for k in kernels for p in PRECISIONS]
+    functions = [kernel_function(k, p) for k in kernels for p in PRECISIONS]
     body = "".join(f"\n\n{function}\n" for function in functions)
     called = ", ".join(name for name in _POWERS_OF_TWO if f"{name}(" in body)
     imports = "from typing import Any\n"
@@ -135,7 +135,8 @@ def _opening_of(summary: str) -> str:
     return f'"""{text}\n\n{note}\n"""\n# fmt: off\n\nfrom __future__ import annotations\n\n'
 
 
-def _kernel(kernel: Kernel, precision: Precision) -> str:
+def kernel_function(kernel: Kernel, precision: Precision) -> str:
+    """The text of a kernel as a function of arrays ``(*, n)``, one an input; see above."""
     tape = kernel.tape(precision)
     written = statements(tape, library_dialect(precision))
     results = [value for row in written.results for value in row]
@@ -147,9 +148,9 @@ def _kernel(kernel: Kernel, precision: Precision) -> str:
         *(line for value in results for line in wrapped(f"    {value},", WIDTH - 8, " " * 8)),
         ")",
     ]
-    arguments = ", ".join(f"{operand.name}: Any" for operand in kernel.inputs)
-    head = f"def {kernel.name}_{precision.suffix}({arguments}) -> tuple[Any, ...]:"
-    return "\n".join([head, *(f"    {line}" for line in body)])
+    arguments = [f"{operand.name}: Any" for operand in kernel.inputs]
+    head = call(f"def {kernel.name}_{precision.suffix}", arguments, " -> tuple[Any, ...]:")
+    return "\n".join([*head, *(f"    {line}" for line in body)])
 
 
 def _load(operand: Operand, tape: Tape) -> list[str]:
@@ -159,4 +160,8 @@ def _load(operand: Operand, tape: Tape) -> list[str]:
         return [f"{names[0]} = {operand.name}[..., {read[0]}]"]
     chosen = f"range({len(read)})" if read == list(range(len(read))) else str(tuple(read))
     text = f"{', '.join(names)} = ({operand.name}[..., i] for i in {chosen})"
-    return wrapped(text, WIDTH - 4)
+    lines = wrapped(text, WIDTH - 4)
+    if " = (" in lines[0]:
+        return lines
+    names_alone = wrapped(f"    {', '.join(names)}", WIDTH - 4)
+    return ["(", *names_alone, f") = ({operand.name}[..., i] for i in {chosen})"]

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.chains import ChainFactor
-from motorcade.fusion.sync.model import interval_residuals, pose_residuals
 from motorcade.fusion.sync.normal_equations import Bordered
+from motorcade.fusion.sync.residuals import interval_residuals, pose_residuals
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 
@@ -16,6 +16,13 @@ GRAVITY = np.array([0.3, -0.2, -9.8])
 
 def moved(motor: FloatArray, twist: FloatArray) -> FloatArray:
     return (Motor(motor) @ Motor.from_twist(twist)).coefficients
+
+
+def test_the_generated_code_is_current():
+    pytest.importorskip("casadi")
+    from motorcade.fusion.sync.model import GENERATED, residuals_source
+
+    assert GENERATED.read_text(encoding="utf-8") == residuals_source()
 
 
 def test_an_interval_between_states_that_fit_leaves_nothing(rng):

@@ -1,0 +1,1 @@
+"""Code that `motorcade.fusion.sync.model` writes."""
