@@ -132,11 +132,13 @@ def _traced(residual: Residual) -> tuple[list[tuple[int, int]], Kernel]:
     zero = ca.DM.zeros(residual.unknowns)
     missed, slope = ca.substitute([missed, ca.jacobian(missed, step)], [step], [zero])
     rows, unknowns = slope.sparsity().get_triplet()
-    values = ca.Function("values", symbols, [ca.densify(ca.vertcat(missed, *slope.nonzeros()))])
+    derivatives: list[Any] = slope.nonzeros()
+    values = ca.Function("values", symbols, [ca.densify(ca.vertcat(missed, *derivatives))])
     operands = tuple(_operand(*operand) for operand in residual.widths.items())
 
     def define(_: object, *inputs: list[Any]) -> list[list[Any]]:
-        return [_listed(values(*(ca.vertcat(*map(ca.SX, column)) for column in inputs)))]
+        vectors: list[Any] = [ca.vertcat(*column) for column in inputs]
+        return [_listed(values(*vectors))]
 
     count = missed.shape[0] + len(rows)
     kernel = Kernel(
