@@ -30,7 +30,7 @@ from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.markers.corner_stream import checked_stamps
 from motorcade.tracking.pictures import track_corners
 from motorcade.tracking.self_calibration.bodies import velocities
-from motorcade.tracking.self_calibration.lens import KINDS, USUAL_FOCAL, LensKind
+from motorcade.tracking.self_calibration.lens import CENTRE_SHARE, KINDS, USUAL_FOCAL, LensKind
 from motorcade.tracking.self_calibration.points import (
     PointFit,
     PointSightings,
@@ -71,6 +71,7 @@ _PLACES = 6
 _FEWEST_VIEWS, _FEWEST_POINTS = 4, 60
 _LEAST_PARALLAX_DEG = 2.0
 _TOLD_FOCAL, _DOUBTFUL_FOCAL = 0.1, 0.01
+_FARTHEST_ASIDE = 5.0 * CENTRE_SHARE
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,9 +138,16 @@ def self_calibrate_motion(
     parallax, focal = parallax_deg(straight, found.state), float(found.state.numbers[0])
     found = _unfolded(frames, straight, found)
     sigma = _focal_sigma(straight, found)
+    why = ""
     if parallax < _LEAST_PARALLAX_DEG or not sigma <= _TOLD_FOCAL:
-        angle = f"things are seen from directions {parallax:.1f} degrees apart in the middle"
-        return _guessed(frames, focal / max(frames.small), max(sigma, _TOLD_FOCAL), angle)
+        why = f"things are seen from directions {parallax:.1f} degrees apart in the middle"
+    elif (aside := _aside(found, frames)) > _FARTHEST_ASIDE:
+        why = (
+            f"its centre came out {aside:.0%} of the picture beside the middle, where no lens has "
+            "it; of a clip cut from the side of another, state the camera"
+        )
+    if why:
+        return _guessed(frames, focal / max(frames.small), max(sigma, _TOLD_FOCAL), why)
     return replace(_checked(frames, found, sigma), readout=readout)
 
 
@@ -314,6 +322,12 @@ def _guessed(frames: _Frames, focal: float, sigma: float, why: str) -> SelfCalib
     reason = "pinhole: motion does not tell more"
     camera = middle_camera(frames.size, share)
     return SelfCalibration(camera, "motion", float(spread), reason, 0.0, kept, doubts=doubts)
+
+
+def _aside(found: PointFit, frames: _Frames) -> float:
+    """How far the lens's centre is from the picture's, in long sides."""
+    middle = 0.5 * (np.array(frames.small) - 1.0)
+    return float(np.linalg.norm(found.state.numbers[1:3] - middle) / max(frames.small))
 
 
 def _checked(frames: _Frames, found: PointFit, sigma: float) -> SelfCalibration:

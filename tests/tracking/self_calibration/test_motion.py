@@ -129,3 +129,43 @@ def test_points_tell_a_rolling_shutter_and_the_focal_length_in_spite_of_it(
     assert readout.axis == axis
     assert readout.seconds == pytest.approx(max(map(abs, shutter_s)), rel=0.1)
     assert fit_points(seen, start).noise_px > 1.15 * found.noise_px  # it does harm here
+
+
+def pictures_of_walls(centre_px: tuple[float, float], count: int) -> list[np.ndarray]:
+    """Four textured walls one before the other, passed by a camera whose lens has this centre."""
+    rng = np.random.default_rng(12)
+    matrix = Camera(640, 480, 560.0, 560.0, *centre_px).matrix
+    walls = []
+    for depth_m, left_m in ((6.0, -9.0), (4.0, 0.6), (3.0, -2.6), (2.0, 0.9)):
+        wall = cv2.GaussianBlur(rng.integers(0, 255, (900, 1800)).astype(np.float32), (0, 0), 2.0)
+        wall = cv2.normalize(wall, None, 1, 255, cv2.NORM_MINMAX).astype(np.uint8)
+        width = 1800 if depth_m == 6.0 else 200
+        walls.append((wall[:, :width], depth_m, left_m))
+    pictures = []
+    for at in np.linspace(0.0, 2.5, count):
+        turn = Rotor.from_rotation_vector([0.1 * np.sin(at), 0.15 * np.cos(at), 0.05 * at])
+        pose = Motor.from_rotor_translation(turn, [0.7 * at - 0.8, 0.3 * np.sin(at), 0.3 * at])
+        camera_T_world = pose.inverse().as_matrix()
+        picture = np.zeros((480, 640), np.uint8)
+        for wall, depth_m, left_m in walls:
+            # Wall pixels (u, v, 1) are points (left + u / 100, v / 100 - 4.5, depth).
+            points = np.array([[0.01, 0.0, left_m], [0.0, 0.01, -4.5], [0.0, 0.0, depth_m]])
+            moved = camera_T_world[:3, :3] @ points
+            moved[:, 2] += camera_T_world[:3, 3]
+            drawn = cv2.warpPerspective(wall, matrix @ moved, (640, 480))
+            picture = np.where(drawn > 0, drawn, picture)
+        pictures.append(picture)
+    return pictures
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("aside_px", [0.0, 190.0])
+def test_a_centre_where_no_lens_has_it_is_not_believed(aside_px: float) -> None:
+    """Whether motion misled it or the clip was cut from the side of another cannot be told."""
+    pictures = pictures_of_walls((319.5 + aside_px, 239.5), 30)
+    calibration = self_calibrate_motion(pictures, (640, 480), np.arange(30) * 33_333_333)
+    assert any("beside the middle" in doubt for doubt in calibration.doubts) == (aside_px > 0.0)
+    if aside_px == 0.0:
+        assert calibration.camera.fx == pytest.approx(560.0, rel=0.03)
+    else:
+        assert calibration.camera.cx == 319.5
