@@ -142,8 +142,8 @@ class Material:
             "occlusion_map",
             "emission_map",
         )
-        given = {name: getattr(self, name) for name in names}
-        return {name: one for name, one in given.items() if one is not None}
+        by_name = {name: getattr(self, name) for name in names}
+        return {name: one for name, one in by_name.items() if one is not None}
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,10 +200,10 @@ class Appearance:
         shape = self.coordinates.shape
         if len(shape) != 3 or shape[2] != 2:
             raise ValueError(f"Appearance.coordinates: expected (S, V, 2), got {shape}")
-        for name, given in (("colors", self.colors), ("tangents", self.tangents)):
-            if given is not None and given.shape != (shape[1], 4):
+        for name, values in (("colors", self.colors), ("tangents", self.tangents)):
+            if values is not None and values.shape != (shape[1], 4):
                 raise ValueError(
-                    f"Appearance.{name}: expected shape ({shape[1]}, 4), got {given.shape}"
+                    f"Appearance.{name}: expected shape ({shape[1]}, 4), got {values.shape}"
                 )
         at = 0
         for part in self.parts:
@@ -213,11 +213,11 @@ class Appearance:
                     f"to {part.stop}"
                 )
             at = part.stop
-            for name, one in part.material.maps.items():
-                if one.coordinate_set >= shape[0]:
+            for name, texture in part.material.maps.items():
+                if texture.coordinate_set >= shape[0]:
                     raise ValueError(
                         f"Appearance.parts: expected coordinates for {name} of "
-                        f"'{part.material.name}' in set {one.coordinate_set}, got {shape[0]} sets"
+                        f"'{part.material.name}' in set {texture.coordinate_set}, got {shape[0]}"
                     )
 
     @property
@@ -231,9 +231,9 @@ class Appearance:
         Raises:
             ValueError: as said; `name` is whose mesh it is.
         """
-        found = self.coordinates.shape[1], self.triangle_count
-        if found != (len(vertices), len(triangles)):
+        counts = self.coordinates.shape[1], self.triangle_count
+        if counts != (len(vertices), len(triangles)):
             raise ValueError(
                 f"{name}.appearance: expected {len(vertices)} vertices and {len(triangles)} "
-                f"triangles as the mesh has, got {found[0]} and {found[1]}"
+                f"triangles as the mesh has, got {counts[0]} and {counts[1]}"
             )

@@ -79,12 +79,12 @@ class Character:
     def __post_init__(self) -> None:
         count = len(np.asarray(self.vertices))
         for name, width in (("vertices", 3), ("normals", 3), ("colors", 3), ("weights", 4)):
-            given = checked_floats(getattr(self, name), f"Character.{name}", (width,))
-            if given.shape != (count, width):
+            values = checked_floats(getattr(self, name), f"Character.{name}", (width,))
+            if values.shape != (count, width):
                 raise ValueError(
-                    f"Character.{name}: expected shape ({count}, {width}), got {given.shape}"
+                    f"Character.{name}: expected shape ({count}, {width}), got {values.shape}"
                 )
-            object.__setattr__(self, name, frozen(given))
+            object.__setattr__(self, name, frozen(values))
         if not count:
             raise ValueError("Character.vertices: expected one vertex or more, got none")
         for name, shape, limit in (

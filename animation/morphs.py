@@ -43,12 +43,12 @@ class MorphTarget:
 
     def __post_init__(self) -> None:
         for name in ("positions", "normals"):
-            given = checked_floats(getattr(self, name), f"MorphTarget.{name}", (3,))
-            if given.shape != (len(self.rows), 3):
+            values = checked_floats(getattr(self, name), f"MorphTarget.{name}", (3,))
+            if values.shape != (len(self.rows), 3):
                 raise ValueError(
-                    f"MorphTarget.{name}: expected shape ({len(self.rows)}, 3), got {given.shape}"
+                    f"MorphTarget.{name}: expected shape ({len(self.rows)}, 3), got {values.shape}"
                 )
-            object.__setattr__(self, name, frozen(given))
+            object.__setattr__(self, name, frozen(values))
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,8 +123,8 @@ def morphed(
     array([[0. , 0. , 0. ],
            [0. , 0. , 0.5]])
     """
-    given = [one.weight for one in targets] if weights is None else weights
-    shares = checked_floats(given, "morphed(weights)", ())
+    mixed = [one.weight for one in targets] if weights is None else weights
+    shares = checked_floats(mixed, "morphed(weights)", ())
     if shares.shape != (len(targets),):
         raise ValueError(f"morphed(weights): expected {len(targets)}, got shape {shares.shape}")
     if not shares.any():

@@ -89,15 +89,15 @@ class PoseRuntime:
         """
         if kind not in _WIDTHS:
             raise ValueError(f"palette(kind): expected 'matrix' or 'motor', got {kind!r}")
-        made = np.empty((self._count, _WIDTHS[kind]), np.float32) if out is None else out
-        self._rig.pose(layers, self._by_screw, kind, made)
-        return made
+        entries = np.empty((self._count, _WIDTHS[kind]), np.float32) if out is None else out
+        self._rig.pose(layers, self._by_screw, kind, entries)
+        return entries
 
     def local(self, layers: Layers) -> Motor:
         """The blended local poses, Motor ``(J,)`` in float32; arguments as for `palette`."""
-        made = np.empty((self._count, 8), np.float32)
-        self._rig.pose(layers, self._by_screw, "local", made)
-        return Motor.normalize(made)
+        coefficients = np.empty((self._count, 8), np.float32)
+        self._rig.pose(layers, self._by_screw, "local", coefficients)
+        return Motor.normalize(coefficients)
 
     def repeat(
         self, layers: Layers, times: int, kind: Literal["matrix", "motor"] = "matrix"
@@ -110,8 +110,8 @@ class PoseRuntime:
         """
         if times < 1:
             raise ValueError(f"repeat(times): expected 1 or more, got {times}")
-        made = self.palette(layers, kind)
-        return self._rig.repeat(layers, self._by_screw, kind, made, times) / times
+        entries = self.palette(layers, kind)
+        return self._rig.repeat(layers, self._by_screw, kind, entries, times) / times
 
 
 def _rows(motors: Motor) -> NDArray[np.float64]:

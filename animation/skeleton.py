@@ -141,12 +141,12 @@ def local_poses(parents: IntArray, world: Poses) -> Poses:
     return type(world).normalize(local)
 
 
-def with_joint(poses: Poses, joint: int, made: Poses) -> Poses:
+def with_joint(poses: Poses, joint: int, joint_pose: Poses) -> Poses:
     """Local poses (*, J) in which one joint's pose is `made` (*) instead; batches broadcast."""
-    shape = np.broadcast_shapes(poses.shape[:-1], made.shape)
+    shape = np.broadcast_shapes(poses.shape[:-1], joint_pose.shape)
     size = poses.coefficients.shape[-2:]
     changed = np.broadcast_to(poses.coefficients, (*shape, *size)).copy()
-    changed[..., joint, :] = type(poses).normalize(made.coefficients).coefficients
+    changed[..., joint, :] = type(poses).normalize(joint_pose.coefficients).coefficients
     return type(poses)(changed)
 
 

@@ -23,5 +23,5 @@ def to_linear(srgb: FloatArray) -> FloatArray:
 def to_srgb(linear: FloatArray) -> FloatArray:
     """Values (sRGB) of linear light, both from 0 to 1; what lies outside is clipped."""
     inside = np.clip(linear, 0.0, 1.0)
-    made = np.where(inside <= 0.0031308, 12.92 * inside, 1.055 * inside ** (1.0 / 2.4) - 0.055)
-    return np.clip(made, 0.0, 1.0)
+    encoded = np.where(inside <= 0.0031308, 12.92 * inside, 1.055 * inside ** (1.0 / 2.4) - 0.055)
+    return np.clip(encoded, 0.0, 1.0)

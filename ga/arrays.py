@@ -104,12 +104,12 @@ def _check_shape(array: FloatArray, name: str, trailing: tuple[int, ...]) -> Non
         raise ValueError(f"{name}: expected shape {shape_text(trailing)}, got {array.shape}")
 
 
-def common_precision(*given: Any) -> np.dtype[Any]:
+def common_precision(*inputs: Any) -> np.dtype[Any]:
     """float32 where every array among the inputs is of float32, else float64.
 
     Whatever has a ``dtype`` counts as an array; Python's numbers and lists have no precision.
     """
-    kinds = {np.dtype(one.dtype) for one in given if hasattr(one, "dtype")}
+    kinds = {np.dtype(one.dtype) for one in inputs if hasattr(one, "dtype")}
     return np.dtype(np.float32 if kinds == {np.dtype(np.float32)} else np.float64)
 
 

@@ -122,10 +122,10 @@ def is_there(path: Path) -> bool:
     (False, {PosixPath('/hero.md5anim'): 'missing'})
     """
     try:
-        found = path.is_file()
+        exists = path.is_file()
     except OSError:  # of a name that is too long
-        found = False
-    if found:
+        exists = False
+    if exists:
         return True
     _note(path, _state(path))
     return False

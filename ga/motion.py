@@ -79,22 +79,22 @@ def sampled_motion(sample: TwistSample[Motor]) -> SplineSample:
 
 def twist_bracket(a: FloatArray, b: FloatArray) -> FloatArray:
     """Commutator of twists, ``(*, 6)`` or ``(*, 7)``."""
-    made: FloatArray = np.zeros(np.broadcast_shapes(a.shape, b.shape))
-    made[..., :3] = cross(a[..., :3], b[..., :3])
-    made[..., 3:6] = cross(a[..., :3], b[..., 3:6])
-    made[..., 3:6] += cross(a[..., 3:6], b[..., :3])
+    bracket: FloatArray = np.zeros(np.broadcast_shapes(a.shape, b.shape))
+    bracket[..., :3] = cross(a[..., :3], b[..., :3])
+    bracket[..., 3:6] = cross(a[..., :3], b[..., 3:6])
+    bracket[..., 3:6] += cross(a[..., 3:6], b[..., :3])
     if a.shape[-1] == 7:
-        made[..., 3:6] += a[..., 6:] * b[..., 3:6] - b[..., 6:] * a[..., 3:6]
-    return made
+        bracket[..., 3:6] += a[..., 6:] * b[..., 3:6] - b[..., 6:] * a[..., 3:6]
+    return bracket
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
     """Cross products ``(*, 3)``: the numbers of `numpy.cross`, in a fifth of its time."""
-    made = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    product = np.empty(np.broadcast_shapes(a.shape, b.shape))
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        made[..., i] = a[..., j] * b[..., k]
-        made[..., i] -= a[..., k] * b[..., j]
-    return made
+        product[..., i] = a[..., j] * b[..., k]
+        product[..., i] -= a[..., k] * b[..., j]
+    return product
 
 
 def check_within(path: str, time_s: FloatArray, start_ns: int, duration_s: float) -> None:

@@ -56,16 +56,16 @@ def sum_of(
     >>> sum_of([("e1", -2), ("e2", 0.0), ("e3", 1)], lambda blade, value: f"{abs(value)}{blade}")
     '-2e1 + 1e3'
     """
-    made = ""
+    terms = ""
     shown = ((blade, value) for blade, value in items if not _is_nothing(value))
     for count, (blade, value) in enumerate(islice(shown, MAX_TERMS + 1)):
         negative = is_number(value) and value < 0
         text = left_out if count == MAX_TERMS else term(blade, value)
-        if not made:
-            made = f"{minus}{text}" if negative else text
+        if not terms:
+            terms = f"{minus}{text}" if negative else text
         else:
-            made += f" {minus if negative and count < MAX_TERMS else '+'} {text}"
-    return made or "0"
+            terms += f" {minus if negative and count < MAX_TERMS else '+'} {text}"
+    return terms or "0"
 
 
 def _is_nothing(value: Any) -> bool:

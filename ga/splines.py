@@ -370,7 +370,7 @@ def fit_controls(
         ModuleNotFoundError: scipy is missing.
     """
     strength = _SMOOTHNESS * len(segment) / (len(controls) - 5)
-    made = np.array(controls.coefficients)
+    coefficients = np.array(controls.coefficients)
     for part, kept in _parts(len(controls)):
         rows = slice(*np.searchsorted(segment, [part.start, part.stop - 5]).tolist())
         fitted = _fitted(
@@ -378,8 +378,8 @@ def fit_controls(
         )
         if fitted is None:
             return None
-        made[kept] = fitted.coefficients[kept.start - part.start : kept.stop - part.start]
-    return Motor(made)
+        coefficients[kept] = fitted.coefficients[kept.start - part.start : kept.stop - part.start]
+    return Motor(coefficients)
 
 
 def _parts(count: int) -> Iterator[tuple[slice, slice]]:
@@ -490,20 +490,22 @@ def _normal_equations(
     controls: Motor, segment: IntArray, weights: FloatArray, poses: Motor, strength: float
 ) -> _Equations:
     chain, segments = _Chain.of(controls), len(controls) - 5
-    made = _Equations(np.zeros((6 * len(controls), 36)), np.zeros(6 * len(controls)), 0.0)
+    equations = _Equations(np.zeros((6 * len(controls), 36)), np.zeros(6 * len(controls)), 0.0)
     cost = 0.0
     for start in range(0, len(segment), _FIT_CHUNK):
         part = slice(start, start + _FIT_CHUNK)
         pose, jacobian = _pose_jacobians(chain, segment[part], weights[:, part])
         residual = _residuals(pose, poses[part])
         cost += float(np.sum(residual**2))
-        made.add(int(segment[start]), *_summed(jacobian, residual, segment[part] - segment[start]))
+        equations.add(
+            int(segment[start]), *_summed(jacobian, residual, segment[part] - segment[start])
+        )
     for start in range(0, segments, _FIT_CHUNK):
         rough, jacobian = _roughness(chain, start, min(segments, start + _FIT_CHUNK))
         turned = strength * np.swapaxes(jacobian, -1, -2)
-        made.add(start, turned @ jacobian, -(turned @ rough[..., None])[..., 0])
+        equations.add(start, turned @ jacobian, -(turned @ rough[..., None])[..., 0])
         cost += strength * float(np.sum(rough**2))
-    return made._replace(cost=cost)
+    return equations._replace(cost=cost)
 
 
 def _summed(
@@ -538,5 +540,5 @@ def _solve_band(equations: _Equations, damping: float) -> FloatArray:
     # The smoothness term leaves out steps that are polynomials over the whole spline.
     diagonal = band[:, 0]
     diagonal += 1e-14 * np.max(diagonal) + damping * diagonal
-    made = solveh_banded(band.T, equations.right, overwrite_ab=True, lower=True)
-    return np.asarray(made).reshape(-1, 6)
+    solution = solveh_banded(band.T, equations.right, overwrite_ab=True, lower=True)
+    return np.asarray(solution).reshape(-1, 6)

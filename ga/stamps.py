@@ -63,17 +63,17 @@ def checked_increasing(value: ArrayLike, name: str, fewest: int) -> IntArray:
     Raises:
         ValueError: as `checked_stamps`; another shape, fewer, or stamps that do not increase.
     """
-    given = checked_stamps(value, name)
-    if given.ndim != 1 or given.size < fewest:
-        raise ValueError(f"{name}: expected shape (N,) with N >= {fewest}, got {given.shape}")
-    backwards = np.flatnonzero(np.diff(given) <= 0)
+    values = checked_stamps(value, name)
+    if values.ndim != 1 or values.size < fewest:
+        raise ValueError(f"{name}: expected shape (N,) with N >= {fewest}, got {values.shape}")
+    backwards = np.flatnonzero(np.diff(values) <= 0)
     if backwards.size:
         at = int(backwards[0]) + 1
         raise ValueError(
-            f"{name}: expected strictly increasing stamps, got {int(given[at])} at index {at} "
-            f"after {int(given[at - 1])}"
+            f"{name}: expected strictly increasing stamps, got {int(values[at])} at index {at} "
+            f"after {int(values[at - 1])}"
         )
-    stamps = given.copy()
+    stamps = values.copy()
     stamps.setflags(write=False)
     return stamps
 

@@ -249,6 +249,7 @@ def _composed(a: Motor | Similarity, b: Motor | Similarity) -> Motor | Similarit
     if isinstance(a, Motor) and isinstance(b, Motor):
         return a @ b
     first, second = (
-        Similarity.from_motor_scale(one) if isinstance(one, Motor) else one for one in (a, b)
+        Similarity.from_motor_scale(versor) if isinstance(versor, Motor) else versor
+        for versor in (a, b)
     )
     return first @ second

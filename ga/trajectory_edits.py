@@ -185,10 +185,10 @@ def propagated(trajectory: Trajectory, right: Motor) -> Trajectory:
     """
     poses = trajectory.motors
     steps = poses[:-1].inverse() @ poses[1:] @ right
-    made = [poses[0]]
+    walked = [poses[0]]
     for step in steps:
-        made.append(Motor.normalize((made[-1] @ step).coefficients))
-    stacked = Motor.stack(made)
+        walked.append(Motor.normalize((walked[-1] @ step).coefficients))
+    stacked = Motor.stack(walked)
     return Trajectory(trajectory.time_ns, stacked, trajectory.parent, trajectory.child)
 
 

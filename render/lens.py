@@ -146,9 +146,9 @@ class LensWarp:
         rows, columns = np.nonzero(near.all(axis=-1))
         if not rows.size:
             return slice(0, 1), slice(0, 1)
-        found, size = np.array([columns, rows]), np.array([self.camera.width, self.camera.height])
-        low = np.maximum(STEP * (found.min(axis=1) - 1), 0)
-        return window_of((low, np.minimum(STEP * (found.max(axis=1) + 1), size - 1)))
+        pixels, size = np.array([columns, rows]), np.array([self.camera.width, self.camera.height])
+        low = np.maximum(STEP * (pixels.min(axis=1) - 1), 0)
+        return window_of((low, np.minimum(STEP * (pixels.max(axis=1) + 1), size - 1)))
 
     def drawn(self, shown: Window) -> Extent:
         """The part of `pinhole`'s picture that shows in a window of `camera`'s, and a little around

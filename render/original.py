@@ -81,8 +81,8 @@ class OriginalVideo:
         ticks = stream.time_base.denominator
         clock = Fraction(1, ticks * max(1, -(-_LEAST_TICKS // ticks)))
         context: Any = stream.codec_context
-        told = context.colorspace, context.color_primaries, context.color_trc
-        matrix, primaries, transfer = map(int, told)
+        codes = context.colorspace, context.color_primaries, context.color_trc
+        matrix, primaries, transfer = map(int, codes)
         if matrix not in _CONVERTED:
             return cls(path, clock, ColourCoding())
         # Older names of pixel forms say full levels by themselves, whatever the container says.

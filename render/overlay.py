@@ -174,11 +174,11 @@ def _usual_light(
     if light_direction is None:
         direction = sunlight_direction(placement, cameras)
     else:
-        given = checked_floats(light_direction, "light_direction", (3,))
-        length = np.linalg.norm(given)
+        vector = checked_floats(light_direction, "light_direction", (3,))
+        length = np.linalg.norm(vector)
         if length == 0.0:
             raise ValueError("light_direction: expected a vector with a length, got zeros")
-        direction = given / length
+        direction = vector / length
     height_m = placement.scale * first.character.height_m
     light = character_lighting(placement, cameras, height_m, direction)
     return above_ground(light, placement.world_T_character.translation_m, placement.up)

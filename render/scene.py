@@ -63,10 +63,10 @@ class Surface:
             ("colors", 3),
             ("texture_coordinates", 2),
         ):
-            given = getattr(self, name)
-            if given is not None and given.shape != (count, width):
+            values = getattr(self, name)
+            if values is not None and values.shape != (count, width):
                 raise ValueError(
-                    f"Surface.{name}: expected shape ({count}, {width}), got {given.shape}"
+                    f"Surface.{name}: expected shape ({count}, {width}), got {values.shape}"
                 )
         if self.appearance is not None:
             self.appearance.check(self.vertices, self.triangles, "Surface")

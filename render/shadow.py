@@ -323,7 +323,8 @@ def _add_blurred(total: ShadeArray, at_cell: FloatArray, amount: FloatArray, wid
     # Farther away than this the blur ends, and bringing it to the fine grid takes a cell more.
     reach = math.ceil(KERNEL * width / coarse) + 2
     (left, right), (low, high) = (
-        (max(int(one.min()) - reach, 0), min(int(one.max()) + reach + 2, size)) for one in (x, y)
+        (max(int(values.min()) - reach, 0), min(int(values.max()) + reach + 2, size))
+        for values in (x, y)
     )
     soft = cv2.GaussianBlur(
         _dropped(x - left, y - low, amount / coarse**2, (high - low, right - left)),

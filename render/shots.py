@@ -170,8 +170,8 @@ class FilmStage:
                 continue
             depth_m = rest[0] if rest else None
             moments = [
-                self._posed(int(one), world_T_camera.motors_at(one))
-                for one in np.clip(matching.moments_ns(time_ns), *span_ns)
+                self._posed(int(stamp_ns), world_T_camera.motors_at(stamp_ns))
+                for stamp_ns in np.clip(matching.moments_ns(time_ns), *span_ns)
             ]
             window = self._window(moments)
             drawn = [self._draw(renderer, one, window, depth_m is not None) for one in moments]
@@ -223,9 +223,9 @@ class FilmStage:
 
     def _draw(self, renderer: Renderer, moment: _Moment, window: Window, measured: bool) -> _Drawn:
         """The figures and their shade, as the footage's camera sees them in a window."""
-        for k, one in enumerate(moment.figures):
-            turn = one.world_T_ground.rotor
-            renderer.move(k, one.world_T_ground.apply(one.own_m), turn.apply(one.normals))
+        for k, posed in enumerate(moment.figures):
+            turn = posed.world_T_ground.rotor
+            renderer.move(k, posed.world_T_ground.apply(posed.own_m), turn.apply(posed.normals))
         self._follow(renderer, moment.figures[0])
         pinhole, pose = self.lens.pinhole, moment.world_T_camera
         layer = self.lens.layer(renderer.render(pinhole, pose), window)

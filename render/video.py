@@ -247,21 +247,21 @@ def contact_sheet(
     >>> contact_sheet(np.zeros((3, 48, 64, 3), np.uint8), columns=2, width=32).shape
     (66, 82, 3)
     """
-    given = list(frames)
-    if not given or any(one.shape != given[0].shape for one in given) or 0 in given[0].shape:
-        shapes = sorted({one.shape for one in given})
+    images = list(frames)
+    if not images or any(one.shape != images[0].shape for one in images) or 0 in images[0].shape:
+        shapes = sorted({one.shape for one in images})
         raise ValueError(f"contact_sheet(frames): expected frames of one size, got {shapes}")
-    if columns < 1 or width < 1 or (labels and len(labels) != len(given)):
+    if columns < 1 or width < 1 or (labels and len(labels) != len(images)):
         raise ValueError(
             f"contact_sheet: expected columns and a width above 0 and a label a frame, got "
-            f"{columns}, {width} and {len(labels)} labels for {len(given)} frames"
+            f"{columns}, {width} and {len(labels)} labels for {len(images)} frames"
         )
-    height = max(1, round(given[0].shape[0] * width / given[0].shape[1]))
-    rows = -(-len(given) // columns)
+    height = max(1, round(images[0].shape[0] * width / images[0].shape[1]))
+    rows = -(-len(images) // columns)
     step = height + GAP_PX, width + GAP_PX
-    across = min(columns, len(given))
+    across = min(columns, len(images))
     sheet = np.full((rows * step[0] + GAP_PX, across * step[1] + GAP_PX, 3), PAPER, np.uint8)
-    for k, frame in enumerate(given):
+    for k, frame in enumerate(images):
         small = cv2.resize(frame, (width, height), interpolation=cv2.INTER_AREA)
         if labels:
             _write(small, labels[k])

@@ -60,23 +60,23 @@ class Evidence:
     def forward(self, at: FloatArray) -> dict[str, float]:
         """Evidence that the first side is the left one, by kind; against it where negative."""
         across, trunk = self.axes(at)
-        found: dict[str, float] = {}
+        signs: dict[str, float] = {}
         if self.legs is not None:
             hip, knee, ankle = (at[:, joints] for joints in self.legs)
             ahead = unit(np.cross(across[:, None], hip - ankle))
-            found["knees"] = KNEES * _bent(hip, knee, ankle, ahead)
+            signs["knees"] = KNEES * _bent(hip, knee, ankle, ahead)
             if self.toes is not None:
                 step = unit(at[:, self.toes] - ankle)
                 shin = unit(np.cross(across[:, None], knee - ankle))
                 share = float(np.mean(np.sum(step * shin, axis=-1)))
-                found["toes"] = TOES * float(np.clip(share / 0.5, -1.0, 1.0))
+                signs["toes"] = TOES * float(np.clip(share / 0.5, -1.0, 1.0))
                 if abs(share) < CLEAR_FOOT:
-                    found["toes"] = 0.0
+                    signs["toes"] = 0.0
         if self.arms is not None:
             shoulder, elbow, wrist = (at[:, joints] for joints in self.arms)
             ahead = np.repeat(unit(np.cross(across, trunk))[:, None], 2, axis=1)
-            found["elbows"] = -ELBOWS * _bent(shoulder, elbow, wrist, ahead)
-        return found
+            signs["elbows"] = -ELBOWS * _bent(shoulder, elbow, wrist, ahead)
+        return signs
 
 
 def _bent(start: FloatArray, middle: FloatArray, end: FloatArray, ahead: FloatArray) -> float:
@@ -161,25 +161,25 @@ def body_from(
         return Body(_by_names(tree, named))
     front = unit(np.cross(across, own_up))
     if four_legged:
-        found = {"trunk": float(np.sign(np.cross(across, own_up) @ trunk)) * TOES}
+        signs = {"trunk": float(np.sign(np.cross(across, own_up) @ trunk)) * TOES}
     else:
-        found = evidence.forward(at)
+        signs = evidence.forward(at)
         for kind, value in ({} if motion is None else _moving(evidence, motion)).items():
-            if abs(value) > abs(found.get(kind, 0.0)):
-                found[kind] = value
-        if skin is not None and not found.get("toes"):
-            found["skin"] = _by_skin(evidence, tree, skin, across)
-        found["names"] = _by_sides(tree, legs, arms)
+            if abs(value) > abs(signs.get(kind, 0.0)):
+                signs[kind] = value
+        if skin is not None and not signs.get("toes"):
+            signs["skin"] = _by_skin(evidence, tree, skin, across)
+        signs["names"] = _by_sides(tree, legs, arms)
         if ahead is not None:
-            found["habit"] = habit * float(front @ ahead)
-    total = sum(found.values())
+            signs["habit"] = habit * float(front @ ahead)
+    total = sum(signs.values())
     first = 0 if total >= 0.0 else 1
-    told = max(found, key=lambda kind: found[kind] * (1.0 if total >= 0.0 else -1.0))
+    strongest = max(signs, key=lambda kind: signs[kind] * (1.0 if total >= 0.0 else -1.0))
     sides = (SIDES[first], SIDES[1 - first])
     roles = middle | _roles(tree, legs, arms, sides, named)
     known = abs(total) >= ENOUGH
     signed = front if first == 0 else -front
-    return Body(roles, own_up, signed if known else None, told, four_legged, evidence)
+    return Body(roles, own_up, signed if known else None, strongest, four_legged, evidence)
 
 
 def _stance(
@@ -321,7 +321,9 @@ def _middle(
     chain: list[int] = []
     onward = [k for k in tree.children[arms.pair.above] if k not in kept]
     while onward:
-        chain.append(max(onward, key=lambda one: tree.bone[one] + tree.reach[one]))
+        chain.append(
+            max(onward, key=lambda joint_below: tree.bone[joint_below] + tree.reach[joint_below])
+        )
         onward = tree.children[chain[-1]]
     if chain:
         middle["head"] = chain[_head(tree, chain)]
@@ -382,15 +384,17 @@ def _roles(
 
 def _by_names(tree: JointTree, named: Mapping[int, str]) -> dict[str, int]:
     """Roles of a tree in which no two limbs are alike."""
-    made: dict[str, int] = {}
+    chosen: dict[str, int] = {}
     for joint, role in named.items():
-        if role == "hips" and made.get("hips", -1) == tree.parents[joint]:
-            made["hips"] = joint
-        made.setdefault(role, joint)
-    if "hips" not in made and all(f"{side}_thigh" in made for side in SIDES):
-        lines = [tree.line(made[f"{side}_thigh"]) for side in SIDES]
-        made["hips"] = next((k for k in lines[0] if k in lines[1]), lines[0][-1])
-    return made if not _mirrored(tree, made) else {_other(role): k for role, k in made.items()}
+        if role == "hips" and chosen.get("hips", -1) == tree.parents[joint]:
+            chosen["hips"] = joint
+        chosen.setdefault(role, joint)
+    if "hips" not in chosen and all(f"{side}_thigh" in chosen for side in SIDES):
+        lines = [tree.line(chosen[f"{side}_thigh"]) for side in SIDES]
+        chosen["hips"] = next((k for k in lines[0] if k in lines[1]), lines[0][-1])
+    return (
+        chosen if not _mirrored(tree, chosen) else {_other(role): k for role, k in chosen.items()}
+    )
 
 
 def _mirrored(tree: JointTree, roles: Mapping[str, int]) -> bool:

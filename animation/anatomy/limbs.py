@@ -139,7 +139,7 @@ def legs_and_arms(
         return best
     if not legs or not arms:
         return legs[0] if legs else None, arms[0] if arms else None
-    leg, arm = (max(fits, key=lambda one: one.score) for fits in (legs, arms))
+    leg, arm = (max(fits, key=lambda fit: fit.score) for fits in (legs, arms))
     low = 0.0 if up is None else float(np.diff(tree.at[leg.joints].mean(axis=1) @ up)[0])
     return (leg, None) if leg.score - low / longest >= arm.score else (None, arm)
 

@@ -62,35 +62,35 @@ class JointTree:
     @cached_property
     def children(self) -> list[list[int]]:
         """Joints below each; of the last entry, the roots."""
-        made: list[list[int]] = [[] for _ in range(len(self.names) + 1)]
+        below: list[list[int]] = [[] for _ in range(len(self.names) + 1)]
         for joint, parent in enumerate(self.parents.tolist()):
-            made[parent].append(joint)
-        return made
+            below[parent].append(joint)
+        return below
 
     @cached_property
     def bone(self) -> FloatArray:
         """Length ``(J,)`` of the bone from the joint above; 0 for roots."""
         held = self.parents >= 0
-        made = np.zeros(len(self.names))
-        made[held] = np.linalg.norm(self.at[held] - self.at[self.parents[held]], axis=1)
-        return made
+        lengths = np.zeros(len(self.names))
+        lengths[held] = np.linalg.norm(self.at[held] - self.at[self.parents[held]], axis=1)
+        return lengths
 
     @cached_property
     def reach(self) -> FloatArray:
         """The longest way ``(J,)`` along bones from each joint to an end."""
-        made = np.zeros(len(self.names))
+        reached = np.zeros(len(self.names))
         for joint in range(len(self.names) - 1, -1, -1):
             parent = int(self.parents[joint])
             if parent >= 0:
-                made[parent] = max(made[parent], made[joint] + self.bone[joint])
-        return made
+                reached[parent] = max(reached[parent], reached[joint] + self.bone[joint])
+        return reached
 
     def line(self, joint: int) -> list[int]:
         """A joint and its parents, the nearest first."""
-        found = [joint]
-        while self.parents[found[-1]] >= 0:
-            found.append(int(self.parents[found[-1]]))
-        return found
+        upward = [joint]
+        while self.parents[upward[-1]] >= 0:
+            upward.append(int(self.parents[upward[-1]]))
+        return upward
 
     def is_below(self, joint: int, above: int) -> bool:
         """Whether a joint is another, or hangs below it; below −1 hang all."""
@@ -103,24 +103,26 @@ class JointTree:
         """Pairs that hang on the middle line of the tree, from the roots on."""
         if len(self.names) > MOST_JOINTS:
             return []
-        found, middle = [], [-1]
+        limbs, middle = [], [-1]
         while middle:
             above = middle.pop()
             free = self._longest(self.children[above])
             pairs = [self._chain(a, b) for k, a in enumerate(free) for b in free[k + 1 :]]
             taken: set[int] = set()
-            for chains, cost in sorted(pairs, key=lambda one: one[1]):
+            for chains, cost in sorted(pairs, key=lambda candidate: candidate[1]):
                 if cost > SAME_CHAIN or taken & set(chains[0]):
                     continue
                 taken |= set(chains[0])
-                found.append(LimbPair(np.array(chains), above))
+                limbs.append(LimbPair(np.array(chains), above))
             middle += [joint for joint in self.children[above] if joint not in taken]
-        return found
+        return limbs
 
     def _longest(self, joints: list[int]) -> list[int]:
         if self.carries is not None:
             joints = [joint for joint in joints if self.carries[joint]]
-        return sorted(joints, key=lambda one: -(self.reach[one] + self.bone[one]))[:MOST_BRANCHES]
+        return sorted(joints, key=lambda joint: -(self.reach[joint] + self.bone[joint]))[
+            :MOST_BRANCHES
+        ]
 
     def _chain(self, a: int, b: int) -> tuple[list[tuple[int, int]], float]:
         """The longest chain alike below two joints, and how unlike it is, as a share."""
@@ -132,17 +134,17 @@ class JointTree:
             best, most = None, 0.0
             for c in self._longest(self.children[a]):
                 for d in self._longest(self.children[b]):
-                    one, other = float(self.bone[c]), float(self.bone[d])
-                    if abs(one - other) > SAME_LENGTH * max(one, other) + 0.02 * length:
+                    bone_c, other = float(self.bone[c]), float(self.bone[d])
+                    if abs(bone_c - other) > SAME_LENGTH * max(bone_c, other) + 0.02 * length:
                         continue
-                    ways = one + self.reach[c], other + self.reach[d]
-                    worth = min(ways) - 2.0 * abs(one - other)
+                    ways = bone_c + self.reach[c], other + self.reach[d]
+                    worth = min(ways) - 2.0 * abs(bone_c - other)
                     if worth > most or best is None:
                         best, most = (c, d), worth
             if best is None:
                 break
-            one, other = self.bone[best[0]], self.bone[best[1]]
-            length, apart = length + max(one, other), apart + abs(one - other)
+            bone_c, other = self.bone[best[0]], self.bone[best[1]]
+            length, apart = length + max(bone_c, other), apart + abs(bone_c - other)
             chain.append(best)
         size = length + first
         reached = size / max(min(self.reach[k] + self.bone[k] for k in chain[0]), 1e-12)

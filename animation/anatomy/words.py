@@ -49,12 +49,12 @@ FEWEST_NAMES, MOST_ALIKE = 6, 0.9
 def named_roles(names: tuple[str, ...]) -> dict[int, str]:
     """Roles by joint, as far as names tell them; several joints may have one."""
     words = [_side_and_part(name) for name in _bare(names)]
-    made = {}
+    roles = {}
     for joint, (side, part) in enumerate(words):
         role = _role(side, part, words)
         if role and not CONTROL.search(names[joint]):
-            made[joint] = role
-    return made
+            roles[joint] = role
+    return roles
 
 
 def named_sides(names: tuple[str, ...]) -> list[str]:

@@ -156,18 +156,18 @@ def _no_number(word: str) -> Any:
 
 def short(value: object) -> str:
     """What was given in 80 letters at most, however large it is."""
-    told = _SHORT.repr(value)
-    return told if len(told) <= 80 else f"{told[:77]}..."
+    text = _SHORT.repr(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."
 
 
 def anchor_json(anchor: SceneAnchor) -> dict[str, Any]:
     """As an entry of `anchors`."""
-    made: dict[str, Any] = {"on": anchor.on}
+    fields: dict[str, Any] = {"on": anchor.on}
     if anchor.marker is not None:
-        made["marker"] = anchor.marker
+        fields["marker"] = anchor.marker
     if anchor.floor_m:
-        made["floor_m"] = anchor.floor_m
-    return made
+        fields["floor_m"] = anchor.floor_m
+    return fields
 
 
 def pose_json(pose: Similarity) -> dict[str, Any]:
@@ -181,26 +181,26 @@ def pose_json(pose: Similarity) -> dict[str, Any]:
 
 def part_json(part: ScenePart) -> dict[str, Any]:
     """What an object has besides its name, parent and pose."""
-    made: dict[str, Any] = {}
+    fields: dict[str, Any] = {}
     if part.height_m is not None:
-        made["height_m"] = part.height_m
+        fields["height_m"] = part.height_m
     if part.clip is not None:
-        made["clip"] = part.clip
+        fields["clip"] = part.clip
     if part.clip_start_s:
-        made["clip_start_s"] = part.clip_start_s
+        fields["clip_start_s"] = part.clip_start_s
     if part.layers:
-        made["layers"] = [layer_json(one) for one in part.layers]
+        fields["layers"] = [layer_json(one) for one in part.layers]
     if part.walk is not None:
-        made["walk"] = _walk_json(part.walk)
+        fields["walk"] = _walk_json(part.walk)
     if part.keyframes:
-        made["keyframes"] = [_keyframe_json(one) for one in part.keyframes]
+        fields["keyframes"] = [_keyframe_json(one) for one in part.keyframes]
     if part.interpolation != "motor":
-        made["interpolation"] = part.interpolation
+        fields["interpolation"] = part.interpolation
     if part.joint_keyframes:
-        made["joint_keyframes"] = [_pose_of_joints_json(one) for one in part.joint_keyframes]
+        fields["joint_keyframes"] = [_pose_of_joints_json(one) for one in part.joint_keyframes]
     if part.visible_s is not None:
-        made["visible"] = list(part.visible_s)
-    return made
+        fields["visible"] = list(part.visible_s)
+    return fields
 
 
 def _keyframe_json(scene_keyframe: SceneKeyframe) -> dict[str, Any]:
@@ -221,16 +221,16 @@ def _pose_of_joints_json(joint_keyframe: JointKeyframe) -> dict[str, Any]:
 
 def layer_json(layer: SceneLayer) -> dict[str, Any]:
     """As an entry of `layers`."""
-    made: dict[str, Any] = {"clip": layer.clip, "joints": layer.joints, "weight": layer.weight}
+    fields: dict[str, Any] = {"clip": layer.clip, "joints": layer.joints, "weight": layer.weight}
     if layer.additive:
-        made["additive"] = True
+        fields["additive"] = True
     if layer.start_s:
-        made["start_s"] = layer.start_s
+        fields["start_s"] = layer.start_s
     if layer.end_s is not None:
-        made["end_s"] = layer.end_s
+        fields["end_s"] = layer.end_s
     if layer.fade_s != FADE_S:
-        made["fade_s"] = layer.fade_s
-    return made
+        fields["fade_s"] = layer.fade_s
+    return fields
 
 
 def _walk_json(walk: SceneWalk) -> dict[str, Any]:

@@ -76,7 +76,7 @@ def _row(pitch_deg: float, name: str, asked_deg: float) -> GimbalRow:
     wanted = before @ Rotor.from_rotation_vector(asked * axis)
     by_euler = _dragged(held, axis, asked)
     by_rotor = _dragged(VersorObjectPose(held.as_similarity()), axis, asked)
-    made = (before.inverse() @ by_euler).as_rotation_vector()
+    rotation = (before.inverse() @ by_euler).as_rotation_vector()
     little = before @ Rotor.from_rotation_vector(np.radians(0.1) * axis)
     run = little.as_euler() - before.as_euler()
     run = np.abs((run + np.pi) % (2.0 * np.pi) - np.pi)
@@ -86,7 +86,7 @@ def _row(pitch_deg: float, name: str, asked_deg: float) -> GimbalRow:
         asked_deg,
         _between_deg(wanted, by_rotor),
         _between_deg(wanted, by_euler),
-        _angle_deg(np.sign(asked) * axis, made),
+        _angle_deg(np.sign(asked) * axis, rotation),
         float(np.degrees(run.max())),
     )
 

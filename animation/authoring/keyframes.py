@@ -51,7 +51,7 @@ def between_keyframes(
         raise ValueError("between_keyframes(part): expected one keyframe or more, got none")
     clock = checked_floats(time_s, "between_keyframes(time_s)", ())
     at = np.array([one.time_s for one in keys])
-    made = np.empty((len(clock), 12))
+    coefficients = np.empty((len(clock), 12))
     row = np.clip(np.searchsorted(at, clock, side="right") - 1, 0, max(len(at) - 2, 0))
     for first in np.unique(row):
         rows = np.flatnonzero(row == first)
@@ -59,8 +59,8 @@ def between_keyframes(
         span = max(float(at[last] - at[first]), 1e-12)
         share = np.clip((clock[rows] - at[first]) / span, 0.0, 1.0)
         poses = _joined(part, int(first), int(last), share, interpolation or part.interpolation)
-        made[rows] = poses.coefficients
-    return Similarity.normalize(made)
+        coefficients[rows] = poses.coefficients
+    return Similarity.normalize(coefficients)
 
 
 def _joined(
@@ -73,8 +73,8 @@ def _joined(
     if interpolation == "quaternion":
         return VersorObjectPose(a).towards(VersorObjectPose(b), share)
     ends = [
-        EulerObjectPose(part.angles_at(k), one.translation_m, float(one.scale))
-        for k, one in ((first, a), (last, b))
+        EulerObjectPose(part.angles_at(k), end.translation_m, float(end.scale))
+        for k, end in ((first, a), (last, b))
     ]
     return ends[0].towards(ends[1], share)
 
@@ -133,21 +133,21 @@ def compare_interpolations(
     time_s = np.append(np.concatenate(steps), at[-1])
     screw = between_keyframes(part, time_s, "motor")
     least = float(np.sum(_turns(Rotor.stack([one.parent_T_object.rotor for one in keys]))))
-    made: dict[Interpolation, InterpolationFigures] = {}
+    figures: dict[Interpolation, InterpolationFigures] = {}
     for way in INTERPOLATIONS:
         poses = between_keyframes(part, time_s, way)
         turns = _turns(poses.rotor)
         rates = turns / np.diff(time_s)
         off_m = np.linalg.norm(poses.translation_m - screw.translation_m, axis=-1)
         off_rad = (screw.rotor.inverse() @ poses.rotor).angle()
-        made[way] = InterpolationFigures(
+        figures[way] = InterpolationFigures(
             float(np.sum(turns)) / least if least > 0.0 else 1.0,
             float(rates.max()),
             float(np.sum(turns) / (at[-1] - at[0])),
             float(off_m.max()),
             float(np.max(np.minimum(off_rad, 2.0 * np.pi - off_rad))),
         )
-    return made
+    return figures
 
 
 def _turns(rotors: Rotor) -> FloatArray:

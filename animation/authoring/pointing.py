@@ -128,11 +128,11 @@ def checked_direction(value: ArrayLike, name: str) -> FloatArray:
     Raises:
         ValueError: another shape, NaN or infinity, no direction.
     """
-    given = checked_vector(value, name)
-    most = float(np.abs(given).max())
+    vector = checked_vector(value, name)
+    most = float(np.abs(vector).max())
     if not most > 0.0:
-        raise ValueError(f"{name}: expected a direction, got {given}")
-    scaled = given / most  # so that no square overflows, or comes to nothing
+        raise ValueError(f"{name}: expected a direction, got {vector}")
+    scaled = vector / most  # so that no square overflows, or comes to nothing
     return frozen(scaled / np.linalg.norm(scaled))
 
 
@@ -391,7 +391,7 @@ class JointDrag:
         aside = float(np.linalg.norm(np.cross(away, ray.direction)))
         half = np.sqrt(max(radius**2 - aside**2, 0.0))
         wanted = float(ray.direction @ (place - ray.origin_m))
-        depth = min((along - half, along + half), key=lambda one: abs(one - wanted))
+        depth = min((along - half, along + half), key=lambda depth_m: abs(depth_m - wanted))
         point: FloatArray = ray.origin_m + depth * ray.direction
         return point
 
@@ -411,13 +411,13 @@ def limb_above(skeleton: Skeleton, local_pose: Motor, joint: str) -> dict[str, J
     if top is None:
         limb = above[:_ABOVE]
     at = skeleton.world(local_pose)
-    made: dict[str, JointKind] = {}
-    for one in limb:
-        bend = _BENDS.get(roles.get(one, "").partition("_")[2])
-        below = next((k for k in (number, *above) if skeleton.parents[k] == one), number)
-        hinge = None if bend is None else _hinge(skeleton, at, one, below, bend)
-        made[skeleton.names[one]] = hinge or Ball()
-    return made
+    kinds: dict[str, JointKind] = {}
+    for number_above in limb:
+        bend = _BENDS.get(roles.get(number_above, "").partition("_")[2])
+        below = next((k for k in (number, *above) if skeleton.parents[k] == number_above), number)
+        hinge = None if bend is None else _hinge(skeleton, at, number_above, below, bend)
+        kinds[skeleton.names[number_above]] = hinge or Ball()
+    return kinds
 
 
 def _hinge(skeleton: Skeleton, at: Motor, joint: int, below: int, bend: float) -> Hinge | None:

@@ -181,8 +181,8 @@ class EulerObjectPose(ObjectPose):
 
     def __post_init__(self) -> None:
         for name in ("angles_rad", "position_m"):
-            given = checked_vector(getattr(self, name), f"EulerObjectPose.{name}")
-            object.__setattr__(self, name, frozen(given))
+            values = checked_vector(getattr(self, name), f"EulerObjectPose.{name}")
+            object.__setattr__(self, name, frozen(values))
         checked_positive(self.scale, "EulerObjectPose.scale")
 
     @classmethod
@@ -245,10 +245,10 @@ def checked_vector(value: ArrayLike, name: str) -> FloatArray:
     Raises:
         ValueError: anything else.
     """
-    given = checked_floats(value, name, (3,))
-    if given.shape != (3,):
-        raise ValueError(f"{name}: expected (3,), got {given.shape}")
-    return given
+    values = checked_floats(value, name, (3,))
+    if values.shape != (3,):
+        raise ValueError(f"{name}: expected (3,), got {values.shape}")
+    return values
 
 
 def _in_parent(

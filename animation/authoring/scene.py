@@ -141,8 +141,8 @@ class Scene:
         world = Similarity.identity()
         if above is not None:
             world = world_T_anchor.get(above, world)
-        for one in reversed(chain):
-            world = world @ self.pose_at(one, time_s)
+        for link in reversed(chain):
+            world = world @ self.pose_at(link, time_s)
         return world
 
     def world_T_object(
@@ -184,17 +184,17 @@ class Scene:
         poses = [world_T_anchor.get(one, still).coefficients for one in rows]
         levels: dict[int, list[tuple[int, int]]] = {}
         depth = dict.fromkeys(rows, 0)
-        for one in (one for one in self.parents if one in wanted):
-            rows[one], parent = len(poses), self.parents[one]
-            poses.append(self.pose_at(one, time_s).coefficients)
-            depth[one] = 0 if parent is None else depth[parent] + 1
+        for needed in (one for one in self.parents if one in wanted):
+            rows[needed], parent = len(poses), self.parents[needed]
+            poses.append(self.pose_at(needed, time_s).coefficients)
+            depth[needed] = 0 if parent is None else depth[parent] + 1
             if parent is not None:
-                levels.setdefault(depth[one], []).append((rows[parent], rows[one]))
-        made = np.array(poses)
+                levels.setdefault(depth[needed], []).append((rows[parent], rows[needed]))
+        stacked = np.array(poses)
         for level in sorted(levels):
             above_rows, own = np.array(levels[level]).T
-            made[own] = (Similarity(made[above_rows]) @ Similarity(made[own])).coefficients
-        return Similarity(made[[rows[name] for name in names]])
+            stacked[own] = (Similarity(stacked[above_rows]) @ Similarity(stacked[own])).coefficients
+        return Similarity(stacked[[rows[name] for name in names]])
 
     def branch(self, name: str) -> list[str]:
         """An object and all that hang on it, in their order.
@@ -203,11 +203,11 @@ class Scene:
             ValueError: no such object.
         """
         self.pose(name)
-        found = {name}
-        for one, parent in self.parents.items():
-            if parent in found:
-                found.add(one)
-        return [one for one in self.parents if one in found]
+        names = {name}
+        for child, parent in self.parents.items():
+            if parent in names:
+                names.add(child)
+        return [one for one in self.parents if one in names]
 
     def pose(self, name: str) -> ObjectPose:
         """The pose of an object in its parent.

@@ -81,8 +81,8 @@ def scene_of(tree: object, where: str) -> Scene:
     top = table(tree, where, _TOP)
     version = top.get("version", VERSION)
     if top.get("schema", SCHEMA) != SCHEMA or type(version) is not int or version != VERSION:
-        told = f"{short(top.get('schema', SCHEMA))} {short(top.get('version', VERSION))}"
-        raise ValueError(f"{where}: schema: expected '{SCHEMA}' {VERSION}, got {told}")
+        stated = f"{short(top.get('schema', SCHEMA))} {short(top.get('version', VERSION))}"
+        raise ValueError(f"{where}: schema: expected '{SCHEMA}' {VERSION}, got {stated}")
     objects = top.get("objects")
     if not isinstance(objects, list) or len(objects) > MOST_OBJECTS:
         raise ValueError(f"{where}: objects: expected a list of at most {MOST_OBJECTS} objects")
@@ -91,18 +91,18 @@ def scene_of(tree: object, where: str) -> Scene:
     poses: dict[str, ObjectPose] = {}
     parts: dict[str, ScenePart] = {}
     _count_keyframes(objects, where)
-    for index, given in enumerate(objects):
+    for index, entry in enumerate(objects):
         here = f"{where}: objects[{index}]"
-        one = object_of(given, here)
-        if one.name in parents or one.name in anchors:
-            raise ValueError(f"{here}.name: expected a name of its own, got {one.name!r}")
-        if one.parent is not None and not (one.parent in parents or one.parent in anchors):
+        placed = object_of(entry, here)
+        if placed.name in parents or placed.name in anchors:
+            raise ValueError(f"{here}.name: expected a name of its own, got {placed.name!r}")
+        if placed.parent is not None and not (placed.parent in parents or placed.parent in anchors):
             raise ValueError(
-                f"{here}.parent: expected an object named before, got {short(one.parent)}"
+                f"{here}.parent: expected an object named before, got {short(placed.parent)}"
             )
-        parents[one.name], poses[one.name] = one.parent, one.pose
-        if one.part.kind != "group" or one.part.keyframes:
-            parts[one.name] = one.part
+        parents[placed.name], poses[placed.name] = placed.parent, placed.pose
+        if placed.part.kind != "group" or placed.part.keyframes:
+            parts[placed.name] = placed.part
     try:
         return Scene(parents, poses, parts, anchors)
     except ValueError as fault:
@@ -112,11 +112,11 @@ def scene_of(tree: object, where: str) -> Scene:
 def _count_keyframes(objects: list[Any], where: str) -> None:
     """Refuse too many keyframes before any is looked at."""
     lists = [
-        one[key]
-        for one in objects
-        if isinstance(one, dict)
+        entry[key]
+        for entry in objects
+        if isinstance(entry, dict)
         for key in ("keyframes", "joint_keyframes")
-        if isinstance(one.get(key), list)
+        if isinstance(entry.get(key), list)
     ]
     if sum(map(len, lists)) > MOST_KEYFRAMES:
         raise ValueError(f"{where}: objects: expected at most {MOST_KEYFRAMES} keyframes in all")
@@ -159,18 +159,20 @@ def scene_text(scene: Scene) -> str:
     >>> json.loads(scene_text(scene_of({"objects": [{"name": "cup"}]}, "")))["version"]
     1
     """
-    made = json.dumps(scene.as_json(), indent=1, allow_nan=False) + "\n"
-    if len(made) > MOST_BYTES:  # in ASCII
-        raise ValueError(f"scene: expected at most {MOST_BYTES} bytes to write, got {len(made)}")
-    return made
+    document = json.dumps(scene.as_json(), indent=1, allow_nan=False) + "\n"
+    if len(document) > MOST_BYTES:  # in ASCII
+        raise ValueError(
+            f"scene: expected at most {MOST_BYTES} bytes to write, got {len(document)}"
+        )
+    return document
 
 
 def _anchors(value: object, where: str) -> dict[str, SceneAnchor]:
     anchors = {}
     if not isinstance(value, dict) or len(value) > MOST_IN_A_LIST:
         raise ValueError(f"{where}: expected at most {MOST_IN_A_LIST} anchors by name")
-    for name, one in value.items():
-        anchors[name] = anchor_of(one, f"{where}['{object_name(name, where)}']")
+    for name, entry in value.items():
+        anchors[name] = anchor_of(entry, f"{where}['{object_name(name, where)}']")
     return anchors
 
 
@@ -190,7 +192,7 @@ def anchor_of(value: object, where: str) -> SceneAnchor:
     return anchor
 
 
-def part_fields(given: Mapping[str, Any], where: str) -> dict[str, Any]:
+def part_fields(fields: Mapping[str, Any], where: str) -> dict[str, Any]:
     """What an object's keys say of its `ScenePart`, by its fields; null is the default.
 
     Raises:
@@ -198,20 +200,20 @@ def part_fields(given: Mapping[str, Any], where: str) -> dict[str, Any]:
     """
     said = {}
     for key, (field, read) in _PART.items():
-        if key in given:
+        if key in fields:
             at = f"{where}.{key}"
-            value = given[key]
+            value = fields[key]
             said[field] = _DEFAULTS[field] if value is None else prefixed(at, read, value, at)
     return said
 
 
-def prefixed(where: str, read: Callable[..., Any], *given: Any) -> Any:
+def prefixed(where: str, read: Callable[..., Any], *arguments: Any) -> Any:
     """What is read; what is refused without saying where, says so."""
     try:
-        return read(*given)
+        return read(*arguments)
     except ValueError as fault:
-        told = str(fault)
-        raise ValueError(told if told.startswith(where) else f"{where}: {told}") from fault
+        reason = str(fault)
+        raise ValueError(reason if reason.startswith(where) else f"{where}: {reason}") from fault
 
 
 def _rows(read: Callable[[object, str], Any], most: int) -> Callable[[object, str], Any]:
@@ -233,81 +235,81 @@ def layer_of(value: object, where: str) -> SceneLayer:
     Raises:
         ValueError: a wrong field; the message begins with `where`.
     """
-    one = table(
+    fields = table(
         value, where, ("clip", "joints", "weight", "additive", "start_s", "end_s", "fade_s")
     )
-    additive = one.get("additive", False)
+    additive = fields.get("additive", False)
     if not isinstance(additive, bool):
         raise ValueError(f"{where}.additive: expected true or false, got {short(additive)}")
-    end = one.get("end_s")
+    end = fields.get("end_s")
     return SceneLayer(
-        text(one.get("clip"), f"{where}.clip"),
-        _word(one.get("joints", "upper")),
-        number(one.get("weight", 1.0), f"{where}.weight"),
+        text(fields.get("clip"), f"{where}.clip"),
+        _word(fields.get("joints", "upper")),
+        number(fields.get("weight", 1.0), f"{where}.weight"),
         additive,
-        number(one.get("start_s", 0.0), f"{where}.start_s"),
+        number(fields.get("start_s", 0.0), f"{where}.start_s"),
         None if end is None else number(end, f"{where}.end_s"),
-        number(one.get("fade_s", FADE_S), f"{where}.fade_s"),
+        number(fields.get("fade_s", FADE_S), f"{where}.fade_s"),
     )
 
 
 def _walk(value: object, where: str) -> SceneWalk:
-    one = table(value, where, ("path_m", "start_s", "speed_m_s", "gaits"))
-    points = listed(one.get("path_m"), f"{where}.path_m", MOST_IN_A_LIST)
-    speed = one.get("speed_m_s")
-    gaits = listed(one.get("gaits", ["walk"]), f"{where}.gaits", MOST_IN_A_LIST)
+    fields = table(value, where, ("path_m", "start_s", "speed_m_s", "gaits"))
+    points = listed(fields.get("path_m"), f"{where}.path_m", MOST_IN_A_LIST)
+    speed = fields.get("speed_m_s")
+    gaits = listed(fields.get("gaits", ["walk"]), f"{where}.gaits", MOST_IN_A_LIST)
     return SceneWalk(
         np.array([vector(point, f"{where}.path_m", 2) for point in points]).reshape(-1, 2),
-        number(one.get("start_s", 0.0), f"{where}.start_s"),
+        number(fields.get("start_s", 0.0), f"{where}.start_s"),
         None if speed is None else number(speed, f"{where}.speed_m_s"),
         tuple(text(name, f"{where}.gaits") for name in gaits),
     )
 
 
 def _keyframe(value: object, where: str) -> SceneKeyframe:
-    one = table(value, where, ("time_s", *POSE_KEYS))
+    fields = table(value, where, ("time_s", *POSE_KEYS))
     angles = None
-    if one.get("euler_deg") is not None:
-        x, y, z = vector(one["euler_deg"], f"{where}.euler_deg", 3).tolist()
+    if fields.get("euler_deg") is not None:
+        x, y, z = vector(fields["euler_deg"], f"{where}.euler_deg", 3).tolist()
         angles = x, y, z
     return SceneKeyframe(
-        number(one.get("time_s"), f"{where}.time_s"), similarity_of(one, where), angles
+        number(fields.get("time_s"), f"{where}.time_s"), similarity_of(fields, where), angles
     )
 
 
 def _joint_keyframe(value: object, where: str) -> JointKeyframe:
-    one = table(value, where, ("time_s", "joints", "end_s"))
-    joints = one.get("joints")
+    fields = table(value, where, ("time_s", "joints", "end_s"))
+    joints = fields.get("joints")
     if not isinstance(joints, dict) or len(joints) > MOST_IN_A_LIST:
         raise ValueError(f"{where}.joints: expected at most {MOST_IN_A_LIST} turns by joint")
     rotors = {
         text(name, f"{where}.joints"): rotor_of(wxyz, f"{where}.joints['{short(name)}']")
         for name, wxyz in joints.items()
     }
-    end = one.get("end_s")
+    end = fields.get("end_s")
     return JointKeyframe(
-        number(one.get("time_s"), f"{where}.time_s"),
+        number(fields.get("time_s"), f"{where}.time_s"),
         rotors,
         None if end is None else number(end, f"{where}.end_s"),
     )
 
 
-def similarity_of(given: Mapping[str, Any], where: str) -> Similarity:
+def similarity_of(fields: Mapping[str, Any], where: str) -> Similarity:
     """A pose by its keys; what is left out is none.
 
     Raises:
         ValueError: a wrong field; the message begins with `where`.
     """
-    if "wxyz" in given and "euler_deg" in given:
+    if "wxyz" in fields and "euler_deg" in fields:
         raise ValueError(f"{where}: expected wxyz or euler_deg, got both")
     rotor = Rotor.identity()
-    if "wxyz" in given:
-        rotor = rotor_of(given["wxyz"], f"{where}.wxyz")
-    elif "euler_deg" in given:
-        angles = np.radians(vector(given["euler_deg"], f"{where}.euler_deg", 3))
+    if "wxyz" in fields:
+        rotor = rotor_of(fields["wxyz"], f"{where}.wxyz")
+    elif "euler_deg" in fields:
+        angles = np.radians(vector(fields["euler_deg"], f"{where}.euler_deg", 3))
         rotor = Rotor.from_euler(angles)
-    position = vector(given.get("position_m", [0, 0, 0]), f"{where}.position_m", 3)
-    scale = number(given.get("scale", 1.0), f"{where}.scale")
+    position = vector(fields.get("position_m", [0, 0, 0]), f"{where}.position_m", 3)
+    scale = number(fields.get("scale", 1.0), f"{where}.scale")
     low, high = SCALES
     if not low * (1.0 - _ROUNDING) <= scale <= high * (1.0 + _ROUNDING):
         raise ValueError(f"{where}.scale: expected 1e-6 to 1e6, got {scale:g}")

@@ -57,11 +57,11 @@ class Act:
         Raises:
             ValueError: a clip of a single pose.
         """
-        made = _brought_to_front(replace(clip, poses=clip.poses.rigid), skeleton, legs)
-        if legs and len(made.time_s) > 3:
-            planted = plant_feet(skeleton, made.time_s, made.poses.rigid, legs)
-            made = replace(made, poses=planted, looped=False)
-        return cls(*split_root_motion(made, skeleton))
+        centred = _brought_to_front(replace(clip, poses=clip.poses.rigid), skeleton, legs)
+        if legs and len(centred.time_s) > 3:
+            planted = plant_feet(skeleton, centred.time_s, centred.poses.rigid, legs)
+            centred = replace(centred, poses=planted, looped=False)
+        return cls(*split_root_motion(centred, skeleton))
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,7 +245,7 @@ def gait_between(
     loops = [on_the_spot(replace(clip, poses=clip.poses.rigid), skeleton, legs) for clip in clips]
     if speed_m_s is None:
         return loops[0]
-    order = sorted(loops, key=lambda one: one[1])
+    order = sorted(loops, key=lambda loop: loop[1])
     speeds = np.array([speed for _, speed in order])
     low, high = speeds[0], speeds[-1]
     if not (1.0 - SAME_SPEED) * low <= speed_m_s <= (1.0 + SAME_SPEED) * high:

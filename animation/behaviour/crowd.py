@@ -75,14 +75,14 @@ def keep_apart(cast: Sequence[tuple[Actor, Errand]], gap_m: float = 0.0) -> Crow
         planned = _in_order(wanted, list(range(count)), gap_m, resting=True)
     timelines, notes, stays = [], [], []
     for number, (actor, errand) in enumerate(cast):
-        found = planned[number]
-        if found is None:
+        timeline = planned[number]
+        if timeline is None:
             stays.append(actor.name)
             notes.append(_why_it_stays(number, wanted, gap_m))
-            found = _staying(wanted[number])
+            timeline = _staying(wanted[number])
         else:
-            notes.append(_note(errand, found.errand))
-        timelines.append(found)
+            notes.append(_note(errand, timeline.errand))
+        timelines.append(timeline)
     return Crowd(tuple(timelines), tuple(notes), tuple(stays), _least_gap(timelines))
 
 
@@ -110,20 +110,21 @@ def closest_m(performances: Sequence[tuple[Actor, Performance]]) -> float:
     if len(performances) < 2:
         return float("inf")
     skins = [_skin_m(*one) for one in performances]
-    found = float("inf")
-    for one, other in combinations(skins, 2):
-        rows = np.arange(max(len(one), len(other)))
-        first, second = (np.minimum(rows, len(skin) - 1) for skin in (one, other))
+    least_m = float("inf")
+    for first_skin, other in combinations(skins, 2):
+        rows = np.arange(max(len(first_skin), len(other)))
+        first, second = (np.minimum(rows, len(skin) - 1) for skin in (first_skin, other))
         low, high = (
-            np.stack([f(one, axis=1)[first], f(other, axis=1)[second]]) for f in (np.min, np.max)
+            np.stack([f(first_skin, axis=1)[first], f(other, axis=1)[second]])
+            for f in (np.min, np.max)
         )
         gaps = np.maximum(low - high[::-1], 0.0).max(axis=0)
         apart = np.linalg.norm(gaps, axis=1)
         for row in np.argsort(apart):
-            if apart[row] >= found:
+            if apart[row] >= least_m:
                 break
-            found = min(found, _nearest_m(one[first[row]], other[second[row]]))
-    return found
+            least_m = min(least_m, _nearest_m(first_skin[first[row]], other[second[row]]))
+    return least_m
 
 
 def _skin_m(actor: Actor, performance: Performance) -> FloatArray:
@@ -221,13 +222,13 @@ def _around(me: Timeline, others: Sequence[_Track], gap_m: float) -> Timeline | 
     for _ in range(BENDS):
         best: Timeline | None = None
         further: list[tuple[Timeline, _Track]] = []
-        for one, track in tried:
+        for candidate, track in tried:
             late = _first_wait(track, others, gap_m)
-            if late is not None and (best is None or one.done_s + late < best.done_s):
-                waiting = replace(one.errand, waits_s=one.errand.waits_s + late)
-                best = Timeline(one.actor, waiting) if late else one
+            if late is not None and (best is None or candidate.done_s + late < best.done_s):
+                waiting = replace(candidate.errand, waits_s=candidate.errand.waits_s + late)
+                best = Timeline(candidate.actor, waiting) if late else candidate
             if late != 0.0:
-                further += _ways_round(one, track, others, gap_m)
+                further += _ways_round(candidate, track, others, gap_m)
         further.sort(key=lambda pair: pair[0].done_s)
         clear = (one for one, track in further if _clears(track, others, gap_m))
         round_it = next(clear, None)
@@ -271,7 +272,7 @@ def _ways_round(
             near.append((int(below[0]), int(below[-1]), other))
     if not near:
         return []
-    first, last, other = min(near, key=lambda one: one[0])
+    first, last, other = min(near, key=lambda meeting: meeting[0])
     row = min((first + last) // 2, len(track.at_m) - 1)
     place = other.at_m[min(row, len(other.at_m) - 1)]
     wide = track.radius_m[row] + other.radius_m[min(row, len(other.radius_m) - 1)] + gap_m
@@ -302,9 +303,9 @@ def _bent(
     on[0], on[-1] = 0.0, path.length_m
     before, after = on < at_m - spare_m, on > at_m + spare_m
     before[0], after[-1] = True, True
-    made = np.concatenate([points[before], point[None], points[after & ~before]])
-    steps = np.linalg.norm(np.diff(made, axis=0), axis=1)
-    return None if np.any(steps < 1e-3 * spare_m) else made
+    bent = np.concatenate([points[before], point[None], points[after & ~before]])
+    steps = np.linalg.norm(np.diff(bent, axis=0), axis=1)
+    return None if np.any(steps < 1e-3 * spare_m) else bent
 
 
 def _staying(timeline: Timeline) -> Timeline:
@@ -315,12 +316,12 @@ def _staying(timeline: Timeline) -> Timeline:
 def _why_it_stays(number: int, wanted: Sequence[Timeline], gap_m: float) -> str:
     """That there is no way, and who rests where it would, or would do so."""
     mine, said = _Track.of(wanted[number]), "finds no way to its goal and stays"
-    for other, one in enumerate(wanted):
-        for rests in (one, _staying(one)):
+    for other, resting in enumerate(wanted):
+        for rests in (resting, _staying(resting)):
             lacking = gap_m - _rest_gap(mine, _Track.of(rests))
             if other != number and lacking > 0.0:
-                where = "starts" if rests is not one else "ends"
-                who = f"'{one.actor.name}' {where}"
+                where = "starts" if rests is not resting else "ends"
+                who = f"'{resting.actor.name}' {where}"
                 return f"{said}: its goal is {lacking:.3g} m too near to where {who}"
     return f"{said}: none that was tried keeps clear of the others"
 

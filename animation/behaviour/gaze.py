@@ -105,8 +105,8 @@ class Gaze:
         eyes = _eyes(skeleton, head)
         swing, turn = SWING_RAD / len(line), TURN_RAD / len(line)
         joints = {
-            skeleton.names[one]: Ball(swing, (-turn, turn), axis=_inside(skeleton, one, UP))
-            for one in line
+            skeleton.names[joint]: Ball(swing, (-turn, turn), axis=_inside(skeleton, joint, UP))
+            for joint in line
         }
         joints |= {
             skeleton.names[eye]: Ball(EYES_RAD, (0.0, 0.0), axis=_inside(skeleton, eye, AHEAD))

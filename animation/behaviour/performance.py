@@ -113,7 +113,7 @@ def foot_slides_m(actor: Actor, performance: Performance) -> list[tuple[float, f
     )
     world = own.reshape(-1, 1) @ skeleton.world(performance.poses)
     touches_m = TOUCHES * float(np.max(skeleton.rest_world.translation_m[:, 2]))
-    found = []
+    slides = []
     for leg in actor.legs:
         ball = skeleton.index(leg.ball)
         at = world[:, ball].translation_m
@@ -121,14 +121,14 @@ def foot_slides_m(actor: Actor, performance: Performance) -> list[tuple[float, f
         for start, end in stretches(low):
             places = at[start:end, :2]
             off = np.linalg.norm(places - np.median(places, axis=0), axis=1).max()
-            found.append(
+            slides.append(
                 (
                     float(performance.time_s[start]),
                     float(performance.time_s[end - 1]),
                     actor.scale * float(off),
                 )
             )
-    return found
+    return slides
 
 
 def _unplanted(
@@ -210,8 +210,8 @@ def _standing_on_the_way(
     count = rows.stop - rows.start
     clock = first + step * np.arange(-before, count + max(after, more))
     poses = rigid(played(actor.cycle, actor.standing, way.pace), clock)
-    found = stances_along(actor.skeleton, actor.legs, poses, clock, way.pace)
-    return [one[before : before + count] for one in found]
+    stances = stances_along(actor.skeleton, actor.legs, poses, clock, way.pace)
+    return [one[before : before + count] for one in stances]
 
 
 def _with_layers(timeline: Timeline, time_s: FloatArray, poses: Motor) -> Motor:

@@ -112,8 +112,8 @@ class Turning:
         whole = np.floor(np.clip(beat, 0.0, beats))
         share = (whole + smootherstep(beat - whole) * (whole < beats)) / beats
         turn = turn_z(self.angle_rad * share)
-        made = self.before @ Motor.from_rotor_translation(turn, np.zeros((*share.shape, 3)))
-        return made.reshape(*made.shape, 1)
+        motors = self.before @ Motor.from_rotor_translation(turn, np.zeros((*share.shape, 3)))
+        return motors.reshape(*motors.shape, 1)
 
     def swinging(self, leg: int, passed_s: FloatArray) -> FloatArray:
         """How far leg 0 (left) or 1 is through its swing ``(*)``, from 0 to 1; 0 where it stands.
@@ -140,10 +140,10 @@ class Travelling:
         first, last = self.motion.time_s[[0, -1]]
         clock = np.asarray(time_s, dtype=np.float64) - self.start_s + first
         moved = self.motion.at(np.clip(clock, first, last - 1e-9))
-        made = self.before @ Motor.from_rotor_translation(
+        motors = self.before @ Motor.from_rotor_translation(
             moved.rotor, self.scale * moved.translation_m
         )
-        return made.reshape(*made.shape, 1)
+        return motors.reshape(*motors.shape, 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,8 +229,8 @@ class Layered:
             weights = share[..., None] * self.mask
             return _motor(added(below, additive(above, self.reference), weights))
         layers = [PoseLayer(below, mask=1.0 - self.mask), PoseLayer(above, mask=self.mask)]
-        made = _motor(blend_layers(layers, Motor.identity(self.mask.shape)))
-        return below.interpolate(made, share[..., None])
+        layered = _motor(blend_layers(layers, Motor.identity(self.mask.shape)))
+        return below.interpolate(layered, share[..., None])
 
 
 def _motor(poses: Poses) -> Motor:

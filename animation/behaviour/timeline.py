@@ -102,12 +102,12 @@ class Timeline:
     def at(self, time_s: ArrayLike) -> Motor:
         """``plane_T_character`` ``(F,)`` at times ``(F,)``."""
         clock = np.asarray(time_s, dtype=np.float64)
-        made = np.empty((len(clock), 8))
+        coefficients = np.empty((len(clock), 8))
         for way, rows in zip(self.ways, self.rows(clock), strict=True):
             if rows.stop > rows.start:
                 moved = way.at(clock[rows])
-                made[rows] = moved.coefficients[:, 0]
-        return Motor.normalize(made)
+                coefficients[rows] = moved.coefficients[:, 0]
+        return Motor.normalize(coefficients)
 
     def rows(self, time_s: FloatArray) -> list[slice]:
         """Which of rising times ``(F,)`` lie in each segment."""
@@ -119,11 +119,11 @@ class Timeline:
 
     def reach_m(self, time_s: FloatArray) -> FloatArray:
         """Radius ``(F,)`` of the upright cylinder about its place that holds it, plane metres."""
-        made = np.zeros(len(time_s))
+        reach = np.zeros(len(time_s))
         radii = [self._radius_m(one) for one in self.segments]
         for number, rows in enumerate(self.rows(time_s)):
-            made[rows] = max(radii[max(number - 1, 0) : number + 1])  # what blends out reaches on
-        return made
+            reach[rows] = max(radii[max(number - 1, 0) : number + 1])  # what blends out reaches on
+        return reach
 
     def _radius_m(self, segment: Segment) -> float:
         kind = {"act": segment.clip, "idle": "idle", "turn": "idle"}.get(segment.state, "walk")

@@ -111,11 +111,11 @@ def _morphs(
     time_s: FloatArray,
 ) -> MorphTrack | None:
     """Weights of morph targets between those of two clips of one character; None without any."""
-    found = [
+    pair = [
         clip.morph_weights(start + rate * time_s)
         for clip, start, rate in zip(clips, starts, rates, strict=True)
     ]
-    first, second = found
+    first, second = pair
     if first is None or second is None:
         return None
     if first.shape != second.shape:
@@ -159,8 +159,8 @@ def differences_m(
     for weight in weights:
         positions = {}
         for name in names:
-            made = blend_clips(first, second, weight, name, in_phase=in_phase, offset=offset)
-            positions[name] = skeleton.world(made.poses.rigid).apply(held)[..., seen, :]
+            blended = blend_clips(first, second, weight, name, in_phase=in_phase, offset=offset)
+            positions[name] = skeleton.world(blended.poses.rigid).apply(held)[..., seen, :]
         for a, b in combinations(names, 2):
             distance = float(np.linalg.norm(positions[a] - positions[b], axis=-1).max())
             apart[a, b] = max(apart.get((a, b), 0.0), distance)

@@ -82,8 +82,8 @@ class BlendSpace:
 
     def weights(self, value: ArrayLike) -> FloatArray:
         """Shares of the clips ``(*, K)`` at values ``(*)``; outside the positions the nearest."""
-        given = checked_floats(value, "BlendSpace.weights(value)", ())
-        columns = [np.interp(given, self.positions, row) for row in np.eye(len(self.clips))]
+        values = checked_floats(value, "BlendSpace.weights(value)", ())
+        columns = [np.interp(values, self.positions, row) for row in np.eye(len(self.clips))]
         return np.stack(columns, axis=-1)
 
     def duration_s(self, value: ArrayLike) -> FloatArray:

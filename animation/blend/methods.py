@@ -137,20 +137,20 @@ def _shares(shape: tuple[int, ...], weights: ArrayLike) -> FloatArray:
     """Weights as ``(*, J, K)`` that sum to one."""
     if len(shape) < 2 or shape[-2] == 0:
         raise ValueError(f"blend_poses(poses): expected shape (*, K, J), got {shape}")
-    given = checked_floats(weights, "blend_poses(weights)", ())
-    if given.shape == shape[:-1] or (given.ndim == 1 and given.shape == shape[-2:-1]):
-        given = given[..., None]
-    elif given.ndim < 2 or given.shape[-2:] != shape[-2:]:
+    values = checked_floats(weights, "blend_poses(weights)", ())
+    if values.shape == shape[:-1] or (values.ndim == 1 and values.shape == shape[-2:-1]):
+        values = values[..., None]
+    elif values.ndim < 2 or values.shape[-2:] != shape[-2:]:
         raise ValueError(
             f"blend_poses(weights): expected shape (*, {shape[-2]}) or (*, {shape[-2]}, "
-            f"{shape[-1]}) for poses of shape {shape}, got {given.shape}"
+            f"{shape[-1]}) for poses of shape {shape}, got {values.shape}"
         )
-    if np.any(given < 0.0):
-        raise ValueError(f"blend_poses(weights): expected shares >= 0, got {given.min():g}")
-    most = np.max(given, axis=-2, keepdims=True)
+    if np.any(values < 0.0):
+        raise ValueError(f"blend_poses(weights): expected shares >= 0, got {values.min():g}")
+    most = np.max(values, axis=-2, keepdims=True)
     if not np.all(most > 0.0):
         raise ValueError("blend_poses(weights): expected a share above 0 for every joint")
-    ratios = given / most  # first, so that no sum overflows
+    ratios = values / most  # first, so that no sum overflows
     shares = ratios / np.sum(ratios, axis=-2, keepdims=True)
     return np.swapaxes(np.broadcast_to(shares, shape), -1, -2)
 
@@ -190,8 +190,8 @@ def _rotor_linear(motors: Motor, shares: FloatArray) -> Motor:
 
 
 def _dual_quaternion(motors: Motor, shares: FloatArray) -> Motor:
-    given = motors.as_dual_quaternion()
-    return Motor.from_dual_quaternion(dual_quaternion_mean(given, shares))
+    values = motors.as_dual_quaternion()
+    return Motor.from_dual_quaternion(dual_quaternion_mean(values, shares))
 
 
 def _dual_quaternion_linear(motors: Motor, shares: FloatArray) -> Motor:

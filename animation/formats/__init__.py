@@ -87,13 +87,13 @@ def read_character(
     Traceback (most recent call last):
     motorcade.animation.formats.limits.FormatError: figure.docx: suffix: expected one of .glb, ...
     """
-    given = Path(path)
+    file = Path(path)
     try:
-        return assemble_character(_rig(given, unit_m), Wanted(unit_m, up, front))
+        return assemble_character(_rig(file, unit_m), Wanted(unit_m, up, front))
     except FormatError as fault:
-        raise fault.in_file(given) from fault
+        raise fault.in_file(file) from fault
     except ValueError as fault:  # what Skeleton, Clip or Character refuse
-        raise FormatError(str(fault)).in_file(given) from fault
+        raise FormatError(str(fault)).in_file(file) from fault
 
 
 def read_motion(
@@ -114,13 +114,13 @@ def read_motion(
     Raises:
         FormatError: see `read_character`; no joints.
     """
-    given = Path(path)
+    file = Path(path)
     try:
-        return assemble_motion(_rig(given, unit_m), Wanted(unit_m, up, front))
+        return assemble_motion(_rig(file, unit_m), Wanted(unit_m, up, front))
     except FormatError as fault:
-        raise fault.in_file(given) from fault
+        raise fault.in_file(file) from fault
     except ValueError as fault:
-        raise FormatError(str(fault)).in_file(given) from fault
+        raise FormatError(str(fault)).in_file(file) from fault
 
 
 def _rig(path: Path, unit_m: float | None) -> Rig:

@@ -119,8 +119,8 @@ def read_bvh(path: Path) -> Rig:
         FormatError: a file that is not consistent.
     """
     text = read_bounded(path, MAX_TEXT_BYTES).decode("utf-8", "replace")
-    head, found, body = text.partition("MOTION")
-    if not found:
+    head, separator, body = text.partition("MOTION")
+    if not separator:
         raise FormatError("file: expected a section MOTION, got none")
     words = head.split()
     if len(words) > 40 * MAX_NODES:

@@ -53,12 +53,12 @@ def read_fbx(path: Path) -> Rig:
         )
     data = read_bounded(path)
     with tempfile.TemporaryDirectory(prefix="motorcade-fbx-") as folder:
-        given = Path(folder) / "given.fbx"
-        made = Path(folder) / "made.glb"
-        given.write_bytes(data)
-        _export(program, given, made)
+        source = Path(folder) / "given.fbx"
+        target = Path(folder) / "made.glb"
+        source.write_bytes(data)
+        _export(program, source, target)
         with off_record():
-            rig = read_gltf(made, pictures=path.parent)
+            rig = read_gltf(target, pictures=path.parent)
     rig = replace(rig, surfaces=tuple(_linear(one) for one in rig.surfaces))
     unit_m = _unit_m(data)
     if unit_m is not None:
@@ -70,14 +70,14 @@ def read_fbx(path: Path) -> Rig:
 
 def _linear(surface: RigSurface) -> RigSurface:
     """The surface with its colours in linear light: FBX has sRGB, which the program copies."""
-    given = surface.material
-    if given is None:
+    srgb = surface.material
+    if srgb is None:
         return surface
-    color = to_linear(np.clip(np.array(given.base_color[:3]), 0.0, 1.0))
-    glow = to_linear(np.clip(np.array(given.emission), 0.0, 1.0))
+    color = to_linear(np.clip(np.array(srgb.base_color[:3]), 0.0, 1.0))
+    glow = to_linear(np.clip(np.array(srgb.emission), 0.0, 1.0))
     material = replace(
-        given,
-        base_color=(*color.tolist(), given.base_color[3]),
+        srgb,
+        base_color=(*color.tolist(), srgb.base_color[3]),
         emission=tuple(glow.tolist()),
     )
     tints, count = surface.vertex_colors, len(surface.vertices)
@@ -85,10 +85,10 @@ def _linear(surface: RigSurface) -> RigSurface:
     return replace(surface, material=material, colors=colors)
 
 
-def _export(program: str, path: Path, made: Path) -> None:
+def _export(program: str, path: Path, target: Path) -> None:
     try:
         done = subprocess.run(
-            [program, "export", str(path), str(made)],
+            [program, "export", str(path), str(target)],
             cwd=path.parent,
             stdin=subprocess.DEVNULL,
             capture_output=True,
@@ -100,7 +100,7 @@ def _export(program: str, path: Path, made: Path) -> None:
         raise FormatError(f"assimp: expected an end within {TIME_LIMIT_S:g} s, got none") from fault
     except OSError as fault:
         raise FormatError(f"assimp: cannot be run: {fault.strerror}") from fault
-    if done.returncode != 0 or not made.is_file():
+    if done.returncode != 0 or not target.is_file():
         lines = (done.stdout + done.stderr).decode("utf-8", "replace").strip().splitlines()
         raise FormatError(f"assimp: {shown(lines[-1] if lines else 'failed', 200)}")
 

@@ -133,15 +133,15 @@ class Textures:
     def notices(self) -> list[str]:
         """Those that could not be read or were reduced: the first few by name, others by number."""
         more = len(self._problems) - NAMED_PICTURES
-        told = [f"and {more} more textures were not read"] if more > 0 else []
+        notes = [f"and {more} more textures were not read"] if more > 0 else []
         if self._smaller:
             rest = len(self._smaller) - NAMED_PICTURES
             named = ", ".join(self._smaller[:NAMED_PICTURES])
-            told.append(
+            notes.append(
                 f"textures of more than {MAX_IMAGE_PIXELS} pixels in all: kept smaller are {named}"
                 + (f" and {rest} more" if rest > 0 else "")
             )
-        return [*self._problems[:NAMED_PICTURES], *told]
+        return [*self._problems[:NAMED_PICTURES], *notes]
 
     def read(self, name: str, data: Callable[[], bytes], key: str = "") -> Texture | None:
         """A decoded picture; None, with a notice, where it is missing, broken or too large.

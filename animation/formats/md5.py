@@ -77,10 +77,10 @@ class Words:
         Raises:
             FormatError: others stand there.
         """
-        for one in wanted:
-            got = self.word(one)
-            if got != one:
-                raise expected("file", f"'{one}'", got)
+        for wanted_word in wanted:
+            got = self.word(wanted_word)
+            if got != wanted_word:
+                raise expected("file", f"'{wanted_word}'", got)
 
     def integer(self, field: str, low: int, high: int) -> int:
         """A whole number in a range.
@@ -99,16 +99,16 @@ class Words:
         Raises:
             FormatError: other words, the end of the file, NaN or infinity.
         """
-        found: list[str] = []
-        while len(found) < count and not self.done:
+        number_words: list[str] = []
+        while len(number_words) < count and not self.done:
             word = self._words[self._at]
             self._at += 1
             if word not in "()":
-                found.append(word)
+                number_words.append(word)
         if self.peek() == ")":
             self._at += 1
         try:
-            values = np.array(found, dtype=np.float64) if found else np.zeros(0)
+            values = np.array(number_words, dtype=np.float64) if number_words else np.zeros(0)
         except ValueError as fault:
             raise FormatError(f"{field}: expected numbers, {shown(fault)}") from fault
         if len(values) != count:
@@ -256,8 +256,8 @@ def _material(shader: str, folder: Path, textures: Textures) -> Material:
     """
     name = shader
     if shader and not Path(shader).suffix:
-        found = (f"{shader}{one}" for one in PICTURES)
-        name = next((one for one in found if is_there(folder / Path(one).name)), shader)
+        names = (f"{shader}{one}" for one in PICTURES)
+        name = next((one for one in names if is_there(folder / Path(one).name)), shader)
     texture = None
     if name:
         texture = textures.read(name, lambda: read_bounded(picture_beside(folder, name, "shader")))

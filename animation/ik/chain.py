@@ -213,13 +213,13 @@ def fabrik(
 
 def _limits(bend: ArrayLike, swing: float, count: int, swings: bool) -> FloatArray:
     """The largest angle at each joint ``(N - 1,)``: of the first to the base's direction."""
-    given = checked_floats(bend, "max_bend_rad", ())
-    if given.ndim > 1 or (given.ndim == 1 and given.shape != (count - 2,)):
+    angles = checked_floats(bend, "max_bend_rad", ())
+    if angles.ndim > 1 or (angles.ndim == 1 and angles.shape != (count - 2,)):
         raise ValueError(
-            f"fabrik(max_bend_rad): expected one angle or {count - 2}, got shape {given.shape}"
+            f"fabrik(max_bend_rad): expected one angle or {count - 2}, got shape {angles.shape}"
         )
     limits = np.empty(count - 1)
-    limits[0], limits[1:] = swing if swings else np.pi, given
+    limits[0], limits[1:] = swing if swings else np.pi, angles
     if np.any(limits < 0.0) or np.any(limits > np.pi):
         raise ValueError("fabrik(max_bend_rad, max_swing_rad): expected angles from 0 to pi")
     return limits

@@ -83,11 +83,11 @@ def smooth_over(values: FloatArray, time_s: FloatArray) -> FloatArray:
     last = np.searchsorted(time_s, time_s + SPREAD_S, side="right")
     near = [slice(a, b) for a, b in zip(first, last, strict=True)]
     most = np.array([values[rows].max() for rows in near])
-    made = np.empty_like(most)
+    smoothed = np.empty_like(most)
     for k, rows in enumerate(near):
         weight = np.maximum(1.0 - ((time_s[rows] - time_s[k]) / SPREAD_S) ** 2, 0.0) ** 3
-        made[k] = weight @ most[rows] / weight.sum()
-    return made
+        smoothed[k] = weight @ most[rows] / weight.sum()
+    return smoothed
 
 
 def stretches(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
@@ -264,12 +264,12 @@ def plant_feet(
             foot, toes = raised_soles(skeleton, (foot, end), sole_of, floor.height_m)
         feet.append((inside.rotor @ foot.rotor, inside.rotor @ toes))
         targets.append(inside.apply(foot.translation_m))
-    made = _lowered(skeleton, poses, legs, targets)
+    planted = _lowered(skeleton, poses, legs, targets)
     for leg, target, (foot_rotor, toe_rotor) in zip(legs, targets, feet, strict=True):
-        ahead = _knee_ahead(skeleton, made, leg.limb, target)
-        made = bend_limb(skeleton, made, leg.limb, target, ahead)
-        made = _turned(skeleton, made, leg, foot_rotor, toe_rotor)
-    return made
+        ahead = _knee_ahead(skeleton, planted, leg.limb, target)
+        planted = bend_limb(skeleton, planted, leg.limb, target, ahead)
+        planted = _rotate_foot(skeleton, planted, leg, foot_rotor, toe_rotor)
+    return planted
 
 
 def _knee_ahead(
@@ -285,7 +285,7 @@ def _knee_ahead(
     return knee_ahead
 
 
-def _turned(skeleton: Skeleton, poses: Motor, leg: Leg, foot: Rotor, toes: Rotor) -> Motor:
+def _rotate_foot(skeleton: Skeleton, poses: Motor, leg: Leg, foot: Rotor, toes: Rotor) -> Motor:
     """Poses in which ankle and ball are turned as given in character space ``(F,)``."""
     ankle, ball = leg.foot(skeleton)
     above = skeleton.world(poses)[:, int(skeleton.parents[ankle])].rotor
@@ -407,10 +407,10 @@ class Sole:
         """Heel, ball and tip of the sole in character space, at rest."""
         at = skeleton.rest_world.translation_m
         start, end = at[self.ankle], at[self.ball]
-        found = start - self.heel * (end - start), end.copy(), end + self.tip * (end - start)
-        for mark in found:
+        points = start - self.heel * (end - start), end.copy(), end + self.tip * (end - start)
+        for mark in points:
             mark[2] = 0.0
-        return found
+        return points
 
 
 def raised_soles(
@@ -449,8 +449,8 @@ def sole_clearance_m(
     Args as for `raised_soles`; see `sole_points`.
     """
     at = sole_points(skeleton, feet, sole)
-    made: FloatArray = np.min(at[..., 2] - ground_m(at[..., :2]), axis=1)
-    return made
+    clearance: FloatArray = np.min(at[..., 2] - ground_m(at[..., :2]), axis=1)
+    return clearance
 
 
 def sole_points(skeleton: Skeleton, feet: tuple[Motor, Motor], sole: Sole) -> FloatArray:
@@ -468,11 +468,11 @@ def sole_points(skeleton: Skeleton, feet: tuple[Motor, Motor], sole: Sole) -> Fl
         of_foot = np.array([heel] if joined else []).reshape(-1, 3)
         of_toes = np.array([middle, tip] if joined else [middle])
     parts = ((feet[0], sole.ankle, of_foot), (feet[1], sole.ball, of_toes))
-    found = [
+    points_of = [
         pose.reshape(-1, 1).apply(skeleton.rest_world[joint].inverse().apply(points))
         for pose, joint, points in parts
     ]
-    return np.concatenate(found, axis=1)
+    return np.concatenate(points_of, axis=1)
 
 
 def bent_toes(
@@ -520,7 +520,7 @@ def fitted_legs(legs: Sequence[Leg], character: Character) -> list[Leg]:
     joints, _ = character.influences
     heaviest = joints[:, 0]
     low = character.vertices[:, 2] < LOW_SHARE * character.height_m
-    made = []
+    fitted = []
     for leg in legs:
         ankle, ball = leg.foot(skeleton)
         along = (at[ball] - at[ankle])[:2]
@@ -533,8 +533,8 @@ def fitted_legs(legs: Sequence[Leg], character: Character) -> list[Leg]:
         if len(sole):
             foot, toes = (_outermost(character.vertices[rows]) for rows in (of_foot, of_toes))
             leg = replace(leg, foot_m=foot, toes_m=toes)
-        made.append(leg)
-    return made
+        fitted.append(leg)
+    return fitted
 
 
 def _below(parents: IntArray, joint: int) -> list[int]:

@@ -136,8 +136,10 @@ class IkSolution:
     def reached(self) -> NDArray[np.bool_]:
         """``(*, G)``, whether each goal is within the tolerance."""
         late = self._found.late
-        found: NDArray[np.bool_] = self._found.by_goal(late, 0) + self._found.by_goal(late, 1) == 0
-        return found
+        by_pose: NDArray[np.bool_] = (
+            self._found.by_goal(late, 0) + self._found.by_goal(late, 1) == 0
+        )
+        return by_pose
 
     def held_by(self, goal: int, at: tuple[int, ...] = ()) -> tuple[HeldLimit, ...]:
         """Limits that keep a goal from being reached; none where it is, or where bones are too
@@ -150,24 +152,24 @@ class IkSolution:
         Raises:
             ValueError: no such goal, or no such pose of the batch.
         """
-        one = self._one(at)
+        missed = self._missed_goals(at)
         if not 0 <= goal < len(self._found.goals):
             raise ValueError(
                 f"held_by(goal): expected 0 to {len(self._found.goals) - 1}, got {goal}"
             )
-        if one[goal]:
+        if missed[goal]:
             return ()
-        found = []
+        limits = []
         for (joint, hinge), (swing, turn) in zip(
             self._found.turning, self._found.presses_on(goal, at), strict=True
         ):
             if swing > _HOLDS:
-                found.append(HeldLimit(joint, "swing", "edge", float(swing)))
+                limits.append(HeldLimit(joint, "swing", "edge", float(swing)))
             if abs(turn) > _HOLDS:
                 end = "high" if turn > 0.0 else "low"
                 kind = "hinge" if hinge else "twist"
-                found.append(HeldLimit(joint, kind, end, float(abs(turn))))
-        return tuple(sorted(found, key=lambda one: -one.share))
+                limits.append(HeldLimit(joint, kind, end, float(abs(turn))))
+        return tuple(sorted(limits, key=lambda limit: -limit.share))
 
     def summary(self, at: tuple[int, ...] = ()) -> str:
         """A line for each goal: reached, or how much it lacks and what holds it.
@@ -178,9 +180,9 @@ class IkSolution:
         Raises:
             ValueError: no such pose of the batch.
         """
-        lines, one = [], self._one(at)
+        lines, missed = [], self._missed_goals(at)
         for k, goal in enumerate(self._found.goals):
-            if one[k]:
+            if missed[k]:
                 lines.append(f"{goal.joint}: reached")
                 continue
             lacks = [f"{self.error_m[at][k]:.3f} m"] if self.error_m[at][k] > 0.0 else []
@@ -195,7 +197,7 @@ class IkSolution:
             lines.append(f"{goal.joint}: {' and '.join(lacks)} off, {why}")
         return "\n".join(lines)
 
-    def _one(self, at: tuple[int, ...]) -> NDArray[np.bool_]:
+    def _missed_goals(self, at: tuple[int, ...]) -> NDArray[np.bool_]:
         """``(G,)``, which goals one pose of a batch reaches."""
         batch = self.reached.shape[:-1]
         inside = len(at) == len(batch) and all(
@@ -336,7 +338,7 @@ class IkSolver:
         )  # fmt: skip
         if not np.isfinite(residuals).all():
             raise ValueError("solve: expected bones and a pose within 1e9 m, got longer ones")
-        found = _Found(
+        outcome = _Found(
             tuple(goals),
             owners,
             residuals.reshape(*batch, rows, 3),
@@ -346,7 +348,7 @@ class IkSolver:
             tolerance,
         )
         pose = Motor._trusted(poses.reshape(*batch, size, 8))
-        return IkSolution(pose, rounds, found)
+        return IkSolution(pose, rounds, outcome)
 
     def _rows(
         self, goals: Sequence[Goal]
@@ -456,14 +458,14 @@ class PoseGoal:
     def rows(self) -> list[Row]:
         """What the compiled solver takes, a row for the place and one for the turn."""
         point = _vector(self.point_m, "PoseGoal(point_m)")
-        made = []
+        targets = []
         if self.position_m is not None:
             place = _near(self.position_m, "PoseGoal(position_m)")
-            made.append((_POSITION, point, np.zeros(3), _target(place, _NO_TURN)))
+            targets.append((_POSITION, point, np.zeros(3), _target(place, _NO_TURN)))
         if self.rotor is not None:
             target = _target(np.zeros(3), self.rotor.coefficients.astype(np.float64))
-            made.append((_ORIENTATION, point, np.zeros(3), target))
-        return made
+            targets.append((_ORIENTATION, point, np.zeros(3), target))
+        return targets
 
 
 @dataclass(frozen=True, eq=False)

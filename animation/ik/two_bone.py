@@ -75,11 +75,11 @@ def bend_limb(
     knee, ankle = _middle_and_end(root, goal, pole - root, upper, lower)
     batch = np.broadcast_shapes(root.shape, ankle.shape)
     points = np.stack([np.broadcast_to(one, batch) for one in (root, knee, ankle)], axis=-2)
-    made = laid_along(skeleton, local_pose, numbers, points)
+    bent = laid_along(skeleton, local_pose, numbers, points)
     if not keep_end_orientation:
-        return made
-    above = skeleton.world(made)[..., int(skeleton.parents[numbers[2]])].rotor
-    return turned_joint(made, numbers[2], above.inverse() @ world[..., numbers[2]].rotor)
+        return bent
+    above = skeleton.world(bent)[..., int(skeleton.parents[numbers[2]])].rotor
+    return turned_joint(bent, numbers[2], above.inverse() @ world[..., numbers[2]].rotor)
 
 
 def _limb(skeleton: Skeleton, joints: tuple[str, str, str]) -> list[int]:

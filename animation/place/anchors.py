@@ -381,11 +381,11 @@ def _soles(character: Character, legs: Sequence[Leg], clip: Clip, time_s: FloatA
     """Points of all soles ``(F, P, 3)``, in heights of the figure."""
     skeleton = character.skeleton
     world = skeleton.world(clip.at(time_s).rigid)
-    found = []
+    soles = []
     for leg in legs:
         ankle, ball = leg.foot(skeleton)
-        found.append(sole_points(skeleton, (world[:, ankle], world[:, ball]), leg.sole(skeleton)))
-    return np.concatenate(found, axis=1) / character.height_m
+        soles.append(sole_points(skeleton, (world[:, ankle], world[:, ball]), leg.sole(skeleton)))
+    return np.concatenate(soles, axis=1) / character.height_m
 
 
 def _upright(character: Character, clip: Clip, time_s: FloatArray) -> NDArray[np.bool_]:

@@ -90,16 +90,16 @@ class Pace:
         """How far it has come ``(*)`` at times ``(*)``; below 0 and beyond the end as it walks."""
         clock = np.asarray(time_s, dtype=np.float64)
         change, speed = self.change_s, self.top_m_s
-        made = speed * clock
+        along = speed * clock
         if self.starts:
-            made = np.where(
-                clock < change, speed * change * _sped(clock / change), made - 0.5 * speed * change
+            along = np.where(
+                clock < change, speed * change * _sped(clock / change), along - 0.5 * speed * change
             )
         if self.stops:
             left = self.duration_s - clock
             slow = self.length_m - speed * change * _sped(left / change)
-            made = np.where(left < change, slow, made)
-        return made
+            along = np.where(left < change, slow, along)
+        return along
 
     @property
     def stride(self) -> float:
@@ -113,8 +113,8 @@ class Pace:
             first = self.passing[0]
         elif self.stops:
             first = self.passing[0] - self._advance_s
-        made: FloatArray = first + self._advance_s * self.along_m(time_s) / self.length_m
-        return made
+        phase: FloatArray = first + self._advance_s * self.along_m(time_s) / self.length_m
+        return phase
 
     @property
     def _advance_s(self) -> float:
@@ -196,7 +196,7 @@ def passing_s(
     clock = np.linspace(0.0, loop.duration_s, SAMPLES, endpoint=False)
     at = skeleton.world(loop.at(loop.time_s[0] + clock)).translation_m
     under = skeleton.world(standing).translation_m
-    found = []
+    passing = []
     for leg in legs:
         ball = skeleton.index(leg.ball)
         over = np.tile(at[:, ball], (3, 1))  # no stance is cut by the cycle's ends
@@ -204,5 +204,5 @@ def passing_s(
         over[:, 0] += speed_m_s * times
         standing_still = find_stances(over, times)[SAMPLES : 2 * SAMPLES]
         off = np.abs(at[:, ball, 0] - under[ball, 0])
-        found.append(float(clock[np.argmin(np.where(standing_still, off, off + 1e3))]))
-    return tuple(found)
+        passing.append(float(clock[np.argmin(np.where(standing_still, off, off + 1e3))]))
+    return tuple(passing)

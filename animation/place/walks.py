@@ -216,11 +216,11 @@ class _InStep:
     pace: Pace
 
     def at(self, time_s: ArrayLike) -> Motor:
-        made = rigid(self.cycle, self.cycle.time_s[0] + self.pace.phase_s(time_s))
+        stepped = rigid(self.cycle, self.cycle.time_s[0] + self.pace.phase_s(time_s))
         share = SHORTENED * self.pace.stride
         if self.standing is None or share >= 1.0:
-            return made
-        return rigid(self.standing, time_s).interpolate(made, share)
+            return stepped
+        return rigid(self.standing, time_s).interpolate(stepped, share)
 
 
 def played(cycle: Clip, standing: Clip | None, pace: Pace) -> PoseSource:
@@ -297,8 +297,8 @@ def _piece(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> FloatA
     s = np.linspace(t[1], t[2], count, endpoint=False)[:, None]
 
     def between(x: FloatArray, y: FloatArray, start: float, end: float) -> FloatArray:
-        made: FloatArray = ((end - s) * x + (s - start) * y) / (end - start)
-        return made
+        blended: FloatArray = ((end - s) * x + (s - start) * y) / (end - start)
+        return blended
 
     first = [between(x, y, t[k], t[k + 1]) for k, (x, y) in enumerate(((a, b), (b, c), (c, d)))]
     second = [between(first[k], first[k + 1], t[k], t[k + 2]) for k in range(2)]
@@ -346,8 +346,8 @@ def on_the_spot(clip: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> tuple[Cl
     back = Motor.from_rotor_translation(
         turn.reshape(1), turn.apply(-share[:, None] * way - at[0] * [1.0, 1.0, 0.0])
     )
-    made = with_joint(poses, root, back @ poses[:, root])
-    loop = closed(replace(clip, poses=made, looped=False))
+    stationary = with_joint(poses, root, back @ poses[:, root])
+    loop = closed(replace(clip, poses=stationary, looped=False))
     return loop, length / clip.duration_s
 
 
@@ -362,11 +362,11 @@ def _ground_speed(clip: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> float:
     speed = float(np.median([_backward(at[:, k], time_s, None) for k in range(len(balls))]))
     for _ in range(REFINED):
         shift = np.stack([speed * time_s, 0.0 * time_s, 0.0 * time_s], axis=-1)
-        found = []
+        speeds = []
         for k in range(len(balls)):
             standing = find_stances(at[:, k] + shift, time_s)
-            found.append(_backward(at[:, k], time_s, standing if np.any(standing) else None))
-        speed = float(np.mean(found))
+            speeds.append(_backward(at[:, k], time_s, standing if np.any(standing) else None))
+        speed = float(np.mean(speeds))
     return speed
 
 

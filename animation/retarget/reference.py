@@ -61,14 +61,14 @@ class Seen:
 
     def bone(self, start: str, end: str) -> FloatArray:
         """From one joint to another, ``(F, 3)``."""
-        made: FloatArray = self.at_m[:, self.joints[end]] - self.at_m[:, self.joints[start]]
-        return made
+        bones: FloatArray = self.at_m[:, self.joints[end]] - self.at_m[:, self.joints[start]]
+        return bones
 
     def inside(self, role: str, vectors: FloatArray) -> FloatArray:
         """Mean ``(3,)`` of vectors ``(F, 3)`` as a joint sees them."""
         seen = self.rotors[:, self.joints[role]].inverse().apply(vectors)
-        made: FloatArray = np.mean(seen, axis=0)
-        return made
+        mean: FloatArray = np.mean(seen, axis=0)
+        return mean
 
 
 def is_of_hand(role: str) -> bool:
@@ -128,8 +128,8 @@ def _hinge(
     hinge = hinge if side == "right" and not thumb else -hinge
     # One that is bent the other way, or sideways, does not tell how it would be closed.
     plausible = np.sum(hinge * by_hand, axis=-1, keepdims=True) > 0.0
-    made: FloatArray = ASSUMED_FINGER_BEND * by_hand + np.where(plausible, hinge, 0.0)
-    return made
+    axis: FloatArray = ASSUMED_FINGER_BEND * by_hand + np.where(plausible, hinge, 0.0)
+    return axis
 
 
 def from_motion(match: Match) -> dict[int, Rotor]:
@@ -160,18 +160,18 @@ class _Motion:
         role_of = {joint: role for role, joint in self.roles.items()}
         for joint, other in self.match.joints.items():
             side, _, part = role_of.get(joint, "").partition("_")
-            made = None
+            constant = None
             if side in ("hips", "spine", "neck"):
-                made = self._as_it_is_built(joint, other)
+                constant = self._as_it_is_built(joint, other)
             elif side == "head":
-                made = self._as_on_average(joint, other, Rotor.identity())
+                constant = self._as_on_average(joint, other, Rotor.identity())
             elif part in ("foot", "toes"):
-                made = self._as_it_stands(joint, other, side)
+                constant = self._as_it_stands(joint, other, side)
             elif is_of_hand(role_of.get(joint, "")):
-                made = hand_turn(role_of[joint], *self.seen)
+                constant = hand_turn(role_of[joint], *self.seen)
             elif part in ("thigh", "calf", "upper_arm", "forearm"):
-                made = self._as_it_bends(side, part, joint, other)
-            self.made[joint] = self._along(joint, other) if made is None else made
+                constant = self._as_it_bends(side, part, joint, other)
+            self.made[joint] = self._along(joint, other) if constant is None else constant
         return self.made
 
     def _as_it_is_built(self, joint: int, other: int) -> Rotor:

@@ -113,18 +113,18 @@ def _plain(name: str) -> str:
 def figure_of(skeleton: Skeleton) -> Body:
     """The body in its rest pose, spine and all, taken to stand with z up and to face +x."""
     tree = JointTree(skeleton.names, skeleton.parents, skeleton.rest_world.translation_m)
-    found = body_from(tree, UP, AHEAD, habit=FACING)
-    roles = dict(found.roles)
+    body = body_from(tree, UP, AHEAD, habit=FACING)
+    roles = dict(body.roles)
     for level, number in enumerate(_spine(skeleton, roles), start=1):
         roles[f"spine_{level}"] = number
-    return replace(found, roles=roles)
+    return replace(body, roles=roles)
 
 
 def _spine(skeleton: Skeleton, body: Mapping[str, int]) -> list[int]:
     """Joints between the hips and what the trunk carries, from below."""
     carriers = ("neck", "head", "left_clavicle", "left_upper_arm")
     tops = [body[role] for role in carriers if role in body]
-    taken, found = set(body.values()), []
+    taken, spine = set(body.values()), []
     if not tops or "hips" not in body:
         return []
     joint = int(skeleton.parents[tops[0]])
@@ -135,18 +135,18 @@ def _spine(skeleton: Skeleton, body: Mapping[str, int]) -> list[int]:
     joint = carrier if carrier in line and carrier not in taken else joint
     above_hips = set(ancestors(skeleton, body["hips"]))
     while joint >= 0 and joint not in taken and joint not in above_hips:
-        found.append(joint)
+        spine.append(joint)
         joint = int(skeleton.parents[joint])
-    return found[::-1]
+    return spine[::-1]
 
 
 def ancestors(skeleton: Skeleton, joint: int) -> list[int]:
     """A joint's parents, the nearest first."""
-    found = []
+    above = []
     while skeleton.parents[joint] >= 0:
         joint = int(skeleton.parents[joint])
-        found.append(joint)
-    return found
+        above.append(joint)
+    return above
 
 
 def common_parent(skeleton: Skeleton, joints: list[int]) -> int:

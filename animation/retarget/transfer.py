@@ -164,7 +164,7 @@ def retarget(
         laid = laid_limbs(source, source_world)
         match = Match(source, target, match.joints, laid)
         match = spread_spine(match) if joints is None else match
-    poses = _turned(match)
+    poses = _rotate_joints(match)
     if carrier in numbers:
         poses = _with_way(match, poses, carrier, _way(match, carrier, hips))
         if source is not target:
@@ -172,16 +172,16 @@ def retarget(
     return Clip(clip.name, clip.time_s, poses, clip.looped, clip.key_count)
 
 
-def _turned(match: Match) -> Motor:
+def _rotate_joints(match: Match) -> Motor:
     """Local poses ``(F, J)`` with every joint turned, and where it rests in the one above it."""
-    target, made = match.target, constants(match)
+    target, offsets = match.target, constants(match)
     world: list[Rotor] = []
     poses = np.empty((len(match.source_world), len(target), 8))
     for joint in range(len(target)):
         parent = int(target.parents[joint])
         before = world[parent] if parent >= 0 else Rotor.identity()
         if joint in match.joints:
-            world.append(match.source_world[:, match.joints[joint]].rotor @ made[joint])
+            world.append(match.source_world[:, match.joints[joint]].rotor @ offsets[joint])
         else:
             world.append(before @ target.rest[joint].rotor)
         shift = target.rest[joint].translation_m
@@ -234,7 +234,7 @@ def laid_limbs(source: Skeleton, world: Motor) -> Motor:
 
     A knee of two joints bends in both: what follows the first alone would bend by half.
     """
-    body, made = body_of(source), world.coefficients.copy()
+    body, coefficients = body_of(source), world.coefficients.copy()
     rest = source.rest_world
     for side, limb in product(SIDES, LIMBS):
         for start, end in pairwise([body.get(f"{side}_{part}", -1) for part in limb]):
@@ -247,8 +247,8 @@ def laid_limbs(source: Skeleton, world: Motor) -> Motor:
             turn = shortest_turn(turn.apply(bone), now) @ turn
             whole = turn @ rest[start].rotor
             place = world[:, start].translation_m
-            made[:, start] = Motor.from_rotor_translation(whole, place).coefficients
-    return Motor.normalize(made)
+            coefficients[:, start] = Motor.from_rotor_translation(whole, place).coefficients
+    return Motor.normalize(coefficients)
 
 
 # Of all moments, the share in which the lower foot is taken to be below where it stands.
@@ -305,8 +305,8 @@ def _smoothly(rise_m: FloatArray, clip: Clip) -> FloatArray:
     if not clip.looped or steps < 1:
         return smooth_over(rise_m, clip.time_s)
     rounds = clip.time_s[None, :-1] + clip.duration_s * np.array([[-1.0], [0.0], [1.0]])
-    made = smooth_over(np.tile(rise_m[:-1], 3), rounds.ravel())[steps : 2 * steps]
-    return np.append(made, made[0])
+    smoothed = smooth_over(np.tile(rise_m[:-1], 3), rounds.ravel())[steps : 2 * steps]
+    return np.append(smoothed, smoothed[0])
 
 
 def _raised(target: Skeleton, poses: Motor, carrier: int, rise_m: FloatArray) -> Motor:

@@ -73,7 +73,7 @@ def method_rows(results: Results) -> list[tuple[str, list[str]]]:
     ratios = [results.ratio_to_raw("all", metric) for metric in COLUMNS]
     time_us = {
         row["method"]: row["time_us_per_pose"]
-        for row in results.told["traits"]
+        for row in results.document["traits"]
         if row["representation"] == REFERENCE and not row["failure"]
     }
     made = []
@@ -170,7 +170,7 @@ def starting_values(results: Results) -> list[tuple[str, str]]:
 
 
 def _found(results: Results, method: str, searched_only: bool = True) -> dict[str, list[float]]:
-    told = [one["parameter"] for one in results.told["ranges"].get(method, [])]
+    told = [one["parameter"] for one in results.document["ranges"].get(method, [])]
     values: dict[str, list[float]] = {}
     for motion in results.motions:
         row = results.parameters(motion, results.degradations[0]).get((method, REFERENCE))

@@ -108,8 +108,8 @@ class Algebra(Signature):
     @property
     def orthogonal(self) -> Algebra:
         """The same algebra on its orthogonal basis, with ep and em in the places of a null pair."""
-        made: Any = super().orthogonal
-        return made  # type: ignore[no-any-return]
+        orthogonal_algebra: Any = super().orthogonal
+        return orthogonal_algebra  # type: ignore[no-any-return]
 
     @property
     def pseudoscalar(self) -> Multivector:

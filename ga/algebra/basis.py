@@ -80,12 +80,12 @@ class Basis:
 
     def product(self, a: int, b: int) -> Terms:
         """Geometric product of two blades, in the order of the masks' grades."""
-        made = self._products.get((a, b))
-        if made is None:
-            made = self._multiplied(a, b) if self.pairs else self._orthogonal_product(a, b)
+        terms = self._products.get((a, b))
+        if terms is None:
+            terms = self._multiplied(a, b) if self.pairs else self._orthogonal_product(a, b)
             if len(self._products) < _KEPT_PRODUCTS:
-                self._products[a, b] = made
-        return made
+                self._products[a, b] = terms
+        return terms
 
     def outer(self, a: int, b: int) -> Terms:
         """Outer product of two blades, which no metric changes."""
@@ -131,7 +131,7 @@ class Basis:
             terms = [
                 (mask | (part & 1) << o | (part >> 1) << i, c * f * turned)
                 for part, f in _PAIR.get(there, ())
-                for turned in [self._turned(o, i, *there, part)]
+                for turned in [self._pair_sign(o, i, *there, part)]
                 for mask, c in terms
             ]
         rest = (a ^ b) & ~bits
@@ -143,7 +143,7 @@ class Basis:
         )
 
     @staticmethod
-    def _turned(o: int, i: int, *parts: int) -> int:
+    def _pair_sign(o: int, i: int, *parts: int) -> int:
         """-1 where an odd number of the parts are o∧i, in a basis where `i` comes before `o`."""
         return -1 if i < o and parts.count(3) & 1 else 1
 
@@ -174,13 +174,13 @@ class Basis:
 
 def wedged(total: dict[int, float], factor: Terms) -> dict[int, float]:
     """A sum of blades and the outer product of each with a vector, from the right."""
-    made: dict[int, float] = {}
+    sums: dict[int, float] = {}
     for mask, coefficient in total.items():
         for bit, weight in factor:
             if not mask & bit:
                 signed = reorder_sign(mask, bit) * coefficient * weight
-                made[mask | bit] = made.get(mask | bit, 0.0) + signed
-    return {mask: value for mask, value in made.items() if value != 0.0}
+                sums[mask | bit] = sums.get(mask | bit, 0.0) + signed
+    return {mask: value for mask, value in sums.items() if value != 0.0}
 
 
 def _collected(terms: Iterable[tuple[int, float]]) -> Terms:

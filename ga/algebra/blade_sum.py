@@ -86,7 +86,7 @@ class BladeSum(Value, ShownAsSum):
         trusted._set(algebra, masks, values)
         return trusted
 
-    def _made(self, masks: Masks, values: Iterable[Any], algebra: Signature | None = None) -> Self:
+    def _wrap(self, masks: Masks, values: Iterable[Any], algebra: Signature | None = None) -> Self:
         """Wrap coefficients made from these, in this algebra unless another is given."""
         return self._trusted(self.algebra if algebra is None else algebra, masks, values)
 
@@ -160,7 +160,7 @@ class BladeSum(Value, ShownAsSum):
     # Sums and scalars --------------------------------------------------------------------------
 
     def _with(self, values: Iterable[Any]) -> Self:
-        return self._made(self.masks, values)
+        return self._wrap(self.masks, values)
 
     def _same_algebra(self, other: BladeSum) -> None:
         if self.algebra is not other.algebra and self.algebra != other.algebra:
@@ -174,7 +174,7 @@ class BladeSum(Value, ShownAsSum):
             self._same_algebra(other)
             same: Any = other
             return same  # type: ignore[no-any-return]
-        return self._made((0,), (checked_scalar(other, "scalar"),))
+        return self._wrap((0,), (checked_scalar(other, "scalar"),))
 
     def __add__(self, other: Any) -> Self:
         right = self._lifted(other)
@@ -182,7 +182,7 @@ class BladeSum(Value, ShownAsSum):
         for mask, value in zip(right.masks, right.values, strict=True):
             total[mask] = total[mask] + value if mask in total else value
         masks = tuple(sorted(total, key=order_of))
-        return self._made(masks, (total[mask] for mask in masks))
+        return self._wrap(masks, (total[mask] for mask in masks))
 
     def __sub__(self, other: Any) -> Self:
         right = self._lifted(other)
@@ -190,7 +190,7 @@ class BladeSum(Value, ShownAsSum):
         for mask, value in zip(right.masks, right.values, strict=True):
             total[mask] = total[mask] - value if mask in total else -value
         masks = tuple(sorted(total, key=order_of))
-        return self._made(masks, (total[mask] for mask in masks))
+        return self._wrap(masks, (total[mask] for mask in masks))
 
     def __radd__(self, other: Any) -> Self:
         return self._lifted(other) + self
@@ -217,7 +217,7 @@ class BladeSum(Value, ShownAsSum):
         self._same_algebra(other)
         plan = self.algebra.plan(kind, self.masks, other.masks, grades)
         values = apply_plan(plan, self.values, other.values)
-        return self._made(plan.masks, values)
+        return self._wrap(plan.masks, values)
 
     def __mul__(self, other: Any) -> Self:
         if isinstance(other, BladeSum):
@@ -271,12 +271,12 @@ class BladeSum(Value, ShownAsSum):
     def reverse_product(self) -> Self:
         """``x ~x``, without the terms that cancel by symmetry."""
         plan = self._reverse_plan()
-        return self._made(plan.masks, apply_plan(plan, self.values, self.values))
+        return self._wrap(plan.masks, apply_plan(plan, self.values, self.values))
 
     def square(self) -> Self:
         """``x x``, without the terms that cancel by symmetry."""
         plan = self.algebra.symmetric_plan(self.masks, (1,) * len(self.masks))
-        return self._made(plan.masks, apply_plan(plan, self.values, self.values))
+        return self._wrap(plan.masks, apply_plan(plan, self.values, self.values))
 
     # Involutions, grades, duals ----------------------------------------------------------------
 
@@ -302,7 +302,7 @@ class BladeSum(Value, ShownAsSum):
 
     def _selected(self, wanted: Callable[[int], bool]) -> Self:
         kept = [pair for pair in zip(self.masks, self.values, strict=True) if wanted(pair[0])]
-        return self._made(tuple(mask for mask, _ in kept), (value for _, value in kept))
+        return self._wrap(tuple(mask for mask, _ in kept), (value for _, value in kept))
 
     def dual(self) -> Self:
         """``x I⁻¹`` with the algebra's pseudoscalar ``I``.
@@ -324,7 +324,7 @@ class BladeSum(Value, ShownAsSum):
     def _whole(self, factor: int) -> Self:
         """The pseudoscalar times a whole number, as one: fractions stay fractions."""
         sign = self.algebra.pseudoscalar_sign
-        return self._made(((1 << self.algebra.dimension) - 1,), (sign * factor,))
+        return self._wrap(((1 << self.algebra.dimension) - 1,), (sign * factor,))
 
     def _pseudoscalar_square(self) -> int:
         square: int = self._whole(1).square().scalar_part()
@@ -346,13 +346,13 @@ class BladeSum(Value, ShownAsSum):
     def _complemented(self, left: bool) -> Self:
         whole = (1 << self.algebra.dimension) - 1
         orientation = self.algebra.pseudoscalar_sign
-        made = {}
+        complement = {}
         for mask, value in zip(self.masks, self.values, strict=True):
             rest = whole ^ mask
             sign = reorder_sign(rest, mask) if left else reorder_sign(mask, rest)
-            made[rest] = value if sign * orientation > 0 else -value
-        masks = tuple(sorted(made, key=order_of))
-        return self._made(masks, (made[mask] for mask in masks))
+            complement[rest] = value if sign * orientation > 0 else -value
+        masks = tuple(sorted(complement, key=order_of))
+        return self._wrap(masks, (complement[mask] for mask in masks))
 
     def as_orthogonal(self) -> Self:
         """The same multivector on the orthogonal basis, in `Algebra.orthogonal`."""
@@ -378,7 +378,7 @@ class BladeSum(Value, ShownAsSum):
                 part = scaled(factor, value)
                 total[other] = total[other] + part if other in total else part
         masks = tuple(sorted(total, key=order_of))
-        return self._made(masks, (total[mask] for mask in masks), algebra)
+        return self._wrap(masks, (total[mask] for mask in masks), algebra)
 
     # Size --------------------------------------------------------------------------------------
 

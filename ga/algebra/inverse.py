@@ -40,11 +40,11 @@ class _Bounded:
 
     def made_by(self, plan: Plan, other: _Bounded) -> _Bounded:
         exact = apply_plan(plan, self.exact.values, other.exact.values)
-        made = self.exact._made(plan.masks, exact)
+        product = self.exact._wrap(plan.masks, exact)
         if self.sizes is None or other.sizes is None:
-            return _Bounded(made, None)
+            return _Bounded(product, None)
         sizes = apply_plan(majorant(plan), self.sizes.values, other.sizes.values)
-        return _Bounded(made, made._made(plan.masks, sizes))
+        return _Bounded(product, product._wrap(plan.masks, sizes))
 
     def __mul__(self, other: _Bounded) -> _Bounded:
         x = self.exact
@@ -73,8 +73,8 @@ def inverse(x: BladeSum) -> BladeSum:
     Raises:
         ValueError: not invertible to rounding, or one of a batch is not.
     """
-    given = _Bounded.given(x)
-    size = _reverse_product(given)
+    bounded = _Bounded.given(x)
+    size = _reverse_product(bounded)
     if size.is_scalar:
         return _divided(~x, size)
     rest = size.exact._selected(bool)
@@ -82,17 +82,17 @@ def inverse(x: BladeSum) -> BladeSum:
         mirrored = size.mirrored()
         return _divided(~x * mirrored.exact, _mirrored_product(size, mirrored))
     degree = 2 ** ((x.algebra.dimension + 1) // 2)
-    power = before = given
+    power = before = bounded
     for k in range(1, degree):
         before = power.plus_scalar(Fraction(-degree, k))
-        power = given * before
+        power = bounded * before
     return _divided(before.exact, power)
 
 
 def norm_squared_with_bound(x: BladeSum) -> tuple[Any, Any]:
     """``⟨x ~x⟩₀`` and what rounding may have left of its terms; None where not numbers."""
-    made = _reverse_product(_Bounded.given(x))
-    return made.exact.scalar_part(), _bound(made)
+    product = _reverse_product(_Bounded.given(x))
+    return product.exact.scalar_part(), _bound(product)
 
 
 def _reverse_product(x: _Bounded) -> _Bounded:

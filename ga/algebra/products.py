@@ -52,8 +52,8 @@ def _right_contraction(basis: Basis, a: int, b: int) -> Terms:
 
 def _commutator(basis: Basis, a: int, b: int) -> Terms:
     other = dict(basis.product(b, a))
-    one = dict(basis.product(a, b))
-    halves = {m: 0.5 * (one.get(m, 0.0) - other.get(m, 0.0)) for m in {**one, **other}}
+    forward = dict(basis.product(a, b))
+    halves = {m: 0.5 * (forward.get(m, 0.0) - other.get(m, 0.0)) for m in {**forward, **other}}
     return tuple((m, halves[m]) for m in sorted(halves, key=order_of) if halves[m] != 0.0)
 
 
@@ -72,13 +72,13 @@ def plan_product(
 ) -> Plan:
     """The terms of a product; `grades` keeps only these of the result."""
     multiply = PRODUCTS[kind]
-    found: dict[int, list[tuple[float, int, int]]] = {}
+    terms_of: dict[int, list[tuple[float, int, int]]] = {}
     for i, a in enumerate(left):
         for j, b in enumerate(right):
             for mask, factor in multiply(basis, a, b):
                 if grades is None or grade_of(mask) in grades:
-                    found.setdefault(mask, []).append((factor, i, j))
-    return _ordered(found)
+                    terms_of.setdefault(mask, []).append((factor, i, j))
+    return _ordered(terms_of)
 
 
 def symmetric(plan: Plan, signs: Sequence[int]) -> Plan:
@@ -86,7 +86,7 @@ def symmetric(plan: Plan, signs: Sequence[int]) -> Plan:
 
     The right operand of `plan` has the same blades as the left; `signs` are its signs.
     """
-    found: dict[int, list[tuple[float, int, int]]] = {}
+    terms_of: dict[int, list[tuple[float, int, int]]] = {}
     for mask, terms in zip(plan.masks, plan.terms, strict=True):
         joined: dict[tuple[int, int], float] = {}
         for factor, i, j in terms:
@@ -94,14 +94,14 @@ def symmetric(plan: Plan, signs: Sequence[int]) -> Plan:
             joined[pair] = joined.get(pair, 0.0) + factor * signs[j]
         kept = [(factor, i, j) for (i, j), factor in joined.items() if factor != 0.0]
         if kept:
-            found[mask] = kept
-    return _ordered(found)
+            terms_of[mask] = kept
+    return _ordered(terms_of)
 
 
-def _ordered(found: dict[int, list[tuple[float, int, int]]]) -> Plan:
+def _ordered(terms_of: dict[int, list[tuple[float, int, int]]]) -> Plan:
     """Blades in their order; positive terms first, so that sums need no sign in front."""
-    masks = tuple(sorted(found, key=order_of))
-    return Plan(masks, tuple(tuple(sorted(found[m], key=lambda t: t[0] < 0)) for m in masks))
+    masks = tuple(sorted(terms_of, key=order_of))
+    return Plan(masks, tuple(tuple(sorted(terms_of[m], key=lambda t: t[0] < 0)) for m in masks))
 
 
 def majorant(plan: Plan) -> Plan:
@@ -113,7 +113,7 @@ def majorant(plan: Plan) -> Plan:
 
 def apply_plan(plan: Plan, left: Sequence[Any], right: Sequence[Any]) -> tuple[Any, ...]:
     """The coefficients of a product, over any scalars that add and multiply."""
-    made = []
+    coefficients = []
     for terms in plan.terms:
         factor, i, j = terms[0]
         total = scaled(factor, left[i] * right[j])
@@ -125,5 +125,5 @@ def apply_plan(plan: Plan, left: Sequence[Any], right: Sequence[Any]) -> tuple[A
                 total = total - product
             else:
                 total = total + scaled(factor, product)
-        made.append(total)
-    return tuple(made)
+        coefficients.append(total)
+    return tuple(coefficients)

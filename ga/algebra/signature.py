@@ -41,12 +41,14 @@ class Signature:
     ) -> None:
         _check_counts(p, q, r, null_pair)
         size = p + q + r
-        given = tuple(names) if names is not None else _default_names(size, null_pair)
-        _check_names(given, size)
-        if null_pair and {"ep", "em"} & set(given):
-            raise ValueError(f"Algebra.names: expected no ep or em beside a null pair, got {given}")
+        chosen = tuple(names) if names is not None else _default_names(size, null_pair)
+        _check_names(chosen, size)
+        if null_pair and {"ep", "em"} & set(chosen):
+            raise ValueError(
+                f"Algebra.names: expected no ep or em beside a null pair, got {chosen}"
+            )
         basis = Basis((1,) * p + (-1,) * q + (0,) * r, ((size - 2, size - 1),) if null_pair else ())
-        self._set(basis, given, _of_pairs(basis, [("ep", "em")]) if null_pair else {})
+        self._set(basis, chosen, _of_pairs(basis, [("ep", "em")]) if null_pair else {})
 
     def _set(self, basis: Basis, names: tuple[str, ...], named: dict[str, Terms]) -> None:
         squares = basis.squares
@@ -144,19 +146,19 @@ class Signature:
     ) -> Plan:
         """The terms of a product of two blade sets, found once (see `products`)."""
         key = (kind, left, right, grades)
-        made = self._plans.get(key)
-        if made is None:
-            made = self._plans[key] = plan_product(self.basis, kind, left, right, grades)
-        return made
+        product_plan = self._plans.get(key)
+        if product_plan is None:
+            product_plan = self._plans[key] = plan_product(self.basis, kind, left, right, grades)
+        return product_plan
 
     def symmetric_plan(self, masks: Masks, signs: tuple[int, ...]) -> Plan:
         """The terms of ``x`` times ``x`` with signs, those that cancel by symmetry left out."""
         key = ("symmetric", masks, signs, None)
-        made = self._plans.get(key)
-        if made is None:
+        shared_plan = self._plans.get(key)
+        if shared_plan is None:
             plan = self.plan("geometric", masks, masks)
-            made = self._plans[key] = symmetric(plan, signs)
-        return made
+            shared_plan = self._plans[key] = symmetric(plan, signs)
+        return shared_plan
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Signature):

@@ -49,9 +49,9 @@ def dual_quaternion_as_quaternion_translation(q: ArrayLike) -> tuple[FloatArray,
         >>> dual_quaternion_as_quaternion_translation(world_T_camera)
         (array([1., 0., 0., 0.]), array([2., 0., 0.]))
     """
-    given = checked_floats(q, "q", (8,))
-    translation = 2.0 * quaternion_multiply(given[..., 4:], quaternion_conjugate(given[..., :4]))
-    return given[..., :4].copy(), translation[..., 1:]
+    values = checked_floats(q, "q", (8,))
+    translation = 2.0 * quaternion_multiply(values[..., 4:], quaternion_conjugate(values[..., :4]))
+    return values[..., :4].copy(), translation[..., 1:]
 
 
 def dual_quaternion_multiply(a: ArrayLike, b: ArrayLike) -> FloatArray:
@@ -82,9 +82,9 @@ def dual_quaternion_conjugate(q: ArrayLike) -> FloatArray:
         >>> dual_quaternion_conjugate([1, 0, 0, 0, 0, 0.5, 0, 0])
         array([ 1. , -0. , -0. , -0. ,  0. , -0.5, -0. , -0. ])
     """
-    given = checked_floats(q, "q", (8,))
+    values = checked_floats(q, "q", (8,))
     return np.concatenate(
-        [quaternion_conjugate(given[..., :4]), quaternion_conjugate(given[..., 4:])], axis=-1
+        [quaternion_conjugate(values[..., :4]), quaternion_conjugate(values[..., 4:])], axis=-1
     )
 
 
@@ -99,10 +99,10 @@ def dual_quaternion_normalize(q: ArrayLike) -> FloatArray:
         >>> dual_quaternion_normalize([2, 0, 0, 0, 1, 1, 0, 0])
         array([1. , 0. , 0. , 0. , 0. , 0.5, 0. , 0. ])
     """
-    given = checked_floats(q, "q", (8,))
-    if not np.all(np.any(given[..., :4] != 0.0, axis=-1)):
+    values = checked_floats(q, "q", (8,))
+    if not np.all(np.any(values[..., :4] != 0.0, axis=-1)):
         raise ValueError("q: expected a non-zero real part, got a zero one")
-    near_one = np.ldexp(given, -size_exponent(given[..., :4]))
+    near_one = np.ldexp(values, -size_exponent(values[..., :4]))
     norm = np.linalg.norm(near_one[..., :4], axis=-1, keepdims=True)
     real, dual = near_one[..., :4] / norm, near_one[..., 4:] / norm
     dual = dual - np.sum(real * dual, axis=-1, keepdims=True) * real
@@ -145,13 +145,13 @@ def dual_quaternion_blend(q: ArrayLike, weights: ArrayLike) -> FloatArray:
         array([ 0.7071,  0.    ,  0.    ,  0.7071,  0.    ,  0.7071, -0.7071,
                 0.    ])
     """
-    given = checked_floats(q, "q", (8,))
+    values = checked_floats(q, "q", (8,))
     share = checked_floats(weights, "weights", ())
-    if given.ndim < 2 or share.ndim < 1 or share.shape[-1] != given.shape[-2]:
+    if values.ndim < 2 or share.ndim < 1 or share.shape[-1] != values.shape[-2]:
         raise ValueError(
-            f"weights: expected (*, K) for q of shape (*, K, 8) = {given.shape}, got {share.shape}"
+            f"weights: expected (*, K) for q of shape (*, K, 8) = {values.shape}, got {share.shape}"
         )
-    signed = nearest_sign(given, given[..., :1, :])
+    signed = nearest_sign(values, values[..., :1, :])
     return dual_quaternion_normalize(np.sum(share[..., None] * signed, axis=-2))
 
 
@@ -166,8 +166,8 @@ def dual_quaternion_exp(log: ArrayLike) -> FloatArray:
         >>> dual_quaternion_exp([0, 0, 0, 1, 0, 0])  # 2 m along x
         array([ 1.,  0.,  0.,  0., -0.,  1.,  0.,  0.])
     """
-    given = checked_floats(log, "log", (6,))
-    real, dual = given[..., :3], given[..., 3:]
+    values = checked_floats(log, "log", (6,))
+    real, dual = values[..., :3], values[..., 3:]
     half = np.linalg.norm(real, axis=-1, keepdims=True)
     turns = half > _NO_AXIS
     safe = np.where(turns, half, 1.0)
@@ -177,8 +177,8 @@ def dual_quaternion_exp(log: ArrayLike) -> FloatArray:
     cosine, sine = np.cos(half), np.sin(half)
     parts = [cosine, sine * axis, -push * sine, sine * moment + push * cosine * axis]
     screw = np.concatenate(parts, axis=-1)
-    one = np.ones_like(half)
-    slide = np.concatenate([one, real, -np.sum(real * dual, -1, keepdims=True), dual], axis=-1)
+    ones = np.ones_like(half)
+    slide = np.concatenate([ones, real, -np.sum(real * dual, -1, keepdims=True), dual], axis=-1)
     return np.where(turns, screw, slide)
 
 
@@ -192,8 +192,8 @@ def dual_quaternion_log(q: ArrayLike) -> FloatArray:
         >>> dual_quaternion_log([1, 0, 0, 0, 0, 1, 0, 0])
         array([0., 0., 0., 1., 0., 0.])
     """
-    given = checked_floats(q, "q", (8,))
-    return _log(np.where(given[..., :1] < 0.0, -given, given))
+    values = checked_floats(q, "q", (8,))
+    return _log(np.where(values[..., :1] < 0.0, -values, values))
 
 
 def _log(values: FloatArray) -> FloatArray:
@@ -253,12 +253,12 @@ def dual_quaternion_mean(q: ArrayLike, weights: ArrayLike) -> FloatArray:
         >>> dual_quaternion_mean(ends, [2 / 3, 1 / 3]).round(4)
         array([ 0.866,  0.   ,  0.   ,  0.5  , -0.25 ,  0.   ,  0.   ,  0.433])
     """
-    given, share = checked_floats(q, "q", (8,)), checked_floats(weights, "weights", ())
-    if given.shape[-2:-1] == (2,):
-        return dual_quaternion_screw(given[..., 0, :], given[..., 1, :], share[..., 1])
-    middle = dual_quaternion_blend(given, share)
+    values, share = checked_floats(q, "q", (8,)), checked_floats(weights, "weights", ())
+    if values.shape[-2:-1] == (2,):
+        return dual_quaternion_screw(values[..., 0, :], values[..., 1, :], share[..., 1])
+    middle = dual_quaternion_blend(values, share)
     for _ in range(_MEAN_STEPS):
-        away = dual_quaternion_multiply(dual_quaternion_conjugate(middle)[..., None, :], given)
+        away = dual_quaternion_multiply(dual_quaternion_conjugate(middle)[..., None, :], values)
         step = np.sum(share[..., None] * dual_quaternion_log(away), axis=-2)
         middle = dual_quaternion_multiply(middle, dual_quaternion_exp(step))
         if np.max(np.abs(step), initial=0.0) <= 1e-12:

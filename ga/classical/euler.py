@@ -160,10 +160,10 @@ class EulerPose(Pose):
         cls, coefficients: ArrayLike, sequence: str = "xyz", extrinsic: bool = False
     ) -> EulerPose:
         """The same rotations by angles in their principal ranges (see `euler_from_matrix`)."""
-        given = checked_floats(coefficients, "EulerPose.normalize(coefficients)", (6,))
+        values = checked_floats(coefficients, "EulerPose.normalize(coefficients)", (6,))
         return cls._joined(
-            matrix_from_euler(given[..., :3], sequence, extrinsic),
-            given[..., 3:],
+            matrix_from_euler(values[..., :3], sequence, extrinsic),
+            values[..., 3:],
             sequence,
             extrinsic,
         )
@@ -267,8 +267,8 @@ class EulerPose(Pose):
         cls, matrix: ArrayLike, sequence: str = "xyz", extrinsic: bool = False
     ) -> EulerPose:
         """Poses from homogeneous matrices ``(*, 4, 4)``, taken for rigid."""
-        given = checked_floats(matrix, "EulerPose.from_matrix(matrix)", (4, 4))
-        return cls._joined(given[..., :3, :3], given[..., :3, 3], sequence, extrinsic)
+        matrices = checked_floats(matrix, "EulerPose.from_matrix(matrix)", (4, 4))
+        return cls._joined(matrices[..., :3, :3], matrices[..., :3, 3], sequence, extrinsic)
 
 
 def nearest_branch(angles_rad: ArrayLike, reference_rad: ArrayLike) -> FloatArray:
@@ -356,14 +356,14 @@ def follow_euler(angles_rad: ArrayLike, sequence: str = "xyz") -> FloatArray:
     if len(angles) < 2:
         return angles.copy()
     starts = [1, *(1 + np.flatnonzero(np.diff(side[1:])) + 1).tolist(), len(angles)]
-    made = angles.copy()
+    followed = angles.copy()
     for start, stop in pairwise(starts):
-        last, given = made[start - 1], angles[start:stop]
+        last, triples = followed[start - 1], angles[start:stop]
         if side[start] == 0.0:
-            made[start:stop] = _followed(last, given, sequence)
+            followed[start:stop] = _followed(last, triples, sequence)
         else:
-            made[start:stop] = _locked(last, given, float(side[start]))
-    return made
+            followed[start:stop] = _locked(last, triples, float(side[start]))
+    return followed
 
 
 def _followed(last: FloatArray, angles: FloatArray, sequence: str) -> FloatArray:

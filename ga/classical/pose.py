@@ -46,9 +46,9 @@ class Pose(CoefficientBatch):
 
     def __post_init__(self) -> None:
         name = f"{type(self).__name__}.coefficients"
-        given = checked_floats(self.coefficients, name, (self._size,))
-        self._check(given)
-        object.__setattr__(self, "coefficients", frozen(given))
+        values = checked_floats(self.coefficients, name, (self._size,))
+        self._check(values)
+        object.__setattr__(self, "coefficients", frozen(values))
 
     @abstractmethod
     def _check(self, coefficients: FloatArray) -> None:
@@ -95,9 +95,9 @@ class Pose(CoefficientBatch):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, batches that do not broadcast.
         """
-        given = checked_floats(step, f"{type(self).__name__}.retract(step)", (6,))
-        self._batch(".retract", given.shape[:-1])
-        return self._like(self._retracted(given))
+        steps = checked_floats(step, f"{type(self).__name__}.retract(step)", (6,))
+        self._batch(".retract", steps.shape[:-1])
+        return self._like(self._retracted(steps))
 
     @abstractmethod
     def _retracted(self, step: FloatArray) -> FloatArray: ...
@@ -140,8 +140,8 @@ class Pose(CoefficientBatch):
     @classmethod
     def from_matrix(cls, matrix: ArrayLike) -> Self:
         """From homogeneous matrices ``(*, 4, 4)``, taken for rigid as practitioners do."""
-        given = checked_floats(matrix, f"{cls.__name__}.from_matrix(matrix)", (4, 4))
-        rotation, translation_m = given[..., :3, :3], given[..., :3, 3]
+        matrices = checked_floats(matrix, f"{cls.__name__}.from_matrix(matrix)", (4, 4))
+        rotation, translation_m = matrices[..., :3, :3], matrices[..., :3, 3]
         return cls.from_quaternion_translation(quaternion_from_matrix(rotation), translation_m)
 
     @abstractmethod

@@ -51,10 +51,10 @@ def nearest_sign(components: ArrayLike, reference: ArrayLike) -> FloatArray:
         >>> nearest_sign([-0.8, 0.0, 0.0, -0.6], [1.0, 0.0, 0.0, 0.0])
         array([ 0.8, -0. , -0. ,  0.6])
     """
-    given = checked_floats(components, "components", ())
+    values = checked_floats(components, "components", ())
     near = checked_floats(reference, "reference", ())
-    dot = np.sum(given[..., :4] * near[..., :4], axis=-1, keepdims=True)
-    return np.where(dot < 0.0, -given, given)
+    dot = np.sum(values[..., :4] * near[..., :4], axis=-1, keepdims=True)
+    return np.where(dot < 0.0, -values, values)
 
 
 def quaternion_conjugate(q: ArrayLike) -> FloatArray:
@@ -65,8 +65,8 @@ def quaternion_conjugate(q: ArrayLike) -> FloatArray:
         >>> quaternion_conjugate([0.5, 0.5, 0.5, 0.5])
         array([ 0.5, -0.5, -0.5, -0.5])
     """
-    given = checked_floats(q, "q", (4,))
-    return np.concatenate([given[..., :1], -given[..., 1:]], axis=-1)
+    values = checked_floats(q, "q", (4,))
+    return np.concatenate([values[..., :1], -values[..., 1:]], axis=-1)
 
 
 def quaternion_normalize(q: ArrayLike) -> FloatArray:
@@ -80,10 +80,10 @@ def quaternion_normalize(q: ArrayLike) -> FloatArray:
         >>> quaternion_normalize([3, 0, 0, 4])
         array([0.6, 0. , 0. , 0.8])
     """
-    given = checked_floats(q, "q", (4,))
-    if not np.all(np.any(given != 0.0, axis=-1)):
+    values = checked_floats(q, "q", (4,))
+    if not np.all(np.any(values != 0.0, axis=-1)):
         raise ValueError("q: expected non-zero quaternions, got a zero one")
-    near_one = np.ldexp(given, -size_exponent(given))
+    near_one = np.ldexp(values, -size_exponent(values))
     unit: FloatArray = near_one / np.linalg.norm(near_one, axis=-1, keepdims=True)
     return unit
 
@@ -132,11 +132,11 @@ def quaternion_as_rotation_vector(q: ArrayLike) -> FloatArray:
         >>> quaternion_as_rotation_vector([0, 0, 0, 1])
         array([0.        , 0.        , 3.14159265])
     """
-    given = checked_floats(q, "q", (4,))
-    given = np.where(given[..., :1] < 0.0, -given, given)
-    sine = np.linalg.norm(given[..., 1:], axis=-1, keepdims=True)
-    ratio = np.arctan2(sine, given[..., :1]) / np.where(sine > 0.0, sine, 1.0)
-    return np.where(sine > 0.0, 2.0 * ratio, 2.0) * given[..., 1:]
+    values = checked_floats(q, "q", (4,))
+    values = np.where(values[..., :1] < 0.0, -values, values)
+    sine = np.linalg.norm(values[..., 1:], axis=-1, keepdims=True)
+    ratio = np.arctan2(sine, values[..., :1]) / np.where(sine > 0.0, sine, 1.0)
+    return np.where(sine > 0.0, 2.0 * ratio, 2.0) * values[..., 1:]
 
 
 def quaternion_as_matrix(q: ArrayLike) -> FloatArray:
@@ -235,12 +235,12 @@ def quaternion_mean(q: ArrayLike, weights: ArrayLike) -> FloatArray:
         >>> quaternion_mean([[1, 0, 0, 0], [0, 0, 0, 1]], [0.75, 0.25]).round(4)  # 45° about z
         array([0.9239, 0.    , 0.    , 0.3827])
     """
-    given, share = checked_floats(q, "q", (4,)), checked_floats(weights, "weights", ())
-    if given.shape[-2:-1] == (2,):
-        return quaternion_slerp(given[..., 0, :], given[..., 1, :], share[..., 1])
-    middle = given[..., 0, :]
+    values, share = checked_floats(q, "q", (4,)), checked_floats(weights, "weights", ())
+    if values.shape[-2:-1] == (2,):
+        return quaternion_slerp(values[..., 0, :], values[..., 1, :], share[..., 1])
+    middle = values[..., 0, :]
     for _ in range(_MEAN_STEPS):
-        away = quaternion_multiply(quaternion_conjugate(middle)[..., None, :], given)
+        away = quaternion_multiply(quaternion_conjugate(middle)[..., None, :], values)
         step = np.sum(share[..., None] * quaternion_as_rotation_vector(away), axis=-2)
         middle = quaternion_multiply(middle, quaternion_from_rotation_vector(step))
         if np.max(np.abs(step), initial=0.0) <= 1e-12:

@@ -83,16 +83,16 @@ class QuaternionPose(Pose):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, or a zero quaternion.
         """
-        given = checked_floats(coefficients, "QuaternionPose.normalize(coefficients)", (7,))
-        unit = quaternion_normalize(given[..., :4])
-        return cls(np.concatenate([unit, given[..., 4:]], axis=-1))
+        values = checked_floats(coefficients, "QuaternionPose.normalize(coefficients)", (7,))
+        unit = quaternion_normalize(values[..., :4])
+        return cls(np.concatenate([unit, values[..., 4:]], axis=-1))
 
     @classmethod
     def exp(cls, log: ArrayLike) -> QuaternionPose:
         """Poses from rotation vector (rad) and translation (m), ``(*, 6)``, each by itself."""
-        given = checked_floats(log, "QuaternionPose.exp(log)", (6,))
-        turned = quaternion_from_rotation_vector(given[..., :3])
-        return cls(np.concatenate([turned, given[..., 3:]], axis=-1))
+        twists = checked_floats(log, "QuaternionPose.exp(log)", (6,))
+        turned = quaternion_from_rotation_vector(twists[..., :3])
+        return cls(np.concatenate([turned, twists[..., 3:]], axis=-1))
 
     def log(self) -> FloatArray:
         """Rotation vector (rad, at most π long) and translation (m), ``(*, 6)``."""
@@ -212,8 +212,8 @@ class DualQuaternion(Pose):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, or a zero real part.
         """
-        given = checked_floats(coefficients, "DualQuaternion.normalize(coefficients)", (8,))
-        return cls(dual_quaternion_normalize(given))
+        values = checked_floats(coefficients, "DualQuaternion.normalize(coefficients)", (8,))
+        return cls(dual_quaternion_normalize(values))
 
     @classmethod
     def exp(cls, log: ArrayLike) -> DualQuaternion:
@@ -273,8 +273,8 @@ class DualQuaternion(Pose):
             ValueError: weights that do not fit or sum to zero, dual quaternions that cancel.
         """
         share = self._checked_weights(weights)
-        given = np.broadcast_to(self.coefficients, (*share.shape, 8))
-        return self._like(dual_quaternion_blend(given, share))
+        values = np.broadcast_to(self.coefficients, (*share.shape, 8))
+        return self._like(dual_quaternion_blend(values, share))
 
     @classmethod
     def from_quaternion_translation(

@@ -49,12 +49,12 @@ class Jacobian:
 
         Arguments and errors are those of `CompiledFunction.arrays`.
         """
-        made = self._runs.arrays(*args)
+        arrays = self._runs.arrays(*args)
         if self._single:
-            return self._matrices(made, self._outputs[0])
+            return self._matrices(arrays, self._outputs[0])
         return {
-            operand.name: self._matrices(one, operand)
-            for operand, one in zip(self._outputs, made, strict=True)
+            operand.name: self._matrices(array, operand)
+            for operand, array in zip(self._outputs, arrays, strict=True)
         }
 
     def backend(self, precision: str = "float64") -> str:

@@ -73,11 +73,11 @@ class CompiledFunction:
         values: list[Any] = []
         for read, arg in zip(self._reads, args, strict=True):
             values += read(arg)
-        made = self._runs.components(*values)
+        components = self._runs.components(*values)
         algebra = self.program.algebra
         if self.single:
-            return Multivector._trusted(algebra, self._masks[0], made)
-        left = iter(made)
+            return Multivector._trusted(algebra, self._masks[0], components)
+        left = iter(components)
         return {
             operand.name: Multivector._trusted(algebra, masks, [next(left) for _ in masks])
             for operand, masks in zip(self.program.tape.outputs, self._masks, strict=True)
@@ -98,11 +98,11 @@ class CompiledFunction:
         """
         if named or len(args) != len(self._reads):
             args = _bound(self.program, args, named)
-        made = self._runs.arrays(*args)
+        outputs = self._runs.arrays(*args)
         if self.single:
-            return made
+            return outputs
         names = [operand.name for operand in self.program.tape.outputs]
-        return dict(zip(names, made, strict=True))
+        return dict(zip(names, outputs, strict=True))
 
     def jacobian(self, parameter: str) -> Jacobian:
         """The derivatives of the results by the components of a parameter, a function of arrays.
@@ -164,7 +164,7 @@ def compile_function(
     name = checked_identifier(function.__name__, "function")
     inputs = _inputs(name, function, blades)
     symbols = symbols_of(inputs)
-    made = _traced(
+    result = _traced(
         name,
         function,
         [
@@ -172,10 +172,10 @@ def compile_function(
             for operand, symbol in zip(inputs, symbols, strict=True)
         ],
     )
-    single = not isinstance(made, Mapping)
+    single = not isinstance(result, Mapping)
     outputs = {
         checked_identifier(key, f"{name}: output"): _multivector(name, value, algebra)
-        for key, value in ({"result": made} if single else made).items()
+        for key, value in ({"result": result} if single else result).items()
     }
     if not outputs:
         raise ValueError(f"{name}: expected a function with results, got an empty dict")
@@ -200,13 +200,13 @@ class _Reader:
         self._places = [known.masks.index(mask) for mask, _ in terms]
         self._in_order = self._places == list(range(len(terms)))
 
-    def __call__(self, given: Any) -> Sequence[Any]:
-        if type(given) is Multivector and given.masks == self._masks and self._in_order:
-            if given.algebra is self._algebra:
-                return given.values
-        elif self._scalar and type(given) is float and isfinite(given):
-            return (given,)
-        value = given if isinstance(given, Multivector) else self._algebra.scalar(given)
+    def __call__(self, argument: Any) -> Sequence[Any]:
+        if type(argument) is Multivector and argument.masks == self._masks and self._in_order:
+            if argument.algebra is self._algebra:
+                return argument.values
+        elif self._scalar and type(argument) is float and isfinite(argument):
+            return (argument,)
+        value = argument if isinstance(argument, Multivector) else self._algebra.scalar(argument)
         if value.algebra is not self._algebra and value.algebra != self._algebra:
             raise ValueError(f"{self._operand.name}: expected a multivector of {self._algebra}")
         if value.masks == self._masks:
@@ -228,22 +228,22 @@ def _masks_of(operand: Operand, algebra: Algebra) -> tuple[int, ...]:
 def _inputs(
     name: str, function: Callable[..., Any], blades: Mapping[str, str]
 ) -> tuple[Operand, ...]:
-    made = []
+    operands = []
     for key, parameter in inspect.signature(function).parameters.items():
         plain = parameter.kind in (parameter.POSITIONAL_ONLY, parameter.POSITIONAL_OR_KEYWORD)
         if not plain or parameter.default is not parameter.empty:
             raise ValueError(f"{name}: expected plain parameters without defaults, got {parameter}")
         checked_identifier(key, f"{name}: parameter")
-        made.append(Operand(key, tuple(blades.get(key, "1").split())))
+        operands.append(Operand(key, tuple(blades.get(key, "1").split())))
     for key in blades:
-        if key not in [operand.name for operand in made]:
+        if key not in [operand.name for operand in operands]:
             raise ValueError(f"{name}: expected blades of a parameter, got some of {key}")
-    names = [component_name(o.name, k, o.width) for o in made for k in range(o.width)]
+    names = [component_name(o.name, k, o.width) for o in operands for k in range(o.width)]
     twice = sorted({component for component in names if names.count(component) > 1})
-    if twice or any(not operand.components for operand in made):
+    if twice or any(not operand.components for operand in operands):
         shown = f"two of the name {twice[0]}" if twice else "a parameter without any"
         raise ValueError(f"{name}: expected components with distinct names, got {shown}")
-    return tuple(made)
+    return tuple(operands)
 
 
 def _traced(name: str, function: Callable[..., Any], arguments: list[Multivector]) -> Any:
@@ -274,10 +274,10 @@ def _multivector(name: str, value: Any, algebra: Algebra) -> Multivector:
 def _bound(traced: Program, args: tuple[Any, ...], named: Mapping[str, Any]) -> tuple[Any, ...]:
     """The arguments in the order of the parameters."""
     names = [operand.name for operand in traced.tape.inputs]
-    given = dict(zip(names, args, strict=False)) | dict(named)
-    if len(args) + len(named) != len(names) or set(given) != set(names):
+    bound = dict(zip(names, args, strict=False)) | dict(named)
+    if len(args) + len(named) != len(names) or set(bound) != set(names):
         got = [*map(str, range(len(args))), *named]
         raise ValueError(
             f"{traced.name}: expected arguments {', '.join(names)}, got {', '.join(got) or 'none'}"
         )
-    return tuple(given[name] for name in names)
+    return tuple(bound[name] for name in names)

@@ -71,8 +71,8 @@ def compile_script(script: Script, name: str, algebra: Algebra | None = None) ->
     free = [checked_identifier(variable, "variable") for variable in free_variables(script, chosen)]
     inputs = tuple(Operand(variable, ("1",)) for variable in free)
     symbols = symbols_of(inputs)
-    given = {variable: symbol[0] for variable, symbol in zip(free, symbols, strict=True)}
-    outputs = evaluate(script, algebra, **given)
+    symbol_of = {variable: symbol[0] for variable, symbol in zip(free, symbols, strict=True)}
+    outputs = evaluate(script, algebra, **symbol_of)
     if not outputs:
         raise ValueError(f"{name}: expected a script with outputs, got none: mark them with ?")
     return program_of(name, chosen, inputs, symbols, outputs)
@@ -109,8 +109,8 @@ def program_of(
 ) -> Program:
     """The program of multivectors over symbols; `symbols` has one vector of them an input."""
     operands, rows = [], []
-    for output, made in outputs.items():
-        kept = [(blade, value) for blade, value in made.items() if not _is_zero(value)]
+    for output, multivector in outputs.items():
+        kept = [(blade, value) for blade, value in multivector.items() if not _is_zero(value)]
         operands.append(Operand(output, tuple(blade for blade, _ in kept)))
         rows.append([value for _, value in kept])
     # Without inputs nothing tells whose symbols they are, and there are numbers alone.

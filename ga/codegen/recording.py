@@ -50,14 +50,14 @@ def casadi_function(
     import casadi as ca
 
     symbols = [ca.SX.sym(operand.name, operand.width) for operand in inputs]
-    made = define(*([symbol[i] for i in range(symbol.numel())] for symbol in symbols))
-    widths = [len(row) for row in made]
+    rows = define(*([symbol[i] for i in range(symbol.numel())] for symbol in symbols))
+    widths = [len(row) for row in rows]
     if widths != [operand.width for operand in outputs]:
         raise ValueError(
             f"{name}: expected outputs of {[operand.width for operand in outputs]} components, "
             f"got {widths}"
         )
-    columns = ca.cse([ca.densify(ca.vertcat(*map(ca.SX, row))) for row in made])
+    columns = ca.cse([ca.densify(ca.vertcat(*map(ca.SX, row))) for row in rows])
     return ca.Function(name, symbols, columns)
 
 
@@ -118,21 +118,25 @@ def _read(
     slots: dict[int, int] = {}
     results = [[0] * operand.width for operand in outputs]
     for k in range(function.n_instructions()):
-        op, given, target = (
+        op, sources, target = (
             function.instruction_id(k),
             function.instruction_input(k),
             function.instruction_output(k),
         )
         if op == ca.OP_OUTPUT:
-            results[target[0]][target[1]] = slots[given[0]]
+            results[target[0]][target[1]] = slots[sources[0]]
         elif op == ca.OP_INPUT:
-            slots[target[0]] = builder.input(inputs[given[0]].name, given[1])
+            slots[target[0]] = builder.input(inputs[sources[0]].name, sources[1])
         elif op == ca.OP_CONST:
             slots[target[0]] = builder.constant(float(function.instruction_constant(k)))
         else:
-            args = [slots[i] for i in given]
-            made = power_of_two_node(builder, _names().get(op, ""), args) if powers_of_two else None
-            slots[target[0]] = _casadi_operation(builder, name, op, args) if made is None else made
+            args = [slots[i] for i in sources]
+            exact = (
+                power_of_two_node(builder, _names().get(op, ""), args) if powers_of_two else None
+            )
+            slots[target[0]] = (
+                _casadi_operation(builder, name, op, args) if exact is None else exact
+            )
     return builder.finished(tuple(inputs), tuple(outputs), results)
 
 
@@ -162,12 +166,12 @@ def _power(builder: TapeBuilder, base: int, exponent: int) -> int:
         logarithm = builder.operation("log", base)
         return builder.operation("exp", builder.operation("mul", exponent, logarithm))
     whole, half = divmod(abs(int(doubled)), 2)
-    made = builder.operation("sqrt", base) if half else builder.constant(1.0)
+    power = builder.operation("sqrt", base) if half else builder.constant(1.0)
     while whole:
         if whole & 1:
-            made = builder.operation("mul", made, base)
+            power = builder.operation("mul", power, base)
         base, whole = builder.operation("mul", base, base), whole >> 1
-    return made if doubled >= 0 else builder.operation("div", builder.constant(1.0), made)
+    return power if doubled >= 0 else builder.operation("div", builder.constant(1.0), power)
 
 
 @cache
@@ -302,8 +306,8 @@ def tape_of_symbols(
     inputs: tuple[Operand, ...], outputs: tuple[Operand, ...], rows: Sequence[Sequence[Any]]
 ) -> Tape:
     """The tape of what was made of symbols, and of numbers: one row for each of `outputs`."""
-    made = (value.builder for row in rows for value in row if isinstance(value, Symbol))
-    builder = next(made, None) or TapeBuilder()
+    builders = (value.builder for row in rows for value in row if isinstance(value, Symbol))
+    builder = next(builders, None) or TapeBuilder()
     return builder.finished(inputs, outputs, [[_node(builder, v) for v in row] for row in rows])
 
 

@@ -185,11 +185,11 @@ class TapeBuilder:
         return Node(node.op, tuple([place[i] for i in node.args]), node.value, node.source)
 
     def _node(self, node: Node) -> int:
-        found = self._known.get(node)
-        if found is None:
-            found = self._known[node] = len(self.nodes)
+        index = self._known.get(node)
+        if index is None:
+            index = self._known[node] = len(self.nodes)
             self.nodes.append(node)
-        return found
+        return index
 
     def _simplified(self, op: str, args: tuple[int, ...]) -> int | None:
         nodes = self.nodes

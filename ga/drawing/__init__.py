@@ -72,8 +72,8 @@ def draw_script(
     Drawing(s: sphere, plane)
     """
     marked = _Marked(script)
-    made = watched(script, marked, algebra, variables)
-    outputs = [Styled(x, name, None, marked.form) for name, x in made.items()]
+    results = watched(script, marked, algebra, variables)
+    outputs = [Styled(x, name, None, marked.form) for name, x in results.items()]
     drawn, left_out = [], []
     for item in marked.items or outputs:
         try:

@@ -73,21 +73,21 @@ def shape_of_plane(x: Multivector, form: str) -> Shape:
         x = x.dual()
     if x.grades == (3,):
         return _outer_vector(_lifted(x.undual()))
-    found = _inner(_lifted(x) ^ CGA3.blade("e3"))
-    return _flattened(found)
+    shape = _inner(_lifted(x) ^ CGA3.blade("e3"))
+    return _flattened(shape)
 
 
-def _flattened(found: Shape) -> Shape:
+def _flattened(shape: Shape) -> Shape:
     """What rounding left of z is taken away."""
     keep = np.array([1.0, 1.0, 0.0])
-    if isinstance(found, Circle):
+    if isinstance(shape, Circle):
         normal = np.array([0.0, 0.0, 1.0])
-        return Circle(found.center * keep, normal, found.radius, found.imaginary)
-    if isinstance(found, PointPair):
-        return PointPair(found.first * keep, found.second * keep, found.imaginary)
-    if isinstance(found, Line):
-        return Line(found.point * keep, found.direction * keep)
-    return found
+        return Circle(shape.center * keep, normal, shape.radius, shape.imaginary)
+    if isinstance(shape, PointPair):
+        return PointPair(shape.first * keep, shape.second * keep, shape.imaginary)
+    if isinstance(shape, Line):
+        return Line(shape.point * keep, shape.direction * keep)
+    return shape
 
 
 def _lifted(x: Multivector) -> Multivector:
@@ -217,5 +217,5 @@ def _point(position: FloatArray) -> Multivector:
 
 
 def _place(x: Multivector) -> FloatArray:
-    made: FloatArray = np.array([x.coefficient(f"e{k}") for k in (1, 2, 3)])
-    return made / float(x.coefficient("e0"))
+    position: FloatArray = np.array([x.coefficient(f"e{k}") for k in (1, 2, 3)])
+    return position / float(x.coefficient("e0"))

@@ -93,16 +93,16 @@ class Drawing:
         return marks, projection_of(self.view, marks)
 
     def _marks(self, extent: Extent) -> Iterator[Mark]:
-        for owner, one in enumerate(self.objects):
-            for shape in one.shapes:
-                yield from marks_of(shape, extent, one.color, owner)
-        for one in self.objects:
-            if one.name:
-                yield name_of(one.name, one.shapes[-1], extent, "black")
+        for owner, drawn in enumerate(self.objects):
+            for shape in drawn.shapes:
+                yield from marks_of(shape, extent, drawn.color, owner)
+        for drawn in self.objects:
+            if drawn.name:
+                yield name_of(drawn.name, drawn.shapes[-1], extent, "black")
 
 
-def _kinds(one: Object) -> str:
-    kinds = [shape.kind for shape in one.shapes]
+def _kinds(drawn: Object) -> str:
+    kinds = [shape.kind for shape in drawn.shapes]
     return kinds[0] if len(kinds) == 1 else f"{len(kinds)} of {', '.join(dict.fromkeys(kinds))}"
 
 
@@ -132,21 +132,21 @@ def show(
     """
     plain = [one if isinstance(one, Styled) else Styled(one, form=form) for one in objects]
     plain += [
-        replace(one, name=name) if isinstance(one, Styled) else Styled(one, name, form=form)
-        for name, one in named.items()
+        replace(value, name=name) if isinstance(value, Styled) else Styled(value, name, form=form)
+        for name, value in named.items()
     ]
-    made = []
-    for place, one in enumerate(plain):
+    drawn = []
+    for place, styled in enumerate(plain):
         try:
-            shapes = shapes_of(one.value, one.form)
+            shapes = shapes_of(styled.value, styled.form)
         except ValueError as refused:
-            raise ValueError(f"show: {one.name or f'object {place}'}: {refused}") from refused
-        made.append((one, shapes))
-    return drawing(made, title, view)
+            raise ValueError(f"show: {styled.name or f'object {place}'}: {refused}") from refused
+        drawn.append((styled, shapes))
+    return drawing(drawn, title, view)
 
 
 def drawing(
-    made: list[tuple[Styled, list[Shape]]],
+    drawn: list[tuple[Styled, list[Shape]]],
     title: str,
     view: View | None,
     left_out: tuple[str, ...] = (),
@@ -156,16 +156,16 @@ def drawing(
     Raises:
         ValueError: none of them, or a colour that is not known.
     """
-    if not made:
+    if not drawn:
         raise ValueError("show: expected at least one object, got none")
-    colors = iter(CYCLE * (1 + len(made) // len(CYCLE)))
+    colors = iter(CYCLE * (1 + len(drawn) // len(CYCLE)))
     objects = tuple(
         Object(
-            one.name,
-            next(colors) if one.color is None else checked_color(one.color),
+            styled.name,
+            next(colors) if styled.color is None else checked_color(styled.color),
             tuple(shapes),
         )
-        for one, shapes in made
+        for styled, shapes in drawn
     )
     flat = all(is_flat(shape) for one in objects for shape in one.shapes)
     return Drawing(objects, title, replace(view or View(), flat=flat), left_out)

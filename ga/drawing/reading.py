@@ -93,14 +93,14 @@ def _rows(x: Multivector) -> list[Multivector]:
         raise ValueError(f"expected at most {MAX_OBJECTS} objects, got {len(rows)}")
     algebra: Any = x.algebra
     grades = np.array([blade.count("^") + (blade != "1") for blade in x.blades], dtype=np.int64)
-    made = []
+    multivectors = []
     for row in rows[:, : len(grades)]:
         least = _ROUNDING * np.abs(row).max(initial=0.0)
         large = set(grades[np.abs(row) > least])
         kept = [grade in large and value != 0.0 for grade, value in zip(grades, row, strict=True)]
         parts = {b: float(v) for b, v, keep in zip(x.blades, row, kept, strict=True) if keep}
-        made.append(algebra.multivector(parts))
-    return made
+        multivectors.append(algebra.multivector(parts))
+    return multivectors
 
 
 def _of_multivectors(rows: list[Multivector], form: Form) -> list[Shape]:
@@ -147,8 +147,8 @@ def of_plane_based(x: Multivector, plane: bool) -> Shape:
     """
     lifted = PGA3.multivector(dict(x.items()))
     if len(x.grades) > 1:
-        found = moved_frame(lifted, _point, _place)
-        return Frames(found.origins, found.axes, flat=plane)
+        frames = moved_frame(lifted, _point, _place)
+        return Frames(frames.origins, frames.axes, flat=plane)
     if plane:
         lifted = lifted ^ PGA3.blade("e3")
     (grade,) = lifted.grades
@@ -182,8 +182,8 @@ def of_euclidean(x: Multivector, plane: bool) -> Shape:
         return Circle(np.zeros(3), across / area, (area / np.pi) ** 0.5, filled=True)
     if len(x.grades) == 1:
         raise ValueError("a pseudoscalar has no picture")
-    found = moved_frame(lifted, _vector, lambda y: _triple(y, *_AXES))
-    return Frames(found.origins, found.axes, flat=plane)
+    frames = moved_frame(lifted, _vector, lambda y: _triple(y, *_AXES))
+    return Frames(frames.origins, frames.axes, flat=plane)
 
 
 def _unit(vector: FloatArray, size: float) -> tuple[FloatArray, float]:

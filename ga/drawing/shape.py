@@ -69,10 +69,10 @@ class Circle:
         """Points ``(count + 1, 3)`` once around, the last one the first again."""
         first, second = across(self.normal)
         turn: FloatArray = np.linspace(0.0, 2.0 * np.pi, count + 1)[:, None]
-        made: FloatArray = self.center + self.radius * (
+        outline: FloatArray = self.center + self.radius * (
             np.cos(turn) * first + np.sin(turn) * second
         )
-        return made
+        return outline
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,8 +85,8 @@ class PlaneShape:
 
     def nearest(self, place: FloatArray) -> FloatArray:
         """Its point that is nearest to a place."""
-        made: FloatArray = place - np.dot(place - self.point, self.normal) * self.normal
-        return made
+        foot: FloatArray = place - np.dot(place - self.point, self.normal) * self.normal
+        return foot
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,8 +100,8 @@ class Line:
     def nearest(self, place: FloatArray) -> FloatArray:
         """Its point that is nearest to a place."""
         along = np.dot(place - self.point, self.direction)
-        made: FloatArray = self.point + along * self.direction
-        return made
+        foot: FloatArray = self.point + along * self.direction
+        return foot
 
 
 @dataclass(frozen=True, eq=False)

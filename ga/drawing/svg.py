@@ -113,13 +113,13 @@ def number(value: float) -> str:
     return "0" if text == "-0" else text
 
 
-def _look(one: Placed) -> tuple[object, ...]:
-    mark = one.mark
+def _look(placed: Placed) -> tuple[object, ...]:
+    mark = placed.mark
     if isinstance(mark, Stroke):
         return "stroke", mark.color, mark.width, mark.opacity
     if isinstance(mark, Face):
         return "face", mark.color, mark.opacity, mark.owner
-    return "alone", id(one)
+    return "alone", id(placed)
 
 
 def _element(same: list[Placed]) -> str:

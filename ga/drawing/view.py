@@ -82,8 +82,8 @@ class Projection:
     def place(self, points: FloatArray) -> FloatArray:
         """Points ``(n, 3)`` of space in the picture; depths are in pixels too."""
         turned = self.scale * (points @ self.view.axes().T)
-        made: FloatArray = turned * _DOWN + self.shift
-        return made
+        rotated: FloatArray = turned * _DOWN + self.shift
+        return rotated
 
 
 def projection_of(view: View, marks: list[Mark]) -> Projection:
@@ -102,7 +102,7 @@ def placed(marks: list[Mark], projection: Projection) -> list[Placed]:
     spots = [
         (projection.place(ball.center[None])[0], ball.radius * projection.scale) for ball in balls
     ]
-    made = []
+    placed = []
     for mark in marks:
         if isinstance(mark, Label):
             continue
@@ -110,12 +110,12 @@ def placed(marks: list[Mark], projection: Projection) -> list[Placed]:
         if isinstance(mark, BallMark):
             radius = mark.radius * projection.scale
             depth = float(points[0, 2])
-            made.append(Placed(mark, points, (depth - radius / 2, -1e9), radius))
+            placed.append(Placed(mark, points, (depth - radius / 2, -1e9), radius))
             if not mark.imaginary:
-                made.append(Placed(mark, points, (depth + radius / 2, -1e9), radius, near=True))
+                placed.append(Placed(mark, points, (depth + radius / 2, -1e9), radius, near=True))
         else:
-            made.append(Placed(mark, points, _key(points.mean(axis=0), spots)))
-    return sorted(made, key=lambda one: one.key)
+            placed.append(Placed(mark, points, _key(points.mean(axis=0), spots)))
+    return sorted(placed, key=lambda item: item.key)
 
 
 def _key(middle: FloatArray, spots: list[tuple[FloatArray, float]]) -> tuple[float, float]:

@@ -133,14 +133,14 @@ def similarity_normalize(m: Array) -> tuple[Array, Array]:
     The second is 1 for a versor and 0 for an element that has no scale or is turned inside out;
     there the first means nothing.
     """
-    made = of_one(_similarity_normalize, m, 13)
-    return made[..., :12], made[..., 12]
+    results = of_one(_similarity_normalize, m, 13)
+    return results[..., :12], results[..., 12]
 
 
 def rotor_translation_scale(m: Array) -> tuple[Array, Array, Array]:
     """Rotors ``(*, 4)``, translations ``(*, 3)`` and scales ``(*)`` of similarities."""
-    made: Any = of_one(_similarity_parts, m, 8)
-    return made[..., :4], made[..., 4:7], made[..., 7]
+    parts: Any = of_one(_similarity_parts, m, 8)
+    return parts[..., :4], parts[..., 4:7], parts[..., 7]
 
 
 def similarity_of_motor(m: Array, scale: Array) -> Array:
@@ -203,9 +203,9 @@ class VersorKernels:
 
     def _matrix(self, m: Array) -> Array:
         """The matrices ``(*, 12)``, by rows, of rotors."""
-        made = np.zeros((*m.shape[:-1], 3, 4), m.dtype)
-        made[..., :3] = of_one(_rotor_matrix33, m, 9).reshape(*m.shape[:-1], 3, 3)
-        return made.reshape(*m.shape[:-1], 12)
+        matrices = np.zeros((*m.shape[:-1], 3, 4), m.dtype)
+        matrices[..., :3] = of_one(_rotor_matrix33, m, 9).reshape(*m.shape[:-1], 3, 3)
+        return matrices.reshape(*m.shape[:-1], 12)
 
     def checked_of_twist(self, twist: Array) -> tuple[Array, bool]:
         """Versors of twists ``(*, d)``, and whether these are finite; see `exp`."""
@@ -281,12 +281,12 @@ class VersorKernels:
         shape = weights.shape[:-1]
         beside = spread(first, shape, 1)
         total = np.zeros(width, m.dtype)
-        made, spare = empty(shape, width, m.dtype), empty(shape, width, m.dtype)
+        summed, spare = empty(shape, width, m.dtype), empty(shape, width, m.dtype)
         for k in range(weights.shape[-1]):
-            one = spread(m[..., k, :], shape, 1)
+            versor = spread(m[..., k, :], shape, 1)
             weight = spread(weights[..., k], shape, 0)
-            kernel(spread(total, shape, 1), beside, one, weight, made)
-            total, made, spare = made, spare, made
+            kernel(spread(total, shape, 1), beside, versor, weight, summed)
+            total, summed, spare = summed, spare, summed
         return total
 
     def _square(self, rows: Array) -> Array:
@@ -374,55 +374,55 @@ def spread(array: Array, shape: tuple[int, ...], trailing: int) -> Array:
     return whole if len(shape) < 2 else whole.reshape(prod(shape), *rest)  # copied if need be
 
 
-def expect_arrays(*given: object) -> None:
+def expect_arrays(*inputs: object) -> None:
     """Refuse what is no array with TypeError."""
-    kinds = [type(one).__name__ for one in given if not isinstance(one, np.ndarray | np.generic)]
+    kinds = [type(one).__name__ for one in inputs if not isinstance(one, np.ndarray | np.generic)]
     if kinds:
         raise TypeError(f"expected NumPy arrays of float32 or float64, got {', '.join(kinds)}")
 
 
-def batch_of(*given: Array) -> tuple[int, ...]:
+def batch_of(*inputs: Array) -> tuple[int, ...]:
     """The batch that inputs ``(*, n)`` broadcast to."""
     try:
-        shape = given[0].shape[:-1]
-        for other in given[1:]:
+        shape = inputs[0].shape[:-1]
+        for other in inputs[1:]:
             if other.shape[:-1] != shape:
                 shape = np.broadcast_shapes(shape, other.shape[:-1])
     except AttributeError:
-        expect_arrays(*given)
+        expect_arrays(*inputs)
         raise
     return shape
 
 
-def checked_call(kernel: Callable[..., bool], width: int, *given: Array) -> tuple[Array, bool]:
+def checked_call(kernel: Callable[..., bool], width: int, *inputs: Array) -> tuple[Array, bool]:
     """Apply a checked kernel to inputs ``(*, n)`` of one precision; and whether they are finite."""
-    shape = batch_of(*given)
+    shape = batch_of(*inputs)
     if not shape:
-        made = np.empty(width, given[0].dtype)
-        return made, kernel(*given, made)
-    made = empty(shape, width, given[0].dtype)
-    return made, kernel(*[spread(one, shape, 1) for one in given], made)
+        out = np.empty(width, inputs[0].dtype)
+        return out, kernel(*inputs, out)
+    out = empty(shape, width, inputs[0].dtype)
+    return out, kernel(*[spread(one, shape, 1) for one in inputs], out)
 
 
 def of_one(kernel: Callable[..., None], array: Array, width: int) -> Array:
     """Apply a kernel of one input ``(*, n)``."""
     shape = batch_of(array)
     if not shape:
-        made = np.empty(width, array.dtype)
-        kernel(array, made)
-        return made
-    made = empty(shape, width, array.dtype)
-    kernel(spread(array, shape, 1), made)
-    return made
+        out = np.empty(width, array.dtype)
+        kernel(array, out)
+        return out
+    out = empty(shape, width, array.dtype)
+    kernel(spread(array, shape, 1), out)
+    return out
 
 
 def of_two(kernel: Callable[..., None], a: Array, b: Array, width: int) -> Array:
     """Apply a kernel of two inputs ``(*, n)`` whose batches broadcast."""
     shape = batch_of(a, b)
     if not shape:
-        made = np.empty(width, a.dtype)
-        kernel(a, b, made)
-        return made
-    made = empty(shape, width, a.dtype)
-    kernel(spread(a, shape, 1), spread(b, shape, 1), made)
-    return made
+        out = np.empty(width, a.dtype)
+        kernel(a, b, out)
+        return out
+    out = empty(shape, width, a.dtype)
+    kernel(spread(a, shape, 1), spread(b, shape, 1), out)
+    return out

@@ -40,7 +40,7 @@ def function(name: str) -> Callable[..., None]:
     """The kernel of that name, called with its inputs and the array that it writes into."""
     group, widths, _ = KERNELS[name]
     module = import_module(f"motorcade.ga.kernels.generated.python.{group}")
-    made = {dtype: getattr(module, f"{name}_{suffix}") for dtype, suffix in _SUFFIXES.items()}
+    functions = {dtype: getattr(module, f"{name}_{suffix}") for dtype, suffix in _SUFFIXES.items()}
 
     def kernel(*operands: Any) -> None:
         if len(operands) != len(widths) + 1:
@@ -48,9 +48,9 @@ def function(name: str) -> Callable[..., None]:
         out = _array(operands[-1])
         if any(_overlap(x, out) for x in operands[:-1]):
             raise ValueError("expected an output apart from the inputs: they overlap")
-        given = [_input(x, width, out) for x, width in zip(operands, widths, strict=False)]
+        inputs = [_input(x, width, out) for x, width in zip(operands, widths, strict=False)]
         shape = out.shape[:-1]
-        for k, component in enumerate(made[out.dtype.name](*given)):
+        for k, component in enumerate(functions[out.dtype.name](*inputs)):
             every = np.size(component) == out.size // out.shape[-1]
             out[..., k] = np.reshape(component, shape) if every else component
 

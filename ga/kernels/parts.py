@@ -30,13 +30,13 @@ _similarity_of_matrix44 = checked_function("similarity_of_matrix44")
 _rotor_normalize, _project = checked_function("rotor_normalize"), checked_function("project")
 
 
-def _with_off(kernel: Callable[..., bool], width: int, *given: Array) -> tuple[Array, float]:
-    made, finite = checked_call(kernel, width + 1, *given)
+def _with_off(kernel: Callable[..., bool], width: int, *inputs: Array) -> tuple[Array, float]:
+    results, finite = checked_call(kernel, width + 1, *inputs)
     if not finite:
-        return made[..., :width], nan
-    if made.ndim == 1:
-        return made[:width], made.item(width)
-    return made[..., :width], float(np.max(made[..., width], initial=0.0))
+        return results[..., :width], nan
+    if results.ndim == 1:
+        return results[:width], results.item(width)
+    return results[..., :width], float(np.max(results[..., width], initial=0.0))
 
 
 def _rows(matrix: Array) -> Array:
@@ -119,8 +119,8 @@ def similarity_of_matrix(matrix: Array) -> tuple[Array, float]:
 
 def motor_scale(s: Array) -> tuple[Array, Array]:
     """Rigid motions ``(*, 8)`` and scales ``(*)`` of similarities."""
-    made = of_one(_motor_scale, s, 9)
-    return made[..., :8], made[..., 8]
+    results = of_one(_motor_scale, s, 9)
+    return results[..., :8], results[..., 8]
 
 
 def normalized_rotor(r: Array) -> tuple[Array, float]:
@@ -134,7 +134,7 @@ def normalized_motor(m: Array) -> tuple[Array, float]:
 
 
 def _with_least(kernel: Callable[..., bool], width: int, array: Array) -> tuple[Array, float]:
-    made, finite = checked_call(kernel, width + 1, array)
+    results, finite = checked_call(kernel, width + 1, array)
     if not finite:
-        return made[..., :width], nan
-    return made[..., :width], float(np.min(made[..., width], initial=np.inf))
+        return results[..., :width], nan
+    return results[..., :width], float(np.min(results[..., width], initial=np.inf))

@@ -80,9 +80,9 @@ def _scalar_like(x: Multivector, value: Any) -> Multivector:
     return scalar
 
 
-def _like(value: Any, made: Any) -> Any:
+def _like(value: Any, result: Any) -> Any:
     """A plain float where one was given: NumPy's would turn float32 batches into float64."""
-    return float(made) if type(value) in (int, float) else made
+    return float(result) if type(value) in (int, float) else result
 
 
 def _finite(value: Any) -> Any:
@@ -105,8 +105,10 @@ def _factorial(x: Multivector) -> Multivector:
     values = np.asarray(value, dtype=np.float64)
     if np.any((values != np.floor(values)) | (values < 0) | (values > _LARGEST_FACTORIAL)):
         raise ValueError(f"expected whole numbers from 0 to {_LARGEST_FACTORIAL}")
-    made = np.array([float(math.factorial(int(n))) for n in values.ravel()])
-    return _scalar_like(x, made.reshape(values.shape) if values.ndim else float(made[0]))
+    factorials = np.array([float(math.factorial(int(n))) for n in values.ravel()])
+    return _scalar_like(
+        x, factorials.reshape(values.shape) if values.ndim else float(factorials[0])
+    )
 
 
 def _coefficient(x: Multivector, blade: Multivector) -> Multivector:

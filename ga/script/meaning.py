@@ -70,19 +70,19 @@ def watched(
     definition = definition_for(script, algebra)
     chosen = definition.algebra if algebra is None else algebra
     read = free_names(script, chosen, definition, drawn=watch is not None)
-    given = _given_variables(script, chosen, read, variables)
+    values = _given_variables(script, chosen, read, variables)
     with np.errstate(all="ignore"):
-        return Run(script, chosen, definition, given, watch).outputs()
+        return Run(script, chosen, definition, values, watch).outputs()
 
 
-def algebra_of(script: Script, given: Algebra | None = None) -> Algebra:
+def algebra_of(script: Script, preferred: Algebra | None = None) -> Algebra:
     """The algebra of a script: the one given or that of its pragma, CGA3 where there is neither.
 
     Raises:
         ScriptError: an algebra that is not known, or two that differ.
     """
-    algebra = definition_for(script, given).algebra
-    return algebra if given is None else given
+    algebra = definition_for(script, preferred).algebra
+    return algebra if preferred is None else preferred
 
 
 def definition_for(script: Script, algebra: Algebra | None = None) -> AlgebraDefinition:
@@ -144,13 +144,13 @@ def with_algebra(script: Script, name: str) -> Script:
             hint = "a definition of one's own is a file that ends in .toml"
             raise ValueError(f"{refused}; {hint}") from None
         p, q, r = map(int, name.split()) if " " in name else (0, 0, 0)
-        pragma = AlgebraPragma(Place(1, 1), "" if " " in name else name, (p, q, r), given=True)
+        pragma = AlgebraPragma(Place(1, 1), "" if " " in name else name, (p, q, r), by_caller=True)
         return replace(script, pragmas=(pragma, *script.pragmas))
     path = Path(name)
     # What the user points to by a link is meant, and its macros lie beside what that leads to.
     path = path.resolve() if path.is_symlink() else path
     _read(path.parent, path.name)
-    pragma = AlgebraPragma(Place(1, 1), path.name, (0, 0, 0), given=True, folder=path.parent)
+    pragma = AlgebraPragma(Place(1, 1), path.name, (0, 0, 0), by_caller=True, folder=path.parent)
     return replace(script, pragmas=(pragma, *script.pragmas))
 
 
@@ -160,7 +160,7 @@ def _pragma_definition(script: Script, pragma: AlgebraPragma) -> AlgebraDefiniti
         if not pragma.name:
             return definition_of(Algebra(*pragma.signature))
         if pragma.name.endswith(".toml"):
-            return _read(pragma.folder if pragma.given else script.folder, pragma.name)
+            return _read(pragma.folder if pragma.by_caller else script.folder, pragma.name)
     except ScriptError:
         raise
     except ValueError as refused:

@@ -126,8 +126,11 @@ def rows_of(x: Multivector, conditions: Sequence[Any]) -> Multivector | None:
 
 def chosen(algebra: Algebra, condition: Any, then: Multivector, other: Multivector) -> Multivector:
     """The coefficients of `then` where a condition holds, elsewhere those of `other`."""
-    one, two = dict(then.items()), dict(other.items())
+    first, two = dict(then.items()), dict(other.items())
     holds = condition != 0
     return algebra.multivector(
-        {blade: where(holds, one.get(blade, 0.0), two.get(blade, 0.0)) for blade in {**one, **two}}
+        {
+            blade: where(holds, first.get(blade, 0.0), two.get(blade, 0.0))
+            for blade in {**first, **two}
+        }
     )

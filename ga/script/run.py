@@ -121,21 +121,21 @@ class Run:
         self._run(steps, self._scope)
         return self._selected(self._made)
 
-    def _selected(self, made: dict[str, Multivector]) -> dict[str, Multivector]:
+    def _selected(self, outputs: dict[str, Multivector]) -> dict[str, Multivector]:
         """Add the outputs of pragmas, and keep the blades they name."""
         blades: dict[str, dict[str, Place]] = {}
         leading: dict[str, Multivector] = {}
         for pragma in self._script.pragmas:
             if isinstance(pragma, OutputPragma):
-                if pragma.name not in made:
-                    made[pragma.name] = self._read_name(
+                if pragma.name not in outputs:
+                    outputs[pragma.name] = self._read_name(
                         Name(pragma.place, pragma.name), self._scope
                     )
                 if pragma.leads:
-                    leading[pragma.name] = made[pragma.name]
+                    leading[pragma.name] = outputs[pragma.name]
                 wanted = blades.setdefault(pragma.name, {})
                 wanted.update(dict.fromkeys(pragma.blades, pragma.place))
-        ordered = {**leading, **made}
+        ordered = {**leading, **outputs}
         return {name: self._kept(x, blades.get(name, {})) for name, x in ordered.items()}
 
     def _kept(self, x: Multivector, blades: dict[str, Place]) -> Multivector:
@@ -196,14 +196,14 @@ class Run:
             return
         if isinstance(step, Screen):
             drawn = None if step.word else step.value
-            made = None if drawn is None else self._value(drawn, scope)
+            drawn_value = None if drawn is None else self._value(drawn, scope)
         else:
-            made = self._read_name(Name(step.place, step.name), scope)
-        if made is not None and self._undecided:
-            made = rows_of(made, self._undecided)
-            if made is None:
+            drawn_value = self._read_name(Name(step.place, step.name), scope)
+        if drawn_value is not None and self._undecided:
+            drawn_value = rows_of(drawn_value, self._undecided)
+            if drawn_value is None:
                 return
-        self._watch(step, made)
+        self._watch(step, drawn_value)
 
     def _branch(self, step: If, scope: _Scope) -> bool:
         condition, known = self._condition(step.condition, scope)
@@ -223,8 +223,8 @@ class Run:
                 # What one branch alone has made has no value behind them.
                 scope.names.pop(name, None)
             elif then[name] is not scope.names[name]:
-                made = chosen(self._algebra, condition, then[name], scope.names[name])
-                scope.names[name] = made
+                merged = chosen(self._algebra, condition, then[name], scope.names[name])
+                scope.names[name] = merged
         return False
 
     def _loop(self, step: Loop, scope: _Scope) -> None:
@@ -273,7 +273,7 @@ class Run:
                 "expected outputs outside of branches whose condition is not known",
                 f"write ?{step.name}; behind the branch",
             )
-        made = self._read_name(Name(step.place, step.name), scope)
+        value = self._read_name(Name(step.place, step.name), scope)
         name = step.name
         if scope.macro is not None:
             name = first = f"macro_{scope.macro.name}_{step.name}"
@@ -281,7 +281,7 @@ class Run:
             while name in self._made:
                 number += 1
                 name = f"{first}{number}"
-        self._made[name] = made
+        self._made[name] = value
 
     # Expressions ---------------------------------------------------------------------------------
 
@@ -294,10 +294,10 @@ class Run:
             over = self._budget.spend(node, operands)
             if over:
                 raise scope.error(node.place, over, "split the script, or let macros do less")
-            made = self._applied(node, operands, scope)
-            if not all(map(is_finite, made.values)):
+            result = self._applied(node, operands, scope)
+            if not all(map(is_finite, result.values)):
                 raise scope.error(node.place, "expected finite numbers, got an overflow")
-            stack.append(made)
+            stack.append(result)
         return stack.pop()
 
     def _applied(self, node: Expression, operands: list[Multivector], scope: _Scope) -> Multivector:
@@ -336,22 +336,22 @@ class Run:
 
     def _called(self, node: Call, operands: list[Multivector], scope: _Scope) -> Multivector:
         name = node.name.removeprefix("::")
-        found = self._macros.found(name, len(operands), scope.macro)
-        if found is None:
+        callee = self._macros.found(name, len(operands), scope.macro)
+        if callee is None:
             raise scope.error(node.place, *self._macros.unknown(node, scope.macro))
-        if isinstance(found, Macro):
-            return self._expanded(node, found, tuple(operands), scope)
+        if isinstance(callee, Macro):
+            return self._expanded(node, callee, tuple(operands), scope)
         if name.lower() in ANY_CASE:
             name = name.lower()
-            if len(operands) > found.arity:
+            if len(operands) > callee.arity:
                 scope.source.warn(
-                    node.place, f"{node.name} takes {found.arity}: what follows is left out"
+                    node.place, f"{node.name} takes {callee.arity}: what follows is left out"
                 )
-                operands = operands[: found.arity]
+                operands = operands[: callee.arity]
         if self._gaalop and name in ("exp", "log", "sqrt"):
             self._warn_of_parts(node, operands[0], "Gaalop takes the scalar part alone", scope)
         try:
-            return computed(found, operands)
+            return computed(callee, operands)
         except (ValueError, ArithmeticError) as refused:
             shown = str(refused)
             shown = shown if shown.startswith(f"{name}: ") else f"{name}: {shown}"
@@ -389,7 +389,7 @@ class Run:
 
 def _names_gaalop(script: Script, definition: AlgebraDefinition) -> bool:
     """Whether a script names its algebra as Gaalop does, and so may come from there."""
-    said = [p.name for p in script.pragmas if isinstance(p, AlgebraPragma) and not p.given]
+    said = [p.name for p in script.pragmas if isinstance(p, AlgebraPragma) and not p.by_caller]
     return bool(definition.names) and definition.names[0] in said
 
 

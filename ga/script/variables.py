@@ -69,9 +69,9 @@ class _Names:
             elif isinstance(step, Screen) and self._drawn and not step.word and step.value:
                 self._read_all(self._inside([step.value], None))
 
-    def _read_all(self, found: Iterator[Name | Macro]) -> None:
+    def _read_all(self, start: Iterator[Name | Macro]) -> None:
         """The names that are read, those of macros where they are called, without recursion."""
-        waiting = [found]
+        waiting = [start]
         while waiting:
             node = next(waiting[-1], None)
             if node is None:
@@ -91,9 +91,9 @@ class _Names:
             if isinstance(node, Name):
                 yield node
             elif call is not None:
-                found = self._macros.found(*call, macro)
-                if isinstance(found, Macro) and self._macros.is_own(found):
-                    yield found
+                macro_called = self._macros.found(*call, macro)
+                if isinstance(macro_called, Macro) and self._macros.is_own(macro_called):
+                    yield macro_called
 
     def _of_macro(self, macro: Macro) -> Iterator[Name | Macro]:
         """What a macro reads beside its own names."""

@@ -44,14 +44,14 @@ def _checked_weights(what: str, versors: Versor, weights: ArrayLike) -> FloatArr
             f"{what}(versors): expected shape (*, K) with K >= 1 versors to combine, "
             f"got {versors.shape}"
         )
-    given = checked_floats(weights, f"{what}(weights)", ())
-    if given.ndim == 0 or given.shape[-1] != versors.shape[-1]:
+    values = checked_floats(weights, f"{what}(weights)", ())
+    if values.ndim == 0 or values.shape[-1] != versors.shape[-1]:
         raise ValueError(
             f"{what}(weights): expected shape (*, {versors.shape[-1]}), one for each versor, "
-            f"got {given.shape}"
+            f"got {values.shape}"
         )
-    shape = broadcast_batch(f"{what}(versors, weights)", versors.shape, given.shape)
-    return np.broadcast_to(given, shape)
+    shape = broadcast_batch(f"{what}(versors, weights)", versors.shape, values.shape)
+    return np.broadcast_to(values, shape)
 
 
 def blend(versors: V, weights: ArrayLike) -> V:
@@ -132,17 +132,17 @@ def mean(versors: V, weights: ArrayLike | None = None, tolerance: float = 1e-12)
 
 def _shares(versors: Versor, weights: ArrayLike | None) -> FloatArray:
     """Weights that sum to one over the last dimension."""
-    given = _checked_weights("mean", versors, np.ones(versors.shape[-1:]) if weights is None
+    values = _checked_weights("mean", versors, np.ones(versors.shape[-1:]) if weights is None
                              else weights)  # fmt: skip
-    if np.any(given < 0.0):
+    if np.any(values < 0.0):
         raise ValueError(
-            f"mean(weights): expected weights >= 0, got {float(np.min(given)):g}; "
+            f"mean(weights): expected weights >= 0, got {float(np.min(values)):g}; "
             "interpolate or blend extrapolates"
         )
-    largest = np.max(given, axis=-1, keepdims=True)
+    largest = np.max(values, axis=-1, keepdims=True)
     if not np.all(largest > 0.0):
         raise ValueError("mean(weights): expected a positive weight in each set, got all zero")
-    scaled = given / largest
+    scaled = values / largest
     share: FloatArray = scaled / np.sum(scaled, axis=-1, keepdims=True)
     return share
 

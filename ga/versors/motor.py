@@ -87,15 +87,15 @@ class Motor(Versor):
                 for no motion.
         """
         name = "Motor.normalize(coefficients)"
-        given = given_floats(coefficients, name, (8,))
-        made, least = parts.normalized_motor(given)
+        elements = given_floats(coefficients, name, (8,))
+        motors, least = parts.normalized_motor(elements)
         if not least > 0.0:
-            checked_floats(given, name, (8,))
+            checked_floats(elements, name, (8,))
             raise ValueError(
                 f"{name}: expected a non-zero rotor part m0..m3, got "
-                f"{int(np.count_nonzero(~np.any(given[..., :4], axis=-1)))} zero ones"
+                f"{int(np.count_nonzero(~np.any(elements[..., :4], axis=-1)))} zero ones"
             )
-        return cls._trusted(made)
+        return cls._trusted(motors)
 
     @classmethod
     def random(
@@ -150,10 +150,10 @@ class Motor(Versor):
             ValueError: wrong last dimension, NaN or infinity, shapes that do not broadcast.
         """
         r, t = _of_one_precision(rotor.coefficients, translation_m)
-        made, finite = parts.motor_of(r, t)
+        motors, finite = parts.motor_of(r, t)
         if not finite:
             checked_floats(translation_m, "Motor translation_m", (3,))
-        return cls._trusted(made)
+        return cls._trusted(motors)
 
     @classmethod
     def from_translation(cls, translation_m: ArrayLike) -> Motor:
@@ -161,10 +161,10 @@ class Motor(Versor):
         shift = given_floats(translation_m, "translation_m", (3,))
         if not np.isfinite(shift).all():
             checked_floats(shift, "translation_m", (3,))
-        made = np.zeros((*shift.shape[:-1], 8), shift.dtype)
-        made[..., 0] = 1.0
-        np.multiply(shift, -0.5, out=made[..., 4:7])
-        return cls._trusted(made)
+        motors = np.zeros((*shift.shape[:-1], 8), shift.dtype)
+        motors[..., 0] = 1.0
+        np.multiply(shift, -0.5, out=motors[..., 4:7])
+        return cls._trusted(motors)
 
     @classmethod
     def from_matrix(cls, matrix: ArrayLike) -> Motor:
@@ -174,13 +174,13 @@ class Motor(Versor):
             ValueError: wrong shape, NaN or infinity, a last row that is not 0 0 0 1, or an upper
                 left block that is no rotation (see `Rotor.from_matrix`).
         """
-        given = given_floats(matrix, "Motor.from_matrix(matrix)", (4, 4))
-        made, off = parts.motor_of_matrix(given)
+        matrices = given_floats(matrix, "Motor.from_matrix(matrix)", (4, 4))
+        motors, off = parts.motor_of_matrix(matrices)
         if not off <= MATRIX_TOLERANCE:
-            whole = checked_floats(given, "Motor.from_matrix(matrix)", (4, 4))
+            whole = checked_floats(matrices, "Motor.from_matrix(matrix)", (4, 4))
             check_bottom_row(whole, "Motor.from_matrix(matrix)")
             check_rotation(whole[..., :3, :3])
-        return cls._trusted(made)
+        return cls._trusted(motors)
 
     def as_matrix(self) -> FloatArray:
         """Homogeneous matrices ``(*, 4, 4)`` that act on columns."""
@@ -196,11 +196,11 @@ class Motor(Versor):
         """
         q = given_floats(wxyz, "Rotor.from_quaternion(wxyz)", (4,))
         q, t = _of_one_precision(q, translation_m)
-        made, off = parts.motor_of_quaternion(q, t)
+        motors, off = parts.motor_of_quaternion(q, t)
         if not off <= cls._tolerance(q):
             check_quaternions(q, "Rotor.from_quaternion(wxyz)", cls._tolerance(q))
             checked_floats(translation_m, "Motor translation_m", (3,))
-        return cls._trusted(made)
+        return cls._trusted(motors)
 
     def as_quaternion_translation(self) -> tuple[FloatArray, FloatArray]:
         """Unit quaternions ``(*, 4)`` wxyz and translations ``(*, 3)`` in metres."""
@@ -213,12 +213,12 @@ class Motor(Versor):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, or not unit within 1e-6.
         """
-        given = given_floats(dual_quaternion, "Motor.from_dual_quaternion", (8,))
-        made, off = parts.motor_of_dual_quaternion(given)
-        if not off <= cls._tolerance(given):
-            checked_floats(given, "Motor.from_dual_quaternion", (8,))
-            cls._check_unit(made)
-        return cls._trusted(made)
+        values = given_floats(dual_quaternion, "Motor.from_dual_quaternion", (8,))
+        motors, off = parts.motor_of_dual_quaternion(values)
+        if not off <= cls._tolerance(values):
+            checked_floats(values, "Motor.from_dual_quaternion", (8,))
+            cls._check_unit(motors)
+        return cls._trusted(motors)
 
     def as_dual_quaternion(self) -> FloatArray:
         """Unit Hamilton dual quaternions ``(*, 8)``: real wxyz, then dual wxyz."""
@@ -234,13 +234,13 @@ class Motor(Versor):
             ValueError: an unknown sequence, wrong last dimension, NaN or infinity.
         """
         operands = sequence_operands(sequence)
-        given = given_floats(angles_rad, "angles_rad", (3,))
-        angles, t = _of_one_precision(given, translation_m)
-        made, finite = parts.motor_of_euler(angles, operands.axes[angles.dtype], t)
+        values = given_floats(angles_rad, "angles_rad", (3,))
+        angles, t = _of_one_precision(values, translation_m)
+        motors, finite = parts.motor_of_euler(angles, operands.axes[angles.dtype], t)
         if not finite:
             checked_floats(angles_rad, "angles_rad", (3,))
             checked_floats(translation_m, "Motor translation_m", (3,))
-        return cls._trusted(made)
+        return cls._trusted(motors)
 
     def as_euler_translation(self, sequence: str = "xyz") -> tuple[FloatArray, FloatArray]:
         """Intrinsic Euler angles ``(*, 3)`` (see `Rotor.as_euler`) and translations ``(*, 3)``."""

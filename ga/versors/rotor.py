@@ -51,15 +51,15 @@ class Rotor(Versor):
             ValueError: wrong last dimension, NaN or infinity, or a zero element.
         """
         name = "Rotor.normalize(coefficients)"
-        given = given_floats(coefficients, name, (4,))
-        made, least = parts.normalized_rotor(given)
+        elements = given_floats(coefficients, name, (4,))
+        rotors, least = parts.normalized_rotor(elements)
         if not least > 0.0:
-            checked_floats(given, name, (4,))
+            checked_floats(elements, name, (4,))
             raise ValueError(
                 f"{name}: expected non-zero elements, got "
-                f"{int(np.count_nonzero(~np.any(given, axis=-1)))} zero ones"
+                f"{int(np.count_nonzero(~np.any(elements, axis=-1)))} zero ones"
             )
-        return cls._trusted(made)
+        return cls._trusted(rotors)
 
     @classmethod
     def random(cls, rng: np.random.Generator, shape: tuple[int, ...] = ()) -> Rotor:
@@ -90,11 +90,13 @@ class Rotor(Versor):
             ValueError: wrong last dimension, NaN or infinity, or a norm more than 1e-6 (float32:
                 1e-5) from 1.
         """
-        given = given_floats(wxyz, "Rotor.from_quaternion(wxyz)", (4,))
-        made, off = parts.rotor_of_quaternion(given)
-        if not off <= cls._tolerance(given):
-            check_quaternions(given, "Rotor.from_quaternion(wxyz)", cls._tolerance(given))
-        return cls._trusted(made)
+        quaternions = given_floats(wxyz, "Rotor.from_quaternion(wxyz)", (4,))
+        rotors, off = parts.rotor_of_quaternion(quaternions)
+        if not off <= cls._tolerance(quaternions):
+            check_quaternions(
+                quaternions, "Rotor.from_quaternion(wxyz)", cls._tolerance(quaternions)
+            )
+        return cls._trusted(rotors)
 
     def as_quaternion(self) -> FloatArray:
         """Unit quaternions ``(*, 4)`` in the order w, x, y, z, with the rotor's own sign."""
@@ -117,11 +119,11 @@ class Rotor(Versor):
             ValueError: wrong shape, NaN or infinity, or ``R^T R`` more than 1e-5 from the
                 identity, or a reflection.
         """
-        given = given_floats(matrix, "Rotor.from_matrix(matrix)", (3, 3))
-        made, off = parts.rotor_of_matrix(given)
+        matrices = given_floats(matrix, "Rotor.from_matrix(matrix)", (3, 3))
+        rotors, off = parts.rotor_of_matrix(matrices)
         if not off <= MATRIX_TOLERANCE:
-            check_rotation(checked_floats(given, "Rotor.from_matrix(matrix)", (3, 3)))
-        return cls._trusted(made)
+            check_rotation(checked_floats(matrices, "Rotor.from_matrix(matrix)", (3, 3)))
+        return cls._trusted(rotors)
 
     @classmethod
     def nearest(cls, matrix: ArrayLike) -> Rotor:
@@ -176,10 +178,10 @@ class Rotor(Versor):
 def coefficients_of_euler(angles_rad: ArrayLike, sequence: str) -> FloatArray:
     """Coefficients ``(*, 4)`` of `Rotor.from_euler`; see there."""
     operands = sequence_operands(sequence)
-    given = given_floats(angles_rad, "angles_rad", (3,))
-    coefficients, finite = parts.rotor_of_euler(given, operands.axes[given.dtype])
+    values = given_floats(angles_rad, "angles_rad", (3,))
+    coefficients, finite = parts.rotor_of_euler(values, operands.axes[values.dtype])
     if not finite:
-        checked_floats(given, "angles_rad", (3,))
+        checked_floats(values, "angles_rad", (3,))
     return coefficients
 
 

@@ -95,13 +95,13 @@ class Similarity(Versor):
             ValueError: wrong last dimension, NaN or infinity, or a scale too large or too small
                 for the precision.
         """
-        given = cls._checked(log, "Similarity.exp(log)", (7,))
+        twists = cls._checked(log, "Similarity.exp(log)", (7,))
         with np.errstate(over="ignore", invalid="ignore"):  # as the NumPy kernels would warn
-            similarities = SIMILARITIES.exp(given)
+            similarities = SIMILARITIES.exp(twists)
         if not np.isfinite(similarities).all():
             raise ValueError(
-                f"Similarity.exp(log): expected scales that {given.dtype} can hold, got E up to "
-                f"{float(np.max(np.abs(given[..., 3]))):.3g}"
+                f"Similarity.exp(log): expected scales that {twists.dtype} can hold, got E up to "
+                f"{float(np.max(np.abs(twists[..., 3]))):.3g}"
             )
         return cls._trusted(similarities)
 
@@ -114,25 +114,25 @@ class Similarity(Versor):
                 similarity: zero, or without a scale, or turned inside out (``S ~S`` a negative
                 number).
         """
-        given = cls._checked(coefficients, "Similarity.normalize(coefficients)", (12,))
-        size = np.max(np.abs(given[..., :8]), axis=-1, keepdims=True)
+        elements = cls._checked(coefficients, "Similarity.normalize(coefficients)", (12,))
+        size = np.max(np.abs(elements[..., :8]), axis=-1, keepdims=True)
         if not np.all(size > 0.0):
             raise ValueError(
                 "Similarity.normalize(coefficients): expected non-zero elements with a rotor part, "
                 f"got {int(np.count_nonzero(size == 0.0))} zero ones"
             )
         with np.errstate(over="ignore", invalid="ignore"):
-            made, defined = kernels.similarity_normalize(given)
+            similarities, defined = kernels.similarity_normalize(elements)
         # Less than this and an element is as near to one versor as to another far from it.
-        least = np.sqrt(np.finfo(given.dtype).eps)
-        vague = (defined < least) | ~np.isfinite(made).all(axis=-1)
+        least = np.sqrt(np.finfo(elements.dtype).eps)
+        vague = (defined < least) | ~np.isfinite(similarities).all(axis=-1)
         lost = int(np.count_nonzero(vague))
         if lost:
             raise ValueError(
                 "Similarity.normalize(coefficients): expected elements near a similarity, got "
                 f"{lost} without a scale or turned inside out"
             )
-        return cls._trusted(made)
+        return cls._trusted(similarities)
 
     @classmethod
     def random(
@@ -201,10 +201,10 @@ class Similarity(Versor):
         if not t.dtype is rho.dtype is r.dtype:
             kind = common_precision(rotor, translation_m, scale)
             r, t, rho = (x.astype(kind, copy=False) for x in (r, t, rho))
-        made, finite = parts.similarity_of(r, t, rho)
+        similarities, finite = parts.similarity_of(r, t, rho)
         if not finite:
             checked_floats(translation_m, "Motor translation_m", (3,))
-        return cls._trusted(made)
+        return cls._trusted(similarities)
 
     def as_rotor_translation_scale(self) -> tuple[Rotor, FloatArray, FloatArray]:
         """Rotor, translation ``(*, 3)`` in metres and scale ``(*)``."""
@@ -245,11 +245,11 @@ class Similarity(Versor):
                 left block that is no positive multiple of a rotation (see `Rotor.from_matrix`).
         """
         name = "Similarity.from_matrix(matrix)"
-        given = given_floats(matrix, name, (4, 4))
-        made, off = parts.similarity_of_matrix(given)
+        matrices = given_floats(matrix, name, (4, 4))
+        similarities, off = parts.similarity_of_matrix(matrices)
         if not off <= MATRIX_TOLERANCE:
-            _check_matrices(checked_floats(given, name, (4, 4)), name)
-        return cls._trusted(made)
+            _check_matrices(checked_floats(matrices, name, (4, 4)), name)
+        return cls._trusted(similarities)
 
     def as_matrix(self) -> FloatArray:
         """Homogeneous matrices ``(*, 4, 4)`` that act on columns."""
@@ -264,15 +264,15 @@ class Similarity(Versor):
             ValueError: wrong last dimension, NaN or infinity, a scale beyond float64.
         """
         name = "Similarity.from_twist(twist)"
-        made = cls._of_twist(twist, name)
+        similarities = cls._of_twist(twist, name)
         # The square of one is quicker to look at than all its numbers.
-        small = made.ndim == 1 and float(made.dot(made)) < np.inf
-        if not small and not np.isfinite(made).all():
+        small = similarities.ndim == 1 and float(similarities.dot(similarities)) < np.inf
+        if not small and not np.isfinite(similarities).all():
             raise ValueError(
-                f"{name}: expected scales that {made.dtype} can hold, got a logarithm of up to "
+                f"{name}: expected scales that {similarities.dtype} holds, got a log of up to "
                 f"{float(np.max(np.abs(np.asarray(twist)[..., 6]))):.3g}"
             )
-        return cls._trusted(made)
+        return cls._trusted(similarities)
 
     def as_twist(self) -> FloatArray:
         """sim(3) coordinates ``(*, 7)``: rotation vector (rad), translational part (m), log scale.

@@ -71,9 +71,9 @@ class Versor(Operators):
     _kernels: ClassVar[VersorKernels]
 
     def __post_init__(self) -> None:
-        given = self._checked(self.coefficients, self._field("coefficients"), (self._size,))
-        self._check_unit(given)
-        own = np.array(given, order="C", copy=True)
+        values = self._checked(self.coefficients, self._field("coefficients"), (self._size,))
+        self._check_unit(values)
+        own = np.array(values, order="C", copy=True)
         object.__setattr__(self, "coefficients", sealed(own))
 
     @classmethod
@@ -108,9 +108,9 @@ class Versor(Operators):
         return trusted
 
     @classmethod
-    def _of(cls, coefficients: FloatArray, *given: Any) -> Self:
+    def _of(cls, coefficients: FloatArray, *inputs: Any) -> Self:
         """Wrap what has just been computed from some inputs, in their common precision."""
-        return cls._trusted(coefficients.astype(common_precision(*given), copy=False))
+        return cls._trusted(coefficients.astype(common_precision(*inputs), copy=False))
 
     @classmethod
     def identity(cls, shape: tuple[int, ...] = (), dtype: DTypeLike = np.float64) -> Self:
@@ -188,8 +188,8 @@ class Versor(Operators):
         Raises:
             ValueError: wrong last dimension, NaN or infinity.
         """
-        given = cls._checked(log, cls._field("exp(log)"), (cls._log_size,))
-        return cls._trusted(cls._kernels.exp(given))
+        twists = cls._checked(log, cls._field("exp(log)"), (cls._log_size,))
+        return cls._trusted(cls._kernels.exp(twists))
 
     @classmethod
     @abstractmethod
@@ -227,21 +227,21 @@ class Versor(Operators):
     def _applied(self, points: ArrayLike) -> FloatArray:
         """Points moved by the kernel, which looks for numbers that are not finite on its way."""
         name = f"{type(self).__name__}.apply"
-        given = given_floats(points, f"{name}(points)", (3,))
-        x = given.astype(self.dtype, copy=False)
+        positions = given_floats(points, f"{name}(points)", (3,))
+        x = positions.astype(self.dtype, copy=False)
         broadcast_batch(name, self.shape, x.shape[:-1])
         moved, finite = self._kernels.checked_apply(self.coefficients, x)
         if not finite:
-            checked_floats(given, f"{name}(points)", (3,))
+            checked_floats(positions, f"{name}(points)", (3,))
         return moved
 
     @classmethod
     def _of_twist(cls, twist: ArrayLike, name: str) -> FloatArray:
         """Coefficients of twists; where these are not finite they are refused."""
-        given = given_floats(twist, name, (cls._log_size,))
-        motor, finite = cls._kernels.checked_of_twist(given)
+        twists = given_floats(twist, name, (cls._log_size,))
+        motor, finite = cls._kernels.checked_of_twist(twists)
         if not finite:
-            checked_floats(given, name, (cls._log_size,))
+            checked_floats(twists, name, (cls._log_size,))
         return motor
 
     def interpolate(self, other: Self, fraction: ArrayLike, short_way: bool = True) -> Self:
@@ -298,8 +298,8 @@ class Versor(Operators):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, batches that do not broadcast.
         """
-        given = self._twists(twist, "retract(twist)")
-        return self._trusted(self._kernels.retract(self.coefficients, given))
+        step = self._twists(twist, "retract(twist)")
+        return self._trusted(self._kernels.retract(self.coefficients, step))
 
     def local(self, other: Self) -> FloatArray:
         """Twist ``(*, d)`` that takes this versor to `other`, which turns by at most π.
@@ -327,8 +327,8 @@ class Versor(Operators):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, batches that do not broadcast.
         """
-        given = self._twists(twist, "transform_twist(twist)")
-        return self._kernels.transform_twist(self.coefficients, given)
+        twists = self._twists(twist, "transform_twist(twist)")
+        return self._kernels.transform_twist(self.coefficients, twists)
 
     @classmethod
     def left_jacobian(cls, twist: ArrayLike) -> FloatArray:
@@ -357,8 +357,8 @@ class Versor(Operators):
         Raises:
             ValueError: wrong last dimension, NaN or infinity.
         """
-        given = cls._checked_twist(twist, "left_jacobian_inverse")
-        return cls._kernels.left_jacobian_inverse(given)
+        twists = cls._checked_twist(twist, "left_jacobian_inverse")
+        return cls._kernels.left_jacobian_inverse(twists)
 
     @classmethod
     def right_jacobian_inverse(cls, twist: ArrayLike) -> FloatArray:
@@ -369,8 +369,8 @@ class Versor(Operators):
         Raises:
             ValueError: wrong last dimension, NaN or infinity.
         """
-        given = cls._checked_twist(twist, "right_jacobian_inverse")
-        return cls._kernels.left_jacobian_inverse(-given)
+        twists = cls._checked_twist(twist, "right_jacobian_inverse")
+        return cls._kernels.left_jacobian_inverse(-twists)
 
     @classmethod
     def _checked_twist(cls, twist: ArrayLike, verb: str) -> FloatArray:
@@ -378,9 +378,9 @@ class Versor(Operators):
 
     def _twists(self, twist: ArrayLike, name: str) -> FloatArray:
         """Checked twists in this precision, whose batch goes with this one."""
-        given = checked_floats(twist, self._field(name), (self._log_size,))
-        broadcast_batch(self._field(name), self.shape, given.shape[:-1])
-        return given.astype(self.dtype, copy=False)
+        twists = checked_floats(twist, self._field(name), (self._log_size,))
+        broadcast_batch(self._field(name), self.shape, twists.shape[:-1])
+        return twists.astype(self.dtype, copy=False)
 
     def _shown(self) -> list[tuple[str, Any]] | None:
         single = not self.shape

@@ -155,8 +155,8 @@ def new_egl_context(egl: ctypes.CDLL, display: ctypes.c_void_p) -> ctypes.c_void
     if not (chosen and count.value and egl.eglBindAPI(_EGL_OPENGL_API)):
         return None
     attributes = (ctypes.c_int * len(_EGL_CONTEXT))(*_EGL_CONTEXT)
-    made = egl.eglCreateContext(display, config, None, attributes)
-    return ctypes.c_void_p(made) if made else None
+    context = egl.eglCreateContext(display, config, None, attributes)
+    return ctypes.c_void_p(context) if context else None
 
 
 def _extension(egl: ctypes.CDLL, name: str, result: type[Any]) -> Callable[..., Any] | None:
@@ -231,10 +231,10 @@ class OsmesaContext:
         library.OSMesaCreateContextAttribs.restype = ctypes.c_void_p
         library.OSMesaGetProcAddress.restype = ctypes.c_void_p
         attributes = (ctypes.c_int * len(_OSMESA_CONTEXT))(*_OSMESA_CONTEXT)
-        made = library.OSMesaCreateContextAttribs(attributes, None)
-        if not made:
+        context = library.OSMesaCreateContextAttribs(attributes, None)
+        if not context:
             raise RenderUnavailable("OSMesa makes no OpenGL 3.3 core context on this machine")
-        self._context: ctypes.c_void_p | None = ctypes.c_void_p(made)
+        self._context: ctypes.c_void_p | None = ctypes.c_void_p(context)
         self._size = (width, height)
         self._picture = np.zeros((height, width, 4), dtype=np.uint8)
         self.make_current()

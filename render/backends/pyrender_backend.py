@@ -181,9 +181,9 @@ def _name_left_out(surfaces: Sequence[Surface]) -> None:
 def _encode_anew(rgba: ImageArray) -> None:
     """Light by sRGB's curve, in place, from pyrender's, a power of 1 / 2.2; still times alpha."""
     seen = rgba[..., 3] > 0
-    given = rgba[seen].astype(np.float64)
-    alpha = given[:, 3:]
-    own = to_srgb(np.minimum(given[:, :3] / alpha, 1.0) ** 2.2)
+    values = rgba[seen].astype(np.float64)
+    alpha = values[:, 3:]
+    own = to_srgb(np.minimum(values[:, :3] / alpha, 1.0) ** 2.2)
     rgba[seen, :3] = np.rint(own * alpha)
 
 

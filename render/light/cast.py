@@ -93,7 +93,7 @@ def cast_shadows(ground: GroundMap) -> list[CastShadow]:
     solid = _standing(ground)
     count, label, stats, _ = cv2.connectedComponentsWithStats(solid)
     bright = np.nanquantile(ground.light, 0.9) * DARK
-    found = []
+    shadows = []
     for k in range(1, count):
         area = int(stats[k, cv2.CC_STAT_AREA])
         if SMALLEST <= area <= LARGEST * label.size:
@@ -102,8 +102,8 @@ def cast_shadows(ground: GroundMap) -> list[CastShadow]:
             middle_m = (foot + 0.5 - 0.5 * len(label)) * ground.cell_m
             shadow = None if around is None else _one_sided(around, middle_m)
             if shadow is not None and around is not None:
-                found.append(replace(shadow, lamp_radius_rad=_lamp_radius(around, shadow)))
-    return found
+                shadows.append(replace(shadow, lamp_radius_rad=_lamp_radius(around, shadow)))
+    return shadows
 
 
 def things_seen(ground: GroundMap) -> int:

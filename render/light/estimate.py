@@ -59,10 +59,10 @@ class ShadedPoints:
 
     def __post_init__(self) -> None:
         for name in ("points_m", "normals", "colors"):
-            given = getattr(self, name)
-            if given.ndim != 2 or given.shape != (len(self.points_m), 3):
+            values = getattr(self, name)
+            if values.ndim != 2 or values.shape != (len(self.points_m), 3):
                 raise ValueError(
-                    f"ShadedPoints.{name}: expected shape (N, 3) for all, got {given.shape}"
+                    f"ShadedPoints.{name}: expected shape (N, 3) for all, got {values.shape}"
                 )
 
     @classmethod
@@ -151,9 +151,9 @@ def shaded_points(
     known = np.where(np.isfinite(depth_m) & (depth_m > 0.0), depth_m, np.nan).astype(np.float64)
     for rows, columns in ((REACH_PX, 0), (0, REACH_PX)):
         # Inverse depth is linear in the pixels of a plane.
-        one, two = known[r - rows, c - columns], known[r + rows, c + columns]
+        before, two = known[r - rows, c - columns], known[r + rows, c + columns]
         with np.errstate(invalid="ignore"):
-            fit &= np.abs(1.0 / one + 1.0 / two - 2.0 / known[r, c]) * known[r, c] < FLATNESS
+            fit &= np.abs(1.0 / before + 1.0 / two - 2.0 / known[r, c]) * known[r, c] < FLATNESS
     r, c = r[fit], c[fit]
     across = _at(known, camera, r, c + REACH_PX) - _at(known, camera, r, c - REACH_PX)
     down = _at(known, camera, r + REACH_PX, c) - _at(known, camera, r - REACH_PX, c)
@@ -202,12 +202,12 @@ def _fit(
     brightness: FloatArray, basis: FloatArray, paint: NDArray[np.int64], weight: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Irradiance and each point's albedo in turns, weighted anew in every round."""
-    found = np.zeros(basis.shape[1])
-    found[0] = np.median(brightness) * np.sqrt(4.0 * np.pi)
+    irradiance = np.zeros(basis.shape[1])
+    irradiance[0] = np.median(brightness) * np.sqrt(4.0 * np.pi)
     robust, albedo = np.ones(len(brightness)), np.ones(len(brightness))
     for _ in range(ROUNDS):
-        floor = 0.05 * found[0] / np.sqrt(4.0 * np.pi)
-        falling = np.maximum(basis @ found, floor)
+        floor = 0.05 * irradiance[0] / np.sqrt(4.0 * np.pi)
+        falling = np.maximum(basis @ irradiance, floor)
         ratio, counts = np.log(brightness / falling), weight * robust
         log_albedo = np.bincount(paint, counts * ratio) / np.bincount(paint, counts)
         log_albedo -= np.average(log_albedo[paint], weights=counts)
@@ -219,11 +219,11 @@ def _fit(
         counts = weight * robust / (falling * albedo) ** 2
         normal = (basis * (counts * albedo**2)[:, None]).T @ basis
         right = basis.T @ (counts * albedo * brightness)
-        found = np.linalg.solve(normal + np.diag(RIDGE) * normal[0, 0], right)
+        irradiance = np.linalg.solve(normal + np.diag(RIDGE) * normal[0, 0], right)
     order = np.argsort(albedo)
     reached = np.cumsum(weight[order]) >= 0.95 * weight.sum()
     scale = BRIGHT_ALBEDO / albedo[order][np.argmax(reached)]
-    return np.asarray(found / scale), np.asarray(albedo * scale)
+    return np.asarray(irradiance / scale), np.asarray(albedo * scale)
 
 
 def _balanced(weight: FloatArray, normals: FloatArray) -> FloatArray:

@@ -161,9 +161,9 @@ def _evened(
 
 def _middle(off: FloatArray) -> FloatArray:
     """Median (K, 1) of what each picture knows; 0 of one that shows nothing here."""
-    told = np.isfinite(off).any(axis=1)
+    known = np.isfinite(off).any(axis=1)
     middle = np.zeros((len(off), 1))
-    middle[told] = np.nanmedian(off[told], axis=1, keepdims=True)
+    middle[known] = np.nanmedian(off[known], axis=1, keepdims=True)
     return middle
 
 

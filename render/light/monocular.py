@@ -100,11 +100,11 @@ def lighting_without_depth(
     on_prints = _on_prints(seen, camera, prints)
     if ground is None:
         ground = ground_map(seen, camera, placement.world_T_character, prints)
-    found = _direction(ground, placement, prints, on_prints)
-    shaped = _from(found, usual, placement, _share(found, ground))
-    where = f"its direction assumed ({found.told})"
-    if found.towards is not None:
-        where = f"its direction {found.told}, ±{np.rad2deg(found.doubt_rad):.0f}°"
+    direction = _direction(ground, placement, prints, on_prints)
+    shaped = _from(direction, usual, placement, _share(direction, ground))
+    where = f"its direction assumed ({direction.reason})"
+    if direction.towards is not None:
+        where = f"its direction {direction.reason}, ±{np.rad2deg(direction.doubt_rad):.0f}°"
     if prints is not None and on_prints:
         gain = _gain_by_paper(shaped, prints, on_prints)
         summary = f"brightness and colour of light by printed paper, {where}"
@@ -223,13 +223,13 @@ def _from(
 
 
 def _gain_by_paper(
-    usual: Lighting, prints: Prints, found: list[tuple[int, FloatArray]]
+    usual: Lighting, prints: Prints, light_of: list[tuple[int, FloatArray]]
 ) -> FloatArray:
     """Light that was found over the usual light, (3,): the median over frames, mean of prints."""
     middles = prints.points_m().mean(axis=1)
     gains = []
-    for k in sorted({number for number, _ in found}):
-        there = np.median([light for number, light in found if number == k], axis=0)
+    for k in sorted({number for number, _ in light_of}):
+        there = np.median([light for number, light in light_of if number == k], axis=0)
         direct, other = light_on(usual, middles[k], prints.normals[k])
         gains.append(np.log(there / (direct + other)))
     return np.asarray(np.exp(np.mean(gains, axis=0)))
@@ -289,7 +289,7 @@ class LightDirection:
         doubt_rad: root mean square angle between it and all directions that remain.
         darkening: share of light that is gone from the ground close beside things, in their
             shadow; None where none is seen.
-        told: by what, or why it is unknown.
+        reason: by what, or why it is unknown.
         lamp_radius_rad: apparent radius of the light by the rims of shadows; None where none tells.
 
     >>> from motorcade.render.light import LightDirection
@@ -300,7 +300,7 @@ class LightDirection:
     towards: FloatArray | None
     doubt_rad: float
     darkening: float | None
-    told: str
+    reason: str
     lamp_radius_rad: float | None = None
 
 
@@ -410,15 +410,15 @@ def _slope(ground: GroundMap) -> FloatArray | None:
     ink = light < 0.5 * (np.quantile(light, 0.1) + np.quantile(light, 0.9))
     at = np.stack([columns, rows], axis=1) - [columns.mean(), rows.mean()]
     reach = float(np.sqrt(len(rows) / np.pi))
-    found = np.zeros(2)
+    slope = np.zeros(2)
     for kind in (ink, ~ink):  # what is overexposed tells little, so each kind counts by its cells
         if np.count_nonzero(kind) >= 100:
             basis = np.column_stack([at[kind] / reach, np.ones(np.count_nonzero(kind))])
             level = light[kind] / np.median(light[kind])
             keep = np.abs(level - 1.0) < 0.8
             fitted = np.linalg.lstsq(basis[keep], level[keep], rcond=None)[0]
-            found += np.mean(kind) * fitted[:2]
-    return found if np.linalg.norm(found) > SLOPED else None
+            slope += np.mean(kind) * fitted[:2]
+    return slope if np.linalg.norm(slope) > SLOPED else None
 
 
 def _shadow_look(

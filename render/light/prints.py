@@ -53,13 +53,13 @@ class Prints:
 
     def __post_init__(self) -> None:
         for name in ("low_m", "high_m"):
-            given = checked_floats(getattr(self, name), f"Prints.{name}", (2,))
-            if given.ndim != 2 or self.world_T_print.shape != (len(given),):
+            values = checked_floats(getattr(self, name), f"Prints.{name}", (2,))
+            if values.ndim != 2 or self.world_T_print.shape != (len(values),):
                 raise ValueError(
-                    f"Prints.{name}: expected one row a print, got {given.shape} for poses of "
+                    f"Prints.{name}: expected one row a print, got {values.shape} for poses of "
                     f"shape {self.world_T_print.shape}"
                 )
-            object.__setattr__(self, name, frozen(given))
+            object.__setattr__(self, name, frozen(values))
         if not np.all(self.high_m > self.low_m):
             raise ValueError("Prints.high_m: expected more than low_m")
         if not 0.0 <= self.margin_m < np.inf:

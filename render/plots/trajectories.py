@@ -160,13 +160,13 @@ def rotation_vectors_rad(path: Trajectory) -> FloatArray:
     the vector leaps.
     """
     rotor = path.motors.rotor
-    found = (rotor[:1].inverse() @ rotor).as_rotation_vector()
-    angle = np.linalg.norm(found, axis=-1, keepdims=True)
-    axes = found / np.where(angle > 0.0, angle, 1.0)
-    for k in range(1, len(found)):
-        along = float(axes[k] @ (found[k - 1] - found[k]))
-        found[k] += 2.0 * np.pi * np.round(along / (2.0 * np.pi)) * axes[k]
-    return np.asarray(found)
+    vectors = (rotor[:1].inverse() @ rotor).as_rotation_vector()
+    angle = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    axes = vectors / np.where(angle > 0.0, angle, 1.0)
+    for k in range(1, len(vectors)):
+        along = float(axes[k] @ (vectors[k - 1] - vectors[k]))
+        vectors[k] += 2.0 * np.pi * np.round(along / (2.0 * np.pi)) * axes[k]
+    return np.asarray(vectors)
 
 
 def twists(path: Trajectory) -> tuple[FloatArray, FloatArray]:

@@ -178,7 +178,7 @@ def blend(arguments: argparse.Namespace) -> None:
     character = character_with(
         arguments.character, arguments.motion, up=arguments.up, front=arguments.front
     )
-    made = blend_character(
+    blended = blend_character(
         character,
         (names[0], names[1]),
         arguments.weight,
@@ -186,12 +186,13 @@ def blend(arguments: argparse.Namespace) -> None:
         rate_hz=arguments.rate_hz,
     )
     if arguments.out is not None:
-        write_blend(made, arguments.out)
+        write_blend(blended, arguments.out)
     if arguments.json:
-        print_json(made.as_json())
+        print_json(blended.as_json())
         return
-    way = f"in phase, offset {made.offset:.3f}" if made.in_phase else "by the clock"
-    print(f"{made.clip.name}: {made.clip.duration_s:.3f} s, {len(made.clip.time_s)} keys, {way}")
+    clip = blended.clip
+    timing = f"in phase, offset {blended.offset:.3f}" if blended.in_phase else "by the clock"
+    print(f"{clip.name}: {clip.duration_s:.3f} s, {len(clip.time_s)} keys, {timing}")
     print("largest distance of a joint that carries vertices under two methods, mm")
-    for (a, b), apart_m in made.differences_m.items():
+    for (a, b), apart_m in blended.differences_m.items():
         print(f"  {a + ' - ' + b:<48}{1e3 * apart_m:>10.3f}")

@@ -84,7 +84,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 0
     except Exception as error:  # whatever fails, a user is told in one line
         logging.getLogger("motorcade").debug("traceback", exc_info=True)
-        print(f"motorcade: {_told(error)}", file=sys.stderr)
+        print(f"motorcade: {_error_text(error)}", file=sys.stderr)
         return 1
     return 0
 
@@ -99,7 +99,7 @@ def _run(parser: argparse.ArgumentParser, values: Sequence[str]) -> None:
         print(end="", flush=True)
 
 
-def _told(error: Exception) -> str:
+def _error_text(error: Exception) -> str:
     """One line, but for errors of scripts, which show the line of the script."""
     script = sys.modules.get("motorcade.ga.script")  # not imported here: the kernels may not load
     if script is not None and isinstance(error, script.ScriptError):

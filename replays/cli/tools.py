@@ -80,14 +80,14 @@ def draw_file(arguments: argparse.Namespace) -> None:
     from motorcade.ga.script.meaning import with_algebra
     from motorcade.replays.io.files import write_bytes
 
-    given = dict(arguments.values)
-    if len(given) < len(arguments.values):
+    by_name = dict(arguments.values)
+    if len(by_name) < len(arguments.values):
         raise ValueError("NAME=VALUE: expected each variable once")
     view = View(*arguments.view, *arguments.size)
     script = read_script(arguments.script)
     if arguments.algebra is not None:
         script = with_algebra(script, arguments.algebra)
-    values: dict[str, Any] = {n: np.array(v) if len(v) > 1 else v[0] for n, v in given.items()}
+    values: dict[str, Any] = {n: np.array(v) if len(v) > 1 else v[0] for n, v in by_name.items()}
     picture = draw_script(
         script,
         title=arguments.script.stem,

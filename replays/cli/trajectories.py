@@ -344,7 +344,7 @@ def trajectory(arguments: argparse.Namespace) -> None:
     if _list_bags(arguments):
         return
     trajectories = _read(arguments)
-    reference = None if arguments.reference is None else _one(arguments.reference, arguments)
+    reference = None if arguments.reference is None else _read_one(arguments.reference, arguments)
     edited, reference = edit_trajectories(trajectories, _edits(arguments), reference)
     figures = {name: TrajectorySummary.of(one).as_dict() for name, one in edited.items()}
     if arguments.output is not None:
@@ -395,7 +395,7 @@ def _read(arguments: argparse.Namespace) -> dict[str, Trajectory]:
     from motorcade.replays.tasks.editing import trajectory_names
 
     names = trajectory_names(arguments.inputs, every_topic=arguments.all_topics)
-    return {name: _one(name, arguments) for name in names}
+    return {name: _read_one(name, arguments) for name in names}
 
 
 def _named(arguments: argparse.Namespace) -> list[str]:
@@ -404,7 +404,7 @@ def _named(arguments: argparse.Namespace) -> list[str]:
     return [str(one) for one in (*arguments.inputs, *others) if one is not None]
 
 
-def _one(name: Path | str, arguments: argparse.Namespace) -> Trajectory:
+def _read_one(name: Path | str, arguments: argparse.Namespace) -> Trajectory:
     from motorcade.replays.io.trajectories import read_trajectory
 
     return read_trajectory(name, rate_hz=arguments.rate_hz, times=arguments.times)
@@ -427,7 +427,7 @@ def _edits(arguments: argparse.Namespace) -> TrajectoryEdits:
         offset_s=arguments.offset_s,
         resample_hz=arguments.resample_hz,
         max_gap_s=arguments.max_gap_s,
-        resample_as=None if other is None else _one(other, arguments),
+        resample_as=None if other is None else _read_one(other, arguments),
         align=arguments.align,
         n_to_align=arguments.n_to_align,
         max_difference_s=arguments.max_difference_s,

@@ -121,7 +121,7 @@ def measured_rows(
         paths.append(smoothed)
     values = evaluator.measure(paths)
     return [
-        MeasuredRow(*name, _told(row)) for name, row in zip(names, values, strict=True)
+        MeasuredRow(*name, _rounded_metrics(row)) for name, row in zip(names, values, strict=True)
     ] + failed
 
 
@@ -130,7 +130,7 @@ def why(error: Exception) -> str:
     return f"{type(error).__name__}: {' '.join(str(error).split())}"[:300]
 
 
-def _told(values: FloatArray) -> dict[str, float | None]:
+def _rounded_metrics(values: FloatArray) -> dict[str, float | None]:
     return {
         name: float(f"{value:.{_DIGITS}g}") if np.isfinite(value) else None
         for name, value in zip(METRICS, values, strict=True)

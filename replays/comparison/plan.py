@@ -123,8 +123,8 @@ class ComparisonPlan:
 
     def pairs(self) -> list[tuple[str, str]]:
         """Every method in every representation, and `auto` in its own."""
-        made = [(one, other) for one in self.methods for other in self.representations]
-        return [*made, ("auto", OWN)] if "auto" in self.methods else made
+        combinations = [(one, other) for one in self.methods for other in self.representations]
+        return [*combinations, ("auto", OWN)] if "auto" in self.methods else combinations
 
     def as_dict(self) -> dict[str, Any]:
         """All of it, ready for JSON, with what each degradation does."""

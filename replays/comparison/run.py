@@ -109,9 +109,9 @@ def _tuned(
         for place in _places(plan)
     }
     wanted: dict[tuple[str, str], dict[tuple[str, str], None]] = {}
-    for (motion, _), one in lenders.items():
-        pairs = wanted.setdefault((motion, one.degradation), {})
-        pairs[one.method, one.representation] = None
+    for (motion, _), lending in lenders.items():
+        pairs = wanted.setdefault((motion, lending.degradation), {})
+        pairs[lending.method, lending.representation] = None
     searches = [
         Tuning(
             motion,
@@ -126,9 +126,9 @@ def _tuned(
     ]
     about = {search: asdict(search) for search in searches}
     searched = {
-        (search.motion, SearchPlace(search.degradation, *pair)): one
+        (search.motion, SearchPlace(search.degradation, *pair)): tuned
         for search, results in finished(run_tuning, about, out, executor, "searches").items()
-        for pair, one in zip(search.pairs, results, strict=True)
+        for pair, tuned in zip(search.pairs, results, strict=True)
     }
     tuned = {}
     for (motion, place), lender in lenders.items():

@@ -248,7 +248,7 @@ def rankings(groups: Sequence[Group]) -> list[dict[str, Any]]:
     `rank_low` and `rank_high` bound the rank in 95 % of the resamples; `ties_with_best` says that
     the paired interval of the difference from the first contains 0, or its mean is below 1 %.
     """
-    made = []
+    tables = []
     for scope, chosen in _scopes(groups):
         names, scores, unranked = _scores(chosen)
         if not names:
@@ -256,7 +256,7 @@ def rankings(groups: Sequence[Group]) -> list[dict[str, Any]]:
         counts = _resampled(chosen)
         for k, metric in enumerate(RANKED):
             rows = _ranked(names, scores[:, :, k], counts)
-            made.append(
+            tables.append(
                 {
                     "scope": scope,
                     "metric": metric,
@@ -264,7 +264,7 @@ def rankings(groups: Sequence[Group]) -> list[dict[str, Any]]:
                     "unranked": [list(name) for name in unranked],
                 }
             )
-    return made
+    return tables
 
 
 def ratios_to_motor(groups: Sequence[Group]) -> list[dict[str, Any]]:

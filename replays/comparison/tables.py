@@ -90,11 +90,11 @@ _GROUPS = (
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """All that a comparison found; fields as in ``results.json``, `found` by its place."""
+    """All that a comparison found; fields as in ``results.json``, `tuned` by its place."""
 
     plan: Mapping[str, Any]
     samples: tuple[Sample, ...]
-    found: Mapping[tuple[str, str, str, str], Tuned]
+    tuned: Mapping[tuple[str, str, str, str], Tuned]
     traits: tuple[Mapping[str, Any], ...]
     exact_ties: Sequence[Mapping[str, Any]]
 
@@ -116,7 +116,7 @@ def write_tables(outcome: Outcome, out: Path) -> dict[str, Any]:
         "plan": outcome.plan,
         "metrics": FLOORS,
         "ranges": {method: [asdict(one) for one in ranges] for method, ranges in RANGES.items()},
-        "parameters": [_parameters(place, one) for place, one in outcome.found.items()],
+        "parameters": [_parameters(place, one) for place, one in outcome.tuned.items()],
         "traits": list(outcome.traits),
         "failures": [row for group in groups for row in _failures(group)],
         "verdicts": _counted(rows),

@@ -105,7 +105,7 @@ def exact_ties() -> list[dict[str, Any]]:
     """Every tie with what theory says and what was measured on a noisy path of 300 poses."""
     path = _noisy("walk_and_look")
     rows = [
-        _told(
+        _trait_row(
             "the linear blend of rigid motors is the dual quaternion linear blend",
             "motor coefficients and dual quaternions are the same eight numbers up to order and "
             "sign, and both are projected to the nearest unit one",
@@ -125,14 +125,14 @@ def exact_ties() -> list[dict[str, Any]]:
             try:
                 metres, radians = _apart(smoothed(first), smoothed(second))
             except Exception as error:  # one failing method never ends the others; its row says why
-                row = _told(theory, reason, method, (first, second), (None, None))
+                row = _trait_row(theory, reason, method, (first, second), (None, None))
                 rows.append(row | {"holds": False, "failure": why(error)})
                 continue
             costs = (
                 metres if which != "rotation" else None,
                 radians if which != "position" else None,
             )
-            rows.append(_told(theory, reason, method, (first, second), costs))
+            rows.append(_trait_row(theory, reason, method, (first, second), costs))
     return rows
 
 
@@ -204,12 +204,12 @@ def _apart(first: Trajectory, second: Trajectory) -> tuple[float, float]:
     return float(np.max(shift)), float(np.max(turn))
 
 
-def _told(
+def _trait_row(
     theory: str,
     reason: str,
     method: str,
     names: tuple[str, str],
-    found: tuple[float | None, float | None],
+    differences: tuple[float | None, float | None],
 ) -> dict[str, Any]:
     return {
         "theory": theory,
@@ -217,9 +217,9 @@ def _told(
         "method": method,
         "first": names[0],
         "second": names[1],
-        "largest_difference_m": found[0],
-        "largest_difference_rad": found[1],
+        "largest_difference_m": differences[0],
+        "largest_difference_rad": differences[1],
         "bound": _BOUND,
-        "holds": all(value is None or value <= _BOUND for value in found),
+        "holds": all(value is None or value <= _BOUND for value in differences),
         "failure": "",
     }

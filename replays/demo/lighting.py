@@ -80,10 +80,10 @@ class Occluders:
                 )
             ):
                 inverse = 1.0 / np.where(np.abs(way) < 1e-9, np.float32(1e-9), way)
-                one = (-self.half_m[k, axis] - origin) * inverse
+                low = (-self.half_m[k, axis] - origin) * inverse
                 two = (self.half_m[k, axis] - origin) * inverse
-                near = np.maximum(near, np.minimum(one, two))
-                far = np.minimum(far, np.maximum(one, two))
+                near = np.maximum(near, np.minimum(low, two))
+                far = np.minimum(far, np.maximum(low, two))
             hidden |= near < far
         return hidden
 

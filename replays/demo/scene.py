@@ -100,7 +100,7 @@ def room() -> tuple[Surface, ...]:
         if panel.material not in PAINTS:
             surfaces.append(_textured(panel, own))
     behind = Occluders.of(things)
-    return (*surfaces, _window(), *(_turned(body, behind) for body in bodies))
+    return (*surfaces, _window(), *(_light_body(body, behind) for body in bodies))
 
 
 def developed(light: NDArray[np.floating]) -> NDArray[np.uint8]:
@@ -238,7 +238,7 @@ def _slim_box(body: Turned) -> Box:
     return Box(body.foot_m, (side, side, body.outline_m[-1][0]), "plaster")
 
 
-def _turned(body: Turned, occluders: Occluders) -> Surface:
+def _light_body(body: Turned, occluders: Occluders) -> Surface:
     """A body of revolution with the light in its vertex colours."""
     sides, steps = 40, 28
     outline = np.array(body.outline_m)

@@ -95,12 +95,12 @@ class Graph:
         choices = [one for one in stages if isinstance(one, Choice)]
         self.choice_of = {stage.name: one for one in choices for stage in one.members.values()}
         self.stages: dict[str, Stage | Choice] = {}
-        for one in stages:
-            if isinstance(one, Choice):
-                self.stages |= {stage.name: stage for stage in one.members.values()}
-                self.stages[one.name] = one
+        for entry in stages:
+            if isinstance(entry, Choice):
+                self.stages |= {stage.name: stage for stage in entry.members.values()}
+                self.stages[entry.name] = entry
             else:
-                self.stages[one.__name__] = Stage.of(one)
+                self.stages[entry.__name__] = Stage.of(entry)
         for node in self.stages.values():
             if isinstance(node, Stage):
                 for name, kind in node.inputs.items():

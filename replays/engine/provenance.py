@@ -52,9 +52,9 @@ class Reach:
     foreign: frozenset[str]
 
 
-def code_digest(function: Callable[..., Any], given: Iterable[object] = ()) -> str:
+def code_digest(function: Callable[..., Any], values: Iterable[object] = ()) -> str:
     """SHA-256 over all that a function can run on the values given, and the versions beneath."""
-    types = {one for value in given for one in types_within(value)}
+    types = {one for value in values for one in types_within(value)}
     used = reach(function.__module__, *sorted({one.__module__ for one in types}))
     content = hashlib.sha256(platform.python_version().encode())
     for name in sorted(used.modules | used.faces):
@@ -97,15 +97,15 @@ def types_within(value: object) -> set[type[Any]]:
     types: set[type[Any]] = set()
     waiting = [value]
     while waiting:
-        one = waiting.pop()
-        if isinstance(one, dict):
-            waiting.extend(one.values())
-        elif isinstance(one, (tuple, list)):
-            waiting.extend(one)
-        elif type(one).__module__.partition(".")[0] == OURS:
-            types.add(type(one))
-            if is_dataclass(one):
-                waiting.extend(getattr(one, field.name) for field in fields(one))
+        inner = waiting.pop()
+        if isinstance(inner, dict):
+            waiting.extend(inner.values())
+        elif isinstance(inner, (tuple, list)):
+            waiting.extend(inner)
+        elif type(inner).__module__.partition(".")[0] == OURS:
+            types.add(type(inner))
+            if is_dataclass(inner):
+                waiting.extend(getattr(inner, field.name) for field in fields(inner))
     return types
 
 

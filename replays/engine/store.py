@@ -83,7 +83,7 @@ class StageStore:
 
     def obtain(self, stage: Stage) -> None:
         """Have the output of a stage whose inputs are there; raises whatever the stage raises."""
-        output, digest = self._found(stage)
+        output, digest = self._find_or_compute(stage)
         if isinstance(output, _NothingFound):
             raise StageError(f"{stage.name}: {output.reason}")
         self._keep(stage.name, output, digest)
@@ -103,7 +103,7 @@ class StageStore:
         skipped, lacking = [], []
         for label, stage in choice.members.items():
             try:
-                output, digest = self._found(stage, choice.skips)
+                output, digest = self._find_or_compute(stage, choice.skips)
             except NotOffered as reason:
                 lacking.append(str(reason))
                 continue
@@ -129,17 +129,19 @@ class StageStore:
     def _keep(self, name: str, output: Any, digest: str) -> None:
         self.outputs[name], self._digests[name] = output, digest
 
-    def _found(self, stage: Stage, skips: type[Exception] | None = None) -> tuple[Any, str]:
+    def _find_or_compute(
+        self, stage: Stage, skips: type[Exception] | None = None
+    ) -> tuple[Any, str]:
         """Output and digest, cached or computed; `_NothingFound` where it raises what is skipped.
 
         Raises:
             NotOffered: the stage does, and something is skipped.
         """
         settings = stage.settings(self._knobs.get(stage.name, {}))
-        folder, found = find_kept(self._cache / f"{stage.name}-{self._key(stage, settings)}")
-        if found:
+        folder, kept = find_kept(self._cache / f"{stage.name}-{self._key(stage, settings)}")
+        if kept:
             log.info("%s: kept from before", stage.name)
-        stored = found or self._compute(stage, settings, folder, skips)
+        stored = kept or self._compute(stage, settings, folder, skips)
         kind = stage.output | _NothingFound
         try:
             output = artifacts.read_artifact(stored, kind)
@@ -151,7 +153,7 @@ class StageStore:
             output = artifacts.read_artifact(stored, kind)
         texts = {knob: repr(value) for knob, value in settings.items()}
         files = {str(path): state for path, state in stored.files.items()}
-        name, cached = stored.folder.name, found is not None
+        name, cached = stored.folder.name, kept is not None
         self.records.append(Computed(stage.name, name, texts, files, stored.seconds, cached))
         return output, stored.digest
 

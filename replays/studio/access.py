@@ -85,8 +85,8 @@ class Access:
             headers: by their names in lower case.
             by_socket: whether a WebSocket is to be opened.
         """
-        given = path[1:].partition("/")[0].encode("utf-8", "surrogateescape")
-        known = hmac.compare_digest(given, self.token.encode())
+        secret = path[1:].partition("/")[0].encode("utf-8", "surrogateescape")
+        known = hmac.compare_digest(secret, self.token.encode())
         return known and headers.get("host") in self.names and self._is_ours(headers, by_socket)
 
     def _is_ours(self, headers: dict[str, str], by_socket: bool) -> bool:
@@ -117,13 +117,13 @@ class Doorkeeper:
             await self._app(scope, receive, send)
             return
         by_socket = scope["type"] == "websocket"
-        told: dict[str, str] = {}
+        headers: dict[str, str] = {}
         twice = False
         for name, value in scope["headers"]:
             key = name.decode("latin-1").lower()
-            twice |= key in told and key in ("host", "origin")
-            told[key] = value.decode("latin-1")
-        if twice or not self._access.admits(scope["path"], told, by_socket=by_socket):
+            twice |= key in headers and key in ("host", "origin")
+            headers[key] = value.decode("latin-1")
+        if twice or not self._access.admits(scope["path"], headers, by_socket=by_socket):
             await _refuse(send, by_socket)
             return
         nonce = secrets.token_urlsafe(12)
@@ -133,7 +133,7 @@ class Doorkeeper:
             "nonce": nonce,
             "access": self._access,
         }
-        sockets = f"{'wss' if self._access.secure else 'ws'}://{told['host']}"
+        sockets = f"{'wss' if self._access.secure else 'ws'}://{headers['host']}"
 
         async def send_with_headers(message: MutableMapping[str, Any]) -> None:
             if message["type"] == "http.response.start":

@@ -30,7 +30,7 @@ from motorcade.replays.studio.filmed import Filmed, open_filmed, spoken
 from motorcade.replays.studio.offers import Answer, Offer
 from motorcade.replays.studio.played import PlayedScene, rows
 from motorcade.replays.studio.props import GROUND, Props, files_beside
-from motorcade.replays.studio.session import EditingSession, ToldScene
+from motorcade.replays.studio.session import EditingSession, SceneView
 from motorcade.replays.studio.write_ahead import SceneHistory, WriteAheadLog
 
 SCENE_NAME = "scene.json"
@@ -151,7 +151,7 @@ def desk_of(filmed: Filmed, write_log: WriteAheadLog) -> RunDesk:
         folder = write_log.scene.absolute().parent
         history, props = SceneHistory(write_log), Props(folder, files_beside(folder))
         played = PlayedScene(filmed, folder)
-        session = EditingSession(filmed, history, played, props, ToldScene(filmed, played, props))
+        session = EditingSession(filmed, history, played, props, SceneView(filmed, played, props))
         session.joined(0)  # a scene that cannot be shown is refused here, and not to each browser
         refused.pop_all()
     return RunDesk(filmed, session)

@@ -84,21 +84,21 @@ class Filmed:
     @cached_property
     def up(self) -> FloatArray:
         """``(3,)`` in the world: out of what the run stood its character on."""
-        made: FloatArray = self.ground(self.first).world_T_plane.rotor.apply([0.0, 0.0, 1.0])
-        return made
+        normal: FloatArray = self.ground(self.first).world_T_plane.rotor.apply([0.0, 0.0, 1.0])
+        return normal
 
     @cached_property
     def stands(self) -> dict[str, SceneAnchor]:
         """What else of the footage a scene may hang on, by the names that anchors of it get."""
-        found = {"floor": SceneAnchor("floor")}
+        stands = {"floor": SceneAnchor("floor")}
         poses = self.grounds.camera_poses
         if self.recording.board is not None and poses.origin in ("board", "simulated"):
-            found["board"] = SceneAnchor("board")
+            stands["board"] = SceneAnchor("board")
         markers = self.grounds.marker_poses
         mapped = () if markers is None else markers.marker_map.marker_ids[:MOST_MARKERS]
         for number in (*self.moving, *mapped):
-            found[f"marker {number}"] = SceneAnchor("marker", int(number))
-        return found
+            stands[f"marker {number}"] = SceneAnchor("marker", int(number))
+        return stands
 
     def rays(self, frame: int, pixels: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Rays of a frame's pixels ``(N, 2)``: where all begin ``(3,)``, and directions ``(N, 3)``.
@@ -168,10 +168,12 @@ def open_filmed(folder: Path) -> Filmed:
     path: Trajectory = extrapolated(integrity.drawn, poses.measurements.trajectory)
     grounds = Grounds(recording, poses, run.outputs.get("marker_poses"), path)
     knobs = origin.knobs.get("placed", {})
-    told = {name: knobs[name] for name in ("on", "marker", "floor_m") if name in knobs}
+    anchor_fields = {name: knobs[name] for name in ("on", "marker", "floor_m") if name in knobs}
     placed = run.outputs["placed"]
     who = performers(placed)[0]
     height_m = who.placement.scale * who.character.height_m
     place_m = placed.plane_T_character.translation_m[:2]
     moving = tuple(origin.knobs.get("marker_poses", {}).get("moving", ()))
-    return Filmed(recording, grounds, SceneAnchor(**told), place_m, height_m, words, moving)
+    return Filmed(
+        recording, grounds, SceneAnchor(**anchor_fields), place_m, height_m, words, moving
+    )

@@ -133,13 +133,13 @@ class Grip:
         if self._grab.gesture in BY_AMOUNT:
             if amount is None:
                 raise ValueError("amount: expected a number")
-            found: Amount = amount
+            dragged_by: Amount = amount
         elif len(rays) != len(self._grab.rays):
             raise ValueError("pixels: expected as many as there were at the beginning")
         else:
-            found = self._by_rays(rays)
-        scene = dragged(self.before, self.drag, self._snapped(found), self.anchors)
-        self.amount = self._snapped(found)
+            dragged_by = self._by_rays(rays)
+        scene = dragged(self.before, self.drag, self._snapped(dragged_by), self.anchors)
+        self.amount = self._snapped(dragged_by)
         return scene
 
     def _by_rays(self, rays: Sequence[Ray]) -> Amount:
@@ -279,14 +279,14 @@ class JointGrip:
         if scene.part(name).kind != "character":
             raise ValueError("joint: expected a character")
         self.name, self.time_s = name, float(played.filmed.time_s[frame])
-        one = played.acted(scene, name)[1]
-        skeleton = one.character.skeleton
-        poses = played.local_poses(one)
+        acted = played.acted(scene, name)[1]
+        skeleton = acted.character.skeleton
+        poses = played.local_poses(acted)
         pose = poses[min(frame, poses.shape[0] - 1)]
         at = skeleton.world(pose).translation_m
         stands = played.world_T_object(scene, name)
         rigid, scale = stands[min(frame, stands.shape[0] - 1)].as_motor_scale()
-        world_T_character = Similarity.from_motor_scale(rigid, scale * one.size)
+        world_T_character = Similarity.from_motor_scale(rigid, scale * acted.size)
         self._character_T_world = world_T_character.inverse()
         self.skeleton = skeleton
         ray = self._inside(ray)

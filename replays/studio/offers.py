@@ -66,12 +66,12 @@ class Offer:
     Args:
         name: as it is listed.
         open: reads it; may take seconds.
-        told: a line on what is in it.
+        summary: a line on what is in it.
     """
 
     name: str
     open: Callable[[], Desk]
-    told: str = ""
+    summary: str = ""
 
 
 @dataclass

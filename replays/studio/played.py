@@ -49,25 +49,25 @@ class PlayedScene:
             ValueError: a file, clip, gait or joint that is not there.
         """
         part = scene.part(name)
-        told = part_json(part)
+        fields = part_json(part)
         for key in ("keyframes", "interpolation", "visible"):
-            told.pop(key, None)
+            fields.pop(key, None)
         size = float(scene.pose(name).as_similarity().scale) if part.walk is not None else 1.0
-        key = json.dumps([part.kind, part.file, told, size])
+        key = json.dumps([part.kind, part.file, fields, size])
         if key not in self._acted:
-            made = acted(scene, name, self.folder, float(self.filmed.time_s[-1]))
+            performance = acted(scene, name, self.folder, float(self.filmed.time_s[-1]))
             self._numbers.append(key)
-            self._acted[key] = len(self._numbers) - 1, made
+            self._acted[key] = len(self._numbers) - 1, performance
             for old in list(self._acted)[:-_MOST_KEPT]:
                 del self._acted[old]
         return self._acted[key]
 
-    def figure(self, one: Acted) -> int:
+    def figure(self, acted: Acted) -> int:
         """The number of a shape, for `glb`."""
         for number, (file, _) in enumerate(self._figures):
-            if file == one.file:
+            if file == acted.file:
                 return number
-        self._figures.append((one.file, one.character))
+        self._figures.append((acted.file, acted.character))
         return len(self._figures) - 1
 
     def stands_alike(self, before: Scene, after: Scene, name: str) -> bool:
@@ -108,30 +108,30 @@ class PlayedScene:
         if part.keyframes:
             return between_keyframes(part, np.zeros(1))
         if part.walk is not None:
-            one = self.acted(scene, name)[1]
-            assert one.parent_T_character is not None  # of one that walks
-            way = Clip("way", one.time_s, one.parent_T_character.reshape(-1, 1))
+            acted = self.acted(scene, name)[1]
+            assert acted.parent_T_character is not None  # of one that walks
+            way = Clip("way", acted.time_s, acted.parent_T_character.reshape(-1, 1))
             steps = way.at(self.filmed.time_s).rigid[:, 0]
             return Similarity.from_motor_scale(steps, pose.scale)
         return pose.reshape(1)
 
     def motion(self, number: int) -> dict[str, Any] | None:
         """The joints of what `acted` gave this number, for the page; None where it is forgotten."""
-        found = self._acted.get(self._numbers[number]) if number < len(self._numbers) else None
-        if found is None:
+        known = self._acted.get(self._numbers[number]) if number < len(self._numbers) else None
+        if known is None:
             return None
-        one = found[1]
+        acted = known[1]
         return {
-            "joints": packed(rows(one.character.skeleton.world(self.local_poses(one)))),
+            "joints": packed(rows(acted.character.skeleton.world(self.local_poses(acted)))),
             "morphs": None,
-            "size": one.size,
-            "height_m": one.size * one.character.height_m,
+            "size": acted.size,
+            "height_m": acted.size * acted.character.height_m,
         }
 
-    def local_poses(self, one: Acted) -> Motor:
+    def local_poses(self, acted: Acted) -> Motor:
         """Its joints in their parents ``(F, J)`` over the footage; ``(1, J)`` where none moves."""
-        moments = np.zeros(1) if len(one.time_s) < 2 else self.filmed.time_s
-        return Clip("acted", one.time_s, one.poses).at(moments).rigid
+        moments = np.zeros(1) if len(acted.time_s) < 2 else self.filmed.time_s
+        return Clip("acted", acted.time_s, acted.poses).at(moments).rigid
 
     @off_record()  # a file of our own
     def glb(self, number: int) -> bytes | None:
@@ -144,7 +144,7 @@ class PlayedScene:
 def rows(poses: Motor | Similarity) -> FloatArray:
     """Poses ``(*, 8)`` for the page: x y z, w x y z, scale."""
     if isinstance(poses, Motor):
-        told = rows_of(poses)
-        return np.concatenate([told, np.ones_like(told[..., :1])], axis=-1)
+        numbers = rows_of(poses)
+        return np.concatenate([numbers, np.ones_like(numbers[..., :1])], axis=-1)
     rigid, scale = poses.as_motor_scale()
     return np.concatenate([rows_of(rigid), scale[..., None]], axis=-1)

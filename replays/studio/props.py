@@ -47,15 +47,15 @@ class Props:
 
     def listed(self) -> list[dict[str, str]]:
         """For the page: files with labels, the mannequin first; none that cannot be read."""
-        told = [{"file": MANNEQUIN, "label": "Person", "kind": "character"}]
+        props = [{"file": MANNEQUIN, "label": "Person", "kind": "character"}]
         for file in self.files:
             try:
                 kind = self._kind(file)
             except (ValueError, OSError, RuntimeError, ImportError) as fault:
                 log.warning("not on offer: %s", " ".join(str(fault).split()))
                 continue
-            told.append({"file": file, "label": Path(file).stem, "kind": kind})
-        return told
+            props.append({"file": file, "label": Path(file).stem, "kind": kind})
+        return props
 
     def clips(self, part: ScenePart) -> list[str]:
         """What an object can do: clips of its own, and those that the mannequin lends."""
@@ -129,8 +129,8 @@ def files_beside(folder: Path) -> tuple[str, ...]:
     """Names of files in a folder that may hold characters or props, in order."""
     if not folder.is_dir():
         return ()
-    found = (one for one in folder.iterdir() if one.suffix.lower() in SUFFIXES and one.is_file())
-    return tuple(sorted(one.name for one in found))[:MOST_FILES]
+    files = (one for one in folder.iterdir() if one.suffix.lower() in SUFFIXES and one.is_file())
+    return tuple(sorted(one.name for one in files))[:MOST_FILES]
 
 
 def free_name(label: str, scene: Scene) -> str:
@@ -266,8 +266,8 @@ def thinned(points_m: FloatArray, height_m: float) -> FloatArray:
     while len(path) > MOST_POINTS:
         tolerance *= 2.0
         path = path[_needed(path, tolerance)]
-    made: FloatArray = path
-    return made
+    kept_path: FloatArray = path
+    return kept_path
 
 
 def _needed(path: FloatArray, tolerance_m: float) -> FloatArray:

@@ -119,14 +119,14 @@ class EditingSession:
         history: the scene with its history.
         played: what its objects do over the footage.
         props: what may be put into it.
-        told: what pages are told of it.
+        view: of it, as pages have it.
     """
 
     filmed: Filmed
     history: SceneHistory
     played: PlayedScene
     props: Props
-    told: ToldScene
+    view: SceneView
     _hands: Hands = field(default_factory=Hands)
     _grips: dict[int, Grip | JointGrip] = field(default_factory=dict)
     _frames: dict[int, int] = field(default_factory=dict)
@@ -153,8 +153,8 @@ class EditingSession:
         except OutOfReach:
             return Answer({"n": number, "ok": do == "drag", "said": BEYOND, "error": BEYOND})
         except (ValueError, OSError, RuntimeError, ImportError) as fault:
-            told = " ".join(str(fault).split())[:300]
-            return Answer({"n": number, "ok": False, "error": told})
+            reason = " ".join(str(fault).split())[:300]
+            return Answer({"n": number, "ok": False, "error": reason})
         return Answer({"n": number, "ok": True, **answer.reply}, answer.news)
 
     def _acts(self) -> dict[str, Callable[[int, Message], Answer]]:
@@ -239,8 +239,8 @@ class EditingSession:
             joints = {grip.name: packed(rows(grip.move(rays))[None])}
             return Answer({"joints": joints}, {"joints": joints})
         scene = grip.move(rays, amount)
-        told = self._poses(scene, grip)
-        return Answer({"poses": told, "said": grip.told()}, {"poses": told})
+        poses = self._poses(scene, grip)
+        return Answer({"poses": poses, "said": grip.told()}, {"poses": poses})
 
     def _end(self, visitor: int, message: Message) -> Answer:
         grip = self._grip(visitor)
@@ -308,7 +308,7 @@ class EditingSession:
         after = trial.do(gesture)
         for name in after.parents:  # what cannot be shown is refused before it is kept
             if before.parts.get(name) is not after.parts.get(name):
-                self.told.about(after, name, None)
+                self.view.about(after, name, None)
         self.history.do(gesture, trial.world_T_anchor)
         return self._changed(before)
 
@@ -382,8 +382,8 @@ class EditingSession:
                 points.append(plane.inverse().apply(surface.met_by(ray))[:2])
             except OutOfReach:
                 break  # the finger went over the horizon: the way ends before
-        one = self.played.acted(scene, name)[1]
-        tall = one.size * one.character.height_m
+        acted = self.played.acted(scene, name)[1]
+        tall = acted.size * acted.character.height_m
         path = thinned(np.array(points).reshape(-1, 2), tall)
         walk = {"path_m": path.tolist()}
         line = {"do": "set", "object": name, "keyframes": [], "walk": walk}
@@ -408,12 +408,12 @@ class EditingSession:
 
     def _changed(self, before: Scene) -> Answer:
         self._version += 1
-        told = {"scene": self._scene(before), "version": self._version}
-        return Answer(told, told)
+        changes = {"scene": self._scene(before), "version": self._version}
+        return Answer(changes, changes)
 
     def _scene(self, before: Scene | None) -> dict[str, Any]:
         scene, held = self.history.scene, set(self._hands.held.values())
-        objects = [self.told.about(scene, name, before) for name in scene.parents]
+        objects = [self.view.about(scene, name, before) for name in scene.parents]
         return {
             "undo": self.history.can_undo,
             "redo": self.history.can_redo,
@@ -436,11 +436,11 @@ class EditingSession:
             name = line.get("name")
             if line.get("do") == "anchor" and isinstance(name, str) and name in self.filmed.stands:
                 known[name] = self.filmed.stands[name]
-        found = {}
+        stands = {}
         for name, anchor in known.items():
             poses = self.filmed.world_T_anchor(anchor)
-            found[name] = poses[min(frame, poses.shape[0] - 1)]
-        return found
+            stands[name] = poses[min(frame, poses.shape[0] - 1)]
+        return stands
 
     def _rays(self, frame: int, message: Message, most: int = 2) -> tuple[Ray, ...]:
         pixels = pixels_of(message, most)
@@ -463,7 +463,7 @@ MOST_POINTS = 400
 
 
 @dataclass(frozen=True)
-class ToldScene:
+class SceneView:
     """Objects as JSON for `editor.js`.
 
     Args:
@@ -500,12 +500,12 @@ class ToldScene:
             "visible_s": None if part.visible_s is None else list(part.visible_s),
         }
         if part.kind != "group":
-            number, one = self.played.acted(scene, name)
-            about |= {"motion": number, "figure": self.played.figure(one)}
+            number, acted = self.played.acted(scene, name)
+            about |= {"motion": number, "figure": self.played.figure(acted)}
             if part.kind == "character":
                 about["held_by"] = {
-                    body: [number, one.character.skeleton.names[number]]
-                    for body, number in joints_held_by(one.character.skeleton).items()
+                    body: [number, acted.character.skeleton.names[number]]
+                    for body, number in joints_held_by(acted.character.skeleton).items()
                 }
         if before is None or not self.played.stands_alike(before, scene, name):
             track = self.played.world_T_object(scene, name)

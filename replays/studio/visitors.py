@@ -90,8 +90,8 @@ class Visitors:
                 await socket.close(1008, "too many messages")
                 return
             try:
-                given = parsed(text)
-                answer = desk.answer(visitor, given)
+                request = parsed(text)
+                answer = desk.answer(visitor, request)
             except ValueError as fault:
                 self._put(visitor, {"n": None, "ok": False, "error": str(fault)})
                 continue
@@ -146,9 +146,9 @@ def frame_of_axes(message: Mapping[str, Any]) -> Frame:
     Raises:
         ValueError: another word.
     """
-    found = message.get("in", "parent")
+    axes = message.get("in", "parent")
     for frame in get_args(Frame):
-        if found == frame:
+        if axes == frame:
             return frame  # type: ignore[no-any-return]
     raise ValueError("in: expected local, parent or global")
 
@@ -159,10 +159,10 @@ def number_of(message: Mapping[str, Any], key: str) -> float:
     Raises:
         ValueError: none, or a huge one.
     """
-    found = message.get(key)
-    if isinstance(found, bool) or not isinstance(found, int | float) or not abs(found) < _FARTHEST:
+    value = message.get(key)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < _FARTHEST:
         raise ValueError(f"{key}: expected a number")
-    return float(found)
+    return float(value)
 
 
 def frame_number(message: Mapping[str, Any], frames: int) -> int:
@@ -171,10 +171,10 @@ def frame_number(message: Mapping[str, Any], frames: int) -> int:
     Raises:
         ValueError: there is no such picture.
     """
-    found = message.get("frame", 0)
-    if type(found) is not int or not 0 <= found < frames:
+    number = message.get("frame", 0)
+    if type(number) is not int or not 0 <= number < frames:
         raise ValueError(f"frame: expected 0 to {frames - 1}")
-    return found
+    return number
 
 
 def pixels_of(message: Mapping[str, Any], most: int) -> FloatArray:
@@ -183,10 +183,10 @@ def pixels_of(message: Mapping[str, Any], most: int) -> FloatArray:
     Raises:
         ValueError: something else, or more than so many.
     """
-    found = message.get("pixels", [])
-    if not isinstance(found, list) or len(found) > most:
+    pixels = message.get("pixels", [])
+    if not isinstance(pixels, list) or len(pixels) > most:
         raise ValueError(f"pixels: expected at most {most}")
-    return np.array([_numbers(one, "pixels", 2) for one in found]).reshape(-1, 2)
+    return np.array([_numbers(one, "pixels", 2) for one in pixels]).reshape(-1, 2)
 
 
 def point_of(message: Mapping[str, Any], key: str) -> FloatArray | None:
@@ -195,8 +195,8 @@ def point_of(message: Mapping[str, Any], key: str) -> FloatArray | None:
     Raises:
         ValueError: something else.
     """
-    found = message.get(key)
-    return None if found is None else np.array(_numbers(found, key, 3))
+    point = message.get(key)
+    return None if point is None else np.array(_numbers(point, key, 3))
 
 
 def _numbers(value: object, key: str, count: int) -> list[float]:

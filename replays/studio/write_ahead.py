@@ -90,13 +90,13 @@ class WriteAheadLog:
         Raises:
             ValueError: a line that is none; the message names it.
         """
-        found = []
+        gestures = []
         for number, line in enumerate(self._read().splitlines(), 1):
             try:
-                found.append(json.loads(line))
+                gestures.append(json.loads(line))
             except (ValueError, RecursionError) as fault:
                 raise ValueError(f"{self.gestures}:{number}: expected a line of JSON") from fault
-        return found
+        return gestures
 
     def append(self, *lines: Mapping[str, Any]) -> None:
         """Put lines on the disk; they are there when this returns.

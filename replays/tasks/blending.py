@@ -108,7 +108,7 @@ def blend_character(
     if cycles[0] is not None and cycles[1] is not None:
         first, second = cycles[0], cycles[1]
         offset = _offset(first, second, skeleton)
-    made = blend_clips(
+    blended = blend_clips(
         first, second, weight, method, in_phase=in_phase, offset=offset, rate_hz=rate_hz
     )
     apart = differences_m(
@@ -119,7 +119,7 @@ def blend_character(
         offset=offset,
         in_phase=in_phase,
     )
-    return Blend(character, made, in_phase, offset, apart)
+    return Blend(character, blended, in_phase, offset, apart)
 
 
 def write_blend(blend: Blend, path: Path, size: tuple[int, int] = (640, 640)) -> None:

@@ -41,7 +41,7 @@ class CalibrationRun:
         names: of the pictures of `views`.
         views: the fitted views and those that were left out of the fit.
         searched: how many pictures were read.
-        found: in how many of them the board was found.
+        with_board: how many of them show the board.
         unreadable: one line for each picture that could not be read.
         orientation: how the pictures are stored, where all say the same.
         trials: every lens model, judged by held-out views.
@@ -54,7 +54,7 @@ class CalibrationRun:
     names: tuple[str, ...]
     views: tuple[BoardCorners, ...]
     searched: int
-    found: int
+    with_board: int
     unreadable: tuple[str, ...]
     orientation: PictureOrientation
     trials: tuple[LensTrial, ...]
@@ -86,7 +86,7 @@ def calibrate_pictures(
         if not path.exists():
             raise refusal(path, "the file is missing")
     size: tuple[int, int] | None = None
-    found: list[tuple[str, BoardCorners]] = []
+    views_of: list[tuple[str, BoardCorners]] = []
     held: set[PictureOrientation] = set()
     unreadable: list[str] = []
     searched = 0
@@ -101,15 +101,15 @@ def calibrate_pictures(
         searched += 1
         view = board.detect(gray)
         if view is not None and view.spanning:
-            found.append((name, view))
-    if size is None or not found:
+            views_of.append((name, view))
+    if size is None or not views_of:
         first = f"; first: {unreadable[0]}" if unreadable else ""
         raise CalibrationError(
             f"{board.name}: expected it in some pictures, got it in none of {searched} that could "
             f"be read, {len(unreadable)} could not{first}"
         )
-    spread = spread_views([view for _, view in found], _MOST_VIEWS)
-    views = tuple(found[index][1] for index in spread)
+    spread = spread_views([view for _, view in views_of], _MOST_VIEWS)
+    views = tuple(views_of[index][1] for index in spread)
     trials = try_lenses(views, size)
     chosen = choose_lens(trials)
     if model is not None:
@@ -120,10 +120,10 @@ def calibrate_pictures(
     return CalibrationRun(
         calibration=chosen.calibration,
         board=board,
-        names=tuple(found[index][0] for index in spread),
+        names=tuple(views_of[index][0] for index in spread),
         views=views,
         searched=searched,
-        found=len(found),
+        with_board=len(views_of),
         unreadable=tuple(unreadable),
         orientation=held.pop() if len(held) == 1 else AS_STORED,
         trials=trials,
@@ -198,7 +198,7 @@ def describe_calibration(run: CalibrationRun) -> dict[str, Any]:
         "reprojection_rmse_px": calibration.rmse_px,
         "worst_view_rmse_px": float(errors.max()),
         "pictures_searched": run.searched,
-        "pictures_with_board": run.found,
+        "pictures_with_board": run.with_board,
         "views_used": int(calibration.used.sum()),
         "views_left_out": int((~calibration.used).sum()),
         "coverage": calibration.coverage(run.views),

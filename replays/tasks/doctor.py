@@ -148,15 +148,15 @@ def examine_packages() -> list[Finding]:
 def _package(extra: str, distribution: str, module: str, enables: str) -> Finding:
     remedy = f'pip install "motorcade[{extra}]"'
     try:
-        found = version(distribution)
+        installed = version(distribution)
         works = find_spec(module) is not None
     except PackageNotFoundError:
         return Finding("packages", distribution, False, "not installed", enables, remedy)
     if not works:
-        broken = f"{found} is recorded, but its module {module} is missing"
+        broken = f"{installed} is recorded, but its module {module} is missing"
         again = f"pip install --force-reinstall {distribution}"
         return Finding("packages", distribution, False, broken, enables, again)
-    return Finding("packages", distribution, True, found, enables)
+    return Finding("packages", distribution, True, installed, enables)
 
 
 _COMPILERS = ("cc", "gcc", "clang")
@@ -222,9 +222,11 @@ def _compiler() -> Finding:
         path = shutil.which(name)
         if path is not None and _compiles(path):
             command = [path, "--version"]
-            told = subprocess.run(command, capture_output=True, text=True, timeout=20, check=False)
-            found = (told.stdout.splitlines() or [path])[0]
-            return Finding("compiler", "C compiler", True, found, enables)
+            answer = subprocess.run(
+                command, capture_output=True, text=True, timeout=20, check=False
+            )
+            compiler = (answer.stdout.splitlines() or [path])[0]
+            return Finding("compiler", "C compiler", True, compiler, enables)
     told_missing = f"none of {', '.join(_COMPILERS)} compiles a function"
     remedy = "apt-get install gcc g++"
     return Finding("compiler", "C compiler", False, told_missing, enables, remedy)
@@ -257,10 +259,10 @@ def _opengl() -> list[Finding]:
     software = osmesa_library() and _drawn_by(lambda: OsmesaContext(16, 16))
     remedy = "not needed, the other one works" if egl or software else REMEDY
     return [
-        Finding("OpenGL", name, True, told, enables)
-        if told
+        Finding("OpenGL", name, True, driver, enables)
+        if driver
         else Finding("OpenGL", name, False, "makes no context here", enables, remedy)
-        for name, told in (("EGL", egl), ("OSMesa", software))
+        for name, driver in (("EGL", egl), ("OSMesa", software))
     ]
 
 

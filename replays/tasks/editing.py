@@ -217,19 +217,19 @@ def edit_trajectories(
         array([0, 4, 8])
     """
     _check(edits, reference)
-    found = {}
+    edited = {}
     for name, trajectory in trajectories.items():
         with _named(name):
-            found[name] = _thinned(_prepared(trajectory.rigid, edits), edits)
+            edited[name] = _thinned(_prepared(trajectory.rigid, edits), edits)
     if edits.merge:
-        found = {"merged": _merged(found)}
+        edited = {"merged": _merged(edited)}
     true = None if reference is None else _thinned(reference.rigid, edits)
-    for name, one in found.items():
+    for name, thinned in edited.items():
         with _named(name):
-            found[name] = _placed(name, one, edits, true)
+            edited[name] = _placed(name, thinned, edits, true)
     if true is not None and edits.plane is not None:
         true = _flat("the reference", true, edits.plane)
-    return found, true
+    return edited, true
 
 
 def _check(edits: TrajectoryEdits, reference: Trajectory | None) -> None:
@@ -270,15 +270,15 @@ def _thinned(path: Trajectory, edits: TrajectoryEdits) -> Trajectory:
 def _merged(trajectories: Mapping[str, Trajectory]) -> Trajectory:
     every = list(trajectories.values())
     first = every[0]
-    for name, one in trajectories.items():
-        if (one.parent, one.child) != (first.parent, first.child):
+    for name, path in trajectories.items():
+        if (path.parent, path.child) != (first.parent, first.child):
             text = "%s: poses %s_T_%s are merged as if they were %s_T_%s"
-            _LOG.warning(text, name, one.parent, one.child, first.parent, first.child)
-    made = merged([replace(one, parent=first.parent, child=first.child) for one in every])
-    lost = sum(map(len, every)) - len(made)
+            _LOG.warning(text, name, path.parent, path.child, first.parent, first.child)
+    joined = merged([replace(one, parent=first.parent, child=first.child) for one in every])
+    lost = sum(map(len, every)) - len(joined)
     if lost:
         _LOG.warning("merged: %d poses have the stamp of another; the first of each is kept", lost)
-    return made
+    return joined
 
 
 def _placed(
@@ -383,14 +383,14 @@ def trajectory_names(
     alone = [one is not None and not one[1] for one in bags]
     if topics and not any(alone):
         raise ValueError(f"--topic {topics[0]}: expected a bag without a topic among the inputs")
-    found: list[str] = []
+    names: list[str] = []
     for name, is_alone in zip(inputs, alone, strict=True):
         read = list(_of_bag(name, topics, every_topic)) if is_alone else [str(name)]
-        for one in read:
-            if one in found:
-                raise ValueError(f"{one}: expected each trajectory once, got it twice")
-            found.append(one)
-    return found
+        for read_name in read:
+            if read_name in names:
+                raise ValueError(f"{read_name}: expected each trajectory once, got it twice")
+            names.append(read_name)
+    return names
 
 
 def refuse_inputs(names: Iterable[str], files: Iterable[Path]) -> None:
@@ -459,15 +459,15 @@ def output_files(formats: Mapping[str, TrajectoryFormat | None], output: Path) -
         return dict.fromkeys(formats, output)
     if not known:
         raise ValueError(f"{output}: expected --format for the files of a folder")
-    found = {
+    files = {
         name: output / (stem_of(name) + (".csv" if fmt == "euroc" else f".{fmt}"))
         for name, fmt in formats.items()
     }
-    for name, path in found.items():
-        others = [one for one, other in found.items() if other == path and one != name]
+    for name, path in files.items():
+        others = [one for one, other in files.items() if other == path and one != name]
         if others:
             raise ValueError(f"{path}: expected one trajectory, got {name} and {others[0]}")
-    return found
+    return files
 
 
 def write_trajectories(

@@ -35,11 +35,11 @@ def error_rows(matched: Mapping[str, Matched]) -> Iterator[str]:
         (['estimate', 'time_ns'], ['slam', '0', '0.0'], 10)
     """
     yield _HEADER
-    for name, one in matched.items():
-        ours, true = one.pairs.estimate, one.pairs.reference
+    for name, match in matched.items():
+        ours, true = match.pairs.estimate, match.pairs.reference
         steps = np.linalg.norm(np.diff(true.translation_m, axis=0), axis=-1)
         columns = (
-            one.pairs.time_ns,
+            match.pairs.time_ns,
             np.concatenate([[0.0], np.cumsum(steps)]),
             absolute_errors(ours, true, "trans_part"),
             absolute_errors(ours, true, "angle_deg"),

@@ -194,11 +194,11 @@ def fuse_poses(
         stream,
     )
     settings = _settings(chosen, offset_sigma_s or 0.0, leaned=level.leaned)
-    told = None
+    learned = None
     if chosen.learn_noise:
-        told = learn_noise(level.measurements, stream, noise, imu_T_camera, settings=settings)
-        noise = told.noise
-    found = fuse(
+        learned = learn_noise(level.measurements, stream, noise, imu_T_camera, settings=settings)
+        noise = learned.noise
+    fused = fuse(
         level.measurements,
         stream,
         noise,
@@ -208,25 +208,25 @@ def fuse_poses(
         smoothed=not chosen.online,
         lag_s=chosen.ahead_s,
         state_covariances=False,
-        fits_noise=chosen.noise_factor is None and chosen.walk_factor is None and told is None,
+        fits_noise=chosen.noise_factor is None and chosen.walk_factor is None and learned is None,
     )
-    accepted = found.accepted[np.isfinite(found.nis)]
+    accepted = fused.accepted[np.isfinite(fused.nis)]
     if np.mean(accepted) < chosen.least_accepted:
         raise ValueError(
             f"{np.count_nonzero(~accepted)} of {len(accepted)} poses were refused (up to "
             f"{1.0 - chosen.least_accepted:.0%} may be), so that the path is not to be believed: "
-            f"{_cause(found)}"
+            f"{_cause(fused)}"
         )
     back = level.level_T_world.inverse()
-    found = replace(
-        found,
-        trajectory=found.trajectory.transformed_by(left=back),
-        velocity_m_s=back.rotor.apply(found.velocity_m_s),
-        gravity_m_s2=back.rotor.apply(found.gravity_m_s2),
+    fused = replace(
+        fused,
+        trajectory=fused.trajectory.transformed_by(left=back),
+        velocity_m_s=back.rotor.apply(fused.velocity_m_s),
+        gravity_m_s2=back.rotor.apply(fused.gravity_m_s2),
     )
     lean_rad = float(np.deg2rad(level.lean_deg))
     return FusedPoses(
-        found,
+        fused,
         sigma_m,
         sigma_rad,
         lean_rad,
@@ -234,7 +234,7 @@ def fuse_poses(
         chosen.offset_s,
         offset_sigma_s,
         len(poses),
-        told,
+        learned,
     )
 
 
@@ -266,26 +266,26 @@ def _synchronised(
     """The options with what the motion tells besides, and the deviation of the offset."""
     if not options.estimate:
         return options, None
-    found = synchronise(poses, imu, noise)
+    synchronised = synchronise(poses, imu, noise)
     offset_sigma_s = None
     if "extrinsics" in options.estimate:
         options = replace(
             options,
-            imu_T_camera=found.imu_T_camera,
-            extrinsics_sigma_rad=float(found.rotation_sigma_rad.max()),
-            extrinsics_sigma_m=float(found.lever_arm_sigma_m.max()),
+            imu_T_camera=synchronised.imu_T_camera,
+            extrinsics_sigma_rad=float(synchronised.rotation_sigma_rad.max()),
+            extrinsics_sigma_m=float(synchronised.lever_arm_sigma_m.max()),
         )
     if "offset" in options.estimate:
-        options = replace(options, offset_s=found.offset_s)
-        offset_sigma_s = found.offset_sigma_s
+        options = replace(options, offset_s=synchronised.offset_s)
+        offset_sigma_s = synchronised.offset_sigma_s
     return options, offset_sigma_s
 
 
 def _settings(options: FusingOptions, offset_sigma_s: float, *, leaned: bool) -> FilterSettings:
     turn_rad, shift_m = options.extrinsics_sigma_rad, options.extrinsics_sigma_m
     if turn_rad is None:
-        given = options.imu_T_camera is not None
-        turn_rad = float(np.deg2rad(ALIGNMENT_SIGMA_DEG["recorded"])) if given else 0.0
+        calibrated = options.imu_T_camera is not None
+        turn_rad = float(np.deg2rad(ALIGNMENT_SIGMA_DEG["recorded"])) if calibrated else 0.0
     up_rad = options.gravity_sigma_rad
     return FilterSettings(
         gravity_m_s2=options.gravity_m_s2,

@@ -64,8 +64,8 @@ def author(
     }
     apart = {}
     for name in ends[rotations].parents:  # what gestures added too
-        one, other = (end.world_T_object(name) for end in ends.values())
-        angle = float((one.rotor.inverse() @ other.rotor).angle())
-        shift = float(np.linalg.norm(one.translation_m - other.translation_m))
+        first, other = (end.world_T_object(name) for end in ends.values())
+        angle = float((first.rotor.inverse() @ other.rotor).angle())
+        shift = float(np.linalg.norm(first.translation_m - other.translation_m))
         apart[name] = (float(np.degrees(angle)), shift)
     return Authored(ends[rotations], len(recorded), apart)

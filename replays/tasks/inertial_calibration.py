@@ -44,7 +44,7 @@ class InertialRun:
     """A calibration of camera and IMU, and what became of the pictures.
 
     Fields:
-        found: the calibration.
+        calibration: of camera and IMU.
         seen: poses over the board that it stands on.
         board: what was looked for.
         searched: how many pictures were read; `seen.views` of them show the board.
@@ -53,7 +53,7 @@ class InertialRun:
         rotation_deg: by how much the pictures were turned clockwise to be upright.
     """
 
-    found: CameraImuCalibration
+    calibration: CameraImuCalibration
     seen: BoardMeasurements
     board: Board
     searched: int
@@ -101,9 +101,11 @@ def calibrate_recording(
             f"{len(views)} of {len(rows)}"
         )
     seen = measure_board(stamps, views, camera, size=size, model=model)
-    found = calibrate_camera_imu(seen, stream, noise, gravity_m_s2=gravity_m_s2, search_s=search_s)
+    calibration = calibrate_camera_imu(
+        seen, stream, noise, gravity_m_s2=gravity_m_s2, search_s=search_s
+    )
     turned = frames.orientation.degrees if isinstance(frames, VideoFrames | PictureFrames) else 0
-    return InertialRun(found, seen, board, len(rows), noise, _rate_hz(stream), turned)
+    return InertialRun(calibration, seen, board, len(rows), noise, _rate_hz(stream), turned)
 
 
 def _thinned(time_ns: IntArray) -> IntArray:
@@ -134,27 +136,27 @@ def _rate_hz(imu: ImuStream) -> float:
 
 def describe_inertial(run: InertialRun) -> dict[str, Any]:
     """What was found and what speaks for it, for JSON and for people."""
-    found, seen = run.found, run.seen
+    calibration, seen = run.calibration, run.seen
     return {
         "board": run.board.name,
         "pictures_searched": run.searched,
         "pictures_with_board": seen.views,
-        "pictures_used": found.poses,
-        "pictures_refused": found.refused,
-        "span_s": found.span_s,
-        "reprojection_rmse_px": found.error_px,
-        "corner_sigma_px": found.sigma_px,
-        "misfit": found.misfit,
-        "imu_T_camera_wxyz": found.imu_T_camera.rotor.as_quaternion().tolist(),
-        "imu_T_camera_translation_m": found.imu_T_camera.translation_m.tolist(),
-        "offset_s": found.offset_s,
-        "gravity_board_m_s2": found.gravity_m_s2.tolist(),
-        "gyro_correction": found.gyro_correction.tolist(),
-        "accel_correction": found.accel_correction.tolist(),
-        "gyro_bias_rad_s": found.gyro_bias_rad_s.tolist(),
-        "accel_bias_m_s2": found.accel_bias_m_s2.tolist(),
-        "gyro_density_rad_s_rthz": found.noise.gyro_density_rad_s_rthz,
-        "accel_density_m_s2_rthz": found.noise.accel_density_m_s2_rthz,
+        "pictures_used": calibration.poses,
+        "pictures_refused": calibration.refused,
+        "span_s": calibration.span_s,
+        "reprojection_rmse_px": calibration.error_px,
+        "corner_sigma_px": calibration.sigma_px,
+        "misfit": calibration.misfit,
+        "imu_T_camera_wxyz": calibration.imu_T_camera.rotor.as_quaternion().tolist(),
+        "imu_T_camera_translation_m": calibration.imu_T_camera.translation_m.tolist(),
+        "offset_s": calibration.offset_s,
+        "gravity_board_m_s2": calibration.gravity_m_s2.tolist(),
+        "gyro_correction": calibration.gyro_correction.tolist(),
+        "accel_correction": calibration.accel_correction.tolist(),
+        "gyro_bias_rad_s": calibration.gyro_bias_rad_s.tolist(),
+        "accel_bias_m_s2": calibration.accel_bias_m_s2.tolist(),
+        "gyro_density_rad_s_rthz": calibration.noise.gyro_density_rad_s_rthz,
+        "accel_density_m_s2_rthz": calibration.noise.accel_density_m_s2_rthz,
         "parameters": [
             {
                 "name": parameter.name,
@@ -162,9 +164,9 @@ def describe_inertial(run: InertialRun) -> dict[str, Any]:
                 "sigma": parameter.sigma,
                 "untold": parameter.untold or None,
             }
-            for parameter in found.parameters
+            for parameter in calibration.parameters
         ],
-        "health": found.health.as_dict(),
+        "health": calibration.health.as_dict(),
     }
 
 
@@ -183,24 +185,25 @@ def write_inertial(run: InertialRun, path: Path) -> tuple[Path, Path]:
     """
     chain = path.with_name(f"{path.stem}-camchain-imucam.yaml")
     imu = path.with_name(f"{path.stem}-imu.yaml")
-    write_bytes(chain, chain_yaml(run.found).encode("ascii"))
-    write_bytes(imu, imu_yaml(run.found, run.rate_hz).encode("ascii"))
+    write_bytes(chain, chain_yaml(run.calibration).encode("ascii"))
+    write_bytes(imu, imu_yaml(run.calibration, run.rate_hz).encode("ascii"))
     write_bytes(path, _manifest(run, imu.name).encode())
     return chain, imu
 
 
 def _manifest(run: InertialRun, noise_file: str) -> str:
-    found = run.found
-    lines = [f"# {found.poses} pictures of {run.board.name}, {found.span_s:.1f} s beside an IMU"]
-    lines += [f"# not told by the motion: {one}" for one in found.untold]
+    calibration = run.calibration
+    seen, span_s = calibration.poses, calibration.span_s
+    lines = [f"# {seen} pictures of {run.board.name}, {span_s:.1f} s beside an IMU"]
+    lines += [f"# not told by the motion: {one}" for one in calibration.untold]
     lines += [
-        camera_toml(found.camera, run.rotation_deg),
+        camera_toml(calibration.camera, run.rotation_deg),
         "[imu]",
         f'noise_file = "{noise_file}"',
-        f"clock_offset_s = {found.offset_s!r}",
-        f"gyro_correction = {_rows(found.gyro_correction)}",
-        f"accel_correction = {_rows(found.accel_correction)}",
-        f"imu_T_camera = {_rows(found.imu_T_camera.as_matrix())}",
+        f"clock_offset_s = {calibration.offset_s!r}",
+        f"gyro_correction = {_rows(calibration.gyro_correction)}",
+        f"accel_correction = {_rows(calibration.accel_correction)}",
+        f"imu_T_camera = {_rows(calibration.imu_T_camera.as_matrix())}",
     ]
     return "\n".join(lines) + "\n"
 

@@ -114,14 +114,14 @@ def _depth(recording: Recording) -> dict[str, Any]:
 def _health(recording: Recording, imu: ImuStream) -> dict[str, Any]:
     """What is wrong with the readings: by themselves, and beside the ground truth if there is."""
     try:
-        found = list(screen_imu(imu))
+        problems = list(screen_imu(imu))
     except ValueError as fault:
-        found = [str(fault)]
+        problems = [str(fault)]
     truth, imu_T_camera = recording.truth, recording.imu_T_camera
     if truth is None or imu_T_camera is None:
-        return {"imu_health": found} if found else {}
+        return {"imu_health": problems} if problems else {}
     health = check_health(truth.rigid, imu, imu_T_camera, up=False)
-    return {"imu_health": [*found, *(one.summary for one in health.findings), *health.unknown]}
+    return {"imu_health": [*problems, *(one.summary for one in health.findings), *health.unknown]}
 
 
 def describe_stream(name: str, time_ns: IntArray) -> dict[str, Any]:
@@ -249,20 +249,20 @@ def describe_bag(path: Path) -> dict[str, Any]:
     held = list_bag_trajectories(path)
     topics = [
         {
-            "name": _told(name),
-            "type": _told(kind),
+            "name": _printable(name),
+            "type": _printable(kind),
             "messages": count,
             "read_as": _POSES if name in held.topics else _READ_BY.get(kind, "not read"),
         }
         for name, (kind, count) in kinds.items()
     ]
-    frames = [_told(f"{parent}/{child}") for parent, child in held.links[:_MOST_LINKS]]
+    frames = [_printable(f"{parent}/{child}") for parent, child in held.links[:_MOST_LINKS]]
     about = {"name": path.name, "topics": topics, "frames": frames}
     named = [*held.topics, *(f"{parent}/{child}" for parent, child in held.links)]
     return about | {"next": _next(f"{path}:{named[0]}") if named else []}
 
 
-def _told(name: str) -> str:
+def _printable(name: str) -> str:
     """A name from a bag as it is, unless it would upset a terminal."""
     return name if name.isprintable() and len(name) <= _LONGEST_NAME else one_line(name)
 
@@ -320,9 +320,9 @@ def _inertial(path: Path, no_poses: RecordingError) -> dict[str, Any]:
 
 def _next(name: str, stamps: str = "") -> list[str]:
     """Commands that read a trajectory."""
-    given = shlex.quote(name) + stamps
+    quoted = shlex.quote(name) + stamps
     return [
-        f"motorcade smooth {given} -o smooth.tum",
-        f"motorcade evaluate {given} GROUND_TRUTH",
-        f"motorcade trajectory {given} --plot path.svg",
+        f"motorcade smooth {quoted} -o smooth.tum",
+        f"motorcade evaluate {quoted} GROUND_TRUTH",
+        f"motorcade trajectory {quoted} --plot path.svg",
     ]

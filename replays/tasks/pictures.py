@@ -84,22 +84,24 @@ def markers_in(
         except RecordingError as fault:
             yield fault
             continue
-        found = detect_markers(gray, family, taken_by)
+        markers = detect_markers(gray, family, taken_by)
         posed: tuple[PosedMarker | None, ...] = ()
         if taken_by is not None and size_m is not None:
-            posed = tuple(_posed(one, taken_by, size_m) for one in found)
-        yield MarkerPicture(path, gray, found, posed, taken_by)
+            posed = tuple(_posed(one, taken_by, size_m) for one in markers)
+        yield MarkerPicture(path, gray, markers, posed, taken_by)
 
 
 def _camera_of(path: Path, data: bytes, stated: Camera, rotation_deg: int | None) -> Camera:
     """The camera of a picture as shown; says what it took for granted."""
     try:
-        found = upright_camera(stated, rotation_deg, picture_size(data), picture_orientation(data))
+        stated_camera = upright_camera(
+            stated, rotation_deg, picture_size(data), picture_orientation(data)
+        )
     except ValueError as fault:
         raise refusal(path, str(fault)) from fault
-    if found.said:
-        _LOG.warning("%s: %s", path, found.said)
-    return found.camera
+    if stated_camera.said:
+        _LOG.warning("%s: %s", path, stated_camera.said)
+    return stated_camera.camera
 
 
 def _posed(detection: Detection, camera: Camera, size_m: float) -> PosedMarker | None:

@@ -178,21 +178,23 @@ def _sheet(paper: Paper, placed: Sequence[_Place]) -> Sheet:
     origins += np.array([one.inset_mm for one in placed])
     shapes = [
         shape + origin
-        for one, origin in zip(placed, origins, strict=True)
-        for shape in outlines_mm(one.pattern)
+        for place, origin in zip(placed, origins, strict=True)
+        for shape in outlines_mm(place.pattern)
     ]
     lines, marks = _scale_bars(paper)
     labels = [
-        Caption(one.x_mm + 1.0, one.y_mm + one.size_mm[1] + 3.0, _LETTERS_MM, one.board.name)
-        if one.label_mm
-        else Caption(marks[0].x_mm + 25.0, marks[0].y_mm, _LETTERS_MM, one.board.name)
-        for one in placed
+        Caption(
+            place.x_mm + 1.0, place.y_mm + place.size_mm[1] + 3.0, _LETTERS_MM, place.board.name
+        )
+        if place.label_mm
+        else Caption(marks[0].x_mm + 25.0, marks[0].y_mm, _LETTERS_MM, place.board.name)
+        for place in placed
     ]
     return Sheet(
         paper,
         tuple(shapes),
         np.concatenate([lines, *(_cut_marks(one) for one in placed)]),
-        (*labels, *marks, *_told([one.board for one in placed], paper)),
+        (*labels, *marks, *_captions([one.board for one in placed], paper)),
         origins,
         tuple(one.board for one in placed),
     )
@@ -240,7 +242,7 @@ def _scale_bar(
     return lines
 
 
-def _told(boards: Sequence[Board], paper: Paper) -> list[Caption]:
+def _captions(boards: Sequence[Board], paper: Paper) -> list[Caption]:
     """What to do with the sheet, and the manifest's lines for it."""
     x, top = _EDGE_MM + _LEFT_MM - 3.0, _words_top_mm(paper) + 10.5
     tables = (table.replace("\n", "  ").rstrip() for table in manifest_lines(boards))

@@ -55,7 +55,7 @@ def test_no_shadow_and_paint_on_all_sides_tell_nothing() -> None:
     assert cast_shadows(replace(ringed, light=light)) == []
     found = light_direction(table(None), [], *NO_FACES, UP)
     assert found.towards is None
-    assert "no shadow" in found.told
+    assert "no shadow" in found.reason
 
 
 def shadows(*towards_deg: float) -> list[CastShadow]:
@@ -74,7 +74,7 @@ def test_shadows_that_agree_are_believed_and_such_that_do_not_are_not() -> None:
     assert agreed.doubt_rad < np.deg2rad(25.0)
     apart = told(30.0, -150.0)
     assert apart.towards is None
-    assert "apart" in apart.told
+    assert "apart" in apart.reason
     assert apart.doubt_rad > agreed.doubt_rad
 
 

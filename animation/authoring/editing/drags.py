@@ -100,15 +100,15 @@ class Drag:
             ValueError: see `checked`; a pose that a scene file could not hold: 999,000 km away or
                 more, or of a scale outside 1e-6 to 1e6.
         """
-        given = self.checked(amount)
-        if isinstance(given, Similarity):
-            object_pose: ObjectPose = pose.moved(given, self.frame, world_T_parent)
+        checked_amount = self.checked(amount)
+        if isinstance(checked_amount, Similarity):
+            object_pose: ObjectPose = pose.moved(checked_amount, self.frame, world_T_parent)
         elif self.kind == "rotate":
-            object_pose = pose.rotated(self.axis, given, self.frame, world_T_parent)
+            object_pose = pose.rotated(self.axis, checked_amount, self.frame, world_T_parent)
         elif self.kind == "translate":
-            object_pose = pose.translated(given * self.axis, self.frame, world_T_parent)
+            object_pose = pose.translated(checked_amount * self.axis, self.frame, world_T_parent)
         else:
-            object_pose = pose.scaled(given)
+            object_pose = pose.scaled(checked_amount)
         return checked_pose(object_pose)
 
 
@@ -270,7 +270,7 @@ def with_keyframe(part: ScenePart, time_s: float, pose: ObjectPose) -> ScenePart
         angles = x, y, z
     kept = [one for one in part.keyframes if abs(one.time_s - time_s) >= SAME_TIME_S]
     kept.append(SceneKeyframe(float(time_s), pose.as_similarity(), angles))
-    return replace(part, keyframes=tuple(sorted(kept, key=lambda one: one.time_s)))
+    return replace(part, keyframes=tuple(sorted(kept, key=lambda keyframe: keyframe.time_s)))
 
 
 def walked(walk: SceneWalk, motion: Similarity) -> SceneWalk:

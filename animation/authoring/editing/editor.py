@@ -121,13 +121,13 @@ class SceneEditor:
             RuntimeError: no drag is going on.
         """
         drag = self._going_on("drag_to")
-        given = drag.checked(amount)
+        checked_amount = drag.checked(amount)
         if self.snapping != Snapping():
-            given = self.snapping.snapped(drag, given, self._origin_m(drag))
-        if drag.is_nothing(given):
+            checked_amount = self.snapping.snapped(drag, checked_amount, self._origin_m(drag))
+        if drag.is_nothing(checked_amount):
             self._scene = self._before
         else:
-            self._scene = dragged(self._before, drag, given, self._world_T_anchor)
+            self._scene = dragged(self._before, drag, checked_amount, self._world_T_anchor)
         return self._scene
 
     def end(self) -> Scene:
@@ -169,8 +169,8 @@ class SceneEditor:
             return self._scene
         start = self._scene
         try:
-            for one in gesture.gestures if isinstance(gesture, Together) else (gesture,):
-                self._done(one)
+            for single in gesture.gestures if isinstance(gesture, Together) else (gesture,):
+                self._done(single)
         except ValueError:
             self._scene = start
             raise

@@ -78,21 +78,25 @@ def fields_set(line: Mapping[str, Any]) -> Change:
     name = object_name(line.get("object"), "object")
     time_s = None if line.get("time_s") is None else number(line["time_s"], "time_s")
     said = part_fields(line, "set")
-    given = _pose_given(line)
+    pose_fields = _pose_given(line)
 
     def made(scene: Scene, _: Mapping[str, Similarity]) -> Scene:
         if said:
             part = replace(scene.part(name), **said)
             room_for_keyframes(scene, part.keyframe_count - scene.part(name).keyframe_count)
             scene = scene.with_part(name, part)
-        return placed(scene, name, time_s, _posed(scene, name, time_s, given)) if given else scene
+        return (
+            placed(scene, name, time_s, _posed(scene, name, time_s, pose_fields))
+            if pose_fields
+            else scene
+        )
 
     return made
 
 
 def keyframe_set(line: Mapping[str, Any]) -> Change:
     """A keyframe, where an object is at that time but for what is given."""
-    name, time_s, given = (
+    name, time_s, pose_fields = (
         object_at(line, "time_s"),
         number(line.get("time_s"), "time_s"),
         _pose_given(line),
@@ -100,7 +104,7 @@ def keyframe_set(line: Mapping[str, Any]) -> Change:
 
     def made(scene: Scene, _: Mapping[str, Similarity]) -> Scene:
         room_for_keyframes(scene, 1)
-        part = with_keyframe(scene.part(name), time_s, _posed(scene, name, time_s, given))
+        part = with_keyframe(scene.part(name), time_s, _posed(scene, name, time_s, pose_fields))
         return scene.with_part(name, part)
 
     return made
@@ -112,9 +116,9 @@ def keyframe_moved(line: Mapping[str, Any]) -> Change:
     time_s, to_s = number(line.get("time_s"), "time_s"), number(line.get("to_s"), "to_s")
 
     def made(scene: Scene, _: Mapping[str, Similarity]) -> Scene:
-        found, others = _keyframes(scene, name, time_s)
+        keyframe, others = _keyframes(scene, name, time_s)
         kept = [one for one in others if abs(one.time_s - to_s) >= SAME_TIME_S]
-        keys = sorted([*kept, replace(found, time_s=to_s)], key=lambda one: one.time_s)
+        keys = sorted([*kept, replace(keyframe, time_s=to_s)], key=lambda key: key.time_s)
         return scene.with_part(name, replace(scene.part(name), keyframes=tuple(keys)))
 
     return made
@@ -125,11 +129,11 @@ def keyframe_removed(line: Mapping[str, Any]) -> Change:
     name, time_s = object_at(line, "time_s"), number(line.get("time_s"), "time_s")
 
     def made(scene: Scene, _: Mapping[str, Similarity]) -> Scene:
-        found, others = _keyframes(scene, name, time_s)
+        keyframe, others = _keyframes(scene, name, time_s)
         left = scene.with_part(name, replace(scene.part(name), keyframes=tuple(others)))
         if others:
             return left
-        return left.with_pose(name, pose_kind(scene).from_similarity(found.parent_T_object))
+        return left.with_pose(name, pose_kind(scene).from_similarity(keyframe.parent_T_object))
 
     return made
 
@@ -144,10 +148,10 @@ def object_at(line: Mapping[str, Any], key: str) -> str:
 def _keyframes(scene: Scene, name: str, time_s: float) -> tuple[Any, list[Any]]:
     """The keyframe at a time, and the others."""
     keys = scene.part(name).keyframes
-    found = [one for one in keys if abs(one.time_s - time_s) < SAME_TIME_S]
-    if not found:
+    near = [one for one in keys if abs(one.time_s - time_s) < SAME_TIME_S]
+    if not near:
         raise ValueError(f"time_s: expected that of a keyframe of '{name}', got {time_s:g}")
-    return found[0], [one for one in keys if one is not found[0]]
+    return near[0], [one for one in keys if one is not near[0]]
 
 
 def _pose_given(line: Mapping[str, Any]) -> dict[str, Any]:
@@ -188,14 +192,14 @@ def joints_set(line: Mapping[str, Any]) -> Change:
 
     def made(scene: Scene, _: Mapping[str, Similarity]) -> Scene:
         part = scene.part(name)
-        found = [one for one in part.joint_keyframes if abs(one.time_s - time_s) < SAME_TIME_S]
-        if not found:
+        near = [one for one in part.joint_keyframes if abs(one.time_s - time_s) < SAME_TIME_S]
+        if not near:
             room_for_keyframes(scene, 1)
-        there: Mapping[str, Rotor] = found[0].rotors if found else {}
+        there: Mapping[str, Rotor] = near[0].rotors if near else {}
         rotors = {joint: one for joint, one in {**there, **turns}.items() if one is not None}
-        kept = [one for one in part.joint_keyframes if one not in found]
-        if rotors and found:
-            kept.append(replace(found[0], rotors=rotors))
+        kept = [one for one in part.joint_keyframes if one not in near]
+        if rotors and near:
+            kept.append(replace(near[0], rotors=rotors))
         elif rotors:
             kept.append(JointKeyframe(time_s, rotors))
         return _with_poses(scene, name, kept)
@@ -209,10 +213,10 @@ def joints_moved(line: Mapping[str, Any]) -> Change:
     time_s, to_s = number(line.get("time_s"), "time_s"), number(line.get("to_s"), "to_s")
 
     def made(scene: Scene, _: Mapping[str, Similarity]) -> Scene:
-        found, others = _poses(scene, name, time_s)
+        keyframe, others = _poses(scene, name, time_s)
         kept = [one for one in others if abs(one.time_s - to_s) >= SAME_TIME_S]
-        end_s = None if found.end_s is None else found.end_s + to_s - found.time_s
-        return _with_poses(scene, name, [*kept, replace(found, time_s=to_s, end_s=end_s)])
+        end_s = None if keyframe.end_s is None else keyframe.end_s + to_s - keyframe.time_s
+        return _with_poses(scene, name, [*kept, replace(keyframe, time_s=to_s, end_s=end_s)])
 
     return made
 
@@ -225,8 +229,8 @@ def joints_ended(line: Mapping[str, Any]) -> Change:
     end_s = None if line["end_s"] is None else number(line["end_s"], "end_s")
 
     def made(scene: Scene, _: Mapping[str, Similarity]) -> Scene:
-        found, others = _poses(scene, name, time_s)
-        return _with_poses(scene, name, [*others, replace(found, end_s=end_s)])
+        keyframe, others = _poses(scene, name, time_s)
+        return _with_poses(scene, name, [*others, replace(keyframe, end_s=end_s)])
 
     return made
 
@@ -269,14 +273,14 @@ def layer_set(line: Mapping[str, Any]) -> Change:
 def _poses(scene: Scene, name: str, time_s: float) -> tuple[JointKeyframe, list[JointKeyframe]]:
     """The pose at a time, and the others."""
     keys = scene.part(name).joint_keyframes
-    found = [one for one in keys if abs(one.time_s - time_s) < SAME_TIME_S]
-    if not found:
+    near = [one for one in keys if abs(one.time_s - time_s) < SAME_TIME_S]
+    if not near:
         raise ValueError(f"time_s: expected that of a pose of '{name}', got {time_s:g}")
-    return found[0], [one for one in keys if one is not found[0]]
+    return near[0], [one for one in keys if one is not near[0]]
 
 
 def _with_poses(scene: Scene, name: str, poses: list[JointKeyframe]) -> Scene:
-    keys = tuple(sorted(poses, key=lambda one: one.time_s))
+    keys = tuple(sorted(poses, key=lambda key: key.time_s))
     return scene.with_part(name, replace(scene.part(name), joint_keyframes=keys))
 
 
@@ -333,14 +337,14 @@ class Edit:
         kind = own.get("do") if isinstance(own, Mapping) else None
         if not isinstance(kind, str) or kind not in _KINDS:
             raise ValueError(f"do: expected one of {', '.join(_KINDS)}, got {short(kind)}")
-        keys, made = _KINDS[kind]
+        keys, make_change = _KINDS[kind]
         try:
             own = parsed_json(json.dumps(dict(own)), kind)
         except (TypeError, RecursionError) as fault:
             raise ValueError(f"{kind}: expected what JSON holds, got {short(fault)}") from fault
         table(own, kind, ("do", *keys))
         object.__setattr__(self, "line", own)
-        object.__setattr__(self, "_change", made(own))
+        object.__setattr__(self, "_change", make_change(own))
 
     def applied(self, scene: Scene, world_T_anchor: Anchors = trees.NOWHERE) -> Scene:
         """The scene after it.

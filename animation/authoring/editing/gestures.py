@@ -76,18 +76,18 @@ class Dragged:
     def as_json(self) -> dict[str, Any]:
         """Its line."""
         drag = self.drag
-        made: dict[str, Any] = {"object": drag.object_name, "do": drag.kind}
+        line: dict[str, Any] = {"object": drag.object_name, "do": drag.kind}
         if drag.kind in ("rotate", "translate"):
-            made["axis"] = drag.axis.tolist()
+            line["axis"] = drag.axis.tolist()
         if drag.frame != "local":
-            made["frame"] = drag.frame
+            line["frame"] = drag.frame
         if drag.time_s is not None:
-            made["time_s"] = float(drag.time_s)
-        made[_AMOUNTS[drag.kind]] = [
+            line["time_s"] = float(drag.time_s)
+        line[_AMOUNTS[drag.kind]] = [
             amount.coefficients.tolist() if isinstance(amount, Similarity) else float(amount)
             for amount in self.amounts
         ]
-        return made
+        return line
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,10 +126,10 @@ class AnchorsStand:
     world_T_anchor: Mapping[str, Similarity]
 
     def __post_init__(self) -> None:
-        for name, one in self.world_T_anchor.items():
-            if one.shape != ():
+        for name, stand in self.world_T_anchor.items():
+            if stand.shape != ():
                 raise ValueError(
-                    f"AnchorsStand: expected one similarity of '{name}', got shape {one.shape}"
+                    f"AnchorsStand: expected one similarity of '{name}', got shape {stand.shape}"
                 )
         object.__setattr__(self, "world_T_anchor", MappingProxyType(dict(self.world_T_anchor)))
 
@@ -172,10 +172,10 @@ def read_gestures(path: Path) -> list[Gesture]:
             lines, a line that is no gesture; the message names file, line and field.
     """
     gestures: list[Gesture] = []
-    for at, given in read_json_lines(path):
+    for at, line in read_json_lines(path):
         if len(gestures) == MOST_GESTURES:
             raise ValueError(f"{path}:{at}: expected at most {MOST_GESTURES} gestures, got more")
-        gestures.append(gesture_of(given, f"{path}:{at}"))
+        gestures.append(gesture_of(line, f"{path}:{at}"))
     return gestures
 
 
@@ -207,13 +207,13 @@ def gesture_of(value: object, where: str = "gesture") -> Gesture:
         if kind == "together":
             table(value, "together", ("do", "gestures"))
             rows = listed(value.get("gestures"), "gestures", _MOST_TOGETHER)
-            return Together(tuple(_one(one) for one in rows))
-        return _one(value)
+            return Together(tuple(_read_gesture(one) for one in rows))
+        return _read_gesture(value)
     except (ValueError, TypeError) as fault:
         raise ValueError(f"{where}: {fault}") from fault
 
 
-def _one(value: object) -> Dragged | Edit:
+def _read_gesture(value: object) -> Dragged | Edit:
     """A drag or an edit."""
     if not isinstance(value, dict):
         raise ValueError(f"expected an object of JSON, got {short(value)}")

@@ -59,16 +59,16 @@ def copied(line: Mapping[str, Any]) -> Change:
         names = scene.branch(name)
         taken = {*scene.parents, *scene.anchors, new}
         called = {name: new}
-        for one in names[1:]:
-            free = (f"{one[:90]} {k}" for k in count(2))
-            called[one] = next(each for each in free if each not in taken)
-            taken.add(called[one])
+        for old in names[1:]:
+            free = (f"{old[:90]} {k}" for k in count(2))
+            called[old] = next(each for each in free if each not in taken)
+            taken.add(called[old])
         room_for_keyframes(scene, sum(scene.part(one).keyframe_count for one in names))
         rows = []
-        for one in names:
-            above = scene.parents[one]
+        for old in names:
+            above = scene.parents[old]
             parent = called.get(above, above) if above is not None else None
-            rows.append((called[one], parent, scene.poses[one], scene.part(one)))
+            rows.append((called[old], parent, scene.poses[old], scene.part(old)))
         return _with(scene, rows)
 
     return made
@@ -88,8 +88,8 @@ def renamed(line: Mapping[str, Any]) -> Change:
             return new if value == name else value
 
         parents = {
-            called(one): None if above is None else called(above)
-            for one, above in scene.parents.items()
+            called(old): None if above is None else called(above)
+            for old, above in scene.parents.items()
         }
         poses = {called(one): pose for one, pose in scene.poses.items()}
         parts = {called(one): part for one, part in scene.parts.items()}
@@ -133,9 +133,9 @@ def ungrouped(line: Mapping[str, Any]) -> Change:
     def made(scene: Scene, world_T_anchor: Mapping[str, Similarity]) -> Scene:
         if scene.part(name).kind != "group":
             raise ValueError(f"object: expected a group, got '{name}'")
-        for one, above in scene.parents.items():
+        for child, above in scene.parents.items():
             if above == name:
-                scene = hung(scene, one, scene.parents[name], time_s, world_T_anchor)
+                scene = hung(scene, child, scene.parents[name], time_s, world_T_anchor)
         return _only(scene, [one for one in scene.parents if one != name])
 
     return made
@@ -182,9 +182,9 @@ def anchor_removed(line: Mapping[str, Any]) -> Change:
         if name not in scene.anchors:
             raise ValueError(f"name: expected an anchor, got '{name}'")
         kept = {one: anchor for one, anchor in scene.anchors.items() if one != name}
-        for one, above in scene.parents.items():
+        for child, above in scene.parents.items():
             if above == name:
-                raise ValueError(f"name: expected an anchor on which nothing hangs, '{one}' does")
+                raise ValueError(f"name: expected an anchor on which nothing hangs, '{child}' does")
         return replace(scene, anchors=kept)
 
     return made
@@ -203,8 +203,8 @@ def hung(
     """
     from_world = scene.world_T_parent(name, time_s, world_T_anchor)
     parents = _in_order({**scene.parents, name: parent}, scene.anchors)
-    made = Scene(parents, {one: scene.poses[one] for one in parents}, scene.parts, scene.anchors)
-    new_T_old = made.world_T_parent(name, time_s, world_T_anchor).inverse() @ from_world
+    rehung = Scene(parents, {one: scene.poses[one] for one in parents}, scene.parts, scene.anchors)
+    new_T_old = rehung.world_T_parent(name, time_s, world_T_anchor).inverse() @ from_world
     kind, part = pose_kind(scene), scene.part(name)
 
     def there(pose: Similarity) -> ObjectPose:
@@ -221,8 +221,8 @@ def hung(
         SceneKeyframe(keyframe.time_s, there(keyframe.parent_T_object).as_similarity())
         for keyframe in part.keyframes
     )
-    made = made.with_pose(name, there(scene.poses[name].as_similarity()))
-    return made.with_part(name, replace(part, keyframes=keys)) if name in scene.parts else made
+    rehung = rehung.with_pose(name, there(scene.poses[name].as_similarity()))
+    return rehung.with_part(name, replace(part, keyframes=keys)) if name in scene.parts else rehung
 
 
 def _tilted(motion: Similarity) -> bool:
@@ -245,9 +245,9 @@ def _in_order(parents: Mapping[str, str | None], anchors: Mapping[str, Any]) -> 
             continue
         ready = [name]
         while ready:
-            one = ready.pop()
-            ordered[one] = parents[one]
-            ready.extend(reversed(waiting.pop(one, [])))
+            next_name = ready.pop()
+            ordered[next_name] = parents[next_name]
+            ready.extend(reversed(waiting.pop(next_name, [])))
     return ordered
 
 

@@ -132,12 +132,12 @@ class Controllers:
         self.notices += notices
         skin = self._skin(element, name)
         numbers, weights = self._influences(element, name, len(skin.nodes))
-        made = []
+        bound = []
         for part in parts:
             if part.positions.max(initial=0) >= len(numbers):
                 raise expected(f"skin of '{name}'", "weights of every vertex", len(numbers))
-            made.append(self._bound(part, instance, node, name, skin, numbers, weights))
-        return made, skin.nodes.tolist()
+            bound.append(self._bound(part, instance, node, name, skin, numbers, weights))
+        return bound, skin.nodes.tolist()
 
     def _bound(
         self,
@@ -165,10 +165,12 @@ class Controllers:
         if not called or len(values) < len(called):
             raise expected(f"skin of '{name}'", f"{len(called)} bind matrices", len(values))
         nodes = []
-        for one in called:
-            node = self._scene.joint(one)
+        for joint_name in called:
+            node = self._scene.joint(joint_name)
             if node is None:
-                raise expected(f"skin of '{name}'", "joints that are nodes of the scene", one)
+                raise expected(
+                    f"skin of '{name}'", "joints that are nodes of the scene", joint_name
+                )
             nodes.append(node)
         matrices = matrices_of(values[: len(called)])
         shape = element.first("bind_shape_matrix")
@@ -183,18 +185,18 @@ class Controllers:
 
     def _influences(self, element: Element, name: str, joints: int) -> tuple[IntArray, FloatArray]:
         """Joint numbers (P, K) and weights (P, K) of the mesh's positions."""
-        given = element.needed("vertex_weights")
-        inputs = inputs_of(given)
+        vertex_weights = element.needed("vertex_weights")
+        inputs = inputs_of(vertex_weights)
         if "JOINT" not in inputs or "WEIGHT" not in inputs:
             raise expected(f"weights of '{name}'", "JOINT and WEIGHT", sorted(inputs))
         shares = self._library.source(inputs["WEIGHT"].get("source"), "WEIGHT", 1)[:, 0]
         at = {
-            semantic: number(one.get("offset") or "0", f"weights of '{name}'", 0, 63)
-            for semantic, one in inputs.items()
+            semantic: number(source.get("offset") or "0", f"weights of '{name}'", 0, 63)
+            for semantic, source in inputs.items()
         }
         stride = 1 + max(at.values())
-        counts = given.needed("vcount").integers()
-        pairs = given.needed("v").integers()
+        counts = vertex_weights.needed("vcount").integers()
+        pairs = vertex_weights.needed("v").integers()
         if counts.min(initial=0) < 0 or counts.sum() * stride != len(pairs):
             raise expected(f"weights of '{name}'", f"{counts.sum()} pairs", len(pairs))
         if counts.max(initial=0) > MOST_INFLUENCES:
@@ -290,11 +292,11 @@ def _part(
     used = {"VERTEX": (_checked(column, positions, f"'{name}' VERTEX"), positions)}
     for semantic, width in (("NORMAL", 3), ("TEXCOORD", 2), ("COLOR", 3)):
         # What the vertices themselves bring goes by the number of the position.
-        given = inputs.get(semantic) or shared.get(semantic)
-        if given is None:
+        source = inputs.get(semantic) or shared.get(semantic)
+        if source is None:
             continue
-        values = library.source(given.get("source"), semantic, width)
-        own = corners[:, _offset(given, name)] if semantic in inputs else column
+        values = library.source(source.get("source"), semantic, width)
+        own = corners[:, _offset(source, name)] if semantic in inputs else column
         used[semantic] = _checked(own, values, f"'{name}' {semantic}"), values
     columns = np.stack([numbers for numbers, _ in used.values()], axis=1)
     unique, inverse = np.unique(columns, axis=0, return_inverse=True)

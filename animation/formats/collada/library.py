@@ -57,10 +57,10 @@ class Element:
         Raises:
             FormatError: there is none.
         """
-        found = self.first(*path)
-        if found is None:
+        element = self.first(*path)
+        if element is None:
             raise expected(f"<{self.name} {self.get('id')}>", f"<{'/'.join(path)}>", "none")
-        return found
+        return element
 
     def all(self, name: str) -> list[Element]:
         """Children of that name."""
@@ -70,10 +70,10 @@ class Element:
         """Descendants of that name, in the order of the file."""
         waiting = self.children[::-1]
         while waiting:
-            one = waiting.pop()
-            if one.name == name:
-                yield one
-            waiting += one.children[::-1]
+            element = waiting.pop()
+            if element.name == name:
+                yield element
+            waiting += element.children[::-1]
 
     def floats(self, count: int | None = None) -> FloatArray:
         """The text as finite numbers.
@@ -93,10 +93,10 @@ class Element:
             FormatError: other text.
         """
         values = self.floats()
-        made = values.astype(np.int64)
-        if not np.array_equal(made, values):
+        numbers = values.astype(np.int64)
+        if not np.array_equal(numbers, values):
             raise expected(f"<{self.name}>", "whole numbers", "others")
-        return made
+        return numbers
 
 
 def parse_xml(data: bytes) -> Element:
@@ -158,18 +158,18 @@ class Library:
             raise expected("root element", "COLLADA", root.name)
         self.root = root
         self._by_id: dict[str, Element] = {}
-        for one in self._everything():
-            if one.get("id"):
-                self._by_id.setdefault(one.get("id"), one)
+        for element in self._everything():
+            if element.get("id"):
+                self._by_id.setdefault(element.get("id"), element)
         self._floats: dict[str, FloatArray] = {}
         self._total = 0
 
     def _everything(self) -> list[Element]:
         elements, waiting = [], [self.root]
         while waiting:
-            one = waiting.pop()
-            elements.append(one)
-            waiting += one.children[::-1]
+            element = waiting.pop()
+            elements.append(element)
+            waiting += element.children[::-1]
         return elements
 
     def find(self, url: str) -> Element | None:
@@ -182,10 +182,10 @@ class Library:
         Raises:
             FormatError: there is none.
         """
-        found = self.find(url)
-        if found is None or found.name != name:
+        element = self.find(url)
+        if element is None or element.name != name:
             raise expected(field, f"the id of a <{name}>", url or "nothing")
-        return found
+        return element
 
     def source(self, url: str, field: str, width: int) -> FloatArray:
         """Values (n, width) of a source of numbers, as its accessor takes them apart.
@@ -236,8 +236,8 @@ class Library:
 def inputs_of(element: Element) -> dict[str, Element]:
     """The inputs of an element by their semantic; of several the first."""
     inputs: dict[str, Element] = {}
-    for one in element.all("input"):
-        inputs.setdefault(one.get("semantic"), one)
+    for element_input in element.all("input"):
+        inputs.setdefault(element_input.get("semantic"), element_input)
     return inputs
 
 

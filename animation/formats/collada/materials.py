@@ -60,10 +60,10 @@ class ColladaMaterials:
     @property
     def notices(self) -> list[str]:
         """Textures that could not be read, and what is not drawn."""
-        made = list(self._textures.notices)
+        notes = list(self._textures.notices)
         if self._lost:
-            made.append(f"materials are drawn without {shown(', '.join(sorted(self._lost)), 400)}")
-        return made
+            notes.append(f"materials are drawn without {shown(', '.join(sorted(self._lost)), 400)}")
+        return notes
 
     def material(self, symbol: str, instance: Element) -> Material:
         """What an instance of a mesh binds to a symbol; plain grey where that is nothing."""
@@ -77,10 +77,10 @@ class ColladaMaterials:
         return self._made[target]
 
     def _material(self, target: str) -> Material:
-        given = self._library.find(target)
-        link = None if given is None else given.first("instance_effect")
+        entry = self._library.find(target)
+        link = None if entry is None else entry.first("instance_effect")
         effect = None if link is None else self._library.find(link.get("url"))
-        name = "" if given is None else (given.get("name") or given.get("id"))[:100]
+        name = "" if entry is None else (entry.get("name") or entry.get("id"))[:100]
         plain = Material(name, (*to_linear(np.array(PLAIN)).tolist(), 1.0), 0.0)
         technique = None if effect is None else effect.first("profile_COMMON", "technique")
         if effect is None or technique is None:
@@ -103,7 +103,7 @@ class ColladaMaterials:
             base = to_linear(np.clip(color[:3], 0.0, 1.0))
         alpha, see_through = self._alpha(effect, shader, picture, plain.name)
         emission = (0.0, 0.0, 0.0) if glow is None else to_linear(np.clip(glow[:3], 0, 1)).tolist()
-        self._told(effect, shader)
+        self._note_left_out(effect, shader)
         return replace(
             plain,
             base_color=(*base.tolist(), alpha),
@@ -120,11 +120,11 @@ class ColladaMaterials:
         self, effect: Element, shader: Element, picture: TextureMap | None, name: str
     ) -> tuple[float, bool]:
         """Opacity, and whether the picture's own alpha is meant."""
-        given = shader.first("transparent")
+        transparent = shader.first("transparent")
         share = _number(shader.first("transparency"), 1.0)
-        if given is None:
+        if transparent is None:
             return 1.0, False
-        color, veil = self._value(effect, given)
+        color, veil = self._value(effect, transparent)
         if veil is not None:
             own = picture is not None and veil.pixels is picture.pixels
             if not own:
@@ -132,14 +132,14 @@ class ColladaMaterials:
             return 1.0, own and bool((veil.pixels[..., 3] < 255).any())
         tint = np.ones(4) if color is None or len(color) < 4 else color[:4]
         alpha = float(tint[3]) * share
-        if given.get("opaque") == "RGB_ZERO":
+        if transparent.get("opaque") == "RGB_ZERO":
             alpha = 1.0 - float(LUMINANCE @ tint[:3]) * share
         if not alpha > 0.0:  # programs differ on which end is clear; nobody draws what is not seen
             self._lost.add(f"the transparency of '{shown(name, 40)}', which would hide it")
             return 1.0, False
         return min(alpha, 1.0), False
 
-    def _told(self, effect: Element, shader: Element) -> None:
+    def _note_left_out(self, effect: Element, shader: Element) -> None:
         """Note what is left out."""
         for name in ("specular", "ambient", "reflective", "shininess"):
             if shader.first(name, "texture") is not None:
@@ -164,11 +164,15 @@ class ColladaMaterials:
         profile = effect.needed("profile_COMMON")
         sampler: Element | None = None
         for _ in range(2):  # sampler, then surface
-            found = next((one for one in profile.all("newparam") if one.get("sid") == name), None)
-            if found is None:
+            parameter = next(
+                (one for one in profile.all("newparam") if one.get("sid") == name), None
+            )
+            if parameter is None:
                 break
-            sampler = found.first("sampler2D") or sampler
-            source = next(found.every("source"), None) or next(found.every("init_from"), None)
+            sampler = parameter.first("sampler2D") or sampler
+            source = next(parameter.every("source"), None) or next(
+                parameter.every("init_from"), None
+            )
             if source is None:
                 break
             name = source.text.strip()

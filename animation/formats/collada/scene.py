@@ -108,14 +108,14 @@ def read_scene(library: Library) -> ColladaScene:
     tree = NodeTree(names, np.array(parents), Transforms.from_matrices(rest))
     notices = (f"{left_out} instances of library nodes are left out",) if left_out else ()
     collada_scene = ColladaScene(tree, tuple(elements), stacks, notices)
-    for number, one in enumerate(elements):
+    for number, node_element in enumerate(elements):
         for key, known in (
             ("id", collada_scene.by_id),
             ("sid", collada_scene.by_sid),
             ("name", collada_scene.by_name),
         ):
-            if one.get(key):
-                known.setdefault(one.get(key), number)
+            if node_element.get(key):
+                known.setdefault(node_element.get(key), number)
     return collada_scene
 
 
@@ -125,8 +125,8 @@ def matrix_of_steps(
     """The product (4, 4) of a stack, or (n, 4, 4) where some steps have values (n, size)."""
     product = np.eye(4)
     for number, step in enumerate(stack):
-        given = step.values if values is None or number not in values else values[number]
-        product = product @ _matrix(step.kind, given)
+        numbers = step.values if values is None or number not in values else values[number]
+        product = product @ _matrix(step.kind, numbers)
     return product
 
 
@@ -191,18 +191,18 @@ class _Curve:
 
     def at(self, times: FloatArray) -> FloatArray:
         """Values (n, width)."""
-        made = with_times(self.keys, self.values, times)
+        results = with_times(self.keys, self.values, times)
         if len(self.keys) < 2:
-            return made
+            return results
         before, _, fraction = between(self.keys, times)
         kinds = self.kinds[before]
         hold = (kinds == "STEP") & (fraction < 1.0)
-        made = np.where(hold[:, None], self.values[before], made)
+        results = np.where(hold[:, None], self.values[before], results)
         curved = np.flatnonzero(kinds == "BEZIER")
         if len(curved) and self.into is not None and self.out is not None:
-            made = np.array(made)
-            made[curved] = self._bezier(before[curved], times[curved])
-        return made
+            results = np.array(results)
+            results[curved] = self._bezier(before[curved], times[curved])
+        return results
 
     def _bezier(self, before: np.ndarray, times: FloatArray) -> FloatArray:
         """Values on Bézier curves, at the parameter where their time is the wanted one."""
@@ -242,11 +242,11 @@ def read_clip(library: Library, scene: ColladaScene) -> tuple[RigClip | None, li
     title = ""
     for animations in library.root.all("library_animations"):
         for channel in animations.every("channel"):
-            found = _target(scene, channel.get("target"))
-            if found is None:
+            target = _target(scene, channel.get("target"))
+            if target is None:
                 left_out += 1
                 continue
-            node, step, where = found
+            node, step, where = target
             if where is None:
                 continue  # the bottom row of a matrix, which moves nothing
             width = 1 if isinstance(where, int) else len(scene.stacks[node][step].values)
@@ -321,8 +321,8 @@ def _matrices(scene: ColladaScene, node: int, parts: _Moves, times: FloatArray) 
     for step, where, curve in parts:
         if step not in values:
             values[step] = np.repeat(stack[step].values[None], len(times), axis=0)
-        made = curve.at(times)
-        values[step][:, where] = made[:, 0] if isinstance(where, int) else made
+        played = curve.at(times)
+        values[step][:, where] = played[:, 0] if isinstance(where, int) else played
     return np.broadcast_to(matrix_of_steps(stack, values), (len(times), 4, 4))
 
 

@@ -48,16 +48,16 @@ class Accessors:
         """
         raw = self._raw(index, field, kind)
         if raw.dtype.kind == "f":
-            made = widened(raw)
-            if not np.isfinite(made).all():
+            numbers = widened(raw)
+            if not np.isfinite(numbers).all():
                 raise expected(field, "finite numbers", "NaN or infinity")
-            return made
+            return numbers
         number = integer(index, field, 0, len(self._entries) - 1)
         entry = table(self._entries[number], field)
-        made = raw.astype(np.float64)
+        numbers = raw.astype(np.float64)
         if entry.get("normalized") is True:
-            made = np.maximum(made / np.iinfo(raw.dtype).max, -1.0)
-        return made
+            numbers = np.maximum(numbers / np.iinfo(raw.dtype).max, -1.0)
+        return numbers
 
     def integers(self, index: object, field: str, kind: str) -> IntArray:
         """Whole numbers (n, width), or (n,) for scalars.
@@ -87,10 +87,10 @@ class Accessors:
             said = f"{entry.get('count')} of {entry.get('type')}"
             raise expected(field, f"{said}, as accessors[{number}]", values.shape)
         self._count(values.size)
-        made = values.astype(kind)
-        if kind.kind != "f" and not np.array_equal(made, values):
+        decoded = values.astype(kind)
+        if kind.kind != "f" and not np.array_equal(decoded, values):
             raise expected(field, f"numbers of {kind}, as accessors[{number}]", values.dtype)
-        self._read[number] = made[:, 0] if width == 1 else made
+        self._read[number] = decoded[:, 0] if width == 1 else decoded
 
     def _count(self, values: int) -> None:
         self._total += values
@@ -116,12 +116,14 @@ class Accessors:
         self._count(count * width)
         if "bufferView" in entry:
             offset = entry.get("byteOffset", 0)
-            made = self._view(entry["bufferView"], offset, number, kind, count, width)
+            elements = self._view(entry["bufferView"], offset, number, kind, count, width)
         else:
-            made = np.zeros((count, width), kind)
+            elements = np.zeros((count, width), kind)
         if "sparse" in entry:
-            made = self._sparse(table(entry["sparse"], f"accessors[{number}].sparse"), number, made)
-        return made[:, 0] if width == 1 else made
+            elements = self._sparse(
+                table(entry["sparse"], f"accessors[{number}].sparse"), number, elements
+            )
+        return elements[:, 0] if width == 1 else elements
 
     def _view(
         self, view: object, offset: object, number: int, kind: np.dtype[Any], count: int, width: int

@@ -101,10 +101,10 @@ def read_animations(
     reader = _ChannelReader(accessors, nodes, targets)
     clips = []
     for number, entry in enumerate(entries):
-        given = table(entry, f"animations[{number}]")
-        groups, weights = reader.groups(given, f"animations[{number}]")
+        fields = table(entry, f"animations[{number}]")
+        groups, weights = reader.groups(fields, f"animations[{number}]")
         if groups or weights:
-            clips.append(_clip(given, groups, weights, nodes))
+            clips.append(_clip(fields, groups, weights, nodes))
     notices = []
     if reader.left_out:
         notices.append(f"{reader.left_out} channels that move no joint are left out")

@@ -92,16 +92,16 @@ def boolean(value: object, field: str) -> bool:
 
 def floats(value: object, field: str, count: int) -> FloatArray:
     """An array of `count` finite numbers."""
-    given = listed(value, field)
-    if len(given) != count or not all(type(part) in (int, float) for part in given):
-        raise expected(field, f"{count} numbers", given)
+    parts = listed(value, field)
+    if len(parts) != count or not all(type(part) in (int, float) for part in parts):
+        raise expected(field, f"{count} numbers", parts)
     try:
-        made = np.array(given, dtype=np.float64)
+        numbers = np.array(parts, dtype=np.float64)
     except OverflowError as fault:
         raise expected(field, f"{count} numbers", "one that is too large") from fault
-    if not np.isfinite(made).all() or np.abs(made).max(initial=0.0) > 1e9:
-        raise expected(field, "finite numbers up to 1e9", given)
-    return made
+    if not np.isfinite(numbers).all() or np.abs(numbers).max(initial=0.0) > 1e9:
+        raise expected(field, "finite numbers up to 1e9", parts)
+    return numbers
 
 
 class Document:
@@ -233,9 +233,9 @@ def _buffers(root: dict[str, Any], binary: bytes | None, folder: Path) -> list[b
     """The bytes of every buffer."""
     buffers: list[bytes] = []
     total = 0
-    for number, given in enumerate(listed(root.get("buffers", []), "buffers")):
+    for number, fields in enumerate(listed(root.get("buffers", []), "buffers")):
         field = f"buffers[{number}]"
-        entry = table(given, field)
+        entry = table(fields, field)
         length = integer(entry.get("byteLength"), f"{field}.byteLength", 0, MAX_FILE_BYTES)
         if "uri" in entry:
             data = load(text(entry["uri"], f"{field}.uri"), folder, f"{field}.uri")

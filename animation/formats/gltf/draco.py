@@ -53,9 +53,9 @@ def unpack_draco(document: Document, accessors: Accessors) -> None:
     ]
     views = sorted(set(which))
     meshes = dict(zip(views, _decoded([_mesh(document, view) for view in views]), strict=True))
-    for part, given, view in zip(parts, extensions, which, strict=True):
+    for part, compressed, view in zip(parts, extensions, which, strict=True):
         attributes = table(part["attributes"], "attributes")
-        for name, number in table(given.get("attributes"), f"{DRACO}.attributes").items():
+        for name, number in table(compressed.get("attributes"), f"{DRACO}.attributes").items():
             if name not in attributes:
                 raise expected(f"{DRACO}.attributes", "those of its primitive", name)
             attribute = meshes[view].get(str(integer(number, f"{DRACO}.{name}", 0, 1 << 31)))
@@ -72,8 +72,8 @@ def _compressed(document: Document) -> list[dict[str, Any]]:
     compressed = []
     for number, entry in enumerate(document.entries("meshes")):
         mesh = table(entry, f"meshes[{number}]")
-        for one in listed(mesh.get("primitives"), f"meshes[{number}].primitives"):
-            part = table(one, f"meshes[{number}]")
+        for primitive in listed(mesh.get("primitives"), f"meshes[{number}].primitives"):
+            part = table(primitive, f"meshes[{number}]")
             if DRACO not in table(part.get("extensions", {}), f"meshes[{number}].extensions"):
                 continue
             attributes = table(part.get("attributes"), f"meshes[{number}].attributes")
@@ -126,8 +126,8 @@ def _decoded(meshes: list[bytes]) -> list[dict[str, NDArray[Any]]]:
         why = lines[-1] if lines else f"an end by signal {-done.returncode}"
         raise FormatError(f"{DRACO}: expected meshes that can be decoded, got {shown(why, 200)}")
     decoded: list[dict[str, NDArray[Any]]] = [{} for _ in meshes]
-    with np.load(io.BytesIO(done.stdout), allow_pickle=False) as found:
-        for name in found.files:
+    with np.load(io.BytesIO(done.stdout), allow_pickle=False) as arrays:
+        for name in arrays.files:
             number, _, key = name.partition("/")
-            decoded[int(number)][key] = found[name]
+            decoded[int(number)][key] = arrays[name]
     return decoded

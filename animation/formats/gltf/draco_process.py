@@ -26,20 +26,20 @@ def main(memory_bytes: int, seconds: int, most_values: int) -> None:
     import DracoPy
     import numpy as np
 
-    made: dict[str, Any] = {}
+    decoded: dict[str, Any] = {}
     number, left = 0, most_values
     while head := sys.stdin.buffer.read(8):
         (size,) = struct.unpack("<Q", head)
         mesh = DracoPy.decode(sys.stdin.buffer.read(size))
-        found = {f"{number}/{one['unique_id']}": one["data"] for one in mesh.attributes}
-        found[f"{number}/faces"] = mesh.faces
-        left -= sum(array.size for array in found.values())
+        arrays = {f"{number}/{one['unique_id']}": one["data"] for one in mesh.attributes}
+        arrays[f"{number}/faces"] = mesh.faces
+        left -= sum(array.size for array in arrays.values())
         if left < 0:
             sys.exit(f"expected at most {most_values} numbers, got more")
-        made |= found
+        decoded |= arrays
         number += 1
     whole = io.BytesIO()
-    np.savez(whole, **made)
+    np.savez(whole, **decoded)
     sys.stdout.buffer.write(whole.getbuffer())
 
 

@@ -48,11 +48,11 @@ class LookWriter:
         look = character.appearance
         if look is None:
             everything = np.arange(len(character.vertices))
-            one = self._primitive(character, everything, character.triangles, flat=False)
+            primitive = self._primitive(character, everything, character.triangles, flat=False)
             colors = to_linear(character.colors)
-            one["attributes"]["COLOR_0"] = self._buffer.add(colors, target=VERTICES)
-            one["material"] = _number(self._document.setdefault("materials", []), PLAIN)
-            return self._with_names(character, [one])
+            primitive["attributes"]["COLOR_0"] = self._buffer.add(colors, target=VERTICES)
+            primitive["material"] = _number(self._document.setdefault("materials", []), PLAIN)
+            return self._with_names(character, [primitive])
         primitives = []
         for part in look.parts:
             if part.stop == part.first:
@@ -60,18 +60,20 @@ class LookWriter:
             rows, numbers = np.unique(
                 character.triangles[part.first : part.stop], return_inverse=True
             )
-            one = self._primitive(character, rows, numbers.reshape(-1, 3), flat=part.flat)
+            primitive = self._primitive(character, rows, numbers.reshape(-1, 3), flat=part.flat)
             for number, uv in enumerate(look.coordinates):
                 key = f"TEXCOORD_{number}"
-                one["attributes"][key] = self._buffer.add(uv[rows], target=VERTICES)
+                primitive["attributes"][key] = self._buffer.add(uv[rows], target=VERTICES)
             if look.colors is not None:
-                one["attributes"]["COLOR_0"] = self._buffer.add(look.colors[rows], target=VERTICES)
+                primitive["attributes"]["COLOR_0"] = self._buffer.add(
+                    look.colors[rows], target=VERTICES
+                )
             if look.tangents is not None and look.tangents[rows, :3].any(axis=1).all():
-                one["attributes"]["TANGENT"] = self._buffer.add(
+                primitive["attributes"]["TANGENT"] = self._buffer.add(
                     look.tangents[rows], target=VERTICES
                 )
-            one["material"] = self._material(part.material)
-            primitives.append(one)
+            primitive["material"] = self._material(part.material)
+            primitives.append(primitive)
         if self._extensions:
             self._document["extensionsUsed"] = sorted(self._extensions)
         return self._with_names(character, primitives)
@@ -103,10 +105,10 @@ class LookWriter:
         for target in character.morphs:
             whole = np.zeros((2, len(character.vertices), 3))
             whole[0, target.rows], whole[1, target.rows] = target.positions, target.normals
-            given = {"POSITION": self._buffer.add_few(whole[0, rows], bounds=True)}
+            rest = {"POSITION": self._buffer.add_few(whole[0, rows], bounds=True)}
             if not flat:
-                given["NORMAL"] = self._buffer.add_few(whole[1, rows])
-            targets.append(given)
+                rest["NORMAL"] = self._buffer.add_few(whole[1, rows])
+            targets.append(rest)
         if targets:
             primitive["targets"] = targets
         return primitive
@@ -147,10 +149,10 @@ class LookWriter:
             self._extensions |= extensions.keys()
             described["extensions"] = extensions
         for key, name in MAPS.items():
-            one = material.maps.get(name)
-            if one is not None:
+            texture = material.maps.get(name)
+            if texture is not None:
                 holder = base if name in ("base_map", "metallic_roughness_map") else described
-                holder[key] = self._link(one)
+                holder[key] = self._link(texture)
         if material.normal_map is not None:
             described["normalTexture"]["scale"] = material.normal_scale
         if material.occlusion_map is not None:
@@ -207,6 +209,6 @@ def _parts_of(matrix: NDArray[np.float64]) -> dict[str, Any]:
 def _as_png(pixels: NDArray[np.uint8]) -> bytes:
     from PIL import Image
 
-    made = io.BytesIO()
-    Image.fromarray(pixels).save(made, "PNG")
-    return made.getvalue()
+    png = io.BytesIO()
+    Image.fromarray(pixels).save(png, "PNG")
+    return png.getvalue()

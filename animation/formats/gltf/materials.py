@@ -90,16 +90,16 @@ class GltfMaterials:
         if "material" not in part:
             return Material()
         which = integer(part["material"], f"'{name}'.material", 0, 1 << 30)
-        given = self._document.entry("materials", which, f"'{name}'.material")
+        fields = self._document.entry("materials", which, f"'{name}'.material")
         if which not in self._made:
-            self._made[which] = self._material(given)
+            self._made[which] = self._material(fields)
         return self._made[which]
 
     def coordinates(
         self, attributes: dict[str, Any], name: str, count: int
     ) -> tuple[NDArray[np.float32], ...]:
         """Sets of texture coordinates, (V, 2) each."""
-        made = []
+        sets = []
         for which in range(MOST_SETS):
             key = f"TEXCOORD_{which}"
             if key not in attributes:
@@ -107,8 +107,8 @@ class GltfMaterials:
             uv = self._accessors.floats(attributes[key], f"'{name}'.{key}", "VEC2")
             if len(uv) != count or np.abs(uv).max(initial=0.0) > 1e6:
                 raise expected(f"'{name}'.{key}", f"{count} values up to 1e6", len(uv))
-            made.append(uv.astype(np.float32))
-        return tuple(made)
+            sets.append(uv.astype(np.float32))
+        return tuple(sets)
 
     def vertex_colors(self, attributes: dict[str, Any], name: str, count: int) -> FloatArray | None:
         """Linear colours with alpha (V, 4), where the primitive has any."""
@@ -121,9 +121,9 @@ class GltfMaterials:
         values = self._accessors.floats(which, field, kind)
         if len(values) != count:
             raise expected(field, f"{count} values", len(values))
-        made = np.ones((count, 4))
-        made[:, : values.shape[1]] = np.clip(values, 0.0, 1.0)
-        return made
+        colors = np.ones((count, 4))
+        colors[:, : values.shape[1]] = np.clip(values, 0.0, 1.0)
+        return colors
 
     def _material(self, fields: dict[str, Any]) -> Material:
         name = str(fields.get("name", ""))[:100]
@@ -144,9 +144,9 @@ class GltfMaterials:
         both = {**fields, **base}
         maps: dict[str, Any] = {}
         for key, into in MAPS.items():
-            found = self._map(both[key], key) if key in both else None
-            if found is not None:
-                maps[into] = found
+            texture = self._map(both[key], key) if key in both else None
+            if texture is not None:
+                maps[into] = texture
             elif key == "baseColorTexture" and key in both and self._has_source(both[key]):
                 color[:3] *= PLAIN
         normal = table(fields.get("normalTexture", {}), "normalTexture")
@@ -243,12 +243,12 @@ def _share(value: object, field: str) -> float:
 
 def _from_specular(fields: dict[str, Any]) -> dict[str, Any]:
     """A material of diffuse and specular colours as a dielectric of the same base and gloss."""
-    made: dict[str, Any] = {"metallicFactor": 0.0}
+    metallic: dict[str, Any] = {"metallicFactor": 0.0}
     for old, new in (("diffuseFactor", "baseColorFactor"), ("diffuseTexture", "baseColorTexture")):
         if old in fields:
-            made[new] = fields[old]
+            metallic[new] = fields[old]
     gloss = number(fields.get("glossinessFactor", 1.0), "glossinessFactor")
-    return made | {"roughnessFactor": 1.0 - gloss}
+    return metallic | {"roughnessFactor": 1.0 - gloss}
 
 
 def _transform(fields: dict[str, Any]) -> tuple[tuple[float, ...], ...]:

@@ -80,26 +80,26 @@ class Meshes:
         for number in range(len(self._document.entries("skins"))):
             skins[number] = self._skin(number)
             joints.update(skins[number].nodes.tolist())
-        made = []
+        read = []
         for node in self._shown():
-            given = self._nodes.given[node]
-            mesh = self._document.entry("meshes", given["mesh"], f"node {node} mesh")
+            fields = self._nodes.fields[node]
+            mesh = self._document.entry("meshes", fields["mesh"], f"node {node} mesh")
             skin = None
-            if "skin" in given:
-                skin = skins[integer(given["skin"], f"node {node} skin", 0, len(skins) - 1)]
-            name = str(given.get("name") or mesh.get("name") or f"mesh {given['mesh']}")[:100]
+            if "skin" in fields:
+                skin = skins[integer(fields["skin"], f"node {node} skin", 0, len(skins) - 1)]
+            name = str(fields.get("name") or mesh.get("name") or f"mesh {fields['mesh']}")[:100]
             for part in listed(mesh.get("primitives"), f"mesh '{name}'.primitives"):
-                one = table(part, f"mesh '{name}'")
-                made += self._shared(one, mesh, name, node, skin)
-        return tuple(made), tuple(sorted(joints))
+                primitive = table(part, f"mesh '{name}'")
+                read += self._shared(primitive, mesh, name, node, skin)
+        return tuple(read), tuple(sorted(joints))
 
     def _shared(
         self, part: dict[str, Any], mesh: dict[str, Any], name: str, node: int, skin: Skin | None
     ) -> list[RigSurface]:
         """The surface of a primitive at a node, if any; read once, however many nodes show it."""
-        given = self._nodes.given[node]
+        fields = self._nodes.fields[node]
         key = id(part), id(skin)
-        if key in self._read and "weights" not in given:
+        if key in self._read and "weights" not in fields:
             known = self._read[key]
             self._total += max(len(known.vertices), len(known.triangles))
             check_count("vertices and triangles", self._total, MAX_VERTICES)
@@ -111,15 +111,15 @@ class Meshes:
         surface = self._surface(part, name, node, skin)
         if surface is None:
             return []
-        morphs = self._targets(part, mesh, given, name, len(surface.vertices))
-        made = replace(surface, morphs=morphs)
-        if "weights" not in given:
-            self._read[key] = made
-        return [made]
+        morphs = self._targets(part, mesh, fields, name, len(surface.vertices))
+        morphed = replace(surface, morphs=morphs)
+        if "weights" not in fields:
+            self._read[key] = morphed
+        return [morphed]
 
     def _shown(self) -> list[int]:
         """Nodes with a mesh: those of the scene that is shown, or all where it has none."""
-        bearing = [node for node, given in enumerate(self._nodes.given) if "mesh" in given]
+        bearing = [node for node, given in enumerate(self._nodes.fields) if "mesh" in given]
         in_scene = nodes_of_scene(self._document, self._nodes)
         shown = [node for node in bearing if in_scene[node]]
         if bearing and not shown:
@@ -131,19 +131,19 @@ class Meshes:
         return shown
 
     def _skin(self, number: int) -> Skin:
-        given = table(self._document.entries("skins")[number], f"skins[{number}]")
+        fields = table(self._document.entries("skins")[number], f"skins[{number}]")
         field = f"skins[{number}].joints"
         count = len(self._nodes.number)
         listed_joints = [
-            integer(one, field, 0, count - 1) for one in listed(given.get("joints"), field)
+            integer(joint, field, 0, count - 1) for joint in listed(fields.get("joints"), field)
         ]
         if not listed_joints or len(set(listed_joints)) < len(listed_joints):
-            raise expected(field, "one or more different nodes", given.get("joints"))
+            raise expected(field, "one or more different nodes", fields.get("joints"))
         nodes = self._nodes.number[listed_joints]
         matrices = np.repeat(np.eye(4)[None], len(nodes), axis=0)
-        if "inverseBindMatrices" in given:
+        if "inverseBindMatrices" in fields:
             field = f"skins[{number}].inverseBindMatrices"
-            read = self._accessors.floats(given["inverseBindMatrices"], field, "MAT4")
+            read = self._accessors.floats(fields["inverseBindMatrices"], field, "MAT4")
             if len(read) < len(nodes) or np.abs(read).max() > 1e9:
                 raise expected(field, f"{len(nodes)} matrices of numbers up to 1e9", len(read))
             matrices = read[: len(nodes)].reshape(-1, 4, 4).swapaxes(1, 2)
@@ -156,25 +156,25 @@ class Meshes:
         if mode not in (TRIANGLES, STRIP, FAN):
             self._lines += 1
             return None
-        given = table(part.get("attributes"), f"mesh '{name}'.attributes")
-        if "POSITION" not in given:
-            raise expected(f"mesh '{name}'.attributes", "POSITION", sorted(given))
-        vertices = self._accessors.floats(given["POSITION"], f"'{name}'.POSITION", "VEC3")
+        attributes = table(part.get("attributes"), f"mesh '{name}'.attributes")
+        if "POSITION" not in attributes:
+            raise expected(f"mesh '{name}'.attributes", "POSITION", sorted(attributes))
+        vertices = self._accessors.floats(attributes["POSITION"], f"'{name}'.POSITION", "VEC3")
         count = len(vertices)
         if np.abs(vertices).max() > 1e9:
             raise expected(f"'{name}'.POSITION", "numbers up to 1e9", np.abs(vertices).max())
         normals = None
-        if "NORMAL" in given:
-            normals = self._same(given["NORMAL"], f"'{name}'.NORMAL", "VEC3", count)
+        if "NORMAL" in attributes:
+            normals = self._same(attributes["NORMAL"], f"'{name}'.NORMAL", "VEC3", count)
         triangles = self._triangles(part, name, count, mode)
         self._total += max(count, len(triangles))
         check_count("vertices and triangles", self._total, MAX_VERTICES)
         tangents = None
-        if "TANGENT" in given:
-            tangents = self._same(given["TANGENT"], f"'{name}'.TANGENT", "VEC4", count)
+        if "TANGENT" in attributes:
+            tangents = self._same(attributes["TANGENT"], f"'{name}'.TANGENT", "VEC4", count)
         material = self._materials.material(part, name)
-        coordinates = self._materials.coordinates(given, name, count)
-        tints = self._materials.vertex_colors(given, name, count)
+        coordinates = self._materials.coordinates(attributes, name, count)
+        tints = self._materials.vertex_colors(attributes, name, count)
         surface = RigSurface(
             name,
             node,
@@ -190,7 +190,7 @@ class Meshes:
         )
         if skin is None:
             return surface
-        numbers, weights = self._influences(given, name, count, len(skin.nodes))
+        numbers, weights = self._influences(attributes, name, count, len(skin.nodes))
         return replace(surface, skin=skin, influences=numbers, weights=weights)
 
     def _targets(
@@ -211,7 +211,7 @@ class Meshes:
         weights = floats(value, f"'{name}'.weights", len(entries))
         extras = mesh.get("extras")
         names = extras.get("targetNames") if isinstance(extras, dict) else None
-        made = []
+        morphs = []
         for number, entry in enumerate(entries):
             field = f"'{name}'.targets[{number}]"
             target = table(entry, field)
@@ -231,8 +231,8 @@ class Meshes:
                 normals = normals[rows]
             self._morphs += 6 * len(rows)
             check_count("numbers of morph targets", self._morphs, MAX_VALUES // 2)
-            made.append(RigMorph(label, float(weights[number]), rows, positions[rows], normals))
-        return tuple(made)
+            morphs.append(RigMorph(label, float(weights[number]), rows, positions[rows], normals))
+        return tuple(morphs)
 
     def _placed(self, material: Material, sets: int) -> Material:
         """A material without the maps for which a mesh has no coordinates."""

@@ -48,13 +48,13 @@ def unpack_meshopt(document: Document) -> None:
                 raise expected(field, f"at most {MAX_UNPACKED_BYTES} bytes in all", "more")
             data = document.slice(packed, field)
             try:
-                made = _unpacked(packed, data, count, width)
+                unpacked = _unpacked(packed, data, count, width)
             except (FormatError, IndexError) as fault:
                 why = "one that is cut off" if isinstance(fault, IndexError) else str(fault)
                 raise FormatError(f"{field}: expected a stream of {name}, got {why}") from fault
-            length = integer(view.get("byteLength"), f"{field}.byteLength", 1, len(made))
+            length = integer(view.get("byteLength"), f"{field}.byteLength", 1, len(unpacked))
             view |= {"buffer": len(document.buffers), "byteOffset": 0, "byteLength": length}
-            document.buffers.append(made)
+            document.buffers.append(unpacked)
 
 
 def _unpacked(packed: dict[str, Any], data: bytes, count: int, width: int) -> bytes:
@@ -63,12 +63,12 @@ def _unpacked(packed: dict[str, Any], data: bytes, count: int, width: int) -> by
     if mode == "ATTRIBUTES":
         if width % 4:
             raise expected("byteStride", "a multiple of 4", width)
-        made = unpack_attributes(data, count, width)
+        attributes = unpack_attributes(data, count, width)
         if filtering == "NONE":
-            return made.tobytes()
+            return attributes.tobytes()
         if filtering not in FILTERS:
             raise expected("filter", f"NONE, {', '.join(FILTERS)}", filtering)
-        return FILTERS[filtering](made).tobytes()
+        return FILTERS[filtering](attributes).tobytes()
     if filtering != "NONE" or width not in (2, 4):
         raise expected("indices", "2 or 4 bytes and no filter", f"{width} and {filtering}")
     numbers: NDArray[np.int64]
@@ -121,11 +121,11 @@ def unpack_attributes(data: bytes, count: int, width: int) -> NDArray[np.uint8]:
     deltas = deltas.reshape(width, -1)[:, :count]
     first = np.frombuffer(data, np.uint8, width, len(data) - tail)
     channels = data[len(data) - tail + width :] if version else bytes(width // 4)
-    made = np.empty((count, width), np.uint8)
+    rows = np.empty((count, width), np.uint8)
     for start in range(0, width, 4):
         four, origin = deltas[start : start + 4], first[start : start + 4]
-        made[:, start : start + 4] = _summed(four, origin, channels[start // 4])
-    return made
+        rows[:, start : start + 4] = _summed(four, origin, channels[start // 4])
+    return rows
 
 
 def _walked(
@@ -231,7 +231,7 @@ def unpack_triangles(data: bytes, count: int) -> NDArray[np.int64]:
         raise IndexError
     edges: list[tuple[int, int]] = [(0, 0)] * RECENT_EDGES
     seen: list[int] = [0] * RECENT_VERTICES
-    made = array("I")
+    indices = array("I")
     following = 0
     for code in codes:
         high, low = code >> 4, code & 15
@@ -271,11 +271,11 @@ def unpack_triangles(data: bytes, count: int) -> NDArray[np.int64]:
             a, b, c = corners
             seen += fresh
             edges += ((b, a), (c, b), (a, c))
-        made.extend((a, b, c))
+        indices.extend((a, b, c))
         if len(edges) > 4096:
             del edges[:-RECENT_EDGES]
             del seen[:-RECENT_VERTICES]
-    return np.frombuffer(made, np.uint32).astype(np.int64)
+    return np.frombuffer(indices, np.uint32).astype(np.int64)
 
 
 def unpack_indices(data: bytes, count: int) -> NDArray[np.int64]:
@@ -286,13 +286,13 @@ def unpack_indices(data: bytes, count: int) -> NDArray[np.int64]:
     """
     if data[0] != 0xD1:
         raise expected("header", "0xd1", hex(data[0]))
-    reader, last, made = _Numbers(data, 1), [0, 0], array("I")
+    reader, last, indices = _Numbers(data, 1), [0, 0], array("I")
     for _ in range(count):
         value = reader.unsigned()
         which, step = value & 1, value >> 1
         last[which] = (last[which] + ((step >> 1) ^ -(step & 1))) & MASK
-        made.append(last[which])
-    return np.frombuffer(made, np.uint32).astype(np.int64)
+        indices.append(last[which])
+    return np.frombuffer(indices, np.uint32).astype(np.int64)
 
 
 class _Numbers:
@@ -313,12 +313,12 @@ class _Numbers:
 
     def unsigned(self) -> int:
         """The next number: seven bits a byte, the lowest first."""
-        made = 0
+        number = 0
         for shift in range(0, 35, 7):
             byte = self.byte()
-            made |= (byte & 127) << shift
+            number |= (byte & 127) << shift
             if byte < 128:
-                return made & MASK
+                return number & MASK
         raise expected("number", "at most 5 bytes", "more")
 
     def number(self) -> int:
@@ -338,10 +338,10 @@ Bytes = NDArray[np.uint8]
 def _octahedral(rows: Bytes) -> NDArray[Any]:
     """Unit vectors from an octahedron that is laid flat; the fourth number is kept."""
     values, most = _signed_integers(rows)
-    one = values[:, 2].astype(np.float64)
-    if not one.all():
+    full = values[:, 2].astype(np.float64)
+    if not full.all():
         raise expected("octahedral vectors", "lengths above 0", "0")
-    x, y = values[:, 0] / one, values[:, 1] / one
+    x, y = values[:, 0] / full, values[:, 1] / full
     z = 1.0 - np.abs(x) - np.abs(y)
     under = np.maximum(-z, 0.0)
     x, y = x - np.where(x >= 0.0, under, -under), y - np.where(y >= 0.0, under, -under)
@@ -370,8 +370,8 @@ def _exponential(rows: Bytes) -> NDArray[Any]:
     """Floating-point numbers from 8 bits of exponent and 24 of mantissa."""
     values = rows.view("<i4")
     with np.errstate(over="ignore", under="ignore"):  # infinity is refused with its accessor
-        made = np.ldexp(((values << 8) >> 8).astype(np.float32), values >> 24)
-    return np.asarray(made, dtype="<f4")
+        numbers = np.ldexp(((values << 8) >> 8).astype(np.float32), values >> 24)
+    return np.asarray(numbers, dtype="<f4")
 
 
 def _color(rows: Bytes) -> NDArray[Any]:
@@ -382,12 +382,17 @@ def _color(rows: Bytes) -> NDArray[Any]:
     y, alpha = y & most, alpha & most
     bits = np.frexp(alpha.astype(np.float64))[1]  # of its highest bit, which tells the range
     whole = (1 << bits) - 1
-    given = alpha & (whole >> 1)
-    parts = (y + orange - green, y + green, y - orange - green, (given << 1) | (given & 1))
+    scaled_alpha = alpha & (whole >> 1)
+    parts = (
+        y + orange - green,
+        y + green,
+        y - orange - green,
+        (scaled_alpha << 1) | (scaled_alpha & 1),
+    )
     if not whole.all():
         raise expected("colours", "an alpha above 0, which tells their range", "0")
-    made = np.stack(parts, axis=1) * (most / whole)[:, None]
-    return np.clip(_rounded(made), 0, most).astype(f"<u{rows.shape[1] // 4}")
+    colors = np.stack(parts, axis=1) * (most / whole)[:, None]
+    return np.clip(_rounded(colors), 0, most).astype(f"<u{rows.shape[1] // 4}")
 
 
 def _signed_integers(rows: Bytes) -> tuple[NDArray[Any], int]:

@@ -23,13 +23,13 @@ class Nodes:
     Args:
         tree: N nodes in the new order.
         number: (N,) new number of each of the file's nodes.
-        given: the JSON of the nodes in the new order.
+        fields: the JSON of the nodes in the new order.
         parts: rest rotations wxyz (N, 4), translations (N, 3) and scales (N, 3), as given.
     """
 
     tree: NodeTree
     number: IntArray
-    given: list[dict[str, Any]]
+    fields: list[dict[str, Any]]
     parts: tuple[FloatArray, FloatArray, FloatArray]
 
 
@@ -57,14 +57,14 @@ def read_nodes(document: Document, names: Mapping[int, str]) -> Nodes:
             if parent[child] >= 0:
                 raise expected(f"nodes[{child}]", "one parent", f"{parent[child]} and {node}")
             parent[child] = node
-    found = _parents_first(parent, children)
+    order = _parents_first(parent, children)
     number = np.empty(len(entries), dtype=np.int64)
-    number[found] = np.arange(len(found))
-    parents = np.array([-1 if parent[node] < 0 else number[parent[node]] for node in found])
-    given = [entries[node] for node in found]
-    called = tuple(names.get(node, str(entries[node].get("name", ""))[:200]) for node in found)
-    parts, rest = _rest(given)
-    return Nodes(NodeTree(called, parents, rest), number, given, parts)
+    number[order] = np.arange(len(order))
+    parents = np.array([-1 if parent[node] < 0 else number[parent[node]] for node in order])
+    fields = [entries[node] for node in order]
+    called = tuple(names.get(node, str(entries[node].get("name", ""))[:200]) for node in order)
+    parts, rest = _rest(fields)
+    return Nodes(NodeTree(called, parents, rest), number, fields, parts)
 
 
 def nodes_of_scene(document: Document, nodes: Nodes) -> NDArray[np.bool_]:
@@ -77,8 +77,8 @@ def nodes_of_scene(document: Document, nodes: Nodes) -> NDArray[np.bool_]:
         return np.ones(len(nodes.number), dtype=bool)
     scene = document.entry("scenes", document.root.get("scene", 0), "scene")
     shown = np.zeros(len(nodes.number), dtype=bool)
-    for given in listed(scene.get("nodes", []), "scene.nodes"):
-        node = integer(given, "scene.nodes", 0, len(shown) - 1)
+    for entry in listed(scene.get("nodes", []), "scene.nodes"):
+        node = integer(entry, "scene.nodes", 0, len(shown) - 1)
         shown[nodes.number[node]] = True
     for node, parent in enumerate(nodes.tree.parents.tolist()):
         shown[node] |= parent >= 0 and shown[parent]
@@ -108,16 +108,16 @@ def _rest(
     wxyz, places, scales = np.zeros((count, 4)), np.zeros((count, 3)), np.ones((count, 3))
     wxyz[:, 0] = 1.0
     matrices: dict[int, FloatArray] = {}
-    for node, one in enumerate(fields):
-        if "matrix" in one:
-            matrices[node] = floats(one["matrix"], f"node '{one.get('name', '')}'.matrix", 16)
+    for node, entry in enumerate(fields):
+        if "matrix" in entry:
+            matrices[node] = floats(entry["matrix"], f"node '{entry.get('name', '')}'.matrix", 16)
             continue
-        if "rotation" in one:
-            wxyz[node] = floats(one["rotation"], "node.rotation", 4)[[3, 0, 1, 2]]
-        if "translation" in one:
-            places[node] = floats(one["translation"], "node.translation", 3)
-        if "scale" in one:
-            scales[node] = floats(one["scale"], "node.scale", 3)
+        if "rotation" in entry:
+            wxyz[node] = floats(entry["rotation"], "node.rotation", 4)[[3, 0, 1, 2]]
+        if "translation" in entry:
+            places[node] = floats(entry["translation"], "node.translation", 3)
+        if "scale" in entry:
+            scales[node] = floats(entry["scale"], "node.scale", 3)
     rest = Transforms.from_parts(wxyz, places, scales)
     if not matrices:
         return (wxyz, places, scales), rest

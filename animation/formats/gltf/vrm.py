@@ -42,9 +42,9 @@ def read_humanoid(document: Document) -> Humanoid | None:
     """
     extensions = table(document.root.get("extensions", {}), "extensions")
     if OLD in extensions:
-        given = table(extensions[OLD], OLD)
-        springs = table(given.get("secondaryAnimation", {}), "secondaryAnimation")
-        bones = _old_bones(document, given)
+        extension = table(extensions[OLD], OLD)
+        springs = table(extension.get("secondaryAnimation", {}), "secondaryAnimation")
+        bones = _old_bones(document, extension)
         return Humanoid(bones, (0.0, 0.0, -1.0), _notices(bool(springs.get("boneGroups"))))
     if NEW in extensions:
         bones = _new_bones(document, table(extensions[NEW], NEW))
@@ -55,8 +55,8 @@ def read_humanoid(document: Document) -> Humanoid | None:
 def has_cartoon_looks(document: Document) -> bool:
     """Whether a VRM 0 file wants MToon's shading somewhere; VRM 1 says so in its materials."""
     extensions = table(document.root.get("extensions", {}), "extensions")
-    given = table(extensions.get(OLD, {}), OLD)
-    looks = listed(given.get("materialProperties", []), "materialProperties")
+    extension = table(extensions.get(OLD, {}), OLD)
+    looks = listed(extension.get("materialProperties", []), "materialProperties")
     return any(isinstance(one, dict) and one.get("shader") == CARTOON for one in looks)
 
 
@@ -67,8 +67,8 @@ def _notices(springs: bool) -> tuple[str, ...]:
 def _old_bones(document: Document, fields: dict[str, Any]) -> dict[int, str]:
     humanoid = table(fields.get("humanoid", {}), "VRM.humanoid")
     bones: dict[int, str] = {}
-    for one in listed(humanoid.get("humanBones", []), "VRM.humanBones"):
-        bone = table(one, "VRM.humanBones")
+    for entry in listed(humanoid.get("humanBones", []), "VRM.humanBones"):
+        bone = table(entry, "VRM.humanBones")
         _add(bones, document, text(bone.get("bone"), "VRM bone"), bone.get("node"))
     return bones
 
@@ -76,8 +76,8 @@ def _old_bones(document: Document, fields: dict[str, Any]) -> dict[int, str]:
 def _new_bones(document: Document, fields: dict[str, Any]) -> dict[int, str]:
     humanoid = table(fields.get("humanoid", {}), "VRMC_vrm.humanoid")
     bones: dict[int, str] = {}
-    for name, one in table(humanoid.get("humanBones", {}), "VRMC_vrm.humanBones").items():
-        _add(bones, document, name, table(one, "VRMC_vrm.humanBones").get("node"))
+    for name, entry in table(humanoid.get("humanBones", {}), "VRMC_vrm.humanBones").items():
+        _add(bones, document, name, table(entry, "VRMC_vrm.humanBones").get("node"))
     return bones
 
 

@@ -220,9 +220,11 @@ def write_cast_gltf(
     _check_points(points_m, cast[0].world_T_character)
     scene, start_ns = SceneWriter(), starts.pop()
     animation_writer = AnimationWriter(scene.buffer)
-    for one in cast:
-        numbers = scene.add(one.character, on_path=True, name=one.name if len(cast) > 1 else "")
-        _carry(animation_writer, one.character, one.clip, numbers, one.world_T_character)
+    for member in cast:
+        numbers = scene.add(
+            member.character, on_path=True, name=member.name if len(cast) > 1 else ""
+        )
+        _carry(animation_writer, member.character, member.clip, numbers, member.world_T_character)
     if camera is not None:
         lens = scene.add_camera(camera.vertical_field_rad, camera.aspect)
         reach_m = max(one.character.height_m for one in cast)
@@ -474,14 +476,14 @@ class AnimationWriter:
 
     def document(self, name: str, *, looped: bool) -> dict[str, Any]:
         """The animation as it stands in the file."""
-        made: dict[str, Any] = {
+        fields: dict[str, Any] = {
             "name": name,
             "samplers": self._samplers,
             "channels": self._channels,
         }
         if looped:
-            made["extras"] = {"looped": True}
-        return made
+            fields["extras"] = {"looped": True}
+        return fields
 
     def _add(self, keys: int, node: int, path: str, values: FloatArray) -> None:
         self._channels.append(
@@ -543,5 +545,5 @@ def _repeated(
         )
     count = max(int(np.ceil(span_s / period)), 1)
     starts = np.repeat(np.arange(count) * period, len(times) - 1)
-    made = np.concatenate([times[:1], starts + np.tile(times[1:], count)])
-    return made, np.concatenate([rows[:1], np.tile(rows[1:], count)])
+    repeated = np.concatenate([times[:1], starts + np.tile(times[1:], count)])
+    return repeated, np.concatenate([rows[:1], np.tile(rows[1:], count)])

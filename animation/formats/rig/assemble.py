@@ -93,8 +93,8 @@ def assemble_character(rig: Rig, wanted: Wanted) -> Character:
     keys = sum(len(times) for given in rig.clips for times, _ in given.weights.values())
     check_count("morph weights of all clips", keys * len(mesh.morphs), MAX_VALUES // 2)
     clips = tuple(
-        replace(clip, morphs=_track(given, mesh))
-        for clip, given in zip(clips, rig.clips, strict=True)
+        replace(clip, morphs=_track(rig_clip, mesh))
+        for clip, rig_clip in zip(clips, rig.clips, strict=True)
     )
     rest = joint_poses(rig.tree, stage.joints, rig.tree.rest[None], stage.world)
     growth = np.abs(rest.scale / binding.scale)
@@ -157,12 +157,12 @@ def _track(rig_clip: RigClip, mesh: BoundMesh) -> MorphTrack | None:
     if not rig_clip.weights:
         return None
     times = np.unique(np.concatenate([one for one, _ in rig_clip.weights.values()]))
-    made = np.tile([target.weight for target in mesh.morphs], (len(times), 1))
+    weights = np.tile([target.weight for target in mesh.morphs], (len(times), 1))
     for column, (node, number) in enumerate(mesh.morph_nodes):
         if node in rig_clip.weights:
             own, values = rig_clip.weights[node]
-            made[:, column] = np.interp(times, own, values[:, number])
-    return MorphTrack(times, made)
+            weights[:, column] = np.interp(times, own, values[:, number])
+    return MorphTrack(times, weights)
 
 
 def _lost(rig: Rig, stage: Stance, mesh: BoundMesh, binding: Binding) -> list[str]:
@@ -185,11 +185,11 @@ def _lost(rig: Rig, stage: Stance, mesh: BoundMesh, binding: Binding) -> list[st
         [len(surface.vertices) for surface in rig.surfaces],
     )[rows]
     resting = stage.blocks(stage.rest)[0]
-    given = resting if stage.rest.lost is None else resting + stage.rest.lost[0]
-    placed = np.linalg.pinv(given, rcond=1e-9) @ resting
-    for name, one in sheared.items():
-        lost = np.zeros((len(one.scale), 1, 3, 3)) if one.lost is None else one.lost
-        near = stage.blocks(one)
+    bound = resting if stage.rest.lost is None else resting + stage.rest.lost[0]
+    placed = np.linalg.pinv(bound, rcond=1e-9) @ resting
+    for name, nodes in sheared.items():
+        lost = np.zeros((len(nodes.scale), 1, 3, 3)) if nodes.lost is None else nodes.lost
+        near = stage.blocks(nodes)
         hung = (near + lost) @ placed - near
         for own, other in zip(np.broadcast_to(lost, near.shape), hung, strict=True):
             beyond = np.where(hanging[:, None, None, None], other[joints], own[joints])
@@ -255,16 +255,18 @@ class Soles:
     def of(stage: Stance, mesh: BoundMesh, binding: Binding, settled: bool = False) -> Soles:
         """The vertices that mostly follow feet or toes (of an animal, forefeet too)."""
         heaviest = mesh.joints[np.arange(len(mesh.joints)), np.argmax(mesh.weights, axis=1)]
-        found: list[IntArray] = []
+        lowest_rows: list[IntArray] = []
         for foot in _feet(stage):
             below = _below(stage, foot)
             rows = np.flatnonzero(below[heaviest])
             if len(rows) < FEWEST_VERTICES:
-                found = []
+                lowest_rows = []
                 break
-            found.append(rows[np.argsort(mesh.vertices[rows, 2], kind="stable")[:SOLE_VERTICES]])
-        if found:
-            rows = np.concatenate(found)
+            lowest_rows.append(
+                rows[np.argsort(mesh.vertices[rows, 2], kind="stable")[:SOLE_VERTICES]]
+            )
+        if lowest_rows:
+            rows = np.concatenate(lowest_rows)
             lowest = float(mesh.vertices[rows, 2].min())
             return Soles(lowest, rows, mesh, binding, stage, settled)
         rows = np.argsort(mesh.vertices[:, 2], kind="stable")[:SOLE_VERTICES]
@@ -305,7 +307,7 @@ class Soles:
         if not levels or self.settled:
             return own, []
         near = [[b for b in levels if abs(b - a) <= ONE_GROUND * height_m] for a in levels]
-        most = max(near, key=lambda one: (len(one), -abs(one[0] - own)))
+        most = max(near, key=lambda group: (len(group), -abs(group[0] - own)))
         ground = float(np.median(most))
         if 2 * len(most) < len(levels) or (
             self.binding.agrees and abs(ground - own) <= ONE_GROUND * height_m
@@ -323,8 +325,8 @@ def standing_joints_m(stage: Stance, rig: Rig, height_m: float) -> float:
     """Height on which the joints of feet stand in clips without a mesh; 0 where near zero."""
     feet = [joint for foot in _feet(stage) for joint in np.flatnonzero(_below(stage, foot))]
     lows = [
-        np.quantile(_places(stage, one)[:, feet, 2].min(axis=1), LOW_SHARE)
-        for one in (stage.seen(rig) if feet else [])
+        np.quantile(_places(stage, nodes)[:, feet, 2].min(axis=1), LOW_SHARE)
+        for nodes in (stage.seen(rig) if feet else [])
     ]
     lowest = float(np.median(lows)) if lows else 0.0
     return lowest if abs(lowest) > IN_THE_AIR * height_m else 0.0
@@ -341,18 +343,18 @@ def resting(stage: Stance, rig: Rig) -> tuple[Motor, list[str]]:
     best, most = None, -np.inf
     for poses in stage.seen(rig):
         world = skeleton.world(poses.motors())
-        found = _standing_likeness(stage, world.translation_m)
-        assert found is not None  # the same joints as above
-        number = int(np.argmax(found))
-        if found[number] > most:
-            best, most = world[number], float(found[number])
+        by_moment = _standing_likeness(stage, world.translation_m)
+        assert by_moment is not None  # the same joints as above
+        number = int(np.argmax(by_moment))
+        if by_moment[number] > most:
+            best, most = world[number], float(by_moment[number])
     if best is None or most <= UPRIGHT:
         return turned, []
     across, _ = _across(stage, best.translation_m[None])
     heading = turn_z(np.arctan2(across[0, 0], across[0, 1]))
     foot = best.translation_m[stage.axes.body.roles["hips"]] * [1.0, 1.0, 0.0]
-    made = Motor.from_rotor_translation(heading, -heading.apply(foot)) @ best
-    return made, ["nobody can stand as its joints rest: a moment of its clips is its rest pose"]
+    stood = Motor.from_rotor_translation(heading, -heading.apply(foot)) @ best
+    return stood, ["nobody can stand as its joints rest: a moment of its clips is its rest pose"]
 
 
 def _standing_likeness(stage: Stance, at: FloatArray) -> FloatArray | None:
@@ -398,7 +400,7 @@ def _below(stage: Stance, joint: int) -> FloatArray:
     """Whether each joint (J,) is another or hangs below it."""
     below = np.zeros(len(stage.joints.nodes), dtype=bool)
     below[joint] = True
-    for one, parent in enumerate(stage.joints.parents.tolist()):
+    for number, parent in enumerate(stage.joints.parents.tolist()):
         if parent >= 0:
-            below[one] |= below[parent]
+            below[number] |= below[parent]
     return below

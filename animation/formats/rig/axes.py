@@ -55,13 +55,13 @@ class Places:
 
     Args:
         bound: (J, 3) in the bind pose.
-        found: (J, 3) as the nodes stand.
+        standing: (J, 3) as the nodes stand.
         moving: (F, J, 3) in poses of the clips; None without clips.
         skin: (J, 3) centre of the vertices that follow each joint, NaN for none; None without mesh.
     """
 
     bound: FloatArray
-    found: FloatArray
+    standing: FloatArray
     moving: FloatArray | None = None
     skin: FloatArray | None = None
 
@@ -128,12 +128,12 @@ def axes_of(
         across = f"an axis across {_axis_name(upward)}, which is up"
         raise expected("front", across, _axis_name(front))
     elif body.up is None or body.evidence is None:
-        ahead, told = _named_front(rig, joints, places.bound, upward, usual)
-        notices += [told] if told else []
+        ahead, front_notice = _named_front(rig, joints, places.bound, upward, usual)
+        notices += [front_notice] if front_notice else []
     else:
         seen = body.ahead if stands else _front_of_motion(body, places, upward)
-        ahead, told = _front(rig, body, seen, upward, usual)
-        notices += [told] if told else []
+        ahead, front_notice = _front(rig, body, seen, upward, usual)
+        notices += [front_notice] if front_notice else []
     ahead = unit(ahead - (ahead @ upward) * upward)
     turn = Rotor.from_matrix(np.stack([ahead, np.cross(upward, ahead), upward]))
     faced = front if front is not None else body.ahead
@@ -146,7 +146,7 @@ def _upward(rig: Rig, joints: Joints, tree: JointTree, places: Places) -> tuple[
     body = body_from(tree, stated)
     trunk = None
     if body.evidence is not None and not body.four_legged:
-        poses = places.found[None] if places.moving is None else places.moving
+        poses = places.standing[None] if places.moving is None else places.moving
         mean = body.evidence.axes(poses)[1].mean(axis=0)
         trunk = mean if float(np.linalg.norm(mean)) > CLEAR_MEAN else None
     if stated is not None:
@@ -214,7 +214,7 @@ def _front_of_motion(body: Body, places: Places, up: FloatArray) -> FloatArray |
     """Where a figure faces as its clips begin, whose bind pose does not stand."""
     if body.evidence is None or body.ahead is None:
         return None
-    poses = places.found[None] if places.moving is None else places.moving
+    poses = places.standing[None] if places.moving is None else places.moving
     first = "left_thigh" if body.evidence.legs is not None else "left_upper_arm"
     limb = body.evidence.legs if body.evidence.legs is not None else body.evidence.arms
     assert limb is not None  # a body has one of them
@@ -251,14 +251,14 @@ def guessed_unit_m(height: float) -> tuple[float, str]:
     if height <= 0.0:
         return 1.0, "its unit is not known, and it has no size that tells: taken as metre"
     name = min(UNITS_M, key=lambda unit: _unlikely(height * UNITS_M[unit]))
-    made = height * UNITS_M[name]
-    if not is_plausible(made):
+    height_m = height * UNITS_M[name]
+    if not is_plausible(height_m):
         return UNITS_M[name], (
             f"no unit in use makes a figure of a height of {height:.3g}: taken as {name}, which "
-            f"makes it {made:.3g} m large"
+            f"makes it {height_m:.3g} m large"
         )
     return UNITS_M[name], (
-        f"its unit is not known: taken as {name}, which makes it {made:.2f} m large"
+        f"its unit is not known: taken as {name}, which makes it {height_m:.2f} m large"
     )
 
 
@@ -269,12 +269,12 @@ def nearer_unit_m(height: float, unit_m: float) -> tuple[float, str]:
     """
     parts = {"centimetre": 0.01, "millimetre": 0.001, "hundred metres": 100.0}
     name = min(parts, key=lambda unit: _unlikely(height * unit_m * parts[unit]))
-    made = height * unit_m * parts[name]
-    if not is_plausible(made):
+    height_m = height * unit_m * parts[name]
+    if not is_plausible(height_m):
         return guessed_unit_m(height)
     return unit_m * parts[name], (
         f"its unit is not known, {height * unit_m:.4g} m is no height of a figure: taken "
-        f"as {name}, which makes it {made:.2f} m large"
+        f"as {name}, which makes it {height_m:.2f} m large"
     )
 
 

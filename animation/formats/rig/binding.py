@@ -38,13 +38,13 @@ class Binding:
         world: Motor (J,) `character_T_joint` at rest.
         scale: (J,) reference scale: metres for a unit of the joint's frame in the file.
         agrees: whether the nodes' rest pose is the bind pose.
-        found: (J, 4, 4) the joints' frames, scale and all, as the nodes stand in the file.
+        node_frames: (J, 4, 4) the joints' frames, scale and all, as the nodes stand in the file.
     """
 
     world: Motor
     scale: FloatArray
     agrees: bool
-    found: FloatArray
+    node_frames: FloatArray
 
     def frames(self) -> FloatArray:
         """Matrices (J, 4, 4) from the joints' frames in the file to character space."""
@@ -65,11 +65,11 @@ def bind(joints: Joints, rest: JointPoses, surfaces: tuple[RigSurface, ...]) -> 
     local = rest.motors()[0]
     world = Skeleton(joints.names, joints.parents, local).rest_world
     scale = rest.scale[0]
-    found = scaled_matrices(world, scale)
-    main = max(surfaces, key=lambda one: (one.skin is not None, len(one.triangles)))
+    matrices = scaled_matrices(world, scale)
+    main = max(surfaces, key=lambda surface: (surface.skin is not None, len(surface.triangles)))
     skin = main.skin
     if skin is None:
-        return Binding(world, scale.copy(), agrees=True, found=found)
+        return Binding(world, scale.copy(), agrees=True, node_frames=matrices)
     numbers = np.searchsorted(joints.nodes, skin.nodes)
     _check_invertible(skin)
     placing, agrees = _placing(main, skin, numbers, world, scale)
@@ -89,7 +89,7 @@ def bind(joints: Joints, rest: JointPoses, surfaces: tuple[RigSurface, ...]) -> 
         step_m = Motor.from_rotor_translation(step.rotor, ratio * step.translation_m)
         coefficients[joint] = (Motor(coefficients[parent]) @ step_m).coefficients
         scales[joint] = ratio * scale[joint]
-    return Binding(Motor(coefficients), scales, agrees, found)
+    return Binding(Motor(coefficients), scales, agrees, matrices)
 
 
 def _placing(

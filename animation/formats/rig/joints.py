@@ -155,12 +155,12 @@ class World:
 
 def node_matrices(tree: NodeTree, world: World) -> FloatArray:
     """Where the nodes stand: (N, 4, 4) from their frames, with all scale and shear, to `world`."""
-    made = tree.rest.as_matrices()
+    matrices = tree.rest.as_matrices()
     start = scaled_matrices(world.motor, np.array(world.unit_m))
     for level in tree.levels:
         above = tree.parents[level]
-        made[level] = (start if above[0] < 0 else made[above]) @ made[level]
-    return made
+        matrices[level] = (start if above[0] < 0 else matrices[above]) @ matrices[level]
+    return matrices
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,10 +218,10 @@ def _folded(
     world: World,
 ) -> Motor:
     """Rigid poses (F, C) of the last nodes of chains in the frames above their first."""
-    made = np.zeros((*nodes.shape[:1], len(chains), 8))
+    coefficients = np.zeros((*nodes.shape[:1], len(chains), 8))
     rooted = np.array([tree.parents[chain[0]] < 0 for chain in chains])
-    made[:, rooted] = world.motor.coefficients
-    made[:, ~rooted, 0] = 1.0
+    coefficients[:, rooted] = world.motor.coefficients
+    coefficients[:, ~rooted, 0] = 1.0
     reached, step = list(range(len(chains))), 0
     while reached:  # all chains go on at once: files may have thousands of roots
         own = np.array([chains[which][step] for which in reached])
@@ -230,10 +230,10 @@ def _folded(
         further = Motor.from_quaternion_translation(
             nodes.wxyz[:, own], nodes.translation[:, own] * size
         )
-        made[:, reached] = (Motor(made[:, reached]) @ further).coefficients
+        coefficients[:, reached] = (Motor(coefficients[:, reached]) @ further).coefficients
         step += 1
         reached = [which for which in reached if len(chains[which]) > step]
-    return Motor(made)
+    return Motor(coefficients)
 
 
 def _sheared(tree: NodeTree, joints: Joints, nodes: Transforms, world: World) -> JointPoses:

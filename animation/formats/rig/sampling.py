@@ -77,16 +77,16 @@ class Sampler:
             for at, start in zip(times, starts, strict=False)
         ]
         self._check(finer)
-        made = _straight(poses, parts)
+        whole = _straight(poses, parts)
         ends = np.cumsum([0, *map(len, finer)])
         for number in self._curved(clips):
             if len(finer[number]) == len(times[number]):
                 continue
             own = self._poses((clips[number],), [finer[number]])
             where = slice(ends[number], ends[number + 1])
-            made.wxyz[where], made.translation_m[where] = own.wxyz, own.translation_m
-            made.scale[where] = own.scale
-        return Sampled(finer, made, ends)
+            whole.wxyz[where], whole.translation_m[where] = own.wxyz, own.translation_m
+            whole.scale[where] = own.scale
+        return Sampled(finer, whole, ends)
 
     def _curved(self, clips: tuple[RigClip, ...]) -> list[int]:
         """Clips whose joints do not go straight between keys."""

@@ -107,12 +107,12 @@ class Stance:
 
     def sheared(self, rig: Rig) -> dict[str, JointPoses]:
         """Some poses (F, J) of the nodes and each clip; of none where all joints scale evenly."""
-        found = {} if self.rest.lost is None else {"the pose of its nodes": self.rest}
+        sheared_nodes = {} if self.rest.lost is None else {"the pose of its nodes": self.rest}
         every = zip(rig.clips, seen_nodes(rig, max(len(rig.clips), 1)), strict=True)
-        return found | {
+        return sheared_nodes | {
             f"clip '{clip.name}'": joint_poses(rig.tree, self.joints, nodes, self.world)
             for clip, nodes in every
-            if nodes.blocks is not None or found
+            if nodes.blocks is not None or sheared_nodes
         }
 
     def blocks(self, poses: JointPoses) -> FloatArray:
@@ -137,7 +137,7 @@ class Stance:
             notices.append("clips turn joints inside out: their mirroring was left out")
             growth = np.abs(growth)
         names: set[str] = set()
-        made: list[Clip] = []
+        clips: list[Clip] = []
         for number, clip in enumerate(rig.clips):
             name = new_name(clip.name, names)
             names.add(name)
@@ -145,8 +145,8 @@ class Stance:
                 notices.append(f"a clip called '{clip.name}' is now '{name}'")
             where = slice(sampled.starts[number], sampled.starts[number + 1])
             poses = growing(self.joints, motors[where], growth[where])
-            made.append(_clip(clip, name, sampled.times[number], poses))
-        return tuple(made), notices
+            clips.append(_clip(clip, name, sampled.times[number], poses))
+        return tuple(clips), notices
 
 
 def _clip(rig_clip: RigClip, name: str, times: FloatArray, poses: Motor | Similarity) -> Clip:
@@ -181,11 +181,11 @@ def seen_nodes(rig: Rig, most: int = CLIPS_SEEN) -> list[Transforms]:
     """Nodes (F, N) in some poses of each of so many clips."""
     each = max(2, min(POSES_SEEN, NODES_SEEN // (most * len(rig.tree.names))))
     step = max(1, -(-len(rig.clips) // most))
-    made = []
+    seen = []
     for clip in rig.clips[::step]:
         keys = clip.key_times
-        made.append(clip.at(np.unique(np.linspace(keys[0], keys[-1], each))))
-    return made
+        seen.append(clip.at(np.unique(np.linspace(keys[0], keys[-1], each))))
+    return seen
 
 
 def _places(rig: Rig, joints: Joints) -> Places:

@@ -131,7 +131,7 @@ def bound_mesh(
     """
     nearest = nearest_joints(tree, joints)
     frames = binding.frames()
-    stands, from_found = node_matrices(tree, world), frames @ np.linalg.inv(binding.found)
+    stands, from_found = node_matrices(tree, world), frames @ np.linalg.inv(binding.node_frames)
     parts: list[BoundMesh] = []
     notices: list[str] = []
     skins: dict[int, tuple[IntArray, FloatArray]] = {}
@@ -173,7 +173,7 @@ def _morphs(
             moved = replace(morph, rows=morph.rows + start)
             pieces.setdefault((surface.node, number), []).append(moved)
         start += len(part.vertices)
-    made = tuple(
+    targets = tuple(
         MorphTarget(
             held[0].name,
             np.concatenate([one.rows for one in held]),
@@ -183,7 +183,7 @@ def _morphs(
         )
         for held in pieces.values()
     )
-    return made, tuple(pieces)
+    return targets, tuple(pieces)
 
 
 def _appearance(surfaces: tuple[RigSurface, ...], placed: list[BoundMesh]) -> Appearance | None:
@@ -266,11 +266,11 @@ def _placed(
     mirrored = np.linalg.det(blocks) < 0.0
     if mirrored.mean() > 0.5:
         triangles = triangles[:, ::-1]
-    given = surface.normals
-    if given is None:
+    file_normals = surface.normals
+    if file_normals is None:
         normals = normals_of(vertices, triangles)
     else:
-        normals, mended = _normals(blocks, mirrored, given, vertices, triangles)
+        normals, mended = _normals(blocks, mirrored, file_normals, vertices, triangles)
         if mended:
             notices += (f"'{surface.name}': {mended} normals of length zero made anew",)
     morphs = tuple(_morph(one, blocks, mirrored, len(vertices)) for one in surface.morphs)
@@ -293,9 +293,9 @@ def _tangents(
     """Tangents turned with their surface: unit, or zero where the file's are."""
     if values is None:
         return None
-    made = np.einsum("vij,vj->vi", np.broadcast_to(blocks, (len(values), 3, 3)), values[:, :3])
+    tangents = np.einsum("vij,vj->vi", np.broadcast_to(blocks, (len(values), 3, 3)), values[:, :3])
     sides = np.where(values[:, 3] < 0.0, -1.0, 1.0) * np.where(mirrored, -1.0, 1.0)
-    return np.column_stack([unit(made, np.zeros(3)), sides])
+    return np.column_stack([unit(tangents, np.zeros(3)), sides])
 
 
 def _morph(
@@ -338,7 +338,7 @@ def _normals(
         normals = np.einsum("vij,vj->vi", cofactors, values)
     size = float(np.abs(cofactors).max())
     bare = ~(np.linalg.norm(normals, axis=1) > 1e-3 * size)
-    made = unit(normals, UP)
+    rotated = unit(normals, UP)
     if bare.any():
-        made[bare] = normals_of(vertices, triangles)[bare]
-    return made, int(np.count_nonzero(bare))
+        rotated[bare] = normals_of(vertices, triangles)[bare]
+    return rotated, int(np.count_nonzero(bare))

@@ -131,9 +131,9 @@ class Transforms:
 
 def scaled_matrices(motors: Motor, scale: FloatArray) -> FloatArray:
     """Matrices (*, 4, 4) that first scale by numbers (*), then move by motors (*)."""
-    made: FloatArray = motors.as_matrix()
-    made[..., :3, :3] *= scale[..., None, None]
-    return made
+    matrices: FloatArray = motors.as_matrix()
+    matrices[..., :3, :3] *= scale[..., None, None]
+    return matrices
 
 
 def _not_zero(scale: FloatArray) -> FloatArray:

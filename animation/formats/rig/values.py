@@ -285,8 +285,8 @@ def with_times(keys: FloatArray, values: FloatArray, times: FloatArray) -> Float
         return values
     before, after, fraction = between(keys, times)
     share = fraction.reshape(-1, *[1] * (values.ndim - 1))
-    made: FloatArray = values[before] + share * (values[after] - values[before])
-    return made
+    interpolated: FloatArray = values[before] + share * (values[after] - values[before])
+    return interpolated
 
 
 def great_arc(keys: FloatArray, wxyz: FloatArray, times: FloatArray) -> FloatArray:
@@ -311,13 +311,13 @@ def hermite(
     shape = (-1, *[1] * (values.ndim - 1))
     u = fraction.reshape(shape)
     step = (keys[after] - keys[before]).reshape(shape)
-    made: FloatArray = (
+    interpolated: FloatArray = (
         (1.0 + 2.0 * u) * (1.0 - u) ** 2 * values[before]
         + u * (1.0 - u) ** 2 * step * out[before]
         + u**2 * (3.0 - 2.0 * u) * values[after]
         + u**2 * (u - 1.0) * step * into[after]
     )
-    return made
+    return interpolated
 
 
 def key_times(keys: list[FloatArray], stepped: list[bool]) -> FloatArray:

@@ -128,8 +128,8 @@ def circle_through(first: Any, second: Any, third: Any) -> Multivector:
         ValueError: points on one line: `line_through` is meant for these.
     """
     a, ab, ac = _spread("circle_through", first, second, third)
-    made = -(_point(a) ^ _point(add(a, ab)) ^ _point(add(a, ac))).dual()
-    return made._divided(size_of(cross(ab, ac)))
+    circle = -(_point(a) ^ _point(add(a, ab)) ^ _point(add(a, ac))).dual()
+    return circle._divided(size_of(cross(ab, ac)))
 
 
 def sphere_through(first: Any, second: Any, third: Any, fourth: Any) -> Multivector:
@@ -138,12 +138,12 @@ def sphere_through(first: Any, second: Any, third: Any, fourth: Any) -> Multivec
     Raises:
         ValueError: points on one plane or circle.
     """
-    given = (first, second, third, fourth)
-    a, b, c, d = (triple(x, "sphere_through(points)") for x in given)
+    points = (first, second, third, fourth)
+    a, b, c, d = (triple(x, "sphere_through(points)") for x in points)
     edges = (subtract(b, a), subtract(c, a), subtract(d, a))
     _independent("sphere_through", edges, "four points that lie on no plane")
-    made = (_point(a) ^ _point(b) ^ _point(c) ^ _point(d)).dual()
-    return made._divided(made.coefficient("e0"))
+    sphere = (_point(a) ^ _point(b) ^ _point(c) ^ _point(d)).dual()
+    return sphere._divided(sphere.coefficient("e0"))
 
 
 def meet(first: Multivector, *others: Multivector) -> Multivector:
@@ -274,8 +274,8 @@ def unit_triple(value: Any, name: str) -> Triple:
     Raises:
         ValueError: a length more than 1e-6 from 1.
     """
-    given = triple(value, name)
-    size = square_root(dot(given, given))
+    vector = triple(value, name)
+    size = square_root(dot(vector, vector))
     if is_numeric(size):
         worst = float(np.max(np.abs(size - 1.0), initial=0.0))
         if worst > _UNIT_TOLERANCE:
@@ -283,15 +283,15 @@ def unit_triple(value: Any, name: str) -> Triple:
                 f"{name}: expected a unit vector (length within {_UNIT_TOLERANCE:g} of 1), got a "
                 f"length off by {worst:.3g}; divide by it first"
             )
-    return given
+    return vector
 
 
 def length(value: Any, name: str) -> Any:
     """A length, not negative where it can be looked at."""
-    given = number(value, name)
-    if is_numeric(given) and np.any(np.asarray(given) < 0.0):
-        raise ValueError(f"{name}: expected a length >= 0, got {float(np.min(given)):g}")
-    return given
+    lengths = number(value, name)
+    if is_numeric(lengths) and np.any(np.asarray(lengths) < 0.0):
+        raise ValueError(f"{name}: expected a length >= 0, got {float(np.min(lengths)):g}")
+    return lengths
 
 
 def dot(a: Triple, b: Triple) -> Any:

@@ -93,7 +93,7 @@ def weights(p: Any, q: Any) -> tuple[Any, Any]:
 
 def plus(scalar: Any, *parts: BladeSum) -> BladeSum:
     """A scalar and at least one multivector, added up; a scalar that overflowed stays infinite."""
-    total = parts[0]._made((0,), (scalar,))
+    total = parts[0]._wrap((0,), (scalar,))
     for part in parts:
         total = total + part
     return total

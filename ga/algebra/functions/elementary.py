@@ -21,9 +21,9 @@ def apply(name: str, *values: Any) -> Any:
         ValueError: scalars that no such function is known for.
     """
     if all(map(is_numeric, values)):
-        made = getattr(np, name)(*values)
+        results = getattr(np, name)(*values)
         plain = all(type(value) in (int, float) for value in values)
-        return float(made) if plain else made
+        return float(results) if plain else results
     library, operands = _library(values)
     function = getattr(library, name, None)
     if function is None:
@@ -85,10 +85,10 @@ def power_series(x: Any, coefficients: tuple[float, ...]) -> Any:
 
 def _library(values: tuple[Any, ...]) -> tuple[Any, tuple[Any, ...]]:
     """The module that made the first scalar that is no number, and all of them as it takes them."""
-    made = next(value for value in values if not is_numeric(value))
-    if hasattr(made, "scalar_functions"):
-        return made.scalar_functions(), values
-    library = sys.modules[type(made).__module__.partition(".")[0]]
+    symbolic = next(value for value in values if not is_numeric(value))
+    if hasattr(symbolic, "scalar_functions"):
+        return symbolic.scalar_functions(), values
+    library = sys.modules[type(symbolic).__module__.partition(".")[0]]
     if not hasattr(library, "as_tensor"):
         return library, values
     kinds = [value.dtype for value in values if not is_numeric(value)]

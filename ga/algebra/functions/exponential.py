@@ -59,8 +59,8 @@ def exp(x: BladeSum) -> BladeSum:
         if not rest.masks:
             return plus(apply("exp", x.scalar_part()), rest)
         square = square_of(rest)
-        made = _summed(rest) if square is None else _closed(rest, square)
-        return made._scaled(apply("exp", x.values[0])) if x.masks[0] == 0 else made
+        exponential = _summed(rest) if square is None else _closed(rest, square)
+        return exponential._scaled(apply("exp", x.values[0])) if x.masks[0] == 0 else exponential
 
 
 def _closed(y: BladeSum, square: Square) -> BladeSum:
@@ -91,9 +91,9 @@ def _of_parts(s: Any, f: Any, sign: int) -> tuple[Any, Any, Any, Any]:
     cosine_q, sine_q, reciprocal_q = _circular(q, -1 if opposite else 0)
     slope_p = _slope(p, cosine_p, sine_p, reciprocal_p)
     slope_q = _slope(q, cosine_q, sine_q, reciprocal_q)
-    one, other = weights(p, q)
-    linear = one * sine_p * cosine_q + other * cosine_p * sine_q
-    cubic = one * slope_p * sine_q + other * sine_p * slope_q
+    weight_p, other = weights(p, q)
+    linear = weight_p * sine_p * cosine_q + other * cosine_p * sine_q
+    cubic = weight_p * slope_p * sine_q + other * sine_p * slope_q
     return cosine_p * cosine_q, sine_p * sine_q / 2, linear, cubic
 
 

@@ -163,7 +163,7 @@ def _log_of_simple(x: BladeSum, y: BladeSum, square: Square) -> BladeSum:
     if numeric(x):
         _check_turn(x, where(c < 0, s / n, -1.0))
     if square.sign < 0:
-        return plus(whole, y._scaled(_turned(-s, c)[0]))
+        return plus(whole, y._scaled(_angle_terms(-s, c)[0]))
     size = apply("sqrt", n)
     ratio, _ = _ratios(s / n, c / size, square.sign)
     return plus(whole, y._scaled(ratio / size))
@@ -178,7 +178,7 @@ def _log_of_versor(x: BladeSum, parts: EvenParts) -> BladeSum:
     n = parts.norm_squared
     whole = _log_of_norm(n, 1.0) / 2
     if parts.volume_squared is None and parts.plane_sign < 0:
-        once, twice = _turned(-parts.plane_squared, parts.scalar)
+        once, twice = _angle_terms(-parts.plane_squared, parts.scalar)
         turned = where(parts.scalar < 0, parts.plane_squared / n, -1.0) if numeric(x) else -1.0
     else:
         size = apply("sqrt", n)
@@ -191,7 +191,7 @@ def _log_of_versor(x: BladeSum, parts: EvenParts) -> BladeSum:
     return plus(whole, parts.plane._scaled(once), product._scaled(twice))
 
 
-def _turned(squared: Any, c: Any) -> tuple[Any, Any]:
+def _angle_terms(squared: Any, c: Any) -> tuple[Any, Any]:
     """``a / p`` and ``-(1 - a c / p) / p²`` of the angle ``a`` of the point ``(c, p)``.
 
     ``p² = squared`` is not negative; what is divided by is ``c`` where ``p`` is small beside it.
@@ -244,9 +244,9 @@ def _joined(first: tuple[Any, Any, int], second: tuple[Any, Any, int]) -> _Angle
     """From the squared sines and cosines of two planes; only the second may turn by over π/2."""
     ratio_1, bend_1 = _ratios(*first)
     ratio_2, bend_2 = _ratios(*second)
-    one, other = weights(first[0], second[0])
-    once = one * ratio_1 * second[1] + other * ratio_2 * first[1]
-    twice = -(one * bend_1 + other * bend_2)
+    weight_1, other = weights(first[0], second[0])
+    once = weight_1 * ratio_1 * second[1] + other * ratio_2 * first[1]
+    twice = -(weight_1 * bend_1 + other * bend_2)
     return _Angles(once, twice, where(second[1] < 0, second[0], -1.0))
 
 
@@ -407,5 +407,5 @@ def _root_of_versor(x: BladeSum, parts: EvenParts) -> BladeSum:
     one_more = where(c < 0, below / where(c < 0, (c - 1) * (c - 1) - h, 1.0), 1 + c)
     beside = plus(one_more, without_scalar(x)._divided(size))
     volume = parts.volume._divided(size)._scaled(2.0)
-    made = _corrected(beside, 2 * one_more, volume, None if f is None else 4 * h)
-    return made._scaled(apply("sqrt", size))
+    versor = _corrected(beside, 2 * one_more, volume, None if f is None else 4 * h)
+    return versor._scaled(apply("sqrt", size))

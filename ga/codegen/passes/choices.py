@@ -25,16 +25,16 @@ def without_repeated_choices(tape: Tape) -> Tape:
         for held in (True, False)
     )
     best, least = tape, _cost(tape)
-    made = _decided(tape, sides)
-    if _cost(made) < least:
-        best, least = made, _cost(made)
+    candidate = _decided(tape, sides)
+    if _cost(candidate) < least:
+        best, least = candidate, _cost(candidate)
     if len(sides) > _MOST_SIDES or len(tape.nodes) > _LONGEST:
         return best
     kept = sides
     for side in sorted(sides):
-        made = _decided(tape, kept - {side})
-        if _cost(made) < least:
-            best, least, kept = made, _cost(made), kept - {side}
+        candidate = _decided(tape, kept - {side})
+        if _cost(candidate) < least:
+            best, least, kept = candidate, _cost(candidate), kept - {side}
     return best
 
 
@@ -80,7 +80,7 @@ class _Writer:
         needed = self._needed([(index, frozenset()) for row in wanted for index in row])
         written: dict[_Place, int] = {}
         for place in sorted(needed, key=lambda place: (place[0], sorted(place[1]))):
-            written[place] = self._made(place, [written[k] for k in needed[place]])
+            written[place] = self._copied_node(place, [written[k] for k in needed[place]])
         return [[written[index, frozenset()] for index in row] for row in wanted]
 
     def _needed(self, waiting: list[_Place]) -> dict[_Place, list[_Place]]:
@@ -126,7 +126,7 @@ class _Writer:
     def _allows(self, condition: int, held: bool) -> bool:
         return (condition, held) in self._sides
 
-    def _made(self, place: _Place, args: list[int]) -> int:
+    def _copied_node(self, place: _Place, args: list[int]) -> int:
         index, known = place
         node = self._nodes[index]
         if node.op == "const":

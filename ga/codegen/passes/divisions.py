@@ -60,15 +60,15 @@ def with_quotients(tape: Tape) -> Tape:
     builder = TapeBuilder()
     place: list[int] = []
     for index, node in enumerate(tape.nodes):
-        made = None
+        quotient = None
         for factor, rest in (node.args, node.args[::-1]) if node.op == "mul" else ():
             inner = tape.nodes[factor]
             if uses[factor] == 1 and inner.op == "div" and _is_one(tape, inner.args[0]):
-                made = builder.operation("div", place[rest], place[inner.args[1]])
+                quotient = builder.operation("div", place[rest], place[inner.args[1]])
                 break
-        if made is None:
-            made = copied(tape, index, tuple(place[k] for k in node.args), builder)
-        place.append(made)
+        if quotient is None:
+            quotient = copied(tape, index, tuple(place[k] for k in node.args), builder)
+        place.append(quotient)
     results = [[place[k] for k in row] for row in tape.results]
     return builder.finished(tape.inputs, tape.outputs, results)
 

@@ -34,10 +34,10 @@ def expanded(tape: Tape) -> Tape:
     Products are written out on the way, so that it may look costlier until they are shared again:
     then what is left after factoring decides.
     """
-    made = _written(tape, _Expander(tape).forms)
-    if cost_of(made) <= cost_of(tape):
-        return made
-    return min(tape, made, key=lambda candidate: cost_of(factored(candidate)))
+    expansion = _written(tape, _Expander(tape).forms)
+    if cost_of(expansion) <= cost_of(tape):
+        return expansion
+    return min(tape, expansion, key=lambda candidate: cost_of(factored(candidate)))
 
 
 class _Expander(Forms):
@@ -48,15 +48,15 @@ class _Expander(Forms):
         super().__init__(tape)
 
     def form(self, index: int) -> Form:
-        made = super().form(index)
+        cheapest = super().form(index)
         node = self.tape.nodes[index]
         if node.op in _SUMS and not self.inside[index]:
-            made = self._cheapest(made)
+            cheapest = self._cheapest(cheapest)
         below = max((self._heights[k] for k in node.args), default=0)
         if node.op in _SUMS:
-            below = max((self._heights[k] for m in made for k in m if k < index), default=0)
-        self._heights.append(below + (len(made) > 1))
-        return made
+            below = max((self._heights[k] for m in cheapest for k in m if k < index), default=0)
+        self._heights.append(below + (len(cheapest) > 1))
+        return cheapest
 
     def _cheapest(self, form: Form) -> Form:
         best, least = form, self._cost(form)

@@ -191,8 +191,8 @@ def _signed(terms: list[Term]) -> tuple[int, tuple[Term, ...]]:
 def factored(tape: Tape) -> Tape:
     """The tape with common factors and common parts of sums and products taken out."""
     candidates = [tape]
-    for given in _with_numbers_placed(tape):
-        plain, shared = Forms(given), Forms(given, shared_products=True)
+    for variant in _with_numbers_placed(tape):
+        plain, shared = Forms(variant), Forms(variant, shared_products=True)
         for forms, contents_first in ((plain, True), (plain, False), (shared, False)):
             network = Network(forms)
             _factor(network, contents_first)
@@ -259,9 +259,9 @@ def _take_factors(network: Network, *, constants: bool) -> None:
         _take_out(network, index, (factor,), chosen)
         used.update(factors for _, factors in network.sums[index] if len(factors) > 1)
         if len(network.sums) > before:
-            made = next(reversed(network.sums))
-            used.update(factors for _, factors in network.sums[made] if len(factors) > 1)
-            waiting.append(made)
+            newest = next(reversed(network.sums))
+            used.update(factors for _, factors in network.sums[newest] if len(factors) > 1)
+            waiting.append(newest)
         waiting.append(index)
 
 
@@ -294,12 +294,12 @@ def _best_factor(
 def _share_terms(network: Network) -> None:
     """Two terms that stand in several sums, up to a sign, become a sum of their own."""
     while True:
-        found: dict[tuple[Monomial, Monomial, int], list[int]] = {}
+        sums_of: dict[tuple[Monomial, Monomial, int], list[int]] = {}
         for index, terms in network.sums.items():
             ordered = sorted(terms[:_LONGEST], key=lambda term: term[1])
             for (s, first), (t, second) in combinations(ordered, 2):
-                found.setdefault((first, second, s * t), []).append(index)
-        shared = [(key, places) for key, places in found.items() if len(places) > 1]
+                sums_of.setdefault((first, second, s * t), []).append(index)
+        shared = [(key, places) for key, places in sums_of.items() if len(places) > 1]
         shared.sort(key=lambda item: -len(item[1]))
         done = [_share_pair(network, *key, places) for key, places in shared]
         if not any(done):
@@ -330,12 +330,12 @@ def _share_factors(network: Network, *, least: int, numbers_only: bool) -> None:
     """Two factors that stand in several products become a product of their own."""
     while True:
         products = [factors for factors in network.monomials() if len(factors) <= _LONGEST]
-        found: dict[tuple[int, int], list[Monomial]] = {}
+        products_of: dict[tuple[int, int], list[Monomial]] = {}
         for factors in products:
             for pair in dict.fromkeys(combinations(factors, 2)):
                 if pair[0] < 0 or not numbers_only:
-                    found.setdefault(pair, []).append(factors)
-        shared = [(pair, places) for pair, places in found.items() if len(places) >= least]
+                    products_of.setdefault(pair, []).append(factors)
+        shared = [(pair, places) for pair, places in products_of.items() if len(places) >= least]
         if not shared:
             return
         renamed: dict[Monomial, Monomial] = {}

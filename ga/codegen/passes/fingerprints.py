@@ -39,10 +39,10 @@ Fingerprint = tuple[Element, ...]
 
 def nonnegative_nodes(tape: Tape) -> list[bool]:
     """For each node whether its value is at least 0 wherever it is a number, rounding included."""
-    found: list[bool] = []
+    known: list[bool] = []
     for node in tape.nodes:
-        found.append(_nonnegative(node, [found[k] for k in node.args], tape))
-    return found
+        known.append(_nonnegative(node, [known[k] for k in node.args], tape))
+    return known
 
 
 def _nonnegative(node: Node, args: list[bool], tape: Tape) -> bool:
@@ -205,8 +205,8 @@ class _Point:
         return finite_field.divide(above, below)
 
     def _root(self, square: Element) -> Element | None:
-        found = finite_field.root(square)
-        return self._unknown("sqrt", square) if found is None and not self._strict else found
+        value = finite_field.root(square)
+        return self._unknown("sqrt", square) if value is None and not self._strict else value
 
     def _symmetric(self, op: str, x: Element) -> Element:
         """A function of x by its value at one of x and -x."""

@@ -74,8 +74,8 @@ def root(x: Element) -> Element | None:
     a, b = x
     if not b:
         # A power of a square is a square.
-        found = pow(a if _is_square(a) else -a, (PRIME + 1) // 4, PRIME)
-        return (found, 0) if found * found % PRIME == a else (0, found)
+        candidate = pow(a if _is_square(a) else -a, (PRIME + 1) // 4, PRIME)
+        return (candidate, 0) if candidate * candidate % PRIME == a else (0, candidate)
     size = _base_root((a * a + b * b) % PRIME)
     if size is None:
         return None
@@ -91,8 +91,8 @@ def _is_square(a: int) -> bool:
 
 
 def _base_root(a: int) -> int | None:
-    found = pow(a, (PRIME + 1) // 4, PRIME)
-    return found if found * found % PRIME == a else None
+    candidate = pow(a, (PRIME + 1) // 4, PRIME)
+    return candidate if candidate * candidate % PRIME == a else None
 
 
 def constant(value: float) -> Element:

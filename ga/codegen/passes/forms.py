@@ -47,12 +47,12 @@ class Forms:
         node = self.tape.nodes[index]
         if node.op == "const":
             return {(): _exact(node.value)} if node.value else {}
-        made: Form | None = None
+        terms: Form | None = None
         if node.op == "mul":
-            made = self.product(self.factor(node.args[0]), self.factor(node.args[1]))
+            terms = self.product(self.factor(node.args[0]), self.factor(node.args[1]))
         elif node.op in _SUMS and not self.inside[index]:
-            made = self._summed(index)
-        return {(index,): 1} if made is None or not _bounded(made) else made
+            terms = self._summed(index)
+        return {(index,): 1} if terms is None or not _bounded(terms) else terms
 
     def _summed(self, index: int) -> Form:
         """The terms of a sum and of those inside it, from left to right."""
@@ -82,9 +82,9 @@ class Forms:
         """The product of two forms, multiplied out."""
         form: Form = {}
         ruled = self._ruled
-        for one, a in left.items():
+        for factors, a in left.items():
             for other, b in right.items():
-                monomial = tuple(sorted(one + other)) if one and other else one + other
+                monomial = tuple(sorted(factors + other)) if factors and other else factors + other
                 if not ruled.isdisjoint(monomial):
                     monomial = self.shortened(monomial)
                 add_term(form, monomial, times(a, b))
@@ -93,22 +93,22 @@ class Forms:
     def shortened(self, monomial: Monomial) -> Monomial:
         """A product without pairs of factors that are known to be one factor or 1."""
         while not self._ruled.isdisjoint(monomial):
-            found = self._pair(monomial)
-            if found is None:
+            replacement = self._pair(monomial)
+            if replacement is None:
                 break
-            first, second, made = found
+            first, second, factors = replacement
             rest = list(monomial)
             rest.remove(first)
             rest.remove(second)
-            monomial = tuple(sorted((*rest, *made)))
+            monomial = tuple(sorted((*rest, *factors)))
         return monomial
 
     def _pair(self, monomial: Monomial) -> tuple[int, int, Monomial] | None:
         """Two factors of a product that a rule is for, and what it makes of them."""
         for first in monomial:
-            for second, made in self._rules.get(first, ()):
+            for second, factors in self._rules.get(first, ()):
                 if second in monomial and (first != second or monomial.count(first) > 1):
-                    return first, second, made
+                    return first, second, factors
         return None
 
 
@@ -135,8 +135,8 @@ def times(a: Coefficient, b: Coefficient) -> Coefficient:
     """The product of two coefficients, an int where it is whole."""
     if a == 1 or b == 1:
         return b if a == 1 else a
-    made = a * b
-    return made.numerator if made.denominator == 1 else made
+    product = a * b
+    return product.numerator if product.denominator == 1 else product
 
 
 def form_cost(form: Form) -> int:

@@ -228,14 +228,14 @@ _ROUNDINGS = 64.0
 def sample_inputs(tape: Tape) -> dict[tuple[str, int], _Row]:
     """A row of `POINTS` values for each component of each input; the same for the same tape."""
     random = np.random.default_rng(_SEED)
-    made = {}
+    samples = {}
     for operand in tape.inputs:
         for component in range(operand.width):
             row = random.uniform(0.1, 1.0, POINTS)
             row[1::2] = row[1::2] ** -1.5
             row[POINTS // 2 :] *= random.choice([-1.0, 1.0], POINTS // 2)
-            made[operand.name, component] = row
-    return made
+            samples[operand.name, component] = row
+    return samples
 
 
 def sampled(tape: Tape) -> tuple[list[_Row], list[_Row]]:

@@ -71,10 +71,10 @@ def optimized(tape: Tape) -> tuple[Tape, tuple[PassStats, ...]]:
         start = time.perf_counter()
         skipped = apply in _SEARCHES and len(tape.nodes) > LONGEST_SEARCHED
         # A pass leaves nothing to do for itself where no other one changed the tape.
-        made = tape if skipped or settled.get(apply) is tape else apply(tape)
-        settled[apply] = made
+        improved = tape if skipped or settled.get(apply) is tape else apply(tape)
+        settled[apply] = improved
         spent = 1e3 * (time.perf_counter() - start)
-        counts = count_operations(tape), count_operations(made)
+        counts = count_operations(tape), count_operations(improved)
         done.append(PassStats(name, *counts, spent, skipped))
-        tape = made
+        tape = improved
     return tape, tuple(done)

@@ -51,11 +51,11 @@ def with_single_differences(tape: Tape) -> Tape:
         args = tuple(place[k] for k in node.args)
         opposite = known.get((args[1], args[0])) if node.op == "sub" else None
         if opposite is None:
-            made = copied(tape, index, args, builder)
+            copy = copied(tape, index, args, builder)
             if node.op == "sub":
-                known[args[0], args[1]] = made
+                known[args[0], args[1]] = copy
         else:
-            made = builder.negative(opposite)
-        place.append(made)
+            copy = builder.negative(opposite)
+        place.append(copy)
     results = [[place[k] for k in row] for row in tape.results]
     return builder.finished(tape.inputs, tape.outputs, results)

@@ -59,32 +59,35 @@ class NumpyProgram:
         """An array ``(*, n)`` an output, of one ``(*, n)`` an input."""
         taken = self._taken(self._inputs, precision, values)
         batches = [
-            one.shape if width < 0 else one.shape[:-1]
-            for one, (_, width) in zip(taken, self._inputs, strict=True)
+            array.shape if width < 0 else array.shape[:-1]
+            for array, (_, width) in zip(taken, self._inputs, strict=True)
         ]
         shape = self._broadcast(batches)
         if shape == () and self._plain and precision is DOUBLE:
             return self._of_one(taken)
         components = [
             part
-            for one, (_, width) in zip(taken, self._inputs, strict=True)
-            for part in ([one] if width < 0 else [one[..., k] for k in range(width)])
+            for array, (_, width) in zip(taken, self._inputs, strict=True)
+            for part in ([array] if width < 0 else [array[..., k] for k in range(width)])
         ]
-        made = [_empty(shape, width, precision) for _, width in self._outputs]
+        arrays = [_empty(shape, width, precision) for _, width in self._outputs]
         places = [
             part
-            for one, (_, width) in zip(made, self._outputs, strict=True)
-            for part in ([one] if width < 0 else [one[..., k] for k in range(width)])
+            for array, (_, width) in zip(arrays, self._outputs, strict=True)
+            for part in ([array] if width < 0 else [array[..., k] for k in range(width)])
         ]
         self._run(precision, components, shape, places)
-        return tuple(made)
+        return tuple(arrays)
 
     def _of_one(self, taken: Sequence[Array]) -> tuple[Array, ...]:
         """Arrays of one row each, as Python's own floats, which are faster than NumPy's."""
         numbers = [number for one in taken for number in one.ravel().tolist()]
-        made = iter(self._function(DOUBLE)(*numbers))
+        numbers_out = iter(self._function(DOUBLE)(*numbers))
         return tuple(
-            np.array(next(made) if width < 0 else [next(made) for _ in range(width)], np.float64)
+            np.array(
+                next(numbers_out) if width < 0 else [next(numbers_out) for _ in range(width)],
+                np.float64,
+            )
             for _, width in self._outputs
         )
 
@@ -96,12 +99,12 @@ class NumpyProgram:
         taken = self._taken(self._scalars, precision, values)
         shape = self._broadcast([one.shape for one in taken])
         count = sum(abs(width) for _, width in self._outputs)
-        made = [np.empty(shape, precision.numpy) for _ in range(count)]
-        self._run(precision, taken, shape, made)
-        self._check([bool(np.isfinite(one).all()) for one in made])
+        components = [np.empty(shape, precision.numpy) for _ in range(count)]
+        self._run(precision, taken, shape, components)
+        self._check([bool(np.isfinite(one).all()) for one in components])
         if shape == () and not any(isinstance(one, np.ndarray) for one in values):
-            return tuple(one.item() for one in made)
-        return tuple(one[()] for one in made)
+            return tuple(one.item() for one in components)
+        return tuple(one[()] for one in components)
 
     def _of_numbers(self, precision: Precision, values: Sequence[float]) -> tuple[float, ...]:
         function = self._function(precision)
@@ -126,8 +129,8 @@ class NumpyProgram:
         if len(values) != len(operands):
             raise ValueError(f"{self._name}: expected {len(operands)} arguments, got {len(values)}")
         return [
-            self._array(name, width, precision, one)
-            for (name, width), one in zip(operands, values, strict=True)
+            self._array(name, width, precision, value)
+            for (name, width), value in zip(operands, values, strict=True)
         ]
 
     def _array(self, name: str, width: int, precision: Precision, value: Any) -> Array:
@@ -182,8 +185,8 @@ class NumpyProgram:
             rows = [one if one.ndim < 2 else one.reshape(count) for one in whole]
             for start in range(0, count, _TILE):
                 part = slice(start, start + _TILE)
-                made = function(*[one if one.ndim == 0 else one[part] for one in rows])
-                for place, value in zip(places, made, strict=True):
+                results = function(*[one if one.ndim == 0 else one[part] for one in rows])
+                for place, value in zip(places, results, strict=True):
                     _rows(place, count)[part] = value
 
     def _function(self, precision: Precision) -> NumpyFunction:
@@ -235,9 +238,9 @@ def plain_tape(tape: Tape) -> Tape:
         for node in tape.nodes
     )
     results = tuple(index for row in tape.results for index in row)
-    given = Operand("x", tuple(map(str, range(count))))
+    vector = Operand("x", tuple(map(str, range(count))))
     return Tape(
-        (given,), (Operand("out", tuple(map(str, range(len(results))))),), nodes, (results,)
+        (vector,), (Operand("out", tuple(map(str, range(len(results))))),), nodes, (results,)
     )
 
 
@@ -247,12 +250,12 @@ def c_source(tape: Tape, precision: Precision) -> str:
     Raises:
         ValueError: numbers too large for the precision.
     """
-    made = without_repeated_choices(tape)
-    written = statements(made, vector_dialect(precision))
-    real, (given,) = precision.c, made.inputs
-    read = made.components_read("x")
+    branched = without_repeated_choices(tape)
+    written = statements(branched, vector_dialect(precision))
+    real, (operand,) = precision.c, branched.inputs
+    read = branched.components_read("x")
     loop = [
-        *(f"const {real} {_x(k, given)} = in{k}[i];" for k in read),
+        *(f"const {real} {_x(k, operand)} = in{k}[i];" for k in read),
         *declarations(written.body, f"const {real}", "const _Bool"),
         *(f"out{k}[i] = {value};" for k, value in enumerate(written.results[0])),
     ]
@@ -283,10 +286,10 @@ def numpy_function(tape: Tape, precision: Precision) -> NumpyFunction:
     Raises:
         ValueError: numbers too large for the precision.
     """
-    made = without_repeated_choices(tape)
-    written = statements(made, library_dialect(precision))
-    (given,) = made.inputs
-    parameters = ", ".join(_x(k, given) for k in range(given.width))
+    branched = without_repeated_choices(tape)
+    written = statements(branched, library_dialect(precision))
+    (operand,) = branched.inputs
+    parameters = ", ".join(_x(k, operand) for k in range(operand.width))
     results = ", ".join(written.results[0])
     lines = [
         "import numpy as np",

@@ -59,15 +59,15 @@ class Compiler:
         """
         try:
             with tempfile.TemporaryDirectory(dir=folder, prefix="compiling-") as own:
-                given, made = Path(own) / "program.c", Path(own) / "program.so"
-                given.write_text(source, encoding="utf-8")
-                command = [*self.command, str(given), "-o", str(made), "-lm"]
+                source_file, library_file = Path(own) / "program.c", Path(own) / "program.so"
+                source_file.write_text(source, encoding="utf-8")
+                command = [*self.command, str(source_file), "-o", str(library_file), "-lm"]
                 done = subprocess.run(
                     command, capture_output=True, text=True, errors="replace",
                     stdin=subprocess.DEVNULL, timeout=LONGEST_S, check=False,
                 )  # fmt: skip
                 if done.returncode == 0:
-                    return made.read_bytes()
+                    return library_file.read_bytes()
         except subprocess.TimeoutExpired as late:
             raise CompileError(f"{self.command[0]} took more than {LONGEST_S:g} s") from late
         except OSError as failed:
@@ -84,11 +84,11 @@ def find_compiler(processor_level: int) -> Compiler:
     """
     wanted = shlex.split(os.environ.get("CC", ""))
     names = wanted[:1] or list(_COMPILERS)
-    found = next((path for name in names if (path := shutil.which(name))), None)
-    if found is None:
+    compiler = next((path for name in names if (path := shutil.which(name))), None)
+    if compiler is None:
         raise CompileError(f"no C compiler here: looked for {', '.join(names)}")
-    command = (found, *wanted[1:], *_OPTIONS, *_LEVELS.get(processor_level, ()))
-    real = Path(found).resolve()
+    command = (compiler, *wanted[1:], *_OPTIONS, *_LEVELS.get(processor_level, ()))
+    real = Path(compiler).resolve()
     about = real.stat()
     return Compiler(command, f"{command} {real} {about.st_size} {about.st_mtime_ns}")
 
@@ -200,13 +200,13 @@ def _let_oldest_go(folder: Path, newest: Path) -> None:
         with suppress(OSError):  # of processes that were killed
             if time.time() - left.stat(follow_symlinks=False).st_mtime > _LEFT_BEHIND_S:
                 shutil.rmtree(left, ignore_errors=True) if left.is_dir() else left.unlink()
-    found = []
+    libraries = []
     for path in folder.glob("*.so"):
         with suppress(OSError):
             about = path.stat(follow_symlinks=False)
-            found.append((path != newest, -about.st_mtime_ns, about.st_size, path))
+            libraries.append((path != newest, -about.st_mtime_ns, about.st_size, path))
     total = 0
-    for _, _, size, path in sorted(found):
+    for _, _, size, path in sorted(libraries):
         total += size
         if total > MOST_BYTES:
             with suppress(OSError):  # another process may have done it

@@ -96,8 +96,8 @@ class Evaluator:
         """Calls go to the libraries that are there, and what they do not do to `_slowly`."""
         trampoline = _trampoline()
         if trampoline is None or not self._libraries:
-            self.arrays = lambda *given: self._slowly("arrays", given)
-            self.components = lambda *given: self._slowly("components", given)
+            self.arrays = lambda *values: self._slowly("arrays", values)
+            self.components = lambda *values: self._slowly("components", values)
             return
         arrays, components = trampoline.bind(
             self._name,
@@ -115,9 +115,9 @@ class Evaluator:
             return
 
         def either(of: Callable[..., Any], verb: str) -> Callable[..., Any]:
-            def call(*given: Any) -> Any:
-                made = of(*given)
-                return self._slowly(verb, given) if made is NotImplemented else made
+            def call(*values: Any) -> Any:
+                result = of(*values)
+                return self._slowly(verb, values) if result is NotImplemented else result
 
             return call
 
@@ -134,8 +134,8 @@ class Evaluator:
                 return getattr(self, verb)(*values)
         if verb == "components":
             return self._numpy.components(precision, values)
-        made = self._numpy.arrays(precision, values)
-        return made[0] if self._bare else made
+        arrays = self._numpy.arrays(precision, values)
+        return arrays[0] if self._bare else arrays
 
     def _start(self, precision: Precision) -> None:
         """Find the library of a precision, or have a thread compile it; does so once."""
@@ -168,12 +168,12 @@ class Evaluator:
 
             def compile_it() -> None:
                 try:
-                    made = keep_library(folder, key, compiler.library(source, folder))
+                    path = keep_library(folder, key, compiler.library(source, folder))
                 except (CompileError, OSError) as failed:
                     self._refused(precision, str(failed))
                     return
                 with self._lock:
-                    self._load(precision, str(made))
+                    self._load(precision, str(path))
 
             thread = threading.Thread(target=compile_it, name=f"compile {self._name}")
             self._threads[precision.numpy] = thread

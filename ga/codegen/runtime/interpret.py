@@ -36,8 +36,8 @@ def run_tape(tape: Tape, inputs: Mapping[tuple[str, int], Any]) -> list[list[Any
             elif node.op == "input":
                 values.append(np.asarray(inputs[node.source], dtype=np.float64))
             else:
-                made = NUMPY_OPERATIONS[node.op](*[values[k] for k in node.args])
-                values.append(np.asarray(made, dtype=np.float64))
+                value = NUMPY_OPERATIONS[node.op](*[values[k] for k in node.args])
+                values.append(np.asarray(value, dtype=np.float64))
                 for k in node.args:
                     left[k] -= 1
                     if left[k] == 0:

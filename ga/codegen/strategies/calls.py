@@ -48,13 +48,15 @@ def files(
     real = precision or DOUBLE
     check_names(program, C_NAMES, array_slots(program))
     variables = [operand.name for operand in program.tape.inputs]
-    made = writer(record(script, program.algebra, variables), program.name, real, c_dialect(real))
+    call_writer = writer(
+        record(script, program.algebra, variables), program.name, real, c_dialect(real)
+    )
     parameters = [f"{real.c} {variable}" for variable in variables]
     head = function(program.name, [*parameters, *array_parameters(program, real.c)], "void")
     described = description(program, f"c --strategy {strategy} --precision {real.numpy}")
-    steps = _steps(program, made)
-    defined = "\n\n".join([*made.definitions(), steps, head])
-    return c_files(program.name, described, head, defined, indented([_call(program, made)]))
+    steps = _steps(program, call_writer)
+    defined = "\n\n".join([*call_writer.definitions(), steps, head])
+    return c_files(program.name, described, head, defined, indented([_call(program, call_writer)]))
 
 
 def _inner(program: Program) -> str:

@@ -31,8 +31,8 @@ def write(script: Script, program: Program, precision: Precision | None) -> dict
 class _ProductWriter(CallWriter):
     """Writes calls of functions made for the types of their operands, which go by value."""
 
-    def __init__(self, *given: Any) -> None:
-        super().__init__(*given)
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
         self._types: dict[Masks, str] = {}
         self._functions: dict[str, str] = {}
 

@@ -65,9 +65,9 @@ def record(script: Script, algebra: Algebra, variables: Iterable[str]) -> Record
     """
     recording = _Recording(algebra)
     inputs = {name: recording.scalars.symbol(name) for name in variables}
-    made = evaluate(script, recording, **inputs)
-    made = {name: recording.trimmed(x) for name, x in made.items()}
-    outputs = {name: recording.lifted(x).step if x.masks else None for name, x in made.items()}
+    outcome = evaluate(script, recording, **inputs)
+    outcome = {name: recording.trimmed(x) for name, x in outcome.items()}
+    outputs = {name: recording.lifted(x).step if x.masks else None for name, x in outcome.items()}
     everything = dict(enumerate(recording.steps))
     whole = Record(algebra, tuple(inputs), everything, outputs, recording.scalars)
     return replace(whole, steps=_needed(whole))
@@ -105,8 +105,8 @@ class _Recording(Algebra):
 
     def multivector(self, coefficients: Mapping[str, Any]) -> Multivector:
         """The multivector with these coefficients, written down where it holds symbols."""
-        made = self.trimmed(super().multivector(coefficients))
-        return made if all(map(is_numeric, made.values)) else self.lifted(made)
+        multivector = self.trimmed(super().multivector(coefficients))
+        return multivector if all(map(is_numeric, multivector.values)) else self.lifted(multivector)
 
     def lifted(self, x: Multivector) -> _Recorded:
         """The multivector itself, or one that is made of scalars in a step of its own."""
@@ -129,9 +129,9 @@ class _Recording(Algebra):
         names = [f"{len(self.steps)} {mask}" for mask in flat.masks]
         for name, value in zip(names, flat.values, strict=True):
             self.scalars.replace(name, value)
-        made = _Recorded(self, tuple(map(self.scalars.symbol, names)), flat, len(self.steps))
+        recorded = _Recorded(self, tuple(map(self.scalars.symbol, names)), flat, len(self.steps))
         self.steps.append(Step(op, args, flat.masks, scalars))
-        return made
+        return recorded
 
 
 class _Recorded(Multivector):
@@ -154,7 +154,7 @@ class _Recorded(Multivector):
         object.__setattr__(self, "flat", flat)
         object.__setattr__(self, "step", step)
 
-    def _made(self, masks: Any, values: Any, algebra: Any = None) -> Any:
+    def _wrap(self, masks: Any, values: Any, algebra: Any = None) -> Any:
         return Multivector._trusted(algebra or self.algebra, masks, values)
 
     def _written(self, op: str, flat: Multivector, *operands: Multivector) -> Multivector:
@@ -175,8 +175,8 @@ class _Recorded(Multivector):
         return self._written(op, flat, left, right)
 
     def _lifted(self, other: Any) -> Any:
-        found = self.algebra.trimmed(super()._lifted(other))
-        return self.algebra.lifted(found) if found.masks else found
+        operand = self.algebra.trimmed(super()._lifted(other))
+        return self.algebra.lifted(operand) if operand.masks else operand
 
     def __add__(self, other: Any) -> Any:
         right = self._lifted(other)

@@ -101,8 +101,8 @@ static {name}_mv {name}_part(unsigned grades, unsigned count, const unsigned sho
 class TableWriter(CallWriter):
     """Writes calls that take their operands by address and interpret a table."""
 
-    def __init__(self, *given: Any) -> None:
-        super().__init__(*given)
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
         masks = (self.algebra.masks_of(blade)[0][0] for blade in self.algebra.blades)
         self.place = {mask: k for k, mask in enumerate(masks)}
         # Pairs of grades that a product meets, by its kind; kinds of sign; functions beside them.
@@ -149,14 +149,14 @@ class TableWriter(CallWriter):
     def definitions(self) -> list[str]:
         """The type, the tables of the grades that meet, and the functions."""
         named = {"name": self.name, "real": self.real, "size": len(self.place)}
-        made = [_STRUCTS.format(**named), *self.products()]
+        parts = [_STRUCTS.format(**named), *self.products()]
         if "sum" in self._functions:
-            made.append(_SUM.format(**named))
+            parts.append(_SUM.format(**named))
         if self._signs:
-            made += [*map(self._sign_list, sorted(self._signs)), _SIGNED.format(**named)]
+            parts += [*map(self._sign_list, sorted(self._signs)), _SIGNED.format(**named)]
         if "part" in self._functions:
-            made.append(_PART.format(**named))
-        return made
+            parts.append(_PART.format(**named))
+        return parts
 
     def product(self, kind: str, operands: list[str]) -> str:
         """A call of the product, with the table of its kind."""

@@ -90,11 +90,11 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
             for (_, slot), value in zip(row, values, strict=True)
         ),
     ]
-    given, made = list(pointers.values()), [slot for row in places for _, slot in row]
+    inputs, outputs = list(pointers.values()), [slot for row in places for _, slot in row]
     blocks = f"{program.name}_blocks"
     described = [*description(program, f"c-batch --precision {real.numpy}"), *_CALLING]
     heads = [
-        function(name, [f"size_t {count}", *_parameters(real, restrict, given, made)], "void")
+        function(name, [f"size_t {count}", *_parameters(real, restrict, inputs, outputs)], "void")
         for name, count, restrict in (
             (program.name, "rows", ""),
             (program.name, "rows", "restrict "),
@@ -112,26 +112,26 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
         "}",
     ]
     defined = "\n\n".join([functions_called(loop), "\n".join(inner), heads[1]]).lstrip()
-    return c_files(program.name, described, heads[0], defined, _body(blocks, real, given, made))
+    return c_files(program.name, described, heads[0], defined, _body(blocks, real, inputs, outputs))
 
 
 def _parameters(
-    precision: Precision, restrict: str, values: Sequence[str], made: Sequence[str]
+    precision: Precision, restrict: str, values: Sequence[str], outputs: Sequence[str]
 ) -> list[str]:
     return [
         *(f"const {precision.c} *{restrict}{pointer}" for pointer in values),
-        *(f"{precision.c} *{restrict}{pointer}" for pointer in made),
+        *(f"{precision.c} *{restrict}{pointer}" for pointer in outputs),
     ]
 
 
 def _body(
-    blocks: str, precision: Precision, values: Sequence[str], made: Sequence[str]
+    blocks: str, precision: Precision, values: Sequence[str], outputs: Sequence[str]
 ) -> list[str]:
     """Whole blocks, and the last rows in one that overlaps them, or in one that is padded."""
-    pointers = [*values, *made]
+    pointers = [*values, *outputs]
     padded = [f"padded[{k}]" for k in range(len(pointers))]
     loads = [f"padded[{k}][row] = {one}[row];" for k, one in enumerate(values)]
-    stores = [f"{one}[row] = padded[{k}][row];" for k, one in enumerate(made, len(values))]
+    stores = [f"{one}[row] = padded[{k}][row];" for k, one in enumerate(outputs, len(values))]
     lines = [f"if (rows < {BLOCK}) {{"]
     lines.append(f"    {precision.c} padded[{len(pointers)}][{BLOCK}] = {{{{0}}}};")
     if loads:

@@ -42,18 +42,18 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     written = statements(
         program.tape, Templates(COMPARISONS, _FUNCTIONS, prefix="ca."), _NAMES.words
     )
-    given = variables(program)
+    names = variables(program)
     outputs = [operand.name for operand in program.tape.outputs]
     # CasADi wants to be told that an input and an output may have one name.
-    shared = ', {"allow_duplicate_io_names": True}' if {*given} & {*outputs} else ""
+    shared = ', {"allow_duplicate_io_names": True}' if {*names} & {*outputs} else ""
     body = [
-        *(f'{name} = ca.SX.sym("{name}")' for name in given),
+        *(f'{name} = ca.SX.sym("{name}")' for name in names),
         *assignments(written.body),
         "_columns = [",
         *(f"    {line}" for row in written.results for line in _column(row)),
         "]",
-        *listed(f"_inputs = [{', '.join(given)}]"),
-        *listed(f"_names = [{', '.join(map(_quoted, given))}]"),
+        *listed(f"_inputs = [{', '.join(names)}]"),
+        *listed(f"_names = [{', '.join(map(_quoted, names))}]"),
         *listed(f"_results = [{', '.join(map(_quoted, outputs))}]"),
         f'return ca.Function("{program.name}", _inputs, _columns, _names, _results{shared})',
     ]

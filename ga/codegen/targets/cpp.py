@@ -61,7 +61,9 @@ def _function(name: str, kernel: Kernel) -> str:
     dialect = (_Generic if generic else Templates)(C_LOGIC, _FUNCTIONS, DOUBLE)
     statements, (results,) = branching_statements(tape, dialect)
     (output,) = kernel.outputs
-    given = [f"const {_type(o, real)} {'&' if o.width > 1 else ''}{o.name}" for o in kernel.inputs]
+    parameters = [
+        f"const {_type(o, real)} {'&' if o.width > 1 else ''}{o.name}" for o in kernel.inputs
+    ]
     body = [
         *(
             line
@@ -81,7 +83,7 @@ def _function(name: str, kernel: Kernel) -> str:
     lines = [
         comment([line for text in described for line in wrapped(text, 96)]),
         *(["template <class Real>"] if generic else []),
-        *call(f"inline {_type(output, real)} {name}", given, ""),
+        *call(f"inline {_type(output, real)} {name}", parameters, ""),
         "{",
         *indented(body),
         "}",

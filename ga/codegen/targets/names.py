@@ -229,12 +229,12 @@ def check_names(
     Raises:
         RefusedName: naming the name to use instead.
     """
-    given = variables(program)
-    taken = {*given} | {slot for _, slot in slots}
+    parameters = variables(program)
+    taken = {*parameters} | {slot for _, slot in slots}
     why = f"is reserved in {reserved.language}"
     if reserved.keeps(program.name) or program.name in reserved.functions:
         raise _refused("file name", program.name, why, reserved, reserved.functions)
-    for name in given:
+    for name in parameters:
         if reserved.keeps(name):
             raise _refused("variable", name, why, reserved, taken)
         if any(slot == name for _, slot in slots):
@@ -252,8 +252,8 @@ def file_identifier(name: str) -> str:
     """The name of a file where that is an identifier, otherwise one like it to propose."""
     if re.fullmatch("[A-Za-z_][A-Za-z0-9_]*", name):
         return name
-    made = re.sub("[^A-Za-z0-9_]+", "_", name).strip("_") or "script"
-    return f"script_{made}" if made[0].isdigit() else made
+    identifier = re.sub("[^A-Za-z0-9_]+", "_", name).strip("_") or "script"
+    return f"script_{identifier}" if identifier[0].isdigit() else identifier
 
 
 def _refused(

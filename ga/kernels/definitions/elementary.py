@@ -220,8 +220,8 @@ def _atan_rest(z: Any) -> Any:
         return (mp.atan(root) / root - 1) / z
 
 
-def _function(name: str, define: Callable[..., Any], *given: str) -> Kernel:
-    inputs = tuple(Operand(one, ("1",)) for one in given)
+def _function(name: str, define: Callable[..., Any], *names: str) -> Kernel:
+    inputs = tuple(Operand(one, ("1",)) for one in names)
     return Kernel(name, "elementary", inputs, (Operand("result", ("1",)),), define)
 
 

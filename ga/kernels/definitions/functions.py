@@ -49,9 +49,9 @@ def fitted(
 
     with mp.workdps(50):
         for terms in range(3, _MOST_TERMS + 1):
-            made, off = mp.chebyfit(function, [first, last], terms, error=True)
+            coefficients, off = mp.chebyfit(function, [first, last], terms, error=True)
             if off < error:
-                return tuple(float(value) for value in reversed(made))
+                return tuple(float(value) for value in reversed(coefficients))
     raise ValueError(
         f"fitted: expected a function within {error:g} of a polynomial of {_MOST_TERMS} terms "
         f"on [{first:g}, {last:g}], got an error of {float(off):.3g}"
@@ -128,8 +128,8 @@ def cosine_sinc(precision: Precision, y: Any) -> tuple[Any, Any, Any]:
     cosine, beyond = sign * cosine, sign * h * near / ca.fmax(ca.sqrt(y), 1)
     if precision.branches:
         far = cosine, beyond, (cosine - beyond) / (2 * y)
-        made = map(select, [y < _QUARTER_TURN_SQUARED] * 3, _series(precision, y), far)
-        cosine, sinc, slope = made
+        chosen = map(select, [y < _QUARTER_TURN_SQUARED] * 3, _series(precision, y), far)
+        cosine, sinc, slope = chosen
         return cosine, sinc, slope
     # From a quarter turn on nothing cancels in the closed forms.
     reduced = turns < 0.5

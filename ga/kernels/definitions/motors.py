@@ -183,11 +183,11 @@ def _beyond_half_a_turn(z: Any) -> Any:
 
 def _joined(precision: Precision, z: Any, functions: tuple[Any, Any], beyond: Dual) -> Dual:
     near = ca.fmin(z, _QUARTER_TURN_SQUARED)
-    made = [
+    joined = [
         select(z < _QUARTER_TURN_SQUARED, polynomial(precision, f, _FITTED_UP_TO, near), far)
         for f, far in zip(functions, beyond, strict=True)
     ]
-    return made[0], made[1]
+    return joined[0], joined[1]
 
 
 def _sine_rest(z: Any) -> Any:

@@ -175,14 +175,14 @@ def _direction(precision: Precision, rotor: Multivector) -> tuple[Any, Multivect
 
 def _normalize(precision: Precision, m: Numbers) -> list[Numbers]:
     """The similarity nearest to an even element, and how well it is defined."""
-    made, defined = projected(precision, split(m))
-    return [[*joined(made), defined]]
+    unit, defined = projected(precision, split(m))
+    return [[*joined(unit), defined]]
 
 
 def _blend(precision: Precision, a: Numbers, b: Numbers, fraction: Numbers) -> list[Numbers]:
     """Linear blend of two similarities, the short way round, made unit."""
-    made, _ = projected(precision, split(linear(a, b, fraction[0])))
-    return [joined(made)]
+    unit, _ = projected(precision, split(linear(a, b, fraction[0])))
+    return [joined(unit)]
 
 
 _A, _B, _M, _OUT = (Operand(name, on.SIMILARITY) for name in ("a", "b", "m", "out"))

@@ -136,7 +136,7 @@ def versor_kernels(of: Versors, groups: tuple[str, str, str, str]) -> tuple[Kern
 
 def twist_kernels(of: Versors) -> tuple[Kernel, ...]:
     """Adjoint, Jacobians of exp, retract and local, and versors as twists."""
-    size, one = of.twist_size, of.name
+    size, kind = of.twist_size, of.name
     a, b, m, out = (Operand(name, of.versor) for name in ("a", "b", "m", "out"))
     twist, twist_out = on.twist("twist", size), on.twist("out", size)
     square = on.components("out", size, size)
@@ -144,20 +144,20 @@ def twist_kernels(of: Versors) -> tuple[Kernel, ...]:
     twists = f"{of.prefix}twists"
     return _named(
         of,
-        ("adjoint", tangents, (m,), square, _adjoint, f"Adjoint matrix of a {one} on twists"),
+        ("adjoint", tangents, (m,), square, _adjoint, f"Adjoint matrix of a {kind} on twists"),
         ("transform_twist", tangents, (m, twist), twist_out, _transform_twist,
-         f"A twist seen from the other side of a {one}"),
+         f"A twist seen from the other side of a {kind}"),
         ("left_jacobian", jacobians, (twist,), square, _left_jacobian,
-         f"Left Jacobian of a {one}'s exponential at a twist"),
+         f"Left Jacobian of a {kind}'s exponential at a twist"),
         ("left_jacobian_inverse", jacobians, (twist,), square, _left_jacobian_inverse,
-         f"Inverse left Jacobian of a {one}'s exponential, singular at full turns"),
+         f"Inverse left Jacobian of a {kind}'s exponential, singular at full turns"),
         ("retract", tangents, (m, twist), out, _retract,
-         f"A {one} moved by a twist in its own frame"),
+         f"A {kind} moved by a twist in its own frame"),
         ("local", tangents, (a, b), twist_out, _local,
-         f"The twist, turning by at most π, that takes {one} a to b"),
-        ("of_twist", twists, (twist,), out, _of_twist, f"{one.title()} of a twist of any angle"),
+         f"The twist, turning by at most π, that takes {kind} a to b"),
+        ("of_twist", twists, (twist,), out, _of_twist, f"{kind.title()} of a twist of any angle"),
         ("as_twist", twists, (m,), twist_out, _as_twist,
-         f"Twist of a {one}, by the sign that turns by at most π"),
+         f"Twist of a {kind}, by the sign that turns by at most π"),
     )  # fmt: skip
 
 

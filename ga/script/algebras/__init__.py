@@ -82,11 +82,11 @@ def _macros_of(script: Script) -> dict[tuple[str, int], Macro]:
 @cache
 def definitions() -> dict[str, AlgebraDefinition]:
     """The algebras that have a name, in the order of their folders."""
-    made = {}
+    by_name = {}
     for path in sorted(Path(__file__).parent.glob("*/definition.toml")):
         definition = read_definition(path.parent, path.name)
-        made.update(dict.fromkeys(definition.names, definition))
-    return made
+        by_name.update(dict.fromkeys(definition.names, definition))
+    return by_name
 
 
 @cache
@@ -148,8 +148,8 @@ def _definition(folder: Path, said: dict[str, Any]) -> AlgebraDefinition:
     _expect(len(pairs) <= MAX_DIMENSION, "null_pairs", f"at most {MAX_DIMENSION}", len(pairs))
     if macros:
         path_below(folder, macros)
-    made = Algebra.of(squares, [(o, i) for o, i in pairs], named)
-    return AlgebraDefinition(tuple(names), _KNOWN.get(made, made), folder, macros)
+    algebra = Algebra.of(squares, [(o, i) for o, i in pairs], named)
+    return AlgebraDefinition(tuple(names), _KNOWN.get(algebra, algebra), folder, macros)
 
 
 def _expect(holds: bool, field: str, wanted: str, got: object) -> None:

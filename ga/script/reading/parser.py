@@ -109,15 +109,15 @@ def _parsed(source: Source, folder: Path | None, imports: Imports) -> Script:
 def _imported(source: Source, pragma: ImportPragma, imports: Imports) -> list[Macro]:
     """The macros of a file, and of those that it imports."""
     imported: list[Macro] = []
-    with imports.opened(source, pragma) as found:
-        if found is None:
+    with imports.opened(source, pragma) as file:
+        if file is None:
             return []
-        script = _parsed(found, imports.folder, imports)
+        script = _parsed(file, imports.folder, imports)
         for statement in script.statements:
             if isinstance(statement, Macro):
                 imported.append(statement)
             elif not isinstance(statement, Screen):
-                raise found.error(
+                raise file.error(
                     statement.place, "expected macros alone in a file that is imported"
                 )
     return imported

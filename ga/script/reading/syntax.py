@@ -187,13 +187,13 @@ class RangePragma:
 class AlgebraPragma:
     """``#pragma algebra`` with a name or the name of a file, or with p, q and r.
 
-    `given` says that no text holds it but the caller: a file of that name lies in `folder` then.
+    `by_caller`: no text holds it, the caller named it; a file of that name lies in `folder` then.
     """
 
     place: Place
     name: str
     signature: tuple[int, int, int]
-    given: bool = False
+    by_caller: bool = False
     folder: Path | None = None
 
 

@@ -139,11 +139,11 @@ class Canvas:
         self._marked.use()
         self._gl.depth_func = "1"
         self._gl.enable_only(self._gl.DEPTH_TEST)
-        for one in (marked, program):
-            tell(one, "mark", mark)
-            tell(one, "covered", NUMBER_UNIT)
-            tell(one, "first", first)
-            tell(one, "stop", stop)
+        for shader in (marked, program):
+            tell(shader, "mark", mark)
+            tell(shader, "covered", NUMBER_UNIT)
+            tell(shader, "first", first)
+            tell(shader, "stop", stop)
         self._fill(marked)
         self._lit.use()
         self._gl.depth_func = "=="
@@ -191,9 +191,9 @@ class Canvas:
             part.release()
         self._held, self._wholes, self._over = [], {}, None
 
-    def _hold(self, made: Any) -> Any:
-        self._held.append(made)
-        return made
+    def _hold(self, resource: Any) -> Any:
+        self._held.append(resource)
+        return resource
 
 
 def draw_materials(
@@ -265,7 +265,7 @@ def _blend(
             waiting.append((float(camera_T_world.apply(middle_m)[2]), part))
     if not waiting:
         return
-    waiting.sort(key=lambda one: -one[0])
+    waiting.sort(key=lambda layer: -layer[0])
     canvas.blend()
     for _, part in waiting:
         part.use()

@@ -160,7 +160,9 @@ class DrawnPart:
         sets = sorted({one.coordinate_set for one in material.maps.values()})
         self.sets = sets[:2]
         self.maps = {
-            name: one for name, one in material.maps.items() if one.coordinate_set in self.sets
+            name: texture
+            for name, texture in material.maps.items()
+            if texture.coordinate_set in self.sets
         }
         defined = {
             "LIT": lit and not material.unlit,
@@ -173,8 +175,8 @@ class DrawnPart:
         }
         heads = {name: "" for name, wanted in defined.items() if wanted}
         heads |= {
-            MAPS[name]: ("first_set", "second_set")[self.sets.index(one.coordinate_set)]
-            for name, one in self.maps.items()
+            MAPS[name]: ("first_set", "second_set")[self.sets.index(texture.coordinate_set)]
+            for name, texture in self.maps.items()
         }
         heads["LAMPS"] = str(lamps)
         self.program = programs.blended(heads) if self.blended else programs.shaded(heads)
@@ -183,7 +185,8 @@ class DrawnPart:
             covering["BASE_MAP"] = ""
         self.covering = programs.covered(covering if self.masked else {})
         self._textures = {
-            name: pictures.texture(one, encoded=name in ENCODED) for name, one in self.maps.items()
+            name: pictures.texture(texture, encoded=name in ENCODED)
+            for name, texture in self.maps.items()
         }
         self.array: Any = None
         self.first_number = 0

@@ -164,16 +164,16 @@ class SkinnedMesh:
         """
         middle = self._corners_m.mean(axis=0)
         corners = middle + 1.5 * (self._corners_m - middle)
-        given = np.asarray(entries, np.float64)[:, None]
+        values = np.asarray(entries, np.float64)[:, None]
         if self._method == "linear":
-            rows = given.reshape(-1, 3, 4)
+            rows = values.reshape(-1, 3, 4)
             return np.concatenate(np.einsum("jrk,ck->jcr", rows, _homogeneous(corners)))
         if self._method == "similarity":
-            moved = Similarity.normalize(given).apply(corners)
+            moved = Similarity.normalize(values).apply(corners)
         elif self._method == "dual_quaternion":
-            moved = Motor.from_dual_quaternion(given).apply(corners)
+            moved = Motor.from_dual_quaternion(values).apply(corners)
         else:
-            moved = Motor.normalize(given).apply(corners)
+            moved = Motor.normalize(values).apply(corners)
         return moved.reshape(-1, 3)
 
     def release(self) -> None:
@@ -264,18 +264,18 @@ class MeshParts:
         self.covering: list[DrawnPart] = []
         self.blended: list[DrawnPart] = []
         casting, self._seen_through = [triangles[:0]], []
-        for given in look.parts:
-            if given.stop == given.first:
+        for look_part in look.parts:
+            if look_part.stop == look_part.first:
                 continue
-            part = DrawnPart(programs, pictures, given, lit=lit, colored=colored, lamps=lamps)
-            part.first_number = first_number + given.first
+            part = DrawnPart(programs, pictures, look_part, lit=lit, colored=colored, lamps=lamps)
+            part.first_number = first_number + look_part.first
             self._arrange(part)
             if part.blended:
                 self.blended.append(part)
-                self._seen_through.append(np.unique(triangles[given.first : given.stop]))
+                self._seen_through.append(np.unique(triangles[look_part.first : look_part.stop]))
             else:
                 self.covering.append(part)
-                casting.append(triangles[given.first : given.stop])
+                casting.append(triangles[look_part.first : look_part.stop])
         self.casting: IntArray = np.concatenate(casting)
         self.middles_m: list[FloatArray] = []
 
@@ -345,5 +345,5 @@ class MeshParts:
 
 def draw_triangles(part: DrawnPart) -> None:
     """Draw a part's own triangles of its mesh."""
-    given = part.part
-    part.array.render(vertices=3 * (given.stop - given.first), first=3 * given.first)
+    numbers = part.part
+    part.array.render(vertices=3 * (numbers.stop - numbers.first), first=3 * numbers.first)

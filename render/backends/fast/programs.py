@@ -196,11 +196,11 @@ class BareFunctions:
 
     def look_up(self, buffer: Any, form: int) -> int:
         """A new texture that shows a buffer's content, to be deleted by `forget`."""
-        made = ctypes.c_uint()
-        self._new_textures(1, ctypes.addressof(made))
-        self._bind_texture(TEXTURE_BUFFER, made.value)
+        texture = ctypes.c_uint()
+        self._new_textures(1, ctypes.addressof(texture))
+        self._bind_texture(TEXTURE_BUFFER, texture.value)
         self._texture_buffer(TEXTURE_BUFFER, form, buffer.glo)
-        return made.value
+        return texture.value
 
     def use(self, texture: int, unit: int) -> None:
         """Bind what `look_up` gave to a unit."""

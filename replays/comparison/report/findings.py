@@ -241,7 +241,7 @@ def _motors(results: Results, key: Key) -> float:
 
 
 def _frames(results: Results) -> Iterator[str]:
-    traits = [row for row in results.told["traits"] if not row["failure"]]
+    traits = [row for row in results.document["traits"] if not row["failure"]]
     for name in results.representations:
         ours = [row for row in traits if row["representation"] == name]
         if not ours:
@@ -264,7 +264,7 @@ def _defect(row: Mapping[str, float], sides: tuple[str, ...] = ("left", "right")
 
 
 def _cost(results: Results) -> Iterator[str]:
-    traits = [row for row in results.told["traits"] if not row["failure"]]
+    traits = [row for row in results.document["traits"] if not row["failure"]]
     if not traits:
         return
     fast, slow = (pick(traits, key=lambda row: row["time_us_per_pose"]) for pick in (min, max))

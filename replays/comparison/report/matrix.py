@@ -46,12 +46,12 @@ class Matrix:
 
 def matrices(results: Results, scope: str) -> list[Matrix]:
     """Every table of a scope that has something to show."""
-    made = [
+    every = [
         *(_to_raw(results, scope, metric) for metric in RATIOS),
         *(_to_motor(results, scope, metric) for metric in RATIOS),
         *(_sizes(results, scope, metric) for metric in SIZES),
     ]
-    return [one for one in made if any(_known(cell) for _, row in one.rows for cell in row)]
+    return [one for one in every if any(_known(cell) for _, row in one.rows for cell in row)]
 
 
 def against_motor(results: Results, kind: str, names: Iterable[str], caption: str) -> Matrix:
@@ -201,7 +201,7 @@ def place_rows(
     results: Results, motion: str, degradation: str, metrics: Sequence[str]
 ) -> list[tuple[str, str, list[PageCell]]]:
     """Method, representation and figures with intervals of one place; raw poses first."""
-    made = []
+    places = []
     pairs = [("raw", "none")] + [(m, r) for m in results.methods for r in results.representations]
     for pair in pairs:
         figures = [results.figures.get((motion, degradation, *pair, name)) for name in metrics]
@@ -215,8 +215,8 @@ def place_rows(
             value = METRICS[name].factor * figure.mean
             cells.append(PageCell(shown_metric(name, figure.mean), value, "none", note=note))
         if any(_known(cell) for cell in cells):
-            made.append((*pair, cells))
-    return made
+            places.append((*pair, cells))
+    return places
 
 
 _DEFECTS = (1e-10, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
@@ -230,7 +230,7 @@ def trait_matrices(results: Results) -> list[Matrix]:
     """Defects on the world's and the sensor's side, and the time a pose."""
     rows = {
         (row["method"], row["representation"]): row
-        for row in results.told["traits"]
+        for row in results.document["traits"]
         if not row["failure"]
     }
     if not rows:
@@ -246,16 +246,16 @@ def trait_matrices(results: Results) -> list[Matrix]:
         ("right", "sensor's frame", "The same for the frame of the sensor: another mount."),
         ("time", "time a pose", f"Microseconds a pose over {poses} poses, called from Python."),
     )
-    made = []
+    matrices = []
     for key, title, caption in tables:
         body = [
             (method, [_cell(rows.get((method, one)), key) for one in results.representations])
             for method in results.methods
         ]
-        made.append(
+        matrices.append(
             Matrix(f"trait-{key}", "", title, caption, "method", results.representations, body)
         )
-    return made
+    return matrices
 
 
 def _cell(row: Mapping[str, Any] | None, key: str) -> PageCell:
@@ -275,7 +275,7 @@ def _cell(row: Mapping[str, Any] | None, key: str) -> PageCell:
 
 def exact_ties(results: Results) -> list[dict[str, Any]]:
     """A row a tie that theory predicts, over the methods it was tried on."""
-    ties = results.told["exact_ties"]
+    ties = results.document["exact_ties"]
     rows = []
     for theory in dict.fromkeys(one["theory"] for one in ties):
         of = [one for one in ties if one["theory"] == theory]
@@ -305,11 +305,11 @@ def verdict_counts(results: Results) -> list[dict[str, Any]]:
 
     Over APE, rotation error and both jitters.
     """
-    made = []
+    counted = []
     for name in results.representations:
         rows = [
             row
-            for row in results.told["verdicts"]
+            for row in results.document["verdicts"]
             if row["representation"] == name and row["metric"] in _RATIO_METRICS
         ]
         if name == REFERENCE or not rows:
@@ -317,5 +317,5 @@ def verdict_counts(results: Results) -> list[dict[str, Any]]:
         counts = {key: sum(row[key] for row in rows) for key in ("better", "tie", "equal", "worse")}
         total = sum(counts.values())
         shares = {key: 100.0 * count / total for key, count in counts.items()}
-        made.append({"name": name, "total": total, "counts": counts, "shares": shares})
-    return made
+        counted.append({"name": name, "total": total, "counts": counts, "shares": shares})
+    return counted

@@ -100,7 +100,7 @@ def _environment() -> Environment:
 
 
 def _overview(environment: Environment, results: Results) -> str:
-    plan = results.told["plan"]
+    plan = results.document["plan"]
     method = method_to_draw(results)
     drawable = [one for one in results.motions if can_be_drawn(results, one)]
     panels: list[PagePlot] = []
@@ -139,7 +139,7 @@ def _overview(environment: Environment, results: Results) -> str:
         ties=exact_ties(results),
         traits=trait_matrices(results),
         seeds={name: _spans(plan[name]) for name in ("test_seeds", "tuning_seeds")},
-        failures=results.told["failures"],
+        failures=results.document["failures"],
         range_ends=range_ends(results),
     )
 
@@ -177,7 +177,7 @@ def _over_time(results: Results, motion: str) -> list[tuple[str, list[PagePlot]]
 
 
 def _facts(results: Results) -> list[tuple[str, str]]:
-    seeds = len(results.told["plan"]["test_seeds"])
+    seeds = len(results.document["plan"]["test_seeds"])
     places = len(results.places())
     return [
         (
@@ -232,10 +232,10 @@ def _on_axis(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 def _parameters(results: Results, motion: str, degradation: str) -> list[dict[str, Any]]:
     """A row a method: each representation's parameters as text."""
-    found = results.parameters(motion, degradation)
+    tuned = results.parameters(motion, degradation)
     parameters = []
     for method in results.methods:
-        cells = [_parameter_text(found.get((method, one))) for one in results.representations]
+        cells = [_parameter_text(tuned.get((method, one))) for one in results.representations]
         parameters.append({"method": method, "cells": cells})
     return parameters
 

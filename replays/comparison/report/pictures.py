@@ -70,7 +70,7 @@ class Replayed:
 
 def can_be_drawn(results: Results, motion: str) -> bool:
     """Whether the motion is a known formula; recordings are not kept."""
-    return motion in MOTIONS and "rate_hz" in results.told["plan"]
+    return motion in MOTIONS and "rate_hz" in results.document["plan"]
 
 
 def method_to_draw(results: Results, causal: bool = False) -> str | None:
@@ -101,7 +101,7 @@ def method_apart(results: Results, motion: str, degradation: str) -> str | None:
 
 def replay(results: Results, motion: str, degradation: str, method: str) -> Replayed:
     """Smooth the first test seed again, with the parameters that were found."""
-    plan = results.told["plan"]
+    plan = results.document["plan"]
     seed = int(plan["test_seeds"][0])
     degraded, evaluator = inputs_of(motion, degradation, seed, plan["rate_hz"], plan["duration_s"])
     rigid = MOTIONS[motion].versor is Motor and REFERENCE in results.representations
@@ -110,7 +110,9 @@ def replay(results: Results, motion: str, degradation: str, method: str) -> Repl
         drawn = representation in results.representations
         if name != method or not drawn or (rigid and representation == "similarity"):
             continue
-        if any(_at(one) == (motion, degradation, *_pair(row)) for one in results.told["failures"]):
+        if any(
+            _at(one) == (motion, degradation, *_pair(row)) for one in results.document["failures"]
+        ):
             continue
         setting = Setting(method, representation, tuple(row["parameters"].items()))
         paths[representation] = setting.smooth(degraded).poses.rigid
@@ -134,11 +136,11 @@ def small_panels(drawn: Sequence[Replayed]) -> list[PagePlot]:
     ends = [end for one in errors for values in one.values() for end in _ends(values)]
     limits = (max(min(ends), _LOWEST_DEG), 1.2 * max(ends)) if ends else None
     panels = []
-    for one, values in zip(drawn, errors, strict=True):
-        series = {name: (one.time_s, value) for name, value in values.items()}
+    for path, values in zip(drawn, errors, strict=True):
+        series = {name: (path.time_s, value) for name, value in values.items()}
         svg = plot_series(
             series,
-            f"rotation error, {one.motion}",
+            f"rotation error, {path.motion}",
             "rotation error (°)",
             log_scale=True,
             width_in=3.6,
@@ -146,8 +148,8 @@ def small_panels(drawn: Sequence[Replayed]) -> list[PagePlot]:
             nested=True,
             limits=limits,
         )
-        svg = with_own_ids(svg, f"small-{one.motion}")
-        panels.append(PagePlot(one.motion, "", svg, tuple(values)))
+        svg = with_own_ids(svg, f"small-{path.motion}")
+        panels.append(PagePlot(path.motion, "", svg, tuple(values)))
     return panels
 
 

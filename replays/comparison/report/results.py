@@ -60,7 +60,7 @@ class Results:
     """What a comparison found.
 
     Fields:
-        told: all of ``results.json``.
+        document: all of ``results.json``.
         figures: ``groups.csv`` by (motion, degradation, method, representation, metric).
 
     >>> from motorcade.replays.comparison.report import Results
@@ -70,7 +70,7 @@ class Results:
     ([('screw', 'gaussian')], 'seeds')
     """
 
-    told: Mapping[str, Any]
+    document: Mapping[str, Any]
     figures: Mapping[Key, Figure]
 
     @classmethod
@@ -93,27 +93,27 @@ class Results:
     @property
     def drawn_from(self) -> str:
         """What intervals are drawn from: "seeds", or "blocks" of a recording."""
-        return "blocks" if "blocks" in self.told["plan"] else "seeds"
+        return "blocks" if "blocks" in self.document["plan"] else "seeds"
 
     @property
     def motions(self) -> list[str]:
         """As the plan lists them."""
-        return list(self.told["plan"]["motions"])
+        return list(self.document["plan"]["motions"])
 
     @property
     def degradations(self) -> list[str]:
         """As the plan lists them."""
-        return list(self.told["plan"]["degradations"])
+        return list(self.document["plan"]["degradations"])
 
     @property
     def methods(self) -> list[str]:
         """As the plan lists them."""
-        return list(self.told["plan"]["methods"])
+        return list(self.document["plan"]["methods"])
 
     @property
     def representations(self) -> list[str]:
         """As the plan lists them."""
-        return list(self.told["plan"]["representations"])
+        return list(self.document["plan"]["representations"])
 
     def places(self, scope: str = "all") -> list[Pair]:
         """Motions and degradations of a scope: "all", "motion:NAME" or "degradation:NAME"."""
@@ -127,14 +127,14 @@ class Results:
 
     def ranking(self, scope: str = "all", metric: str = "score") -> Sequence[Mapping[str, Any]]:
         """Rows of a ranking, best first; none where nothing was complete."""
-        for one in self.told["rankings"]:
-            if one["scope"] == scope and one["metric"] == metric:
-                return list(one["rows"])
+        for table in self.document["rankings"]:
+            if table["scope"] == scope and table["metric"] == metric:
+                return list(table["rows"])
         return []
 
     def unranked(self, scope: str = "all") -> list[Pair]:
         """Methods and representations without a result in every cell of a scope."""
-        for ranking in self.told["rankings"]:
+        for ranking in self.document["rankings"]:
             if ranking["scope"] == scope:
                 return [(method, representation) for method, representation in ranking["unranked"]]
         return []
@@ -150,7 +150,7 @@ class Results:
         """Times what motors leave, by method ("all": over the complete ones) and representation."""
         return {
             (row["method"], row["representation"]): _ratio(row, "ratio_to_motor")
-            for row in self.told["ratios_to_motor"]
+            for row in self.document["ratios_to_motor"]
             if row["scope"] == scope and row["metric"] == metric
         }
 
@@ -183,7 +183,7 @@ class Results:
         """Rows of what was found for a place, by method and representation."""
         return {
             (row["method"], row["representation"]): row
-            for row in self.told["parameters"]
+            for row in self.document["parameters"]
             if row["motion"] == motion and row["degradation"] == degradation
         }
 
@@ -224,7 +224,7 @@ def range_ends(results: Results) -> list[str]:
     more than it takes away, most where the motion is what the method takes for constant: then a
     longer range would be followed further, to little gain.
     """
-    facts = sorted(_found(results), key=itemgetter(0, 1))
+    facts = sorted(_range_ends(results), key=itemgetter(0, 1))
     sentences = []
     for (most, method), rows in groupby(facts, key=itemgetter(0, 1)):
         motions = list(dict.fromkeys(motion for _, _, motion in rows))
@@ -235,7 +235,7 @@ def range_ends(results: Results) -> list[str]:
     return sentences
 
 
-def _found(results: Results) -> Iterator[tuple[bool, str, str]]:
+def _range_ends(results: Results) -> Iterator[tuple[bool, str, str]]:
     """Whether it is the end with most smoothing, method and motion."""
     for motion in results.motions:
         for (method, representation), row in results.parameters(
@@ -243,8 +243,10 @@ def _found(results: Results) -> Iterator[tuple[bool, str, str]]:
         ).items():
             if representation != REFERENCE or row["how"] != "search":
                 continue
-            for one in results.told["ranges"][method]:
-                value = row["parameters"][one["parameter"]]
-                place = math.log(value / one["low"]) / math.log(one["high"] / one["low"])
+            for searched in results.document["ranges"][method]:
+                value = row["parameters"][searched["parameter"]]
+                place = math.log(value / searched["low"]) / math.log(
+                    searched["high"] / searched["low"]
+                )
                 if not _AT_AN_END < place < 1.0 - _AT_AN_END:
-                    yield (one["parameter"] in _WIDTHS) == (place > 0.5), method, motion
+                    yield (searched["parameter"] in _WIDTHS) == (place > 0.5), method, motion

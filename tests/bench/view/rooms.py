@@ -328,7 +328,7 @@ def rows(rooms: list[Room] | tuple[Room, ...]) -> Iterator[dict[str, float | str
             "doubt_deg": float(np.rad2deg(found.doubt_rad)),
             "share": room.share,
             "drawn_share": sun_share(lighting, ground, up),
-            "told": found.told,
+            "told": found.reason,
         }
 
 

@@ -41,7 +41,7 @@ def short() -> tuple[BoardRecording, InertialRun]:
 def written(folder: Path) -> tuple[CameraImuCalibration, Path, Path, Path]:
     run = short()[1]
     path = folder / "rig.toml"
-    return run.found, path, *write_inertial(run, path)
+    return run.calibration, path, *write_inertial(run, path)
 
 
 def test_kalibrs_files_are_read_back(tmp_path: Path) -> None:
@@ -66,7 +66,7 @@ def test_kalibrs_conventions_hold_by_another_reader(tmp_path: Path) -> None:
     camera = yaml.safe_load(chain.read_text())["cam0"]
     sensor = yaml.safe_load(imu.read_text())["imu0"]
     # A corner is projected through T_cam_imu from where the IMU is at t_imu = t_cam + shift.
-    k, found = 17, run.found
+    k, found = 17, run.calibration
     stamp = true.time_ns[k] * 1e-9 + camera["timeshift_cam_imu"]
     assert abs(stamp - (true.time_ns[k] * 1e-9 + OFFSET_S)) < 1e-3
     numbers = [*camera["distortion_coeffs"], *camera["intrinsics"], camera["timeshift_cam_imu"]]

@@ -351,7 +351,7 @@ def test_the_guide_is_written_from_the_figures(results: Results, swapped: Result
 
 def test_ends_of_ranges_are_told(results: Results) -> None:
     assert range_ends(results) == []
-    told = copy.deepcopy(dict(results.told))
+    told = copy.deepcopy(dict(results.document))
     first = PLAN.motions[0]
     for row in told["parameters"]:
         if row["motion"] == first and row["representation"] == "motor":

@@ -62,7 +62,7 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     return {f"{program.name}.hpp": "\n".join(lines) + "\n"}
 
 
-def _returned(made: str, arrays: list[str], results: list[tuple[str, ...]]) -> list[str]:
+def _returned(kind: str, arrays: list[str], results: list[tuple[str, ...]]) -> list[str]:
     if len(arrays) == 1:
         return ["return {{", *(f"    {value}," for value in results[0]), "}};"]
     inside = []
@@ -71,4 +71,4 @@ def _returned(made: str, arrays: list[str], results: list[tuple[str, ...]]) -> l
     if not inside:
         return ["return {};"]
     inside[-1] = inside[-1].removesuffix(",")
-    return [f"return {made}{{", *inside, "};"]
+    return [f"return {kind}{{", *inside, "};"]

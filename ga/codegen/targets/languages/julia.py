@@ -65,11 +65,11 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     reserved = Reserved("Julia", JULIA_NAMES.words | _OWN | _only_underscores(program))
     check_names(program, reserved)
     written = statements(program.tape, _Julia(precision or DOUBLE), reserved.words)
-    given = variables(program)
+    parameters = variables(program)
     option = f" --precision {precision.numpy}" if precision else ""
     kind = "" if precision is None else f"Float{8 * (4 if precision.c == 'float' else 8)}"
     body = [
-        *_converted(given, kind),
+        *_converted(parameters, kind),
         *(
             f"{_FUNCTIONS[name]}(v) = {domain} ? {name}(v) : oftype(v, NaN)"
             for name, domain in _DOMAINS.items()
@@ -86,7 +86,7 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     described = [*description(program, f"julia{option}"), *_CALLING]
     lines = [
         *(f"# {line}".rstrip() for line in described),
-        *call(f"function {program.name}", given, ""),
+        *call(f"function {program.name}", parameters, ""),
         *indented(body),
         "end",
     ]

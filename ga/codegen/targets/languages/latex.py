@@ -49,9 +49,9 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
         raise ValueError(f"target latex: expected precision float64, got {precision.numpy}")
     tape = typed(program.tape)
     lines, results = _lines(tape)
-    given = {operand.name for operand in tape.inputs}
+    inputs = {operand.name for operand in tape.inputs}
     for operand, row in zip(tape.outputs, results, strict=True):
-        named = name_text(operand.name) + ("'" if operand.name in given else "")
+        named = name_text(operand.name) + ("'" if operand.name in inputs else "")
         lines += _output(named, operand.components, row)
     text = [
         *(f"% {line}".rstrip() for line in description(program, "latex")),
@@ -74,15 +74,15 @@ def _lines(tape: Tape) -> tuple[list[str], list[list[_Written]]]:
     lines: list[str] = []
     for index, node in enumerate(tape.nodes):
         if node.op == "input":
-            made = name_text(component_name(*node.source, widths[node.source[0]])), _ATOM, 1
+            written_node = name_text(component_name(*node.source, widths[node.source[0]])), _ATOM, 1
         else:
-            made = _operation(node, [written[k] for k in node.args], node.args)
-        text, _, size = made
+            written_node = _operation(node, [written[k] for k in node.args], node.args)
+        text, _, size = written_node
         if node.args and (uses[index] > 1 or (size > _MOST_SYMBOLS and index not in last)):
             name = name_text(next(names))
             lines.append(f"{name} &= {text}")
-            made = name, _ATOM, 1
-        written.append(made)
+            written_node = name, _ATOM, 1
+        written.append(written_node)
     return lines, [[written[k] for k in row] for row in tape.results]
 
 

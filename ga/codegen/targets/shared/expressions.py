@@ -76,7 +76,7 @@ def statements(tape: Tape, dialect: Dialect, reserved: frozenset[str] = frozense
     Intermediate values are named t0, t1, …, but for names of operands and for those `reserved`.
     """
     writer = _Writer(tape, dialect, reserved)
-    body = tuple(made for index in range(len(tape.nodes)) if (made := writer.node(index)))
+    body = tuple(statement for index in range(len(tape.nodes)) if (statement := writer.node(index)))
     return Statements(body, writer.results())
 
 
@@ -111,12 +111,12 @@ class _Writer:
 
     def body(self, plan: Plan) -> Body:
         """What a plan says, in order."""
-        made: list[Statement | BranchStatement] = []
+        statements: list[Statement | BranchStatement] = []
         for item in plan:
-            one = self._choice(item) if isinstance(item, Branch) else self.node(item)
-            if one is not None:
-                made.append(one)
-        return tuple(made)
+            statement = self._choice(item) if isinstance(item, Branch) else self.node(item)
+            if statement is not None:
+                statements.append(statement)
+        return tuple(statements)
 
     def results(self) -> tuple[tuple[str, ...], ...]:
         """The expression of each component of each output, once all is written."""
@@ -126,18 +126,18 @@ class _Writer:
         condition, _ = self._written[branch.condition]
         sides = []
         for place, plan in ((1, branch.chosen), (2, branch.otherwise)):
-            made = self.body(plan)
+            branch_body = self.body(plan)
             values = [
                 self._written[self._tape.nodes[choice].args[place]][0] for choice in branch.choices
             ]
-            sides.append((made, values))
+            sides.append((branch_body, values))
         names = tuple(self._named(choice, "").name for choice in branch.choices)
         ends = [
             (
-                *made,
+                *branch,
                 *(Statement(name, value, False) for name, value in zip(names, values, strict=True)),
             )
-            for made, values in sides
+            for branch, values in sides
         ]
         return BranchStatement(condition, names, ends[0], ends[1])
 
@@ -300,12 +300,12 @@ class _Planner:
 
     def plan(self, path: _Path, wanted: list[int]) -> Plan:
         """The nodes on a side of a choice that the wanted ones need."""
-        made: list[int | Branch] = []
+        planned: list[int | Branch] = []
         for index in wanted:
-            self._place(index, path, made)
-        return tuple(made)
+            self._place(index, path, planned)
+        return tuple(planned)
 
-    def _place(self, index: int, path: _Path, made: list[int | Branch]) -> None:
+    def _place(self, index: int, path: _Path, planned: list[int | Branch]) -> None:
         if index in self._placed or self._paths[index] != path:
             return
         node = self._nodes[index]
@@ -313,22 +313,22 @@ class _Planner:
         choices = self._jumps.get((group, path)) if group else None
         if group is None or choices is None:
             for argument in node.args:
-                self._place(argument, path, made)
+                self._place(argument, path, planned)
             self._placed.add(index)
-            made.append(index)
+            planned.append(index)
             return
         for needed in self._outside(choices, path):
-            self._place(needed, path, made)
+            self._place(needed, path, planned)
         self._placed.update(choices)
         sides = [
             self.plan((*path, (group, side)), [self._nodes[k].args[place] for k in choices])
             for side, place in ((True, 1), (False, 2))
         ]
-        made.append(Branch(node.args[0], choices, *sides))
+        planned.append(Branch(node.args[0], choices, *sides))
 
     def _outside(self, choices: tuple[int, ...], path: _Path) -> list[int]:
         """What branches need of the side that they stand on, their condition included."""
-        found: set[int] = set()
+        outside: set[int] = set()
         seen: set[int] = set()
         waiting = [argument for k in choices for argument in self._nodes[k].args]
         while waiting:
@@ -337,7 +337,7 @@ class _Planner:
                 continue
             seen.add(index)
             if self._paths[index] == path:
-                found.add(index)
+                outside.add(index)
             elif len(self._paths[index]) > len(path):
                 waiting.extend(self._nodes[index].args)
-        return sorted(found)
+        return sorted(outside)

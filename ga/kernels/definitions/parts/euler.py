@@ -58,13 +58,13 @@ def _of_euler(precision: Precision, angles: Numbers, axes: Numbers) -> list[Numb
         half = 0.5 * angle
         cosine, sinc, _ = cosine_sinc(precision, half * half)
         turns.append(on.ROTOR.of([cosine, *(-half * sinc * x for x in axes[3 * k : 3 * k + 3])]))
-    made = on.ROTOR.numbers(turns[0] * turns[1] * turns[2])
-    quaternion = conjugate(made)
+    rotor = on.ROTOR.numbers(turns[0] * turns[1] * turns[2])
+    quaternion = conjugate(rotor)
     longest = quaternion[0]
     for x in quaternion[1:]:
         longest = select(ca.fabs(x) > ca.fabs(longest), x, longest)
     sign = select(longest < 0, -1, 1)
-    return [[sign * x for x in made]]
+    return [[sign * x for x in rotor]]
 
 
 def _motor_of_euler(

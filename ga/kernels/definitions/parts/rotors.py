@@ -26,10 +26,10 @@ def checked(operand: Operand) -> Operand:
 
 def largest(values: Numbers) -> Any:
     """The largest of several numbers."""
-    made = values[0]
+    greatest = values[0]
     for value in values[1:]:
-        made = ca.fmax(made, value)
-    return made
+        greatest = ca.fmax(greatest, value)
+    return greatest
 
 
 def conjugate(q: Numbers) -> Numbers:
@@ -88,8 +88,8 @@ def of_rotation(m: Numbers) -> Numbers:
 
 def _longer(a: Numbers, a_square: Any, b: Numbers, b_square: Any) -> tuple[Numbers, Any]:
     chosen = a_square >= b_square
-    made = [select(chosen, x, y) for x, y in zip(a, b, strict=True)]
-    return made, select(chosen, a_square, b_square)
+    longer = [select(chosen, x, y) for x, y in zip(a, b, strict=True)]
+    return longer, select(chosen, a_square, b_square)
 
 
 def _apply(precision: Precision, r: Numbers, x: Numbers) -> list[Numbers]:

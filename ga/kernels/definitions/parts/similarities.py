@@ -34,8 +34,8 @@ def _of_matrix44(precision: Precision, m: Numbers) -> list[Numbers]:
     scale = ca.sqrt(sum(x * x for x in scaled) * (1 / 3))
     rotation = [x / scale for x in scaled]
     off = off_rotation(rotation) + off_bottom_row(m)
-    made = grown(joined(of_rotation(rotation), m[3:12:4]), scale)
-    return [[*made, off]]
+    similarity = grown(joined(of_rotation(rotation), m[3:12:4]), scale)
+    return [[*similarity, off]]
 
 
 def _motor_scale(precision: Precision, m: Numbers) -> list[Numbers]:
