@@ -228,8 +228,7 @@ class Appearance:
     def check(self, vertices: FloatArray, triangles: NDArray[np.int64], name: str) -> None:
         """Refuse to be of a mesh of another size.
 
-        Raises:
-            ValueError: as said; `name` is whose mesh it is.
+        Raises ValueError: as said; `name` is whose mesh it is.
         """
         counts = self.coordinates.shape[1], self.triangle_count
         if counts != (len(vertices), len(triangles)):

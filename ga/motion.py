@@ -100,8 +100,7 @@ def cross(a: FloatArray, b: FloatArray) -> FloatArray:
 def check_within(path: str, time_s: FloatArray, start_ns: int, duration_s: float) -> None:
     """Refuse times ``(*)`` in seconds that lie outside a path's span, a nanosecond aside.
 
-    Raises:
-        ValueError: such times.
+    Raises ValueError: such times.
     """
     slack = 1e-9 * max(1.0, duration_s)
     outside = (time_s < -slack) | (time_s > duration_s + slack)

@@ -103,8 +103,7 @@ class _CumulativeBSpline(Generic[V]):
     def at(self, time_ns: ArrayLike) -> V:
         """Poses at stamps ``(*)`` in nanoseconds.
 
-        Raises:
-            ValueError: stamps that are no integers, or outside the span.
+        Raises ValueError: stamps that are no integers, or outside the span.
         """
         stamps = np.asarray(time_ns)
         if stamps.dtype.kind != "i":
@@ -122,8 +121,7 @@ class _CumulativeBSpline(Generic[V]):
     def twists(self, time_s: ArrayLike) -> TwistSample[V]:
         """Poses, body twists and their derivatives at times ``(*)`` in seconds from the start.
 
-        Raises:
-            ValueError: NaN or infinity, or times outside the span.
+        Raises ValueError: NaN or infinity, or times outside the span.
         """
         checked = checked_floats(time_s, f"{type(self).__name__}.twists(time_s)", ())
         segment, fraction = self._locate(checked)
@@ -281,8 +279,7 @@ def _check_spacing(knot_spacing_s: float) -> None:
 def segments_of(trajectory: Trajectory, knot_spacing_s: float) -> tuple[int, float]:
     """How many segments span a trajectory, and their spacing, which is at most the given one.
 
-    Raises:
-        ValueError: more than 2,000 and 20 a pose.
+    Raises ValueError: more than 2,000 and 20 a pose.
     """
     wanted = trajectory.duration_s / knot_spacing_s - 1e-9
     most = _MOST_KNOTS + _MOST_KNOTS_A_POSE * len(trajectory)

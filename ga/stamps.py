@@ -60,8 +60,7 @@ def checked_stamps(value: ArrayLike, name: str) -> IntArray:
 def checked_increasing(value: ArrayLike, name: str, fewest: int) -> IntArray:
     """A read-only copy of stamps ``(N,)`` that strictly increase.
 
-    Raises:
-        ValueError: as `checked_stamps`; another shape, fewer, or stamps that do not increase.
+    Raises ValueError: as `checked_stamps`; another shape, fewer, or stamps that do not increase.
     """
     values = checked_stamps(value, name)
     if values.ndim != 1 or values.size < fewest:
@@ -81,8 +80,7 @@ def checked_increasing(value: ArrayLike, name: str, fewest: int) -> IntArray:
 def checked_span_ns(seconds: float, name: str) -> int:
     """A span of time in whole nanoseconds.
 
-    Raises:
-        ValueError: not a number from -1e9 to 1e9 seconds.
+    Raises ValueError: not a number from -1e9 to 1e9 seconds.
     """
     if not -LONGEST_SPAN_S <= seconds <= LONGEST_SPAN_S:
         raise ValueError(
@@ -94,8 +92,7 @@ def checked_span_ns(seconds: float, name: str) -> int:
 def checked_rate(rate_hz: float, name: str) -> float:
     """A rate of stamps, from one in thirty years to one a nanosecond.
 
-    Raises:
-        ValueError: another number.
+    Raises ValueError: another number.
     """
     if not 1e-9 <= rate_hz <= 1e9:
         raise ValueError(f"{name}: expected a positive number from 1e-9 to 1e9, got {rate_hz}")
@@ -175,8 +172,7 @@ def inside_gaps(stamps_ns: IntArray, time_ns: IntArray, max_gap_s: float) -> NDA
 def check_count(count: float, name: str, poses: int | None = None) -> None:
     """Refuse more even samples than may be made from so many poses; None: from a formula.
 
-    Raises:
-        ValueError: such a count.
+    Raises ValueError: such a count.
     """
     most = _MOST_OF_A_FORMULA if poses is None else _MOST + _MOST_A_POSE * poses
     if not count <= most:

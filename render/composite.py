@@ -156,8 +156,7 @@ def noisy(
 def as_rgb(frame: ImageArray) -> ImageArray:
     """A grey (h, w) or colour (h, w, 3) picture as its own (h, w, 3) array.
 
-    Raises:
-        ValueError: another shape or type.
+    Raises ValueError: another shape or type.
     """
     if frame.dtype != np.uint8 or frame.ndim not in (2, 3) or frame.shape[2:] not in ((), (3,)):
         raise ValueError(

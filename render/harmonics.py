@@ -138,8 +138,7 @@ def irradiance_factors(band: int) -> FloatArray:
 def band_of(coefficients: FloatArray) -> int:
     """The highest band L of an array (*, (L + 1)²).
 
-    Raises:
-        ValueError: another count, or a band above `MOST_BANDS`.
+    Raises ValueError: another count, or a band above `MOST_BANDS`.
     """
     count = coefficients.shape[-1] if coefficients.ndim else 0
     band = round(sqrt(count)) - 1

@@ -72,8 +72,7 @@ class OriginalVideo:
     def of(cls, path: Path, container: InputContainer) -> OriginalVideo:
         """What an open video is; see `motorcade.render.video.read_original`.
 
-        Raises:
-            OSError: it holds no video.
+        Raises OSError: it holds no video.
         """
         stream = next(iter(container.streams.video), None)
         if stream is None or stream.time_base is None:

@@ -153,8 +153,7 @@ class FilmStage:
     ) -> Iterator[Shot]:
         """Draw what is to be laid over each frame; the first one's stamp starts the clips.
 
-        Raises:
-            ValueError: a frame of another size.
+        Raises ValueError: a frame of another size.
         """
         span_ns = int(world_T_camera.time_ns[0]), int(world_T_camera.time_ns[-1])
         camera, matching = self.lens.camera, self._matching

@@ -32,55 +32,35 @@ _SHORT.maxstring = _SHORT.maxlong = _SHORT.maxother = 70
 
 
 def number(value: object, where: str) -> float:
-    """A finite number of JSON.
-
-    Raises:
-        ValueError: anything else.
-    """
+    """A finite number of JSON. Raises ValueError: anything else."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e9:
         raise ValueError(f"{where}: expected a number, got {short(value)}")
     return float(value)
 
 
 def vector(value: object, where: str, size: int) -> FloatArray:
-    """A list of finite numbers of JSON.
-
-    Raises:
-        ValueError: anything else.
-    """
+    """A list of finite numbers of JSON. Raises ValueError: anything else."""
     if not isinstance(value, list) or len(value) != size:
         raise ValueError(f"{where}: expected {size} numbers, got {short(value)}")
     return checked_floats([number(one, where) for one in value], where, ())
 
 
 def text(value: object, where: str) -> str:
-    """A text of 1 to 1000 printable letters.
-
-    Raises:
-        ValueError: anything else.
-    """
+    """A text of 1 to 1000 printable letters. Raises ValueError: anything else."""
     if not isinstance(value, str) or not 1 <= len(value) <= 1000 or not value.isprintable():
         raise ValueError(f"{where}: expected a text, got {short(value)}")
     return value
 
 
 def object_name(value: object, where: str) -> str:
-    """A name: a text of 1 to 100 printable letters.
-
-    Raises:
-        ValueError: anything else.
-    """
+    """A name: a text of 1 to 100 printable letters. Raises ValueError: anything else."""
     if not isinstance(value, str) or not 1 <= len(value) <= 100 or not value.isprintable():
         raise ValueError(f"{where}: expected a name, got {short(value)}")
     return value
 
 
 def listed(value: object, where: str, most: int) -> list[Any]:
-    """A list of JSON of at most so many entries.
-
-    Raises:
-        ValueError: anything else.
-    """
+    """A list of JSON of at most so many entries. Raises ValueError: anything else."""
     if not isinstance(value, list) or len(value) > most:
         raise ValueError(f"{where}: expected a list of at most {most}, got {short(value)}")
     return value
@@ -89,8 +69,7 @@ def listed(value: object, where: str, most: int) -> list[Any]:
 def table(value: object, where: str, known: Iterable[str]) -> dict[str, Any]:
     """An object of JSON that has no keys but those known.
 
-    Raises:
-        ValueError: anything else; the message names the first key that is not.
+    Raises ValueError: anything else; the message names the first key that is not.
     """
     if not isinstance(value, dict):
         raise ValueError(f"{where}: expected an object of JSON, got {short(value)}")
@@ -104,8 +83,7 @@ def table(value: object, where: str, known: Iterable[str]) -> dict[str, Any]:
 def read_json(path: Path) -> Any:
     """A file of JSON.
 
-    Raises:
-        ValueError: a file that cannot be read, is larger than 16 MiB, or no JSON.
+    Raises ValueError: a file that cannot be read, is larger than 16 MiB, or no JSON.
     """
     return parsed_json(_decoded(read_bounded(path, MOST_BYTES), path), path.name)
 
@@ -113,8 +91,7 @@ def read_json(path: Path) -> Any:
 def read_json_lines(path: Path) -> Iterator[tuple[int, Any]]:
     """Line numbers and values of a file of JSON lines; empty lines are left out.
 
-    Raises:
-        ValueError: a file that cannot be read or is too large, a line that is no JSON.
+    Raises ValueError: a file that cannot be read or is too large, a line that is no JSON.
     """
     for at, line in enumerate(
         _decoded(read_bounded(path, MOST_LINES_BYTES), path).split("\n"), start=1
@@ -133,8 +110,7 @@ def _decoded(data: bytes, path: Path) -> str:
 def parsed_json(text: str, where: str) -> Any:
     """JSON in which no key stands twice and every number is one.
 
-    Raises:
-        ValueError: anything else; the message begins with `where`.
+    Raises ValueError: anything else; the message begins with `where`.
     """
     try:
         return json.loads(text, object_pairs_hook=_once, parse_constant=_no_number)

@@ -240,11 +240,7 @@ def pose_of(rotor: Rotor, position_m: FloatArray, scale: FloatArray | float) -> 
 
 
 def checked_vector(value: ArrayLike, name: str) -> FloatArray:
-    """One vector ``(3,)`` of finite numbers.
-
-    Raises:
-        ValueError: anything else.
-    """
+    """One vector ``(3,)`` of finite numbers. Raises ValueError: anything else."""
     values = checked_floats(value, name, (3,))
     if values.shape != (3,):
         raise ValueError(f"{name}: expected (3,), got {values.shape}")

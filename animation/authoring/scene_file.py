@@ -135,8 +135,7 @@ class SceneEntry:
 def object_of(value: object, where: str) -> SceneEntry:
     """An entry of `objects`.
 
-    Raises:
-        ValueError: a field that is unknown or wrong; the message begins with `where`.
+    Raises ValueError: a field that is unknown or wrong; the message begins with `where`.
     """
     entry = table(value, where, ("name", "parent", *POSE_KEYS, *_PART))
     name = object_name(entry.get("name"), f"{where}.name")
@@ -177,11 +176,7 @@ def _anchors(value: object, where: str) -> dict[str, SceneAnchor]:
 
 
 def anchor_of(value: object, where: str) -> SceneAnchor:
-    """An entry of `anchors`.
-
-    Raises:
-        ValueError: a wrong field; the message begins with `where`.
-    """
+    """An entry of `anchors`. Raises ValueError: a wrong field; the message begins with `where`."""
     entry = table(value, where, ("on", "marker", "floor_m"))
     marker = entry.get("marker")
     if marker is not None and (type(marker) is not int or not 0 <= marker < 10**6):
@@ -195,8 +190,7 @@ def anchor_of(value: object, where: str) -> SceneAnchor:
 def part_fields(fields: Mapping[str, Any], where: str) -> dict[str, Any]:
     """What an object's keys say of its `ScenePart`, by its fields; null is the default.
 
-    Raises:
-        ValueError: a wrong field; the message begins with `where`.
+    Raises ValueError: a wrong field; the message begins with `where`.
     """
     said = {}
     for key, (field, read) in _PART.items():
@@ -230,11 +224,7 @@ def _span(value: object, where: str) -> tuple[float, float]:
 
 
 def layer_of(value: object, where: str) -> SceneLayer:
-    """An entry of `layers`.
-
-    Raises:
-        ValueError: a wrong field; the message begins with `where`.
-    """
+    """An entry of `layers`. Raises ValueError: a wrong field; the message begins with `where`."""
     fields = table(
         value, where, ("clip", "joints", "weight", "additive", "start_s", "end_s", "fade_s")
     )
@@ -297,8 +287,7 @@ def _joint_keyframe(value: object, where: str) -> JointKeyframe:
 def similarity_of(fields: Mapping[str, Any], where: str) -> Similarity:
     """A pose by its keys; what is left out is none.
 
-    Raises:
-        ValueError: a wrong field; the message begins with `where`.
+    Raises ValueError: a wrong field; the message begins with `where`.
     """
     if "wxyz" in fields and "euler_deg" in fields:
         raise ValueError(f"{where}: expected wxyz or euler_deg, got both")
@@ -318,11 +307,7 @@ def similarity_of(fields: Mapping[str, Any], where: str) -> Similarity:
 
 
 def rotor_of(value: object, where: str) -> Rotor:
-    """A turn ``wxyz``.
-
-    Raises:
-        ValueError: no quaternion; the message begins with `where`.
-    """
+    """A turn ``wxyz``. Raises ValueError: no quaternion; the message begins with `where`."""
     wxyz = vector(value, where, 4)
     try:
         return Rotor.from_quaternion(wxyz)

@@ -189,11 +189,7 @@ def _rig(tree: _Hierarchy, times: FloatArray, values: FloatArray, name: str) -> 
 
 
 def _number(word: str) -> float:
-    """A finite number.
-
-    Raises:
-        FormatError: anything else.
-    """
+    """A finite number. Raises FormatError: anything else."""
     try:
         value = float(word)
     except ValueError as fault:

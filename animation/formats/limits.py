@@ -95,8 +95,7 @@ def picture_beside(folder: Path, uri: str, field: str) -> Path:
 def check_count(field: str, count: int, limit: int) -> int:
     """`count` where it is from 0 to `limit`.
 
-    Raises:
-        FormatError: negative, or more than the limit.
+    Raises FormatError: negative, or more than the limit.
     """
     if not 0 <= count <= limit:
         raise FormatError(f"{shown(field)}: expected at most {limit}, got {count}")
@@ -140,8 +139,7 @@ SPACE = re.compile(r"\s")
 def numbers_in(text: str, field: str) -> FloatArray:
     """All numbers of a text, parted by white space.
 
-    Raises:
-        FormatError: other words, NaN, numbers beyond 1e9, or more than MAX_VALUES.
+    Raises FormatError: other words, NaN, numbers beyond 1e9, or more than MAX_VALUES.
     """
     pieces, start, total = [], 0, 0
     while start < len(text):

@@ -61,33 +61,21 @@ class Words:
         return "" if self.done else self._words[self._at]
 
     def word(self, field: str) -> str:
-        """The next word, without quotes.
-
-        Raises:
-            FormatError: the file ends.
-        """
+        """The next word, without quotes. Raises FormatError: the file ends."""
         if self.done:
             raise expected(field, "a word", "the end of the file")
         self._at += 1
         return self._words[self._at - 1].strip('"')
 
     def need(self, *wanted: str) -> None:
-        """Pass over these words.
-
-        Raises:
-            FormatError: others stand there.
-        """
+        """Pass over these words. Raises FormatError: others stand there."""
         for wanted_word in wanted:
             got = self.word(wanted_word)
             if got != wanted_word:
                 raise expected("file", f"'{wanted_word}'", got)
 
     def integer(self, field: str, low: int, high: int) -> int:
-        """A whole number in a range.
-
-        Raises:
-            FormatError: anything else.
-        """
+        """A whole number in a range. Raises FormatError: anything else."""
         word = self.word(field)
         if not re.fullmatch(r"-?\d{1,9}", word, re.ASCII) or not low <= int(word) <= high:
             raise expected(field, f"a whole number from {low} to {high}", word)
@@ -96,8 +84,7 @@ class Words:
     def floats(self, count: int, field: str) -> FloatArray:
         """The next `count` numbers, whatever brackets stand between them.
 
-        Raises:
-            FormatError: other words, the end of the file, NaN or infinity.
+        Raises FormatError: other words, the end of the file, NaN or infinity.
         """
         number_words: list[str] = []
         while len(number_words) < count and not self.done:
@@ -127,8 +114,7 @@ class Words:
 def opened(path: Path) -> Words:
     """The words of an MD5 file after its version and command line.
 
-    Raises:
-        FormatError: a file that is too large, or of another version.
+    Raises FormatError: a file that is too large, or of another version.
     """
     words = Words(read_bounded(path, MAX_TEXT_BYTES))
     words.need("MD5Version")

@@ -143,8 +143,7 @@ JointKind = Hinge | Ball | Floating
 def checked_direction(value: ArrayLike, name: str) -> FloatArray:
     """A vector ``(3,)`` of any length but 0, at length 1.
 
-    Raises:
-        ValueError: another shape, NaN or infinity, no direction.
+    Raises ValueError: another shape, NaN or infinity, no direction.
     """
     axis = checked_floats(value, name, (3,))
     if axis.shape != (3,) or not np.any(axis):

@@ -85,8 +85,7 @@ def bend_limb(
 def _limb(skeleton: Skeleton, joints: tuple[str, str, str]) -> list[int]:
     """Numbers of a limb's joints.
 
-    Raises:
-        ValueError: a joint that it does not have, or one that is not above the next.
+    Raises ValueError: a joint that it does not have, or one that is not above the next.
     """
     numbers = [skeleton.index(name) for name in joints]
     for above, below in pairwise(numbers):

@@ -50,9 +50,8 @@ class Value:
 class BladeSum(Value, ShownAsSum):
     """A sum of basis blades of one algebra, the base of `Multivector`.
 
-    Raises:
-        ValueError: a blade that is not in the algebra, a coefficient that is no real scalar, NaN
-            or infinity.
+    Raises ValueError: a blade that is not in the algebra, a coefficient that is no real scalar, NaN
+    or infinity.
     """
 
     __slots__ = ("algebra", "masks", "values")
@@ -132,8 +131,7 @@ class BladeSum(Value, ShownAsSum):
     def coefficient(self, blade: str) -> Any:
         """The coefficient of a basis blade, 0.0 where it has none; ``e3^e1`` negates ``e1^e3``.
 
-        Raises:
-            ValueError: a name that is not in the algebra or stands for no single basis blade.
+        Raises ValueError: a name that is not in the algebra or stands for no single basis blade.
         """
         terms = self.algebra.masks_of(blade)
         if len(terms) != 1 or abs(terms[0][1]) != 1.0:
@@ -307,17 +305,12 @@ class BladeSum(Value, ShownAsSum):
     def dual(self) -> Self:
         """``x I⁻¹`` with the algebra's pseudoscalar ``I``.
 
-        Raises:
-            ValueError: ``I² = 0``; `complement` needs no metric.
+        Raises ValueError: ``I² = 0``; `complement` needs no metric.
         """
         return self * self._whole(self._pseudoscalar_square())
 
     def undual(self) -> Self:
-        """``x I``, the mirror of `dual`.
-
-        Raises:
-            ValueError: ``I² = 0``.
-        """
+        """``x I``, the mirror of `dual`. Raises ValueError: ``I² = 0``."""
         self._pseudoscalar_square()
         return self * self._whole(1)
 
@@ -361,8 +354,7 @@ class BladeSum(Value, ShownAsSum):
     def from_orthogonal(self, algebra: Signature) -> Self:
         """The mirror of `as_orthogonal`: the same multivector on the basis of `algebra`.
 
-        Raises:
-            ValueError: `algebra` is not on this basis when written orthogonally.
+        Raises ValueError: `algebra` is not on this basis when written orthogonally.
         """
         if algebra.orthogonal != self.algebra:
             raise ValueError(

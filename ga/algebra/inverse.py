@@ -70,8 +70,7 @@ class _Bounded:
 def inverse(x: BladeSum) -> BladeSum:
     """The multivector ``y`` with ``x y = y x = 1``.
 
-    Raises:
-        ValueError: not invertible to rounding, or one of a batch is not.
+    Raises ValueError: not invertible to rounding, or one of a batch is not.
     """
     bounded = _Bounded.given(x)
     size = _reverse_product(bounded)

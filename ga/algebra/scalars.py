@@ -18,8 +18,7 @@ from motorcade.ga.arrays import sealed
 def checked_scalar(value: Any, name: str) -> Any:
     """Refuse what is no real, finite scalar; arrays become read-only copies of floats.
 
-    Raises:
-        ValueError: no scalar, complex, NaN or infinity.
+    Raises ValueError: no scalar, complex, NaN or infinity.
     """
     if isinstance(value, np.ndarray):
         return _checked_array(value, name)

@@ -120,8 +120,7 @@ class Signature:
     def masks_of(self, name: str) -> Terms:
         """A named blade as basis blades with signs; more than one where ep or em occurs.
 
-        Raises:
-            ValueError: a name that is not in this algebra, or a vector that occurs twice.
+        Raises ValueError: a name that is not in this algebra, or a vector that occurs twice.
         """
         if not isinstance(name, str):
             raise ValueError(f"{self}: expected the name of a blade, got {name!r}")
@@ -218,8 +217,7 @@ def checked_vectors(
 ) -> tuple[Basis, tuple[str, ...], dict[str, Terms]]:
     """The basis, the names of its vectors, and what other names stand for; see `Algebra.of`.
 
-    Raises:
-        ValueError: whatever `Algebra.of` refuses.
+    Raises ValueError: whatever `Algebra.of` refuses.
     """
     names = tuple(squares)
     if not 1 <= len(names) <= MAX_DIMENSION:

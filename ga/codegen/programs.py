@@ -92,8 +92,7 @@ def symbols_of(inputs: Sequence[Operand]) -> list[Any]:
 def checked_identifier(name: str, field: str) -> str:
     """The name, if it is one that generated code can carry.
 
-    Raises:
-        ValueError: no ASCII identifier.
+    Raises ValueError: no ASCII identifier.
     """
     if not isinstance(name, str) or not _IDENTIFIER.fullmatch(name):
         raise ValueError(f"{field}: expected an identifier, got {name!a}")

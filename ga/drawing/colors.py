@@ -26,11 +26,7 @@ CYCLE = tuple(OBJECT_COLORS)[:7]
 
 
 def checked_color(name: str) -> str:
-    """The name of a colour in small letters.
-
-    Raises:
-        ValueError: no colour of ours.
-    """
+    """The name of a colour in small letters. Raises ValueError: no colour of ours."""
     small = name.lower() if isinstance(name, str) else ""
     if small not in OBJECT_COLORS and small != "black":
         known = ", ".join([*OBJECT_COLORS, "black"])

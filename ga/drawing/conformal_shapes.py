@@ -44,8 +44,7 @@ _BLADES = {
 def shape(x: Multivector, form: str) -> Shape:
     """The shape of an object of CGA3 in inner or outer form, or of a versor.
 
-    Raises:
-        ValueError: why there is none.
+    Raises ValueError: why there is none.
     """
     if len(x.grades) > 1:
         return moved_frame(x, _point, _place)
@@ -59,8 +58,7 @@ def shape(x: Multivector, form: str) -> Shape:
 def shape_of_plane(x: Multivector, form: str) -> Shape:
     """The shape of an object of the conformal algebra of the plane: in space, it meets z = 0 there.
 
-    Raises:
-        ValueError: why there is none.
+    Raises ValueError: why there is none.
     """
     if len(x.grades) > 1:
         moved = moved_frame(_lifted(x), _point, _place)

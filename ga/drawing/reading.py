@@ -142,8 +142,7 @@ _AXES = ("e1", "e2", "e3")
 def of_plane_based(x: Multivector, plane: bool) -> Shape:
     """The shape of an object of PGA3, or with `plane` of the algebra of the plane.
 
-    Raises:
-        ValueError: why there is none.
+    Raises ValueError: why there is none.
     """
     lifted = PGA3.multivector(dict(x.items()))
     if len(x.grades) > 1:
@@ -170,8 +169,7 @@ def of_plane_based(x: Multivector, plane: bool) -> Shape:
 def of_euclidean(x: Multivector, plane: bool) -> Shape:
     """The shape of an object of EGA3, or with `plane` of the algebra of the plane.
 
-    Raises:
-        ValueError: why there is none.
+    Raises ValueError: why there is none.
     """
     lifted = EGA3.multivector(dict(x.items()))
     if x.grades == (1,):

@@ -139,8 +139,7 @@ def _grade(x: Multivector, number: Multivector) -> Multivector:
 def scalar_of(x: Multivector) -> Any:
     """The value of a multivector that is a scalar.
 
-    Raises:
-        ValueError: other blades that are not zero.
+    Raises ValueError: other blades that are not zero.
     """
     return _scalar(x)
 

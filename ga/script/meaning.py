@@ -78,8 +78,7 @@ def watched(
 def algebra_of(script: Script, preferred: Algebra | None = None) -> Algebra:
     """The algebra of a script: the one given or that of its pragma, CGA3 where there is neither.
 
-    Raises:
-        ScriptError: an algebra that is not known, or two that differ.
+    Raises ScriptError: an algebra that is not known, or two that differ.
     """
     algebra = definition_for(script, preferred).algebra
     return algebra if preferred is None else preferred
@@ -88,8 +87,7 @@ def algebra_of(script: Script, preferred: Algebra | None = None) -> Algebra:
 def definition_for(script: Script, algebra: Algebra | None = None) -> AlgebraDefinition:
     """The algebra of a script as `algebra_of` finds it, with its macros.
 
-    Raises:
-        ScriptError: an algebra that is not known, or two that differ.
+    Raises ScriptError: an algebra that is not known, or two that differ.
     """
     chosen = None if algebra is None else definition_of(algebra)
     for pragma in script.pragmas:
@@ -106,8 +104,7 @@ def definition_for(script: Script, algebra: Algebra | None = None) -> AlgebraDef
 def algebra_named(name: str) -> Algebra:
     """An algebra by what a pragma would call it: a name, or ``P Q R``.
 
-    Raises:
-        ValueError: neither, or a signature that is too large.
+    Raises ValueError: neither, or a signature that is too large.
     """
     known = definitions()
     if name in known:
@@ -184,8 +181,7 @@ def _read(folder: Path | None, file: str) -> AlgebraDefinition:
 def free_variables(script: Script, algebra: Algebra) -> dict[str, Place]:
     """Variables that a script needs from outside, in the order of first use, and where that is.
 
-    Raises:
-        ScriptError: one is named ``algebra``, which `evaluate` could not be given.
+    Raises ScriptError: one is named ``algebra``, which `evaluate` could not be given.
     """
     read = free_names(script, algebra, definition_for(script, algebra))
     return _with_declared(script, algebra, read)

@@ -42,8 +42,7 @@ def operand_count(node: Expression) -> int:
 def operated(algebra: Algebra, node: Expression, operands: list[Multivector]) -> Multivector:
     """The value of an operator between one operand or two.
 
-    Raises:
-        ValueError: operands that it has no value for.
+    Raises ValueError: operands that it has no value for.
     """
     if isinstance(node, Unary):
         return _prefixed(algebra, node.operator, operands[0])
@@ -63,8 +62,7 @@ def _prefixed(algebra: Algebra, operator: str, x: Multivector) -> Multivector:
 def computed(function: Function, operands: list[Multivector]) -> Multivector:
     """The value of a call.
 
-    Raises:
-        ValueError: another number of arguments, or what the function refuses.
+    Raises ValueError: another number of arguments, or what the function refuses.
     """
     if len(operands) != function.arity:
         wanted = "one argument" if function.arity == 1 else f"{function.arity} arguments"
@@ -78,8 +76,7 @@ COMPARISONS = frozenset(["==", "!=", "<", "<=", ">", ">=", "&&", "||"])
 def compared(operator: str, left: Multivector, right: Multivector) -> Any:
     """1 where a comparison of two scalars holds, otherwise 0.
 
-    Raises:
-        ValueError: operands that are no scalars.
+    Raises ValueError: operands that are no scalars.
     """
     a, b = scalar_of(left), scalar_of(right)
     if operator in ("&&", "||"):

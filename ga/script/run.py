@@ -111,11 +111,7 @@ class Run:
         self._normalized = [p.place for p in script.pragmas if isinstance(p, NormalizePragma)]
 
     def outputs(self) -> dict[str, Multivector]:
-        """The outputs by name.
-
-        Raises:
-            ScriptError: see `meaning.evaluate`.
-        """
+        """The outputs by name. Raises ScriptError: see `meaning.evaluate`."""
         self._check_ranges()
         steps = [step for step in self._script.statements if not isinstance(step, Macro)]
         self._run(steps, self._scope)

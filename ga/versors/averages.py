@@ -35,9 +35,8 @@ _MAX_STEPS = 100
 def _checked_weights(what: str, versors: Versor, weights: ArrayLike) -> FloatArray:
     """Weights ``(*, K)`` for versors ``(*, K)``, broadcast over the batch in front.
 
-    Raises:
-        ValueError: no last dimension to blend over, none to blend, another number of weights, NaN
-            or infinity, batches that do not broadcast.
+    Raises ValueError: no last dimension to blend over, none to blend, another number of weights,
+    NaN or infinity, batches that do not broadcast.
     """
     if not versors.shape or versors.shape[-1] == 0:
         raise ValueError(

@@ -285,8 +285,7 @@ def _of_one_precision(rotor: FloatArray, translation_m: ArrayLike) -> tuple[Floa
 def check_bottom_row(matrix: FloatArray, name: str) -> None:
     """Refuse homogeneous matrices ``(*, 4, 4)`` that are none.
 
-    Raises:
-        ValueError: a last row more than 1e-6 from 0 0 0 1.
+    Raises ValueError: a last row more than 1e-6 from 0 0 0 1.
     """
     worst = float(np.max(np.abs(matrix[..., 3, :] - _BOTTOM_ROW), initial=0.0))
     if worst > UNIT_TOLERANCE:

@@ -195,8 +195,7 @@ def euler_of_coefficients(coefficients: FloatArray, sequence: str) -> FloatArray
 def check_rotation(matrix: FloatArray) -> None:
     """Refuse what is no rotation matrix ``(*, 3, 3)``.
 
-    Raises:
-        ValueError: ``R^T R`` more than 1e-5 from the identity, or a reflection.
+    Raises ValueError: ``R^T R`` more than 1e-5 from the identity, or a reflection.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         gram = np.swapaxes(matrix, -1, -2) @ matrix
@@ -221,8 +220,7 @@ def check_rotation(matrix: FloatArray) -> None:
 def check_quaternions(values: FloatArray, name: str, tolerance: float) -> None:
     """Refuse quaternions ``(*, 4)``.
 
-    Raises:
-        ValueError: NaN or infinity, or a norm further from 1 than the tolerance.
+    Raises ValueError: NaN or infinity, or a norm further from 1 than the tolerance.
     """
     checked_floats(values, name, (4,))
     with np.errstate(over="ignore"):  # an infinite norm is refused like any other

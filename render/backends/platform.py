@@ -62,9 +62,8 @@ class Platform:
 def choose_platform() -> Platform:
     """The first of EGL and OSMesa that works; it also sets PYOPENGL_PLATFORM for this process.
 
-    Raises:
-        RenderUnavailable: neither works, PyOpenGL is already bound to another platform, or
-            PYOPENGL_PLATFORM names something else.
+    Raises RenderUnavailable: neither works, PyOpenGL is already bound to another platform, or
+    PYOPENGL_PLATFORM names something else.
     """
     wanted = os.environ.get(VARIABLE)
     if wanted is not None and wanted not in ("egl", "osmesa"):

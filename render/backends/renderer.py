@@ -237,8 +237,7 @@ class Renderer(ABC):
 def check_size(width: int, height: int, largest: int | None = None) -> None:
     """Refuse pictures without pixels, and such as OpenGL cannot hold.
 
-    Raises:
-        ValueError: a size below 1 or above `largest`.
+    Raises ValueError: a size below 1 or above `largest`.
     """
     if width <= 0 or height <= 0:
         raise ValueError(f"renderer: expected a size of 1 pixel or more, got {width} x {height}")
@@ -250,11 +249,7 @@ def check_size(width: int, height: int, largest: int | None = None) -> None:
 
 
 def check_vertices(shape: tuple[int, ...], vertices: FloatArray, normals: FloatArray) -> None:
-    """Refuse vertices of another number than were shown.
-
-    Raises:
-        ValueError: as said.
-    """
+    """Refuse vertices of another number than were shown. Raises ValueError: as said."""
     if vertices.shape != shape or normals.shape != shape:
         raise ValueError(
             f"move(vertices): expected shape {shape} for vertices and normals, got "

@@ -155,8 +155,7 @@ def run_recordings(arguments: argparse.Namespace) -> None:
 def run_one(job: Job, *, as_json: bool, strict: bool) -> None:
     """Run a recording here; print a line per stage, then its figures, then one line on the result.
 
-    Raises:
-        RuntimeError: a doubtful result, where that is asked to be strict.
+    Raises RuntimeError: a doubtful result, where that is asked to be strict.
     """
     from motorcade.ga.progress import log_stages
     from motorcade.replays.pipeline.job import run_job

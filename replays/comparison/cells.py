@@ -38,8 +38,7 @@ class Setting:
     def smooth(self, trajectory: Trajectory) -> Trajectory:
         """Smooth a trajectory so.
 
-        Raises:
-            ValueError: what the method refuses, or a result that runs away.
+        Raises ValueError: what the method refuses, or a result that runs away.
         """
         parameters: dict[str, Any] = dict(self.parameters)
         name = None if self.representation == OWN else self.representation

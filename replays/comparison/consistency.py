@@ -104,11 +104,7 @@ class Experiment:
     tilt_deg: float = 5.0
 
     def path(self) -> ContinuousPath:
-        """The true path of the IMU.
-
-        Raises:
-            ValueError: a name that is no rigid motion's.
-        """
+        """The true path of the IMU. Raises ValueError: a name that is no rigid motion's."""
         motion = MOTIONS.get(self.motion)
         if motion is None or motion.versor is not Motor:
             names = [name for name, one in MOTIONS.items() if one.versor is Motor]
@@ -479,8 +475,7 @@ def write_page(
 ) -> Path:
     """Write `consistency.html` into a folder, and say where it is.
 
-    Raises:
-        OSError: a folder that cannot be written.
+    Raises OSError: a folder that cannot be written.
     """
     page = (
         page_environment(_TEMPLATE.parent)

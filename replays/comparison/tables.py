@@ -102,8 +102,7 @@ class Outcome:
 def write_tables(outcome: Outcome, out: Path) -> dict[str, Any]:
     """Write the three files, each whole or not at all; returns what ``results.json`` holds.
 
-    Raises:
-        OSError: a folder that cannot be written.
+    Raises OSError: a folder that cannot be written.
     """
     groups = grouped(outcome.samples)
     rows = [row for group in groups for row in _group_rows(group)]

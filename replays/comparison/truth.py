@@ -113,8 +113,7 @@ class AnalyticTruth(Truth):
 class RecordedTruth(Truth):
     """A rigid reference trajectory, made smooth by cubic splines; see `SmoothPath`.
 
-    Raises:
-        NotObservableError: fewer than two poses.
+    Raises NotObservableError: fewer than two poses.
     """
 
     def __init__(self, trajectory: Trajectory) -> None:
@@ -156,21 +155,13 @@ class RecordedMotion:
     def of(
         cls, path: Path, rate_hz: float | None = None, times: Path | None = None
     ) -> RecordedMotion:
-        """A trajectory file; named after it.
-
-        Raises:
-            RecordingError: a file that cannot be read.
-        """
+        """A trajectory file; named after it. Raises RecordingError: a file that cannot be read."""
         trajectory = read_trajectory(path, rate_hz=rate_hz, times=times)
         stamps = None if times is None else str(times.resolve())
         return cls(path.stem, str(path.resolve()), digest_of(trajectory), rate_hz, stamps)
 
     def read(self) -> Trajectory:
-        """The whole path.
-
-        Raises:
-            ValueError: the file holds another path by now.
-        """
+        """The whole path. Raises ValueError: the file holds another path by now."""
         trajectory = read_trajectory(self.file, rate_hz=self.rate_hz, times=self.times)
         if digest_of(trajectory) != self.digest:
             raise ValueError(f"{self.file}: changed since the comparison began")
@@ -188,8 +179,7 @@ def digest_of(*paths: Trajectory) -> str:
 class RecordedMotionTruth(RecordedTruth):
     """The middle of a recorded motion's longest stretch without a gap, and a margin about it.
 
-    Raises:
-        ValueError: no stretch is as long as the plan's duration and two margins.
+    Raises ValueError: no stretch is as long as the plan's duration and two margins.
     """
 
     has_scale = False

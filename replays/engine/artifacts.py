@@ -148,8 +148,7 @@ def _stored(folder: Path, about: Mapping[str, Any]) -> Stored:
 def discard_artifact(stored: Stored) -> None:
     """Take an artifact away in one step, unless another run has put one in its place.
 
-    Raises:
-        OSError: the folder that it lies in cannot be written to.
+    Raises OSError: the folder that it lies in cannot be written to.
     """
 
     @off_record()

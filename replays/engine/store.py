@@ -91,8 +91,7 @@ class StageStore:
     def choose(self, choice: Choice) -> str:
         """Have the output of the first stage of a choice that works; gives that stage's name.
 
-        Raises:
-            StageError: none works, or the one that is asked for does not.
+        Raises StageError: none works, or the one that is asked for does not.
         """
         by = self._knobs.get(choice.name, {}).get("by", AUTO)
         for stage in choice.members.values():
@@ -134,8 +133,7 @@ class StageStore:
     ) -> tuple[Any, str]:
         """Output and digest, cached or computed; `_NothingFound` where it raises what is skipped.
 
-        Raises:
-            NotOffered: the stage does, and something is skipped.
+        Raises NotOffered: the stage does, and something is skipped.
         """
         settings = stage.settings(self._knobs.get(stage.name, {}))
         folder, kept = find_kept(self._cache / f"{stage.name}-{self._key(stage, settings)}")

@@ -143,8 +143,7 @@ def open_desk(run: Path, scene: Path | None = None) -> RunDesk:
 def desk_of(filmed: Filmed, write_log: WriteAheadLog) -> RunDesk:
     """The desk of a session; the write-ahead log is closed where it cannot be shown.
 
-    Raises:
-        ValueError: a line of the session, or a file of the scene, that cannot be read.
+    Raises ValueError: a line of the session, or a file of the scene, that cannot be read.
     """
     with ExitStack() as refused:
         refused.callback(write_log.close)

@@ -103,8 +103,7 @@ class Filmed:
     def rays(self, frame: int, pixels: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Rays of a frame's pixels ``(N, 2)``: where all begin ``(3,)``, and directions ``(N, 3)``.
 
-        Raises:
-            ValueError: a pixel that the lens shows nothing at, a frame without a pose.
+        Raises ValueError: a pixel that the lens shows nothing at, a frame without a pose.
         """
         if not self.has_pose[frame]:
             raise ValueError("In this picture it is not known where the camera was.")
@@ -116,18 +115,13 @@ class Filmed:
         return world_T_camera.translation_m, directions
 
     def ground(self, anchor: SceneAnchor) -> Ground:
-        """What an anchor is.
-
-        Raises:
-            ValueError: it is not in this recording.
-        """
+        """What an anchor is. Raises ValueError: it is not in this recording."""
         return self._anchored(anchor)[0]
 
     def world_T_anchor(self, anchor: SceneAnchor) -> Similarity:
         """Where an anchor is: ``(F,)``, or ``(1,)`` of one that stays.
 
-        Raises:
-            ValueError: it is not in this recording.
+        Raises ValueError: it is not in this recording.
         """
         return self._anchored(anchor)[1]
 

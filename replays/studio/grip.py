@@ -329,8 +329,7 @@ class JointGrip:
 def _nearest(skeleton: Skeleton, at: FloatArray, ray: Ray) -> str:
     """Of the joints that a pose is dragged by, the one that a ray passes nearest in the picture.
 
-    Raises:
-        ValueError: there is none.
+    Raises ValueError: there is none.
     """
     numbers = list(joints_held_by(skeleton).values())
     if not numbers:

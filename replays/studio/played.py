@@ -45,8 +45,7 @@ class PlayedScene:
     def acted(self, scene: Scene, name: str) -> tuple[int, Acted]:
         """What a character or prop does, and the number by which `motion` knows it.
 
-        Raises:
-            ValueError: a file, clip, gait or joint that is not there.
+        Raises ValueError: a file, clip, gait or joint that is not there.
         """
         part = scene.part(name)
         fields = part_json(part)
@@ -86,8 +85,7 @@ class PlayedScene:
     def world_T_object(self, scene: Scene, name: str) -> Similarity:
         """Where an object stands: ``(F,)``, or ``(1,)`` for one that stays.
 
-        Raises:
-            ValueError: an anchor, a file or a clip that is not there.
+        Raises ValueError: an anchor, a file or a clip that is not there.
         """
         return self.world_T_parent(scene, name) @ self.parent_T_object(scene, name)
 

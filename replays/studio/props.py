@@ -72,8 +72,7 @@ class Props:
     def require_offered(self, line: Mapping[str, Any], scene: Scene) -> None:
         """Refuse an edit that names a file which is neither on offer nor in the scene.
 
-        Raises:
-            ValueError: it does.
+        Raises ValueError: it does.
         """
         value = line.get("object") if line.get("do") == "add" else line
         file = value.get("file") if isinstance(value, Mapping) else None
@@ -85,8 +84,7 @@ class Props:
         """An object of a file as the scene's own, near the middle of the first anchor: where
         nothing stands, and in view at a frame if there is such a place.
 
-        Raises:
-            ValueError: a file that is not on offer, or cannot be read.
+        Raises ValueError: a file that is not on offer, or cannot be read.
         """
         self.require_offered({"file": file}, scene)
         kind = self._kind(file)

@@ -56,8 +56,7 @@ class Listening:
 def opened(listening: Listening) -> Iterator[tuple[socket.socket, Access]]:
     """An open port and the key to it, for as long as the block lasts.
 
-    Raises:
-        OSError: the port is taken, or the machine is in no network.
+    Raises OSError: the port is taken, or the machine is in no network.
     """
     host = address_in_network() if listening.lan else LOOPBACK
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listener:
@@ -82,8 +81,7 @@ def opened(listening: Listening) -> Iterator[tuple[socket.socket, Access]]:
 def address_in_network() -> str:
     """The address by which others in the network reach this machine.
 
-    Raises:
-        OSError: it is in no network.
+    Raises OSError: it is in no network.
     """
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:

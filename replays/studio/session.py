@@ -84,8 +84,7 @@ class Hands:
     def require_all_free(self, visitor: int) -> None:
         """Refuse what concerns the whole scene while another visitor moves something.
 
-        Raises:
-            ValueError: somebody does.
+        Raises ValueError: somebody does.
         """
         for other, held in self.held.items():
             if other != visitor:
@@ -479,8 +478,7 @@ class SceneView:
     def about(self, scene: Scene, name: str, before: Scene | None) -> dict[str, Any]:
         """An object; where it stands is left out for one that stands as it did before.
 
-        Raises:
-            ValueError: a file, clip, joint or anchor that is not there.
+        Raises ValueError: a file, clip, joint or anchor that is not there.
         """
         part, parent = scene.part(name), scene.parents[name]
         about: dict[str, Any] = {

@@ -129,11 +129,7 @@ _FARTHEST = 1e7
 
 
 def name_of(message: Mapping[str, Any], key: str) -> str:
-    """A name.
-
-    Raises:
-        ValueError: none, or a long one.
-    """
+    """A name. Raises ValueError: none, or a long one."""
     name = message.get(key)
     if not isinstance(name, str) or not 0 < len(name) <= MAX_NAME:
         raise ValueError(f"{key}: expected a name")
@@ -141,11 +137,7 @@ def name_of(message: Mapping[str, Any], key: str) -> str:
 
 
 def frame_of_axes(message: Mapping[str, Any]) -> Frame:
-    """Whose axes a handle goes by; the parent's unless told.
-
-    Raises:
-        ValueError: another word.
-    """
+    """Whose axes a handle goes by; the parent's unless told. Raises ValueError: another word."""
     axes = message.get("in", "parent")
     for frame in get_args(Frame):
         if axes == frame:
@@ -154,11 +146,7 @@ def frame_of_axes(message: Mapping[str, Any]) -> Frame:
 
 
 def number_of(message: Mapping[str, Any], key: str) -> float:
-    """A number.
-
-    Raises:
-        ValueError: none, or a huge one.
-    """
+    """A number. Raises ValueError: none, or a huge one."""
     value = message.get(key)
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < _FARTHEST:
         raise ValueError(f"{key}: expected a number")
@@ -168,8 +156,7 @@ def number_of(message: Mapping[str, Any], key: str) -> float:
 def frame_number(message: Mapping[str, Any], frames: int) -> int:
     """The number of the picture that the browser shows; the first where it does not say.
 
-    Raises:
-        ValueError: there is no such picture.
+    Raises ValueError: there is no such picture.
     """
     number = message.get("frame", 0)
     if type(number) is not int or not 0 <= number < frames:
@@ -180,8 +167,7 @@ def frame_number(message: Mapping[str, Any], frames: int) -> int:
 def pixels_of(message: Mapping[str, Any], most: int) -> FloatArray:
     """Pixels ``(N, 2)``, none where the message has none.
 
-    Raises:
-        ValueError: something else, or more than so many.
+    Raises ValueError: something else, or more than so many.
     """
     pixels = message.get("pixels", [])
     if not isinstance(pixels, list) or len(pixels) > most:
@@ -190,11 +176,7 @@ def pixels_of(message: Mapping[str, Any], most: int) -> FloatArray:
 
 
 def point_of(message: Mapping[str, Any], key: str) -> FloatArray | None:
-    """Three numbers, None where there are none.
-
-    Raises:
-        ValueError: something else.
-    """
+    """Three numbers, None where there are none. Raises ValueError: something else."""
     point = message.get(key)
     return None if point is None else np.array(_numbers(point, key, 3))
 

@@ -87,8 +87,7 @@ class WriteAheadLog:
     def lines(self) -> list[dict[str, Any]]:
         """All that was done, in order.
 
-        Raises:
-            ValueError: a line that is none; the message names it.
+        Raises ValueError: a line that is none; the message names it.
         """
         gestures = []
         for number, line in enumerate(self._read().splitlines(), 1):
@@ -101,8 +100,7 @@ class WriteAheadLog:
     def append(self, *lines: Mapping[str, Any]) -> None:
         """Put lines on the disk; they are there when this returns.
 
-        Raises:
-            OSError: it cannot be written; nothing of it is left then.
+        Raises OSError: it cannot be written; nothing of it is left then.
         """
         text = "".join(json.dumps(one, separators=(",", ":")) + "\n" for one in lines)
         with self._opened() as file:
@@ -117,11 +115,7 @@ class WriteAheadLog:
                 raise
 
     def save(self, scene: bytes) -> None:
-        """Write the scene itself, all of it or nothing.
-
-        Raises:
-            OSError: it cannot be written.
-        """
+        """Write the scene itself, all of it or nothing. Raises OSError: it cannot be written."""
         mark = sha256(scene).hexdigest()
         marks = [*self._last, mark]  # either may be found after a kill or a write that failed
         write_bytes(self._folder / "written.json", json.dumps(marks).encode())
@@ -299,8 +293,7 @@ class SceneHistory:
     def close(self) -> None:
         """Write the scene as it is, and let others have its session.
 
-        Raises:
-            OSError: it cannot be written; its steps are all kept.
+        Raises OSError: it cannot be written; its steps are all kept.
         """
         last = self._save()
         self._writer.shutdown()

@@ -477,8 +477,7 @@ def write_trajectories(
 ) -> None:
     """Write each to its file, each whole or not at all.
 
-    Raises:
-        OSError: a file or its folder cannot be written.
+    Raises OSError: a file or its folder cannot be written.
     """
     for name, path in files.items():
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -54,8 +54,7 @@ def author(
 ) -> Authored:
     """Replay gestures on a scene.
 
-    Raises:
-        ValueError: a file that cannot be read, a gesture that the scene refuses.
+    Raises ValueError: a file that cannot be read, a gesture that the scene refuses.
     """
     start, recorded = read_scene(scene), read_gestures(gestures)
     ends = {

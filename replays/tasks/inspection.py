@@ -77,8 +77,7 @@ def describe(recording: Recording) -> dict[str, Any]:
 def describe_whole(path: Path, manifest: Path | None = None) -> dict[str, Any]:
     """Contents of a recording, with what was found out where neither it nor a manifest tells them.
 
-    Raises:
-        RecordingError: as `open_recording`.
+    Raises RecordingError: as `open_recording`.
     """
     recording = _without_damage(open_recording(path, manifest))
     with tempfile.TemporaryDirectory() as cache:
@@ -241,8 +240,7 @@ _LONGEST_NAME = 200
 def describe_bag(path: Path) -> dict[str, Any]:
     """Topics of a bag and what reads each; JSON-ready.
 
-    Raises:
-        RecordingError: missing or damaged.
+    Raises RecordingError: missing or damaged.
     """
     with Bag(path) as bag:
         kinds = bag.kinds()
@@ -270,8 +268,7 @@ def _printable(name: str) -> str:
 def describe_text(path: Path) -> dict[str, Any]:
     """What a file of poses or of inertial readings holds; JSON-ready.
 
-    Raises:
-        RecordingError: neither.
+    Raises RecordingError: neither.
     """
     try:
         fmt = trajectory_format(path)

@@ -177,11 +177,7 @@ def drawing_names(paths: Sequence[Path]) -> list[str]:
 
 
 def write_drawing(picture: MarkerPicture, path: Path) -> None:
-    """Write `draw`'s picture as a PNG file.
-
-    Raises:
-        OSError: a file that cannot be written.
-    """
+    """Write `draw`'s picture as a PNG file. Raises OSError: a file that cannot be written."""
     _, data = cv2.imencode(".png", draw(picture))
     write_bytes(path, data.tobytes())
 

@@ -118,8 +118,7 @@ _STILL = Similarity.identity().coefficients
 def checked_pose(pose: ObjectPose) -> ObjectPose:
     """The pose, where a scene file can hold it.
 
-    Raises:
-        ValueError: 999,000 km or more from its parent, or a scale outside 1e-6 to 1e6.
+    Raises ValueError: 999,000 km or more from its parent, or a scale outside 1e-6 to 1e6.
     """
     _, shift_m, scale = pose.as_similarity().as_rotor_translation_scale()
     low, high = SCALES
@@ -225,11 +224,7 @@ def dragged(
 
 
 def held(scene: Scene, drag: Drag) -> ObjectPose:
-    """The pose in which a drag finds its object.
-
-    Raises:
-        ValueError: no such object.
-    """
+    """The pose in which a drag finds its object. Raises ValueError: no such object."""
     pose, part = scene.pose(drag.object_name), scene.part(drag.object_name)
     if not part.keyframes and part.walk is None:
         return pose
@@ -239,8 +234,7 @@ def held(scene: Scene, drag: Drag) -> ObjectPose:
 def placed(scene: Scene, name: str, time_s: float | None, pose: ObjectPose) -> Scene:
     """The scene with an object in a pose: at a time where it has keyframes, else for good.
 
-    Raises:
-        ValueError: no such object, no time for one with keyframes, too many keyframes.
+    Raises ValueError: no such object, no time for one with keyframes, too many keyframes.
     """
     part = scene.part(name)
     if part.walk is not None:

@@ -250,8 +250,7 @@ class PolygonGroup:
 def read_geometry(library: Library, geometry: Element) -> tuple[list[PolygonGroup], list[str]]:
     """Parts of a geometry, and what was left out.
 
-    Raises:
-        FormatError: no mesh, or numbers that do not fit its sources.
+    Raises FormatError: no mesh, or numbers that do not fit its sources.
     """
     name = geometry.get("name") or geometry.get("id")
     mesh = geometry.first("mesh")

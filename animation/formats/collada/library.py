@@ -52,11 +52,7 @@ class Element:
         return at
 
     def needed(self, *path: str) -> Element:
-        """The first descendant along a path of names.
-
-        Raises:
-            FormatError: there is none.
-        """
+        """The first descendant along a path of names. Raises FormatError: there is none."""
         element = self.first(*path)
         if element is None:
             raise expected(f"<{self.name} {self.get('id')}>", f"<{'/'.join(path)}>", "none")
@@ -76,22 +72,14 @@ class Element:
             waiting += element.children[::-1]
 
     def floats(self, count: int | None = None) -> FloatArray:
-        """The text as finite numbers.
-
-        Raises:
-            FormatError: other text, or another count.
-        """
+        """The text as finite numbers. Raises FormatError: other text, or another count."""
         values = numbers_in(self.text, f"<{self.name} {self.get('id')}>")
         if count is not None and len(values) != count:
             raise expected(f"<{self.name} {self.get('id')}>", f"{count} numbers", len(values))
         return values
 
     def integers(self) -> IntArray:
-        """The text as whole numbers.
-
-        Raises:
-            FormatError: other text.
-        """
+        """The text as whole numbers. Raises FormatError: other text."""
         values = self.floats()
         numbers = values.astype(np.int64)
         if not np.array_equal(numbers, values):
@@ -242,11 +230,7 @@ def inputs_of(element: Element) -> dict[str, Element]:
 
 
 def number(text: str, field: str, low: int, high: int) -> int:
-    """A whole number in a range, out of an attribute.
-
-    Raises:
-        FormatError: anything else.
-    """
+    """A whole number in a range, out of an attribute. Raises FormatError: anything else."""
     digits = text.strip()
     if not (digits.isascii() and digits.isdigit() and len(digits) < 12):
         raise expected(field, "a whole number", text)

@@ -107,8 +107,7 @@ class BinaryBuffer:
 def write_glb(path: Path, document: dict[str, Any], buffer: BinaryBuffer) -> None:
     """Write a document with its buffer; the file appears whole or not at all.
 
-    Raises:
-        OSError: the file cannot be written.
+    Raises OSError: the file cannot be written.
     """
     data = buffer.data + b"\0" * (-len(buffer.data) % 4)
     whole = {

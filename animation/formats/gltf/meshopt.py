@@ -108,8 +108,7 @@ MASK = 0xFFFFFFFF
 def unpack_attributes(data: bytes, count: int, width: int) -> NDArray[np.uint8]:
     """Rows (count, width) of bytes.
 
-    Raises:
-        FormatError: another version, or a length that does not fit.
+    Raises FormatError: another version, or a length that does not fit.
     """
     if data[0] not in (0xA0, 0xA1):
         raise expected("header", "0xa0 or 0xa1", hex(data[0]))
@@ -218,11 +217,7 @@ def _signed(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def unpack_triangles(data: bytes, count: int) -> NDArray[np.int64]:
-    """Corners (3 count,) of triangles.
-
-    Raises:
-        FormatError: another version.
-    """
+    """Corners (3 count,) of triangles. Raises FormatError: another version."""
     if data[0] != 0xE1:
         raise expected("header", "0xe1", hex(data[0]))
     reader = _Numbers(data, 1 + count)
@@ -281,8 +276,7 @@ def unpack_triangles(data: bytes, count: int) -> NDArray[np.int64]:
 def unpack_indices(data: bytes, count: int) -> NDArray[np.int64]:
     """Numbers (count,), each told by its step from one of the two before.
 
-    Raises:
-        FormatError: another version.
+    Raises FormatError: another version.
     """
     if data[0] != 0xD1:
         raise expected("header", "0xd1", hex(data[0]))

@@ -70,8 +70,7 @@ def read_nodes(document: Document, names: Mapping[int, str]) -> Nodes:
 def nodes_of_scene(document: Document, nodes: Nodes) -> NDArray[np.bool_]:
     """Which nodes (N,), in the new order, stand in the scene that is shown; all without any scene.
 
-    Raises:
-        FormatError: a scene that is not there, or that names other nodes than there are.
+    Raises FormatError: a scene that is not there, or that names other nodes than there are.
     """
     if not document.entries("scenes"):
         return np.ones(len(nodes.number), dtype=bool)

@@ -530,8 +530,7 @@ def _repeated(
 ) -> tuple[FloatArray, np.ndarray[tuple[int], np.dtype[np.int64]]]:
     """Times and rows of a clip played again and again until `span_s`; once if it is no loop.
 
-    Raises:
-        ValueError: more keys than `MOST_KEYS`.
+    Raises ValueError: more keys than `MOST_KEYS`.
     """
     rows = np.arange(len(times))
     period = float(times[-1])

@@ -69,8 +69,7 @@ class Places:
 def axis_named(name: str | None, option: str) -> FloatArray | None:
     """The unit vector (3,) of an axis such as "-y"; None of None.
 
-    Raises:
-        FormatError: another word.
+    Raises FormatError: another word.
     """
     if name is None:
         return None

@@ -62,8 +62,7 @@ class Sampler:
     def __call__(self, clips: tuple[RigClip, ...]) -> Sampled:
         """Sample at the keys, then between them where that is needed.
 
-        Raises:
-            FormatError: no clips, or more poses than the limit.
+        Raises FormatError: no clips, or more poses than the limit.
         """
         times = [clip.key_times for clip in clips]
         poses = self._poses(clips, times)

@@ -70,11 +70,7 @@ class Stance:
 
     @staticmethod
     def of(rig: Rig, wanted: Wanted) -> Stance:
-        """Find axes and unit.
-
-        Raises:
-            FormatError: no joints; axes that are none.
-        """
+        """Find axes and unit. Raises FormatError: no joints; axes that are none."""
         joints = joints_of(rig)
         places = _places(rig, joints)
         up, front = axis_named(wanted.up, "up"), axis_named(wanted.front, "front")

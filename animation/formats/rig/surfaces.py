@@ -126,8 +126,7 @@ def bound_mesh(
 ) -> BoundMesh:
     """Merge surfaces; a surface without a skin follows the joint above it.
 
-    Raises:
-        FormatError: weights or numbers out of range.
+    Raises FormatError: weights or numbers out of range.
     """
     nearest = nearest_joints(tree, joints)
     frames = binding.frames()

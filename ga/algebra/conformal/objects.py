@@ -245,8 +245,7 @@ Triple = tuple[Any, Any, Any]
 def triple(value: Any, name: str) -> Triple:
     """Three coordinates from an array ``(*, 3)``, or from three scalars of any kind.
 
-    Raises:
-        ValueError: another number of them, NaN or infinity.
+    Raises ValueError: another number of them, NaN or infinity.
     """
     if isinstance(value, list | tuple) and len(value) == 3:
         plain = all(is_numeric(part) for part in value)
@@ -269,11 +268,7 @@ def _unpacked(value: Any, name: str) -> Triple:
 
 
 def unit_triple(value: Any, name: str) -> Triple:
-    """As `triple`, for unit vectors.
-
-    Raises:
-        ValueError: a length more than 1e-6 from 1.
-    """
+    """As `triple`, for unit vectors. Raises ValueError: a length more than 1e-6 from 1."""
     vector = triple(value, name)
     size = square_root(dot(vector, vector))
     if is_numeric(size):

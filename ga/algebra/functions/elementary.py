@@ -17,8 +17,7 @@ from motorcade.ga.algebra.scalars import is_numeric
 def apply(name: str, *values: Any) -> Any:
     """The function that NumPy calls `name`, of scalars of any kind.
 
-    Raises:
-        ValueError: scalars that no such function is known for.
+    Raises ValueError: scalars that no such function is known for.
     """
     if all(map(is_numeric, values)):
         results = getattr(np, name)(*values)

@@ -282,8 +282,7 @@ def _ratios(squared: Any, cosine: Any, sign: int) -> tuple[Any, Any]:
 def check_versor(x: BladeSum, name: str) -> None:
     """Refuse numbers whose ``x ~x`` is no scalar.
 
-    Raises:
-        ValueError: no versor, to a millionth of its size.
+    Raises ValueError: no versor, to a millionth of its size.
     """
     beside = [np.abs(value) for value in without_scalar(x.reverse_product()).values]
     size: Any = sum(np.square(value) for value in x.values)

@@ -25,8 +25,7 @@ _VERSORS = (
 def library_files() -> dict[str, str]:
     """Path inside the folder, and text, of each generated file.
 
-    Raises:
-        ModuleNotFoundError: without CasADi or mpmath, which only this needs.
+    Raises ModuleNotFoundError: without CasADi or mpmath, which only this needs.
     """
     from motorcade.ga.kernels.definitions import elementary
     from motorcade.ga.kernels.definitions.library import FUNCTIONS, KERNELS

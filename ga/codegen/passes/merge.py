@@ -43,8 +43,7 @@ _LONGEST_COMPARED = 20_000
 def merged(tape: Tape) -> Tape:
     """The tape with what is zero or constant written so, and equal nodes computed once.
 
-    Raises:
-        ValueError: a divisor is zero whatever the inputs are.
+    Raises ValueError: a divisor is zero whatever the inputs are.
     """
     return _Merger(tape).run()
 

@@ -247,8 +247,7 @@ def plain_tape(tape: Tape) -> Tape:
 def c_source(tape: Tape, precision: Precision) -> str:
     """A C file with the function `SYMBOL` of a plain tape, as ``native/rows.h`` calls it.
 
-    Raises:
-        ValueError: numbers too large for the precision.
+    Raises ValueError: numbers too large for the precision.
     """
     branched = without_repeated_choices(tape)
     written = statements(branched, vector_dialect(precision))
@@ -283,8 +282,7 @@ def c_source(tape: Tape, precision: Precision) -> str:
 def numpy_function(tape: Tape, precision: Precision) -> NumpyFunction:
     """The Python function of a plain tape, in a precision.
 
-    Raises:
-        ValueError: numbers too large for the precision.
+    Raises ValueError: numbers too large for the precision.
     """
     branched = without_repeated_choices(tape)
     written = statements(branched, library_dialect(precision))

@@ -54,8 +54,7 @@ class Compiler:
     def library(self, source: str, folder: Path) -> bytes:
         """Compile C to a shared library; the files in between are in a folder of their own.
 
-        Raises:
-            CompileError: it could not be run, refused the source, or took too long.
+        Raises CompileError: it could not be run, refused the source, or took too long.
         """
         try:
             with tempfile.TemporaryDirectory(dir=folder, prefix="compiling-") as own:
@@ -77,11 +76,7 @@ class Compiler:
 
 
 def find_compiler(processor_level: int) -> Compiler:
-    """The compiler of this machine, for its processor.
-
-    Raises:
-        CompileError: there is none.
-    """
+    """The compiler of this machine, for its processor. Raises CompileError: there is none."""
     wanted = shlex.split(os.environ.get("CC", ""))
     names = wanted[:1] or list(_COMPILERS)
     compiler = next((path for name in names if (path := shutil.which(name))), None)
@@ -176,8 +171,7 @@ def _is_whole(path: Path) -> bool:
 def keep_library(folder: Path, key: str, data: bytes) -> Path:
     """Put a library into the folder, in one step, and let the oldest go.
 
-    Raises:
-        OSError: it cannot be written.
+    Raises OSError: it cannot be written.
     """
     path = folder / f"{key}-{hashlib.sha256(data).hexdigest()}.so"
     file, name = tempfile.mkstemp(dir=folder, prefix="writing-")

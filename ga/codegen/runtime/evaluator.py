@@ -36,11 +36,7 @@ _log = logging.getLogger(__name__)
 
 
 def way_wanted() -> str:
-    """What MOTORCADE_PROGRAMS says: nothing, numpy or wait.
-
-    Raises:
-        ValueError: anything else.
-    """
+    """What MOTORCADE_PROGRAMS says: nothing, numpy or wait. Raises ValueError: anything else."""
     wanted = os.environ.get("MOTORCADE_PROGRAMS", "")
     if wanted not in _WAYS:
         raise ValueError(f"MOTORCADE_PROGRAMS: expected 'numpy', 'wait' or nothing, got {wanted!r}")

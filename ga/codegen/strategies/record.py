@@ -60,8 +60,7 @@ class Record:
 def record(script: Script, algebra: Algebra, variables: Iterable[str]) -> Record:
     """Run a script once over multivectors of `algebra` that record what is done to them.
 
-    Raises:
-        ScriptError: whatever `evaluate` refuses.
+    Raises ScriptError: whatever `evaluate` refuses.
     """
     recording = _Recording(algebra)
     inputs = {name: recording.scalars.symbol(name) for name in variables}

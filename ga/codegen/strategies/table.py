@@ -25,9 +25,8 @@ MAX_DIMENSION = 10
 def write(script: Script, program: Program, precision: Precision | None) -> dict[str, str]:
     """Names and texts of the source and the header of a script; `program` is what it compiles to.
 
-    Raises:
-        ValueError: names that C or C++ keeps for itself, numbers too large for the precision, an
-            algebra of more than ten dimensions, whose multivectors are too large for a stack.
+    Raises ValueError: names that C or C++ keeps for itself, numbers too large for the precision, an
+    algebra of more than ten dimensions, whose multivectors are too large for a stack.
     """
     if program.algebra.dimension > MAX_DIMENSION:
         raise ValueError(

@@ -19,8 +19,7 @@ from motorcade.ga.script import Script
 def write(script: Script, program: Program, precision: Precision | None) -> dict[str, str]:
     """Names and texts of the source and the header of a script; `program` is what it compiles to.
 
-    Raises:
-        ValueError: names that C or C++ keeps for itself, numbers too large for the precision.
+    Raises ValueError: names that C or C++ keeps for itself, numbers too large for the precision.
     """
     return files(_CodeWriter, "table-code", script, program, precision)
 

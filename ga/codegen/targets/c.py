@@ -51,8 +51,7 @@ _CALLING = (
 def write(program: Program, precision: Precision | None) -> dict[str, str]:
     """Source and header, in double precision unless another is given.
 
-    Raises:
-        ValueError: names that C or C++ keeps for itself, numbers too large for the precision.
+    Raises ValueError: names that C or C++ keeps for itself, numbers too large for the precision.
     """
     real = precision or DOUBLE
     slots = array_slots(program)

@@ -33,8 +33,7 @@ _NAMES = python_names("ca", modules=["casadi", "null", "jac", "hess"], underscor
 def write(program: Program, precision: Precision | None) -> dict[str, str]:
     """The module, in double precision, which is the only one that CasADi has.
 
-    Raises:
-        ValueError: another precision, names that Python, CasADi or the module keeps for itself.
+    Raises ValueError: another precision, names that Python, CasADi or the module keeps for itself.
     """
     if precision not in (None, DOUBLE):
         raise ValueError(f"target casadi: expected precision float64, got {precision.numpy}")

@@ -53,8 +53,7 @@ _CALLING = ("", "Output A fills out_A, one number a blade; one without blades ha
 def write(program: Program, precision: Precision | None) -> dict[str, str]:
     """The function, in single precision.
 
-    Raises:
-        ValueError: another precision, names that GLSL keeps for itself, numbers too large.
+    Raises ValueError: another precision, names that GLSL keeps for itself, numbers too large.
     """
     if precision not in (None, SINGLE):
         raise ValueError(f"target glsl: expected precision float32, got {precision.numpy}")

@@ -47,8 +47,7 @@ _CLOSING = (
 def write(program: Program, precision: Precision | None) -> dict[str, str]:
     """The module; it computes in the precision, or in that of the variables where it is None.
 
-    Raises:
-        ValueError: names that Python or the module keeps for itself, numbers too large.
+    Raises ValueError: names that Python or the module keeps for itself, numbers too large.
     """
     return array_module(program, precision, _LIBRARY)
 

@@ -108,9 +108,8 @@ def definition_of(algebra: Algebra) -> AlgebraDefinition:
 def read_definition(folder: Path | None, file: str) -> AlgebraDefinition:
     """Read a definition from a file below a folder.
 
-    Raises:
-        ValueError: a file that cannot be read, is larger than `MAX_DEFINITION_BYTES` or is no TOML;
-            tables that are not those above; what `Algebra.of` refuses.
+    Raises ValueError: a file that cannot be read, is larger than `MAX_DEFINITION_BYTES` or is no
+    TOML; tables that are not those above; what `Algebra.of` refuses.
     """
     path = path_below(folder, file)
     text = text_of(path, read_bounded(path, MAX_DEFINITION_BYTES))

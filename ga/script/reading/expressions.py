@@ -89,11 +89,7 @@ class Cursor:
         return self.token.kind == "symbol" and self.token.text == symbol
 
     def expect(self, symbol: str, hint: str = "") -> Token:
-        """Read this symbol.
-
-        Raises:
-            ScriptError: another token.
-        """
+        """Read this symbol. Raises ScriptError: another token."""
         if not self.at(symbol):
             raise self.unexpected(f"'{symbol}'", hint)
         return self.take()
@@ -109,8 +105,7 @@ class Cursor:
     def end_statement(self) -> None:
         """Read the ``;`` of a statement, which the end of its line may stand for.
 
-        Raises:
-            ScriptError: something else follows.
+        Raises ScriptError: something else follows.
         """
         if not self.at_end:
             raise self.unexpected("';'", "every statement ends in ';'")
@@ -124,11 +119,7 @@ class Cursor:
         )
 
     def count_operation(self, place: Place) -> None:
-        """Count one operation of the script.
-
-        Raises:
-            ScriptError: too many.
-        """
+        """Count one operation of the script. Raises ScriptError: too many."""
         self.operations += 1
         if self.operations > MAX_OPERATIONS:
             raise self.source.error(
@@ -292,8 +283,7 @@ class _Reader:
 def parse_expression(cursor: Cursor, *, closed: bool = False) -> Expression:
     """Read one expression and stop before the token that ends it; `closed`: a bracket may.
 
-    Raises:
-        ScriptError: no expression, a bracket left open, too deep or too long a one.
+    Raises ScriptError: no expression, a bracket left open, too deep or too long a one.
     """
     return _Reader(cursor, closed).read()
 

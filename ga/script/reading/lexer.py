@@ -49,9 +49,8 @@ class Token:
 def tokenize(source: Source) -> list[Token]:
     """All tokens of a script, the last of kind ``end``.
 
-    Raises:
-        ScriptError: a character that no token starts with, a comment without an end, a number
-            too large, a script that is too long.
+    Raises ScriptError: a character that no token starts with, a comment without an end, a number
+    too large, a script that is too long.
     """
     text, position, line, start = source.text, 0, 1, 0
     if len(text) > MAX_SCRIPT_CHARACTERS:

@@ -352,8 +352,7 @@ USES = {
 def parse_pragma(source: Source, token: Token) -> list[Pragma]:
     """What one pragma says: several names after ``return`` are several pragmas.
 
-    Raises:
-        ScriptError: an unknown pragma, or one that is not written as above.
+    Raises ScriptError: an unknown pragma, or one that is not written as above.
     """
     text = token.text.removeprefix("//").replace("\t", " ")
     if text.startswith("#include"):
@@ -509,8 +508,7 @@ class Imports:
     def opened(self, source: Source, pragma: ImportPragma) -> Iterator[Source | None]:
         """The text that an import names; None if it has been read.
 
-        Raises:
-            ScriptError: a file that cannot be read, too many, or too deep in each other.
+        Raises ScriptError: a file that cannot be read, too many, or too deep in each other.
         """
         if pragma.file in self._read:
             yield None

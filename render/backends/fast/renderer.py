@@ -143,9 +143,7 @@ class FastRenderer(Renderer):
     def vertices(self, surface: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Vertices and normals (V, 3) of a surface as they are drawn, world, read back.
 
-        Raises:
-            RuntimeError: the renderer is closed.
-            ContextLost: its context is gone.
+        Raises RuntimeError: the renderer is closed. ContextLost: its context is gone.
         """
         self._begin("vertices")
         return self._meshes[surface].read()

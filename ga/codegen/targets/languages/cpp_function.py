@@ -36,8 +36,7 @@ _CALLING = (
 def write(program: Program, precision: Precision | None) -> dict[str, str]:
     """The header, in double precision unless another is given.
 
-    Raises:
-        ValueError: names that C++ keeps for itself, numbers too large for the precision.
+    Raises ValueError: names that C++ keeps for itself, numbers too large for the precision.
     """
     check_names(program, CPP_NAMES)
     real = precision or DOUBLE

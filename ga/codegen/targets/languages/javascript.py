@@ -32,8 +32,7 @@ _CALLING = ("", "Returns an object: an array for each output, one number a blade
 def write(program: Program, precision: Precision | None) -> dict[str, str]:
     """The module, in double precision, which is that of JavaScript's numbers.
 
-    Raises:
-        ValueError: another precision, names that JavaScript keeps for itself.
+    Raises ValueError: another precision, names that JavaScript keeps for itself.
     """
     if precision not in (None, DOUBLE):
         raise ValueError(f"target javascript: expected precision float64, got {precision.numpy}")

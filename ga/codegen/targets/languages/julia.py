@@ -59,8 +59,7 @@ class _Julia(Templates):
 def write(program: Program, precision: Precision | None) -> dict[str, str]:
     """The function; it computes in the precision, or in that of the variables where it is None.
 
-    Raises:
-        ValueError: names that Julia keeps for itself, numbers too large for the precision.
+    Raises ValueError: names that Julia keeps for itself, numbers too large for the precision.
     """
     reserved = Reserved("Julia", JULIA_NAMES.words | _OWN | _only_underscores(program))
     check_names(program, reserved)

@@ -42,8 +42,7 @@ _Written = tuple[str, int, int]
 def write(program: Program, precision: Precision | None) -> dict[str, str]:
     """The formulas.
 
-    Raises:
-        ValueError: a precision other than float64, to which numbers are written.
+    Raises ValueError: a precision other than float64, to which numbers are written.
     """
     if precision not in (None, DOUBLE):
         raise ValueError(f"target latex: expected precision float64, got {precision.numpy}")

@@ -36,8 +36,7 @@ _ALLOWED = "#[allow(non_snake_case, unused_parens, clippy::all)]"
 def write(program: Program, precision: Precision | None) -> dict[str, str]:
     """The source, in double precision unless another is given.
 
-    Raises:
-        ValueError: names that Rust keeps for itself, numbers too large for the precision.
+    Raises ValueError: names that Rust keeps for itself, numbers too large for the precision.
     """
     check_names(program, RUST_NAMES)
     real = precision or DOUBLE

@@ -32,9 +32,8 @@ _CALLING = ("", "Output A fills out_A, one number a blade; one without blades ha
 def write(program: Program, precision: Precision | None) -> dict[str, str]:
     """The function, in single precision.
 
-    Raises:
-        ValueError: another precision, names that WGSL keeps for itself, numbers too large, values
-            that are not finite whatever the variables are, which no shader may hold.
+    Raises ValueError: another precision, names that WGSL keeps for itself, numbers too large,
+    values that are not finite whatever the variables are, which no shader may hold.
     """
     if precision not in (None, SINGLE):
         raise ValueError(f"target wgsl: expected precision float32, got {precision.numpy}")

@@ -47,11 +47,7 @@ class Templates(Dialect):
         self._suffix = suffix
 
     def constant(self, value: float) -> str:
-        """The number.
-
-        Raises:
-            ValueError: it is too large for the precision.
-        """
+        """The number. Raises ValueError: it is too large for the precision."""
         with np.errstate(over="ignore"):
             rounded = self._type(value)
         if not np.isfinite(rounded):
