@@ -97,5 +97,4 @@ def _seen(camera: Camera, world_T_camera: Motor, ends_m: FloatArray) -> FloatArr
         if a[2] < near:
             a += (b - a) * (near - a[2]) / (b[2] - a[2])
     pixels = camera.project(np.stack([start, end]))
-    clipped: FloatArray = np.round(16.0 * np.clip(pixels, -4e3, 4e3)).astype(np.int32)
-    return clipped
+    return np.round(16.0 * np.clip(pixels, -4e3, 4e3)).astype(np.int32)

@@ -52,8 +52,7 @@ class Limbs:
     @property
     def joints(self) -> IntArray:
         """``(3, 2)``, one side a column."""
-        chains: IntArray = self.pair.chains[list(self.parts)]
-        return chains
+        return self.pair.chains[list(self.parts)]
 
     def swapped(self) -> Limbs:
         """The same with its sides in the other order."""

@@ -118,8 +118,7 @@ class DragPlane:
             raise OutOfReach("the finger points past the plane: expected at a place in it")
         if not abs(height) < HORIZON * size * abs(slope):
             raise OutOfReach("the finger points above the horizon of the plane: expected below it")
-        point: FloatArray = ray.origin_m + (height / slope) * ray.direction
-        return point
+        return ray.origin_m + (height / slope) * ray.direction
 
 
 def checked_direction(value: ArrayLike, name: str) -> FloatArray:
@@ -441,5 +440,4 @@ def _hinge(skeleton: Skeleton, at: Motor, joint: int, below: int, bend: float) -
 
 def _unit(vector: FloatArray) -> FloatArray:
     length = float(np.linalg.norm(vector))
-    unit: FloatArray = vector / length if length > 0.0 else vector
-    return unit
+    return vector / length if length > 0.0 else vector

@@ -197,8 +197,7 @@ def _decay(
     # Hermite's basis of fifth degree for a value and a rate at 0; all else is zero.
     value = 1.0 - x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
     slope = x - x**3 * (6.0 - 8.0 * x + 3.0 * x**2)
-    decayed: FloatArray = start * value + rate * span * slope
-    return decayed
+    return start * value + rate * span * slope
 
 
 def _check(name: str, start_s: float, positive: float, field: str = "duration_s") -> None:

@@ -281,8 +281,7 @@ def _knee_ahead(
     """
     at = skeleton.world(poses).translation_m
     hip, knee, ankle = (at[:, skeleton.index(name)] for name in limb)
-    knee_ahead: FloatArray = hip + shortest_turn(ankle - hip, target - hip).apply(knee - hip)
-    return knee_ahead
+    return hip + shortest_turn(ankle - hip, target - hip).apply(knee - hip)
 
 
 def _rotate_foot(skeleton: Skeleton, poses: Motor, leg: Leg, foot: Rotor, toes: Rotor) -> Motor:

@@ -113,8 +113,7 @@ class Pace:
             first = self.passing[0]
         elif self.stops:
             first = self.passing[0] - self._advance_s
-        phase: FloatArray = first + self._advance_s * self.along_m(time_s) / self.length_m
-        return phase
+        return first + self._advance_s * self.along_m(time_s) / self.length_m
 
     @property
     def _advance_s(self) -> float:
@@ -138,8 +137,7 @@ class Pace:
 def _sped(x: FloatArray) -> FloatArray:
     """How far speed has led that grows from 0 to 1 by ``3 x² - 2 x³``."""
     x = np.clip(x, 0.0, 1.0)
-    sped: FloatArray = x**3 - 0.5 * x**4
-    return sped
+    return x**3 - 0.5 * x**4
 
 
 def standing_pose(loop: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> Clip:

@@ -297,8 +297,7 @@ def _piece(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> FloatA
     s = np.linspace(t[1], t[2], count, endpoint=False)[:, None]
 
     def between(x: FloatArray, y: FloatArray, start: float, end: float) -> FloatArray:
-        blended: FloatArray = ((end - s) * x + (s - start) * y) / (end - start)
-        return blended
+        return ((end - s) * x + (s - start) * y) / (end - start)
 
     first = [between(x, y, t[k], t[k + 1]) for k, (x, y) in enumerate(((a, b), (b, c), (c, d)))]
     second = [between(first[k], first[k + 1], t[k], t[k + 2]) for k in range(2)]

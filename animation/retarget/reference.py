@@ -61,8 +61,7 @@ class Seen:
 
     def bone(self, start: str, end: str) -> FloatArray:
         """From one joint to another, ``(F, 3)``."""
-        bones: FloatArray = self.at_m[:, self.joints[end]] - self.at_m[:, self.joints[start]]
-        return bones
+        return self.at_m[:, self.joints[end]] - self.at_m[:, self.joints[start]]
 
     def inside(self, role: str, vectors: FloatArray) -> FloatArray:
         """Mean ``(3,)`` of vectors ``(F, 3)`` as a joint sees them."""
@@ -128,8 +127,7 @@ def _hinge(
     hinge = hinge if side == "right" and not thumb else -hinge
     # One that is bent the other way, or sideways, does not tell how it would be closed.
     plausible = np.sum(hinge * by_hand, axis=-1, keepdims=True) > 0.0
-    axis: FloatArray = ASSUMED_FINGER_BEND * by_hand + np.where(plausible, hinge, 0.0)
-    return axis
+    return ASSUMED_FINGER_BEND * by_hand + np.where(plausible, hinge, 0.0)
 
 
 def from_motion(match: Match) -> dict[int, Rotor]:

@@ -210,8 +210,7 @@ def _way(match: Match, carrier: int, hips: int) -> FloatArray:
     scale = leg_scale(match)
     if not min(lengths) > NO_BONE_M and min(own[2], start[2]) > NO_BONE_M:
         scale = own[2] / start[2]
-    way: FloatArray = own + scale * (match.source_world[:, hips].translation_m - start)
-    return way
+    return own + scale * (match.source_world[:, hips].translation_m - start)
 
 
 def _with_way(match: Match, poses: Motor, carrier: int, way: FloatArray) -> Motor:

@@ -53,8 +53,7 @@ def interpolate_euler(start_rad: ArrayLike, end_rad: ArrayLike, fraction: ArrayL
     start = checked_floats(start_rad, "start_rad", (3,))
     end = checked_floats(end_rad, "end_rad", (3,))
     steps = checked_floats(fraction, "fraction", ())[..., None]
-    between: FloatArray = (1.0 - steps) * start + steps * end
-    return between
+    return (1.0 - steps) * start + steps * end
 
 
 def euler_rates_from_body(angles_rad: ArrayLike) -> FloatArray:
@@ -210,8 +209,7 @@ class EulerPose(Pose):
     def apply(self, points: ArrayLike) -> FloatArray:
         """Move points ``(*, 3)`` in metres."""
         x = self._checked_points(points)
-        moved: FloatArray = (self._rotation() @ x[..., None])[..., 0] + self.translation_m
-        return moved
+        return (self._rotation() @ x[..., None])[..., 0] + self.translation_m
 
     def interpolate(
         self, other: EulerPose, fraction: ArrayLike, short_way: bool = False
@@ -287,8 +285,7 @@ def nearest_branch(angles_rad: ArrayLike, reference_rad: ArrayLike) -> FloatArra
     """
     angles = checked_floats(angles_rad, "angles_rad", ())
     reference = checked_floats(reference_rad, "reference_rad", ())
-    nearest: FloatArray = angles + 2.0 * np.pi * np.round((reference - angles) / (2.0 * np.pi))
-    return nearest
+    return angles + 2.0 * np.pi * np.round((reference - angles) / (2.0 * np.pi))
 
 
 def nearest_euler(
@@ -376,8 +373,7 @@ def _followed(last: FloatArray, angles: FloatArray, sequence: str) -> FloatArray
     sides = np.cumsum(np.concatenate([np.zeros(1, dtype=np.bool_), changes])) % 2 == 1
     sided = np.where(sides[:, None], twin, whole)
     turns = np.cumsum(np.round((sided[:-1] - sided[1:]) / (2.0 * np.pi)), axis=0)
-    followed: FloatArray = sided[1:] + 2.0 * np.pi * turns
-    return followed
+    return sided[1:] + 2.0 * np.pi * turns
 
 
 def _locked(last: FloatArray, angles: FloatArray, way: float) -> FloatArray:
@@ -400,8 +396,7 @@ def _lock_side(middle_rad: FloatArray, sequence: str) -> FloatArray:
     _, _, _, cyclic = axes_of(sequence)
     sine, cosine = np.sin(middle_rad), np.cos(middle_rad)
     lever, way = (sine, cosine) if _is_proper(sequence) else (cosine, cyclic * sine)
-    side: FloatArray = np.where(np.abs(lever) <= 2.0 * LOCKED, np.sign(way), 0.0)
-    return side
+    return np.where(np.abs(lever) <= 2.0 * LOCKED, np.sign(way), 0.0)
 
 
 def _twin(angles: FloatArray, sequence: str) -> FloatArray:

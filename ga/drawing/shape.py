@@ -69,10 +69,7 @@ class Circle:
         """Points ``(count + 1, 3)`` once around, the last one the first again."""
         first, second = across(self.normal)
         turn: FloatArray = np.linspace(0.0, 2.0 * np.pi, count + 1)[:, None]
-        outline: FloatArray = self.center + self.radius * (
-            np.cos(turn) * first + np.sin(turn) * second
-        )
-        return outline
+        return self.center + self.radius * (np.cos(turn) * first + np.sin(turn) * second)
 
 
 @dataclass(frozen=True, eq=False)

@@ -38,8 +38,7 @@ else:
 
     def function(name: str) -> Callable[..., None]:
         """The kernel of that name, called with its inputs and the operand that it writes into."""
-        kernel: Callable[..., None] = getattr(_compiled, name)
-        return kernel
+        return getattr(_compiled, name)
 
     def checked_function(name: str) -> Callable[..., bool]:
         """As `function`; it computes, and gives whether all inputs were finite."""

@@ -127,10 +127,7 @@ def matrix_from_euler(
     if extrinsic:
         return matrix_from_euler(angles[..., ::-1], sequence[::-1])
     last = "xyz".index(sequence[2])
-    product: FloatArray = (
-        _turn(i, angles[..., 0]) @ _turn(j, angles[..., 1]) @ _turn(last, angles[..., 2])
-    )
-    return product
+    return _turn(i, angles[..., 0]) @ _turn(j, angles[..., 1]) @ _turn(last, angles[..., 2])
 
 
 def euler_from_matrix(
@@ -196,5 +193,4 @@ def lock_levers(matrix: ArrayLike, sequence: str = "xyz") -> FloatArray:
     row, column = "xyz".index(sequence[0]), "xyz".index(sequence[2])
     # The other entries of the row, since 1 - m² loses the lever's digits near 0.
     others = [m[..., row, k] for k in range(3) if k != column]
-    levers: FloatArray = np.hypot(*others)
-    return levers
+    return np.hypot(*others)

@@ -127,8 +127,7 @@ class Versor(Operators):
     @property
     def dtype(self) -> np.dtype[Any]:
         """The precision of the coefficients, float32 or float64."""
-        precision: np.dtype[Any] = self.coefficients.dtype
-        return precision
+        return self.coefficients.dtype
 
     def astype(self, dtype: DTypeLike) -> Self:
         """The same versors in float32 or float64.

@@ -84,8 +84,7 @@ class Filmed:
     @cached_property
     def up(self) -> FloatArray:
         """``(3,)`` in the world: out of what the run stood its character on."""
-        normal: FloatArray = self.ground(self.first).world_T_plane.rotor.apply([0.0, 0.0, 1.0])
-        return normal
+        return self.ground(self.first).world_T_plane.rotor.apply([0.0, 0.0, 1.0])
 
     @cached_property
     def stands(self) -> dict[str, SceneAnchor]:

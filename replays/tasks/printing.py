@@ -83,8 +83,7 @@ class _Place:
     def inset_mm(self) -> FloatArray:
         """From the box's corner to the board's origin."""
         edges = np.array([self.pattern.x_edges_m[0], self.pattern.y_edges_m[0]])
-        inset: FloatArray = 1e3 * (self.pattern.quiet_m - edges)
-        return inset
+        return 1e3 * (self.pattern.quiet_m - edges)
 
     @property
     def size_mm(self) -> tuple[float, float]:

@@ -397,5 +397,4 @@ def _handles(
 def _cubic(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray, u: FloatArray) -> FloatArray:
     """A Bézier cubic with these four control values."""
     v = 1.0 - u
-    cubic: FloatArray = v**3 * a + 3.0 * v**2 * u * b + 3.0 * v * u**2 * c + u**3 * d
-    return cubic
+    return v**3 * a + 3.0 * v**2 * u * b + 3.0 * v * u**2 * c + u**3 * d

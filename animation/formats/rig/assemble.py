@@ -384,8 +384,7 @@ def _across(stage: Stance, at: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _places(stage: Stance, poses: JointPoses) -> FloatArray:
     joints = stage.joints
     skeleton = Skeleton(joints.names, joints.parents, poses.motors()[0])
-    places: FloatArray = skeleton.world(poses.motors()).translation_m
-    return places
+    return skeleton.world(poses.motors()).translation_m
 
 
 def _feet(stage: Stance) -> list[int]:
