@@ -57,7 +57,6 @@ class OriginalVideo:
     """What a film keeps of the video that it is made from.
 
     Fields:
-        path: the file.
         clock: of its frames, seconds a tick.
         coding: of its colours.
         until_ns: stamp at which a film of a part of it ends, its sound too; None at its own end.

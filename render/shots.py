@@ -117,11 +117,8 @@ class FilmStage:
     """What stays the same over all frames: surfaces, light, and the ground with its shadows.
 
     Args:
-        camera: of the frames.
-        performers: who and what is drawn, one or more.
         lighting: all the light, made for the first.
         look: of the shadows; None for the usual one.
-        prints: that may hide figures.
         matching: how what is drawn is fitted to the footage; None for not at all.
     """
 

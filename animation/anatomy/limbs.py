@@ -40,7 +40,6 @@ class Limbs:
     """A pair of limbs with its parts.
 
     Fields:
-        pair: the chains.
         parts: three places in the chains: hip, knee, ankle or shoulder, elbow, wrist.
         score: logarithm of a likelihood.
     """

@@ -204,7 +204,6 @@ class Layered:
     """A motion with another over some of its joints, or added to it, from one time to another.
 
     Args:
-        base: the motion below.
         over: the motion laid over it, or where `reference` is given, added to it.
         mask: ``(J,)`` its share of every joint.
         span_s: from when to when; it is faded in and out over `fade_s` within.

@@ -65,10 +65,6 @@ class Segment:
 class Timeline:
     """What an errand makes of an actor.
 
-    Args:
-        actor: who follows it.
-        errand: what it is asked to do.
-
     Raises:
         ValueError: an act that the actor does not have, a path for one without a gait, or an errand
             that takes more than ten minutes.

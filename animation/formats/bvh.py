@@ -33,11 +33,7 @@ ROTATIONS = {"Xrotation": turn_x, "Yrotation": turn_y, "Zrotation": turn_z}
 
 
 class _Hierarchy:
-    """Reads the joints of a file: names, parents, offsets, channels.
-
-    Args:
-        words: of the section HIERARCHY.
-    """
+    """Reads the joints of a file: names, parents, offsets, channels."""
 
     def __init__(self, words: list[str]) -> None:
         self.names: list[str] = []

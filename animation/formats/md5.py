@@ -40,11 +40,7 @@ WORD = re.compile(r'//[^\n]*|"([^"\n]*)"|([(){}])|([^\s(){}"]+)')
 
 
 class Words:
-    """Reads an MD5 file word by word; brackets around numbers are passed over.
-
-    Args:
-        data: the file.
-    """
+    """Reads an MD5 file word by word; brackets around numbers are passed over."""
 
     def __init__(self, data: bytes) -> None:
         text = data.decode("utf-8", "replace")

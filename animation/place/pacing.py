@@ -37,9 +37,6 @@ class Pace:
     """A way of a length at a speed.
 
     Args:
-        length_m: of the way.
-        speed_m_s: of the cycle.
-        period_s: of the cycle.
         passing: times in the cycle when each foot stands under the body.
         starts: whether it starts from standing; else it comes walking.
         stops: whether it stops; else it walks on.

@@ -299,7 +299,6 @@ class Verdict:
 
     Fields:
         time_s: from the start.
-        nees: by part of the state.
         nis: of the innovations, without the first stamp.
         rotation_rms_deg, position_rms_m: over the runs, stamp by stamp.
         rotation_spread_deg: the 10th, 50th and 90th percentile over the runs, stamp by stamp.
@@ -330,11 +329,8 @@ def run_plan(
     What is finished is kept in ``OUT/.finished``, a folder for every twenty runs of a motion. A
     call that was stopped goes on where it was, one with more runs or motions computes those.
 
-    Args:
-        plan: what to run.
-        out: folder for the results; on a cluster, one that all workers see.
-        executor: see `motorcade.replays.engine.executors.outcomes`; the verdicts do not depend on
-            it.
+    On a cluster `out` must be a folder that all workers see. The verdicts do not depend on the
+    `executor` (see `motorcade.replays.engine.executors.outcomes`).
 
     Raises:
         KeyboardInterrupt: stopped by Ctrl-C; what is finished is kept, and no table is written.

@@ -225,11 +225,7 @@ _SHOWN = 12
 
 
 def as_text(results: Mapping[str, Any]) -> str:
-    """The best of all by score, what each representation costs beside motors, and the ties.
-
-    Args:
-        results: what ``results.json`` holds.
-    """
+    """The best of all by score, what each representation costs beside motors, and the ties."""
     return "\n".join([*_ranking(results), "", *_representations(results), "", *_ties(results)])
 
 

@@ -140,7 +140,6 @@ class Tuned:
     """What a search found.
 
     Fields:
-        setting: the method, its representation, and all parameters that are given to it.
         how: "search", "defaults" (nothing to search, or no value that the method did not refuse)
             or "borrowed".
         objective: of the best value; None where nothing was tried.

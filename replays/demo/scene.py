@@ -47,7 +47,6 @@ class WallPanel:
         corner_m: (3,) its lower left corner, seen from the front.
         across_m: (3,) from there to the lower right one.
         up_m: (3,) from there to the upper left one.
-        material: its name.
         pixels_per_m: of its texture.
         cells_per_m: of its light.
     """

@@ -57,7 +57,6 @@ class Stored:
     """A value as it lies on disk.
 
     Fields:
-        folder: where it lies.
         digest: SHA-256 of its content.
         seconds: how long it took to make.
         files: those that it was made from, with the state that they were in (see `ga.files`).

@@ -66,7 +66,6 @@ class StageStore:
 
     Args:
         cache: the folder of artifacts; made where it is missing.
-        sources: what the run starts from.
         knobs: settings by stage and name.
     """
 

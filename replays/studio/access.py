@@ -101,12 +101,7 @@ class Access:
 
 
 class Doorkeeper:
-    """Lets requests through to an app that `Access` admits, with the token taken off their path.
-
-    Args:
-        app: what serves those that came in.
-        access: who may.
-    """
+    """Lets requests through to an app that `Access` admits, with the token taken off their path."""
 
     def __init__(self, app: ASGIApp, access: Access) -> None:
         self._app, self._access = app, access

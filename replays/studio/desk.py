@@ -38,12 +38,7 @@ SCENE_NAME = "scene.json"
 
 @dataclass(frozen=True, eq=False)
 class RunDesk:
-    """A run on whose footage a scene is edited.
-
-    Args:
-        filmed: the footage.
-        session: the scene.
-    """
+    """A run on whose footage a scene is edited."""
 
     filmed: Filmed
     session: EditingSession
@@ -163,11 +158,7 @@ KEPT_BYTES = 192 << 20
 
 
 class Footage:
-    """Pictures by number. May be asked by several threads.
-
-    Args:
-        frames: of a recording.
-    """
+    """Pictures by number. May be asked by several threads."""
 
     def __init__(self, frames: FrameSequence) -> None:
         self._frames = frames

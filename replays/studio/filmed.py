@@ -31,7 +31,6 @@ class Filmed:
     """Footage with the camera that took it.
 
     Args:
-        recording: with its camera, as the run found it.
         grounds: what of it can be stood on, and the path along which it is drawn.
         first: what the run itself stood its character on.
         place_m: ``(2,)`` where that was, in the plane.

@@ -73,8 +73,6 @@ class Grip:
     """An object in somebody's hand: what it was when it was taken, and how far it has come.
 
     Args:
-        scene: in which the object is grabbed.
-        name: of the object.
         time_s: when in the film.
         world_T_anchor: where the anchors are then.
         up: ``(3,)`` in the world, for what stands on nothing.
@@ -255,9 +253,6 @@ class JointGrip:
     It is dragged in the plane through it that is parallel to the picture.
 
     Args:
-        played: what objects do.
-        scene: in which it is taken.
-        name: of the character.
         frame: the picture on which it is taken.
         ray: of the finger.
         joint: its name; None takes the nearest of those that a pose is dragged by.

@@ -64,7 +64,6 @@ class Offer:
     """A run on the start page.
 
     Args:
-        name: as it is listed.
         open: reads it; may take seconds.
         summary: a line on what is in it.
     """
@@ -76,11 +75,7 @@ class Offer:
 
 @dataclass
 class OpenedOffers:
-    """Offers, and the desks of those that were opened.
-
-    Args:
-        offers: all of them.
-    """
+    """Offers, and the desks of those that were opened."""
 
     offers: Sequence[Offer]
     _opening: dict[int, asyncio.Task[Desk]] = field(default_factory=dict)

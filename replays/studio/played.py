@@ -29,12 +29,7 @@ _MOST_KEPT = 256
 
 @dataclass(frozen=True, eq=False)
 class PlayedScene:
-    """What of a scene is shown over its footage; caches what objects do.
-
-    Args:
-        filmed: the footage.
-        folder: that files of characters and props are named from.
-    """
+    """What of a scene is shown over its footage; caches what objects do."""
 
     filmed: Filmed
     folder: Path

@@ -34,12 +34,7 @@ GROUND = "ground"
 
 @dataclass(frozen=True, eq=False)
 class Props:
-    """Characters and props on offer.
-
-    Args:
-        folder: that files are named from: the scene's.
-        files: by their names there.
-    """
+    """Characters and props on offer."""
 
     folder: Path
     files: tuple[str, ...] = ()

@@ -111,15 +111,7 @@ SNAPS = Snapping(angle_rad=float(np.radians(15.0)), distance_m=0.01, scale=0.1)
 
 @dataclass
 class EditingSession:
-    """What visitors do to one scene.
-
-    Args:
-        filmed: the footage.
-        history: the scene with its history.
-        played: what its objects do over the footage.
-        props: what may be put into it.
-        view: of it, as pages have it.
-    """
+    """What visitors do to one scene."""
 
     filmed: Filmed
     history: SceneHistory
@@ -463,13 +455,7 @@ MOST_POINTS = 400
 
 @dataclass(frozen=True)
 class SceneView:
-    """Objects as JSON for `editor.js`.
-
-    Args:
-        filmed: the footage.
-        played: what objects do over it.
-        props: what there is to choose from.
-    """
+    """Objects as JSON for `editor.js`."""
 
     filmed: Filmed
     played: PlayedScene

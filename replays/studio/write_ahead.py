@@ -221,9 +221,6 @@ _BY_ANCHORS = ("group", "ungroup", "reparent")
 class SceneHistory:
     """The history of one scene, replayed from its write-ahead log.
 
-    Args:
-        write_log: the session.
-
     Raises:
         ValueError: a start or a line that cannot be read.
     """
@@ -255,11 +252,7 @@ class SceneHistory:
         return self._editor.can_redo
 
     def do(self, gesture: Gesture, world_T_anchor: Mapping[str, Similarity]) -> None:
-        """A whole gesture as one step.
-
-        Args:
-            gesture: what is done.
-            world_T_anchor: where anchors are while it is; kept where it matters.
+        """A whole gesture as one step; where anchors are meanwhile is kept where it matters.
 
         Raises:
             ValueError: what the scene does not have or may not have.

@@ -36,7 +36,6 @@ class CalibrationRun:
     """A calibration, and what became of every picture.
 
     Fields:
-        calibration: of `views`.
         board: what was looked for.
         names: of the pictures of `views`.
         views: the fitted views and those that were left out of the fit.

@@ -37,7 +37,6 @@ class MarkerPicture:
     """The markers of one picture, upright.
 
     Fields:
-        path: the file.
         gray: what was searched.
         detections: by rising id.
         posed: one for each detection where camera and size are known, else empty; None for a

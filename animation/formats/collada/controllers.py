@@ -36,13 +36,7 @@ MOST_INFLUENCES = 64
 
 
 class Controllers:
-    """Reads the surfaces of one document; `notices` gathers what was left out.
-
-    Args:
-        library: the document.
-        scene: its nodes.
-        materials: its colours.
-    """
+    """Reads the surfaces of one document; `notices` gathers what was left out."""
 
     def __init__(self, library: Library, scene: ColladaScene, materials: ColladaMaterials) -> None:
         self._library = library

@@ -24,12 +24,7 @@ MAX_ELEMENTS = 500_000
 
 
 class Element:
-    """An XML element: name, attributes, children, text before the first child.
-
-    Args:
-        name: without its namespace.
-        attributes: by name.
-    """
+    """An XML element: name (without its namespace), attributes, children, text before them."""
 
     __slots__ = ("attributes", "children", "name", "text")
 
@@ -135,11 +130,7 @@ def parse_xml(data: bytes) -> Element:
 
 
 class Library:
-    """Looks up what a document refers to.
-
-    Args:
-        root: the `COLLADA` element.
-    """
+    """Looks up what a document refers to."""
 
     def __init__(self, root: Element) -> None:
         if root.name != "COLLADA":

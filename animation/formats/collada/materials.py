@@ -43,12 +43,7 @@ def roughness_of(exponent: float) -> float:
 
 
 class ColladaMaterials:
-    """Reads the materials of one document, each once.
-
-    Args:
-        library: the document.
-        folder: where textures are looked for.
-    """
+    """Reads the materials of one document, each once; textures are looked for in `folder`."""
 
     def __init__(self, library: Library, folder: Path) -> None:
         self._library = library

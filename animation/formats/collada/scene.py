@@ -53,14 +53,7 @@ class TransformStep:
 
 @dataclass(frozen=True, eq=False)
 class ColladaScene:
-    """The nodes of the scene.
-
-    Args:
-        tree: N nodes at rest.
-        elements: their elements.
-        stacks: their transforms.
-        notices: what was left out.
-    """
+    """The N nodes of the scene at rest, their elements and transforms, and what was left out."""
 
     tree: NodeTree
     elements: tuple[Element, ...]

@@ -27,11 +27,7 @@ WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "M
 
 
 class Accessors:
-    """Reads the accessors of one document.
-
-    Args:
-        document: whose accessors.
-    """
+    """Reads the accessors of one document."""
 
     def __init__(self, document: Document) -> None:
         self._document = document

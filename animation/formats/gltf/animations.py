@@ -179,8 +179,6 @@ class _ChannelReader:
     """Reads the channels of one document; counts what they unpack to.
 
     Args:
-        accessors: the document's arrays.
-        nodes: its nodes.
         targets: how many morph targets nodes have, by the file's numbers.
     """
 

@@ -108,8 +108,6 @@ class Document:
     """A glTF document: its JSON, its buffers and the folder that it lies in.
 
     Args:
-        root: the JSON document.
-        buffers: the bytes of each buffer.
         folder: where files that it names are looked for.
         pictures: where pictures are looked for whatever folder they are said to be in, if another.
     """

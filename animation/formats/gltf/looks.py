@@ -30,12 +30,7 @@ MINIFY = {
 
 
 class LookWriter:
-    """Writes what a character looks like into a document, each picture once.
-
-    Args:
-        buffer: where arrays and pictures go.
-        document: gets `materials`, `textures`, `images`, `samplers` and the extensions used.
-    """
+    """Writes what a character looks like into a document, each picture once."""
 
     def __init__(self, buffer: BinaryBuffer, document: dict[str, Any]) -> None:
         self._buffer, self._document = buffer, document

@@ -53,12 +53,7 @@ MAPS = {
 
 
 class GltfMaterials:
-    """Reads the materials of one document; each of them, and each texture, once.
-
-    Args:
-        document: whose materials.
-        accessors: its arrays.
-    """
+    """Reads the materials of one document; each of them, and each texture, once."""
 
     def __init__(self, document: Document, accessors: Accessors) -> None:
         self._document = document

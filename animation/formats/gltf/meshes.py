@@ -35,13 +35,7 @@ STRIP, FAN, TRIANGLES = 5, 6, 4
 
 
 class Meshes:
-    """Reads the surfaces of one document; `notices` gathers what was left out.
-
-    Args:
-        document: whose meshes.
-        accessors: its arrays.
-        nodes: its nodes.
-    """
+    """Reads the surfaces of one document; `notices` gathers what was left out."""
 
     def __init__(self, document: Document, accessors: Accessors, nodes: Nodes) -> None:
         self._document = document

@@ -290,12 +290,7 @@ def unpack_indices(data: bytes, count: int) -> NDArray[np.int64]:
 
 
 class _Numbers:
-    """Numbers of varied length in a stream, and the last that one of them led to.
-
-    Args:
-        data: the stream.
-        at: where they begin.
-    """
+    """Numbers of varied length in a stream, and the last that one of them led to."""
 
     def __init__(self, data: bytes, at: int) -> None:
         self._data, self._at, self._last = data, at, 0

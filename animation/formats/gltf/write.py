@@ -391,11 +391,7 @@ STORED = 6e-8
 
 
 class AnimationWriter:
-    """One animation that is being put together.
-
-    Args:
-        buffer: where its keys go.
-    """
+    """One animation that is being put together."""
 
     def __init__(self, buffer: BinaryBuffer) -> None:
         self._buffer = buffer

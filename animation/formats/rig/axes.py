@@ -103,14 +103,9 @@ def axes_of(
     up: FloatArray | None = None,
     front: FloatArray | None = None,
 ) -> Axes:
-    """Find the turn from the file's axes to those of characters.
+    """Find the rotation from the file's axes to those of characters.
 
-    Args:
-        rig: says what the format fixes.
-        joints: the joints.
-        places: where they lie.
-        up: unit vector (3,) of the file that is up, where the caller knows.
-        front: unit vector (3,) that the figure faces at rest, where the caller knows.
+    `up` and `front` (3,) are unit vectors of the file, where the caller knows them better.
     """
     tree = JointTree(joints.names, joints.parents, places.bound)
     notices: list[str] = []

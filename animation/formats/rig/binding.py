@@ -52,15 +52,9 @@ class Binding:
 
 
 def bind(joints: Joints, rest: JointPoses, surfaces: tuple[RigSurface, ...]) -> Binding:
-    """Rest frames from the skin that carries most triangles, else from the nodes.
+    """Rest frames from the skin that carries most triangles, else from the nodes' pose (1, J).
 
-    Args:
-        joints: the joints.
-        rest: the pose (1, J) in which the nodes stand.
-        surfaces: meshes; the skinned ones count.
-
-    Raises:
-        FormatError: an inverse bind matrix without an inverse.
+    Raises FormatError: an inverse bind matrix without an inverse.
     """
     local = rest.motors()[0]
     world = Skeleton(joints.names, joints.parents, local).rest_world

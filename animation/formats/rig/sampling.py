@@ -45,9 +45,6 @@ class Sampler:
     """Samples clips on the nodes of one rig.
 
     Args:
-        tree: the nodes.
-        joints: which of them are joints.
-        world: how the file's world lies in character space.
         height_m: of the figure; tolerances are shares of it.
         watched: (J,) whether a joint carries anything: controls that carry nothing may part
             further.

@@ -52,15 +52,7 @@ class Wanted:
 
 @dataclass(frozen=True, eq=False)
 class Stance:
-    """Joints, the lie of the file's world, and the pose (1, J) in which the nodes stand.
-
-    Args:
-        joints: the joints.
-        world: from the file to character space.
-        rest: how the nodes stand.
-        axes: what the joints are, and how the bind pose is turned to stand.
-        notices: what was left out or assumed.
-    """
+    """Joints, how the file's world and axes lie, and the pose (1, J) in which the nodes stand."""
 
     joints: Joints
     world: World

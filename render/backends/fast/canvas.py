@@ -40,12 +40,6 @@ class Canvas:
     and read (`read`). A pixel's light is computed once for each triangle in it, however many
     triangles were drawn there.
 
-    Args:
-        gl: moderngl's context.
-        bare: functions of the same.
-        programs: of the same.
-        size: width and height, pixels.
-
     Raises:
         RenderUnavailable: the memory for it cannot be had.
     """

@@ -43,7 +43,6 @@ class Pictures:
     """Textures of one context; surfaces that show the same pixels share one.
 
     Args:
-        gl: moderngl's context.
         set_parameter: OpenGL's glTexParameterf, for what moderngl cannot say.
     """
 
@@ -134,16 +133,7 @@ def _means(pixels: NDArray[np.uint8], step: int, *, encoded: bool) -> NDArray[np
 
 
 class DrawnPart:
-    """Triangles of one material.
-
-    Args:
-        programs: of the context.
-        pictures: of the context.
-        part: which triangles, and their material.
-        lit: whether light falls on it.
-        colored: whether its vertices have colours.
-        lamps: how many lamps there are.
-    """
+    """Triangles of one material."""
 
     def __init__(
         self,

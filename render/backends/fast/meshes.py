@@ -31,12 +31,8 @@ class RenderMesh:
     reaches; `reach_m` (N, 3) are corners that hold it or nearly so.
 
     Args:
-        gl: moderngl's context.
-        programs: of the same context.
-        surface: what is drawn.
         parts: makes its parts of it and the buffer of its vertices.
         origin_m: (3,) the place from which it is counted: shaders have seven digits.
-        lit: whether light falls on it.
     """
 
     def __init__(
@@ -101,10 +97,6 @@ class SkinnedMesh:
     """A mesh whose vertices a shader carries by the joints of a character.
 
     Args:
-        gl: moderngl's context.
-        programs: of the same context.
-        mesh: what is carried: the mesh of the character.
-        character: rest pose, joints and weights.
         method: how the palette is written; one of `SKIN_METHODS`.
 
     Raises:
@@ -221,14 +213,7 @@ class MeshParts:
     """The parts of one surface: what covers, and what one sees through.
 
     Args:
-        gl: moderngl's context.
-        bare: functions of the same.
-        programs: of the same.
-        pictures: of the same.
-        surface: what is drawn.
         vertices: buffer of its vertices and normals, which may change.
-        lit: whether light falls on it.
-        lamps: how many lamps there are.
         first_number: number of its first triangle, from 1.
     """
 

@@ -22,11 +22,7 @@ _VERSION = "#version 330 core\n"
 
 
 class Programs:
-    """The programs of one context, by what they are for.
-
-    Args:
-        gl: moderngl's context.
-    """
+    """The programs of one context, by what they are for."""
 
     def __init__(self, gl: Any) -> None:
         self._gl = gl
@@ -118,12 +114,7 @@ SRGB8_ALPHA8, FRAMEBUFFER_SRGB = 0x8C43, 0x8DB9
 
 
 class ShadowMap:
-    """Depth as the sun sees it, to compare with.
-
-    Args:
-        gl: moderngl's context.
-        size: of the square, texels.
-    """
+    """Depth as the sun sees it, to compare with, on a square of `size` texels."""
 
     def __init__(self, gl: Any, size: int) -> None:
         self._texture = gl.depth_texture((size, size))
@@ -151,11 +142,7 @@ _UINT, _INT, _FLOAT, _POINTER = ctypes.c_uint, ctypes.c_int, ctypes.c_float, cty
 
 
 class BareFunctions:
-    """Those functions, in the context that is current when they are called.
-
-    Args:
-        address: where a function of OpenGL lies, by its name.
-    """
+    """Those functions, in the context that is current when they are called."""
 
     def __init__(self, address: Callable[[str], int]) -> None:
         def function(name: str, *kinds: Any) -> Any:
