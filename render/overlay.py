@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,62 +39,14 @@ def render_overlay(
     character: Character,
     clip: Clip,
     placement: Placement,
-    *,
-    light_direction: ArrayLike | None = None,
-    lighting: Lighting | None = None,
-    look: ShadowLook | None = None,
-    matching: Matching | None = None,
-    prints: Prints | None = None,
-    meter: ExposureMeter | None = None,
-    renderer: RendererName = "fast",
+    **options: Any,
 ) -> Iterator[ImageArray]:
-    """Draw a placed character with its shadow into every frame that has a pose.
+    """Draw one placed character, whose clip starts at the first frame, as `render_performers` does.
 
-    Poses between stamps are interpolated. A frame outside the span of the trajectory comes back
-    as it is. The clip starts at the first frame. The same input gives the same bytes on the same
-    OpenGL driver.
-
-    Args:
-        frames: (stamp in ns, uint8 picture (h, w) or (h, w, 3) RGB) and, where it is known, the
-            depth (h, w) in metres of what the camera saw: it hides the character where it is
-            nearer.
-        camera: of the frames' size. The frames of a camera with distortion stay as they are: what
-            is drawn is distorted as by its lens (see `LensWarp`).
-        world_T_camera: the camera's path, in the world of the placement.
-        character: who is drawn.
-        clip: what it does; one of its clips, or another for the same skeleton.
-        placement: where it stands and how large it is.
-        light_direction: (3,) the way the light travels in the world; by default from high over
-            the viewer's left shoulder.
-        lighting: all the light, in place of one that is made for the viewer.
-        look: of the shadow.
-        matching: how what is drawn is fitted to the footage; its noise is the same in every run.
-        prints: boards and markers whose place is known: where a frame has no depth, they and the
-            ground hide what is behind them.
-        meter: of the footage's exposure, which what is drawn then follows.
-        renderer: that draws; see `new_renderer`.
-
-    Yields:
-        uint8 (h, w, 3) RGB, one a frame.
-
-    Raises:
-        RenderUnavailable: this machine has no OpenGL.
-        ValueError: a frame of another size, light from below ground, a direction and a lighting
-            both, or an unknown renderer.
+    Its clip is one of its own, or another for the same skeleton; options are those named there.
     """
-    yield from render_performers(
-        frames,
-        camera,
-        world_T_camera,
-        [Performer(character, clip, placement)],
-        light_direction=light_direction,
-        lighting=lighting,
-        look=look,
-        matching=matching,
-        prints=prints,
-        meter=meter,
-        renderer=renderer,
-    )
+    performers = [Performer(character, clip, placement)]
+    return render_performers(frames, camera, world_T_camera, performers, **options)
 
 
 def render_performers(
@@ -112,29 +65,36 @@ def render_performers(
 ) -> Iterator[ImageArray]:
     """Draw characters and props with their shadows into every frame that has a pose.
 
-    See `render_overlay` for what is not told here. Each throws its shadow on the ground of its own
-    placement, wherever that moves. What lies beneath the ground of the first one whose ground does
-    not move is hidden.
+    Each throws its shadow on the ground of its own placement, wherever that moves; what lies
+    beneath the ground of the first one whose ground does not move is hidden. Poses between stamps
+    are interpolated; a frame outside the span of the trajectory comes back as it is. The same input
+    gives the same bytes on the same OpenGL driver.
 
     Args:
-        frames: as for one alone.
-        camera: of the frames' size.
-        world_T_camera: the camera's path.
+        frames: (stamp in ns, uint8 image (h, w) or (h, w, 3) RGB) and, where it is known, the
+            depth (h, w) in metres of what the camera saw: it hides figures where it is nearer.
+        camera: of the frames' size. The frames of a camera with distortion stay as they are: what
+            is drawn is distorted as by its lens (see `LensWarp`).
+        world_T_camera: the camera's path, in the world of the placements.
         performers: who and what is drawn, one or more.
-        light_direction: (3,) the way the light travels in the world.
-        lighting: all the light, made for the first; its lamps and shadows are spread over all.
+        light_direction: (3,) the way the light travels in the world; by default from high over
+            the viewer's left shoulder.
+        lighting: all the light, made for the first, in place of one that is made for the viewer;
+            its lamps and shadows are spread over all.
         look: of the shadows.
-        matching: how what is drawn is fitted to the footage.
-        prints: as for one alone.
-        meter: of the footage's exposure.
-        renderer: that draws.
+        matching: how what is drawn is fitted to the footage; its noise is the same in every run.
+        prints: boards and markers whose place is known: where a frame has no depth, they and the
+            ground hide what is behind them.
+        meter: of the footage's exposure, which what is drawn then follows.
+        renderer: that draws; see `new_renderer`.
 
     Yields:
         uint8 (h, w, 3) RGB, one a frame.
 
     Raises:
         RenderUnavailable: this machine has no OpenGL.
-        ValueError: as `render_overlay`.
+        ValueError: a frame of another size, light from below ground, a direction and a lighting
+            both, or an unknown renderer.
     """
     if light_direction is not None and lighting is not None:
         raise ValueError("render_overlay: expected light_direction or lighting, got both")
