@@ -12,14 +12,7 @@ from pathlib import Path
 from reprlib import Repr
 from typing import Any
 
-from motorcade.animation.authoring.parts import (
-    JointKeyframe,
-    SceneAnchor,
-    SceneKeyframe,
-    SceneLayer,
-    ScenePart,
-    SceneWalk,
-)
+from motorcade.animation.authoring import parts
 from motorcade.animation.easing import FADE_S
 from motorcade.ga import Similarity
 from motorcade.ga.arrays import FloatArray, checked_floats
@@ -136,7 +129,7 @@ def short(value: object) -> str:
     return text if len(text) <= 80 else f"{text[:77]}..."
 
 
-def anchor_json(anchor: SceneAnchor) -> dict[str, Any]:
+def anchor_json(anchor: parts.SceneAnchor) -> dict[str, Any]:
     """As an entry of `anchors`."""
     fields: dict[str, Any] = {"on": anchor.on}
     if anchor.marker is not None:
@@ -155,7 +148,7 @@ def pose_json(pose: Similarity) -> dict[str, Any]:
     }
 
 
-def part_json(part: ScenePart) -> dict[str, Any]:
+def part_json(part: parts.ScenePart) -> dict[str, Any]:
     """What an object has besides its name, parent and pose."""
     fields: dict[str, Any] = {}
     if part.height_m is not None:
@@ -179,7 +172,7 @@ def part_json(part: ScenePart) -> dict[str, Any]:
     return fields
 
 
-def _keyframe_json(scene_keyframe: SceneKeyframe) -> dict[str, Any]:
+def _keyframe_json(scene_keyframe: parts.SceneKeyframe) -> dict[str, Any]:
     keyframe_json = {"time_s": scene_keyframe.time_s, **pose_json(scene_keyframe.parent_T_object)}
     if scene_keyframe.angles_deg is not None:
         del keyframe_json["wxyz"]
@@ -187,7 +180,7 @@ def _keyframe_json(scene_keyframe: SceneKeyframe) -> dict[str, Any]:
     return keyframe_json
 
 
-def _pose_of_joints_json(joint_keyframe: JointKeyframe) -> dict[str, Any]:
+def _pose_of_joints_json(joint_keyframe: parts.JointKeyframe) -> dict[str, Any]:
     joints = {name: rotor.as_quaternion().tolist() for name, rotor in joint_keyframe.rotors.items()}
     pose: dict[str, Any] = {"time_s": joint_keyframe.time_s, "joints": joints}
     if joint_keyframe.end_s is not None:
@@ -195,7 +188,7 @@ def _pose_of_joints_json(joint_keyframe: JointKeyframe) -> dict[str, Any]:
     return pose
 
 
-def layer_json(layer: SceneLayer) -> dict[str, Any]:
+def layer_json(layer: parts.SceneLayer) -> dict[str, Any]:
     """As an entry of `layers`."""
     fields: dict[str, Any] = {"clip": layer.clip, "joints": layer.joints, "weight": layer.weight}
     if layer.additive:
@@ -209,7 +202,7 @@ def layer_json(layer: SceneLayer) -> dict[str, Any]:
     return fields
 
 
-def _walk_json(walk: SceneWalk) -> dict[str, Any]:
+def _walk_json(walk: parts.SceneWalk) -> dict[str, Any]:
     walk_json: dict[str, Any] = {"path_m": walk.path_m.tolist(), "start_s": walk.start_s}
     if walk.speed_m_s is not None:
         walk_json["speed_m_s"] = walk.speed_m_s

@@ -13,16 +13,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.animation.behaviour import sources
 from motorcade.animation.behaviour.actor import Actor, ClipLayer
 from motorcade.animation.behaviour.gaze import LookTarget
-from motorcade.animation.behaviour.sources import (
-    Along,
-    Layered,
-    Leaning,
-    Stepping,
-    Turning,
-    lifted,
-)
 from motorcade.animation.behaviour.timeline import Segment, Timeline
 from motorcade.animation.blend import Inertialized, PoseSource, Shifted
 from motorcade.animation.clip import Clip
@@ -158,16 +151,20 @@ def _unplanted(
 
 def _source(actor: Actor, segment: Segment) -> PoseSource:
     """What a segment plays, on the timeline's clock."""
-    if segment.state == "walk" and actor.cycle is not None and isinstance(segment.way, Along):
+    if (
+        segment.state == "walk"
+        and actor.cycle is not None
+        and isinstance(segment.way, sources.Along)
+    ):
         walk = Shifted(played(actor.cycle, actor.standing, segment.way.pace), segment.start_s)
-        return Leaning(walk, segment.way, actor.skeleton.root)
+        return sources.Leaning(walk, segment.way, actor.skeleton.root)
     if segment.state == "act":
         clip = (actor.acts or {})[segment.clip].clip
         return Shifted(clip, segment.start_s, float(clip.time_s[0]))
     idle = replace(actor.idle, poses=actor.idle.poses.rigid)
     idling = Shifted(idle, segment.start_s, float(idle.time_s[0]))
-    if isinstance(segment.way, Turning):
-        return Stepping(idling, segment.way, actor.skeleton, actor.legs)
+    if isinstance(segment.way, sources.Turning):
+        return sources.Stepping(idling, segment.way, actor.skeleton, actor.legs)
     return idling
 
 
@@ -178,9 +175,9 @@ def _standing(
     clock = time_s[rows] - segment.start_s
     if not len(clock):
         return [np.ones(0, dtype=bool) for _ in actor.legs]
-    if isinstance(segment.way, Along) and segment.state in ("walk", "arrive"):
+    if isinstance(segment.way, sources.Along) and segment.state in ("walk", "arrive"):
         return _standing_on_the_way(actor, segment.way, time_s, rows)
-    if isinstance(segment.way, Turning) and segment.state == "turn":
+    if isinstance(segment.way, sources.Turning) and segment.state == "turn":
         return [segment.way.swinging(k, clock) == 0.0 for k in range(len(actor.legs))]
     if segment.state != "act":
         return [np.ones(len(clock), dtype=bool) for _ in actor.legs]
@@ -198,7 +195,7 @@ def _standing(
 
 
 def _standing_on_the_way(
-    actor: Actor, way: Along, time_s: FloatArray, rows: slice
+    actor: Actor, way: sources.Along, time_s: FloatArray, rows: slice
 ) -> list[NDArray[np.bool_]]:
     """Of a walk from standing to standing, as `walk_along` finds it, at these frames."""
     assert actor.cycle is not None
@@ -225,7 +222,7 @@ def _with_layers(timeline: Timeline, time_s: FloatArray, poses: Motor) -> Motor:
             clip = replace(layer.clip, poses=layer.clip.poses.rigid)
             over = Shifted(clip, start, float(clip.time_s[0]))
             reference = clip.poses.rigid[0] if layer.additive else None
-            layered = Layered(below, over, layer.mask, (start, end), FADE_S, reference)
+            layered = sources.Layered(below, over, layer.mask, (start, end), FADE_S, reference)
             changed = poses.coefficients.copy()
             changed[within] = layered.at(time_s[within]).coefficients
             poses = Motor(changed)
@@ -279,7 +276,7 @@ def _stepping(
             rows = np.flatnonzero(through >= 0.0) + start
             share = smootherstep(through[through >= 0.0])[:, None]
             places = ankle[rows[0]] + share * (ankle[end] - ankle[rows[0]])
-            stepped = lifted(
+            stepped = sources.lifted(
                 actor.skeleton,
                 Motor(changed[rows]),
                 leg,

@@ -22,14 +22,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from motorcade.animation.behaviour import sources
 from motorcade.animation.behaviour.actor import Actor
-from motorcade.animation.behaviour.sources import (
-    GRAVITY_M_S2,
-    Along,
-    Still,
-    Travelling,
-    Turning,
-)
 from motorcade.animation.blend import Inertialized, PoseSource
 from motorcade.animation.place.walks import GroundPath
 from motorcade.animation.vectors import turn_z
@@ -41,7 +35,7 @@ EASED_S = 0.3
 # Errands that take longer are mistaken: a small character on a long way.
 LONGEST_S = 600.0
 
-Way = Still | Along | Turning | Travelling
+Way = sources.Still | sources.Along | sources.Turning | sources.Travelling
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +129,7 @@ class Timeline:
         looks, clock, waits = errand.heading_rad, 0.0, errand.waits_s
         acts, known = list(errand.acts), actor.acts or {}
         state: State | None = None
-        way: Way = Still(here)
+        way: Way = sources.Still(here)
         segments: list[Segment] = []
         while True:
             wish = errand.facing_rad
@@ -145,10 +139,12 @@ class Timeline:
             state = next_state(state, Situation(waits > 0.0, path is not None, off, len(acts)))
             name, lasts = actor.idle.name, waits
             if state == "turn":
-                way = Turning(here, off, clock)
+                way = sources.Turning(here, off, clock)
                 lasts, looks = way.lasts_s, looks + off
             elif state == "walk" and path is not None and pace is not None:
-                way = Along(path, pace, actor.scale, clock, actor.size * GRAVITY_M_S2)
+                way = sources.Along(
+                    path, pace, actor.scale, clock, actor.size * sources.GRAVITY_M_S2
+                )
                 lasts, name = pace.left_s, getattr(actor.cycle, "name", "")
             elif state == "arrive" and path is not None and pace is not None:
                 lasts, name = pace.done_s - pace.left_s, getattr(actor.cycle, "name", "")
@@ -158,10 +154,10 @@ class Timeline:
                 if name not in known:
                     listed = ", ".join(map(repr, known)) or "none"
                     raise ValueError(f"Errand.acts: expected some of {listed}, got {name!r}")
-                way, lasts = Travelling(here, known[name].motion, actor.scale, clock), 0.0
+                way, lasts = sources.Travelling(here, known[name].motion, actor.scale, clock), 0.0
                 lasts = known[name].clip.duration_s
             elif state == "idle":
-                way = Still(here)
+                way = sources.Still(here)
                 if waits <= 0.0:
                     segments.append(Segment(state, name, clock, np.inf, way))
                     return tuple(segments)

@@ -31,15 +31,7 @@ from motorcade.ga.drawing.reading import Form, shapes_of
 from motorcade.ga.drawing.view import View
 from motorcade.ga.script import Script
 from motorcade.ga.script.meaning import watched
-from motorcade.ga.script.reading.syntax import (
-    Assignment,
-    Call,
-    Expression,
-    Mark,
-    Number,
-    Screen,
-    Unary,
-)
+from motorcade.ga.script.reading import syntax
 
 __all__ = ["Drawing", "Styled", "draw_script", "show"]
 
@@ -97,24 +89,26 @@ class _Marked:
         self.form: Form = "outer"
         self.items: list[Styled] = []
 
-    def __call__(self, step: Assignment | Mark | Screen, value: Multivector | None) -> None:
+    def __call__(
+        self, step: syntax.Assignment | syntax.Mark | syntax.Screen, value: Multivector | None
+    ) -> None:
         """Take a mark that is run: a word if it has no value."""
         if value is None:
-            if isinstance(step, Screen):
+            if isinstance(step, syntax.Screen):
                 self._set(step)
             return
         if len(self.items) >= MAX_DRAWN:
             raise self._script.source.error(
                 step.place, f"expected at most {MAX_DRAWN} objects to draw", "draw fewer rounds"
             )
-        name = "" if isinstance(step, Screen) else step.name
+        name = "" if isinstance(step, syntax.Screen) else step.name
         self.items.append(Styled(value, name, self._color, self.form))
 
-    def _set(self, screen: Screen) -> None:
+    def _set(self, screen: syntax.Screen) -> None:
         """Form and colour after a word for the picture."""
         if screen.word in ("IPNS", "OPNS"):
             self.form = "inner" if screen.word == "IPNS" else "outer"
-        elif screen.word == "Color" and isinstance(screen.value, Call):
+        elif screen.word == "Color" and isinstance(screen.value, syntax.Call):
             parts = [_number(argument) for argument in screen.value.arguments[:3]]
             known = [part for part in parts if part is not None]
             if len(known) == 3:
@@ -124,8 +118,8 @@ class _Marked:
             self._color = screen.word.lower() if screen.word.lower() in OBJECT_COLORS else "black"
 
 
-def _number(value: Expression) -> float | None:
-    if isinstance(value, Unary) and value.operator == "-":
+def _number(value: syntax.Expression) -> float | None:
+    if isinstance(value, syntax.Unary) and value.operator == "-":
         inside = _number(value.operand)
         return None if inside is None else -inside
-    return value.value if isinstance(value, Number) else None
+    return value.value if isinstance(value, syntax.Number) else None

@@ -33,34 +33,11 @@ from motorcade.ga.script.operators import (
     operated,
     rows_of,
 )
-from motorcade.ga.script.reading.syntax import (
-    AlgebraPragma,
-    Argument,
-    Assignment,
-    Binary,
-    Break,
-    Call,
-    Expression,
-    If,
-    Loop,
-    Macro,
-    Mark,
-    Name,
-    NormalizePragma,
-    Number,
-    OutputPragma,
-    RangePragma,
-    Screen,
-    Script,
-    Slice,
-    Step,
-    Unary,
-    postorder,
-)
+from motorcade.ga.script.reading import syntax
 
 MAX_MACRO_DEPTH = 32
 # Is shown each mark for the picture where it is run, with its value; None for a word.
-Watch = Callable[[Assignment | Mark | Screen, Multivector | None], None]
+Watch = Callable[[syntax.Assignment | syntax.Mark | syntax.Screen, Multivector | None], None]
 
 
 def constants_of(algebra: Algebra) -> frozenset[str]:
@@ -76,7 +53,7 @@ class _Scope:
         source: Source,
         names: dict[str, Multivector],
         arguments: tuple[Multivector, ...] = (),
-        macro: Macro | None = None,
+        macro: syntax.Macro | None = None,
     ) -> None:
         self.names = names
         self.macro = macro
@@ -90,7 +67,7 @@ class Run:
 
     def __init__(
         self,
-        script: Script,
+        script: syntax.Script,
         algebra: Algebra,
         definition: AlgebraDefinition,
         fields: dict[str, Multivector],
@@ -108,12 +85,14 @@ class Run:
         self._undecided: list[Any] = []
         self._made: dict[str, Multivector] = {}
         self._gaalop = _names_gaalop(script, definition)
-        self._normalized = [p.place for p in script.pragmas if isinstance(p, NormalizePragma)]
+        self._normalized = [
+            p.place for p in script.pragmas if isinstance(p, syntax.NormalizePragma)
+        ]
 
     def outputs(self) -> dict[str, Multivector]:
         """The outputs by name. Raises ScriptError: see `meaning.evaluate`."""
         self._check_ranges()
-        steps = [step for step in self._script.statements if not isinstance(step, Macro)]
+        steps = [step for step in self._script.statements if not isinstance(step, syntax.Macro)]
         self._run(steps, self._scope)
         return self._selected(self._made)
 
@@ -122,10 +101,10 @@ class Run:
         blades: dict[str, dict[str, Place]] = {}
         leading: dict[str, Multivector] = {}
         for pragma in self._script.pragmas:
-            if isinstance(pragma, OutputPragma):
+            if isinstance(pragma, syntax.OutputPragma):
                 if pragma.name not in outputs:
                     outputs[pragma.name] = self._read_name(
-                        Name(pragma.place, pragma.name), self._scope
+                        syntax.Name(pragma.place, pragma.name), self._scope
                     )
                 if pragma.leads:
                     leading[pragma.name] = outputs[pragma.name]
@@ -150,7 +129,7 @@ class Run:
 
     def _check_ranges(self) -> None:
         for pragma in self._script.pragmas:
-            if isinstance(pragma, RangePragma) and pragma.name in self._values:
+            if isinstance(pragma, syntax.RangePragma) and pragma.name in self._values:
                 value = self._values[pragma.name].scalar_part()
                 if is_numeric(value) and not np.all((value >= pragma.low) & (value <= pragma.high)):
                     raise self._scope.error(
@@ -161,24 +140,24 @@ class Run:
 
     # Statements ----------------------------------------------------------------------------------
 
-    def _run(self, steps: Sequence[Step], scope: _Scope) -> bool:
+    def _run(self, steps: Sequence[syntax.Step], scope: _Scope) -> bool:
         """Run statements in their order; whether a ``break`` ended them."""
         for step in steps:
-            if isinstance(step, Break):
+            if isinstance(step, syntax.Break):
                 if self._undecided:
                     raise scope.error(
                         step.place, "expected a break on a condition that is known", _ROUNDS
                     )
                 return True
-            if isinstance(step, If):
+            if isinstance(step, syntax.If):
                 if self._branch(step, scope):
                     return True
-            elif isinstance(step, Loop):
+            elif isinstance(step, syntax.Loop):
                 self._loop(step, scope)
-            elif isinstance(step, Screen):
+            elif isinstance(step, syntax.Screen):
                 self._draw(step, scope)
             else:
-                if isinstance(step, Assignment):
+                if isinstance(step, syntax.Assignment):
                     self._assign(step, scope)
                 if step.mark == "?":
                     self._output(step, scope)
@@ -186,22 +165,22 @@ class Run:
                     self._draw(step, scope)
         return False
 
-    def _draw(self, step: Assignment | Mark | Screen, scope: _Scope) -> None:
+    def _draw(self, step: syntax.Assignment | syntax.Mark | syntax.Screen, scope: _Scope) -> None:
         """Show what is marked to who watches: those rows that come by here; macros draw nothing."""
         if self._watch is None or scope.macro is not None:
             return
-        if isinstance(step, Screen):
+        if isinstance(step, syntax.Screen):
             drawn = None if step.word else step.value
             drawn_value = None if drawn is None else self._value(drawn, scope)
         else:
-            drawn_value = self._read_name(Name(step.place, step.name), scope)
+            drawn_value = self._read_name(syntax.Name(step.place, step.name), scope)
         if drawn_value is not None and self._undecided:
             drawn_value = rows_of(drawn_value, self._undecided)
             if drawn_value is None:
                 return
         self._watch(step, drawn_value)
 
-    def _branch(self, step: If, scope: _Scope) -> bool:
+    def _branch(self, step: syntax.If, scope: _Scope) -> bool:
         condition, known = self._condition(step.condition, scope)
         if known is not None:
             return self._run(step.then if known else step.otherwise, scope)
@@ -223,7 +202,7 @@ class Run:
                 scope.names[name] = merged
         return False
 
-    def _loop(self, step: Loop, scope: _Scope) -> None:
+    def _loop(self, step: syntax.Loop, scope: _Scope) -> None:
         rounds = 0
         while not step.rounds or rounds < step.rounds:
             over = self._budget.spend(None, [])
@@ -233,7 +212,7 @@ class Run:
                 return
             rounds += 1
 
-    def _condition(self, condition: Expression, scope: _Scope) -> tuple[Any, bool | None]:
+    def _condition(self, condition: syntax.Expression, scope: _Scope) -> tuple[Any, bool | None]:
         """The value of a condition, and whether it holds where that is known.
 
         A recorded multivector tells by what it comes to in terms of the inputs, `flat`.
@@ -244,7 +223,7 @@ class Run:
         except ValueError as refused:
             raise scope.error(condition.place, f"condition: {refused}") from refused
 
-    def _assign(self, step: Assignment, scope: _Scope) -> None:
+    def _assign(self, step: syntax.Assignment, scope: _Scope) -> None:
         if step.name in self._constants:
             raise scope.error(
                 step.place,
@@ -261,7 +240,7 @@ class Run:
                 raise scope.error(step.place, f"normalize: {refused}") from refused
         scope.names[step.name] = value
 
-    def _output(self, step: Assignment | Mark, scope: _Scope) -> None:
+    def _output(self, step: syntax.Assignment | syntax.Mark, scope: _Scope) -> None:
         """Take an output; those of macros have the names that Gaalop gives them."""
         if self._undecided:
             raise scope.error(
@@ -269,7 +248,7 @@ class Run:
                 "expected outputs outside of branches whose condition is not known",
                 f"write ?{step.name}; behind the branch",
             )
-        value = self._read_name(Name(step.place, step.name), scope)
+        value = self._read_name(syntax.Name(step.place, step.name), scope)
         name = step.name
         if scope.macro is not None:
             name = first = f"macro_{scope.macro.name}_{step.name}"
@@ -281,9 +260,9 @@ class Run:
 
     # Expressions ---------------------------------------------------------------------------------
 
-    def _value(self, root: Expression, scope: _Scope) -> Multivector:
+    def _value(self, root: syntax.Expression, scope: _Scope) -> Multivector:
         stack: list[Multivector] = []
-        for node in postorder(root):
+        for node in syntax.postorder(root):
             taken = operand_count(node)
             operands = stack[len(stack) - taken :]
             del stack[len(stack) - taken :]
@@ -296,21 +275,23 @@ class Run:
             stack.append(result)
         return stack.pop()
 
-    def _applied(self, node: Expression, operands: list[Multivector], scope: _Scope) -> Multivector:
-        if isinstance(node, Number):
+    def _applied(
+        self, node: syntax.Expression, operands: list[Multivector], scope: _Scope
+    ) -> Multivector:
+        if isinstance(node, syntax.Number):
             return self._algebra.scalar(node.value)
-        if isinstance(node, Name):
+        if isinstance(node, syntax.Name):
             return self._read_name(node, scope)
-        if isinstance(node, Argument):
+        if isinstance(node, syntax.Argument):
             return scope.arguments[node.index - 1]
-        if isinstance(node, Slice):
+        if isinstance(node, syntax.Slice):
             masks = [m for blade in node.blades for m in self._masks(blade, node.place, scope)]
             return operands[0]._selected(set(masks).__contains__)
-        if isinstance(node, Unary) and node.operator == "*":
-            node = Call(node.place, "Dual", (node.operand,))
-        if isinstance(node, Call):
+        if isinstance(node, syntax.Unary) and node.operator == "*":
+            node = syntax.Call(node.place, "Dual", (node.operand,))
+        if isinstance(node, syntax.Call):
             return self._called(node, operands, scope)
-        if self._gaalop and isinstance(node, Binary) and node.operator == "/":
+        if self._gaalop and isinstance(node, syntax.Binary) and node.operator == "/":
             size = operands[1].reverse_product()
             self._warn_of_parts(node, size, "Gaalop divides right by versors alone", scope)
         try:
@@ -318,7 +299,7 @@ class Run:
         except (ValueError, ArithmeticError) as refused:
             raise scope.error(node.place, str(refused)) from refused
 
-    def _read_name(self, node: Name, scope: _Scope) -> Multivector:
+    def _read_name(self, node: syntax.Name, scope: _Scope) -> Multivector:
         name = node.name.removeprefix("::")
         places = [self._constants, scope.names]
         if scope.macro is None or self._macros.is_own(scope.macro):
@@ -330,12 +311,12 @@ class Run:
                 return names[name]
         raise scope.error(node.place, f"{name} has no value here")
 
-    def _called(self, node: Call, operands: list[Multivector], scope: _Scope) -> Multivector:
+    def _called(self, node: syntax.Call, operands: list[Multivector], scope: _Scope) -> Multivector:
         name = node.name.removeprefix("::")
         callee = self._macros.found(name, len(operands), scope.macro)
         if callee is None:
             raise scope.error(node.place, *self._macros.unknown(node, scope.macro))
-        if isinstance(callee, Macro):
+        if isinstance(callee, syntax.Macro):
             return self._expanded(node, callee, tuple(operands), scope)
         if name.lower() in ANY_CASE:
             name = name.lower()
@@ -353,7 +334,9 @@ class Run:
             shown = shown if shown.startswith(f"{name}: ") else f"{name}: {shown}"
             raise scope.error(node.place, shown) from refused
 
-    def _warn_of_parts(self, node: Expression, x: Multivector, what: str, scope: _Scope) -> None:
+    def _warn_of_parts(
+        self, node: syntax.Expression, x: Multivector, what: str, scope: _Scope
+    ) -> None:
         """Warn where Gaalop computes something else, as what it takes for a scalar is none."""
         try:
             scalar_of(x)
@@ -363,7 +346,11 @@ class Run:
                 where.source.warn(node.place, f"{what}; here all of it counts")
 
     def _expanded(
-        self, node: Call, macro: Macro, arguments: tuple[Multivector, ...], scope: _Scope
+        self,
+        node: syntax.Call,
+        macro: syntax.Macro,
+        arguments: tuple[Multivector, ...],
+        scope: _Scope,
     ) -> Multivector:
         if self._depth >= MAX_MACRO_DEPTH:
             raise scope.error(
@@ -383,9 +370,11 @@ class Run:
             self._depth -= 1
 
 
-def _names_gaalop(script: Script, definition: AlgebraDefinition) -> bool:
+def _names_gaalop(script: syntax.Script, definition: AlgebraDefinition) -> bool:
     """Whether a script names its algebra as Gaalop does, and so may come from there."""
-    said = [p.name for p in script.pragmas if isinstance(p, AlgebraPragma) and not p.by_caller]
+    said = [
+        p.name for p in script.pragmas if isinstance(p, syntax.AlgebraPragma) and not p.by_caller
+    ]
     return bool(definition.names) and definition.names[0] in said
 
 
@@ -407,7 +396,7 @@ class Budget:
         self._steps = 0
         self._terms = 0
 
-    def spend(self, node: Expression | None, operands: list[Multivector]) -> str:
+    def spend(self, node: syntax.Expression | None, operands: list[Multivector]) -> str:
         """Count a step that is about to be done: what is wrong if it is one too many, or ""."""
         self._steps += 1
         if self._steps > MAX_STEPS:
@@ -418,17 +407,17 @@ class Budget:
         return ""
 
 
-def _terms(node: Expression, operands: list[Multivector]) -> int:
+def _terms(node: syntax.Expression, operands: list[Multivector]) -> int:
     sizes = [len(x.masks) for x in operands]
-    if isinstance(node, Binary) and node.operator in _PRODUCTS:
+    if isinstance(node, syntax.Binary) and node.operator in _PRODUCTS:
         return sizes[0] * sizes[1]
-    if isinstance(node, Binary) and node.operator == "/":
+    if isinstance(node, syntax.Binary) and node.operator == "/":
         right = operands[1]
         whole = len(right.masks) if _has_scalar_size(right) else 1 << right.algebra.dimension
         return _of_inverse(right) + sizes[0] * whole
-    if isinstance(node, Call) and len(operands) == 1:
+    if isinstance(node, syntax.Call) and len(operands) == 1:
         return _of_function(node.name.lower(), operands[0])
-    return sum(sizes) if isinstance(node, Binary | Unary) else 0
+    return sum(sizes) if isinstance(node, syntax.Binary | syntax.Unary) else 0
 
 
 def _of_inverse(x: Multivector) -> int:
@@ -460,14 +449,14 @@ Key = tuple[str, int]
 class Macros:
     """The macros that a script sees."""
 
-    def __init__(self, script: Script, definition: AlgebraDefinition) -> None:
-        self.own: dict[Key, Macro] = {}
+    def __init__(self, script: syntax.Script, definition: AlgebraDefinition) -> None:
+        self.own: dict[Key, syntax.Macro] = {}
         self._definition = definition
         for statement in script.statements:
-            if isinstance(statement, Macro):
+            if isinstance(statement, syntax.Macro):
                 self._define(statement)
 
-    def _define(self, macro: Macro) -> None:
+    def _define(self, macro: syntax.Macro) -> None:
         key = (macro.name, macro.arity)
         if key in self.own or macro.name.lower() in ANY_CASE:
             raise macro.source.error(
@@ -475,11 +464,13 @@ class Macros:
             )
         self.own[key] = macro
 
-    def is_own(self, macro: Macro | None) -> bool:
+    def is_own(self, macro: syntax.Macro | None) -> bool:
         """Whether a macro is the script's, or one that it imports."""
         return macro is not None and self.own.get((macro.name, macro.arity)) is macro
 
-    def found(self, name: str, count: int, inside: Macro | None) -> Function | Macro | None:
+    def found(
+        self, name: str, count: int, inside: syntax.Macro | None
+    ) -> Function | syntax.Macro | None:
         """What a call of `count` arguments means in the body of a macro, or outside of all."""
         if name.lower() in ANY_CASE:
             return FUNCTIONS[name.lower()]
@@ -492,7 +483,7 @@ class Macros:
                 return macro
         return FUNCTIONS.get(name)
 
-    def unknown(self, node: Call, inside: Macro | None) -> tuple[str, str]:
+    def unknown(self, node: syntax.Call, inside: syntax.Macro | None) -> tuple[str, str]:
         """Message and hint for a call that means nothing."""
         known = [*self.own, *self._definition.macros]
         counts = sorted({arity for name, arity in known if name == node.name})

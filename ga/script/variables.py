@@ -10,25 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from motorcade.ga.algebra import Algebra
 from motorcade.ga.script.algebras import AlgebraDefinition
 from motorcade.ga.script.errors import Place
-from motorcade.ga.script.reading.syntax import (
-    Assignment,
-    Call,
-    Expression,
-    If,
-    InputPragma,
-    Loop,
-    Macro,
-    Mark,
-    Name,
-    NormalizePragma,
-    OutputPragma,
-    Screen,
-    Script,
-    Step,
-    Unary,
-    expressions_of,
-    postorder,
-)
+from motorcade.ga.script.reading import syntax
 from motorcade.ga.script.run import Macros, constants_of
 
 
@@ -44,115 +26,119 @@ class _Names:
         self._constants = constants
         self._known = set(constants)
         self._macros = macros
-        self._seen: set[Macro] = set()
+        self._seen: set[syntax.Macro] = set()
 
     def read(self, name: str, place: Place) -> None:
         if name not in self._known:
             self.free.setdefault(name, place)
 
-    def run(self, steps: Sequence[Step]) -> None:
+    def run(self, steps: Sequence[syntax.Step]) -> None:
         """Go through statements in their order; what a branch assigns is known behind it."""
         for step in steps:
-            if isinstance(step, Mark):
+            if isinstance(step, syntax.Mark):
                 self.read(step.name, step.place)
-            elif isinstance(step, Assignment):
+            elif isinstance(step, syntax.Assignment):
                 self._read_all(self._inside([step.value], None))
                 self._known.add(step.name)
                 if step.mark == "?" and any(place < step.place for place in self._normalized):
                     self._known.add(f"{step.name}_unnormalized")
-            elif isinstance(step, If):
+            elif isinstance(step, syntax.If):
                 self._read_all(self._inside([step.condition], None))
                 self.run(step.then)
                 self.run(step.otherwise)
-            elif isinstance(step, Loop):
+            elif isinstance(step, syntax.Loop):
                 self.run(step.body)
-            elif isinstance(step, Screen) and self._drawn and not step.word and step.value:
+            elif isinstance(step, syntax.Screen) and self._drawn and not step.word and step.value:
                 self._read_all(self._inside([step.value], None))
 
-    def _read_all(self, start: Iterator[Name | Macro]) -> None:
+    def _read_all(self, start: Iterator[syntax.Name | syntax.Macro]) -> None:
         """The names that are read, those of macros where they are called, without recursion."""
         waiting = [start]
         while waiting:
             node = next(waiting[-1], None)
             if node is None:
                 waiting.pop()
-            elif isinstance(node, Name):
+            elif isinstance(node, syntax.Name):
                 self.read(node.name.removeprefix("::"), node.place)
             elif node not in self._seen:
                 self._seen.add(node)
                 waiting.append(self._of_macro(node))
 
-    def _inside(self, values: Iterable[Expression], macro: Macro | None) -> Iterator[Name | Macro]:
+    def _inside(
+        self, values: Iterable[syntax.Expression], macro: syntax.Macro | None
+    ) -> Iterator[syntax.Name | syntax.Macro]:
         """Names and macros of the script in expressions; `macro` is what they stand in."""
-        for node in (node for value in values for node in postorder(value)):
-            call = ("Dual", 1) if isinstance(node, Unary) and node.operator == "*" else None
-            if isinstance(node, Call):
+        for node in (node for value in values for node in syntax.postorder(value)):
+            call = ("Dual", 1) if isinstance(node, syntax.Unary) and node.operator == "*" else None
+            if isinstance(node, syntax.Call):
                 call = (node.name.removeprefix("::"), len(node.arguments))
-            if isinstance(node, Name):
+            if isinstance(node, syntax.Name):
                 yield node
             elif call is not None:
                 macro_called = self._macros.found(*call, macro)
-                if isinstance(macro_called, Macro) and self._macros.is_own(macro_called):
+                if isinstance(macro_called, syntax.Macro) and self._macros.is_own(macro_called):
                     yield macro_called
 
-    def _of_macro(self, macro: Macro) -> Iterator[Name | Macro]:
+    def _of_macro(self, macro: syntax.Macro) -> Iterator[syntax.Name | syntax.Macro]:
         """What a macro reads beside its own names."""
         local = set(self._constants)
 
-        def steps_of(steps: Sequence[Step]) -> Iterator[tuple[Expression, str]]:
+        def steps_of(steps: Sequence[syntax.Step]) -> Iterator[tuple[syntax.Expression, str]]:
             for step in steps:
-                if isinstance(step, Assignment):
+                if isinstance(step, syntax.Assignment):
                     yield step.value, step.name
-                elif isinstance(step, Mark):
-                    yield Name(step.place, step.name), ""
-                elif isinstance(step, If):
+                elif isinstance(step, syntax.Mark):
+                    yield syntax.Name(step.place, step.name), ""
+                elif isinstance(step, syntax.If):
                     yield step.condition, ""
                     yield from steps_of((*step.then, *step.otherwise))
-                elif isinstance(step, Loop):
+                elif isinstance(step, syntax.Loop):
                     yield from steps_of(step.body)
 
         for value, assigned in (*steps_of(macro.body), (macro.value, "")):
             for node in self._inside([value], macro):
-                if isinstance(node, Macro) or node.name not in local:
+                if isinstance(node, syntax.Macro) or node.name not in local:
                     yield node
             local.add(assigned)
 
 
 def free_names(
-    script: Script, algebra: Algebra, definition: AlgebraDefinition, *, drawn: bool = False
+    script: syntax.Script, algebra: Algebra, definition: AlgebraDefinition, *, drawn: bool = False
 ) -> dict[str, Place]:
     """Names that need values from outside, in the order of first use, and where that is.
 
     `drawn`: those too that only what is drawn needs.
     """
-    normalized = [p.place for p in script.pragmas if isinstance(p, NormalizePragma)]
+    normalized = [p.place for p in script.pragmas if isinstance(p, syntax.NormalizePragma)]
     names = _Names(constants_of(algebra), Macros(script, definition), normalized, drawn)
-    names.run([step for step in script.statements if not isinstance(step, Macro)])
+    names.run([step for step in script.statements if not isinstance(step, syntax.Macro)])
     for pragma in script.pragmas:
-        if isinstance(pragma, OutputPragma):
+        if isinstance(pragma, syntax.OutputPragma):
             names.read(pragma.name, pragma.place)
     return names.free
 
 
-def first_place(script: Script, name: str) -> Place | None:
+def first_place(script: syntax.Script, name: str) -> Place | None:
     """Where a script's statements first have a name; None where only its pragmas do, or macros."""
-    waiting = [step for step in reversed(script.statements) if not isinstance(step, Macro)]
+    waiting = [step for step in reversed(script.statements) if not isinstance(step, syntax.Macro)]
     while waiting:
         step = waiting.pop()
-        if isinstance(step, Assignment | Mark) and step.name == name:
+        if isinstance(step, syntax.Assignment | syntax.Mark) and step.name == name:
             return step.place
-        for node in (n for value in expressions_of([step]) for n in postorder(value)):
-            if isinstance(node, Name) and node.name.removeprefix("::") == name:
+        for node in (n for value in syntax.expressions_of([step]) for n in syntax.postorder(value)):
+            if isinstance(node, syntax.Name) and node.name.removeprefix("::") == name:
                 return node.place
-        if isinstance(step, If):
+        if isinstance(step, syntax.If):
             waiting += reversed((*step.then, *step.otherwise))
-        elif isinstance(step, Loop):
+        elif isinstance(step, syntax.Loop):
             waiting += reversed(step.body)
     return None
 
 
-def declared_inputs(script: Script) -> dict[str, Place]:
+def declared_inputs(script: syntax.Script) -> dict[str, Place]:
     """The inputs that ``#pragma in2out`` names, in its order."""
     return {
-        pragma.name: pragma.place for pragma in script.pragmas if isinstance(pragma, InputPragma)
+        pragma.name: pragma.place
+        for pragma in script.pragmas
+        if isinstance(pragma, syntax.InputPragma)
     }

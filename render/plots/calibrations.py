@@ -10,14 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.plots.style import (
-    AXIS_COLOURS,
-    COLOURS,
-    as_svg,
-    house_style,
-    label_plainly,
-    new_figure,
-)
+from motorcade.render.plots import style
 
 Curve = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
 
@@ -28,20 +21,20 @@ def plot_allan(curves: Mapping[str, Curve], unit_of: Mapping[str, str]) -> str:
     Measured deviations are dots, the model is a line; `unit_of` gives the sensor's unit. Returns an
     `<svg>` element, a panel a sensor.
     """
-    with house_style():
-        figure, panels = new_figure(9.0, 3.6, columns=len(curves))
+    with style.house_style():
+        figure, panels = style.new_figure(9.0, 3.6, columns=len(curves))
         for axes, (name, (tau_s, deviation, model)) in zip(panels, curves.items(), strict=True):
-            for column, (axis, colour) in enumerate(zip("xyz", AXIS_COLOURS, strict=True)):
+            for column, (axis, colour) in enumerate(zip("xyz", style.AXIS_COLOURS, strict=True)):
                 axes.plot(tau_s, model[:, column], color=colour, linewidth=1.0)
                 axes.plot(tau_s, deviation[:, column], "o", color=colour, markersize=3, label=axis)
             axes.set_xscale("log")
             axes.set_yscale("log")
-            label_plainly(axes.xaxis)
+            style.label_plainly(axes.xaxis)
             axes.set_title(name)
             axes.set_xlabel("averaging time (s)")
             axes.set_ylabel(f"Allan deviation ({unit_of[name]})")
             axes.legend(loc="best", fontsize=8)
-        return as_svg(figure, f"Allan deviation of {' and '.join(curves)}")
+        return style.as_svg(figure, f"Allan deviation of {' and '.join(curves)}")
 
 
 _CELLS = (8, 6)
@@ -68,11 +61,13 @@ def plot_coverage(
     lengths = np.linalg.norm(residuals_px, axis=-1)
     usual = max(float(np.percentile(lengths, 95)), 1e-6)
     enlarged = 10 ** np.floor(np.log10(0.04 * size[0] / usual))
-    with house_style(), mpl.rc_context(_light()):
-        figure, (left, right) = new_figure(11.0, 4.6, columns=2)
+    with style.house_style(), mpl.rc_context(_light()):
+        figure, (left, right) = style.new_figure(11.0, 4.6, columns=2)
         figure.suptitle(title, x=0.01, ha="left")
         if len(left_out_px):
-            left.plot(*left_out_px.T, "x", color=COLOURS["euler"], markersize=3, label="left out")
+            left.plot(
+                *left_out_px.T, "x", color=style.COLOURS["euler"], markersize=3, label="left out"
+            )
         left.quiver(
             *corners_px.T,
             *(residuals_px * enlarged).T,
@@ -80,9 +75,9 @@ def plot_coverage(
             scale_units="xy",
             scale=1.0,
             width=0.0015,
-            color=COLOURS["dual_quaternion"],
+            color=style.COLOURS["dual_quaternion"],
         )
-        left.plot(*corners_px.T, ".", color=COLOURS["motor"], markersize=2, label="used")
+        left.plot(*corners_px.T, ".", color=style.COLOURS["motor"], markersize=2, label="used")
         left.set(
             xlim=(-0.5, size[0] - 0.5),
             ylim=(size[1] - 0.5, -0.5),
@@ -94,7 +89,7 @@ def plot_coverage(
         left.xaxis.set_major_formatter("{x:.0f}")
         left.yaxis.set_major_formatter("{x:.0f}")
         left.legend(loc="upper left", markerscale=3)
-        right.plot(*residuals_px.T, ".", color=COLOURS["motor"], markersize=2)
+        right.plot(*residuals_px.T, ".", color=style.COLOURS["motor"], markersize=2)
         reach = 1.1 * float(np.abs(residuals_px).max(initial=1e-6))
         right.set(
             xlim=(-reach, reach),

@@ -16,15 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.demo.furniture import (
-    CEILING_M,
-    FLOOR_M,
-    OPENING_M,
-    WALLS_X_M,
-    WALLS_Y_M,
-    WINDOW_M,
-    Box,
-)
+from motorcade.replays.demo import furniture
 
 Points = NDArray[np.float32]
 
@@ -48,7 +40,7 @@ class Occluders:
     sin: Points
 
     @classmethod
-    def of(cls, boxes: Sequence[Box]) -> Occluders:
+    def of(cls, boxes: Sequence[furniture.Box]) -> Occluders:
         """The occluders of these boxes; sheets thinner than 3 mm hide nothing."""
         thick = [box for box in boxes if box.hides and min(box.size_m) > 0.003]
         base = np.array([box.base_m for box in thick])
@@ -99,10 +91,12 @@ def irradiance(points: FloatArray, normals: FloatArray, occluders: Occluders) ->
     Returns:
         (N, 3) linear RGB.
     """
-    x0, x1, z0, z1 = WINDOW_M
-    window = _grid((x0, WALLS_Y_M[1], z0), (x1 - x0, 0, 0), (0, 0, z1 - z0), WINDOW_GRID)
-    y0, y1, z0, z1 = OPENING_M
-    opening = _grid((WALLS_X_M[0], y0, z0), (0, y1 - y0, 0), (0, 0, z1 - z0), OPENING_GRID)
+    x0, x1, z0, z1 = furniture.WINDOW_M
+    window = _grid((x0, furniture.WALLS_Y_M[1], z0), (x1 - x0, 0, 0), (0, 0, z1 - z0), WINDOW_GRID)
+    y0, y1, z0, z1 = furniture.OPENING_M
+    opening = _grid(
+        (furniture.WALLS_X_M[0], y0, z0), (0, y1 - y0, 0), (0, 0, z1 - z0), OPENING_GRID
+    )
     total = np.empty((len(points), 3))
     for begin in range(0, len(points), CHUNK):
         part = slice(begin, begin + CHUNK)
@@ -180,7 +174,9 @@ def _sphere(count: int) -> Points:
 def _corner_share(at: Points, facing: Points) -> FloatArray:
     """How much of its surroundings a point sees where walls, floor and ceiling meet."""
     share = np.ones(len(at))
-    for axis, (low, high) in enumerate((WALLS_X_M, WALLS_Y_M, (FLOOR_M, CEILING_M))):
+    for axis, (low, high) in enumerate(
+        (furniture.WALLS_X_M, furniture.WALLS_Y_M, (furniture.FLOOR_M, furniture.CEILING_M))
+    ):
         level = np.abs(facing[:, axis]) < 0.5
         distance = np.minimum(at[:, axis] - low, high - at[:, axis])
         share *= np.where(level, 1.0 - 0.42 * np.exp(-np.maximum(distance, 0.0) / 0.22), 1.0)

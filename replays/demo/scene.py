@@ -17,17 +17,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.render import Surface
-from motorcade.replays.demo.furniture import (
-    CEILING_M,
-    FLOOR_M,
-    WALLS_X_M,
-    WALLS_Y_M,
-    WINDOW_M,
-    Box,
-    Turned,
-    boxes,
-    turned_bodies,
-)
+from motorcade.replays.demo import furniture
 from motorcade.replays.demo.lighting import Occluders, irradiance
 from motorcade.replays.demo.materials import PAINTS, linear, material
 
@@ -89,7 +79,7 @@ class WallPanel:
 @cache
 def room() -> tuple[Surface, ...]:
     """All surfaces of the room, their light painted on; computed once in a process."""
-    things, bodies = boxes(), turned_bodies()
+    things, bodies = furniture.boxes(), furniture.turned_bodies()
     occluders = Occluders.of([*things, *(_slim_box(body) for body in bodies)])
     panels = _shell() + [panel for box in things for panel in _faces(box)]
     light = _light(panels, occluders)
@@ -112,7 +102,12 @@ def developed(light: NDArray[np.floating]) -> NDArray[np.uint8]:
 
 def _shell() -> list[WallPanel]:
     """Walls, floor and ceiling, seen from inside."""
-    (x0, x1), (y0, y1), z0, z1 = WALLS_X_M, WALLS_Y_M, FLOOR_M, CEILING_M
+    (x0, x1), (y0, y1), z0, z1 = (
+        furniture.WALLS_X_M,
+        furniture.WALLS_Y_M,
+        furniture.FLOOR_M,
+        furniture.CEILING_M,
+    )
     long, wide, tall = x1 - x0, y1 - y0, z1 - z0
     plan = [
         ((x1, y1, z0), (0.0, -wide, 0.0), (0.0, 0.0, tall), "brick"),
@@ -128,7 +123,7 @@ def _shell() -> list[WallPanel]:
     ]
 
 
-def _faces(box: Box) -> list[WallPanel]:
+def _faces(box: furniture.Box) -> list[WallPanel]:
     """The faces of a box that can be seen; what is near is drawn and lit finer."""
     near = box.base_m[0] < 0.8
     pixels, cells = (900.0, 75.0) if near else (330.0, 20.0)
@@ -212,7 +207,7 @@ def _lattice(rows: int, columns: int) -> IntArray:
 
 def _window() -> Surface:
     """The bright window with its bars, just inside the left wall."""
-    x0, x1, z0, z1 = WINDOW_M
+    x0, x1, z0, z1 = furniture.WINDOW_M
     rows, columns = 300, 400
     picture = np.empty((rows, columns, 3))
     picture[:] = SKY * np.linspace(1.25, 0.85, rows)[:, None, None]
@@ -221,7 +216,7 @@ def _window() -> Surface:
         picture[:, max(0, at - 9) : at + 9] = bars
     for at in (0, rows // 2, rows):
         picture[max(0, at - 9) : at + 9] = bars
-    y = WALLS_Y_M[1] - 0.008
+    y = furniture.WALLS_Y_M[1] - 0.008
     return Surface(
         np.array([[x0, y, z0], [x1, y, z0], [x1, y, z1], [x0, y, z1]]),
         np.tile([0.0, -1.0, 0.0], (4, 1)),
@@ -231,13 +226,13 @@ def _window() -> Surface:
     )
 
 
-def _slim_box(body: Turned) -> Box:
+def _slim_box(body: furniture.Turned) -> furniture.Box:
     """A slim box in a turned body's place, to throw its shadow."""
     side = 1.6 * max(radius for _, radius in body.outline_m)
-    return Box(body.foot_m, (side, side, body.outline_m[-1][0]), "plaster")
+    return furniture.Box(body.foot_m, (side, side, body.outline_m[-1][0]), "plaster")
 
 
-def _light_body(body: Turned, occluders: Occluders) -> Surface:
+def _light_body(body: furniture.Turned, occluders: Occluders) -> Surface:
     """A body of revolution with the light in its vertex colours."""
     sides, steps = 40, 28
     outline = np.array(body.outline_m)

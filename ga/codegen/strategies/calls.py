@@ -16,12 +16,7 @@ from motorcade.ga.codegen.strategies.record import Record, Step, record
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.targets.c import c_dialect, c_files
 from motorcade.ga.codegen.targets.names import C_NAMES, check_names
-from motorcade.ga.codegen.targets.shared.c_family import (
-    array_parameters,
-    array_slots,
-    function,
-    indented,
-)
+from motorcade.ga.codegen.targets.shared import c_family
 from motorcade.ga.codegen.targets.shared.expressions import Dialect, statements
 from motorcade.ga.codegen.targets.shared.text import description
 from motorcade.ga.script import Script
@@ -46,17 +41,21 @@ def files(
 ) -> dict[str, str]:
     """Source and header; the function takes and gives what the script's program does."""
     real = precision or DOUBLE
-    check_names(program, C_NAMES, array_slots(program))
+    check_names(program, C_NAMES, c_family.array_slots(program))
     variables = [operand.name for operand in program.tape.inputs]
     call_writer = writer(
         record(script, program.algebra, variables), program.name, real, c_dialect(real)
     )
     parameters = [f"{real.c} {variable}" for variable in variables]
-    head = function(program.name, [*parameters, *array_parameters(program, real.c)], "void")
+    head = c_family.function(
+        program.name, [*parameters, *c_family.array_parameters(program, real.c)], "void"
+    )
     described = description(program, f"c --strategy {strategy} --precision {real.numpy}")
     steps = _steps(program, call_writer)
     defined = "\n\n".join([*call_writer.definitions(), steps, head])
-    return c_files(program.name, described, head, defined, indented([_call(program, call_writer)]))
+    return c_files(
+        program.name, described, head, defined, c_family.indented([_call(program, call_writer)])
+    )
 
 
 def _inner(program: Program) -> str:
@@ -78,8 +77,8 @@ def _steps(program: Program, call_writer: CallWriter) -> str:
         f"const {call_writer.real} *in",
         *(f"{call_writer.real} *out{k}" for k in range(len(outputs))),
     ]
-    head = f"static {function(_inner(program), parameters, 'void')}"
-    return "\n".join([head, "{", *indented(body), "}"])
+    head = f"static {c_family.function(_inner(program), parameters, 'void')}"
+    return "\n".join([head, "{", *c_family.indented(body), "}"])
 
 
 def _call(program: Program, call_writer: CallWriter) -> str:

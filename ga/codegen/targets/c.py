@@ -19,17 +19,7 @@ from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.names import C_FUNCTIONS, C_NAMES, check_names
-from motorcade.ga.codegen.targets.shared.c_family import (
-    array_parameters,
-    array_slots,
-    array_stores,
-    branching_declarations,
-    comment,
-    declarations,
-    function,
-    indented,
-    loads,
-)
+from motorcade.ga.codegen.targets.shared import c_family
 from motorcade.ga.codegen.targets.shared.expressions import branching_statements, statements
 from motorcade.ga.codegen.targets.shared.text import (
     C_LOGIC,
@@ -54,20 +44,20 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     Raises ValueError: names that C or C++ keeps for itself, numbers too large for the precision.
     """
     real = precision or DOUBLE
-    slots = array_slots(program)
+    slots = c_family.array_slots(program)
     check_names(program, C_NAMES, slots)
     parameters = [f"{real.c} {name}" for name in variables(program)]
-    parameters += array_parameters(program, real.c)
+    parameters += c_family.array_parameters(program, real.c)
     reserved = C_NAMES.words | {slot for _, slot in slots}
     written = statements(program.tape, c_dialect(real), reserved)
     body = [
         *(f"(void){name};" for name in unread(program)),
-        *declarations(written.body, f"const {real.c}", "const _Bool"),
-        *array_stores(program.tape.outputs, written.results),
+        *c_family.declarations(written.body, f"const {real.c}", "const _Bool"),
+        *c_family.array_stores(program.tape.outputs, written.results),
     ]
     described = [*description(program, f"c --precision {real.numpy}"), *_CALLING]
-    head = function(program.name, parameters, "void")
-    return c_files(program.name, described, head, head, indented(body))
+    head = c_family.function(program.name, parameters, "void")
+    return c_files(program.name, described, head, head, c_family.indented(body))
 
 
 def c_dialect(precision: Precision, others: Mapping[str, str] | None = None) -> Templates:
@@ -83,7 +73,7 @@ def c_files(
     guard = f"MOTORCADE_{name}_H"
     include = ["#include <stddef.h>", ""] if "size_t " in declared else []
     source = [
-        comment(described),
+        c_family.comment(described),
         "#include <math.h>",
         *(include or [""]),
         f"{declared};",
@@ -92,7 +82,7 @@ def c_files(
         "{",
     ]
     header = [
-        *[comment(described), f"#ifndef {guard}", f"#define {guard}", "", *include],
+        *[c_family.comment(described), f"#ifndef {guard}", f"#define {guard}", "", *include],
         *["#ifdef __cplusplus", 'extern "C" {', "#endif", ""],
         *[f"{declared};", ""],
         *["#ifdef __cplusplus", "}", "#endif", "", f"#endif /* {guard} */"],
@@ -112,20 +102,24 @@ def c_function(name: str, kernel: Kernel, modifier: str) -> str:
     written, (results,) = branching_statements(tape, Templates(C_LOGIC, _FUNCTIONS, DOUBLE))
     (output,) = kernel.outputs
     body = [
-        *(line for operand in kernel.inputs for line in loads(operand, tape, "const double")),
-        *branching_declarations(written, "double", "int"),
+        *(
+            line
+            for operand in kernel.inputs
+            for line in c_family.loads(operand, tape, "const double")
+        ),
+        *c_family.branching_declarations(written, "double", "int"),
         *(f"{output.name}[{i}] = {value};" for i, value in enumerate(results)),
     ]
     parameters = [f"const double {o.name}[{o.width}]" for o in kernel.inputs]
     described = [kernel.summary, *(f"{o.name}: {' '.join(o.components)}" for o in kernel.inputs)]
     described.append(f"{output.name}: {' '.join(output.components)}")
     lines = [
-        comment([line for text in described for line in wrapped(text, 96)]),
+        c_family.comment([line for text in described for line in wrapped(text, 96)]),
         *call(
             f"{modifier} void {name}", [*parameters, f"double {output.name}[{output.width}]"], ""
         ),
         "{",
-        *indented(body),
+        *c_family.indented(body),
         "}",
     ]
     return "\n".join(lines)

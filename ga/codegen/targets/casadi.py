@@ -11,19 +11,11 @@ from collections.abc import Sequence
 from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.names import check_names, python_names
+from motorcade.ga.codegen.targets.shared import text
 from motorcade.ga.codegen.targets.shared.expressions import statements
 from motorcade.ga.codegen.targets.shared.python_module import assignments, listed, module
-from motorcade.ga.codegen.targets.shared.text import (
-    COMPARISONS,
-    SAME_NAMES,
-    WIDTH,
-    Templates,
-    description,
-    variables,
-    wrapped,
-)
 
-_FUNCTIONS = SAME_NAMES | {
+_FUNCTIONS = text.SAME_NAMES | {
     "abs": "fabs", "min": "fmin", "max": "fmax", "and": "logic_and", "or": "logic_or",
     "not": "logic_not", "select": "if_else",
 }  # fmt: skip
@@ -39,9 +31,9 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
         raise ValueError(f"target casadi: expected precision float64, got {precision.numpy}")
     check_names(program, _NAMES)
     written = statements(
-        program.tape, Templates(COMPARISONS, _FUNCTIONS, prefix="ca."), _NAMES.words
+        program.tape, text.Templates(text.COMPARISONS, _FUNCTIONS, prefix="ca."), _NAMES.words
     )
-    names = variables(program)
+    names = text.variables(program)
     outputs = [operand.name for operand in program.tape.outputs]
     # CasADi wants to be told that an input and an output may have one name.
     shared = ', {"allow_duplicate_io_names": True}' if {*names} & {*outputs} else ""
@@ -56,13 +48,15 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
         *listed(f"_results = [{', '.join(map(_quoted, outputs))}]"),
         f'return ca.Function("{program.name}", _inputs, _columns, _names, _results{shared})',
     ]
-    described = description(program, "casadi")
+    described = text.description(program, "casadi")
     return module(program, described, "import casadi as ca", [], "The program as a function.", body)
 
 
 def _column(row: Sequence[str]) -> list[str]:
     """A dense column of these components; the empty one in front makes it SX whatever they are."""
-    rows = [line for value in row for line in wrapped(f"    {value},", WIDTH - 12, " " * 8)]
+    rows = [
+        line for value in row for line in text.wrapped(f"    {value},", text.WIDTH - 12, " " * 8)
+    ]
     return ["ca.densify(ca.vertcat(", "    ca.SX(0, 1),", *rows, ")),"]
 
 

@@ -13,12 +13,7 @@ from dataclasses import replace
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.precision import DOUBLE, SINGLE
 from motorcade.ga.codegen.tape import Operand
-from motorcade.ga.codegen.targets.shared.c_family import (
-    branching_declarations,
-    comment,
-    indented,
-    loads,
-)
+from motorcade.ga.codegen.targets.shared import c_family
 from motorcade.ga.codegen.targets.shared.expressions import branching_statements
 from motorcade.ga.codegen.targets.shared.text import C_LOGIC, Templates, call, wrapped
 
@@ -45,7 +40,7 @@ def cpp_header(
 ) -> str:
     """The header: each function is a kernel under the name that it is called by."""
     head = [
-        comment(list(opening)),
+        c_family.comment(list(opening)),
         *("#pragma once", "", "#include <algorithm>", "#include <array>", "#include <cmath>", ""),
         f"namespace {namespace} {{",
         "",
@@ -69,9 +64,9 @@ def _function(name: str, kernel: Kernel) -> str:
             line
             for operand in kernel.inputs
             if operand.width > 1
-            for line in loads(operand, tape, f"const {real}")
+            for line in c_family.loads(operand, tape, f"const {real}")
         ),
-        *branching_declarations(statements, real, "bool"),
+        *c_family.branching_declarations(statements, real, "bool"),
         *(
             [f"return {results[0]};"]
             if output.width == 1
@@ -81,11 +76,11 @@ def _function(name: str, kernel: Kernel) -> str:
     described = [kernel.summary, *(f"{o.name}: {' '.join(o.components)}" for o in kernel.inputs)]
     described.append(f"returns: {' '.join(output.components)}")
     lines = [
-        comment([line for text in described for line in wrapped(text, 96)]),
+        c_family.comment([line for text in described for line in wrapped(text, 96)]),
         *(["template <class Real>"] if generic else []),
         *call(f"inline {_type(output, real)} {name}", parameters, ""),
         "{",
-        *indented(body),
+        *c_family.indented(body),
         "}",
     ]
     return "\n".join(lines)

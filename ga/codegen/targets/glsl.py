@@ -15,29 +15,11 @@ from motorcade.ga.codegen.library_kernels.kernel import NOTE, Kernel
 from motorcade.ga.codegen.precision import SINGLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.names import GLSL_NAMES, check_names
-from motorcade.ga.codegen.targets.shared.c_family import (
-    array_parameters,
-    array_slots,
-    array_stores,
-    comment,
-    declarations,
-    function,
-    indented,
-    loads,
-)
+from motorcade.ga.codegen.targets.shared import c_family, text
 from motorcade.ga.codegen.targets.shared.expressions import statements
-from motorcade.ga.codegen.targets.shared.text import (
-    C_LOGIC,
-    SAME_NAMES,
-    WIDTH,
-    Templates,
-    description,
-    variables,
-    wrapped,
-)
 
 # Drivers make rough asin and acos (Mesa errs by 2e-4); atan and sqrt are good everywhere.
-_TEMPLATES = C_LOGIC | {
+_TEMPLATES = text.C_LOGIC | {
     "asin": "atan({0}, sqrt((1.0 - ({0})) * (1.0 + ({0}))))",
     "acos": "atan(sqrt((1.0 - ({0})) * (1.0 + ({0}))), {0})",
     # From the bits of a number: exact everywhere, as exp2 and log2 are not.
@@ -46,7 +28,7 @@ _TEMPLATES = C_LOGIC | {
 }
 # Shaders are written in ASCII; comments of other signs stop some compilers.
 _SIGNS = str.maketrans({"∞": "inf", "ε": "eps ", "×": "x"})
-_FUNCTIONS = SAME_NAMES | {"abs": "abs", "min": "min", "max": "max", "atan2": "atan"}
+_FUNCTIONS = text.SAME_NAMES | {"abs": "abs", "min": "min", "max": "max", "atan2": "atan"}
 _CALLING = ("", "Output A fills out_A, one number a blade; one without blades has no parameter.")
 
 
@@ -57,18 +39,18 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     """
     if precision not in (None, SINGLE):
         raise ValueError(f"target glsl: expected precision float32, got {precision.numpy}")
-    slots = array_slots(program)
+    slots = c_family.array_slots(program)
     check_names(program, GLSL_NAMES, slots)
-    parameters = [f"float {name}" for name in variables(program)]
-    parameters += array_parameters(program, "out float")
-    dialect = Templates(_TEMPLATES, _FUNCTIONS, SINGLE)
+    parameters = [f"float {name}" for name in text.variables(program)]
+    parameters += c_family.array_parameters(program, "out float")
+    dialect = text.Templates(_TEMPLATES, _FUNCTIONS, SINGLE)
     written = statements(program.tape, dialect, GLSL_NAMES.words | {slot for _, slot in slots})
     lines = [
-        comment([*description(program, "glsl"), *_CALLING]),
-        function(program.name, parameters, ""),
+        c_family.comment([*text.description(program, "glsl"), *_CALLING]),
+        c_family.function(program.name, parameters, ""),
         "{",
-        *indented(declarations(written.body, "float", "bool")),
-        *indented(array_stores(program.tape.outputs, written.results)),
+        *c_family.indented(c_family.declarations(written.body, "float", "bool")),
+        *c_family.indented(c_family.array_stores(program.tape.outputs, written.results)),
         "}",
     ]
     return {f"{program.name}.glsl": "\n".join(lines) + "\n"}
@@ -77,30 +59,38 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
 def library_source(group: str, kernels: Sequence[Kernel]) -> str:
     """The GLSL file of kernels of one group."""
     listed = ", ".join(kernel.name for kernel in kernels)
-    opening = [*wrapped(f"Kernels of the group {group}: {listed}.", WIDTH - 3, ""), NOTE]
-    return "\n".join([comment(opening), *(_kernel(kernel) for kernel in kernels)]) + "\n"
+    opening = [*text.wrapped(f"Kernels of the group {group}: {listed}.", text.WIDTH - 3, ""), NOTE]
+    return "\n".join([c_family.comment(opening), *(_kernel(kernel) for kernel in kernels)]) + "\n"
 
 
 def _kernel(kernel: Kernel) -> str:
     tape = kernel.tape(SINGLE)
     slots = frozenset(f"out_{operand.name}" for operand in kernel.outputs)
-    written = statements(tape, Templates(_TEMPLATES, _FUNCTIONS, SINGLE), GLSL_NAMES.words | slots)
+    written = statements(
+        tape, text.Templates(_TEMPLATES, _FUNCTIONS, SINGLE), GLSL_NAMES.words | slots
+    )
     parameters = [f"float {operand.name}[{operand.width}]" for operand in kernel.inputs]
     parameters += [f"out float out_{operand.name}[{operand.width}]" for operand in kernel.outputs]
     described = [f"{kernel.name}: {kernel.summary}"]
     described += [f"{o.name}: {', '.join(o.components)}" for o in (*kernel.inputs, *kernel.outputs)]
     lines = [
         "",
-        comment(
-            [part.translate(_SIGNS) for line in described for part in wrapped(line, WIDTH - 8)]
+        c_family.comment(
+            [
+                part.translate(_SIGNS)
+                for line in described
+                for part in text.wrapped(line, text.WIDTH - 8)
+            ]
         ),
-        function(kernel.name, parameters, ""),
+        c_family.function(kernel.name, parameters, ""),
         "{",
-        *indented(
-            line for o in kernel.inputs for line in loads(o, tape, "float", together=o.width)
+        *c_family.indented(
+            line
+            for o in kernel.inputs
+            for line in c_family.loads(o, tape, "float", together=o.width)
         ),
-        *indented(declarations(written.body, "float", "bool")),
-        *indented(array_stores(kernel.outputs, written.results)),
+        *c_family.indented(c_family.declarations(written.body, "float", "bool")),
+        *c_family.indented(c_family.array_stores(kernel.outputs, written.results)),
         "}",
     ]
     return "\n".join(lines)

@@ -12,17 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from motorcade.ga.script.errors import Place, ScriptError, Source
+from motorcade.ga.script.reading import syntax
 from motorcade.ga.script.reading.lexer import Token
-from motorcade.ga.script.reading.syntax import (
-    Argument,
-    Binary,
-    Call,
-    Expression,
-    Name,
-    Number,
-    Slice,
-    Unary,
-)
 
 MAX_NESTING = 200
 MAX_ARGUMENTS = 100
@@ -150,11 +141,11 @@ class _Reader:
     def __init__(self, cursor: Cursor, closed: bool) -> None:
         self._cursor = cursor
         self._closed = closed
-        self._operands: list[Expression] = []
+        self._operands: list[syntax.Expression] = []
         self._pending: list[_Pending] = []
         self._nesting = 0
 
-    def read(self) -> Expression:
+    def read(self) -> syntax.Expression:
         while True:
             self._read_operand()
             if not self._read_operator():
@@ -186,16 +177,18 @@ class _Reader:
                 self._operands.append(self._leaf())
                 return
 
-    def _leaf(self) -> Expression:
+    def _leaf(self) -> syntax.Expression:
         cursor = self._cursor
         token = cursor.token
         if token.kind == "number":
-            return Number(cursor.take().place, float(token.text))
+            return syntax.Number(cursor.take().place, float(token.text))
         if token.kind != "name":
             hint = "" if token.kind != "symbol" else "an operand is a name, a number or a bracket"
             raise cursor.unexpected("an expression", hint)
         cursor.take()
-        return _argument(cursor, token) if token.text == "_P" else Name(token.place, token.text)
+        return (
+            _argument(cursor, token) if token.text == "_P" else syntax.Name(token.place, token.text)
+        )
 
     def _read_operator(self) -> bool:
         """Closing brackets up to and with the next operator or comma; False at the end."""
@@ -264,7 +257,7 @@ class _Reader:
         arguments = () if empty else tuple(self._operands[opened.operands_below :])
         del self._operands[opened.operands_below :]
         self._cursor.count_operation(bracket.place)
-        self._operands.append(Call(opened.place, opened.text, arguments))
+        self._operands.append(syntax.Call(opened.place, opened.text, arguments))
 
     def _reduce(self, binding: int) -> None:
         """Build what binds at least as tightly, down to the last open bracket."""
@@ -274,13 +267,13 @@ class _Reader:
             right = self._operands.pop()
             if waiting.binding == _PREFIX_BINDING:
                 self._nesting -= 1
-                self._operands.append(Unary(waiting.place, waiting.text, right))
+                self._operands.append(syntax.Unary(waiting.place, waiting.text, right))
             else:
                 left = self._operands.pop()
-                self._operands.append(Binary(waiting.place, waiting.text, left, right))
+                self._operands.append(syntax.Binary(waiting.place, waiting.text, left, right))
 
 
-def parse_expression(cursor: Cursor, *, closed: bool = False) -> Expression:
+def parse_expression(cursor: Cursor, *, closed: bool = False) -> syntax.Expression:
     """Read one expression and stop before the token that ends it; `closed`: a bracket may.
 
     Raises ScriptError: no expression, a bracket left open, too deep or too long a one.
@@ -288,7 +281,7 @@ def parse_expression(cursor: Cursor, *, closed: bool = False) -> Expression:
     return _Reader(cursor, closed).read()
 
 
-def _slice(cursor: Cursor, operand: Expression) -> Slice:
+def _slice(cursor: Cursor, operand: syntax.Expression) -> syntax.Slice:
     """The rest of ``x[e1, e2^e3]``."""
     opened = cursor.take()
     cursor.count_operation(opened.place)
@@ -300,7 +293,7 @@ def _slice(cursor: Cursor, operand: Expression) -> Slice:
             raise cursor.unexpected(f"at most {MAX_ARGUMENTS} blades")
         blades.append(_blade(cursor))
     cursor.expect("]", _SLICED)
-    return Slice(opened.place, operand, tuple(blades))
+    return syntax.Slice(opened.place, operand, tuple(blades))
 
 
 def _blade(cursor: Cursor) -> str:
@@ -317,7 +310,7 @@ def _blade(cursor: Cursor) -> str:
     return "^".join(factors)
 
 
-def _argument(cursor: Cursor, name: Token) -> Argument:
+def _argument(cursor: Cursor, name: Token) -> syntax.Argument:
     """The rest of ``_P(1)``."""
     hint = "a macro's arguments are _P(1), _P(2), …"
     cursor.expect("(", hint)
@@ -327,4 +320,4 @@ def _argument(cursor: Cursor, name: Token) -> Argument:
         raise cursor.unexpected(f"a whole number from 1 to {MAX_ARGUMENTS}", hint)
     cursor.take()
     cursor.expect(")", hint)
-    return Argument(name.place, int(token.text))
+    return syntax.Argument(name.place, int(token.text))

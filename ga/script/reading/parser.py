@@ -28,34 +28,9 @@ from pathlib import Path
 
 from motorcade.ga.files import FileError, read_bounded
 from motorcade.ga.script.errors import Source
+from motorcade.ga.script.reading import syntax
 from motorcade.ga.script.reading.expressions import Cursor, parse_expression
 from motorcade.ga.script.reading.lexer import Token, tokenize
-from motorcade.ga.script.reading.syntax import (
-    AlgebraPragma,
-    Argument,
-    Assignment,
-    Break,
-    Call,
-    Expression,
-    If,
-    ImportPragma,
-    InputPragma,
-    LeftOutPragma,
-    Loop,
-    Macro,
-    Mark,
-    NormalizePragma,
-    OutputPragma,
-    Pragma,
-    RangePragma,
-    Screen,
-    Script,
-    Statement,
-    Step,
-    UnrollPragma,
-    expressions_of,
-    postorder,
-)
 
 MAX_BLOCKS = 20
 _MARKS = ("?", "!", ":")
@@ -69,7 +44,7 @@ _HINTS = {
 _USUAL = "a statement is name = expression; or ?name;"
 
 
-def parse(text: str, file: str = "<script>", folder: Path | None = None) -> Script:
+def parse(text: str, file: str = "<script>", folder: Path | None = None) -> syntax.Script:
     """Read a script.
 
     Args:
@@ -88,35 +63,35 @@ def parse(text: str, file: str = "<script>", folder: Path | None = None) -> Scri
     return _parsed(Source(text, file), folder, Imports(folder))
 
 
-def _parsed(source: Source, folder: Path | None, imports: Imports) -> Script:
+def _parsed(source: Source, folder: Path | None, imports: Imports) -> syntax.Script:
     tokens = tokenize(source)
-    pragmas: list[Pragma] = []
-    macros: list[Macro] = []
+    pragmas: list[syntax.Pragma] = []
+    macros: list[syntax.Macro] = []
     for token in tokens:
         if token.kind == "pragma":
             pragmas.extend(parse_pragma(source, token))
     for pragma in pragmas:
-        if isinstance(pragma, ImportPragma):
+        if isinstance(pragma, syntax.ImportPragma):
             macros.extend(_imported(source, pragma, imports))
-        elif isinstance(pragma, LeftOutPragma) and pragma.why:
+        elif isinstance(pragma, syntax.LeftOutPragma) and pragma.why:
             source.warn(pragma.place, pragma.why)
     cursor = Cursor(source, [token for token in tokens if token.kind != "pragma"])
     reader = _Statements(cursor, pragmas)
     statements = (*macros, *reader.read())
-    return Script(source, statements, tuple(pragmas), folder)
+    return syntax.Script(source, statements, tuple(pragmas), folder)
 
 
-def _imported(source: Source, pragma: ImportPragma, imports: Imports) -> list[Macro]:
+def _imported(source: Source, pragma: syntax.ImportPragma, imports: Imports) -> list[syntax.Macro]:
     """The macros of a file, and of those that it imports."""
-    imported: list[Macro] = []
+    imported: list[syntax.Macro] = []
     with imports.opened(source, pragma) as file:
         if file is None:
             return []
         script = _parsed(file, imports.folder, imports)
         for statement in script.statements:
-            if isinstance(statement, Macro):
+            if isinstance(statement, syntax.Macro):
                 imported.append(statement)
-            elif not isinstance(statement, Screen):
+            elif not isinstance(statement, syntax.Screen):
                 raise file.error(
                     statement.place, "expected macros alone in a file that is imported"
                 )
@@ -126,18 +101,18 @@ def _imported(source: Source, pragma: ImportPragma, imports: Imports) -> list[Ma
 class _Statements:
     """Reads the statements of one text."""
 
-    def __init__(self, cursor: Cursor, pragmas: list[Pragma]) -> None:
+    def __init__(self, cursor: Cursor, pragmas: list[syntax.Pragma]) -> None:
         self._cursor = cursor
         self._pragmas = pragmas
-        self._unrolled = [p for p in pragmas if isinstance(p, UnrollPragma)]
+        self._unrolled = [p for p in pragmas if isinstance(p, syntax.UnrollPragma)]
         self._in_macro = False
         self._blocks = 0
         self._loops = 0
 
-    def read(self) -> list[Statement]:
+    def read(self) -> list[syntax.Statement]:
         """All statements of the text."""
         cursor = self._cursor
-        statements: list[Statement] = []
+        statements: list[syntax.Statement] = []
         while cursor.token.kind != "end":
             if cursor.token.text in _ALGEBRAS and cursor.following.text == "(":
                 self._pragmas.append(_algebra_statement(cursor))
@@ -150,7 +125,7 @@ class _Statements:
     def _opens_macro(self) -> bool:
         return self._cursor.following.text == "=" and self._cursor.second.text == "{"
 
-    def _step(self) -> list[Step]:
+    def _step(self) -> list[syntax.Step]:
         """The next statement, if it is one."""
         cursor = self._cursor
         if cursor.at(";"):
@@ -168,10 +143,10 @@ class _Statements:
             if not self._loops:
                 raise cursor.source.error(place, "expected a break inside a loop")
             cursor.end_statement()
-            return [Break(place)]
+            return [syntax.Break(place)]
         return [self._assigned()]
 
-    def _block(self) -> tuple[Step, ...]:
+    def _block(self) -> tuple[syntax.Step, ...]:
         """``{ statements }``, or one statement."""
         cursor = self._cursor
         self._blocks += 1
@@ -179,7 +154,7 @@ class _Statements:
             raise cursor.source.error(
                 cursor.token.place, f"expected at most {MAX_BLOCKS} blocks in each other"
             )
-        steps: list[Step] = []
+        steps: list[syntax.Step] = []
         if cursor.at("{"):
             cursor.take()
             while not cursor.at("}"):
@@ -192,7 +167,7 @@ class _Statements:
         self._blocks -= 1
         return tuple(steps)
 
-    def _if(self) -> If:
+    def _if(self) -> syntax.If:
         cursor = self._cursor
         place = cursor.take().place
         cursor.expect("(", "a branch is if (condition) { … } else { … }")
@@ -201,13 +176,13 @@ class _Statements:
         then = self._block()
         while cursor.at(";"):
             cursor.take()
-        otherwise: tuple[Step, ...] = ()
+        otherwise: tuple[syntax.Step, ...] = ()
         if cursor.named("else"):
             cursor.take()
             otherwise = self._block()
-        return If(place, condition, then, otherwise)
+        return syntax.If(place, condition, then, otherwise)
 
-    def _loop(self) -> Loop:
+    def _loop(self) -> syntax.Loop:
         """A loop, with the rounds of the pragma between it and what comes before it."""
         cursor = self._cursor
         before = cursor.before
@@ -220,9 +195,9 @@ class _Statements:
         self._loops += 1
         body = self._block()
         self._loops -= 1
-        return Loop(place, body, said[-1] if said else 0)
+        return syntax.Loop(place, body, said[-1] if said else 0)
 
-    def _for_the_screen(self) -> list[Step] | None:
+    def _for_the_screen(self) -> list[syntax.Step] | None:
         """What only draws, if that is what comes next."""
         cursor = self._cursor
         drawn = cursor.at(":")
@@ -235,20 +210,20 @@ class _Statements:
             cursor.take()
             if cursor.at(";"):
                 cursor.take()
-            return self._kept(Screen(place, word, None))
+            return self._kept(syntax.Screen(place, word, None))
         elif drawn and not cursor.named_next(";", "=") and word != ":":
             cursor.take()
         else:
             return None
         value = self._expression()
         cursor.end_statement()
-        word = value.name if isinstance(value, Call) and value.name == "Color" else ""
-        return self._kept(Screen(place, word, value)) if drawn else []
+        word = value.name if isinstance(value, syntax.Call) and value.name == "Color" else ""
+        return self._kept(syntax.Screen(place, word, value)) if drawn else []
 
-    def _kept(self, screen: Screen) -> list[Step]:
+    def _kept(self, screen: syntax.Screen) -> list[syntax.Step]:
         return [] if self._in_macro else [screen]
 
-    def _assigned(self) -> Assignment | Mark:
+    def _assigned(self) -> syntax.Assignment | syntax.Mark:
         cursor = self._cursor
         mark = cursor.take().text if any(map(cursor.at, _MARKS)) else ""
         if cursor.token.kind != "name" or cursor.token.text == "_P":
@@ -257,7 +232,7 @@ class _Statements:
         said = name.text.removeprefix("::")
         if mark and cursor.at_end:
             cursor.end_statement()
-            return Mark(name.place, mark, said)
+            return syntax.Mark(name.place, mark, said)
         cursor.expect("=", _HINTS.get(said, _USUAL))
         if cursor.at("{"):
             raise cursor.unexpected("an expression", "a macro stands by itself and has no mark")
@@ -267,24 +242,24 @@ class _Statements:
             )
         value = self._expression()
         cursor.end_statement()
-        return Assignment(name.place, mark, said, value)
+        return syntax.Assignment(name.place, mark, said, value)
 
-    def _expression(self, *, closed: bool = False) -> Expression:
+    def _expression(self, *, closed: bool = False) -> syntax.Expression:
         value = parse_expression(self._cursor, closed=closed)
-        for node in () if self._in_macro else postorder(value):
-            if isinstance(node, Argument):
+        for node in () if self._in_macro else syntax.postorder(value):
+            if isinstance(node, syntax.Argument):
                 raise self._cursor.source.error(
                     node.place, f"_P({node.index}) stands outside a macro", "give it a name"
                 )
         return value
 
-    def _macro(self) -> Macro:
+    def _macro(self) -> syntax.Macro:
         cursor = self._cursor
         name = cursor.take()
         cursor.take()
         cursor.take()
         self._in_macro = True
-        body: list[Step] = []
+        body: list[syntax.Step] = []
         while self._at_step():
             if cursor.following.text == "=" and cursor.second.text == "{":
                 raise cursor.unexpected("an expression", "a macro holds no other macro")
@@ -298,10 +273,17 @@ class _Statements:
             cursor.take()
         cursor.expect("}", "a macro is name = { statements; expression }")
         self._in_macro = False
-        parts = [*expressions_of(body), value]
-        indices = [n.index for part in parts for n in postorder(part) if isinstance(n, Argument)]
+        parts = [*syntax.expressions_of(body), value]
+        indices = [
+            n.index
+            for part in parts
+            for n in syntax.postorder(part)
+            if isinstance(n, syntax.Argument)
+        ]
         said = name.text.removeprefix("::")
-        return Macro(name.place, said, tuple(body), value, max(indices, default=0), cursor.source)
+        return syntax.Macro(
+            name.place, said, tuple(body), value, max(indices, default=0), cursor.source
+        )
 
     def _at_step(self) -> bool:
         """Whether a statement of a macro comes next, and not yet its value."""
@@ -317,12 +299,12 @@ class _Statements:
         )
 
 
-def _algebra_statement(cursor: Cursor) -> AlgebraPragma:
+def _algebra_statement(cursor: Cursor) -> syntax.AlgebraPragma:
     """``DefVarsN3();``"""
     name: Token = cursor.take()
     for symbol in "();":
         cursor.expect(symbol, f"write {name.text}();")
-    return AlgebraPragma(name.place, _ALGEBRAS[name.text], (0, 0, 0))
+    return syntax.AlgebraPragma(name.place, _ALGEBRAS[name.text], (0, 0, 0))
 
 
 MAX_ROUNDS = 1000
@@ -349,7 +331,7 @@ USES = {
 }
 
 
-def parse_pragma(source: Source, token: Token) -> list[Pragma]:
+def parse_pragma(source: Source, token: Token) -> list[syntax.Pragma]:
     """What one pragma says: several names after ``return`` are several pragmas.
 
     Raises ScriptError: an unknown pragma, or one that is not written as above.
@@ -373,82 +355,84 @@ def _names(said: str) -> list[str]:
     return words if all(map(_NAME.fullmatch, words)) else []
 
 
-def _output(said: str, token: Token) -> list[Pragma]:
+def _output(said: str, token: Token) -> list[syntax.Pragma]:
     name, *blades = said.split() or [""]
     if not _NAME.fullmatch(name) or not all(map(_BLADE.fullmatch, blades)):
         return []
     kept = tuple("1" if blade.startswith("1") else blade for blade in blades)
-    return [OutputPragma(token.place, name, kept)]
+    return [syntax.OutputPragma(token.place, name, kept)]
 
 
-def _return(said: str, token: Token) -> list[Pragma]:
+def _return(said: str, token: Token) -> list[syntax.Pragma]:
     names, *shaped = re.split(r"\s+typed\s+|\s+as\s+", said)
-    pragmas: list[Pragma] = [OutputPragma(token.place, name, ()) for name in _names(names)]
+    pragmas: list[syntax.Pragma] = [
+        syntax.OutputPragma(token.place, name, ()) for name in _names(names)
+    ]
     if pragmas and shaped:
         pragmas.append(
-            LeftOutPragma(token.place, "outputs are multivectors: typed … as is left out")
+            syntax.LeftOutPragma(token.place, "outputs are multivectors: typed … as is left out")
         )
     return pragmas
 
 
-def _in2out(said: str, token: Token) -> list[Pragma]:
+def _in2out(said: str, token: Token) -> list[syntax.Pragma]:
     before, arrow, after = said.partition("->")
     inputs, outputs = _names(before), _names(after)
     if not arrow or not outputs or (before.strip() and not inputs):
         return []
     return [
-        *(InputPragma(token.place, name) for name in inputs),
-        *(OutputPragma(token.place, name, (), leads=True) for name in outputs),
+        *(syntax.InputPragma(token.place, name) for name in inputs),
+        *(syntax.OutputPragma(token.place, name, (), leads=True) for name in outputs),
     ]
 
 
-def _range(said: str, token: Token) -> list[Pragma]:
+def _range(said: str, token: Token) -> list[syntax.Pragma]:
     match = _RANGE.fullmatch(said)
     if match is None:
         return []
     low, high = float(match[1]), float(match[3])
     if not (math.isfinite(low) and math.isfinite(high) and low <= high):
         return []
-    return [RangePragma(token.place, low, match[2], high)]
+    return [syntax.RangePragma(token.place, low, match[2], high)]
 
 
-def _algebra_pragma(said: str, token: Token) -> list[Pragma]:
+def _algebra_pragma(said: str, token: Token) -> list[syntax.Pragma]:
     words = said.split()
     if len(words) == 3 and all(re.fullmatch("[0-9]{1,2}", word) for word in words):
         p, q, r = (int(word) for word in words)
-        return [AlgebraPragma(token.place, "", (p, q, r))]
+        return [syntax.AlgebraPragma(token.place, "", (p, q, r))]
     file = _FILE.fullmatch(said)
     if file is None or len(words) != 1:
         return []
     name = file[1] if file[1].endswith(".toml") else file[1].lower()
-    return [AlgebraPragma(token.place, name, (0, 0, 0))]
+    return [syntax.AlgebraPragma(token.place, name, (0, 0, 0))]
 
 
-def _import(said: str, token: Token) -> list[Pragma]:
+def _import(said: str, token: Token) -> list[syntax.Pragma]:
     file = _FILE.fullmatch(said)
-    return [] if file is None else [ImportPragma(token.place, file[1])]
+    return [] if file is None else [syntax.ImportPragma(token.place, file[1])]
 
 
-def _unroll(said: str, token: Token) -> list[Pragma]:
+def _unroll(said: str, token: Token) -> list[syntax.Pragma]:
     whole = re.fullmatch("[0-9]{1,4}", said)
     if whole is None or not 1 <= int(said) <= MAX_ROUNDS:
         return []
-    return [UnrollPragma(token.place, int(said))]
+    return [syntax.UnrollPragma(token.place, int(said))]
 
 
-def _normalize(said: str, token: Token) -> list[Pragma]:
-    return [] if said else [NormalizePragma(token.place)]
+def _normalize(said: str, token: Token) -> list[syntax.Pragma]:
+    return [] if said else [syntax.NormalizePragma(token.place)]
 
 
-def _left_out(why: str) -> Callable[[str, Token], list[Pragma]]:
-    return lambda said, token: [LeftOutPragma(token.place, why)] if said else []
+def _left_out(why: str) -> Callable[[str, Token], list[syntax.Pragma]]:
+    return lambda said, token: [syntax.LeftOutPragma(token.place, why)] if said else []
 
 
-def _evaluated(said: str, token: Token) -> list[Pragma]:
-    return [LeftOutPragma(token.place, "")] if _names(said) else []
+def _evaluated(said: str, token: Token) -> list[syntax.Pragma]:
+    return [syntax.LeftOutPragma(token.place, "")] if _names(said) else []
 
 
-_READERS: dict[str, Callable[[str, Token], list[Pragma]]] = {
+_READERS: dict[str, Callable[[str, Token], list[syntax.Pragma]]] = {
     "output": _output,
     "return": _return,
     "in2out": _in2out,
@@ -505,7 +489,7 @@ class Imports:
         self._depth = 0
 
     @contextmanager
-    def opened(self, source: Source, pragma: ImportPragma) -> Iterator[Source | None]:
+    def opened(self, source: Source, pragma: syntax.ImportPragma) -> Iterator[Source | None]:
         """The text that an import names; None if it has been read.
 
         Raises ScriptError: a file that cannot be read, too many, or too deep in each other.

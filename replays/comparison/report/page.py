@@ -8,18 +8,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.comparison.report import names
+from motorcade.replays.comparison.report import matrix, names
 from motorcade.replays.comparison.report.findings import findings
-from motorcade.replays.comparison.report.matrix import (
-    against_motor,
-    best_of_each,
-    exact_ties,
-    matrices,
-    place_rows,
-    rotation_errors,
-    trait_matrices,
-    verdict_counts,
-)
 from motorcade.replays.comparison.report.pictures import (
     Crossing,
     can_be_drawn,
@@ -107,13 +97,13 @@ def _overview(environment: Environment, results: Results) -> str:
     if method is not None:
         degradation = results.degradations[0]
         panels = small_panels([replay(results, one, degradation, method) for one in drawable])
-    motions = against_motor(
+    motions = matrix.against_motor(
         results,
         "motion",
         results.motions,
         "Residual error and jitter, times what motors leave, over all methods and degradations.",
     )
-    degradations = against_motor(
+    degradations = matrix.against_motor(
         results,
         "degradation",
         results.degradations,
@@ -126,18 +116,18 @@ def _overview(environment: Environment, results: Results) -> str:
         facts=_facts(results),
         findings=findings(results),
         crossing=shown,
-        crossing_errors=shown and rotation_errors(results, shown.motion, shown.degradation),
+        crossing_errors=shown and matrix.rotation_errors(results, shown.motion, shown.degradation),
         drawn_method=method,
-        matrices=matrices(results, "all"),
+        matrices=matrix.matrices(results, "all"),
         ranking=_ranking(results, "all"),
         unranked=results.unranked(),
-        verdicts=verdict_counts(results),
-        best_of_each=best_of_each(results),
+        verdicts=matrix.verdict_counts(results),
+        best_of_each=matrix.best_of_each(results),
         by_motion=motions,
         by_degradation=degradations,
         panels=panels,
-        ties=exact_ties(results),
-        traits=trait_matrices(results),
+        ties=matrix.exact_ties(results),
+        traits=matrix.trait_matrices(results),
         seeds={name: _spans(plan[name]) for name in ("test_seeds", "tuning_seeds")},
         failures=results.document["failures"],
         range_ends=range_ends(results),
@@ -150,11 +140,13 @@ def _motion_page(environment: Environment, results: Results, motion: str) -> str
         results=results,
         motion=motion,
         told=names.MOTIONS.get(motion, "a recording"),
-        matrices=matrices(results, scope),
+        matrices=matrix.matrices(results, scope),
         ranking=_ranking(results, scope),
         panels=_over_time(results, motion),
         metrics=_DETAILS,
-        places=[(one, place_rows(results, motion, one, _DETAILS)) for one in results.degradations],
+        places=[
+            (one, matrix.place_rows(results, motion, one, _DETAILS)) for one in results.degradations
+        ],
         parameters=[(one, _parameters(results, motion, one)) for one in results.degradations],
     )
 

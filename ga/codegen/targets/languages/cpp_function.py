@@ -11,19 +11,12 @@ from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.languages.words import CPP_NAMES
 from motorcade.ga.codegen.targets.names import C_FUNCTIONS, check_names
+from motorcade.ga.codegen.targets.shared import text
 from motorcade.ga.codegen.targets.shared.c_family import comment, declarations, indented
 from motorcade.ga.codegen.targets.shared.expressions import statements
-from motorcade.ga.codegen.targets.shared.text import (
-    C_LOGIC,
-    Templates,
-    call,
-    description,
-    unread,
-    variables,
-)
 
 _PAIRS = ("atan2", "min", "max")
-_TEMPLATES = C_LOGIC | {
+_TEMPLATES = text.C_LOGIC | {
     op: f"std::{name}({{}}{', {}' if op in _PAIRS else ''})" for op, name in C_FUNCTIONS.items()
 }
 _CALLING = (
@@ -41,21 +34,21 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     check_names(program, CPP_NAMES)
     real = precision or DOUBLE
     suffix = "f" if real.c == "float" else ""
-    dialect = Templates(_TEMPLATES, {}, real, suffix=suffix)
+    dialect = text.Templates(_TEMPLATES, {}, real, suffix=suffix)
     written = statements(program.tape, dialect, CPP_NAMES.words)
     arrays = [f"std::array<{real.c}, {o.width}>" for o in program.tape.outputs if o.width]
     array = arrays[0] if len(arrays) == 1 else f"std::tuple<{', '.join(arrays)}>"
     body = [
-        *(f"static_cast<void>({name});" for name in unread(program)),
+        *(f"static_cast<void>({name});" for name in text.unread(program)),
         *declarations(written.body, f"const {real.c}", "const bool"),
         *_returned(array, arrays, [row for row in written.results if row]),
     ]
-    described = [*description(program, f"cpp --precision {real.numpy}"), *_CALLING]
-    parameters = [f"{real.c} {name}" for name in variables(program)]
+    described = [*text.description(program, f"cpp --precision {real.numpy}"), *_CALLING]
+    parameters = [f"{real.c} {name}" for name in text.variables(program)]
     lines = [
         comment(described),
         *("#pragma once", "", "#include <array>", "#include <cmath>", "#include <tuple>", ""),
-        *call(f"inline {array} {program.name}", parameters, ""),
+        *text.call(f"inline {array} {program.name}", parameters, ""),
         *("{", *indented(body), "}"),
     ]
     return {f"{program.name}.hpp": "\n".join(lines) + "\n"}

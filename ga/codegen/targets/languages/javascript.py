@@ -13,19 +13,12 @@ from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.languages.words import JAVASCRIPT_NAMES
 from motorcade.ga.codegen.targets.names import check_names
+from motorcade.ga.codegen.targets.shared import text
 from motorcade.ga.codegen.targets.shared.c_family import comment, indented
 from motorcade.ga.codegen.targets.shared.expressions import statements
-from motorcade.ga.codegen.targets.shared.text import (
-    C_LOGIC,
-    SAME_NAMES,
-    Templates,
-    call,
-    description,
-    variables,
-)
 
-_TEMPLATES = C_LOGIC | {"eq": "({} === {})", "ne": "({} !== {})"}
-_FUNCTIONS = SAME_NAMES | {"abs": "abs", "min": "min", "max": "max"}
+_TEMPLATES = text.C_LOGIC | {"eq": "({} === {})", "ne": "({} !== {})"}
+_FUNCTIONS = text.SAME_NAMES | {"abs": "abs", "min": "min", "max": "max"}
 _CALLING = ("", "Returns an object: an array for each output, one number a blade.")
 
 
@@ -37,7 +30,7 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     if precision not in (None, DOUBLE):
         raise ValueError(f"target javascript: expected precision float64, got {precision.numpy}")
     check_names(program, JAVASCRIPT_NAMES)
-    dialect = Templates(_TEMPLATES, _FUNCTIONS, prefix="Math.")
+    dialect = text.Templates(_TEMPLATES, _FUNCTIONS, prefix="Math.")
     written = statements(program.tape, dialect, JAVASCRIPT_NAMES.words)
     body = [f"const {s.name} = {s.expression};" for s in written.body]
     body.append("return {")
@@ -45,8 +38,8 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
         body += _entry(operand.name, row)
     body.append("};")
     lines = [
-        comment([*description(program, "javascript"), *_CALLING]),
-        *call(f"export function {program.name}", variables(program), " {"),
+        comment([*text.description(program, "javascript"), *_CALLING]),
+        *text.call(f"export function {program.name}", text.variables(program), " {"),
         *indented(body),
         "}",
     ]

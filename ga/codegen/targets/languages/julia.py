@@ -13,17 +13,10 @@ from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.languages.words import JULIA_NAMES
 from motorcade.ga.codegen.targets.names import Reserved, check_names
+from motorcade.ga.codegen.targets.shared import text
 from motorcade.ga.codegen.targets.shared.c_family import indented
 from motorcade.ga.codegen.targets.shared.expressions import statements
 from motorcade.ga.codegen.targets.shared.python_module import assignments
-from motorcade.ga.codegen.targets.shared.text import (
-    C_LOGIC,
-    SAME_NAMES,
-    Templates,
-    call,
-    description,
-    variables,
-)
 
 # Where the functions of Julia throw instead of giving NaN: outside of these.
 _DOMAINS = {
@@ -35,14 +28,14 @@ _DOMAINS = {
     "cos": "abs(v) < Inf",
     "tan": "abs(v) < Inf",
 }
-_FUNCTIONS = {name: f"real_{name}" if name in _DOMAINS else name for name in SAME_NAMES}
+_FUNCTIONS = {name: f"real_{name}" if name in _DOMAINS else name for name in text.SAME_NAMES}
 _FUNCTIONS |= {"abs": "abs", "min": "min", "max": "max", "atan2": "atan"}
-_TEMPLATES = C_LOGIC | {"select": "ifelse({}, {}, {})"}
+_TEMPLATES = text.C_LOGIC | {"select": "ifelse({}, {}, {})"}
 _OWN = frozenset(_FUNCTIONS.values()) | {"Inf", "Float32", "Float64"}
 _CALLING = ("", "Returns a named tuple: a tuple for each output, one number a blade.")
 
 
-class _Julia(Templates):
+class _Julia(text.Templates):
     """Numbers in Julia's spelling: ``1.5f0`` is in single precision."""
 
     def __init__(self, precision: Precision) -> None:
@@ -64,7 +57,7 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     reserved = Reserved("Julia", JULIA_NAMES.words | _OWN | _only_underscores(program))
     check_names(program, reserved)
     written = statements(program.tape, _Julia(precision or DOUBLE), reserved.words)
-    parameters = variables(program)
+    parameters = text.variables(program)
     option = f" --precision {precision.numpy}" if precision else ""
     kind = "" if precision is None else f"Float{8 * (4 if precision.c == 'float' else 8)}"
     body = [
@@ -82,10 +75,10 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
         ),
         ")",
     ]
-    described = [*description(program, f"julia{option}"), *_CALLING]
+    described = [*text.description(program, f"julia{option}"), *_CALLING]
     lines = [
         *(f"# {line}".rstrip() for line in described),
-        *call(f"function {program.name}", parameters, ""),
+        *text.call(f"function {program.name}", parameters, ""),
         *indented(body),
         "end",
     ]
@@ -94,7 +87,9 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
 
 def _only_underscores(program: Program) -> frozenset[str]:
     """Julia only writes to variables of such names."""
-    return frozenset(name for name in [*variables(program), program.name] if not name.strip("_"))
+    return frozenset(
+        name for name in [*text.variables(program), program.name] if not name.strip("_")
+    )
 
 
 def _field(name: str, reserved: Reserved) -> str:

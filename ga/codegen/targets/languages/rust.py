@@ -11,20 +11,12 @@ from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.languages.words import RUST_NAMES, typed
 from motorcade.ga.codegen.targets.names import check_names
+from motorcade.ga.codegen.targets.shared import text
 from motorcade.ga.codegen.targets.shared.c_family import indented
 from motorcade.ga.codegen.targets.shared.expressions import statements
-from motorcade.ga.codegen.targets.shared.text import (
-    C_LOGIC,
-    SAME_NAMES,
-    Templates,
-    call,
-    description,
-    unread,
-    variables,
-)
 
-_TEMPLATES = C_LOGIC | {"select": "(if {} {{ {} }} else {{ {} }})"}
-_FUNCTIONS = SAME_NAMES | {"abs": "abs", "min": "min", "max": "max", "log": "ln"}
+_TEMPLATES = text.C_LOGIC | {"select": "(if {} {{ {} }} else {{ {} }})"}
+_FUNCTIONS = text.SAME_NAMES | {"abs": "abs", "min": "min", "max": "max", "log": "ln"}
 _CALLING = (
     "",
     "Returns an array for each output that has components, one number a blade: a tuple, or the",
@@ -41,21 +33,21 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     check_names(program, RUST_NAMES)
     real = precision or DOUBLE
     kind = f"f{8 * (4 if real.c == 'float' else 8)}"
-    dialect = Templates(_TEMPLATES, _FUNCTIONS, real, prefix=f"{kind}::")
+    dialect = text.Templates(_TEMPLATES, _FUNCTIONS, real, prefix=f"{kind}::")
     written = statements(typed(program.tape), dialect, RUST_NAMES.words)
     arrays = [f"[{kind}; {o.width}]" for o in program.tape.outputs if o.width]
     results = [row for row in written.results if row]
-    described = [*description(program, f"rust --precision {real.numpy}"), *_CALLING]
-    parameters = [f"{name}: {kind}" for name in variables(program)]
+    described = [*text.description(program, f"rust --precision {real.numpy}"), *_CALLING]
+    parameters = [f"{name}: {kind}" for name in text.variables(program)]
     body = [
-        *(f"let _ = {name};" for name in unread(program)),
+        *(f"let _ = {name};" for name in text.unread(program)),
         *(f"let {s.name}: {'bool' if s.boolean else kind} = {s.expression};" for s in written.body),
         *_returned(results),
     ]
     lines = [
         *(f"// {line}".rstrip() for line in described),
         *("", _ALLOWED),
-        *call(f"pub fn {program.name}", parameters, f" -> {_type(arrays)} {{"),
+        *text.call(f"pub fn {program.name}", parameters, f" -> {_type(arrays)} {{"),
         *indented(body),
         "}",
     ]

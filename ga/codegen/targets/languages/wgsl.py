@@ -13,19 +13,12 @@ from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.tape import Tape
 from motorcade.ga.codegen.targets.languages.words import WGSL_NAMES, typed
 from motorcade.ga.codegen.targets.names import check_names
+from motorcade.ga.codegen.targets.shared import text
 from motorcade.ga.codegen.targets.shared.c_family import array_slots, indented
 from motorcade.ga.codegen.targets.shared.expressions import statements
-from motorcade.ga.codegen.targets.shared.text import (
-    C_LOGIC,
-    SAME_NAMES,
-    Templates,
-    call,
-    description,
-    variables,
-)
 
-_TEMPLATES = C_LOGIC | {"select": "select({2}, {1}, {0})"}
-_FUNCTIONS = SAME_NAMES | {"abs": "abs", "min": "min", "max": "max"}
+_TEMPLATES = text.C_LOGIC | {"select": "select({2}, {1}, {0})"}
+_FUNCTIONS = text.SAME_NAMES | {"abs": "abs", "min": "min", "max": "max"}
 _CALLING = ("", "Output A fills out_A, one number a blade; one without blades has no parameter.")
 
 
@@ -42,10 +35,10 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     tape = typed(program.tape)
     _check_finite(tape)
     # A number without a suffix is as exact as its text until it meets a variable.
-    dialect = Templates(_TEMPLATES, _FUNCTIONS, SINGLE)
+    dialect = text.Templates(_TEMPLATES, _FUNCTIONS, SINGLE)
     reserved = WGSL_NAMES.words | {slot for _, slot in slots}
     written = statements(tape, dialect, reserved)
-    parameters = [f"{name}: f32" for name in variables(program)]
+    parameters = [f"{name}: f32" for name in text.variables(program)]
     outputs = [(o, row) for o, row in zip(tape.outputs, written.results, strict=True) if row]
     parameters += [f"out_{o.name}: ptr<function, array<f32, {o.width}>>" for o, _ in outputs]
     body = [
@@ -56,8 +49,8 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
         *(f"(*out_{o.name})[{i}] = {v};" for o, row in outputs for i, v in enumerate(row)),
     ]
     lines = [
-        *(f"// {line}".rstrip() for line in [*description(program, "wgsl"), *_CALLING]),
-        *call(f"fn {program.name}", parameters, " {"),
+        *(f"// {line}".rstrip() for line in [*text.description(program, "wgsl"), *_CALLING]),
+        *text.call(f"fn {program.name}", parameters, " {"),
         *indented(body),
         "}",
     ]

@@ -12,15 +12,7 @@ from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.kernels.definitions import elements as on
 from motorcade.ga.kernels.definitions.blends import projected
 from motorcade.ga.kernels.definitions.conversions import matrix_rows
-from motorcade.ga.kernels.definitions.parts.rotors import (
-    QUATERNION,
-    checked,
-    conjugate,
-    largest,
-    of_rotation,
-    off_rotation,
-    off_unit,
-)
+from motorcade.ga.kernels.definitions.parts import rotors
 
 Numbers = list[Any]
 
@@ -53,27 +45,27 @@ def _of_rotor_translation(precision: Precision, r: Numbers, t: Numbers) -> list[
 
 def _of_quaternion(precision: Precision, q: Numbers, t: Numbers) -> list[Numbers]:
     """The motor that turns by a unit quaternion, then moves by a translation."""
-    return [[*joined(conjugate(q), t), off_unit(q)]]
+    return [[*joined(rotors.conjugate(q), t), rotors.off_unit(q)]]
 
 
 def _of_matrix44(precision: Precision, m: Numbers) -> list[Numbers]:
     """Motor of a homogeneous matrix by rows; what its last row is off by counts ten times."""
     rotation = block(m)
-    off = off_rotation(rotation) + off_bottom_row(m)
-    return [[*joined(of_rotation(rotation), m[3:12:4]), off]]
+    off = rotors.off_rotation(rotation) + off_bottom_row(m)
+    return [[*joined(rotors.of_rotation(rotation), m[3:12:4]), off]]
 
 
 def _of_dual_quaternion(precision: Precision, d: Numbers) -> list[Numbers]:
     """Motor of a unit Hamilton dual quaternion."""
     m = [d[0], -d[1], -d[2], -d[3], -d[5], -d[6], -d[7], -d[4]]
-    length = largest([1, *(ca.fabs(x) for x in m[4:])])
+    length = rotors.largest([1, *(ca.fabs(x) for x in m[4:])])
     study = ca.fabs(m[0] * m[7] - sum(m[k] * m[k + 3] for k in (1, 2, 3))) / length
-    return [[*m, off_unit(m[:4]) + study]]
+    return [[*m, rotors.off_unit(m[:4]) + study]]
 
 
 def _project(precision: Precision, m: Numbers) -> list[Numbers]:
     """The motor nearest to an even element, divided by its largest rotor coefficient first."""
-    size = largest([ca.fabs(x) for x in m[:4]])
+    size = rotors.largest([ca.fabs(x) for x in m[:4]])
     scaled = on.MOTOR.of([x / size for x in m])
     return [[*on.MOTOR.numbers(projected(scaled)), size]]
 
@@ -89,11 +81,13 @@ KERNELS = (
     Kernel(
         "motor_of_quaternion",
         _GROUP,
-        (QUATERNION, _T),
-        (checked(_OUT),),
+        (rotors.QUATERNION, _T),
+        (rotors.checked(_OUT),),
         _of_quaternion,
     ),
-    Kernel("motor_of_matrix44", _GROUP, (_MATRIX,), (checked(_OUT),), _of_matrix44),
-    Kernel("motor_of_dual_quaternion", _GROUP, (_DUAL,), (checked(_OUT),), _of_dual_quaternion),
+    Kernel("motor_of_matrix44", _GROUP, (_MATRIX,), (rotors.checked(_OUT),), _of_matrix44),
+    Kernel(
+        "motor_of_dual_quaternion", _GROUP, (_DUAL,), (rotors.checked(_OUT),), _of_dual_quaternion
+    ),
     Kernel("project", _GROUP, (_M,), (Operand("out", (*_OUT.components, "size")),), _project),
 )

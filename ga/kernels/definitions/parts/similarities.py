@@ -10,12 +10,8 @@ from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.kernels.definitions import elements as on
+from motorcade.ga.kernels.definitions.parts import rotors
 from motorcade.ga.kernels.definitions.parts.motors import block, joined, off_bottom_row
-from motorcade.ga.kernels.definitions.parts.rotors import (
-    checked,
-    of_rotation,
-    off_rotation,
-)
 from motorcade.ga.kernels.definitions.similarity_conversions import grown, parts_of
 
 Numbers = list[Any]
@@ -33,8 +29,8 @@ def _of_matrix44(precision: Precision, m: Numbers) -> list[Numbers]:
     scaled = block(m)
     scale = ca.sqrt(sum(x * x for x in scaled) * (1 / 3))
     rotation = [x / scale for x in scaled]
-    off = off_rotation(rotation) + off_bottom_row(m)
-    similarity = grown(joined(of_rotation(rotation), m[3:12:4]), scale)
+    off = rotors.off_rotation(rotation) + off_bottom_row(m)
+    similarity = grown(joined(rotors.of_rotation(rotation), m[3:12:4]), scale)
     return [[*similarity, off]]
 
 
@@ -59,7 +55,7 @@ KERNELS = (
         "similarity_of_matrix44",
         _GROUP,
         (on.components("m", 4, 4),),
-        (checked(_OUT),),
+        (rotors.checked(_OUT),),
         _of_matrix44,
     ),
     Kernel(
