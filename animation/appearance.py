@@ -1,4 +1,4 @@
-"""What surfaces look like: materials as glTF 2.0 has them, and where on a mesh each lies.
+"""What surfaces look like: materials as glTF 2.0 has them, where on a mesh each lies, and sRGB.
 
 Factors are linear light; pictures hold what their use says: sRGB for base colour and emission,
 linear numbers for the rest. Texture coordinate (0, 0) is the upper left corner of a picture,
@@ -236,3 +236,23 @@ class Appearance:
                 f"{name}.appearance: expected {len(vertices)} vertices and {len(triangles)} "
                 f"triangles as the mesh has, got {counts[0]} and {counts[1]}"
             )
+
+
+def to_linear(srgb: FloatArray) -> FloatArray:
+    """Linear light of sRGB values from 0 to 1.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.appearance import to_linear, to_srgb
+    >>> to_linear(np.array([0.0, 0.5, 1.0])).round(3)
+    array([0.   , 0.214, 1.   ])
+    >>> to_srgb(to_linear(np.array([0.25]))).round(6)
+    array([0.25])
+    """
+    return np.where(srgb <= 0.04045, srgb / 12.92, ((np.maximum(srgb, 0.0) + 0.055) / 1.055) ** 2.4)
+
+
+def to_srgb(linear: FloatArray) -> FloatArray:
+    """Values (sRGB) of linear light, both from 0 to 1; what lies outside is clipped."""
+    inside = np.clip(linear, 0.0, 1.0)
+    encoded = np.where(inside <= 0.0031308, 12.92 * inside, 1.055 * inside ** (1.0 / 2.4) - 0.055)
+    return np.clip(encoded, 0.0, 1.0)

@@ -25,9 +25,8 @@ from __future__ import annotations
 
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra, Multivector
 from motorcade.ga.classical import DualQuaternion, EulerPose, QuaternionPose
-from motorcade.ga.compiling import compile
 from motorcade.ga.motion import ScrewPath, SplineSample, TwistSample
-from motorcade.ga.showing import show
+from motorcade.ga.on_demand import compile, show
 from motorcade.ga.splines import CumulativeBSpline, SimilaritySpline
 from motorcade.ga.trajectory import Trajectory
 from motorcade.ga.versors.averages import blend, mean

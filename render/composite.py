@@ -17,7 +17,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.animation.srgb import to_linear, to_srgb
+from motorcade.animation.appearance import to_linear, to_srgb
 from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 from motorcade.render.scene import DepthArray, ImageArray, Layer
 

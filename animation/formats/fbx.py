@@ -18,11 +18,11 @@ from pathlib import Path
 
 import numpy as np
 
+from motorcade.animation.appearance import to_linear
 from motorcade.animation.formats.gltf import read_gltf
 from motorcade.animation.formats.images import colors_at_vertices
 from motorcade.animation.formats.limits import MAX_FILE_BYTES, FormatError, read_bounded, shown
 from motorcade.animation.formats.rig.values import Rig, RigSurface
-from motorcade.animation.srgb import to_linear
 from motorcade.ga.files import off_record
 
 TIME_LIMIT_S = 60.0

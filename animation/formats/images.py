@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.animation.appearance import to_linear, to_srgb
 from motorcade.animation.formats.limits import (
     MAX_IMAGE_BYTES,
     MAX_IMAGE_PIXELS,
@@ -23,7 +24,6 @@ from motorcade.animation.formats.limits import (
     FormatError,
     shown,
 )
-from motorcade.animation.srgb import to_linear, to_srgb
 from motorcade.ga.arrays import FloatArray
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from motorcade.animation.appearance import Material, TextureMap
+from motorcade.animation.appearance import Material, TextureMap, to_linear
 from motorcade.animation.formats.images import Textures, colors_at_vertices
 from motorcade.animation.formats.limits import (
     MAX_NODES,
@@ -28,7 +28,6 @@ from motorcade.animation.formats.limits import (
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip, RigSurface, Skin
 from motorcade.animation.skeleton import local_poses
-from motorcade.animation.srgb import to_linear
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import is_there

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from motorcade.replays.engine import drawing
+from motorcade.replays.engine.graph import draw_svg
 from motorcade.replays.pipeline.job import pipeline_graph
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -33,9 +33,9 @@ def drawings() -> dict[str, str]:
     graph = pipeline_graph()
     stages = {name: set(stage.inputs) for name, stage in graph.stages.items()}
     return {
-        "rooms.svg": drawing.svg(graph_of(imported(Path(), ROOMS), {})),
-        "replays.svg": drawing.svg(graph_of(imported(Path("replays"), REPLAYS), {})),
-        "stages.svg": drawing.svg(
+        "rooms.svg": draw_svg(graph_of(imported(Path(), ROOMS), {})),
+        "replays.svg": draw_svg(graph_of(imported(Path("replays"), REPLAYS), {})),
+        "stages.svg": draw_svg(
             graph_of(
                 {name: set() for name in graph.sources} | stages,
                 {name: stage.optional for name, stage in graph.stages.items()},

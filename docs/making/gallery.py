@@ -27,12 +27,11 @@ from motorcade.animation import (
     skin,
     walk_along,
 )
-from motorcade.animation.appearance import Appearance, Material, MaterialPart
+from motorcade.animation.appearance import Appearance, Material, MaterialPart, to_linear
 from motorcade.animation.authoring import EulerObjectPose, ObjectPose, VersorObjectPose
 from motorcade.animation.blend import BlendMethod, blend_clips, differences_m
 from motorcade.animation.place import on_the_spot
 from motorcade.animation.skin import SKIN_METHODS
-from motorcade.animation.srgb import to_linear
 from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.scene import ImageArray

@@ -3,16 +3,18 @@
 Nodes name their arguments by position and come in an order in which they can be computed. Equal
 nodes are one, terms and factors stand in a fixed order, signs are moved out of products, so that
 a negated term becomes a subtraction, and operations on numbers are worked out. Constants are Python
-floats; the emitters print them in the type that they write for.
+floats; the emitters print them in the type that they write for; `run_tape` runs one as it is.
 """
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 _FUNCTIONS: dict[str, Callable[..., float]] = {
     "add": lambda x, y: x + y, "sub": lambda x, y: x - y, "mul": lambda x, y: x * y,
@@ -291,3 +293,39 @@ class TapeBuilder:
         if right.op == "neg":
             return self.operation("neg", self.operation(op, first, right.args[0]))
         return None
+
+
+NUMPY_OPERATIONS: dict[str, Callable[..., Any]] = {
+    "add": np.add, "sub": np.subtract, "mul": np.multiply, "div": np.divide, "neg": np.negative,
+    "sqrt": np.sqrt, "abs": np.abs, "floor": np.floor, "ceil": np.ceil, "min": np.minimum,
+    "max": np.maximum, "exp": np.exp, "log": np.log, "sin": np.sin, "cos": np.cos, "tan": np.tan,
+    "asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "atan2": np.arctan2,
+    "lt": np.less, "le": np.less_equal, "eq": np.equal, "ne": np.not_equal,
+    "and": np.logical_and, "or": np.logical_or, "not": np.logical_not,
+    "select": lambda condition, x, y: np.where(np.asarray(condition) != 0.0, x, y),
+    "keep": lambda condition, x: np.where(np.asarray(condition) != 0.0, x, 0.0),
+}  # fmt: skip
+
+
+def run_tape(tape: Tape, inputs: Mapping[tuple[str, int], Any]) -> list[list[Any]]:
+    """The components of each output.
+
+    `inputs` gives a number or an array for each name and component of an input; arrays broadcast.
+    Where a value is no real number the result is NaN or infinite.
+    """
+    values: list[Any] = []
+    left = tape.uses()  # a value that nothing else needs is let go: its memory is the next one's
+    with np.errstate(all="ignore"):
+        for node in tape.nodes:
+            if node.op == "const":
+                values.append(np.float64(node.value))
+            elif node.op == "input":
+                values.append(np.asarray(inputs[node.source], dtype=np.float64))
+            else:
+                value = NUMPY_OPERATIONS[node.op](*[values[k] for k in node.args])
+                values.append(np.asarray(value, dtype=np.float64))
+                for k in node.args:
+                    left[k] -= 1
+                    if left[k] == 0:
+                        values[k] = None
+    return [[values[k] for k in row] for row in tape.results]

@@ -25,9 +25,9 @@ from __future__ import annotations
 from typing import Any
 
 from motorcade.ga.algebra import Algebra, Multivector
-from motorcade.ga.drawing.colors import OBJECT_COLORS, nearest_color
 from motorcade.ga.drawing.picture import Drawing, Styled, drawing, show
 from motorcade.ga.drawing.reading import Form, shapes_of
+from motorcade.ga.drawing.svg import OBJECT_COLORS, nearest_color
 from motorcade.ga.drawing.view import View
 from motorcade.ga.script import Script
 from motorcade.ga.script.meaning import watched

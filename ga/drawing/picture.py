@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from motorcade.ga.drawing import svg
-from motorcade.ga.drawing.colors import CYCLE, checked_color
 from motorcade.ga.drawing.mark import Extent, Mark, extent_of, ground, marks_of, name_of
 from motorcade.ga.drawing.reading import Form, shapes_of
 from motorcade.ga.drawing.shape import Shape, is_flat
+from motorcade.ga.drawing.svg import CYCLE, checked_color
 from motorcade.ga.drawing.view import Projection, View, projection_of
 
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.animation.srgb import to_linear, to_srgb
+from motorcade.animation.appearance import to_linear, to_srgb
 from motorcade.animation.vectors import box_corners
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray

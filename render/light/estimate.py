@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from motorcade.animation.srgb import to_linear
+from motorcade.animation.appearance import to_linear
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.render.harmonics import harmonics, rotate_harmonics

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from motorcade.animation import Placement
-from motorcade.animation.srgb import to_linear
+from motorcade.animation.appearance import to_linear
 from motorcade.ga import Motor, Trajectory
 from motorcade.render.composite import as_rgb
 from motorcade.render.light.estimate import ShadedPoints, estimate_light, shaded_points

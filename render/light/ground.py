@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.animation.srgb import to_linear
+from motorcade.animation.appearance import to_linear
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.lens import plane_homography

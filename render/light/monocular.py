@@ -29,7 +29,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from motorcade.animation import Placement
-from motorcade.animation.srgb import to_linear
+from motorcade.animation.appearance import to_linear
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.composite import as_rgb

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.animation.srgb import to_linear
+from motorcade.animation.appearance import to_linear
 from motorcade.animation.vectors import UP
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, checked_floats, frozen

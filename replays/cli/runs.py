@@ -261,7 +261,7 @@ def add_demo(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def demo(arguments: argparse.Namespace) -> None:
     """Render the recording where it is not there yet, then run it as any other."""
-    from motorcade.replays.demo.embedded import ensure_demo_recording, settings_beside
+    from motorcade.replays.demo.recording import ensure_demo_recording, settings_beside
     from motorcade.replays.pipeline.job import Job, require_integrity
 
     if arguments.strict:
@@ -373,7 +373,7 @@ def add_graph(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def draw_graph(arguments: argparse.Namespace) -> None:
     """Print or write the drawing."""
-    from motorcade.replays.engine import drawing
+    from motorcade.replays.engine.graph import draw_mermaid, draw_svg
     from motorcade.replays.engine.knobs import described_knobs
     from motorcade.replays.io.files import write_bytes
     from motorcade.replays.pipeline.described.describing import description_graph
@@ -381,11 +381,11 @@ def draw_graph(arguments: argparse.Namespace) -> None:
 
     graph = pipeline_graph()
     if arguments.svg is not None:
-        write_bytes(arguments.svg, drawing.svg(graph).encode())
+        write_bytes(arguments.svg, draw_svg(graph).encode())
     elif arguments.knobs:
         for stage in (*description_graph().stages.values(), *graph.stages.values()):
             for knob in described_knobs(stage):
                 print(f"{stage.name}.{knob.name}={knob.default}  ({knob.values})")
                 print(textwrap.indent(textwrap.fill(knob.meaning, WIDTH), " " * 4))
     else:
-        print(drawing.mermaid(graph), end="")
+        print(draw_mermaid(graph), end="")

@@ -44,8 +44,7 @@ from motorcade.render.plots import Band, plot_bands, plot_squares
 from motorcade.render.plots.style import with_own_ids
 from motorcade.replays.engine.jobs import job_key, run_jobs
 from motorcade.replays.io.files import write_bytes, write_csv
-from motorcade.replays.web.pages import page_environment
-from motorcade.replays.web.pages.parts import PageCell, PagePlot
+from motorcade.replays.web.pages import PageCell, PagePlot, page_environment
 from motorcade.tracking.measurements import PoseMeasurements
 
 PARTS: Mapping[str, slice] = MappingProxyType(

@@ -26,8 +26,8 @@ from PIL import Image
 from skimage.metrics import structural_similarity
 
 from motorcade.animation import Character, read_character, skin
+from motorcade.animation.appearance import to_linear, to_srgb
 from motorcade.animation.skeleton import with_joint
-from motorcade.animation.srgb import to_linear, to_srgb
 from motorcade.ga import Motor, Similarity
 from motorcade.render.backends.fast.renderer import FastRenderer
 from motorcade.render.scene import Layer, Lighting, Sun, Surface

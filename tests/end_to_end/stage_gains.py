@@ -26,7 +26,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from motorcade.replays.demo.embedded import ensure_demo_recording
+from motorcade.replays.demo.recording import ensure_demo_recording
 from motorcade.replays.io.trajectories import read_trajectory
 from motorcade.replays.pipeline.job import Job, run_job
 from tests.bench.data import data_folder

@@ -13,8 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 from motorcade.animation import Character, Placement, mannequin, place_on_plane, skin
-from motorcade.animation.appearance import Appearance, Material, MaterialPart
-from motorcade.animation.srgb import to_linear
+from motorcade.animation.appearance import Appearance, Material, MaterialPart, to_linear
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Lighting, Surface, render_overlay

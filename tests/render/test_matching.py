@@ -6,7 +6,7 @@ import pytest
 from skimage.color import rgb2xyz, xyz2rgb
 
 from motorcade.animation import Placement, mannequin
-from motorcade.animation.srgb import to_linear
+from motorcade.animation.appearance import to_linear
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import render_overlay
 from motorcade.render.composite import (

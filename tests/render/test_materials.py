@@ -6,8 +6,7 @@ from unittest.mock import MagicMock
 import numpy as np
 import pytest
 
-from motorcade.animation.appearance import Appearance, Material, MaterialPart, TextureMap
-from motorcade.animation.srgb import to_srgb
+from motorcade.animation.appearance import Appearance, Material, MaterialPart, TextureMap, to_srgb
 from motorcade.ga import Motor, Rotor
 from motorcade.render import Layer, Lighting, OffscreenRenderer, Sun, Surface
 from motorcade.render.backends.fast.materials import Pictures, mirrored_table

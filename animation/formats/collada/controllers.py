@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.animation.appearance import to_linear
 from motorcade.animation.formats.collada.library import (
     Element,
     Library,
@@ -29,7 +30,6 @@ from motorcade.animation.formats.limits import (
     expected,
 )
 from motorcade.animation.formats.rig.values import RigSurface, Skin
-from motorcade.animation.srgb import to_linear
 from motorcade.ga.arrays import FloatArray, IntArray
 
 MOST_INFLUENCES = 64

@@ -18,11 +18,10 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.animation.appearance import Filter, Material, TextureMap, Wrap
+from motorcade.animation.appearance import Filter, Material, TextureMap, Wrap, to_linear
 from motorcade.animation.formats.collada.library import Element, Library
 from motorcade.animation.formats.images import Texture, Textures
 from motorcade.animation.formats.limits import picture_beside, read_bounded, shown
-from motorcade.animation.srgb import to_linear
 from motorcade.ga.arrays import FloatArray
 
 PLAIN = (0.8, 0.8, 0.8)

@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.animation.appearance import Material, TextureMap
+from motorcade.animation.appearance import Material, TextureMap, to_linear
 from motorcade.animation.character import Character
 from motorcade.animation.formats.gltf.binary import INDICES, VERTICES, BinaryBuffer
 from motorcade.animation.formats.gltf.materials import MAPS, TRANSFORM, WRAPS
-from motorcade.animation.srgb import to_linear
 from motorcade.ga.arrays import IntArray
 
 PLAIN = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.9}}

@@ -30,6 +30,9 @@ from motorcade.ga.algebra.conformal.measure import (
     two_points,
 )
 from motorcade.ga.algebra.conformal.objects import (
+    as_motor,
+    as_rotor,
+    as_similarity,
     circle,
     circle_through,
     infinity,
@@ -37,18 +40,13 @@ from motorcade.ga.algebra.conformal.objects import (
     line,
     line_through,
     meet,
+    of_versor,
     plane,
     plane_through,
     point,
     point_pair,
     sphere,
     sphere_through,
-)
-from motorcade.ga.algebra.conformal.versors import (
-    as_motor,
-    as_rotor,
-    as_similarity,
-    of_versor,
 )
 
 __all__ = [

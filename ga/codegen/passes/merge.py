@@ -30,8 +30,7 @@ from motorcade.ga.codegen.passes.fingerprints import (
     fingerprints,
 )
 from motorcade.ga.codegen.passes.rebuild import copied
-from motorcade.ga.codegen.runtime.interpret import NUMPY_OPERATIONS
-from motorcade.ga.codegen.tape import BOOLEANS, Node, Tape, TapeBuilder
+from motorcade.ga.codegen.tape import BOOLEANS, NUMPY_OPERATIONS, Node, Tape, TapeBuilder
 
 _PARTIAL = frozenset({"div", "sqrt", "log", "asin", "acos", "tan"})
 _LARGEST_FACTOR = 1 << 10

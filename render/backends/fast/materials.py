@@ -17,8 +17,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.animation.appearance import Appearance, Material, MaterialPart, TextureMap
-from motorcade.animation.srgb import to_linear, to_srgb
+from motorcade.animation.appearance import (
+    Appearance,
+    Material,
+    MaterialPart,
+    TextureMap,
+    to_linear,
+    to_srgb,
+)
 from motorcade.render.backends.fast.programs import SRGB8_ALPHA8, Programs
 from motorcade.render.scene import Surface
 

@@ -17,7 +17,7 @@ from motorcade.replays.comparison.report.names import (
     shown_metric,
 )
 from motorcade.replays.comparison.report.results import REFERENCE, Ratio, Results, tied
-from motorcade.replays.web.pages.parts import PageCell
+from motorcade.replays.web.pages import PageCell
 
 _STEPS_TO_RAW = (0.1, 0.2, 0.35, 0.6, 0.95, 1.05, 1.5, 2.5, 5.0, 10.0)
 _STEPS_TO_MOTOR = (0.5, 0.7, 0.85, 0.95, 0.99, 1.01, 1.05, 1.2, 1.5, 3.0)

@@ -22,8 +22,7 @@ from motorcade.replays.comparison.report.pictures import (
 )
 from motorcade.replays.comparison.report.results import Results, range_ends
 from motorcade.replays.io.files import write_bytes
-from motorcade.replays.web.pages import page_environment
-from motorcade.replays.web.pages.parts import PagePlot
+from motorcade.replays.web.pages import PagePlot, page_environment
 
 if TYPE_CHECKING:
     from jinja2 import Environment

@@ -22,7 +22,7 @@ from motorcade.render.plots.style import with_own_ids
 from motorcade.replays.comparison.cells import Setting, inputs_of
 from motorcade.replays.comparison.report.names import CAUSAL, LABELS, shown
 from motorcade.replays.comparison.report.results import REFERENCE, Results
-from motorcade.replays.web.pages.parts import PagePlot
+from motorcade.replays.web.pages import PagePlot
 
 
 @dataclass(frozen=True, eq=False)

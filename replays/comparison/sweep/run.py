@@ -32,8 +32,7 @@ from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.pipeline.job import Job, pipeline_graph, run_job
 from motorcade.replays.pipeline.report.summary import COLUMNS, shown_value
 from motorcade.replays.pipeline.results import require_writable
-from motorcade.replays.web.pages import page_environment
-from motorcade.replays.web.pages.parts import PageCell
+from motorcade.replays.web.pages import PageCell, page_environment
 
 log = logging.getLogger("motorcade.sweep")
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from motorcade.animation import Character, Skeleton
-from motorcade.animation.srgb import to_linear
+from motorcade.animation.appearance import to_linear
 from motorcade.ga import Similarity
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.render import Performer

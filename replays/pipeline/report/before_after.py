@@ -19,7 +19,7 @@ from motorcade.render.video import contact_sheet, read_frames
 from motorcade.replays.pipeline.report.findings import Findings
 from motorcade.replays.stages.values.view import OverlayVideo
 from motorcade.replays.web.film import film_size
-from motorcade.replays.web.pages.parts import PagePlot
+from motorcade.replays.web.pages import PagePlot
 from motorcade.tracking import Camera
 
 MOST_FRAMES, COLUMNS, WIDTH_PX = 12, 3, 340

@@ -27,7 +27,7 @@ from motorcade.replays.pipeline.report.findings import (
     map_unit,
     told_paths,
 )
-from motorcade.replays.web.pages.parts import PagePlot
+from motorcade.replays.web.pages import PagePlot
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
 
 _MOST_EVENTS = 8

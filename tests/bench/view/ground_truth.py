@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from skimage.metrics import structural_similarity
 
 from motorcade.animation import Character, Placement, mannequin, place_on_plane, skin
-from motorcade.animation.srgb import to_linear, to_srgb
+from motorcade.animation.appearance import to_linear, to_srgb
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Lighting, Sun, Surface, render_overlay

@@ -20,7 +20,7 @@ import cv2
 import numpy as np
 
 from motorcade.animation import Placement, mannequin, place_on_plane
-from motorcade.animation.srgb import to_linear, to_srgb
+from motorcade.animation.appearance import to_linear, to_srgb
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Lighting, Sun, Surface

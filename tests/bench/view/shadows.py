@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation import Character, Placement, mannequin, place_on_plane, skin
-from motorcade.animation.srgb import to_linear
+from motorcade.animation.appearance import to_linear
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Lighting, Surface, render_overlay

@@ -96,7 +96,7 @@ def test_each_pass_keeps_the_values_of_random_scripts(
 def test_programs_compute_what_scripts_mean_and_keep_no_zeros(
     seed: int, random_script: ScriptMaker
 ) -> None:
-    from motorcade.ga.codegen.runtime.interpret import run_tape
+    from motorcade.ga.codegen.tape import run_tape
 
     rng = np.random.default_rng(seed)
     script = parse(random_script(rng), "test.clu")
@@ -194,7 +194,7 @@ def test_signs_that_no_sample_has_are_not_forgotten(others: int) -> None:
 
 def test_nothing_is_replaced_by_what_is_defined_at_fewer_places() -> None:
     """Wherever the optimiser looks, all of these are numbers."""
-    from motorcade.ga.codegen.runtime.interpret import run_tape
+    from motorcade.ga.codegen.tape import run_tape
 
     powers = "c = a*a; p = c*c; d = b*b; q = d*d;"
     for before, value in (

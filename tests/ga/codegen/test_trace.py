@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga.codegen.recording import trace
-from motorcade.ga.codegen.runtime.interpret import run_tape
-from motorcade.ga.codegen.tape import Operand, Tape
+from motorcade.ga.codegen.tape import Operand, Tape, run_tape
 
 ca = pytest.importorskip("casadi")
 ONE = Operand("x", ("1",))

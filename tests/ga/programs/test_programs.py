@@ -6,7 +6,7 @@ pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is
 pytest.importorskip("clifford", reason="the witness clifford is not installed")
 
 from motorcade.ga.codegen import programs
-from motorcade.ga.codegen.runtime.interpret import run_tape
+from motorcade.ga.codegen.tape import run_tape
 from tests.ga.gaalop.__main__ import MISSING, differences
 from tests.ga.gaalop.scripts import difference, directly
 from tests.ga.gaalop.targets import named

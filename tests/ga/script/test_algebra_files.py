@@ -247,7 +247,7 @@ LARGE = {
 def test_code_of_large_algebras_computes_what_evaluation_does(name: str) -> None:
     pytest.importorskip("casadi")
     from motorcade.ga.codegen import compile_script
-    from motorcade.ga.codegen.runtime.interpret import run_tape
+    from motorcade.ga.codegen.tape import run_tape
 
     read = parse(f"#pragma algebra {name}\n{LARGE[name]}")
     program = compile_script(read, "large")

@@ -90,7 +90,7 @@ def test_what_hangs_on_a_batch_is_refused(text: str, message: str) -> None:
 def test_generated_code_chooses_as_evaluation_does() -> None:
     pytest.importorskip("casadi")
     from motorcade.ga.codegen import compile_script
-    from motorcade.ga.codegen.runtime.interpret import run_tape
+    from motorcade.ga.codegen.tape import run_tape
 
     tape = compile_script(parse(SIDES), "sides").tape
     rng = np.random.default_rng(3)

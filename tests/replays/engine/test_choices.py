@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from motorcade.replays.engine import drawing, provenance
-from motorcade.replays.engine.graph import Graph
+from motorcade.replays.engine import provenance
+from motorcade.replays.engine.graph import Graph, draw_mermaid
 from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.engine.stage import Chosen, GraphError, NotOffered, StageError, first_of
 from motorcade.replays.pipeline.job import pipeline_graph
@@ -145,7 +145,7 @@ def test_wrong_wiring_of_choices_is_refused() -> None:
 
 
 def test_a_drawing_shows_that_one_is_enough() -> None:
-    text = drawing.mermaid(GRAPH)
+    text = draw_mermaid(GRAPH)
     assert "by_laser -.-> measured" in text
     assert "by_tape -.-> measured" in text
     assert "measured --> length" in text

@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motorcade.replays.engine import drawing
-from motorcade.replays.engine.graph import Graph
+from motorcade.replays.engine.graph import Graph, draw_mermaid, draw_svg
 from motorcade.replays.engine.stage import GraphError, StageError, Unavailable
 
 calls: list[str] = []
@@ -137,10 +136,10 @@ def test_cycles_are_refused() -> None:
 
 
 def test_drawings_hold_every_stage_and_edge() -> None:
-    text = drawing.mermaid(graph())
+    text = draw_mermaid(graph())
     assert "length --> row" in text
     assert "picture -.-> total" in text
-    svg = drawing.svg(graph())
+    svg = draw_svg(graph())
     assert svg.count("<rect") == 5
     assert svg.count('class="edge optional"') == 1
 

@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Character, read_character
-from motorcade.animation.appearance import Material
+from motorcade.animation.appearance import Material, to_linear
 from motorcade.animation.formats.collada.materials import roughness_of
 from motorcade.animation.formats.limits import picture_beside
-from motorcade.animation.srgb import to_linear
 from tests.animation.formats.dressed import encoded
 from tests.animation.formats.samples import (
     Write,

@@ -13,8 +13,8 @@ from PIL import Image
 from scipy.linalg import polar
 
 from motorcade.animation import Character
+from motorcade.animation.appearance import to_srgb
 from motorcade.animation.formats import read_character, read_motion
-from motorcade.animation.srgb import to_srgb
 from tests.animation.formats import samples
 from tests.animation.formats.samples import Gltf, Write
 

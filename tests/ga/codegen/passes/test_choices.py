@@ -10,7 +10,7 @@ pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is
 
 from motorcade.ga.codegen.passes.choices import without_repeated_choices
 from motorcade.ga.codegen.programs import compile_script
-from motorcade.ga.codegen.runtime.interpret import run_tape
+from motorcade.ga.codegen.tape import run_tape
 from motorcade.ga.script import parse
 
 

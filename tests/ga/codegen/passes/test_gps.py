@@ -14,7 +14,7 @@ pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is
 
 from motorcade.ga.codegen.passes.stats import count_operations
 from motorcade.ga.codegen.programs import Program, compile_script
-from motorcade.ga.codegen.runtime.interpret import run_tape
+from motorcade.ga.codegen.tape import run_tape
 from motorcade.ga.script import evaluate, parse
 
 RECEIVER = """

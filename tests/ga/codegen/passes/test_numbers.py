@@ -13,8 +13,7 @@ from motorcade.ga.codegen.passes.factor import with_numbers_outside
 from motorcade.ga.codegen.passes.rebuild import folded_tape, with_single_differences
 from motorcade.ga.codegen.passes.stats import count_operations
 from motorcade.ga.codegen.programs import Program, compile_script
-from motorcade.ga.codegen.runtime.interpret import run_tape
-from motorcade.ga.codegen.tape import Operand, Tape, TapeBuilder
+from motorcade.ga.codegen.tape import Operand, Tape, TapeBuilder, run_tape
 from motorcade.ga.script import parse
 
 ScriptMaker = Callable[[np.random.Generator], str]

@@ -12,8 +12,7 @@ import pytest
 from motorcade.ga.codegen import programs
 from motorcade.ga.codegen.programs import Program, compile_script
 from motorcade.ga.codegen.recording import Symbol, recorded_symbols
-from motorcade.ga.codegen.runtime.interpret import run_tape
-from motorcade.ga.codegen.tape import Operand
+from motorcade.ga.codegen.tape import Operand, run_tape
 from motorcade.ga.script import evaluate, parse
 from tests.ga.codegen.targets.conftest import scripts
 

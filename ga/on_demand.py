@@ -1,4 +1,4 @@
-"""From geometric algebra to functions that run at the machine's speed: `motorcade.ga.compile`."""
+"""`motorcade.ga.compile` and `show`, whose modules are read when they are first called."""
 
 from __future__ import annotations
 
@@ -9,9 +9,12 @@ from motorcade.ga.algebra import CGA3, Algebra
 
 if TYPE_CHECKING:
     from motorcade.ga.codegen.functions import CompiledFunction
+    from motorcade.ga.drawing.picture import Drawing
+    from motorcade.ga.drawing.reading import Form
+    from motorcade.ga.drawing.view import View
     from motorcade.ga.script import Script
 
-__all__ = ["compile"]
+__all__ = ["compile", "show"]
 
 
 def compile(
@@ -53,3 +56,20 @@ def compile(
         )
     script = parse(source, name) if isinstance(source, str) else source
     return CompiledFunction(compile_script(script, name, algebra), single=False)
+
+
+def show(
+    *objects: Any, title: str = "", view: View | None = None, form: Form = "inner", **named: Any
+) -> Drawing:
+    """A picture of multivectors, versors, trajectories and points; see `motorcade.ga.drawing.show`.
+
+    Raises:
+        ValueError: no object, or one that cannot be drawn, with its place or name and why.
+
+    >>> from motorcade.ga import Motor, show
+    >>> show(pose=Motor.from_translation([1.0, 0.0, 0.0]))
+    Drawing(pose: pose)
+    """
+    from motorcade.ga.drawing.picture import show as drawn
+
+    return drawn(*objects, title=title, view=view, form=form, **named)
