@@ -5,13 +5,34 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-Subparsers = Any
-"""What `argparse` calls `_SubParsersAction`: it has no public name."""
-
 Command = Callable[[argparse.Namespace], None]
+
+
+@dataclass(frozen=True)
+class Commands:
+    """The program's commands so far, and the parser of the options that all of them share."""
+
+    subparsers: Any
+    shared: argparse.ArgumentParser
+
+    def add(
+        self, command: Command, name: str, summary: str, example: str
+    ) -> argparse.ArgumentParser:
+        """A command whose help closes with an example; `command` is called with its arguments."""
+        parser: argparse.ArgumentParser = self.subparsers.add_parser(
+            name,
+            parents=[self.shared],
+            help=summary,
+            description=summary[0].upper() + summary[1:] + ".",
+            epilog=f"example:\n  {example}",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        parser.set_defaults(command=command)
+        return parser
 
 
 def add_axes(parser: argparse.ArgumentParser) -> None:
@@ -20,28 +41,6 @@ def add_axes(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(
             f"--{option}", metavar="AXIS", help=f"axis of the file that {what}, as --{option}=-z"
         )
-
-
-def new_command(
-    commands: Subparsers,
-    shared: argparse.ArgumentParser,
-    command: Command,
-    *,
-    name: str,
-    summary: str,
-    example: str,
-) -> argparse.ArgumentParser:
-    """A sub-command whose help closes with an example; `command` is called with its arguments."""
-    parser: argparse.ArgumentParser = commands.add_parser(
-        name,
-        parents=[shared],
-        help=summary,
-        description=summary[0].upper() + summary[1:] + ".",
-        epilog=f"example:\n  {example}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.set_defaults(command=command)
-    return parser
 
 
 def add_stamps(parser: argparse.ArgumentParser) -> None:
@@ -89,6 +88,14 @@ def check_known(option: str, names: Iterable[str], known: Collection[str]) -> No
 def print_json(values: Mapping[str, Any]) -> None:
     """Machine-readable results on standard output; keys carry units."""
     print(json.dumps(values, indent=2))
+
+
+def write_json(path: Path | None, values: object) -> None:
+    """The same into a file, where one is named."""
+    from motorcade.replays.io.files import write_bytes
+
+    if path is not None:
+        write_bytes(path, (json.dumps(values, indent=2) + "\n").encode())
 
 
 def shown(value: object) -> str:

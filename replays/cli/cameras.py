@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.cli.arguments import Subparsers, new_command, one_line, print_json
+from motorcade.replays.cli.arguments import Commands, one_line, print_json
 
 if TYPE_CHECKING:
     from motorcade.replays.tasks.pictures import MarkerPicture
@@ -29,15 +29,13 @@ agreement   correlation of the picture with the marker's print, 0.75 to 1
 sharp       whether all four sides were fitted; otherwise corners are right to a pixel only"""
 
 
-def add_detect(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_detect(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         detect,
-        name="detect",
-        summary="find markers in pictures: ids, corners, pose candidates",
-        example="motorcade detect *.png --family tag36h11 --size-m 0.065 --camera camera.toml",
+        "detect",
+        "find markers in pictures: ids, corners, pose candidates",
+        "motorcade detect *.png --family tag36h11 --size-m 0.065 --camera camera.toml",
     )
     parser.description = DETECTION
     parser.add_argument("images", type=Path, nargs="+", metavar="IMAGE")
@@ -140,15 +138,13 @@ _OWN = Path()
 _MUCH = 1.5  # of misfit, worth a word; noise alone leaves it within some percent of 1
 
 
-def add_calibrate(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_calibrate(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         calibrate,
-        name="calibrate",
-        summary="calibrate a camera from pictures or a video of a printed board",
-        example="motorcade calibrate images/ --board checkerboard_9x6_40mm -o camera.toml",
+        "calibrate",
+        "calibrate a camera from pictures or a video of a printed board",
+        "motorcade calibrate images/ --board checkerboard_9x6_40mm -o camera.toml",
     )
     parser.description = CALIBRATION
     parser.add_argument("images", type=Path, nargs="+", metavar="IMAGES")
@@ -303,15 +299,13 @@ boards      checkerboard_9x6_22mm (inner corners, square)
             or a .toml file with a [board] table"""
 
 
-def add_print(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_print(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         print_boards,
-        name="print",
-        summary="write boards and markers to print, at true size",
-        example="motorcade print checkerboard_9x6_22mm -o board.pdf",
+        "print",
+        "write boards and markers to print, at true size",
+        "motorcade print checkerboard_9x6_22mm -o board.pdf",
     )
     parser.description = PRINTING
     parser.add_argument("boards", nargs="+", metavar="BOARD", help="its name, or a .toml file")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from motorcade.replays.cli.arguments import Subparsers, add_axes, new_command
+from motorcade.replays.cli.arguments import Commands, add_axes
 
 DESCRIPTION = """\
 Edit a scene by hand in the browser: characters and things put into the footage of a run, moved by
@@ -32,15 +32,13 @@ A line of the gestures does one thing; the frame of a drag is local, parent or g
 docs/tutorials/gestures.md lists all that can be done."""
 
 
-def add_author(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_author(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         author_scene,
-        name="author",
-        summary="edit a scene in the browser, or replay recorded gestures on it",
-        example="motorcade author out/demo",
+        "author",
+        "edit a scene in the browser, or replay recorded gestures on it",
+        "motorcade author out/demo",
     )
     parser.description = DESCRIPTION
     parser.add_argument(
@@ -133,15 +131,13 @@ def author_scene(arguments: argparse.Namespace) -> None:
         )
 
 
-def add_blend(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_blend(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         blend,
-        name="blend",
-        summary="blend two clips of a character, as glTF or video, by any method",
-        example="motorcade blend knight.glb --clips Walking_A,Running_A --weight 0.4 --out b.mp4",
+        "blend",
+        "blend two clips of a character, as glTF or video, by any method",
+        "motorcade blend knight.glb --clips Walking_A,Running_A --weight 0.4 --out b.mp4",
     )
     parser.add_argument("character", type=Path, metavar="CHARACTER", help="glb, gltf, dae, …")
     parser.add_argument("--clips", required=True, metavar="A,B", help="names of two clips")

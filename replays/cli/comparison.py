@@ -3,33 +3,30 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from motorcade.replays.cli.arguments import (
-    Subparsers,
+    Commands,
     add_executor,
     add_seed,
     add_stamps,
-    new_command,
+    write_json,
 )
 
 if TYPE_CHECKING:
     from motorcade.replays.comparison.truth import RecordedMotion
 
 
-def add_compare(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_compare(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         compare_smoothers,
-        name="compare",
-        summary="compare smoothers and representations of poses, with intervals",
-        example="motorcade compare --trajectories gimbal_crossing handheld --seeds 5 --out out/c",
+        "compare",
+        "compare smoothers and representations of poses, with intervals",
+        "motorcade compare --trajectories gimbal_crossing handheld --seeds 5 --out out/c",
     )
     names = "names; all without"
     parser.add_argument(
@@ -162,16 +159,13 @@ def _recorded(arguments: argparse.Namespace) -> dict[str, object]:
     )
 
 
-def add_consistency(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_consistency(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         consistency,
-        name="consistency",
-        summary="NEES and NIS of the filter over simulated runs, beside quaternions and Euler "
-        "angles",
-        example="motorcade consistency --motions gimbal_crossing --runs 100 --out out/consistency",
+        "consistency",
+        "NEES and NIS of the filter over simulated runs, beside quaternions and Euler angles",
+        "motorcade consistency --motions gimbal_crossing --runs 100 --out out/consistency",
     )
     parser.add_argument(
         "--motions",
@@ -206,7 +200,6 @@ def consistency(arguments: argparse.Namespace) -> None:
         write_page,
     )
     from motorcade.replays.engine.executors import check_executor
-    from motorcade.replays.io.files import write_bytes
     from motorcade.replays.pipeline.results import require_writable
 
     names = ("motions", "filters", "runs", "seed", "duration_s")
@@ -222,5 +215,4 @@ def consistency(arguments: argparse.Namespace) -> None:
     figures = as_json(plan, verdicts)
     print(as_table(figures))
     print(f"page: {write_page(plan, verdicts, arguments.out)}")
-    if arguments.json is not None:
-        write_bytes(arguments.json, (json.dumps(figures, indent=2) + "\n").encode())
+    write_json(arguments.json, figures)

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, cast, get_args
 
-from motorcade.replays.cli.arguments import Subparsers, add_stamps, check_known, new_command, shown
+from motorcade.replays.cli.arguments import (
+    Commands,
+    add_stamps,
+    check_known,
+    shown,
+    write_json,
+)
 
 if TYPE_CHECKING:
     from motorcade.fusion.metrics import Delta, Evaluation, Matched, Relation
@@ -42,15 +47,13 @@ _FIRST = frozenset(
 """Figures that are printed, where there are any, if not all are asked for."""
 
 
-def add_evaluate(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_evaluate(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         evaluate_files,
-        name="evaluate",
-        summary="absolute and relative pose error, jitter, lag and artifacts against a reference",
-        example="motorcade evaluate estimate.tum truth.tum --align se3 --json errors.json\n"
+        "evaluate",
+        "absolute and relative pose error, jitter, lag and artifacts against a reference",
+        "motorcade evaluate estimate.tum truth.tum --align se3 --json errors.json\n"
         "  motorcade evaluate orb.txt vins.txt truth.tum --align sim3 --delta 5 --delta-unit m",
     )
     parser.add_argument(
@@ -205,10 +208,8 @@ def evaluate_files(arguments: argparse.Namespace) -> None:
     figures = {name: one.as_dict() for name, one in evaluations.items()}
     for line in _table(figures, None if arguments.all else _printed(evaluations)):
         print(line)
-    if arguments.json is not None:
-        (only, *more) = figures.values()
-        text = json.dumps(figures if more else only, indent=2)
-        write_bytes(arguments.json, (text + "\n").encode())
+    (only, *more) = figures.values()
+    write_json(arguments.json, figures if more else only)
     if arguments.errors is not None:
         from motorcade.replays.tasks.evaluation import error_rows
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from motorcade.replays.cli.arguments import Subparsers, add_stamps, new_command, shown
+from motorcade.replays.cli.arguments import Commands, add_stamps, shown, write_json
 
 if TYPE_CHECKING:
     from motorcade.fusion.imu import ImuNoise, ImuStream
@@ -18,15 +17,13 @@ if TYPE_CHECKING:
     from motorcade.replays.tasks.fusing import FusingOptions
 
 
-def add_fuse(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_fuse(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         fuse,
-        name="fuse",
-        summary="fuse the poses of a trajectory file (metres) with the readings of an IMU",
-        example="motorcade fuse camera.tum imu0/data.csv -o fused.tum --extrinsics sync.json "
+        "fuse",
+        "fuse the poses of a trajectory file (metres) with the readings of an IMU",
+        "motorcade fuse camera.tum imu0/data.csv -o fused.tum --extrinsics sync.json "
         "--noise imu.yaml --covariance fused.csv",
     )
     parser.add_argument(
@@ -137,7 +134,6 @@ def _add_doubts(parser: argparse.ArgumentParser) -> None:
 
 def fuse(arguments: argparse.Namespace) -> None:
     """Read, fuse, write; print what was found."""
-    from motorcade.replays.io.files import write_bytes
     from motorcade.replays.io.readers.manifest.inertial import read_imu_calibration
     from motorcade.replays.io.readers.opening import read_imu_of
     from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
@@ -162,8 +158,7 @@ def fuse(arguments: argparse.Namespace) -> None:
             print(f"{key:>28}  {shown(value)}")
     if fused.fused.doubts:
         print(fused.fused.health.summary)
-    if arguments.json is not None:
-        write_bytes(arguments.json, (json.dumps(figures, indent=2) + "\n").encode())
+    write_json(arguments.json, figures)
 
 
 def _options(arguments: argparse.Namespace, rig: ImuCalibration | None) -> FusingOptions:
@@ -231,15 +226,13 @@ def _stamps(
     return read_trajectory(which).time_ns
 
 
-def add_sync(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_sync(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         sync,
-        name="sync",
-        summary="time offset and extrinsics between a camera's trajectory (metres) and an IMU",
-        example="motorcade sync camera.tum imu0/data.csv --json sync.json",
+        "sync",
+        "time offset and extrinsics between a camera's trajectory (metres) and an IMU",
+        "motorcade sync camera.tum imu0/data.csv --json sync.json",
     )
     parser.add_argument("camera", type=Path, metavar="CAMERA_TRAJECTORY")
     parser.add_argument(
@@ -262,7 +255,6 @@ def sync(arguments: argparse.Namespace) -> None:
     """Read both, estimate, print a table."""
     from motorcade.fusion.imu import ADIS16448, ImuNoise
     from motorcade.fusion.sync import synchronise
-    from motorcade.replays.io.files import write_bytes
     from motorcade.replays.io.readers.opening import read_imu_of
     from motorcade.replays.io.trajectories import read_trajectory
 
@@ -278,9 +270,7 @@ def sync(arguments: argparse.Namespace) -> None:
         print(f"{'health':>34}  {line}")
     for key, value in results.items():
         print(f"{key:>34}  {shown(value)}")
-    if arguments.json is not None:
-        about = results | {"health": synchronised.health.as_dict()}
-        write_bytes(arguments.json, (json.dumps(about, indent=2) + "\n").encode())
+    write_json(arguments.json, results | {"health": synchronised.health.as_dict()})
 
 
 def _as_dict(synchronised: Synchronised) -> dict[str, float | list[float]]:

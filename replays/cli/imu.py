@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.cli.arguments import Subparsers, add_seed, new_command, print_json, shown
+from motorcade.replays.cli.arguments import Commands, add_seed, print_json, shown, write_json
 
 if TYPE_CHECKING:
     from motorcade.fusion.imu import ImuFaults, ImuNoise, StreamNoise, VibrationSpectrum
@@ -19,15 +18,13 @@ if TYPE_CHECKING:
 _THREE = ("X", "Y", "Z")
 
 
-def add_simulate_imu(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_simulate_imu(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         simulate,
-        name="simulate-imu",
-        summary="simulate an IMU along a trajectory (z up, poses of the IMU), as CSV or .npz",
-        example="motorcade simulate-imu truth.tum -o imu.csv --rate-hz 200 --seed 1 "
+        "simulate-imu",
+        "simulate an IMU along a trajectory (z up, poses of the IMU), as CSV or .npz",
+        "motorcade simulate-imu truth.tum -o imu.csv --rate-hz 200 --seed 1 "
         "--gyro-bias 0.01 0 -0.02 --dropped 0.01",
     )
     parser.add_argument("trajectory", type=Path, metavar="TRAJECTORY")
@@ -227,15 +224,13 @@ def _extrinsics(arguments: argparse.Namespace) -> Motor | None:
     return Motor.from_rotor_translation(Rotor.from_quaternion(wxyz), [x, y, z])
 
 
-def add_allan(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_allan(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         allan,
-        name="allan",
-        summary="noise densities and bias walks of an IMU that stood still, from its EuRoC CSV",
-        example="motorcade allan static.csv --plot allan.svg",
+        "allan",
+        "noise densities and bias walks of an IMU that stood still, from its EuRoC CSV",
+        "motorcade allan static.csv --plot allan.svg",
     )
     parser.add_argument("stream", type=Path, metavar="STREAM")
     parser.add_argument("--json", action="store_true", help="machine-readable")
@@ -312,15 +307,13 @@ def _draw_allan(stream_noise: StreamNoise, path: Path) -> None:
     write_bytes(path, standing_alone(svg).encode())
 
 
-def add_orient(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_orient(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         orient,
-        name="orient",
-        summary="orientation of an inertial sensor (z up; with a magnetometer y to the north)",
-        example="motorcade orient imu0/data.csv --magnetometer mag0/data.csv -o orientation.tum",
+        "orient",
+        "orientation of an inertial sensor (z up; with a magnetometer y to the north)",
+        "motorcade orient imu0/data.csv --magnetometer mag0/data.csv -o orientation.tum",
     )
     parser.add_argument(
         "imu", type=Path, metavar="IMU", help="EuRoC's CSV, or a trial of BROAD (.hdf5)"
@@ -362,7 +355,6 @@ def add_orient(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 def orient(arguments: argparse.Namespace) -> None:
     """Read, estimate, write, and say what is doubtful."""
     from motorcade.fusion.orientation import estimate_orientation, orientation_doubts
-    from motorcade.replays.io.files import write_bytes
     from motorcade.replays.io.magnetic import read_imu_and_field
     from motorcade.replays.io.trajectories import write_deviations, write_orientation
 
@@ -378,8 +370,7 @@ def orient(arguments: argparse.Namespace) -> None:
     if arguments.deviations is not None:
         write_deviations(orientation, arguments.deviations)
     summary = {**_summary(orientation, field is not None), "doubts": list(doubts)}
-    if arguments.json is not None:
-        write_bytes(arguments.json, (json.dumps(summary, indent=2) + "\n").encode())
+    write_json(arguments.json, summary)
     for key, value in summary.items():
         if key != "doubts":
             print(f"{key:>28}  {shown(value)}")

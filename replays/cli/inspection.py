@@ -9,22 +9,20 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.cli.arguments import Subparsers, add_axes, new_command, print_json, shown
+from motorcade.replays.cli.arguments import Commands, add_axes, print_json, shown
 
 if TYPE_CHECKING:
     from motorcade.replays.pipeline.runs import Shown
 
 
-def add_inspect(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_inspect(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         inspect,
-        name="inspect",
-        summary="say what a recording holds (frames, rates, streams, gaps, calibration), "
+        "inspect",
+        "say what a recording holds (frames, rates, streams, gaps, calibration), "
         "a bag (topics), a file of poses or readings, or a character (joints, triangles, clips)",
-        example="motorcade inspect images/ --manifest camera.toml --json\n"
+        "motorcade inspect images/ --manifest camera.toml --json\n"
         "  motorcade inspect knight.glb --pose Walking_A@0.5",
     )
     parser.add_argument("recording", type=Path, metavar="RECORDING|BAG|FILE|CHARACTER")
@@ -109,15 +107,13 @@ def _entry(entry: Any) -> str:
     return "  ".join(parts)
 
 
-def add_view(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_view(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         view,
-        name="view",
-        summary="look into a run in the browser: film, world and plots over one timeline",
-        example="motorcade view out/run",
+        "view",
+        "look into a run in the browser: film, world and plots over one timeline",
+        "motorcade view out/run",
     )
     parser.add_argument("run", type=Path, metavar="RUN", help="folder that `motorcade run` wrote")
     parser.add_argument(
@@ -148,16 +144,14 @@ def view(arguments: argparse.Namespace) -> None:
         webbrowser.open(out.resolve().as_uri())
 
 
-def add_export(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_export(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         export,
-        name="export",
-        summary="write a run's camera path, characters and map for other programs: glTF, USD, "
+        "export",
+        "write a run's camera path, characters and map for other programs: glTF, USD, "
         "Rerun, COLMAP, nerfstudio",
-        example="motorcade export out/run --gltf run.glb --rrd run.rrd",
+        "motorcade export out/run --gltf run.glb --rrd run.rrd",
     )
     parser.add_argument("run", type=Path, metavar="RUN", help="folder that `motorcade run` wrote")
     parser.add_argument("--gltf", type=Path, metavar="FILE", help="binary glTF, ending in .glb")

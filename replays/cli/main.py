@@ -26,7 +26,7 @@ from motorcade.replays.cli import (
     tools,
     trajectories,
 )
-from motorcade.replays.cli.arguments import Subparsers, one_line
+from motorcade.replays.cli.arguments import Commands, one_line
 
 COMMANDS = (
     runs.add_demo,
@@ -108,7 +108,7 @@ def _error_text(error: Exception) -> str:
 
 
 def command_parser(
-    added: Iterable[Callable[[Subparsers, argparse.ArgumentParser], None]] = COMMANDS,
+    added: Iterable[Callable[[Commands], None]] = COMMANDS,
 ) -> Parser:
     """The parser of these commands; one that is named needs no other's arguments."""
     parser = Parser(
@@ -124,9 +124,9 @@ def command_parser(
     shared.add_argument(
         "-q", "--quiet", action="store_true", help="no progress: results, warnings and errors only"
     )
-    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    commands = Commands(parser.add_subparsers(metavar="COMMAND", required=True), shared)
     for add_command in added:
-        add_command(commands, shared)
+        add_command(commands)
     parser.set_defaults(every_command=command_parser)  # for commands that tell of all of them
     return parser
 

@@ -14,10 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from motorcade.replays.cli.arguments import (
-    Subparsers,
+    Commands,
     add_executor,
     add_seed,
-    new_command,
     one_line,
     print_json,
 )
@@ -30,15 +29,13 @@ UNSMOOTHED = ("measured", "fused")
 """Paths in the table of errors that come before the smoothed ones."""
 
 
-def add_run(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_run(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         run_recordings,
-        name="run",
-        summary="track, fuse, smooth and augment recordings; leave videos and error reports",
-        example="motorcade run images/ --manifest camera.toml --out out/run --set fused.gate=0.99",
+        "run",
+        "track, fuse, smooth and augment recordings; leave videos and error reports",
+        "motorcade run images/ --manifest camera.toml --out out/run --set fused.gate=0.99",
     )
     parser.add_argument(
         "recordings",
@@ -245,15 +242,13 @@ def result(summary: Mapping[str, Any], out: Path) -> str:
     return f"{text}{worse}; open {out / 'report.html'}"
 
 
-def add_demo(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_demo(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         demo,
-        name="demo",
-        summary="render a synthetic recording and run everything on it",
-        example="motorcade demo --out out/demo",
+        "demo",
+        "render a synthetic recording and run everything on it",
+        "motorcade demo --out out/demo",
     )
     add_run_options(parser, out=Path("out/demo"))
     add_seed(parser, 0, "the path and the sensors")
@@ -299,16 +294,14 @@ What is finished is not run again. Paths in CONFIG.toml are relative to it:
   fused.gate = [0.99, 0.9999]         # each in turn"""
 
 
-def add_sweep(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_sweep(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         sweep_recordings,
-        name="sweep",
-        summary="run every combination of recordings, knobs and seeds; leave one table and a "
+        "sweep",
+        "run every combination of recordings, knobs and seeds; leave one table and a "
         "comparative report; what is finished is not run again",
-        example="motorcade sweep sweep.toml --out out/sweep --executor tcp://scheduler:8786",
+        "motorcade sweep sweep.toml --out out/sweep --executor tcp://scheduler:8786",
     )
     parser.description = SWEEP
     parser.add_argument("config", type=Path, metavar="CONFIG.toml")
@@ -353,15 +346,13 @@ def sweep_recordings(arguments: argparse.Namespace) -> None:
 WIDTH = 92
 
 
-def add_graph(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_graph(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         draw_graph,
-        name="graph",
-        summary="draw the stage graph",
-        example="motorcade graph --svg graph.svg",
+        "graph",
+        "draw the stage graph",
+        "motorcade graph --svg graph.svg",
     )
     parser.add_argument("--svg", type=Path, metavar="FILE", help="write a picture instead")
     parser.add_argument(

@@ -12,18 +12,16 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from motorcade.replays.cli.arguments import Subparsers, new_command, print_json
+from motorcade.replays.cli.arguments import Commands, print_json
 
 
-def add_draw(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_draw(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         draw_file,
-        name="draw",
-        summary="draw what a CLUScript marks with ':', as SVG or as a page that turns",
-        example="motorcade draw reach.clu x=1 y=0.5 t=0,0.25,0.5 -o reach.svg",
+        "draw",
+        "draw what a CLUScript marks with ':', as SVG or as a page that turns",
+        "motorcade draw reach.clu x=1 y=0.5 t=0,0.25,0.5 -o reach.svg",
     )
     parser.add_argument("script", type=Path, metavar="SCRIPT", help="with marks such as :a;")
     parser.add_argument(
@@ -108,15 +106,13 @@ TARGET_NAMES = (
 )
 
 
-def add_generate(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_generate(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         generate_code,
-        name="generate",
-        summary="write a CLUScript as C, NumPy, GLSL, Rust, JavaScript, … or LaTeX",
-        example="motorcade generate blend.clu --target numpy -o blend.py",
+        "generate",
+        "write a CLUScript as C, NumPy, GLSL, Rust, JavaScript, … or LaTeX",
+        "motorcade generate blend.clu --target numpy -o blend.py",
     )
     parser.add_argument("script", type=Path, metavar="SCRIPT", help="its name names the function")
     parser.add_argument("--target", choices=TARGET_NAMES, default="c", help="(c)")
@@ -182,16 +178,14 @@ def _places(output: Path, files: dict[str, str]) -> dict[Path, str]:
 SHELLS = ("bash", "zsh", "fish", "tcsh")
 
 
-def add_completion(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_completion(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         completion,
-        name="completion",
-        summary="print the script by which a shell completes commands and options, for its folder "
+        "completion",
+        "print the script by which a shell completes commands and options, for its folder "
         "of completions or its start-up file",
-        example="motorcade completion bash",
+        "motorcade completion bash",
     )
     parser.add_argument("shell", choices=SHELLS, metavar="SHELL", help=", ".join(SHELLS))
 
@@ -216,15 +210,13 @@ def _completing_files(parser: argparse.ArgumentParser) -> argparse.ArgumentParse
     return parser
 
 
-def add_doctor(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_doctor(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         doctor,
-        name="doctor",
-        summary="say what this machine has and lacks: kernels, compiler, OpenGL, video, packages",
-        example="motorcade doctor --json",
+        "doctor",
+        "say what this machine has and lacks: kernels, compiler, OpenGL, video, packages",
+        "motorcade doctor --json",
     )
     parser.add_argument("--json", action="store_true", help="machine-readable")
 

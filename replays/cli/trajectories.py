@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.cli.arguments import Subparsers, add_stamps, new_command, shown
+from motorcade.replays.cli.arguments import Commands, add_stamps, shown, write_json
 
 if TYPE_CHECKING:
     from motorcade.ga import Motor, Similarity, Trajectory
@@ -16,15 +15,13 @@ if TYPE_CHECKING:
     from motorcade.replays.tasks.editing import TrajectoryEdits
 
 
-def add_smooth(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_smooth(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         smooth_files,
-        name="smooth",
-        summary="smooth trajectories of TUM, EuRoC and KITTI files, ROS bags and MCAP",
-        example="motorcade smooth poses.tum -o smooth.tum --method gaussian --set sigma_s=0.1",
+        "smooth",
+        "smooth trajectories of TUM, EuRoC and KITTI files, ROS bags and MCAP",
+        "motorcade smooth poses.tum -o smooth.tum --method gaussian --set sigma_s=0.1",
     )
     parser.add_argument(
         "inputs",
@@ -205,15 +202,13 @@ class _List(argparse.Action):
         parser.exit()
 
 
-def add_trajectory(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+def add_trajectory(commands: Commands) -> None:
     """Register the command."""
-    parser = new_command(
-        commands,
-        shared,
+    parser = commands.add(
         trajectory,
-        name="trajectory",
-        summary="look at, edit, merge, resample, convert and plot trajectories of files and bags",
-        example="motorcade trajectory flight.bag:/odom -o odom.tum --reference truth.tum "
+        "trajectory",
+        "look at, edit, merge, resample, convert and plot trajectories of files and bags",
+        "motorcade trajectory flight.bag:/odom -o odom.tum --reference truth.tum "
         "--align se3 --plot odom.pdf",
     )
     parser.add_argument(
@@ -364,8 +359,7 @@ def trajectory(arguments: argparse.Namespace) -> None:
                 _plot_format(arguments.plot),
             ),
         )
-    if arguments.json is not None:
-        write_bytes(arguments.json, (json.dumps(figures, indent=2) + "\n").encode())
+    write_json(arguments.json, figures)
     if arguments.output is None and arguments.plot is None:
         _print_figures(figures)
 
