@@ -98,8 +98,6 @@ def _bent(start: FloatArray, middle: FloatArray, end: FloatArray, ahead: FloatAr
 STANDING_RAD, ALONG_RAD, ACROSS_RAD = np.radians(60.0), np.radians(35.0), np.radians(50.0)
 # What names of sides count for which arm is over which leg; how shoulders lie over hips counts 1.
 SAME_NAMES = 0.75
-# A walker's way ahead, in legs a second, from which it counts in full.
-BRISK = 0.5
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
@@ -158,43 +158,6 @@ class Scene:
             ValueError: no such object.
         """
         return self.world_T_parent(name, time_s, world_T_anchor) @ self.pose_at(name, time_s)
-
-    def world_T_objects(
-        self,
-        names: Sequence[str],
-        time_s: float | None = None,
-        world_T_anchor: Mapping[str, Similarity] = _NOWHERE,
-    ) -> Similarity:
-        """Where several objects stand ``(N,)``, each parent being looked at once.
-
-        Raises:
-            ValueError: no name, no such object.
-        """
-        if not names:
-            raise ValueError("world_T_objects(names): expected one or more, got none")
-        wanted: set[str] = set()
-        for name in names:
-            self.pose(name)
-            above: str | None = name
-            while above is not None and above not in wanted:
-                wanted.add(above)
-                above = self.parents.get(above)
-        still = Similarity.identity()
-        rows = {one: k for k, one in enumerate(one for one in self.anchors if one in wanted)}
-        poses = [world_T_anchor.get(one, still).coefficients for one in rows]
-        levels: dict[int, list[tuple[int, int]]] = {}
-        depth = dict.fromkeys(rows, 0)
-        for needed in (one for one in self.parents if one in wanted):
-            rows[needed], parent = len(poses), self.parents[needed]
-            poses.append(self.pose_at(needed, time_s).coefficients)
-            depth[needed] = 0 if parent is None else depth[parent] + 1
-            if parent is not None:
-                levels.setdefault(depth[needed], []).append((rows[parent], rows[needed]))
-        stacked = np.array(poses)
-        for level in sorted(levels):
-            above_rows, own = np.array(levels[level]).T
-            stacked[own] = (Similarity(stacked[above_rows]) @ Similarity(stacked[own])).coefficients
-        return Similarity(stacked[[rows[name] for name in names]])
 
     def branch(self, name: str) -> list[str]:
         """An object and all that hang on it, in their order.

@@ -106,13 +106,13 @@ def nested_width(number: int, count: int) -> float:
     return 3.8 - 2.9 * number / max(count - 1, 1)
 
 
-def plot_bands(bands: Mapping[str, Band], label: str, unit: str, *, height_in: float = 2.4) -> str:
+def plot_bands(bands: Mapping[str, Band], label: str, unit: str) -> str:
     """Middles as lines within tinted bands, values above 0 on a logarithmic axis.
 
     `bands` maps a name of `style.COLOURS` to its band; the legend is left to the page.
     """
     with house_style():
-        figure, (axes,) = new_figure(WIDTH_IN, height_in)
+        figure, (axes,) = new_figure(WIDTH_IN, 2.4)
         for i, (name, band) in enumerate(bands.items()):
             tint = axes.fill_between(band.time_s, band.low, band.high, color=COLOURS[name])
             tint.set(alpha=0.22, linewidth=0.0, zorder=2.0 + 0.1 * i)

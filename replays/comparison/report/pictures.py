@@ -20,7 +20,7 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.render.plots import plot_series
 from motorcade.render.plots.style import with_own_ids
 from motorcade.replays.comparison.cells import Setting, inputs_of
-from motorcade.replays.comparison.report.names import CAUSAL, LABELS, shown
+from motorcade.replays.comparison.report.names import LABELS, shown
 from motorcade.replays.comparison.report.results import REFERENCE, Results
 from motorcade.replays.web.pages import PagePlot
 
@@ -73,12 +73,9 @@ def can_be_drawn(results: Results, motion: str) -> bool:
     return motion in MOTIONS and "rate_hz" in results.document["plan"]
 
 
-def method_to_draw(results: Results, causal: bool = False) -> str | None:
-    """The method with the least residual error and jitter, of all or of those that are causal."""
-    for row in results.ranking():
-        if row["method"] != "raw" and (row["method"] in CAUSAL or not causal):
-            return str(row["method"])
-    return None
+def method_to_draw(results: Results) -> str | None:
+    """The method with the least residual error and jitter."""
+    return next((str(row["method"]) for row in results.ranking() if row["method"] != "raw"), None)
 
 
 def method_apart(results: Results, motion: str, degradation: str) -> str | None:

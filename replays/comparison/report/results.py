@@ -132,12 +132,10 @@ class Results:
                 return list(table["rows"])
         return []
 
-    def unranked(self, scope: str = "all") -> list[Pair]:
-        """Methods and representations without a result in every cell of a scope."""
-        for ranking in self.document["rankings"]:
-            if ranking["scope"] == scope:
-                return [(method, representation) for method, representation in ranking["unranked"]]
-        return []
+    def unranked(self) -> list[Pair]:
+        """Methods and representations without a result in every cell."""
+        of_all = [ranking for ranking in self.document["rankings"] if ranking["scope"] == "all"]
+        return [(method, name) for ranking in of_all[:1] for method, name in ranking["unranked"]]
 
     def ratio_to_raw(self, scope: str, metric: str) -> dict[Pair, Ratio]:
         """What is left of the raw poses' error, by method and representation."""
