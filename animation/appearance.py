@@ -1,7 +1,7 @@
 """What surfaces look like: materials as glTF 2.0 has them, where on a mesh each lies, and sRGB.
 
-Factors are linear light; pictures hold what their use says: sRGB for base colour and emission,
-linear numbers for the rest. Texture coordinate (0, 0) is the upper left corner of a picture,
+Factors are linear light; images hold what their use says: sRGB for base colour and emission,
+linear numbers for the rest. Texture coordinate (0, 0) is the upper left corner of an image,
 (1, 1) the lower right.
 """
 
@@ -24,17 +24,17 @@ MOST_SETS = 4
 
 @dataclass(frozen=True, eq=False)
 class TextureMap:
-    """A picture on a surface.
+    """An image on a surface.
 
     Attributes:
         pixels: (h, w, 4) uint8, top row first.
         coordinate_set: which of the mesh's sets of texture coordinates places it.
-        wrap: beyond the picture's sides, and beyond its top and bottom.
-        magnify: how it is read where a pixel of it is larger than one of the drawn picture.
+        wrap: beyond the image's sides, and beyond its top and bottom.
+        magnify: how it is read where a pixel of it is larger than one of the drawn image.
         minify: the same where it is smaller.
         mipmaps: how reduced copies of it are read there; None reads none.
         transform: (2, 3) matrix that acts on texture coordinates (u, v, 1).
-        encoded: the file that the picture was in, PNG or JPEG, to be written as it came; or none.
+        encoded: the file that the image was in, PNG or JPEG, to be written as it came; or none.
 
     Raises:
         ValueError: pixels of another shape or type, or values that are not among those listed.
@@ -134,7 +134,7 @@ class Material:
 
     @property
     def maps(self) -> dict[str, TextureMap]:
-        """The pictures that it has, by the names of its fields."""
+        """The images that it has, by the names of its fields."""
         names = (
             "base_map",
             "metallic_roughness_map",
@@ -181,7 +181,7 @@ class Appearance:
             axis lies (their product with the normal times it); None to follow the coordinates.
 
     Raises:
-        ValueError: parts that leave gaps, shapes that do not fit, or a material's picture placed by
+        ValueError: parts that leave gaps, shapes that do not fit, or a material's image placed by
             coordinates that are not there.
 
     >>> import numpy as np

@@ -1,10 +1,10 @@
-"""Offscreen pictures: scenes drawn by OpenGL, characters set into footage, video, plots.
+"""Offscreen images: scenes drawn by OpenGL, characters set into footage, video, plots.
 
 Frames: a world is right-handed with z up, in metres. ``world_T_camera`` has OpenCV's camera axes
 (x right, y down, z ahead); pixel (0, 0) is the centre of the top-left pixel. Light travels along
 `Sun.direction`. Depths are metres along the optical axis, 0 where nothing was drawn.
 
-Units: pictures are uint8 sRGB with rows from the top, layers have their colour premultiplied by
+Units: images are uint8 sRGB with rows from the top, layers have their colour premultiplied by
 alpha; light is linear, and a sun of π lights white paper to white.
 
 A half transparent red layer over a grey photograph:

@@ -1,6 +1,6 @@
 """Lays rendered layers over photographs.
 
-Pictures are uint8 sRGB; a layer's colour is premultiplied by its alpha, so that "over" is
+Images are uint8 sRGB; a layer's colour is premultiplied by its alpha, so that "over" is
 `layer + (1 - alpha) * photograph` (Porter and Duff 1984). It is computed in linear light, as lenses
 mix it and as the renderer averages its own edges.
 
@@ -87,7 +87,7 @@ def greyed(layer: Layer) -> Layer:
 
 
 def is_grey(frame: ImageArray) -> bool:
-    """Whether a picture (h, w) or (h, w, 3) has no colour; told by every fourth row and column."""
+    """Whether an image (h, w) or (h, w, 3) has no colour; told by every fourth row and column."""
     if frame.ndim == 2:
         return True
     some = frame[::4, ::4]
@@ -142,7 +142,7 @@ def _median(counts: NDArray[np.int16]) -> float:
 def noisy(
     picture: ImageArray, alpha: FloatArray, sigma: float, rng: np.random.Generator
 ) -> ImageArray:
-    """Noise on what was drawn, as strong as its alpha (h, w) from 0 to 1; a new picture."""
+    """Noise on what was drawn, as strong as its alpha (h, w) from 0 to 1; a new image."""
     if sigma == 0.0:
         return picture
     result = picture.copy()
@@ -154,7 +154,7 @@ def noisy(
 
 
 def as_rgb(frame: ImageArray) -> ImageArray:
-    """A grey (h, w) or colour (h, w, 3) picture as its own (h, w, 3) array.
+    """A grey (h, w) or colour (h, w, 3) image as its own (h, w, 3) array.
 
     Raises ValueError: another shape or type.
     """
@@ -174,7 +174,7 @@ def over(frame: ImageArray, layer: Layer, depth_m: DepthArray | None = None) -> 
 
     Args:
         frame: (h, w, 3) uint8.
-        layer: rendered picture of the same size.
+        layer: rendered image of the same size.
         depth_m: (h, w) depth of the photograph along the optical axis, metres; where it is nearer
             than the layer by more than a sensor's noise, the layer is hidden, with an edge as soft
             as a pixel. NaN and 0 mean unknown and hide nothing.

@@ -1,4 +1,4 @@
-"""Figures on their way into a picture: skinned at a moment, and the ground that they may shade."""
+"""Figures on their way into an image: skinned at a moment, and the ground that they may shade."""
 
 from __future__ import annotations
 

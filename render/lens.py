@@ -1,8 +1,8 @@
-"""From the world to a pinhole camera's picture, and from that to the picture through a lens.
+"""From the world to a pinhole camera's image, and from that to the image through a lens.
 
-Drawn pictures are distorted as a lens does it, so that footage can stay as it was taken.
+Drawn images are distorted as a lens does it, so that footage can stay as it was taken.
 
-The scene is drawn by a pinhole camera wide enough for the whole distorted picture, and what was
+The scene is drawn by a pinhole camera wide enough for the whole distorted image, and what was
 drawn is resampled: alpha is premultiplied, so edges stay clean. Undistorting the footage instead
 would blur all of it and cut its border off.
 """
@@ -46,7 +46,7 @@ def seen_extent(
     Args:
         camera: pinhole.
         points_m: (N, 3) in the camera's frame.
-        nearest_m: where a point is nearer than this, or behind, the whole picture may show it.
+        nearest_m: where a point is nearer than this, or behind, the whole image may show it.
         margin_px: by so much the hull is drawn larger.
     """
     last = np.array([camera.width, camera.height]) - 1
@@ -59,7 +59,7 @@ def seen_extent(
 
 
 def warped(picture: Pixels, homography: FloatArray) -> Pixels:
-    """A picture moved by a homography (3, 3), its edge repeated; depths are never mixed."""
+    """An image moved by a homography (3, 3), its edge repeated; depths are never mixed."""
     how = cv2.INTER_CUBIC if picture.dtype == np.uint8 else cv2.INTER_NEAREST
     size = picture.shape[1], picture.shape[0]
     edge = cv2.BORDER_REPLICATE
@@ -69,34 +69,34 @@ def warped(picture: Pixels, homography: FloatArray) -> Pixels:
 
 WHOLE = slice(None), slice(None)
 Extent = tuple[IntArray, IntArray]
-"""First and last (column, row) of a part of a picture."""
+"""First and last (column, row) of a part of an image."""
 Window = tuple[slice, slice]
 """The same as the rows and the columns that it takes of an array."""
 
 
 def window_of(extent: Extent) -> Window:
-    """Rows and columns of a part of a picture."""
+    """Rows and columns of a part of an image."""
     (left, top), (right, bottom) = extent
     return slice(int(top), int(bottom) + 1), slice(int(left), int(right) + 1)
 
 
 WIDEST = 3.0
-"""The pinhole picture is at most this many times as wide or tall as the distorted one."""
+"""The pinhole image is at most this many times as wide or tall as the distorted one."""
 STEP = 8
-"""Every so many pixels a lens is asked which part of one picture shows in the other."""
+"""Every so many pixels a lens is asked which part of one image shows in the other."""
 ROWS = 16
 """Pixels of so many rows are undistorted at once: their numbers stay in the processor's cache."""
-_NOWHERE = -1e4  # pixels outside of any picture: what is looked for there is empty
+_NOWHERE = -1e4  # pixels outside of any image: what is looked for there is empty
 
 
 class LensWarp:
-    """From pictures of `pinhole` to those of `camera`; a camera without distortion changes nothing.
+    """From images of `pinhole` to those of `camera`; a camera without distortion changes nothing.
 
     Nothing is drawn into pixels that the lens gives no ray, or one so far from the axis that a
-    pinhole picture would be more than `WIDEST` times as large: there footage stays as it is.
+    pinhole image would be more than `WIDEST` times as large: there footage stays as it is.
 
     Attributes:
-        camera: whose pictures are wanted.
+        camera: whose images are wanted.
         pinhole: that draws; same focal lengths, of a size of its own.
         drawable: share of the camera's pixels into which can be drawn.
 
@@ -135,7 +135,7 @@ class LensWarp:
         self._whole, self._fraction = cv2.convertMaps(self._source, None, cv2.CV_16SC2)
 
     def shown(self, drawn: Extent) -> Window:
-        """Where `camera`'s picture can show a part of `pinhole`'s, and a little around it.
+        """Where `camera`'s image can show a part of `pinhole`'s, and a little around it.
 
         One pixel where none can.
         """
@@ -151,7 +151,7 @@ class LensWarp:
         return window_of((low, np.minimum(STEP * (pixels.max(axis=1) + 1), size - 1)))
 
     def drawn(self, shown: Window) -> Extent:
-        """The part of `pinhole`'s picture that shows in a window of `camera`'s, and a little around
+        """The part of `pinhole`'s image that shows in a window of `camera`'s, and a little around
         it.
         """
         rows, columns = shown
@@ -168,7 +168,7 @@ class LensWarp:
         return low.astype(np.int64), last.astype(np.int64)
 
     def layer(self, drawn: Layer, window: Window = WHOLE) -> Layer:
-        """A layer of `pinhole` as `camera` sees it in a window of its picture; depth is taken from
+        """A layer of `pinhole` as `camera` sees it in a window of its image; depth is taken from
         the nearest pixel.
         """
         if self.camera is self.pinhole:
@@ -176,13 +176,13 @@ class LensWarp:
         return Layer(self._mixed(drawn.rgba, window), self.depth(drawn.depth_m, window))
 
     def depth(self, depth_m: DepthArray, window: Window = WHOLE) -> DepthArray:
-        """A depth picture likewise, depths of different surfaces never mixed."""
+        """A depth image likewise, depths of different surfaces never mixed."""
         if self.camera is self.pinhole:
             return depth_m[window]
         return np.asarray(cv2.remap(depth_m, self._source[window], None, cv2.INTER_NEAREST))
 
     def smooth(self, values: NDArray[np.float32], window: Window = WHOLE) -> NDArray[np.float32]:
-        """A picture (h, w) of numbers that may be mixed, such as shade, likewise."""
+        """An image (h, w) of numbers that may be mixed, such as shade, likewise."""
         return values[window] if self.camera is self.pinhole else self._mixed(values, window)
 
     def _mixed(self, picture: NDArray[Any], window: Window) -> NDArray[Any]:
@@ -192,7 +192,7 @@ class LensWarp:
 
 @lru_cache(maxsize=4)
 def _sources(camera: Camera) -> FloatArray:
-    """Where in the undistorted picture each pixel of a camera lies, (height, width, 2)."""
+    """Where in the undistorted image each pixel of a camera lies, (height, width, 2)."""
     columns, rows = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
     pixels = np.stack([columns, rows], axis=-1).astype(np.float64)
     some = (pixels[first : first + ROWS] for first in range(0, camera.height, ROWS))

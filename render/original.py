@@ -1,7 +1,7 @@
-"""The video that a film is made from: what the film keeps of it besides the pictures.
+"""The video that a film is made from: what the film keeps of it besides the images.
 
 Frame times are on the original's clock, colours are coded as there, and sound is copied packet by
-packet, in step with the pictures.
+packet, in step with the images.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ log = logging.getLogger("motorcade.overlay")
 _NANOSECOND_S = Fraction(1, 10**9)
 """To which a film's start is rounded."""
 _LEAST_TICKS = 1000
-"""A second on a film's clock: an AVI's counts pictures, which lie closer where some are mended."""
+"""A second on a film's clock: an AVI's counts images, which lie closer where some are mended."""
 _SOUND_HZ = 48_000
-"""To which sound is moved with the pictures."""
+"""To which sound is moved with the images."""
 BT_709, UNSPECIFIED, LIMITED, FULL = 1, 2, 1, 2
 _CONVERTED = {1: 1, 2: 5, 4: 4, 5: 5, 6: 5, 7: 7, 9: 9}
-"""Matrices by their number in ITU-T H.273, and as what pictures are converted with them: those that
+"""Matrices by their number in ITU-T H.273, and as what images are converted with them: those that
 say none are read as BT.601 has it, so they are written so too. 10 (constant luminance) and those of
 RGB are not among them.
 """
@@ -48,7 +48,7 @@ class ColourCoding:
 
     @property
     def converted_as(self) -> tuple[int, int]:
-        """Matrix and levels by which pictures become numbers of this coding."""
+        """Matrix and levels by which images become numbers of this coding."""
         return _CONVERTED[self.matrix], FULL if self.levels == FULL else LIMITED
 
 

@@ -1,4 +1,4 @@
-"""Sets animated characters into footage: the picture that shows what the poses are worth."""
+"""Sets animated characters into footage: the image that shows what the poses are worth."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""What is drawn, and in what light, without a word about how: surfaces, lamps, pictures.
+"""What is drawn, and in what light, without a word about how: surfaces, lamps, images.
 
 World coordinates in metres, right-handed. Colours and textures are sRGB; light is linear.
-Texture coordinate (0, 0) is the lower left corner of the picture, (1, 1) the upper right.
+Texture coordinate (0, 0) is the lower left corner of the image, (1, 1) the upper right.
 """
 
 from dataclasses import dataclass, replace
@@ -194,7 +194,7 @@ def _translated(place_m: Triple, by_m: FloatArray) -> Triple:
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """A rendered picture that can be laid over another.
+    """A rendered image that can be laid over another.
 
     Attributes:
         rgba: (h, w, 4) uint8, colour premultiplied by alpha; empty pixels are all zero.

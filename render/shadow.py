@@ -4,7 +4,7 @@ The lamp's light: every triangle that faces the lamp drops its projected area on
 ground, blurred by as much as the lamp's apparent radius spreads it over the triangle's height:
 sharp where the figure touches the ground, soft where it is far above. Light from all sides: the
 same without blur, from a few directions spread over the sky as they light the ground, which is the
-ambient occlusion of the ground about the feet. The grid is then carried into the picture by the
+ambient occlusion of the ground about the feet. The grid is then carried into the image by the
 plane's homography. Everything is deterministic.
 
 The frame: ground is z = 0, z up, metres, the grid centred on the origin.
@@ -39,7 +39,7 @@ PART, MOST_PARTS = 3.0, 48
 OVERLAP_SOFT = 1.5
 # Rays that fall less than this meet the ground nowhere.
 BARELY = 1e-9
-# Shade below this changes no byte of a picture (`composite.SHADES` are told apart).
+# Shade below this changes no byte of an image (`composite.SHADES` are told apart).
 DARKENS = 1e-4
 # In its standard deviations, how far OpenCV's blur of floats reaches.
 KERNEL = 4.0
@@ -215,7 +215,7 @@ def shade_step_m(half_width_m: float) -> float:
 def shade_extent(
     shade: ShadeArray, half_width_m: float, camera: Camera, camera_T_ground: Motor
 ) -> Extent | None:
-    """The part of a camera's picture that shade darkens, or None where it darkens no byte.
+    """The part of a camera's image that shade darkens, or None where it darkens no byte.
 
     The arguments are those of `shade_in_picture`.
     """
@@ -246,7 +246,7 @@ def shade_in_picture(
         half_width_m: of its grid.
         camera: pinhole.
         camera_T_ground: pose of the ground in the camera.
-        part: of the picture that is wanted; there is no shade elsewhere. All of it by default.
+        part: of the image that is wanted; there is no shade elsewhere. All of it by default.
 
     Returns:
         (height, width) float32 shade of every pixel, or None where the camera is below the ground.

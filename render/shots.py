@@ -1,11 +1,11 @@
 """Frames on their way through the overlay: figures posed, drawn, and laid over footage.
 
-Only the part of a picture that figures and their shade can change is distorted, shaded and mixed.
+Only the part of an image that figures and their shade can change is distorted, shaded and mixed.
 
 What hides a character, and what takes its shadow: flat prints, the ground, what stands on it.
 
 Without measured depth, a board or a marker with a known pose is a rectangle and the ground is a
-plane; both have a depth in every picture, and hide things by the same rule as measured depth does.
+plane; both have a depth in every image, and hide things by the same rule as measured depth does.
 Measured depth also shows how high things stand on the ground.
 """
 
@@ -202,7 +202,7 @@ class FilmStage:
         return _Moment(time_ns, world_T_camera, figures)
 
     def _window(self, moments: Sequence[_Moment]) -> Window:
-        """The part of the footage's pictures that figures and shade can change at some moments."""
+        """The part of the footage's images that figures and shade can change at some moments."""
         pinhole = self.lens.pinhole
         parts: list[Extent] = []
         for moment in moments:

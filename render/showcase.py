@@ -1,4 +1,4 @@
-"""A character on an empty stage: pictures of poses and clips, seen from beside its front."""
+"""A character on an empty stage: images of poses and clips, seen from beside its front."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def show_clip(
 
     Args:
         character: who is drawn, at its own height.
-        clip: what it does; one that travels walks out of the picture.
+        clip: what it does; one that travels walks out of the image.
         size: width and height of the frames, pixels.
         rate_hz: frames a second.
         duration_s: how long; by default once through the clip, and one frame of a single pose.

@@ -1,6 +1,6 @@
-"""Videos in and out: H.264, lossless FFV1, numbered pictures, contact sheets.
+"""Videos in and out: H.264, lossless FFV1, numbered images, contact sheets.
 
-Pictures into the streams of a film: codecs, their settings, and how colours are coded.
+Images into the streams of a film: codecs, their settings, and how colours are coded.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def write_video(
     Args:
         path: a name that ends in ".mp4" (H.264) or ".mkv" (FFV1). The file appears complete or not
             at all.
-        frames: uint8 RGB pictures (h, w, 3) of one size, one for each stamp.
+        frames: uint8 RGB images (h, w, 3) of one size, one for each stamp.
         time_ns: (N,) strictly increasing stamps in ns; the video starts at the first. Through a
             gap of more than ten seconds that splits them (see `motorcade.ga.stamps`) an MP4 shows
             the frame before it for ten seconds, and goes on; Matroska keeps the stamps.
@@ -97,8 +97,8 @@ def open_video(path: Path, *, edited: bool = True) -> InputContainer:
     """Open a video that others made; close it, or use it as a context manager.
 
     Nothing but the file is opened: it must be a container of video itself (MP4, Matroska, AVI,
-    MPEG), as playlists name other files, pipes and addresses. Pictures of more than `MAX_PIXELS`
-    are not decoded. Where `edited` is False, pictures are there that an MP4's edit list cuts away.
+    MPEG), as playlists name other files, pipes and addresses. Images of more than `MAX_PIXELS`
+    are not decoded. Where `edited` is False, images are there that an MP4's edit list cuts away.
 
     Raises:
         FileError: what the door refuses (`ga.files.admit_file`).
@@ -158,7 +158,7 @@ def read_frames(path: Path, every: int = 1) -> Iterator[tuple[int, ImageArray]]:
         every: which of them: the first, and each n-th after it.
 
     Yields:
-        stamp in ns from the start of the video, and the uint8 RGB picture (h, w, 3).
+        stamp in ns from the start of the video, and the uint8 RGB image (h, w, 3).
 
     Raises:
         FileError: a file that cannot be read.
@@ -233,7 +233,7 @@ def contact_sheet(
     Args:
         frames: uint8 (h, w, 3) of one size, 1 or more.
         columns: a row holds, 1 or more.
-        width: of each picture on the sheet, pixels.
+        width: of each image on the sheet, pixels.
         labels: one a frame, or none; in plain ASCII.
 
     Returns:
@@ -331,7 +331,7 @@ def encode(
 ) -> None:
     """Encode and mux into a file that nobody reads yet.
 
-    `original` is the video that the pictures come from, open, and the stamp in it of the first.
+    `original` is the video that the images come from, open, and the stamp in it of the first.
     """
     import av
     from av.video.reformatter import VideoReformatter
@@ -404,7 +404,7 @@ def _set_up(stream: Any, lossless: bool, clock: Fraction, coding: ColourCoding) 
 def _frame(
     picture: ImageArray, lossless: bool, form: VideoReformatter, coding: ColourCoding
 ) -> Any:
-    """A picture in the codec's own form."""
+    """An image in the codec's own form."""
     import av
 
     if lossless:

@@ -90,7 +90,7 @@ class DragPlane:
     Args:
         point_m: ``(3,)``, what was grabbed.
         normal: ``(3,)`` of any length but 0: that of the ground, or along the camera's axis for
-            what follows the finger in a plane parallel to the picture.
+            what follows the finger in a plane parallel to the image.
 
     Raises:
         ValueError: shapes that do not fit, NaN or infinity, no direction.

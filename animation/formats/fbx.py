@@ -2,7 +2,7 @@
 
 The program runs without a shell, in a folder of its own, within limits of time, memory and size;
 its node names and numbers are taken as they come. FBX states its unit in centimetres, which the
-program drops: it is read from the file here. Pictures are looked for beside the file.
+program drops: it is read from the file here. Images are looked for beside the file.
 """
 
 from __future__ import annotations

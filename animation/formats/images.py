@@ -1,9 +1,9 @@
 """Textures as their files have them, and the colours of their nearest pixels at vertices.
 
-Pillow decodes; nothing but the formats below is tried, and of all pictures of a file together no
+Pillow decodes; nothing but the formats below is tried, and of all images of a file together no
 more than MAX_IMAGE_PIXELS are kept, in files of no more than MAX_IMAGE_BYTES. Further ones are kept
 smaller, of MAX_REDUCED_PIXELS in all before that. Each limit is taken from what is left before a
-picture is decoded, so that broken ones cost as much as whole ones.
+image is decoded, so that broken ones cost as much as whole ones.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ if TYPE_CHECKING:
 
 FORMATS = ("PNG", "JPEG", "WEBP", "TGA", "BMP")
 STRIP_PIXELS = 1 << 20
-"""Converted at once: a picture's copies would fill the memory."""
+"""Converted at once: an image's copies would fill the memory."""
 SMALLER_PIXELS = 1 << 20
-"""What pictures have at most that are kept smaller."""
+"""What images have at most that are kept smaller."""
 NAMED_PICTURES = 4
 WITH_ALPHA = ("RGBA", "LA", "PA", "P")
 """Modes of Pillow that may hold alpha."""
 
 
 class Texture:
-    """An sRGB picture to be sampled.
+    """An sRGB image to be sampled.
 
     Args:
         pixels: (h, w, 4) uint8, top row first, with alpha.
@@ -70,7 +70,7 @@ def decode_texture(data: bytes, admit: Callable[[int, int], int]) -> Texture:
             side become one by their mean, a power of two; it raises where that is too much.
 
     Raises:
-        FormatError: another format, a broken picture, or one that is not admitted.
+        FormatError: another format, a broken image, or one that is not admitted.
         ModuleNotFoundError: Pillow is not installed.
     """
     from PIL import Image
@@ -86,7 +86,7 @@ def decode_texture(data: bytes, admit: Callable[[int, int], int]) -> Texture:
                 return Texture(pixels, kept)
     except FormatError:
         raise
-    except Exception as fault:  # decoders raise whatever comes to hand on broken pictures
+    except Exception as fault:  # decoders raise whatever comes to hand on broken images
         raise FormatError(f"expected a picture, got {type(fault).__name__}") from fault
 
 
@@ -119,7 +119,7 @@ def _plain(strip: Image) -> Image:
 
 
 class Textures:
-    """The pictures of one file, each decoded once."""
+    """The images of one file, each decoded once."""
 
     def __init__(self) -> None:
         self._known: dict[str, Texture | None] = {}
@@ -144,12 +144,12 @@ class Textures:
         return [*self._problems[:NAMED_PICTURES], *notes]
 
     def read(self, name: str, data: Callable[[], bytes], key: str = "") -> Texture | None:
-        """A decoded picture; None, with a notice, where it is missing, broken or too large.
+        """A decoded image; None, with a notice, where it is missing, broken or too large.
 
         Args:
             name: for the notice.
-            data: gives the bytes; it is called once for each picture.
-            key: what tells the picture from others; its name by default.
+            data: gives the bytes; it is called once for each image.
+            key: what tells the image from others; its name by default.
         """
         known = key or name
         if known not in self._known:
@@ -197,7 +197,7 @@ def colors_at_vertices(
 ) -> FloatArray:
     """Colours (V, 3), sRGB, for renderers that sample no textures.
 
-    Vertex colours (V, 4), the base colour and its picture are multiplied in linear light.
+    Vertex colours (V, 4), the base colour and its image are multiplied in linear light.
     """
     linear = np.repeat(np.clip(np.array([material.base_color[:3]]), 0.0, 1.0), count, axis=0)
     if vertex_colors is not None:

@@ -75,7 +75,7 @@ def beside(folder: Path, uri: str, field: str) -> Path:
 
 
 def picture_beside(folder: Path, uri: str, field: str) -> Path:
-    """The picture that an address names, inside `folder` or below.
+    """The image that an address names, inside `folder` or below.
 
     Programs write paths of the machine they ran on: where an address leads elsewhere, or to
     nothing, the file of the same name in the folder itself is meant.

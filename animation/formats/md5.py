@@ -231,7 +231,7 @@ def _mesh(
 
 
 def _material(shader: str, folder: Path, textures: Textures) -> Material:
-    """A rough surface with the picture that the shader's name leads to, or plain grey.
+    """A rough surface with the image that the shader's name leads to, or plain grey.
 
     Names come without a suffix where a script of the game says more; that is not read.
     """

@@ -1,1 +1,1 @@
-"""Ways to turn a scene into a picture; OpenGL is imported only when a renderer is made."""
+"""Ways to turn a scene into an image; OpenGL is imported only when a renderer is made."""

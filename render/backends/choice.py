@@ -18,8 +18,8 @@ def new_renderer(name: str, width: int, height: int) -> Renderer:
 
     Args:
         name: one of `RENDERERS`; docs/rendering.md says when to take which.
-        width: of the pictures, pixels.
-        height: of the pictures, pixels.
+        width: of the images, pixels.
+        height: of the images, pixels.
 
     Raises:
         ValueError: another name, or a size that is not positive.

@@ -69,14 +69,14 @@ def shadow_camera(lighting: Lighting) -> tuple[Motor, FloatArray]:
 
 
 class Renderer(ABC):
-    """Draws one scene into pictures of one size. Use it as a context manager, or `close` it.
+    """Draws one scene into images of one size. Use it as a context manager, or `close` it.
 
     Args:
-        width: of the pictures, pixels.
-        height: of the pictures, pixels.
+        width: of the images, pixels.
+        height: of the images, pixels.
 
     Raises:
-        RenderUnavailable: this machine has no OpenGL, or no memory for the pictures.
+        RenderUnavailable: this machine has no OpenGL, or no memory for the images.
         ValueError: a size that is not positive, or larger than OpenGL's largest.
 
     >>> from motorcade.render import Renderer, new_renderer
@@ -187,7 +187,7 @@ class Renderer(ABC):
             world_T_camera: pose, OpenCV axes, batch shape ().
 
         Returns:
-            The picture with premultiplied alpha, and depth along the optical axis in metres.
+            The image with premultiplied alpha, and depth along the optical axis in metres.
 
         Raises:
             ValueError: a camera with distortion or of another size.
@@ -235,7 +235,7 @@ class Renderer(ABC):
 
 
 def check_size(width: int, height: int, largest: int | None = None) -> None:
-    """Refuse pictures without pixels, and such as OpenGL cannot hold.
+    """Refuse images without pixels, and such as OpenGL cannot hold.
 
     Raises ValueError: a size below 1 or above `largest`.
     """

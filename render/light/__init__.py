@@ -1,4 +1,4 @@
-"""Light of a scene: chosen for the viewer, or estimated from the pictures."""
+"""Light of a scene: chosen for the viewer, or estimated from the images."""
 
 from motorcade.render.harmonics import harmonics, irradiance_factors, rotate_harmonics
 from motorcade.render.light.cast import CastShadow, cast_shadows

@@ -1,4 +1,4 @@
-"""Shadows that things throw on the ground, found in the pictures: from where, and how dark.
+"""Shadows that things throw on the ground, found in the images: from where, and how dark.
 
 Around everything that stands on the ground (`GroundMap`) the ground is compared with itself: where
 a thing keeps the light away, the ground beside it is darker on one side, and comes back to its own
@@ -45,7 +45,7 @@ than the second, or it is black paint."""
 RIM = 0.8, 0.2
 """Of a shadow's darkness: its rim lies between."""
 RESOLVED = 4.0
-"""Cells: the rim that sharp shadows show, by the blur of pictures and map and corners of things; as
+"""Cells: the rim that sharp shadows show, by the blur of images and map and corners of things; as
 sharp ones of drawn rooms have it."""
 AT_45 = 0.71
 """A lamp's apparent radius over (width of the rim / length of the shadow), for light at 45°: a disc
@@ -84,7 +84,7 @@ def cast_shadows(ground: GroundMap) -> list[CastShadow]:
     """Find shadows beside the things that stand on the ground.
 
     Args:
-        ground: as several pictures show it.
+        ground: as several images show it.
 
     Returns:
         One for each thing that has a shadow on one side; none where nothing stands there, where

@@ -1,4 +1,4 @@
-"""Light estimated from pictures whose geometry is known: ambient, and where most light comes from.
+"""Light estimated from images whose geometry is known: ambient, and where most light comes from.
 
 A Lambertian surface of albedo ρ that faces n shows ρ E(n). E is fitted with spherical harmonics to
 band 2, which hold 99 % of the irradiance of distant light (Ramamoorthi and Hanrahan, "On the
@@ -36,7 +36,7 @@ DARKEST, BRIGHTEST = 4, 250
 
 @dataclass(frozen=True, eq=False)
 class ShadedPoints:
-    """What pictures show of surfaces: (N, 3) each.
+    """What images show of surfaces: (N, 3) each.
 
     Attributes:
         points_m: world.
@@ -67,7 +67,7 @@ class ShadedPoints:
 
     @classmethod
     def joined(cls, parts: Sequence[ShadedPoints]) -> ShadedPoints:
-        """All points of several pictures."""
+        """All points of several images."""
         names = ("points_m", "normals", "colors")
         return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
@@ -170,7 +170,7 @@ def estimate_light(seen: ShadedPoints, near_m: ArrayLike, reach_m: float) -> Lig
     """Fit the light that falls on a place.
 
     Args:
-        seen: from one or several pictures.
+        seen: from one or several images.
         near_m: (3,) the place, world; points count less the further they are from it.
         reach_m: distance at which they count half.
 

@@ -1,6 +1,6 @@
 """The light of a recording, from a few of its frames.
 
-How the exposure of footage changes, told by ground that several of its pictures show.
+How the exposure of footage changes, told by ground that several of its images show.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def lighting_of_footage(
     About eight frames, spread over the recording, are enough; every one that is given is used.
 
     Args:
-        frames: stamp in ns, picture, and depth in metres or None.
+        frames: stamp in ns, image, and depth in metres or None.
         camera: pinhole, of the frames' size.
         world_T_camera: its path; frames outside its span are passed over.
         placement: of the character.
@@ -76,10 +76,10 @@ MOST = 4.0
 
 
 class ExposureMeter:
-    """Exposure of one picture after another, 1 for the usual one of a ground's pictures.
+    """Exposure of one image after another, 1 for the usual one of a ground's images.
 
-    Where a picture shows too little of the ground that is flat and not overexposed, the exposure is
-    held to be that of the picture before.
+    Where an image shows too little of the ground that is flat and not overexposed, the exposure is
+    held to be that of the image before.
 
     Args:
         ground: whose light is compared with.
@@ -102,7 +102,7 @@ class ExposureMeter:
         self._last = 1.0
 
     def gain(self, picture: ImageArray, camera: Camera, world_T_camera: Motor) -> float:
-        """Light of a picture (h, w) or (h, w, 3) over what it usually is, vignetting aside."""
+        """Light of an image (h, w) or (h, w, 3) over what it usually is, vignetting aside."""
         if not len(self.points_m):
             return self._last
         own = world_T_camera.inverse().apply(self.points_m)

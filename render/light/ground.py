@@ -1,8 +1,8 @@
-"""The ground as it is seen from above, put together from several pictures of a moving camera.
+"""The ground as it is seen from above, put together from several images of a moving camera.
 
 What lies flat on the ground is at one place in all of them; what stands on it is not, since it
-hides another part of the ground in each. So the scatter over the pictures tells the two apart
-without depth, and what is flat also shows how exposure changes from one picture to the next.
+hides another part of the ground in each. So the scatter over the images tells the two apart
+without depth, and what is flat also shows how exposure changes from one image to the next.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ SPAN = 1.2
 FEWEST_VIEWS = 4
 SCATTER, USUAL = 0.03, 5.0
 """In the logarithm of light: what scatters by more is not flat, nor by more than so many times what
-is usual in these pictures."""
+is usual in these images."""
 FAR_OFF, MOST_FALL = 0.25, 3.0
 """What differs by more than the first tells no vignetting; the fall of light with the square of the
 angle from the axis: cos⁴ has 2, lenses that are wide open more."""
@@ -48,9 +48,9 @@ class GroundMap:
     Attributes:
         world_T_ground: z = 0 is the ground; the map's middle lies at its origin.
         cell_m: side of a cell.
-        light: (n, n) linear, median over the pictures, exposures evened; NaN where seen too seldom.
-        scatter: (n, n) of the logarithm of light over the pictures.
-        full: (n, n) whether more than half of the pictures are overexposed there.
+        light: (n, n) linear, median over the images, exposures evened; NaN where seen too seldom.
+        scatter: (n, n) of the logarithm of light over the images.
+        full: (n, n) whether more than half of the images are overexposed there.
         printed: (n, n) what is known to be a print that lies there.
         bound: the scatter from which on a cell is not flat.
         eye_m: (2,) mean place of the cameras, in the ground's frame.
@@ -76,7 +76,7 @@ class GroundMap:
 
     @property
     def flat(self) -> NDArray[np.bool_]:
-        """(n, n) whether a cell is seen, and alike in all pictures."""
+        """(n, n) whether a cell is seen, and alike in all images."""
         with np.errstate(invalid="ignore"):
             return np.isfinite(self.light) & (self.scatter < self.bound)
 
@@ -97,13 +97,13 @@ def ground_map(
     """Look at the ground from above.
 
     Args:
-        seen: pictures (h, w, 3) uint8 sRGB and their poses `world_T_camera`.
+        seen: images (h, w, 3) uint8 sRGB and their poses `world_T_camera`.
         camera: pinhole, of that size.
         world_T_ground: z = 0 is the ground; the map is made about its origin.
         prints: of which those count that lie on the ground.
 
     Returns:
-        The map; None where fewer than `FEWEST_VIEWS` pictures were taken from above the ground.
+        The map; None where fewer than `FEWEST_VIEWS` images were taken from above the ground.
     """
     pairs = [(picture, pose) for picture, pose in seen]
     if not pairs:
@@ -141,7 +141,7 @@ def ground_map(
 def _evened(
     level: FloatArray, full: NDArray[np.bool_], square: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Median and scatter of the logarithm of light (K, N), and the share of pictures overexposed,
+    """Median and scatter of the logarithm of light (K, N), and the share of images overexposed,
     once exposure and vignetting are taken out, told by the median of what they make.
     """
     known = np.isfinite(level)
@@ -160,7 +160,7 @@ def _evened(
 
 
 def _middle(off: FloatArray) -> FloatArray:
-    """Median (K, 1) of what each picture knows; 0 of one that shows nothing here."""
+    """Median (K, 1) of what each image knows; 0 of one that shows nothing here."""
     known = np.isfinite(off).any(axis=1)
     middle = np.zeros((len(off), 1))
     middle[known] = np.nanmedian(off[known], axis=1, keepdims=True)
@@ -191,7 +191,7 @@ def _from_above(
     eye: FloatArray,
 ) -> tuple[FloatArray, NDArray[np.bool_], FloatArray]:
     """The logarithm of light of every cell, NaN where it is not seen, what is overexposed, and the
-    square of how far each lies from the picture's middle, in focal lengths.
+    square of how far each lies from the image's middle, in focal lengths.
     """
     to_picture = plane_homography(camera, camera_T_ground) @ to_ground
     n = np.arange(CELLS)

@@ -1,6 +1,6 @@
 """Light for a character that is set into footage: a sun over the viewer's shoulder, fill and rim.
 
-Directions are in the world of the trajectory. By default nothing is taken from the pictures, and
+Directions are in the world of the trajectory. By default nothing is taken from the images, and
 the direction of the sun is the one knob that matters, since it throws the shadow;
 `estimated_lighting` uses what `estimate_light` found in them.
 
@@ -104,7 +104,7 @@ def estimated_lighting(
     assumed: FloatArray | None = None,
     least_elevation_rad: float = 0.3,
 ) -> Lighting:
-    """Sun and ambient light as they were found in the pictures.
+    """Sun and ambient light as they were found in the images.
 
     Args:
         placement: of the character.

@@ -3,7 +3,7 @@
 A printed board or marker is white paper and black ink, whatever stands around it: it tells how
 bright the light is and of what colour. Where there is no print, colour is guessed by shades of grey
 (Finlayson and Trezzi, "Shades of gray and colour constancy", 2004) and brightness by a scene whose
-mean is middle grey, and half of either guess is believed, for neither is a law. Where the pictures
+mean is middle grey, and half of either guess is believed, for neither is a law. Where the images
 tell where the light comes from (`light_direction`), the sun stands there, and takes as much light
 away as shadows in the footage do; else the light made for the viewer keeps its direction and shape,
 brightened and tinted, and what was missing is said.
@@ -69,14 +69,14 @@ def lighting_without_depth(
     prints: Prints | None = None,
     ground: GroundMap | None = None,
 ) -> tuple[Lighting, str]:
-    """The light as bright, of the colour and, where they tell it, from where the pictures show.
+    """The light as bright, of the colour and, where they tell it, from where the images show.
 
-    Where exposure changes over the recording, the median frame's counts. Six pictures or more from
+    Where exposure changes over the recording, the median frame's counts. Six images or more from
     places apart are needed for the direction, which is looked for on the ground about the placement
     and on prints; see `light_direction` for when it is unknown.
 
     Args:
-        frames: stamp in ns, picture, and a depth that is not looked at.
+        frames: stamp in ns, image, and a depth that is not looked at.
         camera: pinhole, of the frames' size.
         world_T_camera: its path; frames outside its span are passed over.
         placement: of the character.
@@ -85,7 +85,7 @@ def lighting_without_depth(
         ground: as from `ground_of_footage`, which is asked where it is not given.
 
     Returns:
-        the light, and what was taken from the pictures and what assumed.
+        the light, and what was taken from the images and what assumed.
 
     Raises:
         ValueError: a camera with distortion.
@@ -121,10 +121,10 @@ def found_direction(
     placement: Placement,
     prints: Prints | None = None,
 ) -> LightDirection:
-    """Where the light comes from by pictures alone, as `lighting_without_depth` takes it.
+    """Where the light comes from by images alone, as `lighting_without_depth` takes it.
 
     Args:
-        frames: stamp in ns, picture, and a depth that is not looked at.
+        frames: stamp in ns, image, and a depth that is not looked at.
         camera: pinhole, of the frames' size.
         world_T_camera: its path; frames outside its span are passed over.
         placement: whose ground is looked at.
@@ -150,7 +150,7 @@ def ground_of_footage(
 def _posed(
     frames: Iterable[tuple[int, ImageArray, DepthArray | None]], world_T_camera: Trajectory
 ) -> list[tuple[ImageArray, Motor]]:
-    """Pictures in colour and their poses."""
+    """Images in colour and their poses."""
     first, last = world_T_camera.time_ns[0], world_T_camera.time_ns[-1]
     return [
         (as_rgb(picture), world_T_camera.motors_at(np.int64(time_ns)))
@@ -236,7 +236,7 @@ def _gain_by_paper(
 
 
 def _grey(picture: ImageArray) -> FloatArray:
-    """(4,) mean brightness of a picture, and the colour of its light by shades of grey, mean 1."""
+    """(4,) mean brightness of an image, and the colour of its light by shades of grey, mean 1."""
     shown = to_linear(picture[::4, ::4].reshape(-1, 3) / 255.0)
     norm = np.maximum(np.mean(shown**MINKOWSKI, axis=0) ** (1.0 / MINKOWSKI), 1e-4)
     return np.concatenate([[shown.mean()], norm / norm.mean()])
@@ -282,7 +282,7 @@ SLOPED = 0.15
 
 @dataclass(frozen=True, eq=False)
 class LightDirection:
-    """What the pictures say of where light comes from.
+    """What the images say of where light comes from.
 
     Attributes:
         towards: (3,) unit, world, to the light; None where it is unknown.
@@ -314,7 +314,7 @@ def light_direction(
     """Weigh what tells where the light comes from.
 
     Args:
-        ground: as several pictures show it; None where it is not seen.
+        ground: as several images show it; None where it is not seen.
         shadows: beside what stands on it.
         normals: (K, 3) of faces with paper, world, unit.
         falling: (K,) light that falls on each.

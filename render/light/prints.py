@@ -1,6 +1,6 @@
 """Prints of black on white whose place is known, and the light that their paper shows.
 
-What lies between paper and ink in a picture is the light that falls on the print, channel by
+What lies between paper and ink in an image is the light that falls on the print, channel by
 channel, less what lens and sensor add everywhere.
 """
 

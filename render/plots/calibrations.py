@@ -47,10 +47,10 @@ def plot_coverage(
     left_out_px: FloatArray,
     title: str,
 ) -> bytes:
-    """Draw a PNG picture: corners with their residuals, enlarged, and the residuals by themselves.
+    """Draw a PNG image: corners with their residuals, enlarged, and the residuals by themselves.
 
     Args:
-        size: width and height of the camera's picture, pixels.
+        size: width and height of the camera's image, pixels.
         corners_px: ``(N, 2)`` corners that were used.
         residuals_px: ``(N, 2)`` reprojection minus corner.
         left_out_px: ``(M, 2)`` corners of views that were not used.

@@ -244,7 +244,7 @@ def _shortened(drawn: re.Match[str]) -> str:
 
 
 def with_own_ids(svg: str, mark: str) -> str:
-    """The same picture with ids that no other picture on the page has, given marks that differ."""
+    """The same image with ids that no other image on the page has, given marks that differ."""
     svg = re.sub(r'\bid="([^"]+)"', rf'id="{mark}-\1"', svg)
     svg = re.sub(r"url\(#([^)]+)\)", rf"url(#{mark}-\1)", svg)
     return re.sub(r'xlink:href="#([^"]+)"', rf'xlink:href="#{mark}-\1"', svg)

@@ -28,7 +28,7 @@ from motorcade.render.plots.style import (
     thinned,
 )
 
-# Corners of a camera's picture and its centre, in the camera's axes, for a size of 1.
+# Corners of a camera's image and its centre, in the camera's axes, for a size of 1.
 _PYRAMID = np.array(
     [[-0.6, -0.45, 1.0], [0.6, -0.45, 1.0], [0.6, 0.45, 1.0], [-0.6, 0.45, 1.0], [0.0, 0.0, 0.0]]
 )
@@ -124,7 +124,7 @@ def _furnish(axes: Any, low: FloatArray, high: FloatArray, unit: str) -> None:
 def _fit(axes: Any, size: FloatArray) -> None:
     """As large as the figure holds, with ticks and labels; thrice, for these keep their own size.
 
-    What the picture takes is then set into the middle of the figure.
+    What the image takes is then set into the middle of the figure.
     """
     page, zoom = np.array(axes.figure.bbox.size), 1.0
     axes.set_box_aspect(size, zoom=zoom)

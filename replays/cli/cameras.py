@@ -61,7 +61,7 @@ def add_detect(commands: Commands) -> None:
 
 
 def detect(arguments: argparse.Namespace) -> None:
-    """Search every picture; print what was found, and complain of the others at the end."""
+    """Search every image; print what was found, and complain of the others at the end."""
     from motorcade.replays.io.errors import RecordingError
     from motorcade.replays.io.readers.manifest.section import read_camera, stated_rotation
     from motorcade.replays.tasks.pictures import describe, drawing_names, markers_in, write_drawing

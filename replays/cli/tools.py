@@ -69,7 +69,7 @@ def _value(text: str) -> tuple[str, list[float]]:
 
 
 def draw_file(arguments: argparse.Namespace) -> None:
-    """Read, draw, and write the picture."""
+    """Read, draw, and write the image."""
     import numpy as np
 
     from motorcade.ga.codegen.generate import read_script

@@ -123,7 +123,7 @@ class _Site:
         return JSONResponse(await run_in_threadpool(desk.about))
 
     async def frame(self, request: Request) -> Response:
-        """A picture of the footage."""
+        """An image of the footage."""
         desk = await self._opened.desk(request.path_params["run"])
         index = request.path_params["frame"]
         if index >= desk.frames:

@@ -1,6 +1,6 @@
 """A run's desk: its footage and the session of its scene, as the server asks for them.
 
-The pictures of a recording as JPEG: encoded when asked for, kept while there is room.
+The images of a recording as JPEG: encoded when asked for, kept while there is room.
 
 What `motorcade author` opens: a run, a folder of runs, or a scene that lies beside its run.
 """
@@ -45,7 +45,7 @@ class RunDesk:
 
     @property
     def frames(self) -> int:
-        """How many pictures there are."""
+        """How many images there are."""
         return self.filmed.frames
 
     @cached_property
@@ -88,7 +88,7 @@ class RunDesk:
         return shlex.join([*self.filmed.words, "--scene", str(scene), "--out", str(out)])
 
     def frame(self, index: int) -> bytes:
-        """A picture as JPEG."""
+        """An image as JPEG."""
         return self._footage.jpeg(index)
 
     def figure(self, number: int) -> bytes | None:
@@ -153,12 +153,12 @@ def desk_of(filmed: Filmed, write_log: WriteAheadLog) -> RunDesk:
 
 QUALITY = 82
 WIDEST_PX = 1600
-"""Wider pictures are made smaller: no screen beside a hand shows more."""
+"""Wider images are made smaller: no screen beside a hand shows more."""
 KEPT_BYTES = 192 << 20
 
 
 class Footage:
-    """Pictures by number. May be asked by several threads."""
+    """Images by number. May be asked by several threads."""
 
     def __init__(self, frames: FrameSequence) -> None:
         self._frames = frames
@@ -167,15 +167,15 @@ class Footage:
         self._lock = threading.Lock()
 
     def jpeg(self, index: int) -> bytes:
-        """A picture, colour or grey as it was taken.
+        """An image, colour or grey as it was taken.
 
         Raises:
-            IndexError: there is no such picture.
+            IndexError: there is no such image.
             RecordingError: it cannot be read.
         """
         if not 0 <= index < len(self._frames):
             raise IndexError(f"Footage.jpeg: expected 0 to {len(self._frames) - 1}, got {index}")
-        with self._lock:  # decoders go from one picture to the next
+        with self._lock:  # decoders go from one image to the next
             if index in self._kept:
                 self._kept.move_to_end(index)
                 return self._kept[index]

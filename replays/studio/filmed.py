@@ -1,4 +1,4 @@
-"""A run as it is seen while its scene is edited: pictures, camera path, what to stand on."""
+"""A run as it is seen while its scene is edited: images, camera path, what to stand on."""
 
 from __future__ import annotations
 
@@ -53,12 +53,12 @@ class Filmed:
 
     @property
     def camera(self) -> Camera:
-        """The lens of the pictures."""
+        """The lens of the images."""
         return camera_of(self.recording)
 
     @property
     def frames(self) -> int:
-        """How many pictures there are."""
+        """How many images there are."""
         return len(self.recording.frames)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""What fingers on the picture do to an object: rays of the tracked camera to amounts of a drag.
+"""What fingers on the image do to an object: rays of the tracked camera to amounts of a drag.
 
 A gesture is told by the pixels of its fingers, then and now. Rays go through them; planes and lines
 stand where the object was grabbed, and the drag's amount is counted since the gesture began.
@@ -250,10 +250,10 @@ def joints_held_by(skeleton: Skeleton) -> dict[str, int]:
 class JointGrip:
     """A joint that is held: the pose in which it was taken, and how its limb is turned now.
 
-    It is dragged in the plane through it that is parallel to the picture.
+    It is dragged in the plane through it that is parallel to the image.
 
     Args:
-        frame: the picture on which it is taken.
+        frame: the image on which it is taken.
         ray: of the finger.
         joint: its name; None takes the nearest of those that a pose is dragged by.
 
@@ -322,7 +322,7 @@ class JointGrip:
 
 
 def _nearest(skeleton: Skeleton, at: FloatArray, ray: Ray) -> str:
-    """Of the joints that a pose is dragged by, the one that a ray passes nearest in the picture.
+    """Of the joints that a pose is dragged by, the one that a ray passes nearest in the image.
 
     Raises ValueError: there is none.
     """

@@ -32,13 +32,13 @@ class Desk(Protocol):
 
     @property
     def frames(self) -> int:
-        """How many pictures the footage has."""
+        """How many images the footage has."""
 
     def about(self) -> dict[str, Any]:
         """What there is, for the page, as JSON."""
 
     def frame(self, index: int) -> bytes:
-        """A picture as JPEG."""
+        """An image as JPEG."""
 
     def figure(self, number: int) -> bytes | None:
         """What is drawn of an object, as `.glb`; None where there is no such number."""

@@ -214,7 +214,7 @@ def _apart(places: FloatArray, taken: FloatArray) -> FloatArray:
 def _in_view(
     places: FloatArray, height_m: float, world_T_plane: Similarity, filmed: Filmed, frame: int
 ) -> np.ndarray:
-    """Whether one of a height that stands there is in the picture from head to foot."""
+    """Whether one of a height that stands there is in the image from head to foot."""
     camera = filmed.camera
     world_T_camera: Motor = filmed.world_T_camera[frame]
     seen = np.ones(len(places), dtype=bool)

@@ -332,7 +332,7 @@ class EditingSession:
         new = free_name(name.rstrip(" 0123456789") or name, scene)
         frame = frame_number(message, self.filmed.frames)
         time_s = float(self.filmed.time_s[frame])
-        # To the right in the picture, on the ground that it stands on.
+        # To the right in the image, on the ground that it stands on.
         world_T_parent = scene.world_T_parent(name, time_s, self.anchors(scene, frame))
         right = self.filmed.world_T_camera[frame].rotor.apply([1.0, 0.0, 0.0])
         axis = world_T_parent.rotor.inverse().apply(right) * [1.0, 1.0, 0.0]
@@ -361,7 +361,7 @@ class EditingSession:
         return self._edited(visitor, message, *lines)
 
     def _walk(self, visitor: int, message: Message) -> Answer:
-        """A way drawn on the picture, as points of the plane that the walker stands on."""
+        """A way drawn on the image, as points of the plane that the walker stands on."""
         name = name_of(message, "object")
         frame = frame_number(message, self.filmed.frames)
         scene, time_s = self.history.scene, float(self.filmed.time_s[frame])
@@ -412,7 +412,7 @@ class EditingSession:
         }
 
     def _poses(self, scene: Scene, grip: Grip) -> dict[str, list[float]]:
-        """Where what is dragged, and all that hangs on it, is in the picture on show."""
+        """Where what is dragged, and all that hangs on it, is in the image on show."""
         return {
             name: rows(scene.world_T_object(name, grip.time_s, grip.anchors)).tolist()
             for name in scene.branch(grip.name)
@@ -421,7 +421,7 @@ class EditingSession:
     def anchors(
         self, scene: Scene, frame: int, lines: Sequence[Mapping[str, Any]] = ()
     ) -> dict[str, Similarity]:
-        """Where anchors are in a picture, those that edits bring included."""
+        """Where anchors are in an image, those that edits bring included."""
         known = dict(scene.anchors)
         for line in lines:
             name = line.get("name")

@@ -154,9 +154,9 @@ def number_of(message: Mapping[str, Any], key: str) -> float:
 
 
 def frame_number(message: Mapping[str, Any], frames: int) -> int:
-    """The number of the picture that the browser shows; the first where it does not say.
+    """The number of the image that the browser shows; the first where it does not say.
 
-    Raises ValueError: there is no such picture.
+    Raises ValueError: there is no such image.
     """
     number = message.get("frame", 0)
     if type(number) is not int or not 0 <= number < frames:

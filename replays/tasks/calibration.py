@@ -1,4 +1,4 @@
-"""Calibration from picture files or a video: views gathered, camera and coverage written."""
+"""Calibration from image files or a video: views gathered, camera and coverage written."""
 
 from __future__ import annotations
 
@@ -33,16 +33,16 @@ _Read = tuple[str, Callable[[tuple[int, int] | None], tuple[ImageArray, PictureO
 
 @dataclass(frozen=True, eq=False)
 class CalibrationRun:
-    """A calibration, and what became of every picture.
+    """A calibration, and what became of every image.
 
     Fields:
         board: what was looked for.
-        names: of the pictures of `views`.
+        names: of the images of `views`.
         views: the fitted views and those that were left out of the fit.
-        searched: how many pictures were read.
+        searched: how many images were read.
         with_board: how many of them show the board.
-        unreadable: one line for each picture that could not be read.
-        orientation: how the pictures are stored, where all say the same.
+        unreadable: one line for each image that could not be read.
+        orientation: how the images are stored, where all say the same.
         trials: every lens model, judged by held-out views.
         doubt: which lens model predicts held-out views better than the one asked for; empty where
             none does.
@@ -65,20 +65,20 @@ def calibrate_pictures(
     board: Board,
     model: CameraModel | None = None,
 ) -> CalibrationRun:
-    """Calibrate the camera that took pictures of a board.
+    """Calibrate the camera that took images of a board.
 
     Args:
-        paths: picture files, folders of them, or video files; all of one size.
+        paths: image files, folders of them, or video files; all of one size.
         board: what they show.
         model: "pinhole", "radtan" or "equidistant"; None: the simplest that predicts held-out views
             as well as the best.
 
     Returns:
-        the run; pictures that cannot be read, or are of another size than the first, are listed.
+        the run; images that cannot be read, or are of another size than the first, are listed.
 
     Raises:
-        CalibrationError: too few pictures show the board, or what `tracking.calibrate` refuses.
-        RecordingError: a path that does not exist, a folder without pictures, a video that cannot
+        CalibrationError: too few images show the board, or what `tracking.calibrate` refuses.
+        RecordingError: a path that does not exist, a folder without images, a video that cannot
             be read.
     """
     for path in paths:
@@ -217,10 +217,10 @@ def _finite(value: float) -> float | None:
 
 
 def write_calibration(run: CalibrationRun, path: Path) -> Path:
-    """Write the camera as TOML (usable as a manifest), and the coverage picture beside it.
+    """Write the camera as TOML (usable as a manifest), and the coverage image beside it.
 
     Returns:
-        where the picture lies: `path` with ``_coverage.png`` for its suffix.
+        where the image lies: `path` with ``_coverage.png`` for its suffix.
 
     Raises:
         OSError: a file that cannot be written.

@@ -283,7 +283,7 @@ def _drawn_by(new_context: Callable[[], Context]) -> str | None:
 
 
 def _video() -> list[Finding]:
-    """Write four pictures as H.264 and read them again."""
+    """Write four images as H.264 and read them again."""
     enables = "overlay.mp4 written, videos read as recordings"
     try:
         import numpy as np

@@ -1,4 +1,4 @@
-"""Errors of evaluated trajectories pair by pair: as rows of a table, and as a picture."""
+"""Errors of evaluated trajectories pair by pair: as rows of a table, and as an image."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 Written are a manifest of the house, and the two files that Kalibr would write, in its conventions:
 ``T_cam_imu`` maps the IMU's coordinates to the camera's, ``timeshift_cam_imu`` is added to a
-picture's stamp to be the IMU's time, readings are ``M (C_gyro_i rate) + bias`` and ``M force +
+image's stamp to be the IMU's time, readings are ``M (C_gyro_i rate) + bias`` and ``M force +
 bias`` (github.com/ethz-asl/kalibr/wiki/Multi-IMU-and-IMU-intrinsic-calibration).
 """
 
@@ -41,16 +41,16 @@ _LEAST_PICTURES = 40  # two seconds of them; `synchronise` asks for 20 poses and
 
 @dataclass(frozen=True, eq=False)
 class InertialRun:
-    """A calibration of camera and IMU, and what became of the pictures.
+    """A calibration of camera and IMU, and what became of the images.
 
     Fields:
         calibration: of camera and IMU.
         seen: poses over the board that it stands on.
         board: what was looked for.
-        searched: how many pictures were read; `seen.views` of them show the board.
+        searched: how many images were read; `seen.views` of them show the board.
         stated: the IMU's noise as given.
         rate_hz: of the IMU.
-        rotation_deg: by how much the pictures were turned clockwise to be upright.
+        rotation_deg: by how much the images were turned clockwise to be upright.
     """
 
     calibration: CameraImuCalibration
@@ -76,7 +76,7 @@ def calibrate_recording(
     """Calibrate camera and IMU from a recording of a board.
 
     Args:
-        recording: a folder of any known layout, a bag or a video; up to 20 of its pictures a second
+        recording: a folder of any known layout, a bag or a video; up to 20 of its images a second
             are searched.
         board: what it shows; it must not move.
         imu: EuRoC's CSV, a video with telemetry or a recording; None: that of `recording`.
@@ -88,7 +88,7 @@ def calibrate_recording(
 
     Raises:
         RecordingError: what cannot be read, or no IMU.
-        CalibrationError: pictures that show the board too rarely, or what `calibrate` refuses.
+        CalibrationError: images that show the board too rarely, or what `calibrate` refuses.
         ValueError: what `calibrate_camera_imu` refuses.
     """
     frames = read_frames_of(recording)
@@ -109,7 +109,7 @@ def calibrate_recording(
 
 
 def _thinned(time_ns: IntArray) -> IntArray:
-    """Rows of pictures that are a twentieth of a second apart, or as far as they are."""
+    """Rows of images that are a twentieth of a second apart, or as far as they are."""
     if len(time_ns) < 2:
         return np.arange(len(time_ns))
     typical_s = 1e-9 * float(np.median(np.diff(time_ns)))

@@ -83,7 +83,7 @@ def describe_whole(path: Path, manifest: Path | None = None) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as cache:
         try:
             opened = open_described(recording, manifest, Path(cache), {})
-        except StageError as fault:  # its pictures tell too little: that is worth telling, too
+        except StageError as fault:  # its images tell too little: that is worth telling, too
             return describe(recording) | {"not_found": str(fault)}
     return describe(_without_damage(opened.recording)) | summary(opened)
 

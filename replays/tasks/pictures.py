@@ -1,4 +1,4 @@
-"""Markers in picture files: found, posed, described for machines, and drawn for people."""
+"""Markers in image files: found, posed, described for machines, and drawn for people."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ _SUBPIXEL_BITS = 4
 
 @dataclass(frozen=True, eq=False)
 class MarkerPicture:
-    """The markers of one picture, upright.
+    """The markers of one image, upright.
 
     Fields:
         gray: what was searched.
         detections: by rising id.
         posed: one for each detection where camera and size are known, else empty; None for a
             marker that has no pose (outside what the lens model covers).
-        camera: of the upright picture, where it is known.
+        camera: of the upright image, where it is known.
     """
 
     path: Path
@@ -58,12 +58,12 @@ def markers_in(
     size_m: float | None = None,
     rotation_deg: int | None = None,
 ) -> Iterator[MarkerPicture | RecordingError]:
-    """Find the markers of picture files, one by one; a file that cannot be read gives its error.
+    """Find the markers of image files, one by one; a file that cannot be read gives its error.
 
     Args:
         paths: PNG, JPEG, BMP or PNM files, grey or colour, 8 or 16 bits.
         family: one of `tracking.FAMILIES`.
-        camera: undistorts lines; with `size_m` gives poses. The pictures must have its size, as
+        camera: undistorts lines; with `size_m` gives poses. The images must have its size, as
             shown or as stored.
         size_m: side of the markers' black square, metres.
         rotation_deg: the axes that the camera is stated in (see `readers.frames.held`).
@@ -91,7 +91,7 @@ def markers_in(
 
 
 def _camera_of(path: Path, data: bytes, stated: Camera, rotation_deg: int | None) -> Camera:
-    """The camera of a picture as shown; says what it took for granted."""
+    """The camera of an image as shown; says what it took for granted."""
     try:
         stated_camera = upright_camera(
             stated, rotation_deg, picture_size(data), picture_orientation(data)
@@ -146,7 +146,7 @@ def _described_pose(posed: PosedMarker | None) -> dict[str, Any]:
 
 
 def draw(picture: MarkerPicture) -> ImageArray:
-    """The picture with outlines, ids, a dot on each printed top-left corner, and axes of poses.
+    """The image with outlines, ids, a dot on each printed top-left corner, and axes of poses.
 
     Outlines of corners that are not sharp are orange. Returns BGR ``(height, width, 3)``.
     """
@@ -176,7 +176,7 @@ def drawing_names(paths: Sequence[Path]) -> list[str]:
 
 
 def write_drawing(picture: MarkerPicture, path: Path) -> None:
-    """Write `draw`'s picture as a PNG file. Raises OSError: a file that cannot be written."""
+    """Write `draw`'s image as a PNG file. Raises OSError: a file that cannot be written."""
     _, data = cv2.imencode(".png", draw(picture))
     write_bytes(path, data.tobytes())
 

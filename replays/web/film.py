@@ -35,7 +35,7 @@ def _rate(time_ns: IntArray) -> Fraction:
 
 
 def film_size(width: int, height: int, longest_px: int) -> tuple[int, int]:
-    """Width and height of pictures made small enough that neither is above `longest_px`."""
+    """Width and height of images made small enough that neither is above `longest_px`."""
     scale = min(1.0, longest_px / max(width, height))
     return max(1, round(width * scale)), max(1, round(height * scale))
 
@@ -46,7 +46,7 @@ def write_film(
     time_ns: IntArray,
     size: tuple[int, int] | None = None,
 ) -> None:
-    """Write pictures as an H.264 MP4 for pages; the file appears complete or not at all.
+    """Write images as an H.264 MP4 for pages; the file appears complete or not at all.
 
     Args:
         path: a name that ends in `.mp4`.
@@ -55,7 +55,7 @@ def write_film(
         size: width and height that the film has them in, by default their own.
 
     Raises:
-        ValueError: another ending, or another number of pictures than stamps.
+        ValueError: another ending, or another number of images than stamps.
         OSError: the file cannot be written.
     """
     if path.suffix != ".mp4":
@@ -79,7 +79,7 @@ def _sized(pictures: Iterable[ImageArray], size: tuple[int, int] | None) -> Iter
 
 
 def _encode(path: Path, pictures: Iterable[ImageArray], rate: Fraction) -> int:
-    """Encode and mux; returns how many pictures came."""
+    """Encode and mux; returns how many images came."""
     import av
     from av.video.reformatter import Colorspace
 

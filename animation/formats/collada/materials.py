@@ -2,7 +2,7 @@
 
 Colours are sRGB, by habit of the programs that write them. What Phong, Blinn and Lambert say
 becomes a dielectric of the diffuse colour whose roughness follows from the exponent of its
-highlight; its own specular colour, and pictures for anything but colour, transparency and emission,
+highlight; its own specular colour, and images for anything but colour, transparency and emission,
 are left out.
 
 Sources: Khronos Group, COLLADA 1.4.1. Roughness is that whose GGX lobe is as high as Blinn's of
@@ -113,7 +113,7 @@ class ColladaMaterials:
     def _alpha(
         self, effect: Element, shader: Element, picture: TextureMap | None, name: str
     ) -> tuple[float, bool]:
-        """Opacity, and whether the picture's own alpha is meant."""
+        """Opacity, and whether the image's own alpha is meant."""
         transparent = shader.first("transparent")
         share = _number(shader.first("transparency"), 1.0)
         if transparent is None:
@@ -144,7 +144,7 @@ class ColladaMaterials:
     def _value(
         self, effect: Element, element: Element | None
     ) -> tuple[FloatArray | None, TextureMap | None]:
-        """A colour of three numbers or more, or a picture."""
+        """A colour of three numbers or more, or an image."""
         if element is None:
             return None, None
         color, texture = element.first("color"), element.first("texture")
@@ -154,7 +154,7 @@ class ColladaMaterials:
         return None, None if texture is None else self._map(effect, texture.get("texture"))
 
     def _map(self, effect: Element, name: str) -> TextureMap | None:
-        """The picture that a sampler of the effect leads to, as it says."""
+        """The image that a sampler of the effect leads to, as it says."""
         profile = effect.needed("profile_COMMON")
         sampler: Element | None = None
         for _ in range(2):  # sampler, then surface
@@ -184,7 +184,7 @@ class ColladaMaterials:
 
 
 def _sampling(element: Element | None) -> dict[str, Any]:
-    """How a sampler reads its picture; smoothly and repeating where it does not say."""
+    """How a sampler reads its image; smoothly and repeating where it does not say."""
     if element is None:
         return {}
     wrap = []

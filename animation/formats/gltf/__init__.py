@@ -34,7 +34,7 @@ KEEPS_UNITS = "Open Asset Import Library"
 
 
 def read_gltf(path: Path, *, pictures: Path | None = None) -> Rig:
-    """Read a `.glb`, `.gltf` or `.vrm`; its pictures may lie in another folder, below any name.
+    """Read a `.glb`, `.gltf` or `.vrm`; its images may lie in another folder, below any name.
 
     Raises:
         FormatError: see `open_gltf`, `read_humanoid`, `read_nodes`, `unpack_meshopt`,

@@ -34,7 +34,7 @@ class BinaryBuffer:
         return bytes(self._data)
 
     def add_bytes(self, data: bytes) -> int:
-        """Add a file, such as a picture; returns the number of its view."""
+        """Add a file, such as an image; returns the number of its view."""
         self._data += b"\0" * (-len(self._data) % 4)
         self.views.append({"buffer": 0, "byteOffset": len(self._data), "byteLength": len(data)})
         self._data += data

@@ -109,7 +109,7 @@ class Document:
 
     Args:
         folder: where files that it names are looked for.
-        pictures: where pictures are looked for whatever folder they are said to be in, if another.
+        pictures: where images are looked for whatever folder they are said to be in, if another.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Materials, pictures and morph targets of a glTF file that is being written."""
+"""Materials, images and morph targets of a glTF file that is being written."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MINIFY = {
 
 
 class LookWriter:
-    """Writes what a character looks like into a document, each picture once."""
+    """Writes what a character looks like into a document, each image once."""
 
     def __init__(self, buffer: BinaryBuffer, document: dict[str, Any]) -> None:
         self._buffer, self._document = buffer, document

@@ -165,7 +165,7 @@ class GltfMaterials:
         return "source" in texture or bool(texture.get("extensions"))
 
     def _source(self, texture: dict[str, Any]) -> object:
-        """The number of a texture's picture; None where it has none that can be read."""
+        """The number of a texture's image; None where it has none that can be read."""
         extensions = table(texture.get("extensions", {}), "texture.extensions")
         if WEBP in extensions:
             return table(extensions[WEBP], WEBP).get("source")
@@ -174,7 +174,7 @@ class GltfMaterials:
         return texture.get("source")
 
     def _map(self, value: object, field: str) -> TextureMap | None:
-        """A picture with its sampler and transform; None where it cannot be read."""
+        """An image with its sampler and transform; None where it cannot be read."""
         link = table(value, field)
         which = link.get("texCoord", 0)
         extensions = table(link.get("extensions", {}), f"{field}.extensions")

@@ -36,7 +36,7 @@ class CameraPath:
 
     Args:
         world_T_camera: poses in OpenCV's camera axes.
-        vertical_field_rad: angle between the upper and lower edge of the picture.
+        vertical_field_rad: angle between the upper and lower edge of the image.
         aspect: width over height.
 
     Raises:

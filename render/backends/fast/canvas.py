@@ -33,7 +33,7 @@ NUMBER_UNIT, LIGHT_UNIT, DEPTH_UNIT, BEFORE_UNIT = 12, 13, 14, 15
 
 
 class Canvas:
-    """Pictures of one size in the making.
+    """Images of one size in the making.
 
     First the number of the triangle that each of four samples a pixel shows (`cover`), and what one
     sees through (`blend`); then light, where there is anything (`shade`); then all is put together
@@ -288,7 +288,7 @@ def _cull(gl: Any, part: DrawnPart) -> None:
 
 
 def _rays(camera: Camera, world_T_camera: Motor) -> bytes:
-    """What takes a place in OpenGL's picture (x, y from the bottom, 1) to its ray, one metre deep.
+    """What takes a place in OpenGL's image (x, y from the bottom, 1) to its ray, one metre deep.
 
     Column by column, in the world.
     """

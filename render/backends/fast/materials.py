@@ -38,7 +38,7 @@ MAPS = {
     "emission_map": "EMISSION_MAP",
 }
 ENCODED = ("base_map", "emission_map")
-"""Maps whose pictures are sRGB."""
+"""Maps whose images are sRGB."""
 FIRST_UNIT = 1
 """Texture unit of the first map; the shadow map has the one before."""
 TABLE_UNIT = FIRST_UNIT + len(MAPS)

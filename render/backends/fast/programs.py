@@ -45,7 +45,7 @@ class Programs:
         return self._whole("marked", {}, "")
 
     def resolved(self, *, blended: bool) -> Any:
-        """Draws the picture as it is read."""
+        """Draws the image as it is read."""
         return self._whole("resolved", {"BLENDED": ""} if blended else {}, "")
 
     def shadow(self) -> Any:

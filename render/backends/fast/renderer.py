@@ -39,7 +39,7 @@ _SHADOW_UNIT = 0
 FAR = 64.0
 """Sizes of a scene from the world's origin at which it is counted from its own middle: seven digits
 of coordinates are five of the scene there."""
-# Texels of the shadow map's side; pictures larger than this get the larger one.
+# Texels of the shadow map's side; images larger than this get the larger one.
 _SHADOW_SIZE, _LARGE_SHADOW_SIZE = 1024, 2048
 # Keeps triangles that the sun grazes from shading themselves.
 _SLOPE, _UNITS = 2.0, 1.0
@@ -286,7 +286,7 @@ def _depths(meshes: Sequence[RenderMesh], world_T_camera: Motor) -> tuple[float,
 def _seen_box(
     meshes: Sequence[RenderMesh], camera: Camera, world_T_camera: Motor, near: float
 ) -> Box | None:
-    """The part of the picture that can hold anything, or None where all of it can."""
+    """The part of the image that can hold anything, or None where all of it can."""
     corners = [mesh.corners_m for mesh in meshes if mesh.corners_m is not None]
     if len(corners) < len(meshes) or not corners:
         return None

@@ -182,7 +182,7 @@ def _nested(values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
 
 _SHOWN = ("euler", "euler_unwrapped", "quaternion", "motor")
 _SIZE = 100.0
-# Corners of the picture clockwise from the top left, the mark above it, and where it looks.
+# Corners of the image clockwise from the top left, the mark above it, and where it looks.
 _CAMERA = np.array(
     [
         [-0.52, -0.38, 0.88],
@@ -307,7 +307,7 @@ def _moment(
 
 
 def _text(points: FloatArray) -> str:
-    """Points as the script writes them: a path of sides, picture and mark."""
+    """Points as the script writes them: a path of sides, image and mark."""
     p = [f"{x:g} {y:g}" for x, y in points]
     sides = "".join(f"M0 0L{corner}" for corner in p[:4])
     return f"{sides}M{p[0]}L{p[1]}L{p[2]}L{p[3]}ZM{p[0]}L{p[4]}L{p[1]}"
@@ -320,6 +320,6 @@ def _curve(time_s: FloatArray, errors_deg: FloatArray) -> str:
 
 
 def _height(degrees: FloatArray) -> FloatArray:
-    """Logarithmic, within the picture."""
+    """Logarithmic, within the image."""
     logs = np.log(np.clip(degrees, _LOW_DEG, _HIGH_DEG) / _LOW_DEG)
     return np.asarray(_HEIGHT * (1.0 - logs / np.log(_HIGH_DEG / _LOW_DEG)))

@@ -43,7 +43,7 @@ _OUTCOME = "outcome"
 class Summary:
     """How a sweep went: runs done now, done before, and failed; its rows and where they lie.
 
-    Of those done, `doubtful` contradict themselves or the pictures. Where it was stopped, `left` is
+    Of those done, `doubtful` contradict themselves or the images. Where it was stopped, `left` is
     how many runs have no row yet.
 
     >>> from motorcade.replays.comparison.sweep import Summary
