@@ -104,7 +104,7 @@ def render_performers(
     pinhole, rng = stage.lens.pinhole, np.random.default_rng(0)
     if stage.lens.drawable < 1.0:
         log.warning(
-            "overlay: the lens as described has no use for %.1f %% of the picture (its terms fold "
+            "overlay: the lens as described has no use for %.1f %% of the image (its terms fold "
             "back there, or it sees too far aside): nothing is drawn there, the footage stays",
             100.0 * (1.0 - stage.lens.drawable),
         )
@@ -119,7 +119,7 @@ def render_performers(
     if posed and not seen:
         log.warning(
             "overlay: no figure shows a pixel in %d frames with poses; the first stands at %s m, "
-            "%.3g m tall: out of the pictures, behind the camera, or too small",
+            "%.3g m tall: out of the images, behind the camera, or too small",
             posed,
             np.round(first.world_T_character(stage.start_ns or 0).translation_m, 3).tolist(),
             stage.figures[0].height_m,

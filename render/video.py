@@ -434,7 +434,7 @@ def _checked_shape(
         or (before and shape != before)
     ):
         raise ValueError(
-            f"write_video(frames): expected uint8 RGB pictures of shape {before or '(h, w, 3)'}, "
+            f"write_video(frames): expected uint8 RGB images of shape {before or '(h, w, 3)'}, "
             f"got {picture.dtype} {shape} as number {count}"
         )
     return shape

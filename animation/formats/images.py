@@ -87,7 +87,7 @@ def decode_texture(data: bytes, admit: Callable[[int, int], int]) -> Texture:
     except FormatError:
         raise
     except Exception as fault:  # decoders raise whatever comes to hand on broken images
-        raise FormatError(f"expected a picture, got {type(fault).__name__}") from fault
+        raise FormatError(f"expected an image, got {type(fault).__name__}") from fault
 
 
 def _pixels(opened: Image, factor: int) -> NDArray[np.uint8]:
@@ -166,7 +166,7 @@ class Textures:
 
     def _admitted(self, data: Callable[[], bytes]) -> bytes:
         if self._bytes_left <= 0:
-            raise FormatError(f"expected at most {MAX_IMAGE_BYTES} bytes of pictures, got more")
+            raise FormatError(f"expected at most {MAX_IMAGE_BYTES} bytes of images, got more")
         admitted = data()
         self._bytes_left -= len(admitted)
         return admitted

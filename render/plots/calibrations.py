@@ -84,7 +84,7 @@ def plot_coverage(
             aspect="equal",
             xticks=np.linspace(0, size[0], _CELLS[0] + 1),
             yticks=np.linspace(0, size[1], _CELLS[1] + 1),
-            title=f"corners in the picture; residuals {enlarged:g} times enlarged",
+            title=f"corners in the image; residuals {enlarged:g} times enlarged",
         )
         left.xaxis.set_major_formatter("{x:.0f}")
         left.yaxis.set_major_formatter("{x:.0f}")

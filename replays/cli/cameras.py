@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 
 DETECTION = """\
-Find the markers of one family in pictures, each by itself.
+Find the markers of one family in images, each by itself.
 
 corners     in pixels, (0, 0) is the centre of the top-left pixel; clockwise from the printed
-            top-left corner of the marker, however it is turned in the picture
+            top-left corner of the marker, however it is rotated in the image
 candidates  with --size-m and --camera: both poses that a flat marker allows, the better
             reprojection first, as camera_T_marker: from the marker's frame (origin at its printed
             top-left corner, x right and y up as printed, z out of its face; metres) to the
@@ -34,7 +34,7 @@ def add_detect(commands: Commands) -> None:
     parser = commands.add(
         detect,
         "detect",
-        "find markers in pictures: ids, corners, pose candidates",
+        "find markers in images: ids, corners, pose candidates",
         "motorcade detect *.png --family tag36h11 --size-m 0.065 --camera camera.toml",
     )
     parser.description = DETECTION
@@ -56,7 +56,7 @@ def add_detect(commands: Commands) -> None:
     )
     parser.add_argument("--json", action="store_true", help="machine-readable")
     parser.add_argument(
-        "--draw", type=Path, metavar="FOLDER", help="write pictures of what was found"
+        "--draw", type=Path, metavar="FOLDER", help="write images of what was found"
     )
 
 
@@ -90,7 +90,7 @@ def detect(arguments: argparse.Namespace) -> None:
     if arguments.json:
         print_json({"family": arguments.family, "pictures": described})
     if failed:
-        of = f"{failed} of {len(arguments.images)} pictures"
+        of = f"{failed} of {len(arguments.images)} images"
         raise RuntimeError(f"{of} could not be searched; the others are done")
 
 
@@ -114,8 +114,8 @@ def _print(picture: MarkerPicture) -> None:
 
 
 CALIBRATION = """\
-Calibrate a camera from pictures of a printed board: PNG, JPEG, BMP or PNM files, folders of them,
-or a video. Ten or more views, tilted by 20 to 45 degrees all ways, that fill the picture between
+Calibrate a camera from images of a printed board: PNG, JPEG, BMP or PNM files, folders of them,
+or a video. Ten or more views, tilted by 20 to 45 degrees all ways, that fill the image between
 them are a good start. Views that fit three times worse than the others are left out.
 
 Writes FILE (a TOML [camera] table: usable as --manifest of `run` and as --camera of `detect`) and
@@ -143,7 +143,7 @@ def add_calibrate(commands: Commands) -> None:
     parser = commands.add(
         calibrate,
         "calibrate",
-        "calibrate a camera from pictures or a video of a printed board",
+        "calibrate a camera from images or a video of a printed board",
         "motorcade calibrate images/ --board checkerboard_9x6_40mm -o camera.toml",
     )
     parser.description = CALIBRATION
@@ -242,7 +242,7 @@ def _calibrate_imu(arguments: argparse.Namespace) -> None:
 def _print_inertial(calibration: dict[str, Any]) -> None:
     print(
         f"{calibration['board']}: found in {calibration['pictures_with_board']} of "
-        f"{calibration['pictures_searched']} pictures; {calibration['pictures_used']} used, "
+        f"{calibration['pictures_searched']} images; {calibration['pictures_used']} used, "
         f"{calibration['pictures_refused']} refused, over {calibration['span_s']:.1f} s"
     )
     for parameter in calibration["parameters"]:
@@ -263,7 +263,7 @@ def _print_camera(calibration: dict[str, Any]) -> None:
     camera, deviation = calibration["camera"], calibration["standard_deviation"]
     print(
         f"{calibration['board']}: found in {calibration['pictures_with_board']} of "
-        f"{calibration['pictures_searched']} pictures; {calibration['views_used']} views used, "
+        f"{calibration['pictures_searched']} images; {calibration['views_used']} views used, "
         f"{calibration['views_left_out']} left out"
     )
     for key in ("fx_px", "fy_px", "cx_px", "cy_px"):
@@ -276,7 +276,7 @@ def _print_camera(calibration: dict[str, Any]) -> None:
     print(
         f"  reprojection {calibration['reprojection_rmse_px']:.4f} px RMS, worst view "
         f"{calibration['worst_view_rmse_px']:.4f}; {calibration['coverage']:.0%} of the "
-        "picture's cells "
+        "image's cells "
         f"covered; board turned by up to {calibration['largest_turn_deg']:.0f} degrees"
     )
     trials = calibration["held_out_px"].items()

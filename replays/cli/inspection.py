@@ -157,14 +157,10 @@ def add_export(commands: Commands) -> None:
     parser.add_argument("--gltf", type=Path, metavar="FILE", help="binary glTF, ending in .glb")
     parser.add_argument("--rrd", type=Path, metavar="FILE", help="recording of Rerun")
     parser.add_argument("--usd", type=Path, metavar="FILE", help="USD, ending in .usda or .usdc")
+    parser.add_argument("--colmap", type=Path, metavar="DIR", help="images and COLMAP's text model")
+    parser.add_argument("--nerfstudio", type=Path, metavar="DIR", help="images and transforms.json")
     parser.add_argument(
-        "--colmap", type=Path, metavar="DIR", help="pictures and COLMAP's text model"
-    )
-    parser.add_argument(
-        "--nerfstudio", type=Path, metavar="DIR", help="pictures and transforms.json"
-    )
-    parser.add_argument(
-        "--every", type=int, default=1, metavar="N", help="of the pictures written (1)"
+        "--every", type=int, default=1, metavar="N", help="of the images written (1)"
     )
     parser.add_argument(
         "--max-gap-s",

@@ -354,7 +354,7 @@ def add_graph(commands: Commands) -> None:
         "draw the stage graph",
         "motorcade graph --svg graph.svg",
     )
-    parser.add_argument("--svg", type=Path, metavar="FILE", help="write a picture instead")
+    parser.add_argument("--svg", type=Path, metavar="FILE", help="write an image instead")
     parser.add_argument(
         "--knobs",
         action="store_true",

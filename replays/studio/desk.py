@@ -251,7 +251,7 @@ def ready(offer: Offer, say: Callable[[str], None]) -> Offer:
     say(f"{offer.name}: opening the run")
     since = time.monotonic()
     desk = offer.open()
-    say(f"{offer.name}: {desk.frames} pictures, {time.monotonic() - since:.1f} s")
+    say(f"{offer.name}: {desk.frames} images, {time.monotonic() - since:.1f} s")
     return replace(offer, open=lambda: desk)
 
 

@@ -104,7 +104,7 @@ class Filmed:
         Raises ValueError: a pixel that the lens shows nothing at, a frame without a pose.
         """
         if not self.has_pose[frame]:
-            raise ValueError("In this picture it is not known where the camera was.")
+            raise ValueError("In this image it is not known where the camera was.")
         world_T_camera: Motor = self.world_T_camera[frame]
         rays = self.camera.bearings(pixels)
         if not np.all(np.isfinite(rays)):

@@ -104,7 +104,7 @@ def calibrate_pictures(
     if size is None or not views_of:
         first = f"; first: {unreadable[0]}" if unreadable else ""
         raise CalibrationError(
-            f"{board.name}: expected it in some pictures, got it in none of {searched} that could "
+            f"{board.name}: expected it in some images, got it in none of {searched} that could "
             f"be read, {len(unreadable)} could not{first}"
         )
     spread = spread_views([view for _, view in views_of], _MOST_VIEWS)

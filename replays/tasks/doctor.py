@@ -75,13 +75,13 @@ def simd(known: Set[str], machine: str = platform.machine()) -> str:
 
 OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
     "pipeline": {
-        "opencv-contrib-python-headless": ("cv2", "pictures, markers, boards, visual SLAM"),
+        "opencv-contrib-python-headless": ("cv2", "images, markers, boards, visual SLAM"),
         "pupil-apriltags": ("pupil_apriltags", "codes of AprilTag 3's families"),
         "pyproj": ("pyproj", "latitudes and longitudes as metres"),
         "gtsam": ("gtsam", "poses and an IMU fused by a graph"),
         "rosbags": ("rosbags", "recordings in ROS bags and MCAP, without ROS"),
         "h5py": ("h5py", "inertial recordings in HDF5"),
-        "scikit-image": ("skimage", "structural similarity, picture measures"),
+        "scikit-image": ("skimage", "structural similarity, image measures"),
         "scipy": ("scipy", "fits, statistics, comparisons of trajectories"),
         "av": ("av", "videos in and out"),
         "matplotlib": ("matplotlib", "plots of reports"),
@@ -296,7 +296,7 @@ def _video() -> list[Finding]:
             write_video(path, grey, 40_000_000 * np.arange(4))
             back = [int(picture.mean()) for _, picture in read_frames(path)]
         if len(back) != 4 or max(abs(b - 60 * i) for i, b in enumerate(back)) > 12:
-            raise ValueError(f"four pictures went in, and these greys came out: {back}")
+            raise ValueError(f"four images went in, and these greys came out: {back}")
         import av
 
         library = ".".join(map(str, av.library_versions["libavcodec"]))

@@ -97,7 +97,7 @@ def calibrate_recording(
     stamps, views, size = _searched(frames, rows, board)
     if len(views) < _LEAST_PICTURES:
         raise CalibrationError(
-            f"{board.name}: expected it in {_LEAST_PICTURES} pictures or more, got it in "
+            f"{board.name}: expected it in {_LEAST_PICTURES} images or more, got it in "
             f"{len(views)} of {len(rows)}"
         )
     seen = measure_board(stamps, views, camera, size=size, model=model)
@@ -194,7 +194,7 @@ def write_inertial(run: InertialRun, path: Path) -> tuple[Path, Path]:
 def _manifest(run: InertialRun, noise_file: str) -> str:
     calibration = run.calibration
     seen, span_s = calibration.poses, calibration.span_s
-    lines = [f"# {seen} pictures of {run.board.name}, {span_s:.1f} s beside an IMU"]
+    lines = [f"# {seen} images of {run.board.name}, {span_s:.1f} s beside an IMU"]
     lines += [f"# not told by the motion: {one}" for one in calibration.untold]
     lines += [
         camera_toml(calibration.camera, run.rotation_deg),

@@ -228,8 +228,8 @@ TEXT_SUFFIXES = (".tum", ".txt", ".csv", ".kitti")
 
 _POSES = "poses: smooth, evaluate, fuse, trajectory"
 _READ_BY = {
-    **dict.fromkeys(IMAGE_TYPES, "pictures: run"),
-    IMU_TYPE: "inertial readings: run, beside pictures",
+    **dict.fromkeys(IMAGE_TYPES, "images: run"),
+    IMU_TYPE: "inertial readings: run, beside images",
     CAMERA_INFO_TYPE: "a camera",
     **dict.fromkeys(TRANSFORM_TYPES, "frames, listed below: smooth, evaluate, fuse, trajectory"),
 }

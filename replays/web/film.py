@@ -64,7 +64,7 @@ def write_film(
         part = place / "film.mp4"
         count = _encode(part, _sized(pictures, size), _rate(time_ns))
         if count != len(time_ns):
-            raise ValueError(f"write_film: expected {len(time_ns)} pictures, got {count}")
+            raise ValueError(f"write_film: expected {len(time_ns)} images, got {count}")
         part.replace(path)
 
 

@@ -150,7 +150,7 @@ def test_other_endings_and_shapes_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"\.mp4"):
         write_video(tmp_path / "v.avi", pictures(2), UNEVEN_NS[:2])
     grey = [np.zeros((8, 8), dtype=np.uint8)] * 2
-    with pytest.raises(ValueError, match="RGB pictures"):
+    with pytest.raises(ValueError, match="RGB images"):
         write_video(tmp_path / "v.mp4", grey, UNEVEN_NS[:2])
     mixed = [np.zeros((8, 8, 3), dtype=np.uint8), np.zeros((8, 10, 3), dtype=np.uint8)]
     with pytest.raises(ValueError, match=r"shape \(8, 8, 3\)"):

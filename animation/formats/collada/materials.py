@@ -122,7 +122,7 @@ class ColladaMaterials:
         if veil is not None:
             own = picture is not None and veil.pixels is picture.pixels
             if not own:
-                self._lost.add("pictures of transparency")
+                self._lost.add("images of transparency")
             return 1.0, own and bool((veil.pixels[..., 3] < 255).any())
         tint = np.ones(4) if color is None or len(color) < 4 else color[:4]
         alpha = float(tint[3]) * share
@@ -137,7 +137,7 @@ class ColladaMaterials:
         """Note what is left out."""
         for name in ("specular", "ambient", "reflective", "shininess"):
             if shader.first(name, "texture") is not None:
-                self._lost.add(f"pictures of {name} light" if name != "shininess" else name)
+                self._lost.add(f"images of {name} light" if name != "shininess" else name)
         if next(effect.every("bump"), None) is not None:
             self._lost.add("bump maps")
 

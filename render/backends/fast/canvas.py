@@ -69,7 +69,7 @@ class Canvas:
         except moderngl.Error as refused:
             self.release()
             raise RenderUnavailable(
-                f"no memory for pictures of {size[0]} x {size[1]} with {SAMPLES} samples: {refused}"
+                f"no memory for images of {size[0]} x {size[1]} with {SAMPLES} samples: {refused}"
             ) from refused
         self._covered.use()
         self.sample_places = np.floor(2.0 * bare.sample_places(SAMPLES)) / 2.0 + 0.25

@@ -134,7 +134,7 @@ def test_bytes_of_all_pictures_are_bounded(monkeypatch: pytest.MonkeyPatch) -> N
     for k in range(5):
         held.read(str(k), data)
     assert len(asked) == 2
-    assert "bytes of pictures" in held.notices[2]
+    assert "bytes of images" in held.notices[2]
 
 
 def test_hostile_pictures_leave_a_figure_that_is_drawn(write: Write) -> None:

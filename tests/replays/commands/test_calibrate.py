@@ -99,7 +99,7 @@ def test_the_file_is_a_manifest_for_the_video_that_it_came_from(
     named = ["--board", BOARD.name, "-o", str(out), "--model", "pinhole"]
     assert main(["calibrate", str(path), *named]) == 0
     told = capsys.readouterr().out
-    assert "found in 9 of 9 pictures; 9 views used, 0 left out" in told
+    assert "found in 9 of 9 images; 9 views used, 0 left out" in told
     assert "camera_coverage.png" in told
     recording = open_recording(path, out)
     assert recording.camera == read_camera(out)

@@ -173,5 +173,5 @@ def test_what_cannot_be_calibrated_is_told_in_one_line(tmp_path: Path, capsys) -
 
     assert "without them" in refusal_of(tmp_path, "--imu")
     write_imu(short()[0].imu, folder / "imu0" / "data.csv")
-    assert "in 40 pictures or more, got it in 0 of 3" in refusal_of(tmp_path, "--imu")
+    assert "in 40 images or more, got it in 0 of 3" in refusal_of(tmp_path, "--imu")
     assert "one recording beside an IMU" in refusal_of(tmp_path, tmp_path, "--imu", "imu.csv")

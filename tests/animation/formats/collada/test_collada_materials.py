@@ -149,7 +149,7 @@ def test_what_is_not_drawn_is_named_once(write: Write) -> None:
     )
     data = textured(shader + "<extra><technique><bump/></technique></extra>")
     told = [one for one in read(write, data).notices if "drawn without" in one]
-    assert told == ["materials are drawn without bump maps, pictures of specular light"]
+    assert told == ["materials are drawn without bump maps, images of specular light"]
 
 
 @pytest.mark.parametrize(

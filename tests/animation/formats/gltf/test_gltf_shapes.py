@@ -201,7 +201,7 @@ def test_a_picture_that_is_none_is_told_and_leaves_a_plain_grey(write: Write) ->
     made = samples.gltf_tower()
     view = made.view(np.frombuffer(_picture((9, 9, 9))[:40], np.uint8))
     found = read_character(write("broken.glb", _painted(made, {"bufferView": view, "name": "x"})))
-    assert any("'x' was not read (expected a picture" in notice for notice in found.notices)
+    assert any("'x' was not read (expected an image" in notice for notice in found.notices)
     np.testing.assert_allclose(found.colors, found.colors[0, 0])
 
 
