@@ -32,7 +32,7 @@ from motorcade.animation.authoring.pointing import DragPlane, OutOfReach, Ray
 from motorcade.ga import Similarity
 from motorcade.replays.pipeline.look.packing import packed
 from motorcade.replays.studio.filmed import Filmed, spoken
-from motorcade.replays.studio.grip import Grab, Grip, JointGrip, joints_held_by
+from motorcade.replays.studio.dragging import Grab, Grip, JointGrip, joints_held_by
 from motorcade.replays.studio.offers import Answer
 from motorcade.replays.studio.played import PlayedScene, rows
 from motorcade.replays.studio.props import GROUND, Props, free_name, room_m, thinned

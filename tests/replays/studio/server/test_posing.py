@@ -9,7 +9,7 @@ import pytest
 
 from motorcade.animation.authoring import SceneEditor, gesture_of, read_scene, scene_text
 from motorcade.ga import Similarity
-from motorcade.replays.studio.grip import HELD_BY
+from motorcade.replays.studio.dragging import HELD_BY
 from tests.replays.studio.server.stage import FRAMES, RunDesk, Visitor, desk, seen
 from tests.replays.studio.server.test_session import LENSES
 
