@@ -69,7 +69,7 @@ class Grab:
             raise ValueError(f"pixels: expected another number of fingers to {self.gesture}")
 
 
-class Grip:
+class ObjectDrag:
     """An object in somebody's hand: what it was when it was taken, and how far it has come.
 
     Args:
@@ -196,7 +196,7 @@ class Grip:
             return None
         return Dragged(self.drag, (self.amount,))
 
-    def told(self) -> str:
+    def shown_amount(self) -> str:
         """How far it has come, for people."""
         if self.drag is None or self.amount is None:
             return ""
@@ -247,7 +247,7 @@ def joints_held_by(skeleton: Skeleton) -> dict[str, int]:
     return {part: body[part] for part in HELD_BY if part in body}
 
 
-class JointGrip:
+class LimbDrag:
     """A joint that is held: the pose in which it was taken, and how its limb is turned now.
 
     It is dragged in the plane through it that is parallel to the image.

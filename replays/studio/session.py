@@ -1,12 +1,12 @@
-"""A scene in the hands of several browsers: what they ask for and are told.
+"""A scene edited by several browsers at once: what they ask for, and what they are answered.
 
 While a gesture goes on its object is shown where it is taken to, and nothing of it is in the scene;
-at its end it becomes one step, which is on the disk before anybody is told. So two browsers drag
+at its end it becomes one step, which is on the disk before anybody is answered. So two browsers drag
 two objects at once, and a process that is killed loses what is in the hand and nothing else.
 
 Who holds what: an object is moved by one browser at a time, with all that hangs on it.
 
-What a page is told of a scene: its objects, where each is over the footage, what it does.
+What a page gets of a scene: its objects, where each is over the footage, what it does.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from motorcade.animation.authoring.fields import anchor_json, layer_json
 from motorcade.animation.authoring.pointing import DragPlane, OutOfReach, Ray
 from motorcade.ga import Similarity
 from motorcade.replays.pipeline.look.packing import packed
+from motorcade.replays.studio.dragging import Grab, LimbDrag, ObjectDrag, joints_held_by
 from motorcade.replays.studio.filmed import Filmed, spoken
-from motorcade.replays.studio.dragging import Grab, Grip, JointGrip, joints_held_by
 from motorcade.replays.studio.offers import Answer
 from motorcade.replays.studio.played import PlayedScene, rows
 from motorcade.replays.studio.props import GROUND, Props, free_name, room_m, thinned
@@ -48,17 +48,17 @@ from motorcade.replays.studio.write_ahead import SceneHistory
 
 
 @dataclass
-class Hands:
-    """What the visitors of a scene hold in their hands.
+class ObjectLocks:
+    """Which objects the visitors of a scene have locked.
 
     >>> from motorcade.animation.authoring import Scene, VersorObjectPose
     >>> from motorcade.ga import Similarity
-    >>> from motorcade.replays.studio.session import Hands
+    >>> from motorcade.replays.studio.session import ObjectLocks
     >>> still = VersorObjectPose(Similarity.identity())
     >>> scene = Scene({"table": None, "cup": "table"}, {"table": still, "cup": still})
-    >>> hands = Hands()
-    >>> hands.take(1, "cup", scene)
-    >>> hands.take(2, "table", scene)
+    >>> locks = ObjectLocks()
+    >>> locks.take(1, "cup", scene)
+    >>> locks.take(2, "table", scene)
     Traceback (most recent call last):
     ValueError: Somebody else is moving cup.
     """
@@ -118,8 +118,8 @@ class EditingSession:
     played: PlayedScene
     props: Props
     view: SceneView
-    _hands: Hands = field(default_factory=Hands)
-    _grips: dict[int, Grip | JointGrip] = field(default_factory=dict)
+    _locks: ObjectLocks = field(default_factory=ObjectLocks)
+    _drags: dict[int, ObjectDrag | LimbDrag] = field(default_factory=dict)
     _frames: dict[int, int] = field(default_factory=dict)
     _version: int = 0
 
@@ -183,12 +183,12 @@ class EditingSession:
             (0.0, 0.0, 1.0) if axis is None else (float(axis[0]), float(axis[1]), float(axis[2])),
             frame_of_axes(message),
         )
-        grip = self._grips.get(visitor)
-        if isinstance(grip, JointGrip) or grip is None or grip.name != name:
-            if grip is not None:
+        drag = self._drags.get(visitor)
+        if isinstance(drag, LimbDrag) or drag is None or drag.name != name:
+            if drag is not None:
                 raise ValueError("begin: expected what is held to be let go first")
-            self._hands.take(visitor, name, scene)
-            grip = Grip(
+            self._locks.take(visitor, name, scene)
+            drag = ObjectDrag(
                 scene,
                 name,
                 float(self.filmed.time_s[frame]),
@@ -197,12 +197,12 @@ class EditingSession:
                 SNAPS if message.get("snap") is True else Snapping(),
             )
         try:
-            grip.take(grab)
+            drag.take(grab)
         except ValueError:
-            if visitor not in self._grips:
-                self._hands.let_go(visitor)
+            if visitor not in self._drags:
+                self._locks.let_go(visitor)
             raise
-        return self._held(visitor, grip, frame)
+        return self._held(visitor, drag, frame)
 
     def _begin_joint(
         self, visitor: int, message: Message, frame: int, rays: tuple[Ray, ...]
@@ -213,58 +213,58 @@ class EditingSession:
             raise ValueError("pixels: expected those of one finger")
         name, scene = name_of(message, "object"), self.history.scene
         joint = None if message.get("joint") is None else name_of(message, "joint")
-        grip = JointGrip(self.played, scene, name, frame, rays[0], joint)
-        self._hands.take(visitor, name, scene)
-        return self._held(visitor, grip, frame)
+        drag = LimbDrag(self.played, scene, name, frame, rays[0], joint)
+        self._locks.take(visitor, name, scene)
+        return self._held(visitor, drag, frame)
 
-    def _held(self, visitor: int, grip: Grip | JointGrip, frame: int) -> Answer:
-        self._grips[visitor] = grip
+    def _held(self, visitor: int, drag: ObjectDrag | LimbDrag, frame: int) -> Answer:
+        self._drags[visitor] = drag
         self._frames[visitor] = frame
-        return Answer({}, {"holds": sorted(self._hands.held.values())})
+        return Answer({}, {"holds": sorted(self._locks.held.values())})
 
     def _drag(self, visitor: int, message: Message) -> Answer:
-        grip, frame = self._grip(visitor), self._frames[visitor]
+        drag, frame = self._drag_of(visitor), self._frames[visitor]
         amount = number_of(message, "amount") if "amount" in message else None
         rays = () if amount is not None else self._rays(frame, message)
-        if isinstance(grip, JointGrip):
-            joints = {grip.name: packed(rows(grip.move(rays))[None])}
+        if isinstance(drag, LimbDrag):
+            joints = {drag.name: packed(rows(drag.move(rays))[None])}
             return Answer({"joints": joints}, {"joints": joints})
-        scene = grip.move(rays, amount)
-        poses = self._poses(scene, grip)
-        return Answer({"poses": poses, "said": grip.told()}, {"poses": poses})
+        scene = drag.move(rays, amount)
+        poses = self._poses(scene, drag)
+        return Answer({"poses": poses, "said": drag.shown_amount()}, {"poses": poses})
 
     def _end(self, visitor: int, message: Message) -> Answer:
-        grip = self._grip(visitor)
+        drag = self._drag_of(visitor)
         news = self._dropped(visitor)
-        gesture, before = grip.gesture(), self.history.scene
+        gesture, before = drag.gesture(), self.history.scene
         if gesture is None:
             return Answer(dict(news or {}), news)
-        self.history.do(gesture, {} if isinstance(grip, JointGrip) else grip.anchors)
+        self.history.do(gesture, {} if isinstance(drag, LimbDrag) else drag.anchors)
         return self._changed(before)
 
     def _cancel(self, visitor: int, message: Message) -> Answer:
         news = self._dropped(visitor)
         return Answer(dict(news or {}), news)
 
-    def _grip(self, visitor: int) -> Grip | JointGrip:
-        if visitor not in self._grips:
+    def _drag_of(self, visitor: int) -> ObjectDrag | LimbDrag:
+        if visitor not in self._drags:
             raise ValueError("Nothing is held.")
-        return self._grips[visitor]
+        return self._drags[visitor]
 
     def _dropped(self, visitor: int) -> Message | None:
         """Let go without a change: everybody sees the object back where the scene has it."""
-        grip = self._grips.pop(visitor, None)
+        drag = self._drags.pop(visitor, None)
         self._frames.pop(visitor, None)
-        self._hands.let_go(visitor)
-        if grip is None:
+        self._locks.let_go(visitor)
+        if drag is None:
             return None
-        names = self.history.scene.branch(grip.name)
-        return {"free": names, "holds": sorted(self._hands.held.values())}
+        names = self.history.scene.branch(drag.name)
+        return {"free": names, "holds": sorted(self._locks.held.values())}
 
     # Edits
 
     def _step(self, visitor: int, way: Literal["undo", "redo"]) -> Answer:
-        self._hands.require_all_free(visitor)
+        self._locks.require_all_free(visitor)
         self._require_idle(visitor)
         before = self.history.scene
         self.history.step(way)
@@ -304,14 +304,14 @@ class EditingSession:
         return self._changed(before)
 
     def _require_idle(self, visitor: int) -> None:
-        if visitor in self._grips:
+        if visitor in self._drags:
             raise ValueError("Let go first.")
 
     def _require_free(self, visitor: int, line: Mapping[str, Any]) -> None:
         named = line.get("objects") if line.get("do") == "group" else [line.get("object")]
         for name in named if isinstance(named, list) else []:
             if isinstance(name, str) and name in self.history.scene.parents:
-                self._hands.require_free(visitor, name, self.history.scene)
+                self._locks.require_free(visitor, name, self.history.scene)
 
     def _place(self, visitor: int, message: Message) -> Answer:
         """Somebody or something new, in the middle of what there is to stand on."""
@@ -403,7 +403,7 @@ class EditingSession:
         return Answer(changes, changes)
 
     def _scene(self, before: Scene | None) -> dict[str, Any]:
-        scene, held = self.history.scene, set(self._hands.held.values())
+        scene, held = self.history.scene, set(self._locks.held.values())
         objects = [self.view.about(scene, name, before) for name in scene.parents]
         return {
             "undo": self.history.can_undo,
@@ -411,11 +411,11 @@ class EditingSession:
             "objects": [{**one, "held": one["name"] in held} for one in objects],
         }
 
-    def _poses(self, scene: Scene, grip: Grip) -> dict[str, list[float]]:
+    def _poses(self, scene: Scene, drag: ObjectDrag) -> dict[str, list[float]]:
         """Where what is dragged, and all that hangs on it, is in the image on show."""
         return {
-            name: rows(scene.world_T_object(name, grip.time_s, grip.anchors)).tolist()
-            for name in scene.branch(grip.name)
+            name: rows(scene.world_T_object(name, drag.time_s, drag.anchors)).tolist()
+            for name in scene.branch(drag.name)
         }
 
     def anchors(

@@ -96,7 +96,7 @@ def test_a_finger_takes_the_nearest_where_no_joint_is_named(one: Visitor) -> Non
     for joint in HELD_BY:
         pixel = seen(at, 0, joint_at(at, name, joint, 0)) + 0.5
         one.done("begin", object=name, gesture="joint", frame=0, pixels=[pixel.tolist()])
-        assert at.session._grips[1].joint == joint
+        assert at.session._drags[1].joint == joint
         one.done("cancel")
 
 

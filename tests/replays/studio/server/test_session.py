@@ -1,6 +1,5 @@
 """Fingers on the picture, several browsers at once, and what is kept of all they do."""
 
-import argparse
 import shlex
 from pathlib import Path
 
@@ -9,6 +8,7 @@ import pytest
 
 from motorcade.ga import Rotor
 from motorcade.replays.cli import runs
+from motorcade.replays.cli.main import command_parser
 from motorcade.replays.studio.desk import offered
 from motorcade.tracking import Camera
 from tests.replays.studio.server.stage import FRAMES, STRAIGHT, Visitor, desk, seen, stands
@@ -114,10 +114,7 @@ def test_the_page_tells_the_command_that_draws_the_film(tmp_path: Path) -> None:
     folder = tmp_path / "a run; of mine"
     folder.mkdir()
     words = shlex.split(desk(folder).about()["film"])
-    assert words[:2] == ["motorcade", "run"]
-    parser = argparse.ArgumentParser()
-    runs.add_run(parser.add_subparsers(), argparse.ArgumentParser(add_help=False))
-    told = parser.parse_args(words[1:])
+    told = command_parser([runs.add_run]).parse_args(words)
     assert told.recordings == [Path("table").absolute()]
     assert told.scene == folder / "scene.json"
     assert told.out == folder / "scene-film"
