@@ -1,8 +1,8 @@
 """A scene edited by several browsers at once: what they ask for, and what they are answered.
 
 While a gesture goes on its object is shown where it is taken to, and nothing of it is in the scene;
-at its end it becomes one step, which is on the disk before anybody is answered. So two browsers drag
-two objects at once, and a process that is killed loses what is in the hand and nothing else.
+at its end it becomes one step, which is on the disk before anybody is answered. So two browsers
+drag two objects at once, and a process that is killed loses what is being dragged and nothing else.
 
 Who holds what: an object is moved by one browser at a time, with all that hangs on it.
 

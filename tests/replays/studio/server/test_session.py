@@ -114,7 +114,7 @@ def test_the_page_tells_the_command_that_draws_the_film(tmp_path: Path) -> None:
     folder = tmp_path / "a run; of mine"
     folder.mkdir()
     words = shlex.split(desk(folder).about()["film"])
-    told = command_parser([runs.add_run]).parse_args(words)
+    told = command_parser([runs.add_run]).parse_args(words[1:])
     assert told.recordings == [Path("table").absolute()]
     assert told.scene == folder / "scene.json"
     assert told.out == folder / "scene-film"
