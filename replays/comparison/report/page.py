@@ -144,7 +144,8 @@ def _motion_page(environment: Environment, results: Results, motion: str) -> str
         panels=_over_time(results, motion),
         metrics=_DETAILS,
         places=[
-            (one, matrix.place_rows(results, motion, one, _DETAILS)) for one in results.degradations
+            (name, matrix.place_rows(results, motion, name, _DETAILS))
+            for name in results.degradations
         ],
         parameters=[(one, _parameters(results, motion, one)) for one in results.degradations],
     )

@@ -108,7 +108,8 @@ def replay(results: Results, motion: str, degradation: str, method: str) -> Repl
         if name != method or not drawn or (rigid and representation == "similarity"):
             continue
         if any(
-            _at(one) == (motion, degradation, *_pair(row)) for one in results.document["failures"]
+            _at(failure) == (motion, degradation, *_pair(row))
+            for failure in results.document["failures"]
         ):
             continue
         setting = Setting(method, representation, tuple(row["parameters"].items()))
