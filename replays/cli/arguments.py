@@ -75,6 +75,11 @@ def _whole_number(text: str) -> int:
     return int(text)
 
 
+def chosen(arguments: argparse.Namespace, *names: str) -> dict[str, Any]:
+    """The options of these names, for what takes them by the same names."""
+    return {name: getattr(arguments, name) for name in names}
+
+
 def check_known(option: str, names: Iterable[str], known: Collection[str]) -> None:
     """ValueError with the nearest known name where one of the names of an option is unknown."""
     for name in names:

@@ -11,6 +11,7 @@ from motorcade.replays.cli.arguments import (
     Commands,
     add_stamps,
     check_known,
+    chosen,
     shown,
     write_json,
 )
@@ -227,14 +228,12 @@ def _matched(arguments: argparse.Namespace, estimate: Trajectory, reference: Tra
         estimate,
         reference,
         arguments.align,
-        max_difference_s=arguments.max_difference_s,
-        offset_s=arguments.offset_s,
-        start_s=arguments.start_s,
-        end_s=arguments.end_s,
-        interpolate=arguments.interpolate,
-        max_gap_s=arguments.max_gap_s,
-        n_to_align=arguments.n_to_align,
         plane=arguments.project,
+        **chosen(
+            arguments,
+            *("max_difference_s", "offset_s", "start_s", "end_s", "interpolate", "max_gap_s"),
+            "n_to_align",
+        ),
     )
 
 

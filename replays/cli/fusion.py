@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from motorcade.replays.cli.arguments import Commands, add_stamps, shown, write_json
+from motorcade.replays.cli.arguments import Commands, add_stamps, chosen, shown, write_json
 
 if TYPE_CHECKING:
     from motorcade.fusion.imu import ImuNoise, ImuStream
@@ -176,21 +176,17 @@ def _options(arguments: argparse.Namespace, rig: ImuCalibration | None) -> Fusin
     imu_T_camera, offset_s, noise = _calibration(arguments.extrinsics, rig)
     return FusingOptions(
         noise=noise if arguments.noise is None else read_noise(arguments.noise),
-        noise_factor=arguments.noise_factor,
-        walk_factor=arguments.walk_factor,
-        learn_noise=arguments.learn_noise,
+        **chosen(
+            arguments,
+            *("noise_factor", "walk_factor", "learn_noise", "sigma_m", "gravity_m_s2"),
+            *("extrinsics_sigma_m", "gate", "least_accepted", "online"),
+        ),
         imu_T_camera=imu_T_camera,
         offset_s=offset_s if arguments.offset_s is None else arguments.offset_s,
         estimate=tuple(arguments.estimate),
-        sigma_m=arguments.sigma_m,
         sigma_rad=radians(arguments.sigma_deg),
-        gravity_m_s2=arguments.gravity_m_s2,
         gravity_sigma_rad=float(np.deg2rad(arguments.gravity_sigma_deg)),
         extrinsics_sigma_rad=radians(arguments.extrinsics_sigma_deg),
-        extrinsics_sigma_m=arguments.extrinsics_sigma_m,
-        gate=arguments.gate,
-        least_accepted=arguments.least_accepted,
-        online=arguments.online,
         lag_s=arguments.lag,
     )
 

@@ -7,7 +7,14 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.cli.arguments import Commands, add_seed, print_json, shown, write_json
+from motorcade.replays.cli.arguments import (
+    Commands,
+    add_seed,
+    chosen,
+    print_json,
+    shown,
+    write_json,
+)
 
 if TYPE_CHECKING:
     from motorcade.fusion.imu import ImuFaults, ImuNoise, StreamNoise, VibrationSpectrum
@@ -74,21 +81,34 @@ def _add_extrinsics(parser: argparse.ArgumentParser) -> None:
 
 
 _AXES = (
-    ("--gyro-scale", "factors of the angular rate"),
-    ("--accel-scale", "factors of the specific force"),
-    ("--gyro-misalignment", "rad: y towards x, z towards x, z towards y"),
-    ("--accel-misalignment", "rad: y towards x, z towards x, z towards y"),
-    ("--gyro-turn", "rad, rotation vector from the accelerometer's axes to the gyroscope's"),
-    ("--gyro-g-sensitivity", "(rad/s)/(m/s²), rate read for force along each axis"),
-    ("--gyro-bias", "rad/s, where the walk starts"),
-    ("--accel-bias", "m/s², where the walk starts"),
-    ("--gyro-flicker", "rad/s, bias instability"),
-    ("--accel-flicker", "m/s², bias instability"),
-    ("--gyro-bias-per-k", "rad/s for each kelvin of warming"),
-    ("--accel-bias-per-k", "m/s² for each kelvin of warming"),
-    ("--gyro-scale-per-k", "growth of the factors for each kelvin"),
-    ("--accel-scale-per-k", "growth of the factors for each kelvin"),
+    ("--gyro-scale", "gyro_scale", "factors of the angular rate"),
+    ("--accel-scale", "accel_scale", "factors of the specific force"),
+    ("--gyro-misalignment", "gyro_misalignment_rad", "rad: y towards x, z towards x, z towards y"),
+    (
+        "--accel-misalignment",
+        "accel_misalignment_rad",
+        "rad: y towards x, z towards x, z towards y",
+    ),
+    (
+        "--gyro-turn",
+        "gyro_turn_rad",
+        "rad, rotation vector from the accelerometer's axes to the gyroscope's",
+    ),
+    (
+        "--gyro-g-sensitivity",
+        "gyro_g_sensitivity_rad_s_m",
+        "(rad/s)/(m/s²), rate read for force along each axis",
+    ),
+    ("--gyro-bias", "gyro_bias_rad_s", "rad/s, where the walk starts"),
+    ("--accel-bias", "accel_bias_m_s2", "m/s², where the walk starts"),
+    ("--gyro-flicker", "gyro_flicker_rad_s", "rad/s, bias instability"),
+    ("--accel-flicker", "accel_flicker_m_s2", "m/s², bias instability"),
+    ("--gyro-bias-per-k", "gyro_bias_rad_s_k", "rad/s for each kelvin of warming"),
+    ("--accel-bias-per-k", "accel_bias_m_s2_k", "m/s² for each kelvin of warming"),
+    ("--gyro-scale-per-k", "gyro_scale_k", "growth of the factors for each kelvin"),
+    ("--accel-scale-per-k", "accel_scale_k", "growth of the factors for each kelvin"),
 )
+"""Options with a number an axis, and what `ImuFaults` calls them."""
 _NUMBERS = (
     ("--warming-k", 0.0, "kelvins by which the sensor gets warmer in the end"),
     ("--warming-time-s", 600.0, "within which it does 63 %% of that (600)"),
@@ -107,9 +127,10 @@ _NUMBERS = (
 
 def _add_faults(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("faults of the sensor")
-    for name, text in _AXES:
+    axes: dict[str, Any] = {"type": float, "nargs": 3, "metavar": _THREE}
+    for name, field, text in _AXES:
         default = [1.0] * 3 if name.endswith("scale") else [0.0] * 3
-        group.add_argument(name, type=float, nargs=3, metavar=_THREE, default=default, help=text)
+        group.add_argument(name, dest=field, default=default, help=text, **axes)
     for name, number, text in _NUMBERS:
         group.add_argument(name, type=float, default=number, help=text)
 
@@ -170,34 +191,9 @@ def _noise(values: list[str]) -> ImuNoise | tuple[ImuNoise, ...] | None:
 def _faults(arguments: argparse.Namespace) -> ImuFaults:
     from motorcade.fusion.imu import ImuFaults
 
-    return ImuFaults(
-        gyro_scale=arguments.gyro_scale,
-        accel_scale=arguments.accel_scale,
-        gyro_misalignment_rad=arguments.gyro_misalignment,
-        accel_misalignment_rad=arguments.accel_misalignment,
-        gyro_turn_rad=arguments.gyro_turn,
-        gyro_g_sensitivity_rad_s_m=arguments.gyro_g_sensitivity,
-        gyro_bias_rad_s=arguments.gyro_bias,
-        accel_bias_m_s2=arguments.accel_bias,
-        gyro_flicker_rad_s=arguments.gyro_flicker,
-        accel_flicker_m_s2=arguments.accel_flicker,
-        warming_k=arguments.warming_k,
-        warming_time_s=arguments.warming_time_s,
-        gyro_bias_rad_s_k=arguments.gyro_bias_per_k,
-        accel_bias_m_s2_k=arguments.accel_bias_per_k,
-        gyro_scale_k=arguments.gyro_scale_per_k,
-        accel_scale_k=arguments.accel_scale_per_k,
-        gyro_lowpass_hz=arguments.gyro_lowpass_hz,
-        accel_lowpass_hz=arguments.accel_lowpass_hz,
-        gyro_delay_s=arguments.gyro_delay_s,
-        accel_delay_s=arguments.accel_delay_s,
-        stamp_jitter_s=arguments.stamp_jitter_s,
-        gyro_range_rad_s=arguments.gyro_range_rad_s,
-        accel_range_m_s2=arguments.accel_range_m_s2,
-        gyro_step_rad_s=arguments.gyro_step_rad_s,
-        accel_step_m_s2=arguments.accel_step_m_s2,
-        dropped_share=arguments.dropped,
-    )
+    numbers = [name.removeprefix("--").replace("-", "_") for name, _, _ in _NUMBERS]
+    named = chosen(arguments, *(field for _, field, _ in _AXES), *numbers)
+    return ImuFaults(dropped_share=named.pop("dropped"), **named)
 
 
 def _vibration(arguments: argparse.Namespace) -> VibrationSpectrum | None:

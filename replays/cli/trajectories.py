@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.cli.arguments import Commands, add_stamps, shown, write_json
+from motorcade.replays.cli.arguments import Commands, add_stamps, chosen, shown, write_json
 
 if TYPE_CHECKING:
     from motorcade.ga import Motor, Similarity, Trajectory
@@ -410,26 +410,18 @@ def _edits(arguments: argparse.Namespace) -> TrajectoryEdits:
     other = arguments.resample_as
     if arguments.invert_transform and not (arguments.transform_left or arguments.transform_right):
         raise ValueError("--invert-transform: expected --transform-left or --transform-right")
+    same = chosen(
+        arguments,
+        *("invert", "scale", "start_s", "end_s", "downsample", "merge", "offset_s", "resample_hz"),
+        *("max_gap_s", "align", "n_to_align", "max_difference_s", "interpolate", "propagate"),
+    )
     return TrajectoryEdits(
-        invert=arguments.invert,
-        scale=arguments.scale,
-        start_s=arguments.start_s,
-        end_s=arguments.end_s,
-        downsample=arguments.downsample,
+        **same,
         motion_filter=None if arguments.motion_filter is None else tuple(arguments.motion_filter),
-        merge=arguments.merge,
-        offset_s=arguments.offset_s,
-        resample_hz=arguments.resample_hz,
-        max_gap_s=arguments.max_gap_s,
         resample_as=None if other is None else _read_one(other, arguments),
-        align=arguments.align,
-        n_to_align=arguments.n_to_align,
-        max_difference_s=arguments.max_difference_s,
-        interpolate=arguments.interpolate,
         paired=arguments.sync,
         left=_transform(arguments.transform_left, arguments),
         right=_transform(arguments.transform_right, arguments),
-        propagate=arguments.propagate,
         plane=arguments.project,
     )
 
