@@ -103,7 +103,48 @@ def vertex() -> FunctionType:
     return task
 
 
-TASKS = {"run": run, "interpolate": interpolate, "vertex": vertex}
+def smooth() -> FunctionType:
+    """A path smoothed by the usual method."""
+    from motorcade.fusion.motions import MOTIONS
+    from motorcade.fusion.smoothing import smooth as smooth_path
+
+    path = MOTIONS["handheld"].sampled(30.0, 4.0)
+    return lambda: smooth_path(path)
+
+
+def gesture() -> FunctionType:
+    """An object of a scene dragged by one finger on an image."""
+    from motorcade.animation.authoring import Drag, Scene, SceneEditor, VersorObjectPose
+    from motorcade.animation.authoring.pointing import DragPlane, Ray, moved
+    from motorcade.ga import Similarity
+
+    still = VersorObjectPose(Similarity.identity())
+    editor = SceneEditor(Scene({"cup": None}, {"cup": still}))
+    plane = DragPlane([0.0, 0.0, 0.0], [0.0, 0.0, 1.0])
+    rays = [Ray([x, 0.0, 2.0], [0.0, 0.0, -1.0]) for x in (0.0, 0.2)]
+
+    def task() -> None:
+        editor.begin(Drag("cup", "similarity", frame="parent"))
+        editor.drag_to(moved(plane, *rays))
+        editor.end()
+
+    return task
+
+
+def script() -> FunctionType:
+    """A CLUScript written as C."""
+    from motorcade.ga.codegen.programs import compile_script
+    from motorcade.ga.codegen.targets import c
+    from motorcade.ga.script import parse
+
+    def task() -> None:
+        program = compile_script(parse("?area = (x*e1) ^ (y*e2);", "area"), "area", None)
+        c.write(program, None)
+
+    return task
+
+
+TASKS = {task.__name__: task for task in (run, smooth, interpolate, vertex, gesture, script)}
 
 
 def main() -> None:
