@@ -135,7 +135,7 @@ def read_arrays(
 ) -> dict[str, NDArray[Any]]:
     """All arrays of an ``.npz`` file by name; `what` the file should be is for the message.
 
-    Raises FileError: what the door refuses (`files.open_bounded`), a file that is no such archive,
+    Raises FileError: what `files.open_bounded` refuses, a file that is no such archive,
     or one that would unpack to more than its own size and `MAX_UNPACKED_BYTES`.
     """
     with open_bounded(path, limit_bytes) as file:

@@ -1,4 +1,4 @@
-"""The one door for files that others made: regular, bounded, and on record while someone asks.
+"""The one guard of files that others made: regular, bounded, and on record while someone asks.
 
 Everything of the program that opens a file which a user, a recording or another file names comes
 through here, wherever the name came from. Libraries that open a file themselves (videos, bags)
@@ -168,7 +168,7 @@ def _require_file(path: Path, about: stat_result, limit_bytes: int) -> None:
 
 @contextmanager
 def files_read() -> Iterator[dict[Path, str]]:
-    """Within the block, the state of each file that comes through the door: size and SHA-256.
+    """Within the block, the state of each file that is opened: size and SHA-256.
 
     Files that were looked for in vain, or refused, are on record too. Threads begin without a
     record; run them in a copy of this context where they open files.

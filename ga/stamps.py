@@ -5,7 +5,7 @@ One rule for the whole product, so that work grows with the poses and not with t
 * a stamp lies within ±2⁶² ns, 146 years of zero, so that differences of stamps fit into int64;
 * a step of more than three median steps is a gap: differences across it are no speed;
 * a gap of more than ten seconds splits a path. Nothing tells what happened within, so nothing is
-  computed there: each stretch is sampled, fitted and correlated for itself. Shorter gaps are
+  computed there: each segment is sampled, fitted and correlated for itself. Shorter gaps are
   bridged.
 * samples at an even rate may be at most 50,000, and 500 more for each pose that they are made
   from; ten million where they are made of nothing but a formula.
@@ -107,7 +107,7 @@ def near_steps(steps: FloatArray | IntArray) -> NDArray[np.bool_]:
 
 
 def stretches(time_ns: IntArray) -> list[slice]:
-    """The stretches of stamps ``(N,)`` that no gap of more than ten seconds splits, in order.
+    """The segments of stamps ``(N,)`` that no gap of more than ten seconds splits, in order.
 
     >>> import numpy as np
     >>> stretches(10**9 * np.array([0, 1, 2, 3, 86_400, 86_401]))
@@ -120,7 +120,7 @@ def stretches(time_ns: IntArray) -> list[slice]:
 
 
 def stamps_at_rate(time_ns: IntArray, rate_hz: float, name: str) -> IntArray:
-    """Stamps at an even rate from the first of stamps ``(N,)`` on, anew in every stretch.
+    """Stamps at an even rate from the first of stamps ``(N,)`` on, anew in every segment.
 
     Args:
         time_ns: increasing.

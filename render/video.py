@@ -101,7 +101,7 @@ def open_video(path: Path, *, edited: bool = True) -> InputContainer:
     are not decoded. Where `edited` is False, images are there that an MP4's edit list cuts away.
 
     Raises:
-        FileError: what the door refuses (`ga.files.admit_file`).
+        FileError: what `ga.files.admit_file` refuses.
         av.FFmpegError: no such container.
     """
     import av

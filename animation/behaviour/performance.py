@@ -96,7 +96,7 @@ def foot_slides_m(actor: Actor, performance: Performance) -> list[tuple[float, f
     """How far each foot goes on the ground while it is on it: (start s, end s, plane metres).
 
     On the ground is a foot whose ball is as low as it rests. It is told from the poses alone, not
-    from where feet were planted. Of every such stretch it is the farthest that the ball lies from
+    from where feet were planted. Of every such segment it is the farthest that the ball lies from
     the median of its places.
     """
     skeleton = actor.skeleton

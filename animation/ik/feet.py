@@ -91,7 +91,7 @@ def smooth_over(values: FloatArray, time_s: FloatArray) -> FloatArray:
 
 
 def stretches(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Starts and ends of stretches that are true."""
+    """Starts and ends of segments that are true."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 

@@ -229,7 +229,7 @@ def followed(
     Args:
         seen_s: ``(S,)`` rising times at which it was seen, S at least 1.
         world_T_target: Motor ``(S,)``, where it was then.
-        time_s: ``(F,)`` rising times to be shown; before the first sighting it waits there.
+        time_s: ``(F,)`` rising times to be shown; before the first observation it waits there.
         fastest_m_s: a faster step is a leap; so is a turn at more than 12 rad/s.
         settle_s: a glide's rest falls to 1/e in this time.
 

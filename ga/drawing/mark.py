@@ -235,7 +235,7 @@ def _plane(shape: PlaneShape, extent: Extent, color: str, owner: int) -> Iterato
 
 
 def _line_ends(shape: Line, extent: Extent) -> FloatArray:
-    """The stretch of a line that stands for it."""
+    """The segment of a line that stands for it."""
     middle = shape.nearest(extent.center)
     off = float(np.linalg.norm(middle - extent.center))
     reach = max((1.3 * extent.radius) ** 2 - off**2, (0.8 * extent.radius) ** 2) ** 0.5

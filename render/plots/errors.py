@@ -214,7 +214,7 @@ class ErrorsAlong:
         time_s: of the P paired poses ``(P,)``.
         path_m: their positions ``(P, 3)``.
         position_m, rotation_deg: absolute errors ``(P,)``.
-        relative_time_s: when the stretches end that relative errors are of, in order ``(S,)``.
+        relative_time_s: when the segments end that relative errors are of, in order ``(S,)``.
         relative_m: relative errors of the positions ``(S,)``.
 
     >>> import numpy as np

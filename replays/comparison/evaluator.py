@@ -255,7 +255,7 @@ class LagTable:
 def _inner(
     truth: Truth, start_s: FloatArray, end_s: FloatArray, usable: NDArray[np.bool_]
 ) -> tuple[FloatArray, IntArray]:
-    """Lags to try, and which stretches stay in the ground truth at all of them."""
+    """Lags to try, and which segments stay in the ground truth at all of them."""
     first, last = truth.span_s
     overlap = min(last, float(end_s.max())) - max(first, float(start_s.min()))
     count = int(min(_LARGEST_S, 0.25 * overlap) / _STEP_S + 1e-9)

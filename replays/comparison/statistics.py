@@ -63,7 +63,7 @@ FLOORS = {
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """The rows of one cell as numbers: ``values (R, M)`` for `names` ``(R,)``, NaN where untold."""
+    """The rows of one cell as numbers: ``values (R, M)`` for `names` ``(R,)``, NaN: unknown."""
 
     motion: str
     degradation: str

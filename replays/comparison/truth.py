@@ -37,7 +37,7 @@ class Truth(ABC):
     Fields:
         origin_ns: the stamp at which its time is zero.
         span_s: first and last time at which it is known.
-        stretches_s: ``(S, 2)`` first and last time of the stretches between long gaps.
+        stretches_s: ``(S, 2)`` first and last time of the segments between long gaps.
     """
 
     origin_ns: int
@@ -65,7 +65,7 @@ class Truth(ABC):
 
     @functools.cached_property
     def _table(self) -> tuple[FloatArray, IntArray, FloatArray, FloatArray]:
-        """First times ``(S,)`` of the stretches, their first rows, positions and rotors."""
+        """First times ``(S,)`` of the segments, their first rows, positions and rotors."""
         first_s = np.maximum(self.stretches_s[:, 0] - _MARGIN_S, self.span_s[0])
         last_s = np.minimum(self.stretches_s[:, 1] + _MARGIN_S, self.span_s[1])
         counts = np.ceil((last_s - first_s) / _TABLE_STEP_S).astype(np.int64) + 1
@@ -177,9 +177,9 @@ def digest_of(*paths: Trajectory) -> str:
 
 
 class RecordedMotionTruth(RecordedTruth):
-    """The middle of a recorded motion's longest stretch without a gap, and a margin about it.
+    """The middle of a recorded motion's longest segment without a gap, and a margin about it.
 
-    Raises ValueError: no stretch is as long as the plan's duration and two margins.
+    Raises ValueError: no segment is as long as the plan's duration and two margins.
     """
 
     has_scale = False

@@ -212,7 +212,7 @@ def file_of(module: str) -> str:
 
 
 def test_the_page_names_every_door_and_its_limit() -> None:
-    told = rows("Doors")
+    told = rows("File guards")
     assert {at: constant(*at) for at in told} == told
     assert used_limits() == told.keys()
 
@@ -229,7 +229,7 @@ def test_the_page_names_what_a_file_may_stand_for() -> None:
         for target in node.targets
         if isinstance(target, ast.Name) and LIMITS.fullmatch(target.id)
     }
-    assert found - rows("Doors").keys() - NO_LIMITS == told.keys()
+    assert found - rows("File guards").keys() - NO_LIMITS == told.keys()
 
 
 def test_an_unknown_unit_is_noticed() -> None:
