@@ -1,5 +1,5 @@
-"""Checked, read-only float arrays, of which all values are made, and `CoefficientBatch`, what batches
-of versors and of classical poses are as arrays.
+"""Checked, read-only float arrays, of which all values are made, and `CoefficientBatch`, the base
+of batches of versors and of classical poses.
 
 Leading dimensions are batch, trailing dimensions are fixed by the value's type. Nothing is
 repaired here: an array that does not fit is refused with its name, what was expected, what came.

@@ -37,7 +37,7 @@ ALLOWED = {
         "os.open",
     ): "a library of our own, looked at before it is read",
     ("ga/codegen/runtime/compiler.py", "os.fdopen"): "a library of our own, see above",
-    ("ga/codegen/runtime/compiler.py", "made.read_bytes"): "what was just compiled",
+    ("ga/codegen/runtime/compiler.py", "library_file.read_bytes"): "what was just compiled",
     (
         "ga/drawing/svg.py",
         "(Path(__file__).parent / 'turning.js').read_text",
