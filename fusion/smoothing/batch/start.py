@@ -25,7 +25,7 @@ from motorcade.fusion.smoothing.batch.per_axis import (
 )
 from motorcade.fusion.smoothing.batch.predicted import judged_runs, worse_than_measured
 from motorcade.fusion.smoothing.batch.problem import with_rigid
-from motorcade.fusion.smoothing.batch.twist import moves_beside, turning_model
+from motorcade.fusion.smoothing.batch.twist import memories_beside, turning_model
 from motorcade.fusion.smoothing.representations import (
     REPRESENTATIONS,
     Representation,
@@ -224,15 +224,28 @@ def of_one_twist(
         poses = replace(each, jumps=NO_JUMPS)  # where nothing else is left there was none
         columns = _STIFF.get(poses.representation.name, 0)
         own = models.columns[:columns]
-        if not own or any(one.unobservable for one in own):
+        if not own:
             continue
-        stiff = [replace(one, stiff=True, memory_s=0.0) for one in own]
-        by_twist = replace(models, columns=(*stiff, *models.columns[columns:]))
+        by_twist = _stiff(models, np.zeros(columns))
         made = smoothed_per_axis(poses, path, found.weights, by_twist, tails, LAST_STEPS)
         beyond = poses.representation.local(poses.coordinates, made.coordinates)
-        if not moves_beside(ColumnStretch(poses.time_s, beyond, made.weights), columns):
+        lasting = memories_beside(ColumnStretch(poses.time_s, beyond, made.weights), columns)
+        if lasting is not None:
+            by_twist = _stiff(models, lasting)
+            if np.any(lasting):
+                path, weights = made.coordinates, made.weights
+                made = smoothed_per_axis(poses, path, weights, by_twist, tails, 1)
             return poses, made, by_twist
     return measured, found, models
+
+
+def _stiff(models: AxisModels, lasting: FloatArray) -> AxisModels:
+    """The same with columns of one twist, whose errors last so long."""
+    columns = [
+        replace(model, stiff=True, memory_s=float(memory_s), unobservable="")
+        for model, memory_s in zip(models.columns, lasting, strict=False)
+    ]
+    return replace(models, columns=(*columns, *models.columns[len(columns) :]))
 
 
 def of_one_turn(

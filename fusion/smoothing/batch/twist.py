@@ -40,6 +40,10 @@ _LEAST = 1e-9
 # that is enough for rounding.
 _JOINT_ORDERS, _LIGHTEST, _NO_NOISE = (1, 2), 1e-12, 1e-6
 
+# Shares of an error that may be left at the next pose, and how many such memories a path must span
+# for errors to be told from motion.
+_KEPT, _MEMORIES = (0.3, 0.5, 0.7, 0.8, 0.9), 32.0
+
 
 def moved_together(
     representation: Representation,
@@ -83,9 +87,36 @@ def moved_together(
     noise = np.resize(np.maximum(parts, _FINEST * usual) + _LEAST, 6)
     found, off, spread = _fitted(time_s, poses, near, weights, noise)
     beyond = (near.inverse() @ found).as_twist()
-    others = spread / np.maximum(1.0 - weights[:, None] * spread, _LEAST)
-    left_out = off * (1.0 + weights[:, None] * others)
-    return {k: ColumnPath(beyond[:, k], left_out[:, k], others[:, k], spread[:, k]) for k in stiff}
+    columns = {}
+    for k in stiff:
+        others = spread[:, k] / np.maximum(1.0 - weights * spread[:, k], _LEAST)
+        left_out = off[:, k] * (1.0 + weights * others)
+        if models[k].memory_s > 0.0:
+            beside, less = _beside(time_s, left_out, weights, models[k].memory_s)
+            left_out, others = left_out - beside, others - less
+        columns[k] = ColumnPath(beyond[:, k], left_out, others, spread[:, k])
+    return columns
+
+
+def _beside(
+    time_s: FloatArray, off: FloatArray, weights: FloatArray, memory_s: float
+) -> tuple[FloatArray, FloatArray]:
+    """What errors ``(N,)`` that last tell of those between, and by what share of their variance.
+
+    The nearest to either side tell it all (G. E. Uhlenbeck, L. S. Ornstein, 1930).
+    """
+    rows, kept = np.flatnonzero(weights), np.arange(len(off))
+    before = np.searchsorted(rows, kept) - 1
+    behind = np.searchsorted(rows, kept, "right")
+    near = []
+    for place, there in ((before, before >= 0), (behind, behind < len(rows))):
+        row = rows[np.clip(place, 0, len(rows) - 1)]
+        left = np.exp(-np.abs(time_s[row] - time_s) / memory_s)
+        near.append((np.where(there, left, 0.0), off[row]))
+    (first, past), (last, next_) = near
+    both = 1.0 - (first * last) ** 2
+    told = (first * (1.0 - last**2) * past + last * (1.0 - first**2) * next_) / both
+    return told, 1.0 - (1.0 - first**2) * (1.0 - last**2) / both
 
 
 def _fitted(
@@ -152,16 +183,27 @@ def turning_model(
     return min(tried, key=lambda one: one[0])[1]
 
 
-def moves_beside(stretch: ColumnStretch, columns: int) -> bool:
-    """Whether the first of some columns, of poses beyond a path, hold motion.
+def memories_beside(stretch: ColumnStretch, columns: int) -> FloatArray | None:
+    """For how many seconds errors ``(columns,)`` last of which poses beyond a path consist; else
+    None, where the first of some columns hold motion too.
 
-    That is where a spline of a velocity that white noise changes makes them likelier than noise
-    does by what G. Schwarz asks for of two numbers more: how large that is, and where it starts.
-    What is much finer than errors about the other axes is none.
+    That is where a spline of a velocity that white noise changes makes them likelier than errors
+    alone do, white or lasting, by what G. Schwarz asks for of two numbers more: how large that is,
+    and where it starts. What is much finer than errors about the other axes is none.
     """
-    interval_s = float(np.median(np.diff(stretch.time_s)))
-    found = [likelihoods([stretch], 1, ratio_of(one, 1, interval_s), 0.0) for one in COARSE]
-    gained = (np.max(found, axis=0) - found[0])[:columns]
+    interval_s, rows = float(np.median(np.diff(stretch.time_s))), np.count_nonzero(stretch.weights)
+    memories_s = [0.0] + [
+        -interval_s / float(np.log(kept)) for kept in _KEPT if -np.log(kept) * rows >= _MEMORIES
+    ]
+    ratios = [ratio_of(level, 1, interval_s) for level in COARSE]
+    likelihood = np.array(
+        [[likelihoods([stretch], 1, ratio, one) for ratio in ratios] for one in memories_s]
+    )[..., :columns]
+    gained = np.max(likelihood, axis=(0, 1)) - np.max(likelihood[:, 0], axis=0)
     parts = np.sqrt(np.mean(stretch.values[:, :columns] ** 2, axis=0)).reshape(-1, 3)
     counts = parts > _FINEST * np.sqrt(np.mean(parts**2, axis=1, keepdims=True))
-    return bool(np.any(gained[counts.ravel()] > np.log(np.count_nonzero(stretch.weights))))
+    if np.any(gained[counts.ravel()] > np.log(rows)):
+        return None
+    still = np.sum(likelihood[:, 0].reshape(len(memories_s), -1, 3), axis=2)
+    still[1:] -= np.log(rows)  # a memory is one number more, which must be worth it
+    return np.repeat(np.array(memories_s)[np.argmax(still, axis=0)], 3)

@@ -1,7 +1,8 @@
 """Recorded motions under sixteen kinds of noise, and what a smoother leaves of error and jitter.
 
-A cell is a motion under a noise: 30 s of it at 20 Hz. Errors are judged pose by pose, not at the
-stamps: where stamps are wrong, the pose is that of its own picture nevertheless.
+A cell is a motion under a noise: 30 s of it at 20 Hz, or 240 poses of a slow robot at 1 to 8 Hz.
+Errors are judged pose by pose, not at the stamps: where stamps are wrong, the pose is that of its
+own image nevertheless.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from motorcade.fusion.metrics.jitter import accelerations
-from motorcade.fusion.motions import MOTIONS
+from motorcade.fusion.motions import MOTIONS, handheld
 from motorcade.fusion.motions.degradations import (
     DroppedFrames,
     Gaussian,
@@ -30,6 +31,7 @@ __all__ = [
     "JUDGED",
     "NOISES",
     "OUTLIERS",
+    "SLOW",
     "TUNED_ON",
     "Cell",
     "Left",
@@ -51,6 +53,9 @@ TUNED_ON = ("V1_02", "handheld", "walk_and_look", "stop_and_go", "tumble")
 """Motions that constants were chosen on: a flight and synthetic ones."""
 FURTHER = ("V1_01", "gimbal_hover", "screw", "distant_circle", "fast_spin")
 """A second group that no constant was chosen on: another flight and synthetic motions."""
+SLOW = {f"robot at {rate_hz:g} Hz": rate_hz for rate_hz in (1.0, 2.0, 4.0, 8.0)}
+"""Rates in Hz of a third group: the same robot's motion, from hardly resolved to well."""
+_SLOW_POSES, _SLOW_BAND_HZ = 240, (0.01, 0.2)
 _FLIGHTS = {
     **JUDGED,
     "V1_01": "replays/euroc_V1_01/V1_01_easy_original.txt",
@@ -66,8 +71,8 @@ Noise = Callable[[Trajectory, np.random.Generator], tuple[Trajectory, IntArray]]
 def _perturbed(true: Trajectory, shift_m: FloatArray, turn_rad: FloatArray) -> Trajectory:
     pose = true.motors
     rotor = (Motor.from_rotor_translation(pose.rotor, np.zeros(3)) @ _turns(turn_rad)).rotor
-    made = Motor.from_rotor_translation(rotor, pose.translation_m + shift_m)
-    return Trajectory(true.time_ns, made, true.parent, true.child)
+    moved = Motor.from_rotor_translation(rotor, pose.translation_m + shift_m)
+    return Trajectory(true.time_ns, moved, true.parent, true.child)
 
 
 def _turns(turn_rad: FloatArray) -> Motor:
@@ -184,7 +189,10 @@ class Cell:
 
 
 def motion(name: str, folder: Path, duration_s: float = DURATION_S) -> Trajectory | None:
-    """A true motion at 20 Hz; None where its recording is not there."""
+    """A true motion at 20 Hz, slow ones at their own rate; None where its recording is missing."""
+    if name in SLOW:
+        robot = handheld(np.random.default_rng(1), 1.0, 0.5, _SLOW_BAND_HZ)
+        return robot.sampled(SLOW[name], (_SLOW_POSES - 1) / SLOW[name])
     count = int(RATE_HZ * duration_s)
     if name not in _FLIGHTS:
         return MOTIONS[name].sampled(RATE_HZ, (count - 1) / RATE_HZ)

@@ -1,8 +1,8 @@
 """`make bench SUITE=smoothers`: `auto` beside other libraries' smoothers, and our own tuned best.
 
-Three groups: recorded flights under sixteen kinds of noise; a further flight and synthetic motions
-under the same, 10 s of each; and estimates that others made, judged from step to step. Peers run
-on the same poses, those called tuned with what is best for the ground truth of each single cell
+Four groups: recorded flights under sixteen kinds of noise; a further flight and synthetic motions
+under the same, 10 s of each; a slow robot at 1 to 8 Hz, likewise; and estimates that others made,
+judged from step to step. Peers run on the same poses, those called tuned with what is best for the ground truth of each single cell
 (`tests.bench.smoothing.peers.tuned`). Regret is what `auto` leaves more than the best of all
 methods of this library, itself among them (`tests.bench.smoothing.peers.own_best`).
 
@@ -26,6 +26,7 @@ from tests.bench.smoothing.cells import (
     JUDGED,
     NOISES,
     OUTLIERS,
+    SLOW,
     Cell,
     cell,
     errors,
@@ -40,6 +41,7 @@ __all__ = ["bench_smoothers", "smoothers_table"]
 
 OWN = "own best, tuned"
 FLIGHTS_GROUP, FURTHER_GROUP, ESTIMATES_GROUP = "flights", "further motions", "estimates"
+SLOW_GROUP = "slow paths"
 _FURTHER_S = 10.0
 _COLUMNS = ("e2", "s4", "plain", "outliers", "worse", "µs a pose")
 _HEAD = f"{'way':24s}" + "".join(f"{name:>10s}" for name in _COLUMNS)
@@ -76,7 +78,11 @@ def _named(name: str, chosen: Sequence[str]) -> bool:
 def _cell_rows(
     data: Path, on: Sequence[str], noises: Sequence[str], ways: Sequence[str], seed: int
 ) -> Iterator[dict[str, Any]]:
-    groups = ((FLIGHTS_GROUP, JUDGED, None), (FURTHER_GROUP, FURTHER, _FURTHER_S))
+    groups = (
+        (FLIGHTS_GROUP, JUDGED, None),
+        (FURTHER_GROUP, FURTHER, _FURTHER_S),
+        (SLOW_GROUP, SLOW, None),
+    )
     for group, names, duration_s in groups:
         for name in (name for name in names if _named(name, on)):
             true = motion(name, data, *(() if duration_s is None else (duration_s,)))
@@ -161,7 +167,7 @@ def smoothers_table(figures: Mapping[str, Any]) -> str:
     rows = figures["rows"]
     if not rows:
         return "smoothers: neither a recording nor a motion of that name"
-    lines = []
+    lines = _regret([row for row in rows if row["group"] != ESTIMATES_GROUP])
     for group in dict.fromkeys(row["group"] for row in rows):
         own = [row for row in rows if row["group"] == group]
         # An estimate that is judged twice counts once, by its stamps as they come.
