@@ -12,7 +12,7 @@ motion the path stays.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 
@@ -189,9 +189,9 @@ class SmootherChoice:
             told.append("stamps taken for even")
         if self.knobs.smoothness:
             told.append(f"smoothness {self.knobs.smoothness:+g}")
-        for name, noise in (("m", self.knobs.noise_m), ("rad", self.knobs.noise_rad)):
-            if noise is not None:
-                told.append(f"noise_{name} given")
+        for name, size in asdict(self.knobs).items():
+            if name != "smoothness" and size is not None:
+                told.append(f"{name} given" if name.startswith("noise") else f"{name} {size:g}")
         return "; ".join(told)
 
 
@@ -226,10 +226,7 @@ class AutomaticPath:
 def choose(
     trajectory: Trajectory,
     representation: str | None = None,
-    *,
-    smoothness: float = 0.0,
-    noise_m: float | None = None,
-    noise_rad: float | None = None,
+    **knobs: float | None,
 ) -> SmootherChoice:
     """Find out what smoother a path calls for.
 
@@ -237,12 +234,10 @@ def choose(
         trajectory: at least 16 poses.
         representation: a name of `REPRESENTATIONS`: what is smoothed; by default the axes of the
             world or of the body, whichever predict better.
-        smoothness: as `auto`.
-        noise_m: as `auto`.
-        noise_rad: as `auto`.
+        knobs: of `SmootherKnobs`.
 
     Raises:
-        ValueError: fewer poses, or an unknown representation.
+        ValueError: fewer poses, an unknown representation, or a knob out of its range.
 
     Examples:
         >>> import numpy as np
@@ -255,29 +250,22 @@ def choose(
         >>> choose(noisy).even_stamps
         False
     """
-    return smoothed_automatically(
-        trajectory, representation, smoothness=smoothness, noise_m=noise_m, noise_rad=noise_rad
-    ).choice
+    return smoothed_automatically(trajectory, representation, **knobs).choice
 
 
 def smoothed_automatically(
     trajectory: Trajectory,
     representation: str | None = None,
     choice: SmootherChoice | None = None,
-    *,
-    smoothness: float = 0.0,
-    noise_m: float | None = None,
-    noise_rad: float | None = None,
+    **knobs: float | None,
 ) -> AutomaticPath:
     """Smooth a trajectory as it calls for, and tell what is known of the result; see the module.
 
     Args:
         trajectory: at least 16 poses.
         representation: as `choose`.
-        choice: what was found out already, on this path or another.
-        smoothness: as `auto`; a choice has its own, as of the noise.
-        noise_m: as `auto`.
-        noise_rad: as `auto`.
+        choice: what was found out already, on this path or another, with knobs of its own.
+        knobs: of `SmootherKnobs`.
 
     Raises:
         ValueError: fewer poses, an unknown representation, a knob out of its range or beside a
@@ -288,13 +276,13 @@ def smoothed_automatically(
             f"trajectory: expected at least {FEWEST_POSES} poses to tell noise from motion, got "
             f"{len(trajectory)}"
         )
-    knobs = SmootherKnobs(smoothness, noise_m, noise_rad)
-    if choice is not None and knobs != SmootherKnobs():
-        raise ValueError(f"choice: expected none beside knobs, got {choice} and {knobs}")
+    asked = SmootherKnobs(**knobs)  # type: ignore[arg-type]
+    if choice is not None and asked != SmootherKnobs():
+        raise ValueError(f"choice: expected none beside knobs, got {choice} and {asked}")
     trajectory = in_double(trajectory)
     start = PathStart.of(trajectory)
     if choice is None:
-        choice, measured, found = _chosen(start, representation, knobs)
+        choice, measured, found = _chosen(start, representation, asked)
     else:
         named = representation_named(choice.representation)
         models = AxisModels(tuple(replace(one, stiff=False) for one in choice.models), 0.0)
@@ -320,6 +308,8 @@ def auto(
     smoothness: float = 0.0,
     noise_m: float | None = None,
     noise_rad: float | None = None,
+    max_move_m: float | None = None,
+    max_move_rad: float | None = None,
     lag_s: float | None = None,
 ) -> Trajectory:
     """Smooth as `choose` says: noise and motion are told from the path, wrong poses left out.
@@ -331,6 +321,8 @@ def auto(
             averaged over, each less halves it.
         noise_m: deviation of positions an axis, where it is known: it is used, not searched for.
         noise_rad: of rotations an axis, likewise.
+        max_move_m: no position is moved farther than that, though it be wrong; None: as found.
+        max_move_rad: no rotation is turned farther, likewise.
         lag_s: None: every pose knows the whole path. Otherwise it knows what was measured up to so
             many seconds later, and `LiveSmoother` gives it.
 
@@ -339,14 +331,13 @@ def auto(
             a lag beside other knobs or another representation than rotors.
     """
     name = None if representation is None else representation.name
+    knobs = SmootherKnobs(smoothness, noise_m, noise_rad, max_move_m, max_move_rad)
     if lag_s is None:
-        return smoothed_automatically(
-            trajectory, name, smoothness=smoothness, noise_m=noise_m, noise_rad=noise_rad
-        ).trajectory
-    if SmootherKnobs(smoothness, noise_m, noise_rad) != SmootherKnobs():
+        return smoothed_automatically(trajectory, name, **asdict(knobs)).trajectory
+    if knobs != SmootherKnobs():
         raise ValueError(
-            "lag_s: expected none beside smoothness and noise: a path that is smoothed as it comes "
-            "is weighed anew at every pose"
+            "lag_s: expected none beside other knobs: a path that is smoothed as it comes is "
+            "weighed anew at every pose"
         )
     if name not in (None, _WORLD):
         raise ValueError(f"lag_s: expected {_WORLD} or no representation beside it, got {name}")
@@ -407,7 +398,9 @@ def _told(
     stay = unpredicted(start.trajectory, measured, found, models, choice.tails)
     if choice.raw and choice.knobs.smoothness == 0.0:
         stay |= found.weights[:, None] > 0.0
-    made = in_part(made, start.trajectory, stay)
+    measured_poses = start.trajectory.poses.rigid
+    share = np.where(stay, 0.0, choice.knobs.allowed_share(made.poses.rigid, measured_poses))
+    made, stay = in_part(made, start.trajectory, share), share < 1.0
     deviations = np.sqrt(found.spread) * [one.noise for one in choice.models]
     parts = np.searchsorted(choice.axes, np.arange(deviations.shape[1]), "right")
     deviations[np.column_stack([stay, np.all(stay, axis=1)])[:, parts]] = np.nan

@@ -193,18 +193,21 @@ def worse_than_measured(like: Trajectory, measured: Measured, found: PerAxisPath
     return np.asarray(errors[0] > _AS_GOOD * errors[1])
 
 
-def in_part(made: Trajectory, measured: Trajectory, stay: Kept) -> Trajectory:
-    """A path with rotations or positions ``(N, 2)`` that stay as measured."""
-    whole, rows = np.all(stay, axis=1), np.flatnonzero(np.any(stay, axis=1))
-    own, other = made.poses.rigid, measured.poses.rigid
-    turned, moved = stay[rows, :1], stay[rows, 1:]
-    rotors = np.where(turned, other[rows].rotor.coefficients, own[rows].rotor.coefficients)
-    shifts = np.where(moved, other[rows].translation_m, own[rows].translation_m)
-    rigid = np.array(own.coefficients)
-    rigid[rows] = Motor.from_rotor_translation(Rotor(rotors), shifts).coefficients
-    coefficients = np.array(with_rigid(made.poses, Motor(rigid)).coefficients)
-    coefficients[whole] = measured.poses.coefficients[whole]
-    return Trajectory(made.time_ns, type(made.poses)(coefficients), made.parent, made.child)
+def in_part(smoothed: Trajectory, measured: Trajectory, share: FloatArray) -> Trajectory:
+    """A path that goes so far ``(N, 2)``, in rotation and position, from measured to smoothed."""
+    stay, rows = np.all(share == 0.0, axis=1), np.flatnonzero(np.any(share < 1.0, axis=1))
+    path = smoothed.poses.rigid
+    own, other = path[rows], measured.poses.rigid[rows]
+    turn = (other.rotor.inverse() @ own.rotor).as_rotation_vector()
+    rotors = other.rotor @ Rotor.from_rotation_vector(share[rows, :1] * turn)
+    shift = own.translation_m - other.translation_m
+    shifts = other.translation_m + share[rows, 1:] * shift
+    rigid = np.array(path.coefficients)
+    rigid[rows] = Motor.from_rotor_translation(rotors, shifts).coefficients
+    coefficients = np.array(with_rigid(smoothed.poses, Motor(rigid)).coefficients)
+    coefficients[stay] = measured.poses.coefficients[stay]
+    poses = type(smoothed.poses)(coefficients)
+    return Trajectory(smoothed.time_ns, poses, smoothed.parent, smoothed.child)
 
 
 class _HeldOut:

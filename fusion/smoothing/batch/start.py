@@ -207,7 +207,8 @@ def of_one_twist(
     tails: float,
     any_axes: bool,
 ) -> tuple[Measured, PerAxisPath, AxisModels]:
-    """The same by a constant twist of motors, or of rotors, where no other motion is left.
+    """The same by a constant twist of motors, or of rotors, where no other motion is left and it
+    predicts poses as well.
 
     Args:
         start: of the path.
@@ -235,7 +236,8 @@ def of_one_twist(
             if np.any(lasting):
                 path, weights = made.coordinates, made.weights
                 made = smoothed_per_axis(poses, path, weights, by_twist, tails, 1)
-            return poses, made, by_twist
+            if _gain(found, made) >= -EQUAL:
+                return poses, made, by_twist
     return measured, found, models
 
 
@@ -271,12 +273,16 @@ def of_one_turn(
     if model.unobservable:
         return measured, found, models
     made = smoothed_per_axis(steady, found.coordinates, found.weights, joint, tails, LAST_STEPS)
-    kept = (found.weights > 0.0) & (made.weights > 0.0)
-    gained = (_held_out(found, kept) - _held_out(made, kept)) @ np.maximum(found.noise, 1e-9) ** -2
-    sure = EQUAL if len(measured.jumps) or not rates else -EQUAL
-    if np.mean(gained) <= sure * np.std(gained) / np.sqrt(len(gained)):
+    if _gain(found, made) <= (EQUAL if len(measured.jumps) or not rates else -EQUAL):
         return measured, found, models
     return steady, made, joint
+
+
+def _gain(found: PerAxisPath, made: PerAxisPath) -> float:
+    """By how many standard errors one path predicts poses held out better than another did."""
+    kept = (found.weights > 0.0) & (made.weights > 0.0)
+    gained = (_held_out(found, kept) - _held_out(made, kept)) @ np.maximum(found.noise, 1e-9) ** -2
+    return float(np.mean(gained) / max(np.std(gained) / np.sqrt(len(gained)), 1e-300))
 
 
 def _held_out(found: PerAxisPath, kept: NDArray[np.bool_]) -> FloatArray:

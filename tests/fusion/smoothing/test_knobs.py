@@ -166,7 +166,7 @@ def test_what_cannot_be_is_refused(knobs: dict[str, Any], said: str) -> None:
         smooth(TRUE, **knobs)
 
 
-@pytest.mark.parametrize("name", ["smoothness", "noise_m", "noise_rad", "lag_s"])
+@pytest.mark.parametrize("name", ["smoothness", "noise_m", "noise_rad", "max_move_m", "max_move_rad", "lag_s"])
 @pytest.mark.parametrize("value", ["x", np.array([1, 2]), True, np.bool_(True), 1j])
 def test_what_is_no_number_is_refused_by_name(name: str, value: Any) -> None:
     with pytest.raises(TypeError, match=f"{name}: expected a number, got "):
@@ -191,3 +191,19 @@ def test_a_choice_keeps_its_knobs_and_takes_no_others(noisy: Trajectory) -> None
     assert off[0] < off[1]
     with pytest.raises(ValueError, match="choice: expected none beside knobs"):
         smoothed_automatically(noisy, choice=choice, smoothness=2.0)
+
+
+def test_no_pose_is_moved_farther_than_it_may(noisy: Trajectory) -> None:
+    """Wrong poses, which `auto` moves by decimetres, go as far as they may on the way to there."""
+
+    def moved(path: Trajectory) -> FloatArray:
+        turn = (noisy.motors.rotor.inverse() @ path.motors.rotor).angle()
+        shift = path.motors.translation_m - noisy.motors.translation_m
+        return np.column_stack([turn, np.linalg.norm(shift, axis=1)])
+
+    free, most = moved(smooth(noisy)), np.array([0.02, 0.03])
+    assert np.all(free.max(axis=0) > 3.0 * most)
+    bound = smooth(noisy, max_move_rad=most[0], max_move_m=most[1])
+    np.testing.assert_allclose(moved(bound), np.minimum(free, most), atol=1e-9)
+    again = choose(noisy, max_move_rad=most[0], max_move_m=most[1]).smooth(noisy)
+    assert np.all(moved(again) < most + 1e-9)

@@ -112,7 +112,7 @@ def edited(poses: Path, edit: str) -> Path:
         (
             "",
             ["--set", "sigma_s=1"],
-            "--set: expected name=value, names of auto: smoothness, noise_m, noise_rad, lag_s; got",
+            "names of auto: smoothness, noise_m, noise_rad, max_move_m, max_move_rad, lag_s; got",
         ),
         ("", ["--method", "gaussian", "--set", "sigma=1"], "sigma_s, truncate, order; got"),
         ("", ["--method", "gaussian", "--set", "sigma_s=wide"], "sigma_s: expected float, got"),
