@@ -17,25 +17,20 @@ from dataclasses import asdict, dataclass, field, replace
 import numpy as np
 
 from motorcade.fusion.smoothing.batch.columns import ColumnModel, noise_in_words, told_noise
-from motorcade.fusion.smoothing.batch.jumps import with_jumps
 from motorcade.fusion.smoothing.batch.noise import FEWEST_POSES
 from motorcade.fusion.smoothing.batch.per_axis import (
-    HEAVY_TAILS,
     NORMAL_TAILS,
     AxisModels,
     Measured,
     PerAxisPath,
     chosen_models,
     settled,
-    smoothed_per_axis,
     smoother,
     tails_of,
 )
 from motorcade.fusion.smoothing.batch.predicted import in_part, unpredicted
 from motorcade.fusion.smoothing.batch.start import (
-    FIRST_STEPS,
     PathStart,
-    even_stamps,
     first_path,
     in_better_axes,
     no_worse,
@@ -286,11 +281,7 @@ def smoothed_automatically(
     else:
         named = representation_named(choice.representation)
         models = AxisModels(tuple(replace(one, stiff=False) for one in choice.models), 0.0)
-        measured, path = start.written(named)
-        even_s = even_stamps(measured.time_s) if choice.even_stamps else None
-        measured = measured if even_s is None else replace(measured, time_s=even_s)
-        measured, _ = with_jumps(measured, path, start.weights, models)
-        found = smoothed_per_axis(measured, path, start.weights, models, HEAVY_TAILS, FIRST_STEPS)
+        start, _, measured, found = first_path(start, named, models, choice.even_stamps)
         found = settled(measured, found, models, choice.tails)
         if choice.by_twist:
             told = (start, measured, found, models, choice.tails)

@@ -33,7 +33,7 @@ _EXACT = 14.0
 # Bodies shake as fast as stamps resolve, and faster: what is folded back looks like noise, but does
 # not fill the band. So noise is told where it alone has this share of the band at least. Chosen on
 # V1_02 and synthetic motions.
-_NOISE_ALONE = 0.59
+_NOISE_ALONE = 0.45
 _BAND, _FOLDS = np.pi * (np.arange(256) + 0.5) / 256, 2.0 * np.pi * np.arange(-2, 3)[:, None]
 # Predictions count as equal up to so many standard errors of their difference. Chosen on V1_02 and
 # synthetic motions.

@@ -7,12 +7,17 @@ free slope, and a pose left out, each of which costs one number an axis (I. Chan
 Chen, Estimation of time series parameters in the presence of outliers, Technometrics 30, 1988; C.
 Chen, L.-M. Liu, Joint estimation of model parameters and outlier effects in time series, J.
 American Statistical Association 88, 1993).
+
+A level that goes and comes back to where it was is no correction but a run of poses that are wrong
+together, as of a camera found in the wrong place: nothing else returns by chance within the noise.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from statistics import NormalDist
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,6 +30,7 @@ from motorcade.fusion.smoothing.batch.per_axis import (
     least,
 )
 from motorcade.fusion.smoothing.batch.predicted import FEWEST_AT_LEVEL
+from motorcade.fusion.smoothing.native import _columns
 from motorcade.ga.arrays import FloatArray, IntArray
 
 # A path without jumps is told to have one this rarely.
@@ -68,6 +74,72 @@ def with_jumps(
         ):
             measured = without
     return measured, models
+
+
+class ReturnedLevel(NamedTuple):
+    """A run of rows whose level returns behind it, and their coordinates ``(K, D)`` moved back."""
+
+    first: int
+    last: int
+    coordinates: FloatArray
+
+
+def returned_levels(
+    measured: Measured, path: FloatArray, weights: FloatArray, models: AxisModels
+) -> list[ReturnedLevel]:
+    """Runs between two jumps behind which the level is that before; of less than half the poses.
+
+    One offset an axis then explains the poses as well as two jumps do, but for what chance does.
+    """
+    tried = list[tuple[float, ReturnedLevel]]()
+    for first, last in pairwise(measured.jumps.tolist()):
+        if 2 * np.count_nonzero(weights[first:last]) < len(weights):
+            tried.append(_moved_back(measured, path, weights, models, first, last))
+    most, returned = _quantile(len(models.columns), 1.0 - _FALSE_ALARM), list[ReturnedLevel]()
+    for worse, run in sorted(tried, key=lambda pair: pair[0]):
+        if worse < most and all(run.first > o.last or run.last < o.first for o in returned):
+            returned.append(run)
+    return returned
+
+
+def _moved_back(
+    measured: Measured,
+    path: FloatArray,
+    weights: FloatArray,
+    models: AxisModels,
+    first: int,
+    last: int,
+) -> tuple[float, ReturnedLevel]:
+    """Squared residuals, in the noise's variance, that one offset of a run leaves more than its two
+    jumps do, and the run moved by it: first by its leaps, then by generalised least squares.
+    """
+    local, retract = measured.representation.local, measured.representation.retract
+    leaps = []
+    for row in (first, last):
+        before = path[row - 1 : row]
+        usual = retract(before, local(before, path[row - 2 : row - 1]))
+        leaps.append(local(path[row : row + 1], usual))
+    offset, run = 0.5 * (leaps[0] - leaps[1]), slice(first, last)
+    coordinates, path = np.array(measured.coordinates), np.array(path)
+    for rows in (coordinates, path):
+        rows[run] = retract(rows[run], -offset)
+    others = np.setdiff1d(measured.jumps, [first, last])
+    summed, values = developed(replace(measured, coordinates=coordinates), path)
+    worse, offset = 0.0, np.empty(values.shape[1])
+    for k, model in enumerate(models.columns):
+        noise, unit = least(model.noise, summed[:, k]), np.zeros(len(values))
+        unit[run] = noise
+        columns = np.column_stack([values[:, k], unit, values[:, k] + unit] * 2)
+        free, held = (
+            _columns.spline(
+                measured.time_s, columns, weights, jumps, model.order, model.ratio, model.memory_s
+            )[1]
+            for jumps in (measured.jumps, others)
+        )
+        product = 0.5 * (held[2] - held[0] - held[1])
+        offset[k] = noise * product / held[1]
+        worse += (held[0] - product**2 / held[1] - free[0]) / noise**2
+    return worse, ReturnedLevel(first, last, retract(coordinates[run], -offset))
 
 
 def _more_jumps(

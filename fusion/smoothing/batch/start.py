@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from motorcade.fusion.smoothing.batch.columns import EQUAL, NO_JUMPS, ColumnStretch
 from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, inlier_poses
-from motorcade.fusion.smoothing.batch.jumps import with_jumps
+from motorcade.fusion.smoothing.batch.jumps import returned_levels, with_jumps
 from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
 from motorcade.fusion.smoothing.batch.noise import first_sizes
 from motorcade.fusion.smoothing.batch.per_axis import (
@@ -68,7 +68,8 @@ class PathStart:
     """A path's longest smooth chain.
 
     Fields:
-        trajectory: with runs of a marker's other candidate mirrored back.
+        trajectory: with runs of a marker's other candidate mirrored back, and such as are wrong
+            together moved back.
         weights: 1 where a pose belongs to the chain, or the chain does not tell where it should be
             (see `predicted`), else 0.
         mirrored: which poses were.
@@ -123,6 +124,27 @@ class PathStart:
         same = np.array_equal(kept, self.weights > 0.0)
         return self if same else replace(self, weights=kept.astype(np.float64))
 
+    def with_levels_returned(
+        self, measured: Measured, path: FloatArray, models: AxisModels
+    ) -> PathStart:
+        """The same with runs moved back to the level that the path leaves and returns to."""
+        returned = returned_levels(measured, path, self.weights, models)
+        if not returned:
+            return self
+        representation, like = measured.representation, self.trajectory
+        coordinates, moved = np.array(measured.coordinates), np.array(self.mirrored)
+        for first, last, coordinates[first:last] in returned:
+            moved[first:last] = True
+        other = restored(representation, coordinates, like).poses
+        poses = np.where(moved[:, None], other.coefficients, like.poses.coefficients)
+        edges = [row for run in returned for row in run[:2]]
+        return PathStart(
+            Trajectory(like.time_ns, type(like.poses)(poses), like.parent, like.child),
+            self.weights,
+            moved,
+            np.setdiff1d(measured.jumps, edges),
+        )
+
     def written(self, representation: Representation) -> tuple[Measured, FloatArray]:
         """The measured poses, and the chain's with what lies between them, as coordinates."""
         poses, kept = self.trajectory.poses, self.weights > 0.0
@@ -156,26 +178,33 @@ class PathStart:
 
 
 def first_path(
-    start: PathStart, representation: Representation
+    start: PathStart,
+    representation: Representation,
+    known: AxisModels | None = None,
+    even: bool | None = None,
 ) -> tuple[PathStart, bool, Measured, PerAxisPath]:
     """A first path with its jumps, and whether stamps are taken for even for it.
 
-    The start is another one where poses between jumps turn out to be wrong.
+    The start is another one where poses between jumps turn out to be wrong. Models and whether
+    stamps are even may be known.
     """
     measured, path = start.written(representation)
-    models = chosen_models(measured, path, start.weights, _FIRST_ORDER)
-    even, even_s = False, even_stamps(measured.time_s)
+    models = known or chosen_models(measured, path, start.weights, _FIRST_ORDER)
+    even_s = even_stamps(measured.time_s) if even is None or even else None
     if even_s is not None:
         in_step = replace(measured, time_s=even_s)
-        others = chosen_models(in_step, path, start.weights, _FIRST_ORDER)
-        even = others.score - _LIKELIER > models.score
+        others = known or chosen_models(in_step, path, start.weights, _FIRST_ORDER)
+        even = even or others.score - _LIKELIER > models.score
         measured, models = (in_step, others) if even else (measured, models)
-    measured, models = with_jumps(measured, path, start.weights, models)
+    measured, jumping = with_jumps(measured, path, start.weights, models)
+    models = known or jumping
     other = start.without_runs_between(measured.jumps)
+    if other is start:
+        other = start.with_levels_returned(measured, path, models)
     if other is not start:
-        return first_path(other, representation)
+        return first_path(other, representation, known, even)
     found = smoothed_per_axis(measured, path, start.weights, models, HEAVY_TAILS, FIRST_STEPS)
-    return start, even, measured, found
+    return start, bool(even), measured, found
 
 
 def in_better_axes(

@@ -2,9 +2,10 @@
 
 Four groups: recorded flights under sixteen kinds of noise; a further flight and synthetic motions
 under the same, 10 s of each; a slow robot at 1 to 8 Hz, likewise; and estimates that others made,
-judged from step to step. Peers run on the same poses, those called tuned with what is best for the ground truth of each single cell
-(`tests.bench.smoothing.peers.tuned`). Regret is what `auto` leaves more than the best of all
-methods of this library, itself among them (`tests.bench.smoothing.peers.own_best`).
+judged from step to step. Peers run on the same poses, those called tuned with what is best for the
+ground truth of each single cell (`tests.bench.smoothing.peers.tuned`). Regret is what `auto` leaves
+more than the best of all methods of this library, itself among them
+(`tests.bench.smoothing.peers.own_best`).
 
     python -m tests.bench.smoothing.smoothers --on V1_03 --noise white --way auto --way gtsam
 """

@@ -166,7 +166,9 @@ def test_what_cannot_be_is_refused(knobs: dict[str, Any], said: str) -> None:
         smooth(TRUE, **knobs)
 
 
-@pytest.mark.parametrize("name", ["smoothness", "noise_m", "noise_rad", "max_move_m", "max_move_rad", "lag_s"])
+@pytest.mark.parametrize(
+    "name", ["smoothness", "noise_m", "noise_rad", "max_move_m", "max_move_rad", "lag_s"]
+)
 @pytest.mark.parametrize("value", ["x", np.array([1, 2]), True, np.bool_(True), 1j])
 def test_what_is_no_number_is_refused_by_name(name: str, value: Any) -> None:
     with pytest.raises(TypeError, match=f"{name}: expected a number, got "):
