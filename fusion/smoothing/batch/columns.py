@@ -365,9 +365,14 @@ def standard_errors_behind(
     tried: Sequence[Prediction], best: Prediction, column: int, noise: float
 ) -> FloatArray:
     """By how much predictions of a column are worse than the best, in its standard errors."""
-    differences = np.stack([one.risks(column, noise) for one in tried]) - best.risks(column, noise)
-    mean = np.mean(differences, axis=1)
-    square = np.einsum("ij,ij->i", differences, differences) / differences.shape[1]
-    scatter = np.sqrt(np.maximum(square - mean**2, 0.0) / differences.shape[1])
+    least = best.risks(column, noise)
+    return standard_errors(np.stack([one.risks(column, noise) for one in tried]) - least)
+
+
+def standard_errors(differences: FloatArray) -> FloatArray:
+    """Means of differences ``(*, N)``, in their standard errors; 0 where there are none."""
+    mean, count = np.mean(differences, axis=-1), differences.shape[-1]
+    square = np.einsum("...j,...j->...", differences, differences) / count
+    scatter = np.sqrt(np.maximum(square - mean**2, 0.0) / count)
     behind = np.divide(mean, scatter, out=np.zeros_like(mean), where=scatter > 0.0)
     return np.asarray(behind, dtype=np.float64)

@@ -24,14 +24,14 @@ from motorcade.fusion.smoothing.batch.columns import (
     Prediction,
     likelihoods,
     ratio_of,
-    standard_errors_behind,
+    standard_errors,
 )
 from motorcade.ga.arrays import FloatArray
 
-# Shares of an error that are left at the next value. Where errors have a memory at all, the first
-# explains them better than none does.
 _FEWEST = 0.1
-_KEPT = (0.5, 0.3, 0.7, 0.8, 0.9, 0.95)
+# Shares of an error that are left at the next value. Where errors have a memory at all, one of the
+# first explains them better than none does.
+_FIRST, _OTHERS = (0.5, 0.8), (0.3, 0.7, 0.9, 0.95)
 
 
 def with_lasting_errors(
@@ -55,9 +55,14 @@ def with_lasting_errors(
         # What goes through its values shows no errors that could last.
         if any(np.isfinite(known[k]) or models[k].noise_alone(interval_s) < _FEWEST for k in group):
             continue
-        for k, lasting in _likeliest(stretches, found, group).items():
-            behind = standard_errors_behind([lasting], found[k].best, k, np.nan)
-            if behind[0] <= EQUAL:
+        likeliest = _likeliest(stretches, found, group)
+        behind = [
+            (lasting.squares[k] - found[k].best.squares[k])
+            / max(float(lasting.noise[k]), 1e-300) ** 2
+            for k, lasting in likeliest.items()
+        ]
+        if behind and standard_errors(np.sum(behind, axis=0)) <= EQUAL:
+            for k, lasting in likeliest.items():
                 noise = float(lasting.noise[k])
                 models[k] = ColumnModel(lasting.order, lasting.ratio, noise, lasting.memory_s)
     return models
@@ -74,9 +79,10 @@ def _likeliest(
     """
     interval_s = float(np.median(np.diff(stretches[0].time_s)))
     white = sum(found[k].likelihood for k in group)
-    if _searched(stretches, group, interval_s, _KEPT[0])[0] <= white:
+    tried = {kept: _searched(stretches, group, interval_s, kept) for kept in _FIRST}
+    if max(likelihood for likelihood, _ in tried.values()) <= white:
         return {}
-    tried = {kept: _searched(stretches, group, interval_s, kept) for kept in _KEPT}
+    tried |= {kept: _searched(stretches, group, interval_s, kept) for kept in _OTHERS}
     kept = max(tried, key=lambda one: tried[one][0])
     best, models = tried[kept]
     rows = sum(len(one.time_s) for one in stretches) * len(group)

@@ -8,7 +8,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.batch.columns import EQUAL, NO_JUMPS, ColumnStretch
+from motorcade.fusion.smoothing.batch.columns import (
+    EQUAL,
+    NO_JUMPS,
+    ColumnStretch,
+    standard_errors,
+)
 from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, inlier_poses
 from motorcade.fusion.smoothing.batch.jumps import returned_levels, with_jumps
 from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
@@ -25,7 +30,7 @@ from motorcade.fusion.smoothing.batch.per_axis import (
 )
 from motorcade.fusion.smoothing.batch.predicted import judged_runs, worse_than_measured
 from motorcade.fusion.smoothing.batch.problem import with_rigid
-from motorcade.fusion.smoothing.batch.twist import memories_beside, turning_model
+from motorcade.fusion.smoothing.batch.twist import FINEST, LEAST, memories_beside, turning_model
 from motorcade.fusion.smoothing.representations import (
     REPRESENTATIONS,
     Representation,
@@ -40,6 +45,8 @@ _BODY = "motor"
 _MISSES = "what lies next to a pose predicts it better than any spline"
 # Columns that one twist has in these.
 _STIFF = {_BODY: 6, "rotor": 3}
+# Of fewer numbers that say as much, so many standard errors of prediction are borne: one in twenty.
+_SURELY = 2.0
 # Axes apart neglect that errors turn along with a body. So far it turns, in rad, while its usual
 # axis is averaged over, where that may count.
 _TURNS = 1.0
@@ -265,7 +272,7 @@ def of_one_twist(
             if np.any(lasting):
                 path, weights = made.coordinates, made.weights
                 made = smoothed_per_axis(poses, path, weights, by_twist, tails, 1)
-            if _gain(found, made) >= -EQUAL:
+            if _gain(found, made) >= -_SURELY:
                 return poses, made, by_twist
     return measured, found, models
 
@@ -308,10 +315,16 @@ def of_one_turn(
 
 
 def _gain(found: PerAxisPath, made: PerAxisPath) -> float:
-    """By how many standard errors one path predicts poses held out better than another did."""
+    """By how many standard errors one path predicts poses held out better than another did.
+
+    Axes count by their noise; such as have hardly any beside the others would drown these.
+    """
     kept = (found.weights > 0.0) & (made.weights > 0.0)
-    gained = (_held_out(found, kept) - _held_out(made, kept)) @ np.maximum(found.noise, 1e-9) ** -2
-    return float(np.mean(gained) / max(np.std(gained) / np.sqrt(len(gained)), 1e-300))
+    parts = np.maximum(found.noise, made.noise)[:6].reshape(-1, 3)
+    usual = np.sqrt(np.mean(parts**2, axis=1, keepdims=True))
+    noise = np.maximum(parts, FINEST * usual).ravel() + LEAST
+    lost = _held_out(found, kept) - _held_out(made, kept)
+    return float(standard_errors(lost[:, :6] @ noise**-2))
 
 
 def _held_out(found: PerAxisPath, kept: NDArray[np.bool_]) -> FloatArray:

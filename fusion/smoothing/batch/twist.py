@@ -33,9 +33,9 @@ from motorcade.ga.arrays import FloatArray
 
 _ROUNDS = 4
 # Noise of an axis that is finer by more than this than the usual one hinders more than it tells.
-_FINEST = 0.1
+FINEST = 0.1
 # Noise of rotations in rad, or positions in m, that is none.
-_LEAST = 1e-9
+LEAST = 1e-9
 # Orders of rotations that are smoothed together, the least weight that a pose has there, and noise
 # that is enough for rounding.
 _JOINT_ORDERS, _LIGHTEST, _NO_NOISE = (1, 2), 1e-12, 1e-6
@@ -74,7 +74,7 @@ def moved_together(
             (one.rotor.inverse() @ other.rotor).as_rotation_vector()
             for one, other in ((near, made), (made, poses))
         )
-        others = spread / np.maximum(1.0 - weights * spread, _LEAST)
+        others = spread / np.maximum(1.0 - weights * spread, LEAST)
         left_out = off * (1.0 + weights * others)[:, None]
         return {k: ColumnPath(beyond[:, k], left_out[:, k], others, spread) for k in range(3)}
     if len(stiff) == 3:
@@ -84,12 +84,12 @@ def moved_together(
         )
     parts = np.reshape([one.noise for one in models[: len(stiff)]], (-1, 3))
     usual = np.sqrt(np.mean(parts**2, axis=1, keepdims=True))
-    noise = np.resize(np.maximum(parts, _FINEST * usual) + _LEAST, 6)
+    noise = np.resize(np.maximum(parts, FINEST * usual) + LEAST, 6)
     found, off, spread = _fitted(time_s, poses, near, weights, noise)
     beyond = (near.inverse() @ found).as_twist()
     columns = {}
     for k in stiff:
-        others = spread[:, k] / np.maximum(1.0 - weights * spread[:, k], _LEAST)
+        others = spread[:, k] / np.maximum(1.0 - weights * spread[:, k], LEAST)
         left_out = off[:, k] * (1.0 + weights * others)
         if models[k].memory_s > 0.0:
             beside, less = _beside(time_s, left_out, weights, models[k].memory_s)
@@ -201,7 +201,7 @@ def memories_beside(stretch: ColumnStretch, columns: int) -> FloatArray | None:
     )[..., :columns]
     gained = np.max(likelihood, axis=(0, 1)) - np.max(likelihood[:, 0], axis=0)
     parts = np.sqrt(np.mean(stretch.values[:, :columns] ** 2, axis=0)).reshape(-1, 3)
-    counts = parts > _FINEST * np.sqrt(np.mean(parts**2, axis=1, keepdims=True))
+    counts = parts > FINEST * np.sqrt(np.mean(parts**2, axis=1, keepdims=True))
     if np.any(gained[counts.ravel()] > np.log(rows)):
         return None
     still = np.sum(likelihood[:, 0].reshape(len(memories_s), -1, 3), axis=2)
