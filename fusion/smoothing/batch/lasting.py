@@ -29,9 +29,9 @@ from motorcade.fusion.smoothing.batch.columns import (
 from motorcade.ga.arrays import FloatArray
 
 _FEWEST = 0.1
-# Shares of an error that are left at the next value. Where errors have a memory at all, one of the
-# first explains them better than none does.
-_FIRST, _OTHERS = (0.5, 0.8), (0.3, 0.7, 0.9, 0.95)
+# Shares of an error that are left at the next value. Where errors have a memory at all, the first
+# explains them better than none does; where noise changes in size a longer one alone would.
+_FIRST, _OTHERS = 0.5, (0.3, 0.7, 0.8, 0.9, 0.95)
 
 
 def with_lasting_errors(
@@ -55,14 +55,8 @@ def with_lasting_errors(
         # What goes through its values shows no errors that could last.
         if any(np.isfinite(known[k]) or models[k].noise_alone(interval_s) < _FEWEST for k in group):
             continue
-        likeliest = _likeliest(stretches, found, group)
-        behind = [
-            (lasting.squares[k] - found[k].best.squares[k])
-            / max(float(lasting.noise[k]), 1e-300) ** 2
-            for k, lasting in likeliest.items()
-        ]
-        if behind and standard_errors(np.sum(behind, axis=0)) <= EQUAL:
-            for k, lasting in likeliest.items():
+        for k, lasting in _likeliest(stretches, found, group).items():
+            if standard_errors(lasting.squares[k] - found[k].best.squares[k]) <= EQUAL:
                 noise = float(lasting.noise[k])
                 models[k] = ColumnModel(lasting.order, lasting.ratio, noise, lasting.memory_s)
     return models
@@ -79,8 +73,8 @@ def _likeliest(
     """
     interval_s = float(np.median(np.diff(stretches[0].time_s)))
     white = sum(found[k].likelihood for k in group)
-    tried = {kept: _searched(stretches, group, interval_s, kept) for kept in _FIRST}
-    if max(likelihood for likelihood, _ in tried.values()) <= white:
+    tried = {_FIRST: _searched(stretches, group, interval_s, _FIRST)}
+    if tried[_FIRST][0] <= white:
         return {}
     tried |= {kept: _searched(stretches, group, interval_s, kept) for kept in _OTHERS}
     kept = max(tried, key=lambda one: tried[one][0])

@@ -98,7 +98,7 @@ def judged_runs(time_s: FloatArray, poses: Motor, kept: Kept) -> JudgedRuns:
             break
         kept = made.copy()
         for first, last in right:
-            kept[first:last] = True
+            kept[first:last] = doubtful[first:last] = True
     jumps = list[int]()
     for edges in leaps:
         stays, before = held_out.judged(edges)
