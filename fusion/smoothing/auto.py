@@ -17,7 +17,6 @@ from dataclasses import asdict, dataclass, field, replace
 import numpy as np
 
 from motorcade.fusion.smoothing.batch.columns import ColumnModel, noise_in_words, told_noise
-from motorcade.fusion.smoothing.batch.noise import FEWEST_POSES
 from motorcade.fusion.smoothing.batch.per_axis import (
     NORMAL_TAILS,
     AxisModels,
@@ -37,7 +36,7 @@ from motorcade.fusion.smoothing.batch.start import (
     of_one_turn,
     of_one_twist,
 )
-from motorcade.fusion.smoothing.checks import in_double, warn_of_coarse
+from motorcade.fusion.smoothing.checks import FEWEST_POSES, in_double, warn_of_coarse
 from motorcade.fusion.smoothing.knobs import SmootherKnobs
 from motorcade.fusion.smoothing.live import LiveSmoother
 from motorcade.fusion.smoothing.representations import (

@@ -13,6 +13,8 @@ from motorcade.ga.arrays import checked_positive
 _LOG = logging.getLogger("motorcade.smooth")
 
 LARGEST_ORDER = 5
+FEWEST_POSES = 16
+"""That tell noise from motion."""
 # Squares of sizes, and their products with those of the other kind, must not overflow.
 _SMALLEST = 1e-30
 # Stamps in milliseconds that are read as seconds lie at least so far apart, up to 100 Hz.

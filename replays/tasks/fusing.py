@@ -16,7 +16,8 @@ import numpy as np
 from motorcade.fusion.filter import FilterSettings, Fused, LearntNoise, fuse, learn_noise
 from motorcade.fusion.filter.fuse import checked_lag
 from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
-from motorcade.fusion.smoothing.batch.noise import estimate_noise
+from motorcade.fusion.smoothing import choose
+from motorcade.fusion.smoothing.batch.inliers import first_sizes
 from motorcade.fusion.sync import synchronise
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
@@ -252,9 +253,9 @@ def _measurements(
     """The poses with covariances, and the deviations of place and rotation in them."""
     sigma_m, sigma_rad = options.sigma_m, options.sigma_rad
     if sigma_m is None or sigma_rad is None:
-        noise = estimate_noise(poses)
-        sigma_m = sigma_m or max(noise.translation.noise, _FLOOR_M)
-        sigma_rad = sigma_rad or max(noise.rotation.noise, _FLOOR_RAD)
+        chosen, (rotation, translation) = choose(poses), first_sizes(poses)
+        sigma_m = sigma_m or max(chosen.noise_m or translation.noise, _FLOOR_M)
+        sigma_rad = sigma_rad or max(chosen.noise_rad or rotation.noise, _FLOOR_RAD)
     spread = np.diag(np.repeat([sigma_rad**2, sigma_m**2], 3))
     covariance = np.tile(spread, (len(poses), 1, 1))
     return PoseMeasurements(poses, covariance), sigma_m, sigma_rad

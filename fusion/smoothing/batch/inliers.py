@@ -16,11 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.smoothing.native import _inliers
-from motorcade.ga import Motor
+from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 
 # Gaps are bridged by the speed of so many steps to both sides.
 _NEIGHBOURS = 3
+# Sizes in rad and m that rounding leaves.
+_FINEST = 1e-8
+# Of a normal vector of three components.
+_MEDIAN_OF_NORM, _QUARTILE_OF_NORM = 1.5382, 2.0269
 
 
 class Sizes(NamedTuple):
@@ -91,3 +95,37 @@ def crossings(
     before, after = rows[gap], rows[gap + 1]
     arrival = poses[before] @ Motor.from_twist(speed * span_s[gap, None])
     return np.stack([before, after], axis=1), speed, (arrival.inverse() @ poses[after]).as_twist()
+
+
+def first_sizes(trajectory: Trajectory) -> tuple[Sizes, Sizes]:
+    """Rotation and translation, as differences of measured poses tell: on the wide side."""
+    time_s, poses = trajectory.time_s, trajectory.poses.rigid
+    interval_s = np.diff(time_s)[:, None]
+    changes = np.diff((poses[:-1].inverse() @ poses[1:]).as_twist() / interval_s, axis=0)
+    blocks = changes[:, :3], changes[:, 3:]
+    rotation, translation = (
+        Sizes(max(noise, _FINEST), max(_usual_density(part, interval_s), _FINEST))
+        for noise, part in zip(_first_noise(poses, time_s), blocks, strict=True)
+    )
+    return rotation, translation
+
+
+def _usual_density(changes: FloatArray, interval_s: FloatArray) -> float:
+    """Density of white acceleration that would explain the upper quartile of changes of speed."""
+    usual = float(np.quantile(np.linalg.norm(changes, axis=1), 0.75))
+    return usual / (_QUARTILE_OF_NORM * float(np.sqrt(np.median(interval_s))))
+
+
+def _first_noise(poses: Motor, time_s: FloatArray) -> tuple[float, float]:
+    """Noise (rad, m) that would explain the median third difference, as if stamps were even.
+
+    The square of a third difference of white noise is 20 times that of the noise.
+    """
+    interval_s = np.diff(time_s)[:, None]
+    rates = (poses[:-1].inverse() @ poses[1:]).as_twist() / interval_s
+    third = np.diff(rates, n=2, axis=0) * np.median(interval_s)
+    rotation, translation = (
+        float(np.median(np.linalg.norm(part, axis=1))) / (_MEDIAN_OF_NORM * np.sqrt(20.0))
+        for part in (third[:, :3], third[:, 3:])
+    )
+    return rotation, translation

@@ -46,6 +46,8 @@ _NEAR = 2
 # Poses to both sides that tell how large errors are there.
 _AROUND = 40
 _ROUNDS = 5
+# What is neglected where a body turns fast is a share of the offset, which is gone after few.
+_ROUNDS_BACK = 3
 
 
 def with_jumps(
@@ -117,29 +119,30 @@ def _moved_back(
     leaps = []
     for row in (first, last):
         before = path[row - 1 : row]
-        usual = retract(before, local(before, path[row - 2 : row - 1]))
+        usual = retract(before, local(before, path[max(row - 2, 0)][None]))
         leaps.append(local(path[row : row + 1], usual))
-    offset, run = 0.5 * (leaps[0] - leaps[1]), slice(first, last)
+    offset, run = 0.5 * (leaps[0] - leaps[1])[0], slice(first, last)
     coordinates, path = np.array(measured.coordinates), np.array(path)
-    for rows in (coordinates, path):
-        rows[run] = retract(rows[run], -offset)
     others = np.setdiff1d(measured.jumps, [first, last])
-    summed, values = developed(replace(measured, coordinates=coordinates), path)
-    worse, offset = 0.0, np.empty(values.shape[1])
-    for k, model in enumerate(models.columns):
-        noise, unit = least(model.noise, summed[:, k]), np.zeros(len(values))
-        unit[run] = noise
-        columns = np.column_stack([values[:, k], unit, values[:, k] + unit] * 2)
-        free, held = (
-            _columns.spline(
-                measured.time_s, columns, weights, jumps, model.order, model.ratio, model.memory_s
-            )[1]
-            for jumps in (measured.jumps, others)
-        )
-        product = 0.5 * (held[2] - held[0] - held[1])
-        offset[k] = noise * product / held[1]
-        worse += (held[0] - product**2 / held[1] - free[0]) / noise**2
-    return worse, ReturnedLevel(first, last, retract(coordinates[run], -offset))
+    for _ in range(_ROUNDS_BACK):
+        for rows in (coordinates, path):
+            rows[run] = retract(rows[run], np.tile(-offset, (last - first, 1)))
+        summed, values = developed(replace(measured, coordinates=coordinates), path)
+        worse, offset = 0.0, np.empty(values.shape[1])
+        for k, model in enumerate(models.columns):
+            noise, unit = least(model.noise, summed[:, k]), np.zeros(len(values))
+            unit[run] = noise
+            columns = np.column_stack([values[:, k], unit, values[:, k] + unit] * 2)
+            kind = (model.order, model.ratio, model.memory_s)
+            free, held = (
+                _columns.spline(measured.time_s, columns, weights, jumps, *kind)[1]
+                for jumps in (measured.jumps, others)
+            )
+            product = 0.5 * (held[2] - held[0] - held[1])
+            offset[k] = noise * product / held[1]
+            worse += (held[0] - product**2 / held[1] - free[0]) / noise**2
+    moved = retract(coordinates[run], np.tile(-offset, (last - first, 1)))
+    return worse, ReturnedLevel(first, last, moved)
 
 
 def _more_jumps(

@@ -14,10 +14,9 @@ from motorcade.fusion.smoothing.batch.columns import (
     ColumnStretch,
     standard_errors,
 )
-from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, inlier_poses
+from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, first_sizes, inlier_poses
 from motorcade.fusion.smoothing.batch.jumps import returned_levels, with_jumps
 from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
-from motorcade.fusion.smoothing.batch.noise import first_sizes
 from motorcade.fusion.smoothing.batch.per_axis import (
     HEAVY_TAILS,
     LAST_STEPS,

@@ -7,7 +7,6 @@ from motorcade.fusion.metrics import jitter
 from motorcade.fusion.motions import MOTIONS, handheld
 from motorcade.fusion.motions.degradations import Gaussian, Outliers, PlanarFlips, StampJitter
 from motorcade.fusion.smoothing import REPRESENTATIONS, choose, smooth, smoothed_automatically
-from motorcade.fusion.smoothing.batch.noise import estimate_noise
 from motorcade.fusion.smoothing.changes import changes
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
@@ -54,9 +53,9 @@ def test_noise_of_any_size_is_told(
     stamps = trembling.time_ns
     inside = (stamps >= truth.time_ns[0]) & (stamps <= truth.time_ns[-1])
     noisy = Gaussian(sigma_m, sigma_rad).apply(truth.resampled(stamps[inside]), rng)
-    found = estimate_noise(noisy)
-    assert found.translation.noise == pytest.approx(sigma_m, rel=0.25)
-    assert found.rotation.noise == pytest.approx(sigma_rad, rel=0.25)
+    found = choose(noisy)
+    assert found.noise_m == pytest.approx(sigma_m, rel=0.25)
+    assert found.noise_rad == pytest.approx(sigma_rad, rel=0.25)
     assert found.outliers < 0.01
 
 

@@ -9,8 +9,7 @@ from motorcade.fusion.metrics.jitter import accelerations
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import smoothed_automatically
-from motorcade.fusion.smoothing.batch.inliers import inlier_poses
-from motorcade.fusion.smoothing.batch.noise import first_sizes
+from motorcade.fusion.smoothing.batch.inliers import first_sizes, inlier_poses
 from motorcade.fusion.smoothing.batch.predicted import judged_runs
 from motorcade.fusion.smoothing.batch.start import PathStart
 from motorcade.ga import Motor, Trajectory

@@ -1,5 +1,7 @@
 """What is smoothed is told by the signal, not by how many seconds lie between stamps."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import choose, smooth, smoothed_automatically
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
+from tests.bench.smoothing.cells import NOISES, SLOW, cell, motion
 
 
 def restamped(path: Trajectory, factor: float) -> Trajectory:
@@ -44,6 +47,21 @@ def test_a_path_restamped_is_smoothed_alike(
     moved = off(plain, noisy)
     assert np.all(off(other, plain) < 0.01 * moved)
     assert np.all(off(plain, true) < 0.7 * off(noisy, true))
+
+
+@pytest.mark.parametrize("noise", NOISES)
+def test_any_path_under_any_noise_is_smoothed_alike_at_any_stamps(
+    noise: str, tmp_path: Path
+) -> None:
+    """Stamps 0.01 to 1000 times as far apart; motions, paths and factors are drawn."""
+    rng = np.random.default_rng([*map(ord, noise)])
+    name = str(rng.choice(["gimbal_hover", "screw", "distant_circle", "fast_spin", *SLOW]))
+    true = motion(name, tmp_path, 10.0)
+    assert true is not None
+    raw = cell(name, noise, true, int(rng.integers(1 << 31))).raw
+    plain = smooth(raw)
+    other = smooth(restamped(raw, float(10.0 ** rng.uniform(-2.0, 3.0))))
+    assert np.all(off(other, plain) < 0.01 * off(plain, raw) + 1e-6)
 
 
 @pytest.mark.parametrize("rate_hz", [1.0, 2.0, 5.0, 8.0])

@@ -156,3 +156,20 @@ def test_a_burst_of_wrong_poses_in_a_spin_is_left_out_wherever_it_is(first: int)
     assert not np.any(found.weights[burst])
     assert np.count_nonzero(found.weights == 0.0) < 12
     assert np.all(sizes(found.trajectory, true) < 0.12 * sizes(wrong, true))
+
+
+def test_errors_that_last_are_no_motion_beside_a_twist() -> None:
+    """A spline follows them; the twist was refused and 0.65 of the error left."""
+    left = []
+    for seed in range(3):
+        rng = np.random.default_rng([38, seed])
+        true, error = turning(rng, screw=True), rng.standard_normal((200, 6))
+        for k in range(1, 200):
+            error[k] = 0.8 * error[k - 1] + 0.6 * error[k]
+        errors = Motor.from_twist(error * np.repeat([np.deg2rad(0.5), 0.005], 3))
+        raw = Trajectory(true.time_ns, true.motors @ errors, true.parent, true.child)
+        found = smoothed_automatically(raw)
+        assert found.choice.by_twist
+        assert 0.1 < found.choice.memory_s < 0.5
+        left.append(sizes(found.trajectory, true) / sizes(raw, true))
+    assert np.all(np.sqrt(np.mean(np.square(left), axis=0)) < 0.6)
