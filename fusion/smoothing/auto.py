@@ -160,33 +160,33 @@ class SmootherChoice:
             )
         orders = "/".join(str(one.order) for one in self.models)
         frame = {_WORLD: "axes of the world", _BODY: "axes of the body"}
-        told = [
+        parts = [
             f"splines on {self.representation} ({frame.get(self.representation, 'components')})",
             f"order {orders}",
             f"noise {noise_in_words(self.noise_m, self.noise_rad)} an axis",
             f"{100.0 * self.outliers:.1f} % outliers",
         ]
         if self.unobservable:
-            told.append(f"not told of an axis: {self.unobservable}")
+            parts.append(f"not told of an axis: {self.unobservable}")
         if self.by_twist:
             whole = all(one.stiff for one in self.models[: self.axes[1]])
-            told.append("a constant twist" if whole else "a constant angular rate")
+            parts.append("a constant twist" if whole else "a constant angular rate")
         if self.models[0].joint:
-            told.append("rotations smoothed together")
+            parts.append("rotations smoothed together")
         if self.jumps:
-            told.append(f"{self.jumps} jump{'s' * (self.jumps > 1)} of level kept")
+            parts.append(f"{self.jumps} jump{'s' * (self.jumps > 1)} of level kept")
         if self.tails != NORMAL_TAILS:
-            told.append("heavy tails")
+            parts.append("heavy tails")
         if self.memory_s > 0.0:
-            told.append(f"errors last for {1e3 * self.memory_s:.0f} ms")
+            parts.append(f"errors last for {1e3 * self.memory_s:.0f} ms")
         if self.even_stamps:
-            told.append("stamps taken for even")
+            parts.append("stamps taken for even")
         if self.knobs.smoothness:
-            told.append(f"smoothness {self.knobs.smoothness:+g}")
+            parts.append(f"smoothness {self.knobs.smoothness:+g}")
         for name, size in asdict(self.knobs).items():
             if name != "smoothness" and size is not None:
-                told.append(f"{name} given" if name.startswith("noise") else f"{name} {size:g}")
-        return "; ".join(told)
+                parts.append(f"{name} given" if name.startswith("noise") else f"{name} {size:g}")
+        return "; ".join(parts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -276,19 +276,21 @@ def smoothed_automatically(
     trajectory = in_double(trajectory)
     start = PathStart.of(trajectory)
     if choice is None:
-        choice, measured, found = _chosen(start, representation, asked)
+        choice, measured, smoothed = _chosen(start, representation, asked)
     else:
         named = representation_named(choice.representation)
         models = AxisModels(tuple(replace(one, stiff=False) for one in choice.models), 0.0)
-        start, _, measured, found = first_path(start, named, models, choice.even_stamps)
-        found = settled(measured, found, models, choice.tails)
+        start, _, measured, smoothed = first_path(start, named, models, choice.even_stamps)
+        smoothed = settled(measured, smoothed, models, choice.tails)
         if choice.by_twist:
-            told = (start, measured, found, models, choice.tails)
-            measured, found, models = of_one_twist(*told, any_axes=False)
+            state = (start, measured, smoothed, models, choice.tails)
+            measured, smoothed, models = of_one_twist(*state, any_axes=False)
         choice = replace(choice, models=models.columns)
     if choice.knobs.smoothness != 0.0:
-        found = smoother(measured, found, choice.models, choice.tails, choice.knobs.smoothness)
-    return _told(start, trajectory, measured, found, choice)
+        smoothed = smoother(
+            measured, smoothed, choice.models, choice.tails, choice.knobs.smoothness
+        )
+    return _finished(start, trajectory, measured, smoothed, choice)
 
 
 def auto(
@@ -339,27 +341,27 @@ def _chosen(
 ) -> tuple[SmootherChoice, Measured, PerAxisPath]:
     """What a path calls for, and the path smoothed so."""
     named = representation_named(representation or _WORLD, start.trajectory.poses)
-    start, even, measured, found = first_path(start, named)
-    known = knobs.known_noise(measured.representation, found.noise.size)
-    taken = measured, found
+    start, even, measured, smoothed = first_path(start, named)
+    known = knobs.known_noise(measured.representation, smoothed.noise.size)
+    taken = measured, smoothed
     if representation is None:
-        taken = in_better_axes(start, measured, found)
-    models = chosen_models(taken[0], taken[1].coordinates, found.weights, known=known)
+        taken = in_better_axes(start, measured, smoothed)
+    models = chosen_models(taken[0], taken[1].coordinates, smoothed.weights, known=known)
     if taken[0] is not measured and models.unobservable > 0:
-        world = chosen_models(measured, found.coordinates, found.weights, known=known)
+        world = chosen_models(measured, smoothed.coordinates, smoothed.weights, known=known)
         if (
             world.unobservable < models.unobservable
         ):  # what is left as measured is not predicted better
-            taken, models = (measured, found), world
-    measured, found = taken
+            taken, models = (measured, smoothed), world
+    measured, smoothed = taken
     warn_of_coarse(float(np.median(np.diff(measured.time_s))))
-    tails = tails_of(found.squares, found.weights, len(models.columns))
-    found = settled(measured, found, models, tails)
+    tails = tails_of(smoothed.squares, smoothed.weights, len(models.columns))
+    smoothed = settled(measured, smoothed, models, tails)
     free = representation is None
-    measured, found, models = of_one_twist(start, measured, found, models, tails, free)
-    measured, found, models = of_one_turn(start, measured, found, models, tails)
-    found, models = no_worse(start, measured, found, models, tails, known)
-    noise = np.where(np.isnan(known), found.noise, known)
+    measured, smoothed, models = of_one_twist(start, measured, smoothed, models, tails, free)
+    measured, smoothed, models = of_one_turn(start, measured, smoothed, models, tails)
+    smoothed, models = no_worse(start, measured, smoothed, models, tails, known)
+    noise = np.where(np.isnan(known), smoothed.noise, known)
     choice = SmootherChoice(
         measured.representation.name,
         tuple(
@@ -368,30 +370,30 @@ def _chosen(
         ),
         tails,
         even,
-        float(np.mean((found.weights == 0.0) | start.mirrored)),
+        float(np.mean((smoothed.weights == 0.0) | start.mirrored)),
         len(measured.jumps),
         measured.representation.ends,
         knobs,
     )
-    return choice, measured, found
+    return choice, measured, smoothed
 
 
-def _told(
+def _finished(
     start: PathStart,
     trajectory: Trajectory,
     measured: Measured,
-    found: PerAxisPath,
+    smoothed: PerAxisPath,
     choice: SmootherChoice,
 ) -> AutomaticPath:
-    made = restored(measured.representation, found.coordinates, trajectory)
+    path = restored(measured.representation, smoothed.coordinates, trajectory)
     models = AxisModels(choice.models, 0.0)
-    stay = unpredicted(start.trajectory, measured, found, models, choice.tails)
+    stay = unpredicted(start.trajectory, measured, smoothed, models, choice.tails)
     if choice.raw and choice.knobs.smoothness == 0.0:
-        stay |= found.weights[:, None] > 0.0
+        stay |= smoothed.weights[:, None] > 0.0
     measured_poses = start.trajectory.poses.rigid
-    share = np.where(stay, 0.0, choice.knobs.allowed_share(made.poses.rigid, measured_poses))
-    made, stay = in_part(made, start.trajectory, share), share < 1.0
-    deviations = np.sqrt(found.spread) * [one.noise for one in choice.models]
+    share = np.where(stay, 0.0, choice.knobs.allowed_share(path.poses.rigid, measured_poses))
+    path, stay = in_part(path, start.trajectory, share), share < 1.0
+    deviations = np.sqrt(smoothed.spread) * [one.noise for one in choice.models]
     parts = np.searchsorted(choice.axes, np.arange(deviations.shape[1]), "right")
     deviations[np.column_stack([stay, np.all(stay, axis=1)])[:, parts]] = np.nan
-    return AutomaticPath(made, choice, found.weights, deviations, measured.jumps)
+    return AutomaticPath(path, choice, smoothed.weights, deviations, measured.jumps)

@@ -48,9 +48,9 @@ class Setting:
         parameters: dict[str, Any] = dict(self.parameters)
         name = None if self.representation == OWN else self.representation
         others = {
-            one.removeprefix(FOR_POSITIONS): parameters.pop(one)
-            for one in list(parameters)
-            if one.startswith(FOR_POSITIONS)
+            key.removeprefix(FOR_POSITIONS): parameters.pop(key)
+            for key in list(parameters)
+            if key.startswith(FOR_POSITIONS)
         }
         smoothed: Trajectory = smooth(trajectory, self.method, name, **parameters)
         if others:

@@ -160,8 +160,8 @@ def splined(
         memory_s: of the model's errors.
     """
     stretch = ColumnStretch(time_s, np.ascontiguousarray(column[:, None]), weights, jumps)
-    found, _ = _splined(stretch, order, ratio, memory_s, shocks)
-    return replace(found, values=found.values[:, 0], left_out=found.left_out[:, 0])
+    path, _ = _splined(stretch, order, ratio, memory_s, shocks)
+    return replace(path, values=path.values[:, 0], left_out=path.left_out[:, 0])
 
 
 def _splined(
@@ -218,25 +218,27 @@ def chosen(
         return tried[order, level]
 
     columns = stretches[0].values.shape[1]
-    made = []
+    picked = []
     for column, noise in enumerate(np.full(columns, np.nan) if known is None else known):
         searched = not np.isfinite(noise)
         own = []
         for order in orders:
             tried_first = [predicted(order, level) for level in COARSE]
-            best = COARSE[int(np.argmin([one.score(column, noise) for one in tried_first]))]
+            best = COARSE[
+                int(np.argmin([candidate.score(column, noise) for candidate in tried_first]))
+            ]
             own += tried_first + [predicted(order, best + step) for step in FINE]
-        best_of_all = min(own, key=lambda one: one.score(column, noise))
+        best_of_all = min(own, key=lambda candidate: candidate.score(column, noise))
         behind = standard_errors_behind(own, best_of_all, column, noise)
-        equals = [one for one, by in zip(own, behind, strict=True) if by <= equal]
-        taken = max(equals, key=lambda one: one.likelihood(column, noise))
+        equals = [candidate for candidate, by in zip(own, behind, strict=True) if by <= equal]
+        taken = max(equals, key=lambda candidate: candidate.likelihood(column, noise))
         size = float(taken.noise[column] if searched else noise)
         model = ColumnModel(taken.order, taken.ratio, size)
-        rows = sum(len(one.weights) for one in stretches)
+        rows = sum(len(stretch.weights) for stretch in stretches)
         density = -0.5 * rows * float(np.log(max(best_of_all.scores[column], 1e-300)))
-        likelihood = max(one.likelihood(column, noise) for one in own)
-        made.append(ChosenColumn(model, density, best_of_all, likelihood))
-    return made
+        likelihood = max(candidate.likelihood(column, noise) for candidate in own)
+        picked.append(ChosenColumn(model, density, best_of_all, likelihood))
+    return picked
 
 
 class ChosenColumn(NamedTuple):
@@ -283,19 +285,19 @@ class Prediction:
         cls, stretches: Sequence[ColumnStretch], order: int, ratio: float, memory_s: float
     ) -> Prediction:
         """How well a model predicts the values of some stretches that have a weight."""
-        found = [_splined(one, order, ratio, memory_s) for one in stretches]
+        splines = [_splined(one, order, ratio, memory_s) for one in stretches]
         weights = np.concatenate([one.weights for one in stretches])
         used = np.flatnonzero(weights)
         kept = weights[used]
-        off = np.concatenate([path.left_out for path, _ in found])[used]
+        off = np.concatenate([path.left_out for path, _ in splines])[used]
         squares = np.ascontiguousarray(off.T) ** 2
-        shares = 1.0 / (1.0 + kept * np.concatenate([path.variance for path, _ in found])[used])
+        shares = 1.0 / (1.0 + kept * np.concatenate([path.variance for path, _ in splines])[used])
         noise = np.sqrt(squares @ (kept * shares) / len(kept))
         squares *= kept * (shares / float(np.mean(shares))) ** 2
         innovations = (
-            sum(one[0] for _, one in found),
-            np.asarray(np.sum([one[1] for _, one in found], axis=0), dtype=np.float64),
-            sum(one[2] for _, one in found),
+            sum(one[0] for _, one in splines),
+            np.asarray(np.sum([one[1] for _, one in splines], axis=0), dtype=np.float64),
+            sum(one[2] for _, one in splines),
         )
         scores = np.mean(squares, axis=1)
         return cls(order, ratio, memory_s, noise, squares, scores, shares, innovations)
@@ -329,8 +331,8 @@ class Prediction:
 
 def told_noise(models: Sequence[ColumnModel]) -> float | None:
     """Root mean square deviation of the columns that tell theirs; None where none does."""
-    told = [one.noise for one in models if not one.unobservable]
-    return float(np.sqrt(np.mean(np.square(told)))) if told else None
+    sizes = [one.noise for one in models if not one.unobservable]
+    return float(np.sqrt(np.mean(np.square(sizes)))) if sizes else None
 
 
 def noise_in_words(noise_m: float | None, noise_rad: float | None) -> str:
@@ -349,15 +351,17 @@ def likelihoods(
     stretches: Sequence[ColumnStretch], order: int, ratio: float, memory_s: float
 ) -> FloatArray:
     """Logarithms of the likelihood of columns ``(K,)``, each at its likeliest noise."""
-    found = [
-        _columns.spline(one.time_s, one.values, one.weights, one.jumps, order, ratio, memory_s)
-        for one in stretches
+    innovations = [
+        _columns.spline(
+            stretch.time_s, stretch.values, stretch.weights, stretch.jumps, order, ratio, memory_s
+        )
+        for stretch in stretches
     ]
-    rows = sum(one[0] for one in found)
-    squares = np.maximum(np.sum([one[1] for one in found], axis=0), 1e-300)
+    rows = sum(part[0] for part in innovations)
+    squares = np.maximum(np.sum([part[1] for part in innovations], axis=0), 1e-300)
     if rows == 0.0:
         return np.full(len(squares), -np.inf)
-    logarithms = sum(one[2] for one in found)
+    logarithms = sum(part[2] for part in innovations)
     return np.asarray(-0.5 * (rows * (np.log(squares / rows) + 1.0) + logarithms))
 
 

@@ -47,8 +47,8 @@ def inlier_poses(
     """
     kept = np.ones(len(poses), dtype=np.bool_)
     if len(poses) >= 3:
-        given = np.ascontiguousarray(poses.coefficients, dtype=np.float64)
-        _inliers.chain(np.ascontiguousarray(time_s), given, rotation, translation, kept)
+        coefficients = np.ascontiguousarray(poses.coefficients, dtype=np.float64)
+        _inliers.chain(np.ascontiguousarray(time_s), coefficients, rotation, translation, kept)
     return kept
 
 

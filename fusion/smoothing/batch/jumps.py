@@ -153,9 +153,9 @@ def _more_jumps(
     jump, slope, single = _savings(measured, path, weights, models)
     least_saved = _least_saved(single, kept, len(models.columns))
     other = _largest_near(np.maximum(slope, single))
-    found = (jump > least_saved) & (jump >= _largest_near(jump)) & (jump > _AHEAD * other)
+    jumping = (jump > least_saved) & (jump >= _largest_near(jump)) & (jump > _AHEAD * other)
     # Between two poses that count any row would do: the level changes with the later one.
-    rows = kept[np.searchsorted(kept, np.flatnonzero(found))]
+    rows = kept[np.searchsorted(kept, np.flatnonzero(jumping))]
     rows = rows[weights[rows - 1] > 0.0]  # over a run left out it is judged with the run
     edges = np.concatenate([[kept[0]], measured.jumps, [kept[-1] + 1]])
     places, borders = np.searchsorted(kept, rows), np.searchsorted(kept, edges)
@@ -178,7 +178,7 @@ def _savings(
     These are a jump of the level before it, one of the slope, and that its pose is wrong.
     """
     summed, offset = developed(measured, path)
-    made, shocks = np.zeros((3, len(offset))), np.empty((len(offset), 1, 2))
+    saved, shocks = np.zeros((3, len(offset))), np.empty((len(offset), 1, 2))
     for k, model in enumerate(models.columns):
         column = splined(
             measured.time_s,
@@ -191,10 +191,10 @@ def _savings(
             model.memory_s,
         )
         variance = least(model.noise, summed[:, k]) ** 2
-        made[:2] += shocks[:, 0].T ** 2 / variance
+        saved[:2] += shocks[:, 0].T ** 2 / variance
         counted = weights > 0.0
-        made[2, counted] += (column.left_out**2 / (1.0 + column.variance))[counted] / variance
-    return made
+        saved[2, counted] += (column.left_out**2 / (1.0 + column.variance))[counted] / variance
+    return saved
 
 
 def _size_around(single: FloatArray, kept: IntArray, axes: int) -> FloatArray:

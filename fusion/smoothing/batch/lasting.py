@@ -36,7 +36,7 @@ _FIRST, _OTHERS = 0.5, (0.3, 0.7, 0.8, 0.9, 0.95)
 
 def with_lasting_errors(
     stretches: Sequence[ColumnStretch],
-    found: Sequence[ChosenColumn],
+    chosen: Sequence[ChosenColumn],
     ends: Sequence[int],
     known: FloatArray,
 ) -> list[ColumnModel]:
@@ -44,26 +44,26 @@ def with_lasting_errors(
 
     Args:
         stretches: of the path.
-        found: models with white errors, a column each.
+        chosen: models with white errors, a column each.
         ends: of the groups of columns whose errors have one memory.
         known: ``(K,)`` deviations that are given, NaN where they are not: given errors are white.
     """
-    models = [one.model for one in found]
+    models = [one.model for one in chosen]
     interval_s = float(np.median(np.diff(stretches[0].time_s)))
-    for first, end in zip((0, *ends), (*ends, len(found)), strict=True):
+    for first, end in zip((0, *ends), (*ends, len(chosen)), strict=True):
         group = range(first, end)
         # What goes through its values shows no errors that could last.
         if any(np.isfinite(known[k]) or models[k].noise_alone(interval_s) < _FEWEST for k in group):
             continue
-        for k, lasting in _likeliest(stretches, found, group).items():
-            if standard_errors(lasting.squares[k] - found[k].best.squares[k]) <= EQUAL:
+        for k, lasting in _likeliest(stretches, chosen, group).items():
+            if standard_errors(lasting.squares[k] - chosen[k].best.squares[k]) <= EQUAL:
                 noise = float(lasting.noise[k])
                 models[k] = ColumnModel(lasting.order, lasting.ratio, noise, lasting.memory_s)
     return models
 
 
 def _likeliest(
-    stretches: Sequence[ColumnStretch], found: Sequence[ChosenColumn], group: range
+    stretches: Sequence[ColumnStretch], chosen: Sequence[ChosenColumn], group: range
 ) -> dict[int, Prediction]:
     """The likeliest models of a group whose errors last; none where white ones do as well.
 
@@ -72,14 +72,14 @@ def _likeliest(
     errors that last, as stiff as splines get, it is no memory that was found.
     """
     interval_s = float(np.median(np.diff(stretches[0].time_s)))
-    white = sum(found[k].likelihood for k in group)
+    white = sum(chosen[k].likelihood for k in group)
     tried = {_FIRST: _searched(stretches, group, interval_s, _FIRST)}
     if tried[_FIRST][0] <= white:
         return {}
     tried |= {kept: _searched(stretches, group, interval_s, kept) for kept in _OTHERS}
-    kept = max(tried, key=lambda one: tried[one][0])
+    kept = max(tried, key=lambda share: tried[share][0])
     best, models = tried[kept]
-    rows = sum(len(one.time_s) for one in stretches) * len(group)
+    rows = sum(len(share.time_s) for share in stretches) * len(group)
     stiffest = min(level for _, level in models)
     if best <= white + 0.5 * float(np.log(rows)) or stiffest <= COARSE[0]:
         return {}

@@ -82,34 +82,34 @@ def judged_runs(time_s: FloatArray, poses: Motor, kept: Kept) -> JudgedRuns:
     most = np.quantile(bent[:-1][usual], _MOST, axis=0) if np.any(usual) else np.zeros(2)
     doubtful = np.zeros_like(kept)
     while True:
-        made, leaps = np.ones_like(kept), []
+        motion, leaps = np.ones_like(kept), []
         for first, last in runs_of(~kept):
             edges = _leaps(bent, ~_widened(~kept), most, first, last)
             if edges and first > 0 and last < len(kept):
                 doubtful[edges[0] : last] = len(edges) == 1
             if len(edges) > 1:
-                made[edges[0] : edges[-1]] = False
+                motion[edges[0] : edges[-1]] = False
                 leaps.append(edges)
-        if not leaps or not np.any(made[1:] & made[:-1]):
-            return JudgedRuns(made if not leaps else kept, NO_JUMPS, doubtful)
-        held_out = _HeldOut(time_s, poses, made, most)
+        if not leaps or not np.any(motion[1:] & motion[:-1]):
+            return JudgedRuns(motion if not leaps else kept, NO_JUMPS, doubtful)
+        held_out = _HeldOut(time_s, poses, motion, most)
         right = [piece for edges in leaps for piece in held_out.right_among(edges)]
         if not right:
             break
-        kept = made.copy()
+        kept = motion.copy()
         for first, last in right:
             kept[first:last] = doubtful[first:last] = True
     jumps = list[int]()
     for edges in leaps:
         stays, before = held_out.judged(edges)
         for first, last in stays:
-            made[first:last] = doubtful[first:last] = True
+            motion[first:last] = doubtful[first:last] = True
         jumps += before
-    return JudgedRuns(made, np.array(jumps, dtype=np.int64), doubtful)
+    return JudgedRuns(motion, np.array(jumps, dtype=np.int64), doubtful)
 
 
 def unpredicted(
-    like: Trajectory, measured: Measured, found: PerAxisPath, models: AxisModels, tails: float
+    like: Trajectory, measured: Measured, smoothed: PerAxisPath, models: AxisModels, tails: float
 ) -> Kept:
     """Rotations and positions ``(N, 2)`` left out that are right, and better as measured.
 
@@ -119,48 +119,48 @@ def unpredicted(
     Args:
         like: the poses as measured.
         measured: the same as coordinates.
-        found: the path.
+        smoothed: the path.
         models: it was smoothed by.
         tails: degrees of freedom of the errors.
     """
-    poses, kept = like.poses.rigid, found.weights > 0.0
+    poses, kept = like.poses.rigid, smoothed.weights > 0.0
     beside_jump = _beside(kept, measured.jumps)
-    made = np.repeat(beside_jump[:, None], 2, axis=1)
+    stay = np.repeat(beside_jump[:, None], 2, axis=1)
 
     def off(path: PerAxisPath) -> FloatArray:
         return _off(poses, restored(measured.representation, path.coordinates, like).poses.rigid)
 
-    far, rows = off(found), np.flatnonzero(kept)
+    far, rows = off(smoothed), np.flatnonzero(kept)
     runs = runs_of(~kept & measured.motion & ~beside_jump)
     lengths = np.array([_rounded_up(last - first) for first, last in runs])
     for length in np.unique(lengths):
         inside = rows[_blocks(len(rows), int(length))]
-        weights = np.array(found.weights)
+        weights = np.array(smoothed.weights)
         weights[inside] = 0.0
-        without = smoothed_per_axis(measured, found.coordinates, weights, models, tails, 1)
+        without = smoothed_per_axis(measured, smoothed.coordinates, weights, models, tails, 1)
         errors = _size(off(without)[inside])
         for first, last in runs[lengths == length]:
             beside = _near(inside, first)
             near, usual = _size(errors[beside]), _size(_size(far[inside[beside]]))
             if len(errors[beside]) < _FEWEST:
-                made[first:last] = True
+                stay[first:last] = True
                 continue
             right = np.all(far[first:last] <= _AS_GOOD * near, axis=1)
-            made[first:last] = right[:, None] & (near > _AS_SURE * usual)
-    path = restored(measured.representation, found.coordinates, like).poses.rigid
-    return made | _astray(measured.time_s, path, kept)[:, None]
+            stay[first:last] = right[:, None] & (near > _AS_SURE * usual)
+    path = restored(measured.representation, smoothed.coordinates, like).poses.rigid
+    return stay | _astray(measured.time_s, path, kept)[:, None]
 
 
 def _astray(time_s: FloatArray, path: Motor, kept: Kept) -> Kept:
     """Poses left out between others that a path bends more for than a smooth one would."""
-    made, bent, near = np.zeros_like(kept), _bent(time_s, path), _widened(~kept)
+    astray, bent, near = np.zeros_like(kept), _bent(time_s, path), _widened(~kept)
     if np.all(near):
-        return made
+        return astray
     most = _ASTRAY * np.max(bent[~near], axis=0)
     for first, last in runs_of(~kept):
         if first > 0 and last < len(kept):  # beyond the ends it is not led anywhere
-            made[first:last] = np.any(bent[first - 1 : last + 1] > most)
-    return made
+            astray[first:last] = np.any(bent[first - 1 : last + 1] > most)
+    return astray
 
 
 def _bent(time_s: FloatArray, path: Motor) -> FloatArray:
@@ -169,7 +169,7 @@ def _bent(time_s: FloatArray, path: Motor) -> FloatArray:
     return _parts(np.pad(np.diff(rates, axis=0), ((1, 1), (0, 0))) / np.gradient(time_s)[:, None])
 
 
-def worse_than_measured(like: Trajectory, measured: Measured, found: PerAxisPath) -> Kept:
+def worse_than_measured(like: Trajectory, measured: Measured, smoothed: PerAxisPath) -> Kept:
     """Whether a path predicts rotations and positions ``(2,)`` far worse than neighbours do.
 
     Errors that last are much alike in neighbours, which predict these somewhat better than any path
@@ -178,13 +178,13 @@ def worse_than_measured(like: Trajectory, measured: Measured, found: PerAxisPath
     Args:
         like: the poses as measured.
         measured: the same as coordinates.
-        found: the path.
+        smoothed: the path.
     """
-    kept, time_s, poses = found.weights > 0.0, measured.time_s, like.poses.rigid
+    kept, time_s, poses = smoothed.weights > 0.0, measured.time_s, like.poses.rigid
     rows = 1 + np.flatnonzero(kept[:-2] & kept[1:-1] & kept[2:])
     if not len(rows):
         return np.zeros(2, dtype=np.bool_)
-    others = measured.representation.retract(measured.coordinates, -found.left_out)
+    others = measured.representation.retract(measured.coordinates, -smoothed.left_out)
     ours = restored(measured.representation, others, like).poses.rigid[rows]
     share = (time_s[rows] - time_s[rows - 1]) / (time_s[rows + 1] - time_s[rows - 1])
     step = (poses[rows - 1].inverse() @ poses[rows + 1]).as_twist()
@@ -238,7 +238,7 @@ class _HeldOut:
                 or self._leads_on(edges[0], begin, end, edges[-1])
             )
         ]
-        return sorted(right, key=lambda one: one[0] - one[1])[:1]
+        return sorted(right, key=lambda piece: piece[0] - piece[1])[:1]
 
     def _leads_on(self, first: int, begin: int, end: int, last: int) -> bool:
         """Whether part of a run is crossed to, or from, as well as as many good poses are."""
@@ -274,11 +274,15 @@ class _HeldOut:
         whole, longest = [(first, last)], max(np.diff(edges))
         agrees = longest > (1 if len(edges) == 2 else 2)
         if first == 0 or last == self.count:
-            beside = [one for one in pairwise(edges) if not self._far_at_end(first, last, *one)]
+            beside = [
+                piece for piece in pairwise(edges) if not self._far_at_end(first, last, *piece)
+            ]
             inward = list(pairwise(edges))[:: -1 if first == 0 else 1]
-            by_end = list(takewhile(lambda one: one in beside, inward))
-            near_by = by_end + [one for one in beside if one[1] - one[0] > 2 and one not in by_end]
-            levels = [one for one in pairwise(edges) if one[1] - one[0] >= FEWEST_AT_LEVEL]
+            by_end = list(takewhile(lambda piece: piece in beside, inward))
+            near_by = by_end + [
+                piece for piece in beside if piece[1] - piece[0] > 2 and piece not in by_end
+            ]
+            levels = [piece for piece in pairwise(edges) if piece[1] - piece[0] >= FEWEST_AT_LEVEL]
             if near_by or not levels:
                 return near_by, []
             return levels, [last if first == 0 else first]
@@ -288,7 +292,7 @@ class _HeldOut:
             return whole, []
         returns = not np.any(missed > near[1])
         if agrees:  # poses that do not agree are wrong wherever the path goes on
-            far = np.max([_size(self.off[slice(*one)]) for one in pairwise(edges)], axis=0)
+            far = np.max([_size(self.off[slice(*piece)]) for piece in pairwise(edges)], axis=0)
             far_off = bool(np.any((far > near[0]) & (missed < _RETURNED * far)))
             returns = returns and (far_off or self._leaps_back(first, last))
         if returns:
@@ -361,10 +365,10 @@ def runs_of(rows: Kept) -> IntArray:
 
 def _beside(kept: Kept, jumps: IntArray) -> Kept:
     """Poses ``(N,)`` of runs that are left out next to a jump, which neither side tells."""
-    made = np.zeros_like(kept)
+    beside = np.zeros_like(kept)
     for first, last in runs_of(~kept):
-        made[first:last] = bool(np.any((jumps >= first) & (jumps <= last)))
-    return made
+        beside[first:last] = bool(np.any((jumps >= first) & (jumps <= last)))
+    return beside
 
 
 def _bends(time_s: FloatArray, poses: Motor) -> FloatArray:

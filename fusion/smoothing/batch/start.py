@@ -110,14 +110,14 @@ class PathStart:
         """Noise and white acceleration of rotation, translation and scale, the likeliest."""
         measured, path = self.written(REPRESENTATIONS["rotor"])
         columns = chosen_models(measured, path, self.weights, (1,), float("inf")).columns
-        made = [
+        sizes = [
             Sizes(
                 max(_root_mean_square([one.noise for one in part]), 1e-8),
                 max(_root_mean_square([one.density for one in part]), 1e-8),
             )
             for part in (columns[:3], columns[3:6], columns[6:])
         ]
-        return made[0], made[1], made[2]
+        return sizes[0], sizes[1], sizes[2]
 
     def without_runs_between(self, jumps: IntArray) -> PathStart:
         """The same without poses between two jumps that the path returns from; see `predicted`."""
@@ -209,27 +209,27 @@ def first_path(
         other = start.with_levels_returned(measured, path, models)
     if other is not start:
         return first_path(other, representation, known, even)
-    found = smoothed_per_axis(measured, path, start.weights, models, HEAVY_TAILS, FIRST_STEPS)
-    return start, bool(even), measured, found
+    smoothed = smoothed_per_axis(measured, path, start.weights, models, HEAVY_TAILS, FIRST_STEPS)
+    return start, bool(even), measured, smoothed
 
 
 def in_better_axes(
-    start: PathStart, measured: Measured, found: PerAxisPath
+    start: PathStart, measured: Measured, smoothed: PerAxisPath
 ) -> tuple[Measured, PerAxisPath]:
     """The same in axes of the body, where these predict better."""
-    turned, path = in_axes_of_body(start, measured, found)
-    world = chosen_models(measured, found.coordinates, found.weights, _FIRST_ORDER)
-    if chosen_models(turned, path, found.weights, _FIRST_ORDER).score <= world.score:
-        return measured, found
-    return turned, replace(found, coordinates=path)
+    turned, path = in_axes_of_body(start, measured, smoothed)
+    world = chosen_models(measured, smoothed.coordinates, smoothed.weights, _FIRST_ORDER)
+    if chosen_models(turned, path, smoothed.weights, _FIRST_ORDER).score <= world.score:
+        return measured, smoothed
+    return turned, replace(smoothed, coordinates=path)
 
 
 def in_axes_of_body(
-    start: PathStart, measured: Measured, found: PerAxisPath
+    start: PathStart, measured: Measured, smoothed: PerAxisPath
 ) -> tuple[Measured, FloatArray]:
     """Measured poses and the path in axes of the body."""
     body, like = REPRESENTATIONS[_BODY], start.trajectory
-    path = body.coordinates(restored(measured.representation, found.coordinates, like).poses)
+    path = body.coordinates(restored(measured.representation, smoothed.coordinates, like).poses)
     turned = replace(start.measured(body, path), time_s=measured.time_s, jumps=measured.jumps)
     return turned, path
 
@@ -237,7 +237,7 @@ def in_axes_of_body(
 def of_one_twist(
     start: PathStart,
     measured: Measured,
-    found: PerAxisPath,
+    smoothed: PerAxisPath,
     models: AxisModels,
     tails: float,
     any_axes: bool,
@@ -248,14 +248,14 @@ def of_one_twist(
     Args:
         start: of the path.
         measured: poses.
-        found: the path.
+        smoothed: the path.
         models: it was smoothed by.
         tails: degrees of freedom of the errors.
         any_axes: whether axes of the body may be taken for those that were.
     """
-    tried = [(measured, found.coordinates)]
+    tried = [(measured, smoothed.coordinates)]
     if any_axes and measured.representation.name != _BODY:
-        tried.insert(0, in_axes_of_body(start, measured, found))
+        tried.insert(0, in_axes_of_body(start, measured, smoothed))
     for each, path in tried:
         poses = replace(each, jumps=NO_JUMPS)  # where nothing else is left there was none
         columns = _STIFF.get(poses.representation.name, 0)
@@ -263,17 +263,17 @@ def of_one_twist(
         if not own:
             continue
         by_twist = _stiff(models, np.zeros(columns))
-        made = smoothed_per_axis(poses, path, found.weights, by_twist, tails, LAST_STEPS)
-        beyond = poses.representation.local(poses.coordinates, made.coordinates)
-        lasting = memories_beside(ColumnStretch(poses.time_s, beyond, made.weights), columns)
+        twisted = smoothed_per_axis(poses, path, smoothed.weights, by_twist, tails, LAST_STEPS)
+        beyond = poses.representation.local(poses.coordinates, twisted.coordinates)
+        lasting = memories_beside(ColumnStretch(poses.time_s, beyond, twisted.weights), columns)
         if lasting is not None:
             by_twist = _stiff(models, lasting)
             if np.any(lasting):
-                path, weights = made.coordinates, made.weights
-                made = smoothed_per_axis(poses, path, weights, by_twist, tails, 1)
-            if _gain(found, made) >= -_SURELY:
-                return poses, made, by_twist
-    return measured, found, models
+                path, weights = twisted.coordinates, twisted.weights
+                twisted = smoothed_per_axis(poses, path, weights, by_twist, tails, 1)
+            if _gain(smoothed, twisted) >= -_SURELY:
+                return poses, twisted, by_twist
+    return measured, smoothed, models
 
 
 def _stiff(models: AxisModels, lasting: FloatArray) -> AxisModels:
@@ -286,7 +286,7 @@ def _stiff(models: AxisModels, lasting: FloatArray) -> AxisModels:
 
 
 def of_one_turn(
-    start: PathStart, measured: Measured, found: PerAxisPath, models: AxisModels, tails: float
+    start: PathStart, measured: Measured, smoothed: PerAxisPath, models: AxisModels, tails: float
 ) -> tuple[Measured, PerAxisPath, AxisModels]:
     """The same with rotations smoothed together, where a body turns so fast that axes apart neglect
     what counts, and unless they predict held-out poses better all the same.
@@ -295,47 +295,49 @@ def of_one_turn(
     """
     usual_s, own = float(np.median(np.diff(measured.time_s))), models.columns[:3]
     if measured.representation.name not in _STIFF or own[0].stiff:
-        return measured, found, models
-    path = restored(measured.representation, found.coordinates, start.trajectory).poses.rigid
+        return measured, smoothed, models
+    path = restored(measured.representation, smoothed.coordinates, start.trajectory).poses.rigid
     turn = float(np.median((path[:-1].rotor.inverse() @ path[1:].rotor).angle())) / usual_s
     rates = [column.rate(usual_s) for column in own if not column.unobservable]
     if turn < (_TURNS * float(np.median(rates)) if rates else _FAR / usual_s):
-        return measured, found, models
+        return measured, smoothed, models
     noise = max(_root_mean_square([one.noise for one in own]), 1e-9)
     poses, steady = start.trajectory.poses.rigid, replace(measured, jumps=NO_JUMPS)
-    model = turning_model(measured.time_s, poses, found.weights, noise).told(usual_s)
+    model = turning_model(measured.time_s, poses, smoothed.weights, noise).told(usual_s)
     joint = replace(models, columns=(*[model] * 3, *models.columns[3:]))
     if model.unobservable:
-        return measured, found, models
-    made = smoothed_per_axis(steady, found.coordinates, found.weights, joint, tails, LAST_STEPS)
-    if _gain(found, made) <= (EQUAL if len(measured.jumps) or not rates else -EQUAL):
-        return measured, found, models
-    return steady, made, joint
+        return measured, smoothed, models
+    turned = smoothed_per_axis(
+        steady, smoothed.coordinates, smoothed.weights, joint, tails, LAST_STEPS
+    )
+    if _gain(smoothed, turned) <= (EQUAL if len(measured.jumps) or not rates else -EQUAL):
+        return measured, smoothed, models
+    return steady, turned, joint
 
 
-def _gain(found: PerAxisPath, made: PerAxisPath) -> float:
+def _gain(before: PerAxisPath, after: PerAxisPath) -> float:
     """By how many standard errors one path predicts poses held out better than another did.
 
     Axes count by their noise; such as have hardly any beside the others would drown these.
     """
-    kept = (found.weights > 0.0) & (made.weights > 0.0)
-    parts = np.maximum(found.noise, made.noise)[:6].reshape(-1, 3)
+    kept = (before.weights > 0.0) & (after.weights > 0.0)
+    parts = np.maximum(before.noise, after.noise)[:6].reshape(-1, 3)
     usual = np.sqrt(np.mean(parts**2, axis=1, keepdims=True))
     noise = np.maximum(parts, FINEST * usual).ravel() + LEAST
-    lost = _held_out(found, kept) - _held_out(made, kept)
+    lost = _held_out(before, kept) - _held_out(after, kept)
     return float(standard_errors(lost[:, :6] @ noise**-2))
 
 
-def _held_out(found: PerAxisPath, kept: NDArray[np.bool_]) -> FloatArray:
+def _held_out(smoothed: PerAxisPath, kept: NDArray[np.bool_]) -> FloatArray:
     """Squares ``(M, d)`` by which axes are missed, as generalised cross-validation has them."""
-    shares = 1.0 - found.weights[kept, None] * found.spread[kept]
-    return np.asarray((found.left_out[kept] * shares / np.mean(shares, axis=0)) ** 2)
+    shares = 1.0 - smoothed.weights[kept, None] * smoothed.spread[kept]
+    return np.asarray((smoothed.left_out[kept] * shares / np.mean(shares, axis=0)) ** 2)
 
 
 def no_worse(
     start: PathStart,
     measured: Measured,
-    found: PerAxisPath,
+    smoothed: PerAxisPath,
     models: AxisModels,
     tails: float,
     known: FloatArray,
@@ -344,18 +346,18 @@ def no_worse(
 
     Where noise is known ``(d,)``, not NaN, it is smoothed by that.
     """
-    worse = worse_than_measured(start.trajectory, measured, found)
+    worse = worse_than_measured(start.trajectory, measured, smoothed)
     if not np.any(worse):
-        return found, models
+        return smoothed, models
     parts = np.searchsorted(measured.representation.ends, np.arange(len(known)), "right")
     through = np.append(worse, False)[parts] & np.isnan(known)
     usual_s = float(np.median(np.diff(measured.time_s)))
-    made = [
-        one.through_all(usual_s, _MISSES) if every else one
-        for one, every in zip(models.columns, through, strict=True)
+    columns = [
+        model.through_all(usual_s, _MISSES) if every else model
+        for model, every in zip(models.columns, through, strict=True)
     ]
-    models = replace(models, columns=tuple(made))
-    return settled(measured, found, models, tails), models
+    models = replace(models, columns=tuple(columns))
+    return settled(measured, smoothed, models, tails), models
 
 
 def even_stamps(time_s: FloatArray) -> FloatArray | None:

@@ -67,26 +67,26 @@ def moved_together(
     joint = models[0].joint
     if not stiff and not joint:
         return {}
-    poses, near = (representation.poses(one).rigid for one in (coordinates, path))
+    poses, near = (representation.poses(base).rigid for base in (coordinates, path))
     if joint:
-        made, spread = turned_together(time_s, poses, weights, models[0])
+        smoothed, spread = turned_together(time_s, poses, weights, models[0])
         beyond, off = (
-            (one.rotor.inverse() @ other.rotor).as_rotation_vector()
-            for one, other in ((near, made), (made, poses))
+            (base.rotor.inverse() @ other.rotor).as_rotation_vector()
+            for base, other in ((near, smoothed), (smoothed, poses))
         )
         others = spread / np.maximum(1.0 - weights * spread, LEAST)
         left_out = off * (1.0 + weights * others)[:, None]
         return {k: ColumnPath(beyond[:, k], left_out[:, k], others, spread) for k in range(3)}
     if len(stiff) == 3:
         poses, near = (
-            Motor.from_rotor_translation(one.rotor, np.zeros((len(one), 3)))
-            for one in (poses, near)
+            Motor.from_rotor_translation(base.rotor, np.zeros((len(base), 3)))
+            for base in (poses, near)
         )
-    parts = np.reshape([one.noise for one in models[: len(stiff)]], (-1, 3))
+    parts = np.reshape([base.noise for base in models[: len(stiff)]], (-1, 3))
     usual = np.sqrt(np.mean(parts**2, axis=1, keepdims=True))
     noise = np.resize(np.maximum(parts, FINEST * usual) + LEAST, 6)
-    found, off, spread = _fitted(time_s, poses, near, weights, noise)
-    beyond = (near.inverse() @ found).as_twist()
+    fitted, off, spread = _fitted(time_s, poses, near, weights, noise)
+    beyond = (near.inverse() @ fitted).as_twist()
     columns = {}
     for k in stiff:
         others = spread[:, k] / np.maximum(1.0 - weights * spread[:, k], LEAST)
@@ -115,8 +115,8 @@ def _beside(
         near.append((np.where(there, left, 0.0), off[row]))
     (first, past), (last, next_) = near
     both = 1.0 - (first * last) ** 2
-    told = (first * (1.0 - last**2) * past + last * (1.0 - first**2) * next_) / both
-    return told, 1.0 - (1.0 - first**2) * (1.0 - last**2) / both
+    shared = (first * (1.0 - last**2) * past + last * (1.0 - first**2) * next_) / both
+    return shared, 1.0 - (1.0 - first**2) * (1.0 - last**2) / both
 
 
 def _fitted(
@@ -159,8 +159,8 @@ def turned_together(
         )
     )
     still = Motor.from_rotor_translation(poses.rotor, np.zeros((len(poses), 3)))
-    found = smoothed_states(Trajectory(np.rint(1e9 * time_s).astype(np.int64), still), chosen)
-    return found.trajectory.motors, (found.deviations[:, 0, 0] / noise) ** 2
+    states = smoothed_states(Trajectory(np.rint(1e9 * time_s).astype(np.int64), still), chosen)
+    return states.trajectory.motors, (states.deviations[:, 0, 0] / noise) ** 2
 
 
 def turning_model(
@@ -171,8 +171,8 @@ def turning_model(
 
     def scored(order: int, level: float) -> tuple[float, ColumnModel]:
         model = ColumnModel(order, ratio_of(level, order, interval_s), noise, joint=True)
-        made, spread = turned_together(time_s, poses, weights, model)
-        off = (made.rotor.inverse() @ poses.rotor).angle()[kept]
+        smoothed, spread = turned_together(time_s, poses, weights, model)
+        off = (smoothed.rotor.inverse() @ poses.rotor).angle()[kept]
         shares = 1.0 - (weights * spread)[kept]
         return float(np.mean(weights[kept] * off**2) / np.mean(shares) ** 2), model
 
@@ -180,7 +180,7 @@ def turning_model(
     best = int(np.argmin([score for score, _ in tried]))
     order, level = _JOINT_ORDERS[best // len(COARSE)], COARSE[best % len(COARSE)]
     tried += [scored(order, level + step) for step in FINE]
-    return min(tried, key=lambda one: one[0])[1]
+    return min(tried, key=lambda trial: trial[0])[1]
 
 
 def memories_beside(stretch: ColumnStretch, columns: int) -> FloatArray | None:
