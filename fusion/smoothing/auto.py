@@ -244,7 +244,7 @@ def choose(
         >>> choose(noisy).even_stamps
         False
     """
-    return smoothed_automatically(trajectory, representation, **knobs).choice
+    return smoothed_automatically(trajectory, representation, None, **knobs).choice
 
 
 def smoothed_automatically(

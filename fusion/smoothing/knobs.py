@@ -82,4 +82,4 @@ class SmootherKnobs:
         moved = np.linalg.norm(smoothed.translation_m - measured.translation_m, axis=1)
         limits = [np.inf if most is None else most for most in (self.max_move_rad, self.max_move_m)]
         way = np.maximum(np.column_stack([turned, moved]), 1e-300)
-        return np.minimum(1.0, np.array(limits) / way)
+        return np.asarray(np.minimum(1.0, np.array(limits) / way), dtype=np.float64)

@@ -64,11 +64,10 @@ class Setting:
 
 def _parts_joined(turned: Trajectory, moved: Trajectory) -> Trajectory:
     """The rotations of one path, and positions and scales of another."""
-    poses: Motor | Similarity = Motor.from_rotor_translation(
-        turned.poses.rotor, moved.poses.translation_m
-    )
+    rigid = Motor.from_rotor_translation(turned.poses.rotor, moved.poses.translation_m)
+    poses: Motor | Similarity = rigid
     if isinstance(moved.poses, Similarity):
-        poses = Similarity.from_motor_scale(poses, moved.poses.scale)
+        poses = Similarity.from_motor_scale(rigid, moved.poses.scale)
     return Trajectory(turned.time_ns, poses, turned.parent, turned.child)
 
 
