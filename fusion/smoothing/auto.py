@@ -64,7 +64,7 @@ class SmootherChoice:
             where the path does not tell it.
         tails: degrees of freedom of the errors; infinite where they are normal.
         even_stamps: whether the stamps tremble about even ones, which are then taken.
-        outliers: share of the poses that are left out.
+        outliers: share of the poses that are left out, mirrored back or moved back.
         jumps: how often the level jumps; on another path they are looked for anew.
         axes: how many of the models are of rotation, and of rotation and translation.
         knobs: what was asked for.

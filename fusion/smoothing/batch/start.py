@@ -78,7 +78,7 @@ class PathStart:
             together moved back.
         weights: 1 where a pose belongs to the chain, or the chain does not tell where it should be
             (see `predicted`), else 0.
-        mirrored: which poses were.
+        mirrored: which poses were, either way.
         jumps: rows before which the level jumps, as the chain tells.
     """
 
