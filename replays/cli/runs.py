@@ -48,6 +48,9 @@ def add_run(commands: Commands) -> None:
         "--manifest", type=Path, metavar="FILE", help="TOML description of the recording"
     )
     parser.add_argument(
+        "--topic", metavar="T", help="of the pictures in a bag, as RECORDING:T names it, too"
+    )
+    parser.add_argument(
         "--board",
         metavar="NAME",
         help="the board in view where nothing describes it, such as checkerboard_9x6 (inner "
@@ -104,20 +107,21 @@ def run_recordings(arguments: argparse.Namespace) -> None:
     check_executor(arguments.executor)
     if arguments.strict:
         require_integrity(arguments.until)
-    _refuse_equal_names(arguments.recordings)
+    recordings = [_with_topic(path, arguments.topic) for path in arguments.recordings]
+    _refuse_equal_names(recordings)
     board = () if arguments.board is None else (f"described.board={arguments.board}",)
     floor = () if arguments.floor is None else (f"placed.floor={arguments.floor}",)
     jobs = [
         Job(
             recording=path,
             manifest=arguments.manifest,
-            out=arguments.out / _name(path) if len(arguments.recordings) > 1 else arguments.out,
+            out=arguments.out / _name(path) if len(recordings) > 1 else arguments.out,
             cache=arguments.cache,
             until=arguments.until,
             settings=(*board, *arguments.settings, *floor),
             scene=arguments.scene,
         )
-        for path in arguments.recordings
+        for path in recordings
     ]
     if arguments.shot is not None:
         jobs = [shot_job(job, arguments.shot, job.out) for job in jobs]
@@ -177,9 +181,16 @@ def _run_one_of_several(job: Job, *, quiet: bool) -> dict[str, Any]:
     return summary
 
 
+def _with_topic(recording: Path, topic: str | None) -> Path:
+    """A bag with the topic of its pictures, as its name says it."""
+    return recording if topic is None else Path(f"{recording}:{topic}")
+
+
 def _name(recording: Path) -> str:
     """The name of what a path leads to; links in a circle are told of when it is opened."""
-    return Path(os.path.realpath(recording)).name
+    from motorcade.replays.io.readers.opening import recording_and_topic
+
+    return Path(os.path.realpath(recording_and_topic(recording)[0])).name
 
 
 def _refuse_equal_names(recordings: list[Path]) -> None:

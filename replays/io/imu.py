@@ -14,6 +14,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.imu.noise import ImuNoise
@@ -21,7 +22,9 @@ from motorcade.fusion.imu.screening import screen_imu
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.imu.vibration import VibrationSpectrum
 from motorcade.ga.archives import load_arrays, save_arrays_in_parts
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import FileError
+from motorcade.ga.stamps import near_steps
 from motorcade.replays.io.errors import RecordingError, refusal
 from motorcade.replays.io.files import refused, replacing
 from motorcade.replays.io.readers.columns import ANGULAR_RATE, SPECIFIC_FORCE, read_columns
@@ -61,6 +64,35 @@ def _stream(path: Path) -> ImuStream:
             return load_arrays(path, "a saved IMU stream", _FORMAT, _from_arrays)
     table = read_columns(path, (ANGULAR_RATE, SPECIFIC_FORCE))
     return ImuStream(table.time_ns, table.values[:, :3], table.values[:, 3:])
+
+
+def join_sensors(
+    gyro_ns: IntArray, rate: FloatArray, accel_ns: IntArray, force: FloatArray
+) -> ImuStream:
+    """One stream of a gyroscope ``(N,)``, ``(N, 3)`` and an accelerometer ``(M,)``, ``(M, 3)``.
+
+    The gyroscope's stamps are kept, and the force is interpolated linearly to them. Where the
+    accelerometer is silent (outside its time, or in its gaps), so is the stream.
+
+    Raises:
+        ValueError: fewer than two stamps at which both read; what `ImuStream` refuses.
+
+    >>> import numpy as np
+    >>> rate, force = np.zeros((4, 3)), np.array([[0.0, 0.0, 9.0], [0.0, 0.0, 10.0]])
+    >>> join_sensors(np.array([0, 1, 2, 3]), rate, np.array([1, 3]), force).specific_force_m_s2[:, 2]
+    array([ 9. ,  9.5, 10. ])
+    """
+    after = np.clip(np.searchsorted(accel_ns, gyro_ns), 1, max(len(accel_ns) - 1, 1))
+    both = np.zeros(len(gyro_ns), dtype=np.bool_)
+    if len(accel_ns) > 1:
+        both = (gyro_ns >= accel_ns[0]) & (gyro_ns <= accel_ns[-1])
+        both &= near_steps(np.diff(accel_ns))[after - 1]
+    if np.count_nonzero(both) < 2:
+        raise ValueError("expected both sensors at once, got one after the other")
+    at = (gyro_ns[both] - accel_ns[0]).astype(np.float64)
+    known = (accel_ns - accel_ns[0]).astype(np.float64)
+    resampled = np.stack([np.interp(at, known, column) for column in force.T], axis=-1)
+    return ImuStream(gyro_ns[both], rate[both], resampled)
 
 
 def _from_arrays(arrays: Mapping[str, NDArray[Any]]) -> ImuStream:

@@ -28,7 +28,7 @@ from motorcade.replays.io.readers.frames.files import PictureFrames
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.readers.ros.frame_tree import TRANSFORM_TYPES
-from motorcade.replays.io.readers.ros.frames import IMAGE_TYPES
+from motorcade.replays.io.readers.ros.frames import IMAGE_TYPES, BagFrames
 from motorcade.replays.io.readers.ros.reader import Bag
 from motorcade.replays.io.readers.ros.recording import CAMERA_INFO_TYPE, IMU_TYPE
 from motorcade.replays.io.readers.ros.trajectories import list_bag_trajectories
@@ -96,6 +96,8 @@ def _without_damage(recording: Recording) -> Recording:
 def _depth(recording: Recording) -> dict[str, Any]:
     """How many frames have depth, in which unit, and what took it if not the frames' camera."""
     frames = recording.frames
+    if isinstance(frames, BagFrames) and frames.depth_topic is not None:
+        return {"depth_count": frames.depth_count, "depth_topic": frames.depth_topic}
     if not isinstance(frames, PictureFrames) or not any(frames.depth_files):
         return {}
     about: dict[str, Any] = {

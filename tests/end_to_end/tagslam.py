@@ -24,7 +24,7 @@ import numpy as np
 
 from motorcade.fusion.metrics import evaluate
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.io.readers.ros.bag import EmptyBag
+from motorcade.replays.io.readers.ros.reader import EmptyBag
 from motorcade.replays.io.readers.tagslam import corners as tagslam
 from motorcade.replays.io.readers.tagslam.recording import TagSlamReference, read_reference
 from motorcade.tracking.audit import worst

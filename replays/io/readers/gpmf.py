@@ -29,6 +29,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.render.video import open_video
 from motorcade.replays.io.errors import refusal
 from motorcade.replays.io.files import refused
+from motorcade.replays.io.imu import join_sensors
 from motorcade.replays.io.readers.gopro import DEFAULT_ORDER, gopro_camera, items, numbers
 
 _LOG = logging.getLogger("motorcade.replays")
@@ -64,14 +65,8 @@ def read_telemetry(path: Path) -> ImuStream | None:
         return None
     gyro_ns, rate = _joined(gathered[b"GYRO"], path)
     accel_ns, force = _joined(gathered[b"ACCL"], path)
-    both = (gyro_ns >= accel_ns[0]) & (gyro_ns <= accel_ns[-1])
-    if np.count_nonzero(both) < 2:
-        raise refusal(path, "expected both sensors at once, got one after the other")
-    at = (gyro_ns[both] - accel_ns[0]).astype(np.float64)
-    known = (accel_ns - accel_ns[0]).astype(np.float64)
-    resampled = np.stack([np.interp(at, known, column) for column in force.T], axis=-1)
     try:
-        return ImuStream(gyro_ns[both], rate[both], resampled)
+        return join_sensors(gyro_ns, rate, accel_ns, force)
     except ValueError as fault:
         raise refusal(path, str(fault), field="telemetry") from fault
 

@@ -14,6 +14,7 @@ from motorcade.replays.io.readers.layouts import euroc
 from motorcade.replays.io.readers.layouts.detect import read_layout
 from motorcade.replays.io.readers.ros import recording as ros
 from motorcade.replays.io.recording import FrameSequence, Recording
+from motorcade.replays.io.trajectories import split_bag_name
 
 
 def open_recording(path: Path | str, manifest: Path | str | None = None) -> Recording:
@@ -23,7 +24,8 @@ def open_recording(path: Path | str, manifest: Path | str | None = None) -> Reco
         path: the recording. Known layouts: EuRoC (`mav0/cam0/data.csv`), TUM RGB-D (`rgb.txt`),
             7-Scenes (`frame-000000.color.png`), KITTI odometry (`calib.txt` beside `image_0`),
             TagSLAM's recorded corners (`tag_detections.bag`), a ROS bag (`.bag`, `.mcap`, `.db3`, a
-            folder with `metadata.yaml`), a video file, and any folder with a manifest.
+            folder with `metadata.yaml`; `BAG:/topic` names its pictures), a video file, and any
+            folder with a manifest.
         manifest: TOML file that describes the recording or adds to its layout (see
             `docs/manifests`). It may lie anywhere. Without it, `motorcade.toml` in the folder is
             used where there is one; since that one came with the recording, it may not point
@@ -50,20 +52,31 @@ def open_recording(path: Path | str, manifest: Path | str | None = None) -> Reco
     >>> len(recording.frames), round(recording.duration_s, 3), shape
     (20, 0.633, (48, 64))
     """
-    root = Path(path)
+    root, topic = recording_and_topic(path)
     try:
         if not root.exists():
             raise refusal(root, "no such file or folder")
         if not (root.is_dir() or root.is_file()):
             raise refusal(root, "expected a folder or a file, got a pipe or a device")
         if manifest is not None:
-            return manifests.read(root, Path(manifest), may_leave=True)
+            return manifests.read(root, Path(manifest), may_leave=True, topic=topic)
         if (root / manifests.LOCAL_NAME).exists():
-            return manifests.read(root, root / manifests.LOCAL_NAME, may_leave=False)
-        return read_layout(root)
+            local = root / manifests.LOCAL_NAME
+            return manifests.read(root, local, may_leave=False, topic=topic)
+        return read_layout(root) if topic is None else ros.read(root, topic=topic)
     except OSError as fault:
         where = fault.filename or root
         raise refusal(where, f"cannot be read: {fault.strerror or fault}") from fault
+
+
+def recording_and_topic(path: Path | str) -> tuple[Path, str | None]:
+    """A recording, and the topic that is named in it, `BAG:/topic`; None where none is.
+
+    >>> recording_and_topic("clip.mp4")
+    (PosixPath('clip.mp4'), None)
+    """
+    named = None if Path(path).exists() else split_bag_name(path)
+    return (Path(path), None) if named is None else (named[0], named[1] or None)
 
 
 def read_frames_of(path: Path) -> FrameSequence:

@@ -133,8 +133,8 @@ def open_described(
         StageError: pictures that tell too little; the message says what to do.
         GraphError: knobs for a recording that lacks nothing.
     """
-    path = recording.root
-    stated = _given(path, manifest)
+    path = getattr(recording.frames, "named", recording.root)  # a bag's topic with it
+    stated = _given(recording.root, manifest)
     names_camera = stated is not None and "camera" in load_toml(stated)
     if names_camera or not lacks_description(recording):
         if knobs.get(STAGE):

@@ -26,7 +26,7 @@ from motorcade.replays.io.imu import read_imu, read_noise
 from motorcade.replays.io.readers.calibration import read_matrix, read_numbers, read_yaml
 from motorcade.replays.io.readers.frames.pictures import read_picture
 from motorcade.replays.io.readers.opening import open_recording
-from motorcade.replays.io.readers.ros.bag import read_bag
+from motorcade.replays.io.readers.ros.reader import read_bag
 from motorcade.replays.io.trajectories import read_trajectory
 from motorcade.replays.pipeline.runs import open_run
 from motorcade.tracking import BoardTrack, MarkerMap, PoseMeasurements

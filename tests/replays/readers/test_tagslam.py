@@ -12,7 +12,7 @@ from rosbags.rosbag1 import Writer
 
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.io.errors import RecordingError
-from motorcade.replays.io.readers.ros import bag as ros_bag
+from motorcade.replays.io.readers.ros import admission as ros_bag
 from motorcade.replays.io.readers.ros.admission import message_types
 from motorcade.replays.io.readers.tagslam import corners as tagslam
 from motorcade.replays.io.readers.tagslam.recording import read_reference

@@ -16,6 +16,7 @@ from os.path import realpath
 from pathlib import Path
 
 from motorcade.ga import Motor
+from motorcade.ga.names import one_line
 from motorcade.ga.stamps import LONGEST_READOUT_S
 from motorcade.replays.io.errors import RecordingError, refusal
 from motorcade.replays.io.imu import read_imu
@@ -46,6 +47,8 @@ from motorcade.replays.io.readers.manifest.section import (
     setting_from,
 )
 from motorcade.replays.io.readers.manifest.truth import TRUTH_KEYS, read_truth
+from motorcade.replays.io.readers.ros import recording as ros
+from motorcade.replays.io.readers.ros.frames import BagFrames
 from motorcade.replays.io.readers.tables import UNITS
 from motorcade.replays.io.recording import FrameSequence, Recording
 from motorcade.replays.io.trajectories import even_stamps, read_times
@@ -76,7 +79,7 @@ _TOP = (
 )
 _SPAN_KEYS = ("start_s", "end_s")
 FRAMES_KEYS = (
-    *("images", "video", "rate_hz", "stamps", "stamps_unit", "depth", "depth_units_per_m"),
+    *("images", "video", "topic", "rate_hz", "stamps", "stamps_unit", "depth", "depth_units_per_m"),
     *_SPAN_KEYS,
 )
 _FARTHEST_S = 9e9
@@ -84,26 +87,27 @@ STEREO_KEYS = ("right", "baseline_m")
 DEPTH_CAMERA_KEYS = (*CAMERA_KEYS, "colour_T_depth")
 
 
-def read(root: Path, manifest: Path, *, may_leave: bool) -> Recording:
+def read(root: Path, manifest: Path, *, may_leave: bool, topic: str | None = None) -> Recording:
     """Read a recording as a manifest describes it.
 
     Args:
         root: the recording's folder, or its video file.
         manifest: the TOML file.
         may_leave: whether it may name files outside the recording's folder.
+        topic: of a bag's pictures, in place of the one that it may name.
 
     Raises:
         RecordingError: an unknown key, a wrong type, count or range, a file that is missing; each
             in one line with table and key.
     """
-    return _Manifest(root, manifest, may_leave).recording()
+    return _Manifest(root, manifest, may_leave, topic).recording()
 
 
 class _Manifest:
     """A manifest on its way to a recording."""
 
-    def __init__(self, root: Path, path: Path, may_leave: bool) -> None:
-        self.root, self.path, self.may_leave = root, path, may_leave
+    def __init__(self, root: Path, path: Path, may_leave: bool, topic: str | None = None) -> None:
+        self.root, self.path, self.may_leave, self.topic = root, path, may_leave, topic
         self.folder = root if root.is_dir() else root.parent
         self.table = load_toml(path)
         self.top = Section(path, "", self.table, _TOP)
@@ -181,8 +185,12 @@ class _Manifest:
 
     def _base(self) -> Recording:
         """What the frames table or the folder's own layout gives."""
+        if self.topic is not None:
+            return ros.read(self.root, topic=self.topic)
         if "frames" in self.top:
             section = self._section("frames", FRAMES_KEYS)
+            if "topic" in section:
+                return self._of_topic(section)
             frames = _within(section, self._frames(section))
             name = self.root.resolve().stem
             if isinstance(frames, VideoFrames):
@@ -196,6 +204,15 @@ class _Manifest:
                 'say which pictures to read: [frames] images = "*.png", rate_hz = 30',
             )
         return read_layout(self.root, own_truth="truth" not in self.top)
+
+    def _of_topic(self, section: Section) -> Recording:
+        """What a bag holds, with the pictures of the topic that the table names."""
+        for key in set(FRAMES_KEYS) - {"topic"}:
+            if key in section:
+                raise section.fault(key, "not for a bag, which brings its own stamps and depth")
+        if not ros.recognise(self.root):
+            raise section.fault("topic", f"expected a bag, got {one_line(self.root.name)}")
+        return ros.read(self.root, topic=section.text("topic"))
 
     def _frames(self, section: Section) -> FrameSequence:
         section.only_one("images", "video")
@@ -251,7 +268,7 @@ class _Manifest:
                 return recording
         if "focal_sigma" in section:
             recording = replace(recording, focal_sigma=section.number("focal_sigma", 0.0, 1.0))
-        if not isinstance(frames, VideoFrames | PictureFrames):
+        if not isinstance(frames, VideoFrames | PictureFrames | BagFrames):
             raise section.fault("", "this recording's camera cannot be replaced")
         stated = "width" in section or "height" in section
         size = None if stated else _size(frames)
@@ -261,7 +278,7 @@ class _Manifest:
             _LOG.warning("%s: [camera]: %s", self.path, doubt.sentence)
         if turns:
             self.stated_T_upright = camera_T_turned(turns)
-        if isinstance(frames, VideoFrames):
+        if not isinstance(frames, PictureFrames):
             frames.check(camera)
             return replace(recording, camera=camera)
         registered_to = None if frames.depth_camera is None else camera
@@ -269,7 +286,7 @@ class _Manifest:
         return replace(recording, camera=camera, frames=frames)
 
     def _upright(
-        self, section: Section, stated: Camera, frames: VideoFrames | PictureFrames
+        self, section: Section, stated: Camera, frames: VideoFrames | PictureFrames | BagFrames
     ) -> tuple[Camera, int]:
         """The camera of the pictures as shown, and how far the stated one was turned for it."""
         stored = frames.orientation.size(_size(frames))  # undoes itself
@@ -353,9 +370,9 @@ class _Manifest:
         return recording
 
 
-def _size(frames: VideoFrames | PictureFrames) -> tuple[int, int]:
+def _size(frames: VideoFrames | PictureFrames | BagFrames) -> tuple[int, int]:
     """Width and height of the pictures as shown."""
-    return frames.size if isinstance(frames, VideoFrames) else frames.first_size()
+    return frames.first_size() if isinstance(frames, PictureFrames) else frames.size
 
 
 def _within(section: Section, frames: FrameSequence) -> FrameSequence:

@@ -40,6 +40,9 @@ CHUNK_LIMIT = 1 << 28
 """Of a chunk, or a message that is packed by itself, unpacked."""
 OVERLAP_LIMIT = 1 << 30
 """Of all chunks of an MCAP that hold messages of one time, unpacked."""
+PACKED_LIMIT = 2**26
+BAG_LIMIT = 2**28
+"""Of TagSLAM's bags, and of any bag that is packed as a whole: packed; plain."""
 
 
 def admit_bag(path: Path) -> None:
@@ -176,3 +179,27 @@ def message_types(*, ros1: bool) -> Typestore:
         types = get_types_from_msg(text, name)
         store.register({key: value for key, value in types.items() if key not in store.types})
     return store
+
+
+def plain_bag(path: Path, folder: Path) -> Path:
+    """The bag itself, unpacked into `folder` where it is packed with bzip2.
+
+    Raises:
+        RecordingError: missing, too large, packed or plain, or damaged.
+    """
+    if path.suffix != ".bz2":
+        admit_file(path, BAG_LIMIT)
+        return path
+    packed = read_bounded(path, PACKED_LIMIT)
+    unpacker = bz2.BZ2Decompressor()
+    try:
+        content = unpacker.decompress(packed, max_length=BAG_LIMIT + 1)
+    except (OSError, ValueError) as fault:
+        raise refusal(path, f"expected bzip2: {fault}") from fault
+    if len(content) > BAG_LIMIT:
+        raise refusal(path, f"expected at most {BAG_LIMIT} bytes unpacked, got more")
+    if not unpacker.eof:
+        raise refusal(path, "expected a whole bzip2 file, got one that is cut short")
+    plain = folder / "recording.bag"
+    plain.write_bytes(content)
+    return plain

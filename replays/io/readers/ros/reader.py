@@ -1,25 +1,32 @@
 """Bags of ROS 1 and ROS 2 opened without ROS: their topics, and messages of known types.
 
 What a message may cost is bounded, compressed ROS 2 storage files are refused, and only message
-types that are known here are taken apart.
+types that are known here are taken apart. A bag that was cut short is read to its last whole chunk.
 """
 
 from __future__ import annotations
 
+import logging
 import tempfile
 from collections.abc import Iterator, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any, Self
 
 from motorcade.ga.names import one_line
 from motorcade.replays.io.errors import RecordingError, refusal
+from motorcade.replays.io.files import admit_file
 from motorcade.replays.io.readers.ros.admission import (
+    BAG_LIMIT,
     admit_bag,
     bound_chunks,
     check_overlaps,
     message_types,
+    plain_bag,
 )
-from motorcade.replays.io.readers.ros.bag import plain_bag
+
+_LOG = logging.getLogger("motorcade.replays")
+_MESSAGE_LIMIT = 200_000
 
 
 class Bag:
@@ -43,10 +50,11 @@ class Bag:
             admit_bag(plain)
             bound_chunks()
             try:
-                self._reader: Any = _reader(plain, ros1=self._ros1)
-                self._reader.open()
+                self._reader, cut = _opened(plain, ros1=self._ros1)
             except Exception as fault:  # the parsers' errors have no common base
                 raise self._refusal(fault) from fault
+            if cut:
+                _say(f"{one_line(path)}: {cut}")
             try:
                 self._check_names()
                 check_overlaps(self._reader)
@@ -152,11 +160,44 @@ def header_stamp_ns(message: Any) -> int:
     return int(stamp.sec) * 10**9 + int(stamp.nanosec)
 
 
-def _reader(path: Path, *, ros1: bool) -> Any:
-    if ros1:
-        from rosbags.rosbag1 import Reader as Reader1
+def read_bag(path: Path, types: Sequence[str]) -> Iterator[tuple[str, str, Any]]:
+    """Give topic, type and message of all messages of the given types, in the order recorded.
 
-        return Reader1(path)
-    from rosbags.rosbag2 import Reader as Reader2
+    Args:
+        path: a ``.bag`` of at most 256 MiB, or one packed as ``.bag.bz2``, of at most 64 MiB.
+        types: such as "nav_msgs/msg/Odometry"; other messages are skipped.
 
-    return Reader2(path)
+    Raises:
+        EmptyBag: none of these types.
+        RecordingError: as `Bag` and its `every`; too large; more than 200,000 messages.
+    """
+    admit_file(path, BAG_LIMIT)
+    with Bag(path) as bag:
+        kinds, topics = bag.kinds(), bag.topics(types)
+        count = sum(count for _, count in kinds.values())
+        if count > _MESSAGE_LIMIT:
+            raise refusal(path, f"expected at most {_MESSAGE_LIMIT} messages, got {count}")
+        if not topics:
+            problem = f"expected messages of {' or '.join(types)}, got none"
+            raise EmptyBag(str(refusal(path, problem)))
+        for topic, _, message in bag.every(topics, types):
+            yield topic, message.__msgtype__, message
+
+
+class EmptyBag(RecordingError):
+    """A whole bag that holds no message of the types that were looked for."""
+
+
+@cache
+def _say(text: str) -> None:
+    """Warn once, however often a bag is opened."""
+    _LOG.warning("%s", text)
+
+
+def _opened(path: Path, *, ros1: bool) -> tuple[Any, str]:
+    """The open bag, and what is said of one that was cut short."""
+    from motorcade.replays.io.readers.ros.cut import CutBagReader, McapOrCutReader
+
+    reader: Any = CutBagReader(path) if ros1 else McapOrCutReader(path)
+    reader.open()
+    return reader, reader.cut
