@@ -54,9 +54,8 @@ class CutBagReader(Reader1):
                     raise
                 self._find_chunks(file)
             if not self.chunks:
-                raise
+                raise ReaderError("It is cut short before its first chunk ends.") from fault
             self.bio = self.path.open("rb")
-            del fault
 
     def _index_is_missing(self, file: BinaryIO) -> bool:
         """Whether the file ends before the index that its header promises, or promises none."""
@@ -173,7 +172,7 @@ class _CutMcapReader(McapReader):
         self.meta_scan()
         counts = self.statistics.channel_message_counts if self.statistics else {}
         if not counts:
-            raise Reader2Error("No whole chunk.")
+            raise Reader2Error("It is cut short before its first chunk ends.")
         self.chunks = [McapChunk(*place, dict.fromkeys(self.channels, 1)) for place in chunks]
         self.connections = [
             one._replace(msgcount=counts.get(one.id, 0)) for one in self.connections

@@ -4,9 +4,9 @@ Encodings are those of `sensor_msgs/image_encodings.h`: grey, colour, Bayer mosa
 of 8 bits, or of 16, of which the eight highest that the topic uses are kept. Depth (REP 118) is
 16UC1 in millimetres or 32FC1 in metres, raw or as `compressed_depth_image_transport` packs it.
 
-Stamps are those of the headers, in whose order images are read; an image that came twice counts
-once. Where different images share a header stamp (drivers that leave it zero, or stamp in batches),
-no header of the topic is taken, but the times at which the bag received the messages.
+Stamps are those of the headers, in whose order images are read; one that came twice at once
+counts once. Where images share a header stamp otherwise (drivers that leave it zero, or stamp in
+batches), no header of the topic is taken, but the times at which the bag received the messages.
 """
 
 from __future__ import annotations
@@ -156,8 +156,9 @@ def choose_stamps(recorded_ns: IntArray, header_ns: IntArray, digests: IntArray)
         None where neither tells all of them apart.
     """
     rows = np.argsort(header_ns, kind="stable")
-    equal = np.diff(header_ns[rows]) == 0
-    repeated = np.concatenate([[False], equal & (np.diff(digests[rows]) == 0)])
+    equal = (np.diff(header_ns[rows]) == 0) & (np.diff(digests[rows]) == 0)
+    at_once = 0.5 * float(np.median(np.diff(recorded_ns))) if len(rows) > 1 else 0.0
+    repeated = np.concatenate([[False], equal & (np.diff(recorded_ns[rows]) < at_once)])
     rows, said = rows[~repeated], list[str]()
     if repeated.any():
         said.append(f"{np.count_nonzero(repeated)} came twice, and count once")
