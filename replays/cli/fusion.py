@@ -33,7 +33,7 @@ def add_fuse(commands: Commands) -> None:
         "imu",
         type=Path,
         metavar="IMU",
-        help="EuRoC's CSV, a video with a GoPro's telemetry, or a recording with an IMU",
+        help="whatever holds readings, as of `orient`",
     )
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT")
     parser.add_argument("--format", choices=("tum", "euroc", "kitti"), help="of OUT")
@@ -134,14 +134,21 @@ def _add_doubts(parser: argparse.ArgumentParser) -> None:
 
 def fuse(arguments: argparse.Namespace) -> None:
     """Read, fuse, write; print what was found."""
+    import numpy as np
+
     from motorcade.replays.io.readers.manifest.inertial import read_imu_calibration
-    from motorcade.replays.io.readers.opening import read_imu_of
+    from motorcade.replays.io.readers.readings import read_imu_of
     from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
     from motorcade.replays.tasks.fusing import fuse_poses, write_covariance
 
     rig = None if arguments.rig is None else read_imu_calibration(arguments.rig)
     options = _options(arguments, rig)
     poses = read_trajectory(arguments.poses, rate_hz=arguments.rate_hz, times=arguments.times)
+    if not np.ptp(poses.rigid.poses.rotor.coefficients, axis=0).any() and poses.child == "antenna":
+        raise ValueError(
+            f"{arguments.poses}: expected poses, got positions, which do not turn; "
+            "`motorcade evaluate` takes them for a reference"
+        )
     imu = read_imu_of(arguments.imu)
     if rig is not None:
         imu = rig.corrected(imu)
@@ -235,7 +242,7 @@ def add_sync(commands: Commands) -> None:
         "imu",
         type=Path,
         metavar="IMU",
-        help="EuRoC's CSV, a video with a GoPro's telemetry, or a recording with an IMU",
+        help="whatever holds readings, as of `orient`",
     )
     parser.add_argument(
         "--noise", type=Path, metavar="FILE", help="Kalibr or EuRoC YAML; without it: ADIS16448"
@@ -251,7 +258,7 @@ def sync(arguments: argparse.Namespace) -> None:
     """Read both, estimate, print a table."""
     from motorcade.fusion.imu import ADIS16448, ImuNoise
     from motorcade.fusion.sync import synchronise
-    from motorcade.replays.io.readers.opening import read_imu_of
+    from motorcade.replays.io.readers.readings import read_imu_of
     from motorcade.replays.io.trajectories import read_trajectory
 
     noise = ADIS16448 if arguments.noise is None else ImuNoise.load(arguments.noise)

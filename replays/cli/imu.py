@@ -198,13 +198,16 @@ def _faults(arguments: argparse.Namespace) -> ImuFaults:
 
 def _vibration(arguments: argparse.Namespace) -> VibrationSpectrum | None:
     from motorcade.fusion.imu import VibrationSpectrum
-    from motorcade.replays.io.imu import read_imu, read_vibration
+    from motorcade.replays.io.imu import read_vibration
+    from motorcade.replays.io.readers.readings import read_imu_of
 
     if arguments.vibration is not None:
         return read_vibration(arguments.vibration)
     if arguments.vibration_of is None:
         return None
-    return VibrationSpectrum.learnt(read_imu(arguments.vibration_of), arguments.vibration_above_hz)
+    return VibrationSpectrum.learnt(
+        read_imu_of(arguments.vibration_of), arguments.vibration_above_hz
+    )
 
 
 def _extrinsics(arguments: argparse.Namespace) -> Motor | None:
@@ -236,9 +239,9 @@ def add_allan(commands: Commands) -> None:
 def allan(arguments: argparse.Namespace) -> None:
     """Read the stream, estimate, print; draw where asked to."""
     from motorcade.fusion.imu import estimate_noise
-    from motorcade.replays.io.imu import read_imu
+    from motorcade.replays.io.readers.readings import read_imu_of
 
-    stream = read_imu(arguments.stream)
+    stream = read_imu_of(arguments.stream)
     noise = estimate_noise(stream)
     if arguments.plot is not None:
         _draw_allan(noise, arguments.plot)
@@ -312,7 +315,11 @@ def add_orient(commands: Commands) -> None:
         "motorcade orient imu0/data.csv --magnetometer mag0/data.csv -o orientation.tum",
     )
     parser.add_argument(
-        "imu", type=Path, metavar="IMU", help="EuRoC's CSV, or a trial of BROAD (.hdf5)"
+        "imu",
+        type=Path,
+        metavar="IMU",
+        help="whatever holds readings: CSV, a phone's logger (folder or zip), BAG:/topic, a "
+        "GoPro's video, PX4's .ulg, KITTI's oxts, BROAD's .hdf5",
     )
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="OUT.tum", help="positions are 0"
@@ -324,7 +331,7 @@ def add_orient(commands: Commands) -> None:
         const=Path(),
         metavar="FILE",
         help="CSV: stamp in ns, x, y, z in any unit and in the IMU's axes; without FILE: what IMU "
-        "holds itself, in three more columns or as BROAD does",
+        "holds itself, as its header or its kind says, or in three more columns",
     )
     parser.add_argument(
         "--online", action="store_true", help="each sample by what came before it alone"
@@ -351,7 +358,7 @@ def add_orient(commands: Commands) -> None:
 def orient(arguments: argparse.Namespace) -> None:
     """Read, estimate, write, and say what is doubtful."""
     from motorcade.fusion.orientation import estimate_orientation, orientation_doubts
-    from motorcade.replays.io.magnetic import read_imu_and_field
+    from motorcade.replays.io.readers.readings import read_imu_and_field
     from motorcade.replays.io.trajectories import write_deviations, write_orientation
 
     model, magnetometer = _model(arguments), arguments.magnetometer

@@ -21,7 +21,7 @@ def add_inspect(commands: Commands) -> None:
         inspect,
         "inspect",
         "say what a recording holds (frames, rates, streams, gaps, calibration), "
-        "a bag (topics), a file of poses or readings, or a character (joints, triangles, clips)",
+        "a bag (topics), poses, readings or positions, or a character (joints, triangles, clips)",
         "motorcade inspect images/ --manifest camera.toml --json\n"
         "  motorcade inspect knight.glb --pose Walking_A@0.5",
     )
@@ -66,10 +66,14 @@ def _describe(path: Path, manifest: Path | None) -> dict[str, Any]:
         TEXT_SUFFIXES,
         describe,
         describe_bag,
+        describe_log,
         describe_text,
         describe_whole,
+        is_log,
     )
 
+    if manifest is None and is_log(path):
+        return describe_log(path)
     if manifest is None and path.is_file() and path.suffix.lower() in TEXT_SUFFIXES:
         return describe_text(path)
     if manifest is None and is_bag(path) and path.exists():

@@ -103,16 +103,16 @@ def smooth_files(arguments: argparse.Namespace) -> None:
         print_json(reports if many else reports[names[0]])
     elif many:
         for name, said in picked.items():
-            why = ", as TUM: bags are only read" if _is_bag(name) and not arguments.format else ""
+            why = ", as TUM: bags and logs are only read" if _is_only_read(name) and not arguments.format else ""
             print(f"{name}: {said and f'{said}; '}in {files[name]}{why}")
     elif picked[names[0]]:
         print(picked[names[0]])
 
 
-def _is_bag(name: str) -> bool:
-    from motorcade.replays.io.trajectories import split_bag_name
+def _is_only_read(name: str) -> bool:
+    from motorcade.replays.io.trajectories import is_only_read
 
-    return split_bag_name(name) is not None
+    return is_only_read(name)
 
 
 def _written_as(
@@ -124,7 +124,7 @@ def _written_as(
     if arguments.format is not None or not in_folder:
         written_as: TrajectoryFormat | None = arguments.format
         return written_as
-    return "tum" if _is_bag(name) else trajectory_format(Path(name))
+    return "tum" if _is_only_read(name) else trajectory_format(Path(name))
 
 
 def _files(
@@ -153,7 +153,7 @@ def _read_measured(name: str, arguments: argparse.Namespace, *, many: bool) -> T
     from motorcade.replays.io.trajectories import read_trajectory, trajectory_format
 
     stamps = {"rate_hz": arguments.rate_hz, "times": arguments.times}
-    if _is_bag(name):
+    if _is_only_read(name):
         return read_trajectory(name, **({} if many else stamps))
     if not many:
         return read_trajectory(name, arguments.format, **stamps)

@@ -81,7 +81,8 @@ def read_trajectory(
 
     Args:
         path: the file, at most 1 GiB; or a bag and what is read of it, ``flight.bag:/odom`` or
-            ``flight.mcap:map/base_link`` (see `readers.ros.trajectories`).
+            ``flight.mcap:map/base_link`` (see `readers.ros.trajectories`); or positions of
+            satellite navigation, ``.gpx``, ``.nmea``, ``.ulg`` (see `readers.positions`).
         fmt: its format; by default found from its first row of numbers.
         rate_hz: for KITTI files, poses per second; the first stamp is 0.
         times: for KITTI files instead, a file with one stamp in seconds a row.
@@ -101,6 +102,11 @@ def read_trajectory(
 
         _refuse_stamps(file, "a bag", rate_hz, times)
         return read_bag_trajectory(*named, parent, child)
+    if fmt is None and _holds_positions(file):
+        from motorcade.replays.io.readers.positions import read_positions
+
+        _refuse_stamps(file, "positions", rate_hz, times)
+        return read_positions(file, parent, child)
     stated = fmt is not None
     fmt = trajectory_format(file) if fmt is None else _known(fmt)
     parent, child = parent or "world", child or "camera"
@@ -326,7 +332,7 @@ def check_rows(paths: Mapping[Path, Trajectory]) -> None:
     """
     counts = {path: len(one) for path, one in paths.items()}
     bare = all(
-        split_bag_name(path) is None
+        not is_only_read(path)
         and trajectory_format(path) == "kitti"
         and _columns(path) == len(_MATRIX)
         for path in counts
@@ -453,6 +459,20 @@ def split_bag_name(name: Path | str) -> tuple[Path, str] | None:
         if is_bag(text[:at]):
             return Path(text[:at]), text[at + 1 :]
     return None
+
+
+def is_only_read(name: Path | str) -> bool:
+    """Whether this names a bag or a log of positions, which have stamps and are never written."""
+    return split_bag_name(name) is not None or _holds_positions(Path(name))
+
+
+_POSITION_SUFFIXES = (".gpx", ".nmea", ".nma", ".ulg")
+
+
+def _holds_positions(path: Path) -> bool:
+    if path.is_dir():
+        return (path / "timestamps.txt").is_file() or (path / "oxts" / "timestamps.txt").is_file()
+    return path.name.lower().endswith(_POSITION_SUFFIXES)
 
 
 def is_bag(path: Path | str) -> bool:

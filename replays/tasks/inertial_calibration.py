@@ -22,7 +22,8 @@ from motorcade.replays.io.files import write_bytes
 from motorcade.replays.io.readers.frames.files import PictureFrames
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.readers.manifest.section import camera_toml
-from motorcade.replays.io.readers.opening import read_frames_of, read_imu_of
+from motorcade.replays.io.readers.opening import read_frames_of
+from motorcade.replays.io.readers.readings import read_imu_of
 from motorcade.replays.io.recording import FrameSequence
 from motorcade.tracking import (
     Board,

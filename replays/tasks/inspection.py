@@ -18,19 +18,23 @@ from motorcade.animation import Character, Clip, Skeleton
 from motorcade.animation.formats import NoMeshError, read_character, read_motion
 from motorcade.fusion.health import check_health
 from motorcade.fusion.imu import ImuStream, screen_imu
+from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import one_line
 from motorcade.ga.stamps import near_steps
 from motorcade.replays.engine.stage import StageError
 from motorcade.replays.io.errors import RecordingError, refusal
-from motorcade.replays.io.imu import read_imu
 from motorcade.replays.io.readers.frames.files import PictureFrames
 from motorcade.replays.io.readers.frames.video import VideoFrames
+from motorcade.replays.io.readers.layouts.detect import find_layout
+from motorcade.replays.io.readers import positions
+from motorcade.replays.io.readers.manifest import LOCAL_NAME
 from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.readers.readings import holds_readings, read_readings
 from motorcade.replays.io.readers.ros.frame_tree import TRANSFORM_TYPES
 from motorcade.replays.io.readers.ros.frames import IMAGE_TYPES, BagFrames
 from motorcade.replays.io.readers.ros.reader import Bag
-from motorcade.replays.io.readers.ros.recording import CAMERA_INFO_TYPE, IMU_TYPE
+from motorcade.replays.io.readers.ros.recording import CAMERA_INFO_TYPE, FIELD_TYPE, IMU_TYPE
 from motorcade.replays.io.readers.ros.trajectories import list_bag_trajectories
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.io.trajectories import read_trajectory, trajectory_format
@@ -231,7 +235,8 @@ TEXT_SUFFIXES = (".tum", ".txt", ".csv", ".kitti")
 _POSES = "poses: smooth, evaluate, fuse, trajectory"
 _READ_BY = {
     **dict.fromkeys(IMAGE_TYPES, "images: run"),
-    IMU_TYPE: "inertial readings: run, beside images",
+    IMU_TYPE: "inertial readings: run, beside images; orient, fuse, sync",
+    FIELD_TYPE: "a magnetometer: orient",
     CAMERA_INFO_TYPE: "a camera",
     **dict.fromkeys(TRANSFORM_TYPES, "frames, listed below: smooth, evaluate, fuse, trajectory"),
 }
@@ -267,6 +272,56 @@ def _printable(name: str) -> str:
     return name if name.isprintable() and len(name) <= _LONGEST_NAME else one_line(name)
 
 
+def is_log(path: Path) -> bool:
+    """Whether a path holds readings or positions, and nothing that a camera recorded."""
+    if path.is_dir() and (find_layout(path) is not None or (path / LOCAL_NAME).exists()):
+        return False
+    return positions.recognise(path) or holds_readings(path)
+
+
+def describe_log(path: Path) -> dict[str, Any]:
+    """What a log of readings or positions holds, and which commands read it; JSON-ready.
+
+    Raises:
+        RecordingError: neither, or damaged.
+    """
+    about: dict[str, Any] = {"name": path.name}
+    faults, quoted = list[RecordingError](), shlex.quote(str(path))
+    following = list[str]()
+    if holds_readings(path):
+        try:
+            about, following = _held_readings(path)
+        except RecordingError as fault:
+            faults.append(fault)
+    if positions.recognise(path):
+        try:
+            track = positions.read_positions(path)
+        except RecordingError as fault:
+            faults.append(fault)
+        else:
+            about |= describe_stream("positions", track.time_ns) | {"path_m": _length_m(track)}
+            following += [f"motorcade evaluate ESTIMATE {quoted}", *_next(str(path))[::2]]
+    if not following:
+        raise faults[0]
+    return about | {"next": following}
+
+
+def _held_readings(path: Path) -> tuple[dict[str, Any], list[str]]:
+    """What a path holds as readings, and the commands that take them."""
+    readings, quoted = read_readings(path), shlex.quote(str(path))
+    about = {"name": path.name, "holds": f"inertial readings, as {readings.held_by}"}
+    about |= describe_stream("imu", readings.imu.time_ns)
+    field = ""
+    if readings.field is not None:
+        about |= describe_stream("magnetometer", readings.field[0])
+        field = " --magnetometer"
+    return about, [
+        f"motorcade orient {quoted}{field} -o orientation.tum",
+        f"motorcade fuse CAMERA_TRAJECTORY {quoted} -o fused.tum",
+        f"motorcade sync CAMERA_TRAJECTORY {quoted}",
+    ]
+
+
 def describe_text(path: Path) -> dict[str, Any]:
     """What a file of poses or of inertial readings holds; JSON-ready.
 
@@ -284,9 +339,13 @@ def describe_text(path: Path) -> dict[str, Any]:
         about["poses_count"] = len(trajectory.time_ns)
     else:
         about |= describe_stream("poses", trajectory.time_ns)
-    steps = np.diff(trajectory.rigid.poses.translation_m, axis=0)
-    about["path_m"] = float(np.linalg.norm(steps, axis=1).sum())
+    about["path_m"] = _length_m(trajectory)
     return about | {"next": _next(str(path), " --rate-hz HZ" if fmt == "kitti" else "")}
+
+
+def _length_m(trajectory: Trajectory) -> float:
+    steps = np.diff(trajectory.rigid.poses.translation_m, axis=0)
+    return float(np.linalg.norm(steps, axis=1).sum())
 
 
 _WRITTEN = {
@@ -298,23 +357,12 @@ _WRITTEN = {
 
 def _inertial(path: Path, no_poses: RecordingError) -> dict[str, Any]:
     try:
-        stream = read_imu(path)
+        about, following = _held_readings(path)
     except RecordingError as fault:
         reasons = [str(one).removeprefix(f"{path}: ") for one in (no_poses, fault)]
         problem = f"holds neither poses ({reasons[0]}) nor inertial readings ({reasons[1]})"
         raise refusal(path, problem) from fault
-    about: dict[str, Any] = {"name": path.name, "holds": "inertial readings"}
-    quoted = shlex.quote(str(path))
-    return (
-        about
-        | describe_stream("imu", stream.time_ns)
-        | {
-            "next": [
-                f"motorcade orient {quoted} -o orientation.tum",
-                f"motorcade fuse CAMERA_TRAJECTORY {quoted} -o fused.tum",
-            ]
-        }
-    )
+    return about | {"next": following}
 
 
 def _next(name: str, stamps: str = "") -> list[str]:

@@ -1,20 +1,27 @@
-"""Tables between commas whose header says what stands where, and in which units.
+"""Tables of a text file whose header says what stands where, and in which units.
 
-A header is the last line of comment, or the row of names, above the numbers. Where it names every
-column that is wanted (`w_RS_S_x [rad s^-1]`, `gyro_x`, `angular_velocity.x`, `ax (g)`, `qw`), the
-file is read by it; where it says nothing, columns are EuRoC's, in EuRoC's order. One that names a
-column in another place and leaves others open is refused, as is a unit that nobody knows. Stamps
-without a unit are nanoseconds, unless they cannot be: fractions that are nanoseconds apart are
-seconds.
+Columns stand between commas, semicolons or tabs, and where commas do not part them, a comma may
+stand for the decimal point. A header is the last line of comment, or the row of names, above the
+numbers; two rows of names are a group's and its axes'. Where it names every column that is wanted
+(`w_RS_S_x [rad s^-1]`, `gyro_x`, `angular_velocity.x`, `ax (g)`, `gFx`, `qw`), the file is read by
+it; where it says nothing, columns are EuRoC's, in EuRoC's order. One that names a column in another
+place and leaves others open is refused, as is a unit that nobody knows. Of several columns of one
+name, that of a message's header counts before the time of its arrival, and readings with gravity
+before those without.
+
+Stamps without a unit are nanoseconds, unless they cannot be: fractions that are nanoseconds apart
+are seconds, and whole numbers are of the one unit in which they are sampled 0.5 to 20,000 times a
+second. Times of the day (`11:23:45.123`) count from midnight.
 """
 
 from __future__ import annotations
 
+import logging
 import re
 from dataclasses import dataclass, replace
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
-from typing import NoReturn
+from typing import NamedTuple, NoReturn
 
 import numpy as np
 
@@ -25,6 +32,7 @@ from motorcade.replays.io.files import open_bounded
 from motorcade.replays.io.readers.tables import (
     FILE_LIMIT,
     LINE_LIMIT,
+    UNITS,
     Table,
     in_order,
     is_header,
@@ -35,6 +43,11 @@ _STAMP = "stamp"
 _LOOKED_AT = 64
 _LEAST_STEP_NS = 1000.0
 # Nothing is sampled a million times a second.
+_STEPS_NS = 5e4, 2e9
+"""Shortest and longest step of readings that are counted in whole units."""
+_PARTS = (b";", b"\t", b",")
+_WITHOUT_GRAVITY = {"linear", "user", "uncalibrated"}
+_LOG = logging.getLogger("motorcade.replays")
 
 _TIMES = {"timestamp", "timestamps", "time", "stamp", "t", "ts"}
 _TIME_UNITS = {
@@ -96,6 +109,18 @@ SPECIFIC_FORCE = Quantity(
         "mg": 9.80665e-3,
     },
 )
+MAGNETIC_FIELD = Quantity(
+    frozenset({"mag", "magn", "magnetic", "magnetometer", "field"}),
+    frozenset({"m", "b"}),
+    "xyz",
+    "m_",
+    {
+        **dict.fromkeys(("µt", "μt", "ut", "microtesla", "-", "1", "a.u."), 1.0),
+        **dict.fromkeys(("g", "gauss", "ga"), 100.0),
+        **dict.fromkeys(("mg", "mgauss"), 0.1),
+        **dict.fromkeys(("t", "tesla"), 1e6),
+    },
+)
 POSITION = Quantity(
     frozenset({"pos", "position", "translation"}),
     frozenset({"p", "t", ""}),
@@ -114,20 +139,29 @@ QUATERNION = Quantity(
 
 def opening_rows(path: Path, wanted: int) -> tuple[list[bytes] | None, list[list[bytes]]]:
     """Tokens of the header, if there is one of so many columns, and of the first rows below it."""
-    return _opening(path, wanted)[1:]
+    opening = _opening(path, wanted)
+    return opening.header, opening.rows
+
+
+def names_quantity(path: Path, quantity: Quantity) -> bool:
+    """Whether the file's header names every axis of a quantity."""
+    header = _opening(path, len(quantity.axes)).header or []
+    meant = {_meant(*_name_and_unit(token), (quantity,))[0] for token in header}
+    return meant.issuperset(quantity.label + axis for axis in quantity.axes)
 
 
 def read_columns(path: Path, quantities: tuple[Quantity, ...]) -> Table:
     """Read a stamp and quantities by the file's header, in our units and in the order given.
 
-    Of rows with equal stamps the first is kept.
+    Of rows with equal stamps the first is kept; rows that leave one of the columns empty are not.
 
     Raises:
         RecordingError: as `read_table` and `in_order`; a header that contradicts EuRoC's order and
             does not say where everything is; a unit that is not known.
     """
     names = tuple(one.label + axis for one in quantities for axis in one.axes)
-    number, header, rows = _opening(path, 1 + len(names))
+    opening = _opening(path, 1 + len(names))
+    number, header, rows = opening.line, opening.header, opening.rows
     places, units = list(range(1 + len(names))), [""] * (1 + len(names))
     if header is not None:
         columns = _Header(path, number, header)
@@ -138,7 +172,8 @@ def read_columns(path: Path, quantities: tuple[Quantity, ...]) -> Table:
     table = read_table(
         path,
         names,
-        separator=b",",
+        separator=opening.separator,
+        decimal_comma=opening.decimal_comma,
         unit=unit,
         header=True,
         more_columns=True,
@@ -150,21 +185,48 @@ def read_columns(path: Path, quantities: tuple[Quantity, ...]) -> Table:
     return table.rows(in_order(path, table.lines, table.time_ns))
 
 
-def _opening(path: Path, wanted: int) -> tuple[int, list[bytes] | None, list[list[bytes]]]:
-    """Line number and tokens of the header, if there is one, and the first rows below it."""
-    at, header, rows = 0, None, list[list[bytes]]()
+class _Opening(NamedTuple):
+    """Line number and tokens of the header, if there is one, the first rows below it, and how
+    columns are parted; None: by white space."""
+
+    line: int
+    header: list[bytes] | None
+    rows: list[list[bytes]]
+    separator: bytes | None
+    decimal_comma: bool
+
+
+def _opening(path: Path, wanted: int) -> _Opening:
+    at, header, rows, group = 0, None, list[list[bytes]](), list[bytes]()
+    separator: bytes | None = b","
     with open_bounded(path, FILE_LIMIT) as file:
         number = 0
         while len(rows) < _LOOKED_AT and (line := file.readline(LINE_LIMIT)):
             number += 1
-            text = line.removeprefix(b"\xef\xbb\xbf").strip()
-            row = text.lstrip(b"#, ").split(b"," if b"," in text else None)
+            text = line.removeprefix(b"\xef\xbb\xbf").strip(b" \r\n")
+            parts = next((part for part in _PARTS if part in text), None)
+            row = text.lstrip(b"#, ").split(parts)
             names = text.startswith(b"#") or (not rows and is_header(row))
             if not names and text:
                 rows.append(row)
+                separator = parts
             elif not rows and len(row) >= wanted and is_header(row):
-                at, header = number, row
-    return at, header, rows
+                grouped = len(group) == len(row) and not text.startswith(b"#")
+                group, header = row, _grouped(group, row) if grouped else row
+                at = number
+    by_comma = separator not in (b",", None) and any(b"," in b"".join(row) for row in rows)
+    if by_comma:
+        rows = [[token.replace(b",", b".") for token in row] for row in rows]
+    return _Opening(at, header, rows, separator, by_comma)
+
+
+def _grouped(groups: list[bytes], axes: list[bytes]) -> list[bytes]:
+    """Names of two rows: that of a group holds until the next one."""
+    names, above = [], b""
+    for group, axis in zip(groups, axes, strict=True):
+        above = group.strip() or above
+        names.append(above + b" " + axis)
+    return names
 
 
 @dataclass(frozen=True)
@@ -182,9 +244,15 @@ class _Header:
         said = [_name_and_unit(token) for token in self.tokens]
         for at, (words, unit) in enumerate(said):
             name, unit = _meant(words, unit, quantities)
-            if name is not None and not (name == _STAMP and name in found):
+            if name is not None:
                 found.setdefault(name, []).append(at)
                 said[at] = (words, unit)
+        for name, places in found.items():
+            ranks = [_rank(name, said[at][0]) for at in places]
+            found[name] = [at for at, rank in zip(places, ranks, strict=True) if rank == min(ranks)]
+        found[_STAMP] = found[_STAMP][:1] if _STAMP in found else []
+        if not found[_STAMP]:
+            del found[_STAMP]
         twice = [name for name, places in found.items() if len(places) > 1]
         missing = [name for name in names if name not in found]
         in_order = all(places == [names.index(name)] for name, places in found.items())
@@ -207,6 +275,15 @@ class _Header:
         )
 
 
+def _rank(name: str, words: list[str]) -> int:
+    """The lower, the sooner a column is taken among several of one name."""
+    if name == _STAMP:
+        return 0 if "header" in words else 1
+    if _WITHOUT_GRAVITY.intersection(words):
+        return 2
+    return 0 if words[0] == "g" else 1
+
+
 def _name_and_unit(token: bytes) -> tuple[list[str], str]:
     """Words of a column's name, lower-case, and what it says in brackets."""
     text = token.decode("utf-8", "replace").strip().strip("\"'").strip()
@@ -224,6 +301,8 @@ def _meant(words: list[str], unit: str, quantities: tuple[Quantity, ...]) -> tup
     """Which column a name means, None for another one; and its unit, also where a word says it."""
     if not words or words[0] in ("b", "bias"):
         return None, unit
+    if len(words) == 2 and words[0] == "g" and words[1] in ("fx", "fy", "fz"):
+        words, unit = [words[1]], unit or "g"  # g-force
     if words[-1] in _TIME_UNITS and len(words) > 1 and set(words[:-1]) & _TIMES:
         return _STAMP, unit or words[-1]
     if set(words) & _TIMES and words[-1] not in ("x", "y", "z"):
@@ -259,13 +338,34 @@ def _stamp_unit(path: Path, line: int, stated: str, stamps: list[bytes]) -> str:
     if stated and stated not in _TIME_UNITS:
         expected = "expected stamps in ns, us, ms or s"
         raise refusal(path, f"{expected}, got {stated!r}", line=line, field=_STAMP)
+    if not stated and stamps and b":" in stamps[0]:
+        return "clock"
     unit = _TIME_UNITS.get(stated, "ns")
+    if not stated and (counted := _counted_in(stamps)) is not None:
+        _LOG.warning("%s: stamps without a unit are taken as %s, by their steps", path, counted)
+        return counted
     if unit != "ns" or not _are_no_nanoseconds(stamps):
         return unit
     if stated:
         problem = f"expected stamps in {stated}, as the header says, got {one_line(stamps[0])}"
         raise refusal(path, f"{problem} and others a fraction apart", field=_STAMP)
     return "s"
+
+
+def _counted_in(stamps: list[bytes]) -> str | None:
+    """The unit of whole stamps that can be no nanoseconds; None where they can, or none can be."""
+    digits = [int(stamp) for stamp in stamps if stamp.strip().isdigit() and len(stamp) < 20]
+    if len(digits) < max(len(stamps), 3):
+        return None
+    step = float(np.median(np.diff(digits)))
+    if step >= _LEAST_STEP_NS or step <= 0.0:
+        return None
+    fitting = [
+        unit
+        for unit, power in UNITS.items()
+        if _STEPS_NS[0] <= step * 10**power <= _STEPS_NS[1]
+    ]
+    return fitting[0] if len(fitting) == 1 else None
 
 
 def _are_no_nanoseconds(stamps: list[bytes]) -> bool:

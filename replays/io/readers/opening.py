@@ -1,15 +1,11 @@
-"""Opening a recording: by its manifest, or by the layout that its folder has; or its IMU alone."""
+"""Opening a recording: by its manifest, or by the layout that its folder has."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from motorcade.fusion.imu import ImuStream
 from motorcade.replays.io.errors import refusal
-from motorcade.replays.io.imu import read_imu
 from motorcade.replays.io.readers import manifest as manifests
-from motorcade.replays.io.readers.frames import video
-from motorcade.replays.io.readers.gpmf import read_telemetry
 from motorcade.replays.io.readers.layouts import euroc
 from motorcade.replays.io.readers.layouts.detect import read_layout
 from motorcade.replays.io.readers.ros import recording as ros
@@ -88,22 +84,3 @@ def read_frames_of(path: Path) -> FrameSequence:
     if path.is_dir() and euroc.recognise(path) and not (path / manifests.LOCAL_NAME).exists():
         return euroc.read_pictures(path)
     return open_recording(path).frames
-
-
-def read_imu_of(path: Path) -> ImuStream:
-    """The readings of EuRoC's CSV, of a video's telemetry, of a bag, or of a recording in a folder.
-
-    Raises:
-        RecordingError: a video or a recording without an IMU, or what their readers refuse.
-    """
-    if video.recognise(path):
-        imu = read_telemetry(path)
-    elif path.is_dir() and euroc.recognise(path) and not (path / manifests.LOCAL_NAME).exists():
-        imu = euroc.read_own_imu(path)
-    elif path.is_dir() or ros.recognise(path):
-        imu = open_recording(path).imu
-    else:
-        imu = read_imu(path)
-    if imu is None:
-        raise refusal(path, "expected accelerometer and gyroscope, got a recording without them")
-    return imu

@@ -11,6 +11,7 @@ from __future__ import annotations
 import itertools
 import logging
 import os
+import re
 from array import array
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -121,6 +122,8 @@ def stamp_ns(text: bytes, unit: str) -> int:
         ValueError: not a decimal number, or more than 146 years (2**62 ns) from zero, so that
             differences of stamps fit into int64.
     """
+    if unit == "clock":
+        return _clock_ns(text)
     power = UNITS[unit]
     if text.isdigit() and len(text) + power <= 18:
         whole: int = int(text) * 10**power
@@ -141,11 +144,24 @@ def stamp_ns(text: bytes, unit: str) -> int:
     return stamp
 
 
+_CLOCK = re.compile(rb"(?:.*[ T])?(\d{1,2}):(\d{1,2}):(\d{1,2})(?:[.,:](\d{1,9}))?\s*")
+
+
+def _clock_ns(text: bytes) -> int:
+    """Nanoseconds since midnight of a time of the day, with a date before it or not."""
+    clock = _CLOCK.fullmatch(text)
+    if clock is None:
+        raise ValueError(f"expected a time of the day, 11:23:45.123, got {one_line(text)}")
+    hours, minutes, seconds = (int(part) for part in clock.groups()[:3])
+    return ((hours * 60 + minutes) * 60 + seconds) * 10**9 + int((clock[4] or b"0").ljust(9, b"0"))
+
+
 def read_table(
     path: Path,
     columns: tuple[str, ...],
     *,
     separator: bytes | None = None,
+    decimal_comma: bool = False,
     unit: str | None = None,
     header: bool = False,
     more_columns: bool = False,
@@ -157,9 +173,11 @@ def read_table(
         path: the file.
         columns: names of the columns without the stamp; they are counted and name the faults.
         separator: b"," or None for any white space.
-        unit: unit of a leading stamp column (see `UNITS`); None where there is no such column.
-        header: allow a first row of names that is not marked as a comment.
-        more_columns: ignore columns after these.
+        decimal_comma: whether a comma stands for the decimal point.
+        unit: unit of a leading stamp column (see `UNITS`), or "clock" for times of the day; None
+            where there is no such column.
+        header: allow rows of names above the numbers that are not marked as comments.
+        more_columns: ignore columns after these, and leave out rows with an empty one among these.
         places: where the stamp and each column stand in a row; by default one after another.
 
     Raises:
@@ -169,17 +187,21 @@ def read_table(
     wanted = len(columns) + stamped
     moved = places is not None and places != tuple(range(wanted))
     least = max(places) + 1 if places is not None else wanted
-    lines, stamps, numbers = array("q"), array("q"), array("d")
+    lines, stamps, numbers, empty = array("q"), array("q"), array("d"), 0
     for line, row in data_rows(path, separator):
         if header and not lines and is_header(row):
-            header = False
             continue
+        if decimal_comma:
+            row = [token.replace(b",", b".") for token in row]
         if len(row) < least or (len(row) > least and not more_columns):
             names = ("stamp", *columns) if stamped else columns
             expected = f"{least}{' or more' if more_columns else ''} columns ({' '.join(names)})"
             raise refusal(path, f"expected {expected}, got {len(row)}", line=line)
         if moved and places is not None:
             row = [row[place] for place in places]
+        if more_columns and not all(map(bytes.strip, row[:wanted])):
+            empty += 1
+            continue
         try:
             numbers.extend(map(float, row[stamped:wanted]))
             if unit is not None:
@@ -191,6 +213,8 @@ def read_table(
         lines.append(line)
     if not lines:
         raise refusal(path, "expected at least one row of numbers, got none")
+    if empty:
+        _LOG.warning("%s: %d rows leave out %s", path, empty, " ".join(columns))
     # The arrays' own memory, not copies: tables may be long.
     where = np.frombuffer(lines, dtype=np.int64)
     values = np.frombuffer(numbers, dtype=np.float64).reshape(len(where), len(columns))

@@ -14,7 +14,8 @@ from motorcade.render import write_video
 from motorcade.replays.io.errors import RecordingError
 from motorcade.replays.io.imu import write_imu
 from motorcade.replays.io.readers import gpmf
-from motorcade.replays.io.readers.opening import open_recording, read_imu_of
+from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.readers.readings import read_imu_of
 
 HERE = Path("made-up.mp4")
 

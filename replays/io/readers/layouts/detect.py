@@ -84,7 +84,7 @@ def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
         f"expected a recording, got neither {looked_for} nor motorcade.toml",
         advice="describe any other folder of pictures in a manifest (docs/manifests)"
         if root.is_dir()
-        else f"`motorcade inspect {root}` says whether it holds poses or readings",
+        else "files of poses and readings are for smooth, orient, fuse and evaluate",
     )
 
 

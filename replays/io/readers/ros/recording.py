@@ -255,6 +255,23 @@ def _numbers(info: Any, letter: str) -> FloatArray:
     return np.asarray(getattr(info, letter.upper()) if values is None else values, np.float64)
 
 
+def read_beside_chain(root: Path, topic: str | None = None) -> ImuStream | None:
+    """A bag's IMU on the clock of the pictures, where a chain beside it says how they differ.
+
+    Raises:
+        RecordingError: as `read_bag_imu`.
+    """
+    folder, bag = root if root.is_dir() else root.parent, _only_bag(root)
+    path = kalibr.find(folder, kalibr.CHAIN_NAMES)
+    imu = read_bag_imu(bag, topic)
+    if path is None or topic is not None or not holds_pictures(bag):
+        return imu
+    with Bag(bag) as opened:
+        pictures = _chosen(_image_topics(opened), bag, None)
+    chain = _from_chain(folder, pictures.name)
+    return chain.on_camera_clock(imu) if chain else imu
+
+
 def read_bag_imu(
     path: Path, topic: str | None = None, frames: Stamps | None = None
 ) -> ImuStream | None:

@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from motorcade.ga import Trajectory
 from motorcade.ga.names import one_line
 from motorcade.replays.io.errors import refusal
@@ -24,6 +26,8 @@ _LOG = logging.getLogger("motorcade.replays")
 _MOST_POSES = 10_000_000
 _SHOWN = 20
 _POINT = "geometry_msgs/msg/PointStamped"
+_FIX = "sensor_msgs/msg/NavSatFix"
+_NO_FIX = -1
 
 
 @dataclass(frozen=True)
@@ -78,6 +82,8 @@ def read_bag_trajectory(
     with Bag(path) as bag:
         topics = _pose_topics(bag)
         topic = next((one for one in (name, f"/{name}") if name and one in topics), None)
+        if topic is not None and topics[topic][0] == _FIX:
+            return _fixes(bag, topic, parent, child)
         poses = _chain(bag, name) if topic is None else _poses(bag, topic, topics[topic][0])
     return Trajectory(poses.time_ns, poses.poses, parent or poses.parent, child or poses.child)
 
@@ -111,6 +117,21 @@ def _poses(bag: Bag, topic: str, kind: str) -> Trajectory:
             raise refusal(bag.path, f"expected at most {_MOST_POSES} poses, got more", field=field)
     parent, child = (name.removeprefix("/") for name in frames or ("", ""))
     return Trajectory(*poses.ordered, parent or "world", child or "camera")
+
+
+def _fixes(bag: Bag, topic: str, parent: str | None, child: str | None) -> Trajectory:
+    """Positions of satellite navigation; REP 145's heights are over the ellipsoid."""
+    from motorcade.replays.io.readers.positions import MOST_FIXES, geodetic_path
+
+    rows = []
+    for stamp, fix in bag.messages([topic], (_FIX,)):
+        if fix.status.status > _NO_FIX:
+            rows.append((stamp, fix.latitude, fix.longitude, fix.altitude))
+        if len(rows) > MOST_FIXES:
+            raise refusal(bag.path, f"expected at most {MOST_FIXES} fixes, got more", field=topic)
+    stamps = np.array([row[0] for row in rows], dtype=np.int64)
+    places = np.array([row[1:] for row in rows], dtype=np.float64).reshape(-1, 3)
+    return geodetic_path(bag.path, stamps, places, None, parent, child)
 
 
 def _chain(bag: Bag, name: str) -> Trajectory:
@@ -161,4 +182,5 @@ _POSES: dict[str, Callable[[Any], tuple[Any, Any]]] = {
     "geometry_msgs/msg/TransformStamped": _of_transform,
     "nav_msgs/msg/Odometry": _of_pose_with_covariance,
     _POINT: _of_point,
+    _FIX: _of_point,  # read by `_fixes`
 }

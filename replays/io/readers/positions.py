@@ -1,0 +1,251 @@
+"""Positions of satellite navigation as paths: GPX, NMEA, PX4's logs, KITTI's `oxts`, NavSatFix.
+
+A path is in metres east, north and up of its first fix (`fusion.measurements.GeodeticOrigin`), on
+WGS 84; its poses do not turn, except KITTI's, whose unit measures how it stands. Heights of GPX and
+NMEA are above the sea: as heights over the ellipsoid they are off by the geoid, which over a path is
+a constant. GPX is read by gpxpy, NMEA by pynmea2.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterable
+from datetime import UTC, date, datetime
+from pathlib import Path
+
+import numpy as np
+
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.measurements import GeodeticOrigin
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.names import one_line
+from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.files import read_bounded
+from motorcade.replays.io.readers import px4
+from motorcade.replays.io.readers.tables import stamp_ns
+
+_LOG = logging.getLogger("motorcade.replays")
+FILE_LIMIT = 2**26
+MOST_FIXES = 10_000_000
+_NMEA = (".nmea", ".nma")
+_OXTS = 30
+"""Numbers of a packet of KITTI's unit."""
+
+
+def recognise(path: Path) -> bool:
+    """Whether this is a file of positions, or a folder of KITTI's with `oxts`."""
+    return _reader(path) is not None
+
+
+def read_positions(path: Path, parent: str | None = None, child: str | None = None) -> Trajectory:
+    """Positions as a path from 0 on, in metres east, north and up of the first.
+
+    Raises:
+        RecordingError: none of these files, damaged, or without fixes.
+        ModuleNotFoundError: gpxpy, pynmea2, pyulog or pyproj is not installed.
+    """
+    reader = _reader(path)
+    if reader is None:
+        raise refusal(path, "expected positions: .gpx, .nmea, .ulg, or KITTI's oxts")
+    return geodetic_path(path, *reader(path), parent, child)
+
+
+def geodetic_path(
+    path: Path,
+    time_ns: IntArray,
+    places: FloatArray,
+    world_R_body: Rotor | None = None,
+    parent: str | None = None,
+    child: str | None = None,
+) -> Trajectory:
+    """The path of stamps ``(N,)`` and latitude, longitude (deg), height (m) ``(N, 3)``.
+
+    Of fixes that are no later than one before, the first is kept.
+
+    Raises:
+        RecordingError: no fixes, or places that are none.
+    """
+    if not len(time_ns):
+        raise refusal(path, "expected fixes with time and place, got none")
+    rows = np.flatnonzero(np.diff(np.maximum.accumulate(time_ns), prepend=time_ns[0] - 1) > 0)
+    try:
+        origin = GeodeticOrigin(*places[rows[0]].tolist())
+        local_m = origin.local_m(*places[rows].T)
+        turns = world_R_body[rows] if world_R_body is not None else None
+        poses = (
+            Motor.from_translation(local_m)
+            if turns is None
+            else Motor.from_rotor_translation(turns, local_m)
+        )
+        result = Trajectory(time_ns[rows], poses, parent or "world", child or "antenna")
+    except ValueError as fault:
+        raise refusal(path, str(fault)) from fault
+    latitude, longitude = places[rows[0], :2]
+    _LOG.warning(
+        "%s: metres east, north and up of %.7f, %.7f%s",
+        path,
+        latitude,
+        longitude,
+        "" if world_R_body is not None else "; positions do not turn",
+    )
+    return result
+
+
+_Fixes = tuple[IntArray, FloatArray, Rotor | None]
+
+
+def _reader(path: Path) -> Callable[[Path], _Fixes] | None:
+    name = path.name.lower()
+    if path.is_dir():
+        return _read_oxts if oxts_folder(path) is not None else None
+    if name.endswith(".gpx"):
+        return _read_gpx
+    if name.endswith(_NMEA):
+        return _read_nmea
+    return _read_px4 if name.endswith(px4.SUFFIX) else None
+
+
+def _fixes(rows: Iterable[tuple[int, float, float, float]], path: Path) -> _Fixes:
+    kept = []
+    for row in rows:
+        kept.append(row)
+        if len(kept) > MOST_FIXES:
+            raise refusal(path, f"expected at most {MOST_FIXES} fixes, got more")
+    stamps = np.array([row[0] for row in kept], dtype=np.int64)
+    return stamps, np.array([row[1:] for row in kept], dtype=np.float64).reshape(-1, 3), None
+
+
+def _read_px4(path: Path) -> _Fixes:
+    return (*px4.read_geodetic(path), None)
+
+
+def _read_gpx(path: Path) -> _Fixes:
+    import gpxpy
+
+    text = read_bounded(path, FILE_LIMIT).decode("utf-8", "replace")
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise refusal(path, "expected GPX without declarations of its own (<!DOCTYPE, <!ENTITY)")
+    try:
+        content = gpxpy.parse(text)
+    except Exception as fault:  # of two parsers of XML, without a common base
+        raise refusal(path, f"expected GPX: {one_line(fault, 100)}") from fault
+    points = (
+        (_nanoseconds(point.time), point.latitude, point.longitude, point.elevation or 0.0)
+        for track in content.tracks
+        for segment in track.segments
+        for point in segment.points
+        if point.time is not None
+    )
+    return _fixes(points, path)
+
+
+def _nanoseconds(moment: datetime) -> int:
+    """Since 1970; a time without a zone is UTC, as GPX has it."""
+    whole = moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC)
+    seconds = whole.replace(microsecond=0).timestamp()
+    return int(seconds) * 10**9 + whole.microsecond * 1000
+
+
+def _read_nmea(path: Path) -> _Fixes:
+    """GGA has the place, RMC the day; a fix before the first day counts from midnight of it."""
+    import pynmea2
+
+    day: date | None = None
+    last_s, days, bad = -1.0, 0, 0
+    rows: list[tuple[int, float, float, float]] = []
+    for line in read_bounded(path, FILE_LIMIT).decode("ascii", "replace").splitlines():
+        start = line.find("$")
+        if start < 0 or len(line) - start > 200:
+            continue
+        try:
+            sentence = pynmea2.parse(line[start:], check=True)
+            kind = getattr(sentence, "sentence_type", "")
+            if kind == "RMC" and day is None and sentence.datestamp is not None:
+                day = sentence.datestamp
+            if kind != "GGA" or not sentence.gps_qual or sentence.timestamp is None:
+                continue
+            clock = sentence.timestamp
+            of_day_s = clock.hour * 3600 + clock.minute * 60 + clock.second
+            days += int(of_day_s < last_s - 43_200)
+            last_s = float(of_day_s)
+            stamp = (days * 86_400 + of_day_s) * 10**9 + clock.microsecond * 1000
+            height = float(sentence.altitude or 0.0) + float(sentence.geo_sep or 0.0)
+            rows.append((stamp, sentence.latitude, sentence.longitude, height))
+        except (pynmea2.ParseError, ValueError, TypeError, AttributeError):
+            bad += 1
+    if bad:
+        _LOG.warning("%s: %d sentences are damaged, and left out", path, bad)
+    midnight = 0
+    if day is not None:
+        midnight = int(datetime(day.year, day.month, day.day, tzinfo=UTC).timestamp()) * 10**9
+    return _fixes(((midnight + row[0], *row[1:]) for row in rows), path)
+
+
+def oxts_folder(path: Path) -> Path | None:
+    """The folder with `timestamps.txt` and `data` of KITTI's unit: this one, or `oxts` in it."""
+    folders = (path, path / "oxts")
+    return next(
+        (one for one in folders if (one / "timestamps.txt").is_file() and _packets(one)), None
+    )
+
+
+def _packets(folder: Path) -> list[Path]:
+    data = folder / "data"
+    return sorted(data.glob("??????????.txt")) if data.is_dir() else []
+
+
+def _oxts_table(path: Path) -> tuple[IntArray, FloatArray]:
+    """Stamps ``(N,)`` and the numbers ``(N, 30)`` of the packets."""
+    folder = oxts_folder(path) or path
+    files = _packets(folder)
+    lines = read_bounded(folder / "timestamps.txt", FILE_LIMIT).split(b"\n")
+    texts = [line.strip() for line in lines if line.strip()]
+    if len(texts) != len(files):
+        problem = f"expected {len(files)} stamps for as many packets, got {len(texts)}"
+        raise refusal(folder / "timestamps.txt", problem)
+    rows = []
+    for file in files:
+        try:
+            numbers = [float(token) for token in read_bounded(file, 4096).split()]
+        except ValueError as fault:
+            raise refusal(file, "expected numbers") from fault
+        if len(numbers) < _OXTS or not np.all(np.isfinite(numbers[:_OXTS])):
+            raise refusal(file, f"expected {_OXTS} finite numbers, got {len(numbers)}")
+        rows.append(numbers[:_OXTS])
+    stamps = [_dated_ns(text, folder / "timestamps.txt") for text in texts]
+    return np.array(stamps, dtype=np.int64), np.array(rows, dtype=np.float64)
+
+
+def _dated_ns(text: bytes, path: Path) -> int:
+    """`2011-09-26 13:02:25.964389445`, whose ninth decimal is kept."""
+    try:
+        day = datetime.fromisoformat(text[:10].decode("ascii")).replace(tzinfo=UTC)
+        return int(day.timestamp()) * 10**9 + stamp_ns(text, "clock")
+    except (ValueError, UnicodeDecodeError) as fault:
+        raise refusal(path, f"expected a day and a time, got {one_line(text)}") from fault
+
+
+def _read_oxts(path: Path) -> _Fixes:
+    """Positions, and rotations by roll, pitch and yaw (from east, counter-clockwise)."""
+    time_ns, numbers = _oxts_table(path)
+    roll, pitch, yaw = numbers[:, 3:6].T
+    none = np.zeros_like(yaw)
+    about_z, about_y, about_x = (
+        Rotor.from_rotation_vector(np.stack(axes, axis=-1))
+        for axes in ((none, none, yaw), (none, pitch, none), (roll, none, none))
+    )
+    return time_ns, numbers[:, :3], about_z @ about_y @ about_x
+
+
+def read_oxts_imu(path: Path) -> ImuStream:
+    """Angular rate and specific force in the unit's axes (x ahead, y left, z up).
+
+    Raises:
+        RecordingError: files that are missing or damaged.
+    """
+    time_ns, numbers = _oxts_table(path)
+    try:
+        return ImuStream(time_ns, numbers[:, 17:20], numbers[:, 11:14])
+    except ValueError as fault:
+        raise refusal(path, str(fault)) from fault

@@ -1,0 +1,193 @@
+"""Inertial readings of whatever holds them, recognised once for every command that takes them.
+
+A bag (`BAG:/topic` names one of its topics), a video with a GoPro's telemetry, a trial of BROAD, a
+log of PX4, a folder or zip of a phone's logger, KITTI's `oxts`, a recording with an IMU, or a table
+of text. Some hold a magnetometer's readings besides.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from motorcade.fusion.imu.screening import screen_imu
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.replays.io.errors import RecordingError, refusal
+from motorcade.replays.io.imu import read_imu
+from motorcade.replays.io.readers import manifest as manifests
+from motorcade.replays.io.readers.broad import read_broad
+from motorcade.replays.io.readers.columns import MAGNETIC_FIELD, names_quantity, read_columns
+from motorcade.replays.io.readers.frames import video
+from motorcade.replays.io.readers.gpmf import read_telemetry
+from motorcade.replays.io.readers.layouts import euroc
+from motorcade.replays.io.readers import phone, positions, px4
+from motorcade.replays.io.readers.opening import open_recording, recording_and_topic
+from motorcade.replays.io.readers.ros import recording as ros
+from motorcade.replays.io.readers.tables import Table, in_order, read_table
+
+_LOG = logging.getLogger("motorcade.replays")
+_IMU_COLUMNS = ("w_x", "w_y", "w_z", "a_x", "a_y", "a_z")
+_FIELD_COLUMNS = ("m_x", "m_y", "m_z")
+_HDF5_ENDINGS = (".hdf5", ".h5")
+Field = tuple[IntArray, FloatArray]
+"""Stamps ``(M,)`` and readings ``(M, 3)`` of a magnetometer, in the IMU's axes."""
+
+
+@dataclass(frozen=True)
+class Readings:
+    """What was read.
+
+    Fields:
+        imu: the stream.
+        field: of a magnetometer, None where none is held.
+        held_by: what it was read as, in words.
+    """
+
+    imu: ImuStream
+    field: Field | None
+    held_by: str
+
+
+def read_readings(path: Path, *, with_field: bool = True) -> Readings:
+    """Read the IMU, and a magnetometer beside it where `with_field` asks for one and it has one.
+
+    Raises:
+        RecordingError: nothing that is known, no IMU, or what the readers refuse; force in g or
+            rate in degrees, where the readings tell.
+        ModuleNotFoundError: a library that reads this kind is not installed.
+    """
+    held_by, read = _source(path)
+    imu, field = read(path, with_field)
+    if imu is None:
+        problem = "expected accelerometer and gyroscope, got a recording without them"
+        raise refusal(path, problem)
+    try:
+        notices = screen_imu(imu) if held_by in _NOT_SCREENED else ()
+    except ValueError as fault:
+        raise refusal(path, str(fault)) from fault
+    for notice in notices:
+        _LOG.warning("%s: %s", path, notice)
+    return Readings(imu, field, held_by)
+
+
+def holds_readings(path: Path) -> bool:
+    """Whether a path is recognised by something other than its being a table or a recording."""
+    return _source(path)[0] in _LOGS
+
+
+def read_imu_of(path: Path) -> ImuStream:
+    """The inertial readings alone; raises as `read_readings`."""
+    return read_readings(path, with_field=False).imu
+
+
+_Read = Callable[[Path, bool], tuple[ImuStream | None, Field | None]]
+
+
+def _source(path: Path) -> tuple[str, _Read]:
+    """What a path holds readings as, and its reader."""
+    bag, topic = recording_and_topic(path)
+    known: tuple[tuple[bool, str, _Read], ...] = (
+        (topic is not None or ros.recognise(bag), "a ROS bag", _of_bag),
+        (video.recognise(path), "a video's telemetry", lambda one, _: (read_telemetry(one), None)),
+        (path.suffix.lower() in _HDF5_ENDINGS, "a trial of BROAD", _of_broad),
+        (px4.recognise(path), "a log of PX4", lambda one, _: px4.read(one)),
+        (phone.recognise(path), "a phone's logger", lambda one, _: phone.read(one)),
+        (
+            path.is_dir() and positions.oxts_folder(path) is not None,
+            "KITTI's oxts",
+            lambda one, _: (positions.read_oxts_imu(one), None),
+        ),
+        (path.is_dir(), "a recording", _of_recording),
+    )
+    return next(((what, read) for holds, what, read in known if holds), ("a table", _of_table))
+
+
+_LOGS = {"a trial of BROAD", "a log of PX4", "a phone's logger", "KITTI's oxts"}
+_NOT_SCREENED = _LOGS | {"a video's telemetry"}
+
+
+def _of_bag(path: Path, with_field: bool) -> tuple[ImuStream | None, Field | None]:
+    bag, topic = recording_and_topic(path)
+    if topic is None and (bag / manifests.LOCAL_NAME).exists():
+        return _of_recording(bag, with_field)
+    field = ros.read_bag_field(bag) if with_field else None
+    return ros.read_beside_chain(bag, topic), field
+
+
+def _of_broad(path: Path, _: bool) -> tuple[ImuStream, Field]:
+    stream, field = read_broad(path)
+    return stream, (stream.time_ns, field)
+
+
+def _of_recording(path: Path, _: bool) -> tuple[ImuStream | None, None]:
+    if euroc.recognise(path) and not (path / manifests.LOCAL_NAME).exists():
+        return euroc.read_own_imu(path), None
+    return open_recording(path).imu, None
+
+
+def _of_table(path: Path, with_field: bool) -> tuple[ImuStream, Field | None]:
+    stream = read_imu(path)
+    if not with_field or path.suffix == ".npz" or not names_quantity(path, MAGNETIC_FIELD):
+        return stream, None
+    table = read_columns(path, (MAGNETIC_FIELD,))
+    return stream, (table.time_ns, table.values)
+
+
+def read_imu_and_field(
+    path: Path, magnetometer: Path | None
+) -> tuple[ImuStream, FloatArray | None]:
+    """The IMU's stream, and the magnetic field at its samples.
+
+    Args:
+        path: whatever holds readings.
+        magnetometer: a CSV of stamps (ns) and readings, on the IMU's clock and in its axes, at any
+            rate; or `path` once more where it holds them itself: by its header, in three more
+            columns, or as its kind does. None for no magnetometer.
+
+    Returns:
+        The stream; readings ``(N, 3)``, each at the first sample that is not before it, rows of
+        NaN elsewhere, or None.
+
+    Raises:
+        RecordingError: as `read_readings`; no magnetometer, or none within the IMU's time.
+    """
+    own = magnetometer == path
+    readings = read_readings(path, with_field=own)
+    if magnetometer is None:
+        return readings.imu, None
+    field = readings.field if own else None
+    if field is None:
+        if own and readings.held_by != "a table":
+            raise refusal(path, "expected a magnetometer, got none")
+        columns = (*_IMU_COLUMNS, *_FIELD_COLUMNS) if own else _FIELD_COLUMNS
+        table = _table(magnetometer, columns)
+        field = table.time_ns, table.values[:, -3:]
+    at = at_samples(readings.imu.time_ns, *field)
+    if np.all(np.isnan(at)):
+        raise refusal(magnetometer, "expected readings within the time of the IMU, got none")
+    return readings.imu, at
+
+
+def at_samples(imu_ns: IntArray, time_ns: IntArray, field: FloatArray) -> FloatArray:
+    """Readings ``(M, 3)``, each put to the first of the samples ``(N,)`` that is not before it."""
+    placed = np.full((imu_ns.size, 3), np.nan)
+    rows = np.searchsorted(imu_ns, time_ns)
+    within = (time_ns >= imu_ns[0]) & (rows < imu_ns.size)
+    placed[rows[within]] = field[within]
+    return placed
+
+
+def _table(path: Path, columns: tuple[str, ...]) -> Table:
+    if columns == _FIELD_COLUMNS:
+        try:
+            return read_columns(path, (MAGNETIC_FIELD,))
+        except RecordingError as fault:
+            if "unit" in str(fault):
+                raise
+    table = read_table(path, columns, separator=b",", unit="ns", header=True, more_columns=True)
+    return table.rows(in_order(path, table.lines, table.time_ns))
