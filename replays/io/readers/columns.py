@@ -110,7 +110,7 @@ SPECIFIC_FORCE = Quantity(
     },
 )
 MAGNETIC_FIELD = Quantity(
-    frozenset({"mag", "magn", "magnetic", "magnetometer", "field"}),
+    frozenset({"mag", "magn", "magnetic", "magnetometer"}),
     frozenset({"m", "b"}),
     "xyz",
     "m_",

@@ -280,7 +280,7 @@ def in_order(path: Path, lines: IntArray, time_ns: IntArray) -> IntArray:
 
 def is_header(row: list[bytes]) -> bool:
     """Whether no token of the row is a number, so that it can only be names."""
-    return not any(_is_number(token) for token in row)
+    return not any(_is_number(token.replace(b",", b".")) for token in row)
 
 
 def _is_number(token: bytes) -> bool:

@@ -1,0 +1,160 @@
+"""Readings and positions as apps and devices write them come back, through every command."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motorcade.ga import Trajectory
+from motorcade.replays.cli import main
+from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.readings import read_imu_and_field, read_imu_of, read_readings
+from motorcade.replays.io.trajectories import read_trajectory
+from tests.end_to_end.loggers import KINDS, Motion, draw
+from tests.replays.readers.bag_poses import Messages, write_messages
+
+EAST_M = 6378137.0 * np.pi / 180.0
+TRACK = [(47.0, 8.5 + 1e-5 * k, 400.0 + k) for k in range(12)]
+
+
+@pytest.fixture(scope="module")
+def motion() -> Motion:
+    return draw(np.random.default_rng(20))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_readings_come_back(kind: str, motion: Motion, tmp_path: Path) -> None:
+    imu = read_imu_of(KINDS[kind](tmp_path, motion))
+    assert len(motion.imu) - 3 <= len(imu) <= len(motion.imu)
+    rows = np.rint((imu.time_ns - imu.time_ns[-1]) * 1e-7).astype(int) - 1
+    assert np.abs(np.diff(imu.time_ns) - 10_000_000).max() <= 1_000_000
+    late = 1 if len(imu) < len(motion.imu) and kind != "two_topics" else 0
+    near = [
+        np.abs(imu.angular_rate_rad_s - motion.imu.angular_rate_rad_s[rows - shift]).max()
+        for shift in (0, late)
+    ]
+    assert min(near) < 1e-5
+    force = motion.imu.specific_force_m_s2
+    shift = (0, late)[int(np.argmin(near))]
+    assert np.median(np.abs(imu.specific_force_m_s2 - force[rows - shift])) < 0.05
+
+
+@pytest.mark.parametrize("kind", ["sensor_logger", "phyphox", "androsensor", "physics_toolbox"])
+def test_magnetometers_are_read_with_them(kind: str, motion: Motion, tmp_path: Path) -> None:
+    path = KINDS[kind](tmp_path, motion)
+    readings = read_readings(path)
+    assert readings.field is not None
+    np.testing.assert_allclose(readings.field[1][5], motion.field[5], atol=1e-5)
+    _, field = read_imu_and_field(path, path)
+    assert field is not None
+    assert np.isfinite(field).all(axis=1).sum() > len(motion.field) - 5
+
+
+@pytest.mark.parametrize("kind", ["repoimu", "px4", "ros_bag", "sensor_logger_zip", "oxts"])
+def test_every_command_takes_them(kind: str, motion: Motion, tmp_path: Path, capsys) -> None:
+    path = KINDS[kind](tmp_path, motion)
+    assert main(["orient", str(path), "-o", str(tmp_path / "o.tum")]) == 0
+    assert len(read_trajectory(tmp_path / "o.tum")) > 1990
+    capsys.readouterr()
+    assert main(["inspect", str(path), "--json"]) == 0
+    about = json.loads(capsys.readouterr().out)
+    words = json.dumps(about)
+    assert "orient" in words
+    assert f"motorcade inspect {path}" not in words
+
+
+def test_forces_without_gravity_are_refused(motion: Motion, tmp_path: Path) -> None:
+    folder = KINDS["sensor_logger"](tmp_path, motion)
+    (folder / "TotalAcceleration.csv").unlink()
+    force = read_imu_of(folder).specific_force_m_s2  # with that of gravity's file
+    assert abs(np.median(np.linalg.norm(force, axis=1)) - 9.8) < 0.3
+    (folder / "Gravity.csv").unlink()
+    with pytest.raises(RecordingError, match="hold gravity"):
+        read_imu_of(folder)
+
+
+def gpx(folder: Path) -> Path:
+    points = "".join(
+        f'<trkpt lat="{lat}" lon="{lon:.7f}"><ele>{height}</ele>'
+        f"<time>2024-05-01T10:00:{second:02}.500Z</time></trkpt>"
+        for second, (lat, lon, height) in enumerate(TRACK)
+    )
+    path = folder / "walk.gpx"
+    path.write_text(
+        '<?xml version="1.0"?><gpx version="1.1" creator="c" '
+        f'xmlns="http://www.topografix.com/GPX/1/1"><trk><trkseg>{points}</trkseg></trk></gpx>'
+    )
+    return path
+
+
+def checked(sentence: str) -> str:
+    total = 0
+    for letter in sentence.encode():
+        total ^= letter
+    return f"${sentence}*{total:02X}"
+
+
+def nmea(folder: Path) -> Path:
+    lines = []
+    for second, (lat, lon, height) in enumerate(TRACK):
+        clock = f"2359{50 + second:02}.50" if second < 10 else f"0000{second - 10:02}.50"
+        south, west = f"{int(lat):02}{lat % 1 * 60:08.5f}", f"{int(lon):03}{lon % 1 * 60:08.5f}"
+        place = f"{south},N,{west},E"
+        day = "010524" if second < 10 else "020524"
+        lines.append(checked(f"GPRMC,{clock},A,{place},0.1,0.0,{day},,,A"))
+        lines.append(checked(f"GPGGA,{clock},{place},1,08,0.9,{height - 47},M,47.0,M,,"))
+    lines[4] = lines[4][:-1] + ("0" if lines[4][-1] != "0" else "1")
+    path = folder / "walk.nmea"
+    path.write_text("\r\n".join(lines) + "\r\n")
+    return path
+
+
+def nav_sat_fix(folder: Path) -> str:
+    messages, sent = Messages(ros1=False), []
+    for second, (lat, lon, height) in enumerate(TRACK):
+        stamp = (1_714_557_600 + second) * 10**9
+        status = messages.make("sensor_msgs/msg/NavSatStatus", status=0, service=1)
+        fix = messages.make(
+            "sensor_msgs/msg/NavSatFix",
+            header=messages.header(stamp, "gps"),
+            status=status,
+            latitude=lat,
+            longitude=lon,
+            altitude=height,
+            position_covariance=np.zeros(9),
+            position_covariance_type=0,
+        )
+        sent.append(("/fix", stamp + 40_000_000, fix))
+    return f"{write_messages(folder, 'mcap', sent)}:/fix"
+
+
+def check_track(path: Trajectory) -> None:
+    assert len(path) == len(TRACK)
+    np.testing.assert_array_equal(np.diff(path.time_ns), 10**9)
+    places = path.motors.translation_m
+    np.testing.assert_allclose(places[0], 0.0, atol=1e-9)
+    metres = 1e-5 * EAST_M * np.cos(np.radians(47.0))
+    np.testing.assert_allclose(np.diff(places[:, 0]), metres, rtol=3e-3)
+    np.testing.assert_allclose(np.diff(places[:, 2]), 1.0, atol=1e-3)
+
+
+@pytest.mark.parametrize("kind", [gpx, nmea, nav_sat_fix], ids=lambda kind: kind.__name__)
+def test_positions_are_paths_in_metres(kind, tmp_path: Path, capsys) -> None:
+    name = str(kind(tmp_path))
+    check_track(read_trajectory(name))
+    assert main(["evaluate", name, name]) == 0
+    assert main(["inspect", name.removesuffix(":/fix")]) == 0
+    assert "evaluate" in capsys.readouterr().out
+
+
+def test_gpx_with_declarations_of_its_own_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "bomb.gpx"
+    path.write_text('<!DOCTYPE g [<!ENTITY a "b">]><gpx version="1.1" creator="&a;"></gpx>')
+    with pytest.raises(RecordingError, match="declarations"):
+        read_trajectory(path)
+
+
+def test_header_stamps_count_before_times_of_arrival(motion: Motion, tmp_path: Path) -> None:
+    imu = read_imu_of(KINDS["rostopic"](tmp_path, motion))
+    np.testing.assert_array_equal(np.diff(imu.time_ns), np.diff(motion.imu.time_ns))
