@@ -96,6 +96,11 @@ OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
     "generate": {
         "casadi": ("casadi", "symbolic code from scripts and kernels"),
     },
+    "logs": {
+        "pyulog": ("pyulog", "logs of PX4"),
+        "gpxpy": ("gpxpy", "tracks in GPX"),
+        "pynmea2": ("pynmea2", "sentences of NMEA"),
+    },
     "pyrender": {
         "pyrender": ("pyrender", "a second renderer, to compare with"),
     },
