@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import difflib
+import re
 import reprlib
 from collections.abc import Iterable
 
 _NAMES_SHOWN = 12
+_LONG_NUMBER = re.compile(r"Exceeds the limit \((\d+) digits\) for integer string conversion.*")
 
 
 def nearest_name(name: str, allowed: Iterable[str]) -> str:
@@ -31,6 +33,18 @@ def did_you_mean(name: str, allowed: Iterable[str]) -> str:
     return f"known here: {shown}" + (f" and {more} more" if more > 0 else "")
 
 
+def plain_reason(reason: str) -> str:
+    """What a parser says of a number of thousands of digits, without its advice to programmers.
+
+    >>> plain_reason("Exceeds the limit (4300 digits) for integer string conversion: ...")
+    'expected numbers of at most 4300 digits, got a longer one'
+    """
+    long = _LONG_NUMBER.search(reason)
+    if long is None:
+        return reason
+    return f"{reason[: long.start()]}expected numbers of at most {long[1]} digits, got a longer one"
+
+
 def one_line(value: object, limit: int = 60) -> str:
     """Quote a value from a file for a message: printable, on one line, shortened to `limit`."""
     if isinstance(value, bytes):
@@ -38,7 +52,7 @@ def one_line(value: object, limit: int = 60) -> str:
     elif isinstance(value, list | tuple | dict):
         text = reprlib.repr(value)  # bounds the depth and the count of what it shows
     else:
-        text = str(value)
+        text = plain_reason(str(value))
     text = printable(text[: limit + 1])
     return repr(text if len(text) <= limit else text[: limit - 3] + "...")
 

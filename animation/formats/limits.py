@@ -31,6 +31,8 @@ MAX_DEPTH = 512
 MAX_CLIPS = 4096
 MAX_VERTICES = 4 << 20
 """Vertices, and triangles, of all surfaces together; surfaces may share their arrays."""
+MAX_PARTS = 8192
+"""Parts of meshes that are drawn, counted at every node that shows them."""
 MAX_IMAGE_PIXELS = 64 << 20
 """Pixels of one texture, and of all of a file that are kept as they are, broken ones too."""
 MAX_REDUCED_PIXELS = 128 << 20

@@ -103,7 +103,8 @@ def smooth_files(arguments: argparse.Namespace) -> None:
         print_json(reports if many else reports[names[0]])
     elif many:
         for name, said in picked.items():
-            why = ", as TUM: bags and logs are only read" if _is_only_read(name) and not arguments.format else ""
+            as_tum = _is_only_read(name) and not arguments.format
+            why = ", as TUM: bags and logs are only read" if as_tum else ""
             print(f"{name}: {said and f'{said}; '}in {files[name]}{why}")
     elif picked[names[0]]:
         print(picked[names[0]])

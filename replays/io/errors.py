@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from motorcade.ga.names import printable
+from motorcade.ga.names import plain_reason, printable
 
 _PATH_SHOWN = 300
 
@@ -53,4 +53,4 @@ def refusal(
     if field is not None:
         where += f", {field}"
     message = f"{where}: {problem}" + (f"; {advice}" if advice else "")
-    return RecordingError(printable(message))
+    return RecordingError(printable(plain_reason(message)))

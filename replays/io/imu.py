@@ -79,7 +79,8 @@ def join_sensors(
 
     >>> import numpy as np
     >>> rate, force = np.zeros((4, 3)), np.array([[0.0, 0.0, 9.0], [0.0, 0.0, 10.0]])
-    >>> join_sensors(np.array([0, 1, 2, 3]), rate, np.array([1, 3]), force).specific_force_m_s2[:, 2]
+    >>> stream = join_sensors(np.array([0, 1, 2, 3]), rate, np.array([1, 3]), force)
+    >>> stream.specific_force_m_s2[:, 2]
     array([ 9. ,  9.5, 10. ])
     """
     after = np.clip(np.searchsorted(accel_ns, gyro_ns), 1, max(len(accel_ns) - 1, 1))

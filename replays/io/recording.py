@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import off_record
+from motorcade.ga.names import printable
 from motorcade.ga.stamps import LONGEST_READOUT_S
 from motorcade.replays.io.errors import refusal
 from motorcade.tracking.checks import check_length
@@ -188,7 +189,8 @@ class Recording:
     """What was recorded, with what is known about it. None where the recording lacks something.
 
     Fields:
-        name: for people; the folder's name unless a manifest says otherwise.
+        name: for people; the folder's name unless a manifest says otherwise. Letters that do not
+            show, or turn the order of others about, are question marks.
         root: the folder, or the video file.
         layout: "euroc", "seven_scenes", "tum_rgbd", "kitti", "tagslam", "ros", "images",
             "pictures", "video" or "synthetic".
@@ -254,6 +256,7 @@ class Recording:
     def __post_init__(self) -> None:
         if len(self.frames) == 0:
             raise refusal(self.root, "expected at least one frame, got none")
+        object.__setattr__(self, "name", printable(self.name))
         if self.baseline_m is not None and not 0.0 < self.baseline_m < np.inf:
             problem = f"expected metres above 0, got {self.baseline_m}"
             raise refusal(self.root, problem, field="baseline_m")

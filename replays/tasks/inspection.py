@@ -24,10 +24,10 @@ from motorcade.ga.names import one_line
 from motorcade.ga.stamps import near_steps
 from motorcade.replays.engine.stage import StageError
 from motorcade.replays.io.errors import RecordingError, refusal
+from motorcade.replays.io.readers import positions
 from motorcade.replays.io.readers.frames.files import PictureFrames
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.readers.layouts.detect import find_layout
-from motorcade.replays.io.readers import positions
 from motorcade.replays.io.readers.manifest import LOCAL_NAME
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.readers.readings import holds_readings, read_readings

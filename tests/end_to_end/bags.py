@@ -5,7 +5,8 @@
 Each shows the same board to a swaying camera; encodings of the images, names of their topics and of
 others beside them (depth, rectified images with binning and a region), header stamps and cuts are
 drawn. Of mosaics, YUV and JPEG the plain images are what OpenCV makes of them by itself, since what
-they lost is not the bag's. Prints a line a bag and the largest distance between poses; ends with 1 above 0.1 mm.
+they lost is not the bag's. Prints a line a bag and the largest distance between poses; ends with 1
+above 0.1 mm.
 """
 
 from __future__ import annotations
@@ -39,7 +40,8 @@ ENCODINGS = (
     *("bayer_rggb8", "bayer_bggr8", "bayer_gbrg8", "bayer_grbg16"),
     *("yuv422", "yuv422_yuy2", "png", "jpeg"),
 )
-BESIDE = ("alone", "depth raw", "depth float", "compressedDepth", "jpeg depth", "rectified", "named")
+DEPTHS = ("depth raw", "depth float", "compressedDepth")
+BESIDE = ("alone", *DEPTHS, "jpeg depth", "rectified", "named")
 STAMPS = ("headers", "zero", "equal", "in pairs", "late", "twice")
 CUTS = ("whole", "cut")
 CX, CY = 0.5 * (SIZE[0] - 1), 0.5 * (SIZE[1] - 1)
@@ -60,8 +62,10 @@ def draw(number: int, rng: np.random.Generator) -> Drawn:
     """A bag by its number: every encoding in turn, the rest drawn."""
     kind = KINDS[int(rng.integers(len(KINDS)))]
     beside, stamps = (str(rng.choice(words)) for words in (BESIDE, STAMPS))
-    cut = "whole" if kind == "folder" else str(rng.choice(CUTS))
-    return Drawn(kind, ENCODINGS[number % len(ENCODINGS)], beside, stamps, cut)
+    encoding = ENCODINGS[number % len(ENCODINGS)]
+    one_chunk = kind == "folder" or encoding == "jpeg"  # a database, or less than a chunk
+    cut = "whole" if one_chunk else str(rng.choice(CUTS))
+    return Drawn(kind, encoding, beside, stamps, cut)
 
 
 def scene(count: int = COUNT) -> list[ImageArray]:
@@ -76,7 +80,7 @@ def stored(image: ImageArray, encoding: str) -> tuple[str, NDArray[Any], bool]:
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     if encoding.startswith("mono16"):
         wide = grey.astype(np.uint16)
-        wide = wide << 4 if encoding.endswith("12bits") else wide * 257
+        wide = wide << 4 if encoding.endswith("12bits") else wide * 256 + 37
         big = encoding.endswith("big")
         return "mono16", wide.astype(">u2" if big else "<u2"), big
     if encoding.startswith("bayer"):
@@ -165,7 +169,7 @@ class Bag:
         letters = str.upper if self.messages.ros1 else str.lower
         values = {
             "k": other if rectified else k,
-            "d": DISTORTION + (0.0,) if rectified else (),
+            "d": (*DISTORTION, 0.0) if rectified else (),
             "r": np.eye(3).ravel(),
             "p": p,
         }
@@ -294,7 +298,7 @@ def distance_m(folder: Path, drawn: Drawn, frames: list[ImageArray], rng: Any) -
     if drawn.cut == "whole" and count != len(frames):
         raise ValueError(f"expected {len(frames)} pictures, got {count}")
     depth = recording.frames[1].depth_m()
-    wants_depth = drawn.beside in ("depth raw", "depth float", "compressedDepth")
+    wants_depth = drawn.beside in DEPTHS
     if wants_depth and (depth is None or abs(float(np.nanmedian(depth)) - 0.75) > 1e-6):
         raise ValueError("expected depth of 0.75 m beside the pictures")
     plain = plain_poses(folder / "plain", [as_plain(frame, drawn.encoding) for frame in frames])

@@ -48,6 +48,11 @@ class Motion:
         return [[float(value) for value in row] for row in np.concatenate(columns, axis=1)]
 
     @property
+    def stamped(self) -> list[tuple[int, list[float]]]:
+        """A stamp (ns) beside each row."""
+        return list(zip(self.imu.time_ns.tolist(), self.rows, strict=True))
+
+    @property
     def time_s(self) -> list[float]:
         return [float(one) for one in 1e-9 * self.imu.time_ns]
 
@@ -180,7 +185,7 @@ def rostopic(folder: Path, motion: Motion) -> Path:
     head = ["%time", "field.header.seq", "field.header.stamp", "field.header.frame_id"]
     header = ",".join([*head, *(f"field.{part}" for part in parts)])
     rows = []
-    for number, (stamp, row) in enumerate(zip(motion.imu.time_ns.tolist(), motion.rows, strict=True)):
+    for number, (stamp, row) in enumerate(motion.stamped):
         came = START_NS + stamp // 50_000_000 * 50_000_000
         numbers = ",".join(repr(value) for value in (0.0, 0.0, 0.0, 1.0, *row[:6]))
         rows.append(f"{came},{number},{START_NS + stamp},imu,{numbers}")
@@ -206,7 +211,7 @@ def px4(folder: Path, motion: Motion) -> Path:
         file += message("F", f"{name}:{fields}".encode())
     for number, (name, _) in enumerate(kinds):
         file += message("A", b"\0" + number.to_bytes(2, "little") + name.encode())
-    for stamp, row in zip(motion.imu.time_ns.tolist(), motion.rows, strict=True):
+    for stamp, row in motion.stamped:
         head = (stamp // 1000 + 5_000_000).to_bytes(8, "little")
         data = head + np.array(row[:6], "<f4").tobytes()
         file += message("D", (0).to_bytes(2, "little") + data)
@@ -221,7 +226,7 @@ def oxts(folder: Path, motion: Motion) -> Path:
     where = folder / "drive" / "oxts"
     (where / "data").mkdir(parents=True)
     times = []
-    for number, (stamp, row) in enumerate(zip(motion.imu.time_ns.tolist(), motion.rows, strict=True)):
+    for number, (stamp, row) in enumerate(motion.stamped):
         numbers = [49.0, 8.4, 110.0, *[0.0] * 8, *row[3:6], *[0.0] * 3, *row[:3], *[0.0] * 10]
         text = " ".join(f"{value:.9f}" for value in numbers)
         (where / "data" / f"{number:010}.txt").write_text(text + "\n")
@@ -234,7 +239,7 @@ def oxts(folder: Path, motion: Motion) -> Path:
 def ros_bag(folder: Path, motion: Motion) -> Path:
     """An Imu topic alone, without pictures."""
     messages, sent = Messages(ros1=True), []
-    for stamp, row in zip(motion.imu.time_ns.tolist(), motion.rows, strict=True):
+    for stamp, row in motion.stamped:
         message = messages.make(
             "sensor_msgs/msg/Imu",
             header=messages.header(START_NS + stamp, "imu"),
@@ -252,7 +257,7 @@ def ros_bag(folder: Path, motion: Motion) -> Path:
 def two_topics(folder: Path, motion: Motion) -> Path:
     """RealSense's: gyroscope and accelerometer on topics of their own."""
     messages, sent = Messages(ros1=False), []
-    for number, (stamp, row) in enumerate(zip(motion.imu.time_ns.tolist(), motion.rows, strict=True)):
+    for number, (stamp, row) in enumerate(motion.stamped):
         for name, rate, force in (("gyro", row[:3], [0.0] * 3), ("accel", [0.0] * 3, row[3:6])):
             if name == "accel" and number % 2:
                 continue

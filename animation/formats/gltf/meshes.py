@@ -21,6 +21,7 @@ from motorcade.animation.formats.gltf.nodes import Nodes, nodes_of_scene
 from motorcade.animation.formats.images import colors_at_vertices
 from motorcade.animation.formats.limits import (
     MAX_MORPHS,
+    MAX_PARTS,
     MAX_VALUES,
     MAX_VERTICES,
     FormatError,
@@ -74,8 +75,9 @@ class Meshes:
         for number in range(len(self._document.entries("skins"))):
             skins[number] = self._skin(number)
             joints.update(skins[number].nodes.tolist())
-        read = []
-        for node in self._shown():
+        read, shown = [], self._shown()
+        self._check_parts(shown)
+        for node in shown:
             fields = self._nodes.fields[node]
             mesh = self._document.entry("meshes", fields["mesh"], f"node {node} mesh")
             skin = None
@@ -86,6 +88,16 @@ class Meshes:
                 primitive = table(part, f"mesh '{name}'")
                 read += self._shared(primitive, mesh, name, node, skin)
         return tuple(read), tuple(sorted(joints))
+
+    def _check_parts(self, shown: list[int]) -> None:
+        """Refuse more parts than are drawn before any is read: a few bytes may ask for millions."""
+        parts = [
+            len(listed(mesh.get("primitives", []), "mesh.primitives"))
+            for mesh in (table(entry, "mesh") for entry in self._document.entries("meshes"))
+        ]
+        numbers = (self._nodes.fields[node]["mesh"] for node in shown)
+        total = sum(parts[n] for n in numbers if isinstance(n, int) and 0 <= n < len(parts))
+        check_count("parts of meshes at all nodes", total, MAX_PARTS)
 
     def _shared(
         self, part: dict[str, Any], mesh: dict[str, Any], name: str, node: int, skin: Skin | None

@@ -187,7 +187,8 @@ def read_columns(path: Path, quantities: tuple[Quantity, ...]) -> Table:
 
 class _Opening(NamedTuple):
     """Line number and tokens of the header, if there is one, the first rows below it, and how
-    columns are parted; None: by white space."""
+    columns are parted; None: by white space.
+    """
 
     line: int
     header: list[bytes] | None
@@ -361,9 +362,7 @@ def _counted_in(stamps: list[bytes]) -> str | None:
     if step >= _LEAST_STEP_NS or step <= 0.0:
         return None
     fitting = [
-        unit
-        for unit, power in UNITS.items()
-        if _STEPS_NS[0] <= step * 10**power <= _STEPS_NS[1]
+        unit for unit, power in UNITS.items() if _STEPS_NS[0] <= step * 10**power <= _STEPS_NS[1]
     ]
     return fitting[0] if len(fitting) == 1 else None
 

@@ -1,9 +1,9 @@
 """Apps that log a phone's sensors, a CSV each, in a folder or a zip.
 
-Sensor Logger (`TotalAcceleration.csv`, `Gravity.csv`, `Metadata.csv`) and phyphox (`Gyroscope.csv`,
-`meta/`) name files after sensors. The gyroscope's stamps are kept and the force is interpolated to
-them (`io.imu.join_sensors`). Sources: Sensor Logger's UNITS.md and CROSSPLATFORM.md; phyphox's wiki,
-"Export data", by which readings of iOS are turned to Android's convention.
+Sensor Logger (`TotalAcceleration.csv`, `Gravity.csv`, `Metadata.csv`) and phyphox name files after
+sensors (`Gyroscope.csv`). The gyroscope's stamps are kept and the force is interpolated to them
+(`io.imu.join_sensors`). Sources: Sensor Logger's UNITS.md and CROSSPLATFORM.md; of phyphox the
+columns that its export writes, in Android's convention on every phone.
 
 Force must hold gravity, +g upwards: where the accelerometer's file does not, that of gravity is
 added. Apple's sign is the opposite of Android's; Sensor Logger notes the platform.

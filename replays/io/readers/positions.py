@@ -1,9 +1,9 @@
 """Positions of satellite navigation as paths: GPX, NMEA, PX4's logs, KITTI's `oxts`, NavSatFix.
 
 A path is in metres east, north and up of its first fix (`fusion.measurements.GeodeticOrigin`), on
-WGS 84; its poses do not turn, except KITTI's, whose unit measures how it stands. Heights of GPX and
-NMEA are above the sea: as heights over the ellipsoid they are off by the geoid, which over a path is
-a constant. GPX is read by gpxpy, NMEA by pynmea2.
+WGS 84; its poses do not turn, except KITTI's, whose unit measures how it stands. Heights of GPX are
+above the sea: as heights over the ellipsoid they are off by the geoid, which over a path is a
+constant. GPX is read by gpxpy, NMEA by pynmea2.
 """
 
 from __future__ import annotations

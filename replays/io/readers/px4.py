@@ -48,7 +48,10 @@ def read(path: Path) -> tuple[ImuStream, tuple[IntArray, FloatArray] | None]:
             return stream, None
         field_ns = _stamps(topics[_FIELD])
         rows = _rising(field_ns)
-        return stream, (field_ns[rows], _UT_A_GAUSS * _axes(topics[_FIELD], "magnetometer_ga")[rows])
+        return stream, (
+            field_ns[rows],
+            _UT_A_GAUSS * _axes(topics[_FIELD], "magnetometer_ga")[rows],
+        )
     except (KeyError, ValueError) as fault:
         raise refusal(path, f"expected PX4's topics: {one_line(fault, 100)}") from fault
 

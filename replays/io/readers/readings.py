@@ -20,12 +20,12 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.io.errors import RecordingError, refusal
 from motorcade.replays.io.imu import read_imu
 from motorcade.replays.io.readers import manifest as manifests
+from motorcade.replays.io.readers import phone, positions, px4
 from motorcade.replays.io.readers.broad import read_broad
 from motorcade.replays.io.readers.columns import MAGNETIC_FIELD, names_quantity, read_columns
 from motorcade.replays.io.readers.frames import video
 from motorcade.replays.io.readers.gpmf import read_telemetry
 from motorcade.replays.io.readers.layouts import euroc
-from motorcade.replays.io.readers import phone, positions, px4
 from motorcade.replays.io.readers.opening import open_recording, recording_and_topic
 from motorcade.replays.io.readers.ros import recording as ros
 from motorcade.replays.io.readers.tables import Table, in_order, read_table

@@ -43,6 +43,8 @@ from motorcade.replays.io.readers.frames.files import FRAME_LIMIT
 
 _ASSUMED_HZ = Fraction(25)  # as FFmpeg takes it where neither stamps nor a rate are stored
 _LEAST_APART_NS = 1_000_000  # between stamps that are counted: ticks of a film's clock
+_LEAST_STEP_NS = 10_000.0
+"""Nothing is filmed a hundred thousand times a second and shown as fast."""
 _HIDDEN = 0x10  # of VP8's first byte: clear in a picture that is for reference only (RFC 6386, 9.1)
 _GUESSED: Any = Flags.gen_pts.value  # stamps that FFmpeg would make up of those that follow
 Stored = tuple[int | None, int | None, int, bool]
@@ -163,6 +165,11 @@ def scan(path: Path, changed_ns: int, size: int) -> ShownPictures:
     if not shown:
         raise refusal(path, cut or "expected pictures, got none", advice="copy the file again")
     notes = (f"{cut}: what is there is read",) if cut else ()
+    if len(hidden) > len(shown):
+        notes += (
+            f"its edit list, or a damaged time scale, hides {len(hidden)} of {len(stored)} "
+            "pictures, which are left out",
+        )
     stamps = [stored[number][0] for number in shown]
     known = [one for one in stamps if one is not None]
     in_order = all(one < after for one, after in pairwise(known))
@@ -174,6 +181,9 @@ def scan(path: Path, changed_ns: int, size: int) -> ShownPictures:
         return look_through(path, pictures)
     packets = np.array(shown, np.int64)[np.argsort(np.array(known, np.int64), kind="stable")]
     time_ns = _nanoseconds(path, sorted(known), base)
+    if len(time_ns) > 1 and float(np.median(np.diff(time_ns))) < _LEAST_STEP_NS:
+        step_ns = float(np.median(np.diff(time_ns)))
+        raise refusal(path, f"expected pictures 10 us or more apart, got {step_ns:g} ns")
     if np.any(np.diff(time_ns) <= 0):
         raise refusal(path, "expected stamps a nanosecond apart, got finer ones")
     places = np.flatnonzero([stored[number][3] for number in packets])

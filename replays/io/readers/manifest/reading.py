@@ -117,7 +117,10 @@ class _Manifest:
         """Read table by table; later ones may need earlier ones."""
         made = self._base()
         if "name" in self.top:
-            made = replace(made, name=self.top.text("name"))
+            name = self.top.text("name")
+            if not name.isprintable():
+                raise self.top.fault("name", f"expected letters that show, got {one_line(name)}")
+            made = replace(made, name=name)
         if "settings" in self.top:
             made = replace(made, settings=tuple(map(self._setting, self.top.texts("settings"))))
         if "doubts" in self.top:

@@ -7,6 +7,7 @@ also where one stands in a file of its own or on the command line.
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -37,6 +38,8 @@ from motorcade.tracking.markers.families import KALIBR_FAMILY
 from motorcade.tracking.markers.marker_map import MarkerMap
 
 TOML_LIMIT = 2**16
+_KEY_PARTS = 64
+_KEY_PART = re.compile(r"\s*(?:[\w-]+|\"[^\"]*\"|'[^']*')\s*")
 _WHOLE_LIMIT = 1_000_000
 FILE_KNOBS = {"placed.character": "mannequin", "placed.cast": "none", "placed.scene": "none"}
 """Knobs that name a file, and the word by which each names none; a test asks the stages."""
@@ -59,10 +62,25 @@ def load_toml(path: Path) -> dict[str, object]:
     """
     data = read_bounded(path, TOML_LIMIT)
     try:
-        return tomllib.loads(data.decode("utf-8"))
+        text = data.decode("utf-8")
+        deepest = max(map(_deepest_key, text.splitlines()), default=0)
+        if deepest > _KEY_PARTS:
+            raise refusal(path, f"expected keys of at most {_KEY_PARTS} parts, got {deepest}")
+        return tomllib.loads(text)
+    except RecordingError:
+        raise
     except (ValueError, RecursionError) as fault:
         reason = "nested too deeply" if isinstance(fault, RecursionError) else str(fault)
         raise refusal(path, f"expected TOML: {reason}") from fault
+
+
+def _deepest_key(line: str) -> int:
+    """How many parts between dots a key of a line may have; TOML's parser takes their square."""
+    longest = run = 1
+    for part in line.split("."):
+        run = run + 1 if _KEY_PART.fullmatch(part) else 1
+        longest = max(longest, run)
+    return longest
 
 
 class Section:

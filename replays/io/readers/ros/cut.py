@@ -124,7 +124,7 @@ class CutBagReader(Reader1):
 
 
 def _next_record(file: BinaryIO, size: int) -> tuple[Header, int] | None:
-    """Header and end of the record that comes next, whose data comes next; None: it is not whole."""
+    """Header and end of the record that comes next, at its data; None: it is not whole."""
     start, head = file.tell(), file.read(4)
     if len(head) < 4:
         return None
