@@ -165,9 +165,10 @@ def scan(path: Path, changed_ns: int, size: int) -> ShownPictures:
     if not shown:
         raise refusal(path, cut or "expected pictures, got none", advice="copy the file again")
     notes = (f"{cut}: what is there is read",) if cut else ()
-    if len(hidden) > len(shown):
+    held = max(len(stored), stated)
+    if 2 * len(shown) < held and not cut:
         notes += (
-            f"its edit list, or a damaged time scale, hides {len(hidden)} of {len(stored)} "
+            f"its edit list, or a damaged time scale, hides {held - len(shown)} of {held} "
             "pictures, which are left out",
         )
     stamps = [stored[number][0] for number in shown]
