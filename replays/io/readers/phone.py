@@ -38,7 +38,9 @@ from motorcade.replays.io.readers.tables import data_rows
 
 _LOG = logging.getLogger("motorcade.replays")
 ZIP_LIMIT = 2**30
-_MOST_PARTS, _PART_LIMIT, _BLOCK = 1000, 2**28, 2**20
+_MOST_PARTS = 1000
+_PART_LIMIT = 2**28
+_BLOCK = 2**20
 _GYRO = ("gyroscope", "gyro", "rotationrate", "gyroscopeuncalibrated")
 _FORCE = ("totalacceleration", "accelerometer", "acceleration", "accelerometeruncalibrated")
 _FIELD = ("magnetometer", "magneticfield", "magnetometeruncalibrated")

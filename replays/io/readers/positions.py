@@ -27,6 +27,7 @@ from motorcade.replays.io.readers.tables import stamp_ns
 
 _LOG = logging.getLogger("motorcade.replays")
 FILE_LIMIT = 2**26
+PACKET_LIMIT = 2**12
 MOST_FIXES = 10_000_000
 _NMEA = (".nmea", ".nma")
 _OXTS = 30
@@ -207,7 +208,7 @@ def _oxts_table(path: Path) -> tuple[IntArray, FloatArray]:
     rows = []
     for file in files:
         try:
-            numbers = [float(token) for token in read_bounded(file, 4096).split()]
+            numbers = [float(token) for token in read_bounded(file, PACKET_LIMIT).split()]
         except ValueError as fault:
             raise refusal(file, "expected numbers") from fault
         if len(numbers) < _OXTS or not np.all(np.isfinite(numbers[:_OXTS])):

@@ -39,7 +39,7 @@ Field = tuple[IntArray, FloatArray]
 
 
 @dataclass(frozen=True)
-class Readings:
+class SensorReadings:
     """What was read.
 
     Fields:
@@ -53,7 +53,7 @@ class Readings:
     held_by: str
 
 
-def read_readings(path: Path, *, with_field: bool = True) -> Readings:
+def read_readings(path: Path, *, with_field: bool = True) -> SensorReadings:
     """Read the IMU, and a magnetometer beside it where `with_field` asks for one and it has one.
 
     Raises:
@@ -72,7 +72,7 @@ def read_readings(path: Path, *, with_field: bool = True) -> Readings:
         raise refusal(path, str(fault)) from fault
     for notice in notices:
         _LOG.warning("%s: %s", path, notice)
-    return Readings(imu, field, held_by)
+    return SensorReadings(imu, field, held_by)
 
 
 def holds_readings(path: Path) -> bool:

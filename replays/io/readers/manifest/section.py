@@ -38,7 +38,7 @@ from motorcade.tracking.markers.families import KALIBR_FAMILY
 from motorcade.tracking.markers.marker_map import MarkerMap
 
 TOML_LIMIT = 2**16
-_KEY_PARTS = 64
+_MOST_KEY_PARTS = 64
 _KEY_PART = re.compile(r"\s*(?:[\w-]+|\"[^\"]*\"|'[^']*')\s*")
 _WHOLE_LIMIT = 1_000_000
 FILE_KNOBS = {"placed.character": "mannequin", "placed.cast": "none", "placed.scene": "none"}
@@ -64,8 +64,8 @@ def load_toml(path: Path) -> dict[str, object]:
     try:
         text = data.decode("utf-8")
         deepest = max(map(_deepest_key, text.splitlines()), default=0)
-        if deepest > _KEY_PARTS:
-            raise refusal(path, f"expected keys of at most {_KEY_PARTS} parts, got {deepest}")
+        if deepest > _MOST_KEY_PARTS:
+            raise refusal(path, f"expected keys of at most {_MOST_KEY_PARTS} parts, got {deepest}")
         return tomllib.loads(text)
     except RecordingError:
         raise
