@@ -91,7 +91,7 @@ def pictures(folder: Path) -> Path:
 def test_letters_that_turn_others_about_stand_in_no_name(tmp_path: Path) -> None:
     assert open_recording(pictures(tmp_path / "a\u202egpj")).name == "a?gpj"
     manifest = tmp_path / "m.toml"
-    frames = '[frames]\nrate_hz = 30.0\n'
+    frames = "[frames]\nrate_hz = 30.0\n"
     manifest.write_text(f'name = "a\u202eb"\n{frames}', encoding="utf-8")
     with pytest.raises(RecordingError, match="letters that show"):
         open_recording(pictures(tmp_path / "plain"), manifest)
