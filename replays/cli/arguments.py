@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from motorcade.ga.names import plain_reason
-
 Command = Callable[[argparse.Namespace], None]
 
 
@@ -135,7 +133,7 @@ def one_line(error: BaseException) -> str:
         )
     if isinstance(error, OSError) and error.filename is not None:
         return f"{error.filename}: {error.strerror}"
-    text = plain_reason(" ".join(str(error).split()))
+    text = " ".join(str(error).split())
     if isinstance(error, (ValueError, OSError, RuntimeError)) and text:
         return text
     return f"unexpected {type(error).__name__}: {text or 'no message'}; -vv shows where"

@@ -309,7 +309,8 @@ def describe_log(path: Path) -> dict[str, Any]:
 def _held_readings(path: Path) -> tuple[dict[str, Any], list[str]]:
     """What a path holds as readings, and the commands that take them."""
     readings, quoted = read_readings(path), shlex.quote(str(path))
-    about = {"name": path.name, "holds": f"inertial readings, as {readings.held_by}"}
+    held_by = "" if readings.held_by == "a table" else f", as {readings.held_by}"
+    about = {"name": path.name, "holds": f"inertial readings{held_by}"}
     about |= describe_stream("imu", readings.imu.time_ns)
     field = ""
     if readings.field is not None:

@@ -159,7 +159,7 @@ def read_columns(path: Path, quantities: tuple[Quantity, ...]) -> Table:
         RecordingError: as `read_table` and `in_order`; a header that contradicts EuRoC's order and
             does not say where everything is; a unit that is not known.
     """
-    names = tuple(one.label + axis for one in quantities for axis in one.axes)
+    names = tuple(entry.label + axis for entry in quantities for axis in entry.axes)
     opening = _opening(path, 1 + len(names))
     number, header, rows = opening.line, opening.header, opening.rows
     places, units = list(range(1 + len(names))), [""] * (1 + len(names))
@@ -241,28 +241,28 @@ class _Header:
     ) -> tuple[list[int], list[str]]:
         """Where the columns of these names stand, and their units."""
         order, units = list(range(len(names))), [""] * len(names)
-        found: dict[str, list[int]] = {}
+        seen: dict[str, list[int]] = {}
         said = [_name_and_unit(token) for token in self.tokens]
         for at, (words, unit) in enumerate(said):
             name, unit = _meant(words, unit, quantities)
             if name is not None:
-                found.setdefault(name, []).append(at)
+                seen.setdefault(name, []).append(at)
                 said[at] = (words, unit)
-        for name, places in found.items():
+        for name, places in seen.items():
             ranks = [_rank(name, said[at][0]) for at in places]
-            found[name] = [at for at, rank in zip(places, ranks, strict=True) if rank == min(ranks)]
-        found[_STAMP] = found[_STAMP][:1] if _STAMP in found else []
-        if not found[_STAMP]:
-            del found[_STAMP]
-        twice = [name for name, places in found.items() if len(places) > 1]
-        missing = [name for name in names if name not in found]
-        in_order = all(places == [names.index(name)] for name, places in found.items())
+            seen[name] = [at for at, rank in zip(places, ranks, strict=True) if rank == min(ranks)]
+        seen[_STAMP] = seen[_STAMP][:1] if _STAMP in seen else []
+        if not seen[_STAMP]:
+            del seen[_STAMP]
+        twice = [name for name, places in seen.items() if len(places) > 1]
+        missing = [name for name in names if name not in seen]
+        in_order = all(places == [names.index(name)] for name, places in seen.items())
         if twice or (missing and not in_order):
             self._refuse(f"{twice[0]} twice" if twice else f"no {missing[0]}", names)
         if not missing:
-            order = [found[name][0] for name in names]
+            order = [seen[name][0] for name in names]
         for number, at in enumerate(order):
-            if names[number] in found:
+            if names[number] in seen:
                 units[number] = said[at][1]
         return order, units
 
@@ -326,7 +326,7 @@ def _scales(
     units: list[str],
     names: tuple[str, ...],
 ) -> FloatArray:
-    known = [one.units for one in quantities for _ in one.axes]
+    known = [entry.units for entry in quantities for _ in entry.axes]
     for name, unit, of in zip(names, units, known, strict=True):
         if unit and unit not in of:
             problem = f"expected one of the units {', '.join(of)}, got {unit!r}"
@@ -373,7 +373,7 @@ def _are_no_nanoseconds(stamps: list[bytes]) -> bool:
         numbers = [Decimal(stamp.decode("ascii").strip()) for stamp in stamps]
         if all(number == number.to_integral_value() for number in numbers):
             return False
-        steps = np.abs(np.diff(np.array([float(one - numbers[0]) for one in numbers])))
+        steps = np.abs(np.diff(np.array([float(entry - numbers[0]) for entry in numbers])))
     except (InvalidOperation, UnicodeDecodeError, OverflowError):
         return False  # whoever reads them all says which line is wrong
     return len(steps) > 0 and float(np.median(steps)) < _LEAST_STEP_NS

@@ -76,7 +76,7 @@ def _packets(path: Path) -> Iterator[tuple[float, float, bytes]]:
     size = 0
     try:
         with refused(), open_video(path) as container:
-            tracks = [one for one in container.streams if one.type == "data"]
+            tracks = [entry for entry in container.streams if entry.type == "data"]
             for count, packet in enumerate(container.demux(tracks) if tracks else ()):
                 data = bytes(packet)
                 if packet.pts is None or packet.time_base is None or data[:4] != b"DEVC":
@@ -136,11 +136,11 @@ def _turned(values: FloatArray, order: str, path: Path) -> FloatArray:
 
 def _joined(packets: Sequence[_Packet], path: Path) -> tuple[IntArray, FloatArray]:
     """All samples of a sensor and their stamps."""
-    filled = [one for one in packets if len(one.values)]
-    counts = np.array([len(one.values) for one in filled])
-    starts_s = np.array([one.start_s for one in filled])
+    filled = [entry for entry in packets if len(entry.values)]
+    counts = np.array([len(entry.values) for entry in filled])
+    starts_s = np.array([entry.start_s for entry in filled])
     before = np.concatenate([[0], np.cumsum(counts)[:-1]])
-    values = np.concatenate([one.values for one in filled])
+    values = np.concatenate([entry.values for entry in filled])
     # The last packet is often cut short, but its start is as good as any.
     if len(filled) > 1:
         period_s, first_s = np.polyfit(before, starts_s, 1)

@@ -84,7 +84,8 @@ def _read(folder: Path, path: Path) -> tuple[ImuStream, tuple[IntArray, FloatArr
     gravity = files.get("gravity")
     if gravity is not None and not _holds_gravity(felt):
         gravity_ns, pull = _values(gravity, SPECIFIC_FORCE, path)
-        at = [np.interp(force_ns - force_ns[0], gravity_ns - force_ns[0], one) for one in pull.T]
+        since_ns, known_ns = force_ns - force_ns[0], gravity_ns - force_ns[0]
+        at = [np.interp(since_ns, known_ns, axis) for axis in pull.T]
         felt = felt + np.stack(at, axis=-1)
     if not _holds_gravity(felt):
         size = float(np.median(np.linalg.norm(felt, axis=1)))

@@ -187,7 +187,8 @@ def oxts_folder(path: Path) -> Path | None:
     """The folder with `timestamps.txt` and `data` of KITTI's unit: this one, or `oxts` in it."""
     folders = (path, path / "oxts")
     return next(
-        (one for one in folders if (one / "timestamps.txt").is_file() and _packets(one)), None
+        (entry for entry in folders if (entry / "timestamps.txt").is_file() and _packets(entry)),
+        None,
     )
 
 

@@ -93,14 +93,18 @@ def _source(path: Path) -> tuple[str, _Read]:
     bag, topic = recording_and_topic(path)
     known: tuple[tuple[bool, str, _Read], ...] = (
         (topic is not None or ros.recognise(bag), "a ROS bag", _of_bag),
-        (video.recognise(path), "a video's telemetry", lambda one, _: (read_telemetry(one), None)),
+        (
+            video.recognise(path),
+            "a video's telemetry",
+            lambda entry, _: (read_telemetry(entry), None),
+        ),
         (path.suffix.lower() in _HDF5_ENDINGS, "a trial of BROAD", _of_broad),
-        (px4.recognise(path), "a log of PX4", lambda one, _: px4.read(one)),
-        (phone.recognise(path), "a phone's logger", lambda one, _: phone.read(one)),
+        (px4.recognise(path), "a log of PX4", lambda entry, _: px4.read(entry)),
+        (phone.recognise(path), "a phone's logger", lambda entry, _: phone.read(entry)),
         (
             path.is_dir() and positions.oxts_folder(path) is not None,
             "KITTI's oxts",
-            lambda one, _: (positions.read_oxts_imu(one), None),
+            lambda entry, _: (positions.read_oxts_imu(entry), None),
         ),
         (path.is_dir(), "a recording", _of_recording),
     )

@@ -164,7 +164,7 @@ def scan(path: Path, changed_ns: int, size: int) -> ShownPictures:
     shown = [number for number in range(len(stored)) if number not in hidden]
     if not shown:
         raise refusal(path, cut or "expected pictures, got none", advice="copy the file again")
-    notes = (f"{cut}: what is there is read",) if cut else ()
+    notes: tuple[str, ...] = (f"{cut}: what is there is read",) if cut else ()
     held = max(len(stored), stated)
     if 2 * len(shown) < held and not cut:
         notes += (

@@ -10,8 +10,9 @@ from __future__ import annotations
 import os
 import struct
 from collections import defaultdict
+from collections.abc import Mapping
 from io import BytesIO
-from typing import BinaryIO, ClassVar
+from typing import Any, BinaryIO
 
 from rosbags.rosbag1 import Reader as Reader1
 from rosbags.rosbag1.reader import (
@@ -92,16 +93,16 @@ class CutBagReader(Reader1):
                 self.chunks[read] = Chunk(end - at, at, unpack)
             file.seek(end)
             read = end
-        self.indexes = {one.id: sorted(indexes[one.id]) for one in self.connections}
+        self.indexes = {entry.id: sorted(indexes[entry.id]) for entry in self.connections}
         self.connections = [
-            one._replace(msgcount=len(self.indexes[one.id])) for one in self.connections
+            entry._replace(msgcount=len(self.indexes[entry.id])) for entry in self.connections
         ]
         self.cut = _said(read, size)
 
     def _take(self, place: int, inner: BytesIO, indexes: dict[int, list[IndexData]]) -> None:
         """Connections and places of messages of an unpacked chunk."""
         size, counts, times = len(inner.getbuffer()), defaultdict[int, int](int), [0]
-        known = {one.id for one in self.connections}
+        known = {entry.id for entry in self.connections}
         while (start := inner.tell()) < size:
             record = _next_record(inner, size)
             if record is None:
@@ -155,7 +156,7 @@ class _CutMcapReader(McapReader):
 
     def _find_chunks(self, bio: BinaryIO) -> None:
         size, at = bio.seek(0, os.SEEK_END), self.data_start
-        chunks = []
+        chunks = list[tuple[Any, ...]]()
         while at + 9 <= size:
             bio.seek(at)
             kind, length = struct.unpack("<BQ", bio.read(9))
@@ -165,8 +166,7 @@ class _CutMcapReader(McapReader):
                 first, last, unpacked, _, name = struct.unpack("<QQQII", bio.read(32))
                 packing = bio.read(min(name, 64)).decode()
                 (packed,) = struct.unpack("<Q", bio.read(8))
-                place = (first, last, at, 9 + length, {}, 0, packing, packed, unpacked)
-                chunks.append((*place,))
+                chunks.append((first, last, at, 9 + length, {}, 0, packing, packed, unpacked))
             at += 9 + length
         self.data_end = at
         self.meta_scan()
@@ -175,19 +175,19 @@ class _CutMcapReader(McapReader):
             raise Reader2Error("It is cut short before its first chunk ends.")
         self.chunks = [McapChunk(*place, dict.fromkeys(self.channels, 1)) for place in chunks]
         self.connections = [
-            one._replace(msgcount=counts.get(one.id, 0)) for one in self.connections
+            entry._replace(msgcount=counts.get(entry.id, 0)) for entry in self.connections
         ]
         self.cut = _said(at, size)
 
 
 class _CutDirectoryReader(DirectoryReader):
-    STORAGE_PLUGINS: ClassVar = {**DirectoryReader.STORAGE_PLUGINS, "mcap": _CutMcapReader}
+    STORAGE_PLUGINS: Mapping[str, Any] = {**DirectoryReader.STORAGE_PLUGINS, "mcap": _CutMcapReader}
 
 
 class McapOrCutReader(Reader2):
     """A ROS 2 bag, file or folder, whose MCAP files may be cut short."""
 
-    STORAGE_PLUGINS: ClassVar = {
+    STORAGE_PLUGINS: Mapping[str, Any] = {
         **Reader2.STORAGE_PLUGINS,
         "dir": _CutDirectoryReader,
         ".mcap": _CutMcapReader,
@@ -197,4 +197,4 @@ class McapOrCutReader(Reader2):
     def cut(self) -> str:
         """What is said of the files that were."""
         files = getattr(self.storage, "storages", [self.storage])
-        return "; ".join(filter(None, (getattr(one, "cut", "") for one in files)))
+        return "; ".join(filter(None, (getattr(entry, "cut", "") for entry in files)))

@@ -21,7 +21,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import cv2
 import numpy as np
@@ -47,10 +47,10 @@ IMAGE_TYPES = (_RAW, _COMPRESSED)
 
 
 class _Pixels(NamedTuple):
-    """Type and count of a pixel's numbers, and OpenCV's conversion to RGB; None: it is that."""
+    """A pixel's type of number, how many it has, and OpenCV's code to RGB; None: it is that."""
 
     number: str
-    count: int
+    channels: int
     to_rgb: int | None = None
 
 
@@ -339,10 +339,13 @@ def _encoding(message: Any) -> str:
 
 def _numbers(message: Any, number: str) -> NDArray[Any]:
     """All whole numbers of a raw message's bytes, in the order of bytes that it states."""
-    order = ">" if message.is_bigendian else "<"
     size = np.dtype(number).itemsize
     data = message.data[: message.data.size // size * size]
-    return np.frombuffer(data, np.dtype(number).newbyteorder(order))
+    return np.frombuffer(data, np.dtype(number).newbyteorder(_order(message)))
+
+
+def _order(message: Any) -> Literal["<", ">"]:
+    return ">" if message.is_bigendian else "<"
 
 
 def decode_image(message: Any, path: Path, field: str, bits: int = 8) -> ImageArray:
@@ -371,7 +374,7 @@ def decode_image(message: Any, path: Path, field: str, bits: int = 8) -> ImageAr
         problem = f"expected one of {', '.join(ENCODINGS)}, got {one_line(encoding)}"
         raise refusal(path, problem, field=field)
     pixels = ENCODINGS[encoding]
-    stored = _rows(message, path, field, pixels.number, pixels.count)
+    stored = _rows(message, path, field, pixels.number, pixels.channels)
     if pixels.number == "u2":
         stored = np.asarray(stored >> (bits - 8), dtype=np.uint8)
     return _to_rgb(stored, pixels.to_rgb, path, field)
@@ -393,7 +396,7 @@ def _rows(message: Any, path: Path, field: str, number: str, count: int) -> NDAr
     if not fits or message.data.size != height * step:
         problem = f"expected {height} rows of {step} bytes, got {message.data.size}"
         raise refusal(path, problem, field=field)
-    order = np.dtype(number).newbyteorder(">" if message.is_bigendian else "<")
+    order = np.dtype(number).newbyteorder(_order(message))
     rows = np.ascontiguousarray(message.data.reshape(height, step)[:, :least]).view(order)
     stored = rows.astype(np.dtype(number))
     return stored if count == 1 else stored.reshape(height, width, count)
@@ -406,7 +409,7 @@ def _compressed(message: Any, path: Path, field: str, pixels: _Pixels | None) ->
         raise refusal(path, "expected an 8-bit PNG or JPEG picture", field=field)
     if picture.ndim == 3:
         return _to_rgb(picture, cv2.COLOR_BGR2RGB, path, field)
-    mosaic = pixels is not None and pixels.count == 1
+    mosaic = pixels is not None and pixels.channels == 1
     return _to_rgb(picture, pixels.to_rgb if mosaic and pixels else None, path, field)
 
 

@@ -90,14 +90,14 @@ class Bag:
 
     def topics(self, types: Sequence[str]) -> list[str]:
         """Names of topics of these types that hold messages, sorted."""
-        found = {one.topic for one in self._reader.connections if one.msgtype in types}
-        return sorted(found)
+        seen = {entry.topic for entry in self._reader.connections if entry.msgtype in types}
+        return sorted(seen)
 
     def kinds(self) -> dict[str, tuple[str, int]]:
         """Type and count of the messages of every topic, by its name, sorted."""
         topics: dict[str, tuple[str, int]] = {}
         for connection in sorted(
-            self._reader.connections, key=lambda one: (one.topic, one.msgtype)
+            self._reader.connections, key=lambda entry: (entry.topic, entry.msgtype)
         ):
             kind, count = topics.get(connection.topic, (connection.msgtype, 0))
             topics[connection.topic] = kind, count + int(connection.msgcount)
@@ -126,15 +126,20 @@ class Bag:
     ) -> Iterator[tuple[str, int, Any]]:
         """Topic, time of recording and message, in the order recorded; raises as `recorded`."""
         wanted = [
-            one for one in self._reader.connections if one.topic in topics and one.msgtype in types
+            entry
+            for entry in self._reader.connections
+            if entry.topic in topics and entry.msgtype in types
         ]
         if not wanted:
             return
         store = message_types(ros1=self._ros1)
-        for one in wanted:
-            if self._ros1 and one.digest != store.generate_msgdef(one.msgtype, ros_version=1)[1]:
-                problem = f"expected the usual {one.msgtype}, got another definition"
-                raise refusal(self.path, problem, field=one_line(one.topic))
+        for entry in wanted:
+            if (
+                self._ros1
+                and entry.digest != store.generate_msgdef(entry.msgtype, ros_version=1)[1]
+            ):
+                problem = f"expected the usual {entry.msgtype}, got another definition"
+                raise refusal(self.path, problem, field=one_line(entry.topic))
         span = {} if at_ns is None else {"start": at_ns, "stop": at_ns + 1}
         take = store.deserialize_ros1 if self._ros1 else store.deserialize_cdr
         try:

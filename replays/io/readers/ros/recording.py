@@ -59,8 +59,10 @@ def _bags_with_chain(folder: Path) -> list[Path]:
     """The bags of a folder that holds a chain besides."""
     if not folder.is_dir() or kalibr.find(folder, kalibr.CHAIN_NAMES) is None:
         return []
-    files = [one for one in folder.iterdir() if one.is_file() and one.suffix.lower() in SUFFIXES]
-    return sorted([*files, *(one.parent for one in folder.glob("*/metadata.yaml"))])
+    files = [
+        entry for entry in folder.iterdir() if entry.is_file() and entry.suffix.lower() in SUFFIXES
+    ]
+    return sorted([*files, *(entry.parent for entry in folder.glob("*/metadata.yaml"))])
 
 
 def holds_pictures(path: Path) -> bool:
@@ -135,7 +137,7 @@ def _chosen(topics: dict[str, ImageTopic], root: Path, named: str | None) -> Ima
     Raises:
         RecordingError: none of that name, depth, or nothing but depth.
     """
-    pictures = {name: one for name, one in topics.items() if "depth" not in one.kind}
+    pictures = {name: entry for name, entry in topics.items() if "depth" not in entry.kind}
     if named is not None:
         chosen = next((name for name in (named, f"/{named}") if name in topics), None)
         if chosen is None:
@@ -148,13 +150,13 @@ def _chosen(topics: dict[str, ImageTopic], root: Path, named: str | None) -> Ima
             raise refusal(root, problem, field=one_line(chosen), advice=_others(pictures))
         return topics[chosen]
     if not pictures:
-        held = ", ".join(f"{one.kind} in {one_line(name)}" for name, one in topics.items())
+        held = ", ".join(f"{entry.kind} in {one_line(name)}" for name, entry in topics.items())
         problem = f"expected messages of {' or '.join(IMAGE_TYPES)} that are pictures"
         advice = "`motorcade inspect` lists what it holds"
         raise refusal(root, f"{problem}, got {held or 'none'}", advice=advice)
-    ranked = sorted(pictures.values(), key=lambda one: (one.kind != "colour", one.name))
+    ranked = sorted(pictures.values(), key=lambda entry: (entry.kind != "colour", entry.name))
     if len(ranked) > 1:
-        others = ", ".join(one_line(one.name) for one in ranked[1:6])
+        others = ", ".join(one_line(entry.name) for entry in ranked[1:6])
         text = "%s: the image topic is %s, not %s; %s:TOPIC names another"
         _LOG.warning(text, root, one_line(ranked[0].name), others, root)
     return ranked[0]
@@ -170,8 +172,8 @@ def _from_chain(folder: Path, topic: str) -> kalibr.ChainCamera | None:
     if path is None:
         return None
     cameras = kalibr.read_chain(path)
-    named = [one for one in cameras if one.topic == topic]
-    if not named and any(one.topic is not None for one in cameras):
+    named = [entry for entry in cameras if entry.topic == topic]
+    if not named and any(entry.topic is not None for entry in cameras):
         raise refusal(path, f"expected a camera of the topic {one_line(topic)}, got none")
     return (named or list(cameras))[0]
 
@@ -205,7 +207,9 @@ def _info(bag: Bag, beside: str, frame_id: str) -> Any | None:
     firsts = [next(iter(bag.messages([name], (CAMERA_INFO_TYPE,))), None) for name in names]
     infos = [first[1] for first in firsts if first is not None]
     if names != [beside]:
-        infos = [one for one in infos if str(one.header.frame_id).removeprefix("/") == frame_id]
+        infos = [
+            entry for entry in infos if str(entry.header.frame_id).removeprefix("/") == frame_id
+        ]
     return infos[0] if len(infos) == 1 else None
 
 
@@ -290,7 +294,7 @@ def read_bag_imu(
                 listed = ", ".join(map(one_line, bag.topics((IMU_TYPE,)))) or "none"
                 raise refusal(path, f"expected one of {listed}, got {one_line(topic)}")
         streams = {name: _readings(bag, name, (IMU_TYPE,), _row, frames) for name in topics}
-    streams = {name: one for name, one in streams.items() if len(one[0])}
+    streams = {name: entry for name, entry in streams.items() if len(entry[0])}
     if not streams:
         return None
     gyros = [name for name, (_, rows) in streams.items() if not np.any(rows[:, 3:])]
@@ -348,7 +352,7 @@ def _readings(
     values, stamps = np.array(rows, dtype=np.float64), np.array(times, dtype=np.int64)
     if not rows:
         return np.zeros(0, np.int64), np.zeros((0, 6))
-    digests = np.array([hash(one) for one in map(bytes, values)], dtype=np.int64)
+    digests = np.array([hash(entry) for entry in map(bytes, values)], dtype=np.int64)
     chosen = choose_stamps(stamps[:, 0], stamps[:, 1], digests)
     if chosen is None:
         problem = "expected header stamps, or times of receipt, that tell readings apart"

@@ -81,7 +81,7 @@ def read_bag_trajectory(
     """
     with Bag(path) as bag:
         topics = _pose_topics(bag)
-        topic = next((one for one in (name, f"/{name}") if name and one in topics), None)
+        topic = next((entry for entry in (name, f"/{name}") if name and entry in topics), None)
         if topic is not None and topics[topic][0] == _FIX:
             return _fixes(bag, topic, parent, child)
         poses = _chain(bag, name) if topic is None else _poses(bag, topic, topics[topic][0])
@@ -90,7 +90,8 @@ def read_bag_trajectory(
 
 def _pose_topics(bag: Bag) -> dict[str, tuple[str, int]]:
     """Type and count of the messages of each topic of poses."""
-    return {name: found for name, found in bag.kinds().items() if found[0] in _POSES and found[1]}
+    kinds = bag.kinds().items()
+    return {name: kind for name, kind in kinds if kind[0] in (*_POSES, _FIX) and kind[1]}
 
 
 def _listed(bag: Bag, tree: FrameTree | None = None) -> BagTrajectories:
@@ -110,7 +111,7 @@ def _poses(bag: Bag, topic: str, kind: str) -> Trajectory:
         named = str(message.header.frame_id), str(getattr(message, "child_frame_id", ""))
         frames = frames or named
         if named != frames:
-            there, here = (one_line("_T_".join(one)) for one in (frames, named))
+            there, here = (one_line("_T_".join(entry)) for entry in (frames, named))
             problem = f"expected poses {there} throughout, got {here}"
             raise refusal(bag.path, problem, field=f"{field}, pose {len(poses) - 1}")
         if len(poses) > _MOST_POSES:
@@ -142,7 +143,7 @@ def _chain(bag: Bag, name: str) -> Trajectory:
         if topic not in topics:
             problem = f"expected one of {', '.join(map(one_line, topics)) or 'none'}"
             raise refusal(bag.path, f"{problem}, got {one_line(topic)}", field="topic of tf")
-        topics = [one for one in topics if one == topic or one.endswith("tf_static")]
+        topics = [entry for entry in topics if entry == topic or entry.endswith("tf_static")]
     else:
         frames = name
     tree = FrameTree(bag, topics)
@@ -182,5 +183,4 @@ _POSES: dict[str, Callable[[Any], tuple[Any, Any]]] = {
     "geometry_msgs/msg/TransformStamped": _of_transform,
     "nav_msgs/msg/Odometry": _of_pose_with_covariance,
     _POINT: _of_point,
-    _FIX: _of_point,  # read by `_fixes`
 }
