@@ -156,7 +156,7 @@ class _CutMcapReader(McapReader):
 
     def _find_chunks(self, bio: BinaryIO) -> None:
         size, at = bio.seek(0, os.SEEK_END), self.data_start
-        chunks = list[tuple[Any, ...]]()
+        chunks = list[McapChunk]()
         while at + 9 <= size:
             bio.seek(at)
             kind, length = struct.unpack("<BQ", bio.read(9))
@@ -166,14 +166,16 @@ class _CutMcapReader(McapReader):
                 first, last, unpacked, _, name = struct.unpack("<QQQII", bio.read(32))
                 packing = bio.read(min(name, 64)).decode()
                 (packed,) = struct.unpack("<Q", bio.read(8))
-                chunks.append((first, last, at, 9 + length, {}, 0, packing, packed, unpacked))
+                sizes = packing, packed, unpacked
+                chunks.append(McapChunk(first, last, at, 9 + length, {}, 0, *sizes, {}))
             at += 9 + length
         self.data_end = at
         self.meta_scan()
         counts = self.statistics.channel_message_counts if self.statistics else {}
         if not counts:
             raise Reader2Error("It is cut short before its first chunk ends.")
-        self.chunks = [McapChunk(*place, dict.fromkeys(self.channels, 1)) for place in chunks]
+        every = dict.fromkeys(self.channels, 1)
+        self.chunks = [chunk._replace(channel_count=every) for chunk in chunks]
         self.connections = [
             entry._replace(msgcount=counts.get(entry.id, 0)) for entry in self.connections
         ]
