@@ -109,6 +109,16 @@ class Skeleton:
         """Local poses `parent_T_joint` (*, J) from poses `character_T_joint` (*, J)."""
         return local_poses(self.parents, world)
 
+    def moved(self, local: Poses, motion: Motor) -> Poses:
+        """Local poses (*, J) of the whole figure moved in character space by motors (*)."""
+        moved = local
+        kind = type(local)
+        growing = Similarity.from_motor_scale(motion) if isinstance(local, Similarity) else motion
+        before = kind(growing.coefficients)
+        for root in np.flatnonzero(self.parents < 0):
+            moved = with_joint(moved, int(root), before @ local[..., root])
+        return moved
+
     @cached_property
     def root(self) -> int:
         """Number of the first root."""

@@ -92,6 +92,11 @@ def _turn(angle_rad: ArrayLike, axis: int) -> Rotor:
     return Rotor.from_rotation_vector(vector)
 
 
+def wrapped(angle_rad: ArrayLike) -> FloatArray:
+    """The same angles ``(*)`` from −π to π."""
+    return np.asarray((np.asarray(angle_rad) + np.pi) % (2.0 * np.pi) - np.pi)
+
+
 def box_corners(points: FloatArray) -> FloatArray:
     """The eight corners ``(8, 3)`` of the box along the axes about points ``(N, 3)``, N above 0."""
     ends = np.stack([points.min(axis=0), points.max(axis=0)])

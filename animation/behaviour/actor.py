@@ -12,28 +12,35 @@ from functools import cached_property
 import numpy as np
 
 from motorcade.animation.behaviour.gaze import Gaze
-from motorcade.animation.blend import BlendSpace, RootMotion, phase_between, split_root_motion
+from motorcade.animation.blend import (
+    BlendSpace,
+    GroundedMotion,
+    RootMotion,
+    grounded,
+    in_step,
+    planted,
+)
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
-from motorcade.animation.ik import Leg, plant_feet
+from motorcade.animation.ik import Leg
 from motorcade.animation.place.pacing import MOST_M_S2, Pace, passing_s
 from motorcade.animation.place.walks import on_the_spot, rigid
+from motorcade.animation.retarget import facing_rad
 from motorcade.animation.skeleton import Skeleton
-from motorcade.animation.vectors import turn_z
+from motorcade.animation.vectors import wrapped
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive, frozen
 
 # Samples of a blended cycle, and moments of a clip at which a body's reach is looked for.
 SAMPLES, MOMENTS = 97, 16
-# A clip that begins farther than this from the character's own place or front is moved there: in
-# heights, and in radians.
-ASIDE, ASKEW_RAD = 0.1, np.deg2rad(15.0)
 # When a layer may lie over the rest.
 LASTING = ("walk", "idle", "act", "always")
 # Heights of persons, for whom accelerations are told.
 PERSON_M = 1.75
 # A cycle's own speed, and a wish for it, may differ by so much.
 SAME_SPEED = 0.02
+# Gaits that face farther apart as they go do not blend: one goes sideways or backwards.
+MOST_APART_RAD = np.deg2rad(45.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,11 +64,9 @@ class Act:
         Raises:
             ValueError: a clip of a single pose.
         """
-        centred = _brought_to_front(replace(clip, poses=clip.poses.rigid), skeleton, legs)
-        if legs and len(centred.time_s) > 3:
-            planted = plant_feet(skeleton, centred.time_s, centred.poses.rigid, legs)
-            centred = replace(centred, poses=planted, looped=False)
-        return cls(*split_root_motion(centred, skeleton))
+        motion = grounded(replace(clip, poses=clip.poses.rigid, looped=False), skeleton)
+        motion = planted(replace(motion, clip=replace(motion.clip, looped=False)), skeleton, legs)
+        return cls(motion.clip, motion.way)
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,9 +261,16 @@ def gait_between(
         )
     if len(order) == 1:
         return order[0]
-    balls = [leg.ball for leg in legs]
-    offsets = [0.0] + [phase_between(order[0][0], one, skeleton, balls) for one, _ in order[1:]]
-    space = BlendSpace(speeds, tuple(one for one, _ in order), np.array(offsets))
+    motions = [_straight(loop, speed) for loop, speed in order]
+    facing = [facing_rad(skeleton, skeleton.world(loop.poses).translation_m) for loop, _ in order]
+    faces = [0.0 if one is None else float(np.mean(one)) for one in facing]
+    if (apart := np.abs(wrapped(np.subtract(faces, faces[0]))).max()) > MOST_APART_RAD:
+        raise ValueError(
+            f"gait_between(clips): expected gaits that face alike as they go, got "
+            f"{np.degrees(apart):.0f} degrees between two; blend a forward gait with a forward one"
+        )
+    alike = [in_step(motions[0], motion, skeleton, legs)[0].clip for motion in motions[1:]]
+    space = BlendSpace(speeds, (motions[0].clip, *alike))
     phase = np.linspace(0.0, 1.0, SAMPLES)
     poses = space.pose(speed_m_s, phase).coefficients.copy()
     poses[-1] = poses[0]
@@ -267,26 +279,7 @@ def gait_between(
     return on_the_spot(cycle, skeleton, legs)
 
 
-def _brought_to_front(clip: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> Clip:
-    """A clip whose first pose stands over the origin and looks along +x.
-
-    Captured motions begin anywhere. One that begins near the origin, nearly ahead, stays as it is.
-    """
-    if len(legs) < 2:
-        return clip
-    left, right = (
-        skeleton.world(clip.poses.rigid[0]).translation_m[skeleton.index(leg.hip)]
-        for leg in legs[:2]
-    )
-    across, middle = (left - right)[:2], 0.5 * (left + right)
-    height_m = float(np.max(skeleton.rest_world.translation_m[:, 2]))
-    askew = float(np.arctan2(-across[0], across[1]))
-    aside = float(np.linalg.norm(middle[:2])) > ASIDE * height_m
-    if not aside and abs(askew) < ASKEW_RAD:
-        return clip
-    turn = turn_z(-askew)
-    back = Motor.from_rotor_translation(turn, -turn.apply(middle * [1.0, 1.0, 0.0]))
-    poses = clip.poses.rigid.coefficients.copy()
-    for root in np.flatnonzero(skeleton.parents < 0):
-        poses[:, root] = (back @ Motor(poses[:, root])).coefficients
-    return replace(clip, poses=Motor.normalize(poses), looped=False)
+def _straight(loop: Clip, speed_m_s: float) -> GroundedMotion:
+    """A gait on the spot with its way ahead."""
+    ahead_m = Motor.from_translation([[0.0, 0.0, 0.0], [speed_m_s * loop.duration_s, 0.0, 0.0]])
+    return GroundedMotion(loop, RootMotion(loop.time_s[[0, -1]], ahead_m, True), True)

@@ -26,7 +26,7 @@ from motorcade.animation.behaviour import sources
 from motorcade.animation.behaviour.actor import Actor
 from motorcade.animation.blend import Inertialized, PoseSource
 from motorcade.animation.place.walks import GroundPath
-from motorcade.animation.vectors import turn_z
+from motorcade.animation.vectors import turn_z, wrapped
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_number, frozen
 
@@ -135,7 +135,7 @@ class Timeline:
             wish = errand.facing_rad
             if path is not None and pace is not None:
                 wish = float(path.at(0.0)[1])
-            off = 0.0 if wish is None else wrapped(wish - looks)
+            off = 0.0 if wish is None else float(wrapped(wish - looks))
             state = next_state(state, Situation(waits > 0.0, path is not None, off, len(acts)))
             name, lasts = actor.idle.name, waits
             if state == "turn":
@@ -268,8 +268,3 @@ def next_state(state: State | None, now: Situation) -> State:
     if now.way_left:
         return "walk"
     return "act" if now.acts_left else "idle"
-
-
-def wrapped(angle_rad: float) -> float:
-    """The same angle from −π to π."""
-    return float((angle_rad + np.pi) % (2.0 * np.pi) - np.pi)

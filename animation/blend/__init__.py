@@ -1,5 +1,12 @@
 """Blending: poses mixed by any method, in layers, along blend spaces and across transitions."""
 
+from motorcade.animation.blend.alignment import (
+    GroundedMotion,
+    blend_motions,
+    grounded,
+    in_step,
+    planted,
+)
 from motorcade.animation.blend.clips import blend_clips, differences_m
 from motorcade.animation.blend.layers import PoseLayer, added, additive, blend_layers, closed
 from motorcade.animation.blend.locomotion import BlendSpace, phase_between
@@ -18,6 +25,7 @@ __all__ = [
     "BlendMethod",
     "BlendSpace",
     "CrossFade",
+    "GroundedMotion",
     "Inertialized",
     "PoseLayer",
     "PoseSource",
@@ -28,10 +36,14 @@ __all__ = [
     "additive",
     "blend_clips",
     "blend_layers",
+    "blend_motions",
     "blend_poses",
     "closed",
     "differences_m",
+    "grounded",
+    "in_step",
     "phase_between",
+    "planted",
     "split_root_motion",
     "stacked",
 ]

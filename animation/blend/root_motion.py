@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.animation.blend.layers import additive
-from motorcade.animation.blend.methods import Poses
 from motorcade.animation.clip import LOOP_TOLERANCE, Clip
-from motorcade.animation.skeleton import Skeleton, with_joint
+from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_z
-from motorcade.ga import Motor, Similarity
+from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
 
@@ -109,23 +108,21 @@ def split_root_motion(
             f"'{skeleton.names[number]}' and {len(clip.time_s)} poses"
         )
     root = clip.poses.rigid[:, number]
-    way = _ground(root @ root[0].inverse(), root.translation_m)
-    back = way.inverse()
-    inside: Poses
-    if isinstance(clip.poses, Motor):
-        inside = with_joint(clip.poses, number, back @ clip.poses[:, number])
-    else:
-        before = Similarity.from_motor_scale(back)
-        inside = with_joint(clip.poses, number, before @ clip.poses[:, number])
+    heading = np.unwrap(heading_of(root @ root[0].inverse()))
+    rotor, at = turn_z(heading), root.translation_m * [1.0, 1.0, 0.0]
+    way = Motor.from_rotor_translation(rotor, at - rotor.apply(at[0]))
+    inside = without_way(clip, skeleton, way)
+    return inside, RootMotion(clip.time_s, way, inside.looped)
+
+
+def heading_of(pose: Motor) -> FloatArray:
+    """Turns ``(*)`` about z, in radians, of poses ``(*)``; leaning is left aside (swing-twist)."""
+    w, _, _, e12 = np.moveaxis(pose.rotor.coefficients, -1, 0)
+    return np.asarray(-2.0 * np.arctan2(e12, w))
+
+
+def without_way(clip: Clip, skeleton: Skeleton, way: Motor) -> Clip:
+    """A clip with motions ``(F,)`` of the whole figure taken back; a loop if its ends are alike."""
+    inside = skeleton.moved(clip.poses, way.inverse())
     looped = bool(np.max(np.abs(additive(inside[-1], inside[0]).as_twist())) <= LOOP_TOLERANCE)
-    return replace(clip, poses=inside, looped=looped), RootMotion(clip.time_s, way, looped)
-
-
-def _ground(turned: Motor, position_m: FloatArray) -> Motor:
-    """Motions on the ground that take the first position below each of the others."""
-    w, _, _, e12 = np.moveaxis(turned.rotor.coefficients, -1, 0)
-    heading = np.unwrap(-2.0 * np.arctan2(e12, w))
-    rotor = turn_z(heading)
-    start = position_m[0] * [1.0, 1.0, 0.0]
-    shift = position_m * [1.0, 1.0, 0.0] - rotor.apply(start)
-    return Motor.from_rotor_translation(rotor, shift)
+    return replace(clip, poses=inside, looped=looped)

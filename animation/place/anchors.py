@@ -27,7 +27,6 @@ from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Leg
 from motorcade.animation.ik.feet import sole_points
 from motorcade.animation.retarget.roles import body_of
-from motorcade.animation.skeleton import with_joint
 from motorcade.animation.vectors import UP, axes_along, turn_z, unit
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
@@ -367,14 +366,8 @@ def on_its_soles(character: Character, legs: Sequence[Leg], clip: Clip) -> tuple
     height_m = standing_height_m(character, legs, clip)
     if height_m is None:
         return clip, 0.0
-    lift, poses = Motor.from_translation(-height_m * UP), clip.poses
-    for root in np.flatnonzero(character.skeleton.parents < 0):
-        if isinstance(poses, Motor):
-            poses = with_joint(poses, int(root), lift @ poses[:, root])
-        else:
-            grown = Similarity.from_motor_scale(lift) @ poses[:, root]
-            poses = with_joint(poses, int(root), grown)
-    return replace(clip, poses=poses), -height_m
+    lift = Motor.from_translation(-height_m * UP)
+    return replace(clip, poses=character.skeleton.moved(clip.poses, lift)), -height_m
 
 
 def _soles(character: Character, legs: Sequence[Leg], clip: Clip, time_s: FloatArray) -> FloatArray:

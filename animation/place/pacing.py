@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Leg, bend_limb, find_stances
-from motorcade.animation.skeleton import Skeleton, with_joint
+from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import UP
 from motorcade.ga import Motor, Rotor, mean
 from motorcade.ga.arrays import FloatArray
@@ -168,8 +168,7 @@ def _with_flexed_knees(pose: Motor, skeleton: Skeleton, legs: Sequence[Leg]) -> 
     at, flexed = skeleton.rest_world.translation_m, pose
     long_m = np.mean([at[skeleton.index(leg.hip), 2] for leg in legs])
     down = Motor.from_translation(-LOWER * long_m * UP)
-    for root in np.flatnonzero(skeleton.parents < 0):
-        flexed = with_joint(flexed, int(root), down @ pose[root])
+    flexed = skeleton.moved(pose, down)
     for leg in legs:
         ankle, ahead = at[skeleton.index(leg.ankle)], at[skeleton.index(leg.knee)] + [9.0, 0, 0]
         flexed = bend_limb(skeleton, flexed, leg.limb, ankle, ahead)

@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.animation.anatomy.words import SIDES
-from motorcade.animation.retarget.roles import LIMBS, NO_BONE_M, Match, body_of
+from motorcade.animation.retarget.roles import LIMBS, NO_BONE_M, Match, body_of, facing_rad
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import UP, along_axes, axes_along, shortest_turn, turn_z, unit
 from motorcade.ga import Rotor, mean
@@ -141,7 +141,8 @@ class _Motion:
     def __init__(self, match: Match) -> None:
         self.match, self.roles = match, match.roles
         at = match.source_world.translation_m
-        self.heading = _headings(match, at)
+        facing = facing_rad(match.source, at)
+        self.heading = turn_z(np.zeros(len(at)) if facing is None else -facing)
         self.at = self.heading.reshape(-1, 1).apply(at)
         self.rotors = self.heading.reshape(-1, 1) @ match.source_world.rotor
         self.upright = self._upright()
@@ -247,23 +248,6 @@ class _Motion:
 
     def _rest(self, joint: int) -> Rotor:
         return self.match.target.rest_world[joint].rotor
-
-
-def _headings(match: Match, at: FloatArray) -> Rotor:
-    """Turns ``(F,)`` about z that bring where the hips face to +x."""
-    body = body_of(match.source)
-    pair = next(
-        (
-            (f"left_{part}", f"right_{part}")
-            for part in ("thigh", "upper_arm", "clavicle")
-            if {f"left_{part}", f"right_{part}"} <= set(body)
-        ),
-        None,
-    )
-    if pair is None:
-        return Rotor.identity((len(at),))
-    across = at[:, body[pair[0]]] - at[:, body[pair[1]]]
-    return turn_z(np.arctan2(across[:, 0], across[:, 1]))
 
 
 def constants(match: Match) -> dict[int, Rotor]:

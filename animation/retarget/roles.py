@@ -24,6 +24,8 @@ from motorcade.ga.arrays import FloatArray
 AHEAD = np.array([1.0, 0.0, 0.0])
 # What it counts that read figures face +x, beside other evidence.
 FACING = 2.0
+# Hips whose line lies lower than by this cosine face somewhere.
+LEVEL = 0.3
 
 
 def body_of(skeleton: Skeleton) -> dict[str, int]:
@@ -34,6 +36,27 @@ def body_of(skeleton: Skeleton) -> dict[str, int]:
     below, whatever they are called.
     """
     return dict(figure_of(skeleton).roles)
+
+
+def facing_rad(skeleton: Skeleton, at: FloatArray) -> FloatArray | None:
+    """Where a figure faces ``(F,)``, from +x towards +y, by its hips, or arms where it has none.
+
+    Where hips stand upright, as of one that lies on its side, they face nowhere: the heading goes
+    evenly from the moment before to that after. None for a skeleton without a left and a right.
+
+    Args:
+        skeleton: of J joints.
+        at: ``(F, J, 3)`` where they are.
+    """
+    body = body_of(skeleton)
+    for part in ("thigh", "upper_arm", "clavicle"):
+        if {f"left_{part}", f"right_{part}"} <= set(body):
+            across = at[..., body[f"left_{part}"], :] - at[..., body[f"right_{part}"], :]
+            level = np.linalg.norm(across[:, :2], axis=1) > LEVEL * np.linalg.norm(across, axis=1)
+            rows = np.flatnonzero(level) if np.any(level) else np.arange(len(at))
+            facing = np.unwrap(np.arctan2(-across[rows, 0], across[rows, 1]))
+            return np.interp(np.arange(len(at)), rows, facing)
+    return None
 
 
 def legs_of(skeleton: Skeleton) -> list[Leg]:

@@ -189,6 +189,9 @@ def blend(arguments: argparse.Namespace) -> None:
     clip = blended.clip
     timing = f"in phase, offset {blended.offset:.3f}" if blended.in_phase else "by the clock"
     print(f"{clip.name}: {clip.duration_s:.3f} s, {len(clip.time_s)} keys, {timing}")
+    print(f"feet planted on a way of {blended.way.speed_m_s:.2f} m/s")
+    for notice in blended.notices:
+        print(f"notice: {notice}")
     print("largest distance of a joint that carries vertices under two methods, mm")
     for (a, b), apart_m in blended.differences_m.items():
         print(f"  {a + ' - ' + b:<48}{1e3 * apart_m:>10.3f}")

@@ -12,16 +12,23 @@ import numpy as np
 from motorcade.animation import Character, Clip
 from motorcade.animation.blend import (
     BlendMethod,
-    blend_clips,
+    GroundedMotion,
+    RootMotion,
+    blend_motions,
     closed,
     differences_m,
-    phase_between,
-    split_root_motion,
+    grounded,
+    in_step,
 )
+from motorcade.animation.blend.alignment import contacts
 from motorcade.animation.formats import read_character, read_motion, write_gltf
 from motorcade.animation.ik import fitted_legs
-from motorcade.animation.retarget import legs_of, retarget
-from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.retarget import facing_rad, legs_of, retarget
+
+# Moments at which contacts are compared, and the share of alike ones below which it is said.
+MOMENTS, TOGETHER = 200, 0.8
+# Ways farther than this share of the height go somewhere; they may go so far apart unsaid.
+FAR, SIDEWAYS_DEG = 0.3, 45.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +42,8 @@ class Blend:
         offset: phase of the second cycle at which it is like the start of the first.
         differences_m: by pairs of methods, the farthest that a joint which carries vertices lies
             apart at a quarter, a half and three quarters of the second clip.
+        way: where it goes, which its clip on the spot leaves out.
+        notices: what could not be aligned.
     """
 
     character: Character
@@ -42,6 +51,8 @@ class Blend:
     in_phase: bool
     offset: float
     differences_m: Mapping[tuple[BlendMethod, BlendMethod], float]
+    way: RootMotion
+    notices: tuple[str, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """A JSON-ready tree, units in the keys."""
@@ -51,6 +62,9 @@ class Blend:
             "keys": len(self.clip.time_s),
             "in_phase": self.in_phase,
             "phase_offset": self.offset,
+            "way_m": float(np.linalg.norm(self.way.start_T_now.translation_m[-1])),
+            "speed_m_s": self.way.speed_m_s,
+            "notices": list(self.notices),
             "differences_mm": {
                 f"{a} - {b}": 1e3 * value for (a, b), value in self.differences_m.items()
             },
@@ -92,34 +106,69 @@ def blend_character(
     *,
     rate_hz: float = 60.0,
 ) -> Blend:
-    """Blend two of a character's clips on the spot.
+    """Blend two of a character's clips on the spot, aligned in heading and in step.
 
-    What a clip travels is taken out first. Two clips that then close are cycles, and are blended
-    in phase, feet matched where there are legs that move in both; others are blended by the clock.
+    What a clip travels is taken out first, and both are turned to face +x (see `grounded`). Two
+    clips that then close are cycles, and are blended in phase, contacts of feet on contacts; others
+    are blended by the clock, and how often their feet come down together is said. Feet of the
+    blend stay on the ground under its own way, which is between the two.
 
     Raises:
         ValueError: no such clip, a weight outside 0 to 1, a rate that is not positive.
     """
     skeleton = character.skeleton
-    clips = [split_root_motion(character.clip(name), skeleton)[0] for name in names]
-    cycles = [_cycle(clip) for clip in clips]
-    first, second, offset = clips[0], clips[1], 0.0
-    in_phase = cycles[0] is not None and cycles[1] is not None
-    if cycles[0] is not None and cycles[1] is not None:
-        first, second = cycles[0], cycles[1]
-        offset = _offset(first, second, skeleton)
-    blended = blend_clips(
-        first, second, weight, method, in_phase=in_phase, offset=offset, rate_hz=rate_hz
-    )
+    legs = fitted_legs(legs_of(skeleton), character)
+    first, second = (_looped(grounded(character.clip(n), skeleton, legs)) for n in names)
+    in_phase = first.clip.looped and second.clip.looped
+    notes, offset = [], 0.0
+    if in_phase and legs:
+        second, offset, note = in_step(first, second, skeleton, legs)
+        notes += [note] if note else []
+    notes += _unaligned(character, (first, second), names)
+    blended = blend_motions(first, second, weight, skeleton, legs, method=method, rate_hz=rate_hz)
     apart = differences_m(
-        first,
-        second,
+        first.clip,
+        second.clip,
         skeleton,
         joints=np.unique(character.joints[character.weights > 0.0]),
-        offset=offset,
         in_phase=in_phase,
     )
-    return Blend(character, blended, in_phase, offset, apart)
+    together = None
+    if legs:
+        clock = np.linspace(0.0, 1.0, MOMENTS)
+        lengths = [motion.clip.duration_s for motion in (first, second)]
+        spans = lengths if in_phase else [max(lengths)] * 2
+        stand = [
+            contacts(motion, skeleton, legs, motion.clip.time_s[0] + clock * span)
+            for motion, span in zip((first, second), spans, strict=True)
+        ]
+        together = float(np.mean(stand[0] == stand[1]))
+        if together < TOGETHER:
+            notes.append(
+                f"each foot of both does the same, standing or swinging, {together:.0%} of the time"
+            )
+    return Blend(character, blended.clip, in_phase, offset, apart, blended.way, tuple(notes))
+
+
+def _unaligned(
+    character: Character, motions: tuple[GroundedMotion, ...], names: tuple[str, str]
+) -> list[str]:
+    """What the two cannot share: one heading for how they go, or a heading at all."""
+    ways = [motion.way.start_T_now for motion in motions]
+    steps = [(way[:-1].inverse() @ way[1:]).translation_m for way in ways]
+    ahead_m = [step.sum(axis=0)[:2] for step in steps]
+    far_m = [float(np.linalg.norm(way)) for way in ahead_m]
+    notes = []
+    if facing_rad(character.skeleton, character.skeleton.rest_world.translation_m[None]) is None:
+        notes.append("no thighs or arms tell where the figure faces: aligned by its root's turn")
+    if min(far_m) > FAR * character.height_m:
+        cosine = float(ahead_m[0] @ ahead_m[1]) / (far_m[0] * far_m[1])
+        apart_deg = float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+        if apart_deg > SIDEWAYS_DEG:
+            notes.append(
+                f"facing one way, '{names[0]}' and '{names[1]}' go {apart_deg:.0f} degrees apart"
+            )
+    return notes
 
 
 def write_blend(blend: Blend, path: Path, size: tuple[int, int] = (640, 640)) -> None:
@@ -142,17 +191,8 @@ def write_blend(blend: Blend, path: Path, size: tuple[int, int] = (640, 640)) ->
     write_video(path, frames, np.round(np.arange(len(frames)) * 1e9 / 30.0).astype(np.int64))
 
 
-def _cycle(clip: Clip) -> Clip | None:
-    try:
-        return closed(clip)
-    except ValueError:  # a motion that does not end where it began is no cycle
-        return None
-
-
-def _offset(first: Clip, second: Clip, skeleton: Skeleton) -> float:
-    """The phase of the second cycle that is like the first's start; 0 where no feet tell."""
-    feet = [leg.ankle for leg in legs_of(skeleton)]
-    try:
-        return phase_between(first, second, skeleton, feet) if feet else 0.0
-    except ValueError:  # feet that stand still all the time have no phase
-        return 0.0
+def _looped(motion: GroundedMotion) -> GroundedMotion:
+    """A cycle closed to rounding; a motion that does not end where it began stays as it is."""
+    if not motion.cycle:
+        return replace(motion, clip=replace(motion.clip, looped=False))
+    return replace(motion, clip=closed(motion.clip, np.inf))

@@ -190,11 +190,9 @@ def walked(
     # The placement grows the character, and the way with it.
     own = Motor.from_rotor_translation(way.rotor, way.translation_m / scale)
     rows = np.minimum(np.arange(len(walk.time_s) + len(rest_s)), len(walk.time_s) - 1)
-    poses = np.concatenate([walk.poses.coefficients, idling.coefficients])
-    for root in np.flatnonzero(skeleton.parents < 0):
-        poses[:, root] = (own[rows] @ Motor.normalize(poses[:, root])).coefficients
+    poses = Motor(np.concatenate([walk.poses.coefficients, idling.coefficients]))
     time_s = np.concatenate([walk.time_s, arrived_s + rest_s])
-    return Clip(f"{clip.name} along a path", time_s, Motor.normalize(poses))
+    return Clip(f"{clip.name} along a path", time_s, skeleton.moved(poses, own[rows]))
 
 
 def performers(placed: PlacedCharacter, lasting_s: float = 0.0) -> list[Performer]:

@@ -208,9 +208,6 @@ def _part(
     start = Motor.from_rotor_translation(performance.plane_T_character[0].rotor, middle)
     way = start.inverse() @ performance.plane_T_character
     own = Motor.from_rotor_translation(way.rotor, way.translation_m / actor.scale)
-    poses = np.array(performance.poses.coefficients)
-    for root in np.flatnonzero(actor.skeleton.parents < 0):
-        poses[:, root] = (own @ Motor.normalize(poses[:, root])).coefficients
     last_s = float(performance.time_s[-1])
     states = tuple(
         PartState(segment.state, segment.clip, segment.start_s, min(segment.end_s, last_s))
@@ -223,7 +220,7 @@ def _part(
         member.file,
         Placement(plane @ start, actor.scale),
         performance.time_s,
-        Motor.normalize(poses),
+        actor.skeleton.moved(performance.poses, own),
         states,
         note,
         max(slides, default=0.0),
