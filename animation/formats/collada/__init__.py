@@ -12,7 +12,7 @@ from pathlib import Path
 from motorcade.animation.formats.collada.controllers import Controllers
 from motorcade.animation.formats.collada.library import Library, parse_xml
 from motorcade.animation.formats.collada.materials import ColladaMaterials
-from motorcade.animation.formats.collada.scene import read_clip, read_scene
+from motorcade.animation.formats.collada.scene import read_clips, read_scene
 from motorcade.animation.formats.limits import MAX_TEXT_BYTES, expected, read_bounded
 from motorcade.animation.formats.rig.values import Rig
 
@@ -44,12 +44,12 @@ def read_collada(path: Path) -> Rig:
     materials = ColladaMaterials(library, path.parent)
     controllers = Controllers(library, scene, materials)
     surfaces, joints = controllers.surfaces()
-    clip, notices_of_clips = read_clip(library, scene)
+    clips, notices_of_clips = read_clips(library, scene)
     return Rig(
         scene.tree,
         joints,
         surfaces,
-        () if clip is None else (clip,),
+        clips,
         up=up,
         forward=forward,
         unit_m=_unit_m("" if unit is None else unit.get("meter")),

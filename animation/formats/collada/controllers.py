@@ -214,8 +214,8 @@ class Controllers:
         return numbers, weights
 
 
-KINDS = ("triangles", "polylist", "polygons")
-OTHERS = ("tristrips", "trifans", "lines", "linestrips")
+KINDS = ("triangles", "polylist", "polygons", "trifans", "tristrips")
+OTHERS = ("lines", "linestrips")
 
 
 @dataclass(frozen=True, eq=False)
@@ -320,14 +320,18 @@ def _checked(numbers: IntArray, values: FloatArray, field: str) -> IntArray:
 
 def _corners(element: Element, stride: int, name: str) -> tuple[IntArray, IntArray]:
     """Numbers (C, stride) of the corners, and how many corners (P,) each polygon has."""
-    if element.name == "polygons":
+    if element.name in ("polygons", "trifans", "tristrips"):
         if element.first("ph") is not None:
             raise expected(f"'{name}' <polygons>", "polygons without holes", "some with holes")
         runs = [one.integers() for one in element.all("p")]
         if any(len(run) % stride for run in runs):
             raise expected(f"'{name}' <p>", f"a multiple of {stride} numbers", "others")
+        if element.name == "tristrips":
+            runs = [run.reshape(-1, stride)[_strip(len(run) // stride)].reshape(-1) for run in runs]
         counts = np.array([len(run) // stride for run in runs], dtype=np.int64)
         flat = np.concatenate(runs) if runs else np.zeros(0, dtype=np.int64)
+        if element.name == "tristrips":
+            counts = np.full(len(flat) // stride // 3, 3)
         return flat.reshape(-1, stride), counts
     runs = [one.integers() for one in element.all("p")]
     flat = np.concatenate(runs) if runs else np.zeros(0, dtype=np.int64)
@@ -342,6 +346,13 @@ def _corners(element: Element, stride: int, name: str) -> tuple[IntArray, IntArr
     if counts.min(initial=0) < 0 or counts.sum() != len(corners):
         raise expected(f"'{name}' <vcount>", f"counts that sum to {len(corners)}", counts.sum())
     return corners, counts
+
+
+def _strip(count: int) -> IntArray:
+    """Corner numbers of a strip's triangles, every other one turned about."""
+    first = np.arange(max(count - 2, 0))
+    odd = first % 2
+    return np.stack([first, first + 1 + odd, first + 2 - odd], axis=1).reshape(-1)
 
 
 def _fans(counts: IntArray) -> IntArray:

@@ -7,6 +7,7 @@ Namespaces are dropped. Text of long arrays stays one string until it is asked f
 from __future__ import annotations
 
 from collections.abc import Iterator
+from urllib.parse import unquote
 from xml.parsers import expat
 
 import numpy as np
@@ -152,8 +153,10 @@ class Library:
         return elements
 
     def find(self, url: str) -> Element | None:
-        """The element that `#id` names, or None."""
-        return self._by_id.get(url[1:]) if url.startswith("#") else None
+        """The element that `#id` names, blanks in it written as such or as ``%20``; or None."""
+        if not url.startswith("#"):
+            return None
+        return self._by_id.get(url[1:]) or self._by_id.get(unquote(url[1:]))
 
     def named(self, url: str, name: str, field: str) -> Element:
         """The element of that name that `#id` refers to.

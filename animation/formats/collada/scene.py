@@ -13,12 +13,18 @@ apart at these keys, and turned and moved evenly between them: blends of matrice
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from motorcade.animation.formats.collada.library import Element, Library, inputs_of
-from motorcade.animation.formats.limits import MAX_NODES, FormatError, check_count, expected
+from motorcade.animation.formats.limits import (
+    MAX_NODES,
+    FormatError,
+    check_count,
+    expected,
+    numbers_in,
+)
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import (
     NodeTree,
@@ -83,24 +89,25 @@ def read_scene(library: Library) -> ColladaScene:
         scene = library.root.needed("library_visual_scenes", "visual_scene")
     elements: list[Element] = []
     parents: list[int] = []
-    waiting = [(one, -1) for one in scene.all("node")[::-1]]
-    left_out = 0
+    waiting = [(one, -1) for one in _below(library, scene)]
     while waiting:
         element, parent = waiting.pop()
         check_count("nodes", len(elements) + 1, MAX_NODES)
-        left_out += len(element.all("instance_node"))
-        number = len(elements)
+        number, above = len(elements), parent
+        while above >= 0:
+            if elements[above] is element:
+                raise expected(f"node '{element.get('id')}'", "no instance of itself", "one")
+            above = parents[above]
         elements.append(element)
         parents.append(parent)
-        waiting += [(one, number) for one in element.all("node")[::-1]]
+        waiting += [(one, number) for one in _below(library, element)]
     if not elements:
         raise FormatError("visual_scene: expected one node or more, got none")
     stacks = tuple(_stack(element) for element in elements)
     rest = np.stack([matrix_of_steps(stack) for stack in stacks])
     names = tuple((one.get("name") or one.get("id"))[:200] for one in elements)
     tree = NodeTree(names, np.array(parents), Transforms.from_matrices(rest))
-    notices = (f"{left_out} instances of library nodes are left out",) if left_out else ()
-    collada_scene = ColladaScene(tree, tuple(elements), stacks, notices)
+    collada_scene = ColladaScene(tree, tuple(elements), stacks, ())
     for number, node_element in enumerate(elements):
         for key, known in (
             ("id", collada_scene.by_id),
@@ -110,6 +117,14 @@ def read_scene(library: Library) -> ColladaScene:
             if node_element.get(key):
                 known.setdefault(node_element.get(key), number)
     return collada_scene
+
+
+def _below(library: Library, element: Element) -> list[Element]:
+    """Nodes below an element, its own and instances of others, the last first."""
+    below = element.all("node")
+    for instance in element.all("instance_node"):
+        below.append(library.named(instance.get("url"), "node", "instance_node"))
+    return below[::-1]
 
 
 def matrix_of_steps(
@@ -224,16 +239,52 @@ _Moves = list[tuple[int, slice | int, _Curve]]
 """Steps of one node's stack, which of each step's numbers move, and how."""
 
 
-def read_clip(library: Library, scene: ColladaScene) -> tuple[RigClip | None, list[str]]:
-    """All channels that move nodes of the scene as one clip, or None without any.
+def read_clips(library: Library, scene: ColladaScene) -> tuple[tuple[RigClip, ...], list[str]]:
+    """Channels that move nodes of the scene: the animation clips of the document, or one of all.
 
     Raises:
-        FormatError: sources that are missing or do not fit, or times that do not increase.
+        FormatError: sources that are missing or do not fit, times that do not increase, or a clip
+            of an animation that is not there.
     """
+    clips, notices = [], []
+    for number, element in enumerate(library.root.every("animation_clip")):
+        instances = element.all("instance_animation")
+        urls = [one.get("url") for one in instances]
+        parts = [library.named(url, "animation", "instance_animation") for url in urls]
+        moves, _ = _moves(library, scene, parts)
+        if moves:
+            name = element.get("name") or element.get("id") or f"clip {number}"
+            clips.append(_within(_clip(scene, moves, name), element))
+    moves, left_out = _moves(library, scene, library.root.all("library_animations"))
+    if left_out:
+        notices.append(f"{left_out} channels that move no transform of the scene are left out")
+    if moves and not clips:
+        titled = library.root.first("library_animation_clips", "animation_clip")
+        title = "" if titled is None else titled.get("name") or titled.get("id")
+        clips.append(_clip(scene, moves, title or "animation"))
+    return tuple(clips), notices
+
+
+def _within(clip: RigClip, element: Element) -> RigClip:
+    """The part of a clip from an animation clip's start to its end, as a clip from 0 on."""
+    span = [clip.key_times[0], clip.key_times[-1]]
+    for side, key in enumerate(("start", "end")):
+        if element.get(key).strip():
+            value = float(numbers_in(element.get(key), f"animation_clip {key}")[0])
+            span[side] = min(max(value, clip.key_times[0]), clip.key_times[-1])
+    start, end = span
+    inside = clip.key_times[(clip.key_times > start) & (clip.key_times < end)]
+    times = np.concatenate([[start], inside, [end] if end > start else []]) - start
+    return replace(clip, key_times=times, at=lambda wanted: clip.at(wanted + start), key_count=0)
+
+
+def _moves(
+    library: Library, scene: ColladaScene, parts: list[Element]
+) -> tuple[dict[int, _Moves], int]:
+    """What the channels below some elements move, and how many move no transform of the scene."""
     moves: dict[int, _Moves] = {}
     left_out = 0
-    title = ""
-    for animations in library.root.all("library_animations"):
+    for animations in parts:
         for channel in animations.every("channel"):
             target = _target(scene, channel.get("target"))
             if target is None:
@@ -245,16 +296,7 @@ def read_clip(library: Library, scene: ColladaScene) -> tuple[RigClip | None, li
             width = 1 if isinstance(where, int) else len(scene.stacks[node][step].values)
             curve = _curve(library, channel, width)
             moves.setdefault(node, []).append((step, where, curve))
-    notices = []
-    if left_out:
-        notices.append(f"{left_out} channels that move no transform of the scene are left out")
-    if not moves:
-        return None, notices
-    clips = library.root.first("library_animation_clips", "animation_clip")
-    if clips is not None:
-        title = clips.get("name") or clips.get("id")
-        notices.append("animation clips are not taken apart: all channels make one clip")
-    return _clip(scene, moves, title or "animation"), notices
+    return moves, left_out
 
 
 def _clip(scene: ColladaScene, moves: dict[int, _Moves], name: str) -> RigClip:

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from motorcade.animation import Character
-from motorcade.animation.formats import read_character, read_motion
+from motorcade.animation.formats import FormatError, read_character, read_motion
 from motorcade.ga import Similarity
 from tests.animation.formats import samples
 from tests.animation.formats.samples import Write, collada_polygons, collada_with
@@ -29,10 +29,12 @@ def volume(character: Character) -> float:
     return float(np.sum(a * np.cross(b, c)) / 6.0)
 
 
-@pytest.mark.parametrize("kind", ["polygons", "triangles"])
+@pytest.mark.parametrize("kind", ["polygons", "triangles", "trifans", "tristrips"])
 def test_polygons_and_triangles_make_the_same_surface(write: Write, kind: str) -> None:
     plain = read_character(write("plain.dae", collada_with()))
-    if kind == "polygons":
+    if kind == "tristrips":
+        inside = "".join(f"<p>{a} {b} {d} {c}</p>" for a, b, c, d in quads())
+    elif kind != "triangles":
         inside = "".join(f"<p>{' '.join(quad)}</p>" for quad in quads())
     else:
         corners = [word for a, b, c, d in quads() for word in (a, b, c, a, c, d)]
@@ -44,7 +46,7 @@ def test_polygons_and_triangles_make_the_same_surface(write: Write, kind: str) -
     np.testing.assert_allclose(found.colors, plain.colors)
 
 
-@pytest.mark.parametrize("name", ["tristrips", "lines"])
+@pytest.mark.parametrize("name", ["linestrips", "lines"])
 def test_elements_of_other_kinds_and_empty_ones_are_left_out(write: Write, name: str) -> None:
     """Beside polygons that are read; those without a corner make no part."""
     more = f"{collada_polygons()}<{name} count='0'/><triangles count='0'>{INPUT}<p/></triangles>"
@@ -250,12 +252,59 @@ def test_channels_that_move_no_number_are_left_out_and_told(write: Write, target
     assert "1 channels that move no transform of the scene are left out" in made.notices
 
 
-def test_animation_clips_are_not_taken_apart_but_name_the_clip(write: Write) -> None:
-    named = '<library_animation_clips><animation_clip id="walk"/></library_animation_clips>'
-    data = collada_with(("<library_visual_scenes>", named + "<library_visual_scenes>"))
-    found = read_character(write("clips.dae", data))
+def clips(inside: str) -> tuple[str, str]:
+    return (
+        "<library_visual_scenes>",
+        f"<library_animation_clips>{inside}</library_animation_clips><library_visual_scenes>",
+    )
+
+
+def test_a_clip_of_no_animation_names_all_channels(write: Write) -> None:
+    found = read_character(write("clips.dae", collada_with(clips('<animation_clip id="walk"/>'))))
     assert [clip.name for clip in found.clips] == ["walk"]
-    assert any("all channels make one clip" in notice for notice in found.notices)
+
+
+def test_animation_clips_are_taken_apart_by_their_times(write: Write) -> None:
+    parts = "".join(
+        f'<animation_clip id="{name}" start="{start}" end="{end}">'
+        '<instance_animation url="#a"/></animation_clip>'
+        for name, start, end in (("first", 0, 0.5), ("rest", 0.5, 1))
+    )
+    read = read_character(write("clips.dae", collada_with(clips(parts))))
+    whole = read_character(write("whole.dae", collada_with())).clips[0]
+    assert [clip.name for clip in read.clips] == ["first", "rest"]
+    for clip, start in zip(read.clips, (0.0, 0.5), strict=True):
+        assert clip.duration_s == pytest.approx(0.5)
+        np.testing.assert_allclose(
+            clip.at([0.0, 0.2, 0.5]).as_matrix(),
+            whole.at(start + np.array([0.0, 0.2, 0.5])).as_matrix(),
+            atol=1e-9,
+        )
+
+
+def test_instances_of_nodes_are_read_where_they_stand(write: Write) -> None:
+    plain = read_character(write("plain.dae", collada_with()))
+    base = '<node id="base" name="base" sid="b" type="JOINT">'
+    text = collada_with().decode()
+    start = text.index(base)
+    end = text.index('<node id="mesh">')
+    library = f"<library_nodes>{text[start:end]}</library_nodes><library_visual_scenes>"
+    instanced = text[:start] + '<node id="x"><instance_node url="#base"/></node>' + text[end:]
+    instanced = instanced.replace("<library_visual_scenes>", library)
+    read = read_character(write("instanced.dae", instanced.encode()))
+    np.testing.assert_allclose(read.vertices, plain.vertices)
+    assert [clip.name for clip in read.clips] == ["animation"]
+    endless = instanced.replace(base, base + '<instance_node url="#base"/>')
+    with pytest.raises(FormatError, match="no instance of itself"):
+        read_character(write("endless.dae", endless.encode()))
+
+
+@pytest.mark.parametrize("written", ["Body Skin", "Body%20Skin"])
+def test_ids_with_blanks_are_referred_to_as_viewers_read_them(write: Write, written: str) -> None:
+    data = collada_with(
+        ('controller id="skin"', 'controller id="Body Skin"'), ('url="#skin"', f'url="#{written}"')
+    )
+    assert len(read_character(write("blank.dae", data)).vertices) == 12
 
 
 def test_handles_of_another_kind_leave_straight_lines(write: Write) -> None:

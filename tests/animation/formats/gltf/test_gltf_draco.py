@@ -79,9 +79,7 @@ PART = ("meshes", 0, "primitives", 0)
         ((*PART, "extensions", DRACO, "attributes", "POSITION"), 55, "an attribute of the mesh"),
         ((*PART, "extensions", DRACO, "attributes", "HAT"), 0, "those of its primitive"),
         ((*PART, "attributes", "WEIGHTS_0"), 0, r"as accessors\[0\]"),
-        (("accessors", 1, "count"), 13, r"13 of VEC3, as accessors\[1\]"),
-        (("accessors", 4, "count"), 63, "63 of SCALAR"),
-        (("accessors", 1, "type"), "MAT2", "12 of MAT2"),
+        (("accessors", 1, "type"), "MAT2", r"MAT2, as accessors\[1\], got 12 x 3 numbers"),
     ],
 )
 def test_what_does_not_fit_is_refused(
@@ -90,6 +88,18 @@ def test_what_does_not_fit_is_refused(
     made = draco_tower(edgebreaker=False)
     with pytest.raises(FormatError, match=told):
         read_character(write("odd.glb", changed(made, path, value)))
+
+
+def test_counts_are_those_that_were_encoded(write: Write) -> None:
+    """Khronos' samples count the vertices before their encoder merged those that are alike."""
+    made = draco_tower(edgebreaker=False)
+    for accessor in made.document["accessors"]:
+        if "bufferView" not in accessor:
+            accessor["count"] += 5
+    wanted = read_character(write("exact.glb", draco_tower(edgebreaker=False).glb()))
+    read = read_character(write("more.glb", made.glb()))
+    np.testing.assert_array_equal(read.vertices, wanted.vertices)
+    np.testing.assert_array_equal(read.triangles, wanted.triangles)
 
 
 def test_whole_numbers_must_fit_what_holds_them(write: Write) -> None:
