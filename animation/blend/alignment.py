@@ -43,7 +43,7 @@ LOWEST, SAMPLES, REFINED = 0.3, 240, 3
 SAME_CONTACT = 0.2
 # A foot this near to where it stands, as a share of the height, is on the ground.
 TOUCHES = 0.003
-PLANTINGS = 6
+PLANTINGS = 20
 PHASES = np.linspace(0.0, 1.0, 129)
 
 
@@ -81,11 +81,7 @@ def grounded(clip: Clip, skeleton: Skeleton, legs: Sequence[Leg] = ()) -> Ground
         raise ValueError(f"grounded(clip): expected two poses or more, got one in '{clip.name}'")
     world, rest = skeleton.world(clip.poses.rigid), skeleton.rest_world
     hips = body_of(skeleton).get("hips", skeleton.root)
-    facing = facing_rad(skeleton, world.translation_m)
-    if facing is None:
-        root = skeleton.root
-        facing = heading_of(world[:, root] @ rest[root].inverse())
-    facing = np.unwrap(facing)
+    facing = _facing(clip.poses.rigid, skeleton)
     under = rest.translation_m[hips] * [1.0, 1.0, 0.0]
     at = world.translation_m[:, hips] * [1.0, 1.0, 0.0] - turn_z(facing).apply(under)
     tall = float(np.max(rest.translation_m[:, 2]))
@@ -103,6 +99,15 @@ def grounded(clip: Clip, skeleton: Skeleton, legs: Sequence[Leg] = ()) -> Ground
         if ahead_m >= NO_WAY * tall:
             way = way @ Motor.from_translation(share[:, None] * [ahead_m, 0.0, 0.0])
     return GroundedMotion(inside, RootMotion(clip.time_s, way, cycle), cycle)
+
+
+def _facing(poses: Motor, skeleton: Skeleton) -> FloatArray:
+    """Where a figure faces ``(F,)`` in poses ``(F, J)``, by its hips, or else by its root."""
+    world, root = skeleton.world(poses), skeleton.root
+    facing = facing_rad(skeleton, world.translation_m)
+    if facing is None:
+        facing = heading_of(world[:, root] @ skeleton.rest_world[root].inverse())
+    return np.unwrap(facing)
 
 
 def _hung_on_hips(clip: Clip, skeleton: Skeleton, hips: int) -> Clip:
@@ -318,10 +323,11 @@ def blend_motions(
     in_phase = all(motion.cycle and motion.clip.looped for motion in pair)
     clip = blend_clips(first.clip, second.clip, weight, method, in_phase=in_phase, rate_hz=rate_hz)
     share = np.array([1.0 - weight, weight])
-    steps = []
+    steps, clocks = [], []
     for motion in pair:
         rate = motion.clip.duration_s / clip.duration_s if in_phase else 1.0
-        way = motion.way.at(motion.clip.time_s[0] + rate * clip.time_s)
+        clocks.append(motion.clip.time_s[0] + rate * clip.time_s)
+        way = motion.way.at(clocks[-1])
         step = way[:-1].inverse() @ way[1:]
         steps.append(np.column_stack([heading_of(step), step.translation_m[:, :2]]))
     turns, *ahead = np.tensordot(share, steps, 1).T
@@ -330,6 +336,16 @@ def blend_motions(
     place = np.concatenate([[0.0], place])
     at = np.stack([place.real, place.imag, np.zeros(len(place))], axis=-1)
     way = RootMotion(clip.time_s, _ground(heading, at), in_phase)
+    faces = [
+        _facing(motion.clip.at(clock).rigid, skeleton)
+        for motion, clock in zip(pair, clocks, strict=True)
+    ]
+    off = share @ np.stack(faces) - _facing(clip.poses.rigid, skeleton)
+    # Hips that lean face elsewhere halfway than halfway between where they face.
+    hips = skeleton.world(clip.poses.rigid).translation_m[:, body_of(skeleton).get("hips", 0)]
+    under = hips * [1.0, 1.0, 0.0]
+    about = _ground(off, under - turn_z(off).apply(under))
+    clip = replace(clip, poses=skeleton.moved(clip.poses, about))
     blended = GroundedMotion(clip, way, in_phase)
     return blended if weight in (0.0, 1.0) else planted(blended, skeleton, legs)
 
@@ -343,7 +359,8 @@ def planted(motion: GroundedMotion, skeleton: Skeleton, legs: Sequence[Leg]) -> 
     if not legs or not isinstance(clip.poses, Motor) or count < 3:
         return motion
     rows, time_s = np.arange(count + 1), clip.time_s
-    tall = float(np.max(skeleton.rest_world.translation_m[:, 2]))
+    rest = skeleton.rest_world.translation_m
+    tall, balls = float(np.max(rest[:, 2])), [skeleton.index(leg.ball) for leg in legs]
     if clip.looped:  # no stance is cut by its ends
         turns = np.repeat([-1.0, 0.0, 1.0], count) * clip.duration_s
         rows, time_s = np.tile(rows[:-1], 3), np.tile(time_s[:-1], 3) + turns
@@ -353,7 +370,7 @@ def planted(motion: GroundedMotion, skeleton: Skeleton, legs: Sequence[Leg]) -> 
         poses = plant_feet(skeleton, time_s, loose, legs, world_T_character=way, stances=stances)
         at = (way.reshape(-1, 1) @ skeleton.world(poses)).translation_m
         before = stances
-        stances = [_touching(at[:, skeleton.index(leg.ball)], time_s, tall) for leg in legs]
+        stances = [_touching(at[:, k], time_s, rest[k, 2], tall) for k in balls]
         if before is not None and np.array_equal(before, stances):
             break
     if clip.looped:
@@ -361,12 +378,14 @@ def planted(motion: GroundedMotion, skeleton: Skeleton, legs: Sequence[Leg]) -> 
     return replace(motion, clip=replace(clip, poses=poses))
 
 
-def _touching(at: FloatArray, time_s: FloatArray, tall_m: float) -> NDArray[np.bool_]:
+def _touching(
+    at: FloatArray, time_s: FloatArray, rest_m: float, tall_m: float
+) -> NDArray[np.bool_]:
     """Stances ``(F,)``, from when a foot comes as low as it stands to when it leaves that."""
     standing = find_stances(at, time_s)
     longer = standing.copy()
     for start, end in stretches(standing):
-        low = at[:, 2] <= np.max(at[start:end, 2]) + TOUCHES * tall_m
+        low = at[:, 2] <= max(rest_m, np.max(at[start:end, 2])) + TOUCHES * tall_m
         longer[start - np.argmin([*low[:start][::-1], False]) : start] = True
         longer[end : end + np.argmin([*low[end:], False])] = True
     return longer

@@ -6,7 +6,8 @@ files outside the folder are refused, and whatever is wrong is a `FormatError`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from motorcade.animation.character import Character
@@ -29,6 +30,7 @@ from motorcade.animation.formats.rig import (
     assemble_character,
     assemble_motion,
 )
+from motorcade.ga.names import did_you_mean
 
 __all__ = [
     "SUFFIXES",
@@ -64,6 +66,7 @@ def read_character(
     unit_m: float | None = None,
     up: str | None = None,
     front: str | None = None,
+    hide: Sequence[str] = (),
 ) -> Character:
     """Read a skinned mesh with its skeleton and clips: metres, z up, facing +x, soles at z = 0.
 
@@ -76,10 +79,11 @@ def read_character(
         unit_m: length of the file's unit, where the caller knows better than the file.
         up: the axis of the file that is up, such as "z", likewise.
         front: the axis of the file that the figure faces at rest, such as "-y", likewise.
+        hide: names of meshes, or of nodes that bear some, that are left out.
 
     Raises:
         FormatError: a file that cannot be read, breaks its format or a limit of size, names a
-            file outside its folder, or has no mesh that joints carry.
+            file outside its folder, has no mesh that joints carry, or none of a name to hide.
         NoMeshError: a FormatError too: the file holds a motion alone.
 
     >>> from motorcade.animation import read_character
@@ -89,11 +93,23 @@ def read_character(
     """
     file = Path(path)
     try:
-        return assemble_character(_rig(file, unit_m), Wanted(unit_m, up, front))
+        rig = _without(_rig(file, unit_m), hide)
+        return assemble_character(rig, Wanted(unit_m, up, front))
     except FormatError as fault:
         raise fault.in_file(file) from fault
     except ValueError as fault:  # what Skeleton, Clip or Character refuse
         raise FormatError(str(fault)).in_file(file) from fault
+
+
+def _without(rig: Rig, hide: Sequence[str]) -> Rig:
+    """A rig without the surfaces of these names."""
+    named = [{surface.name, rig.tree.names[surface.node]} for surface in rig.surfaces]
+    for name in hide:
+        if not any(name in names for names in named):
+            raise FormatError(f"hide: no mesh {name!r}; {did_you_mean(name, set().union(*named))}")
+    kept = [not names & set(hide) for names in named]
+    surfaces = tuple(surface for surface, keep in zip(rig.surfaces, kept, strict=True) if keep)
+    return replace(rig, surfaces=surfaces) if hide else rig
 
 
 def read_motion(

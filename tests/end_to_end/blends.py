@@ -20,7 +20,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from motorcade.animation import Character, Clip, Skeleton, mannequin
-from motorcade.animation.blend import grounded
+from motorcade.animation.blend import closed, grounded
 from motorcade.animation.formats import read_motion
 from motorcade.animation.ik import fitted_legs
 from motorcade.animation.ik.feet import stretches
@@ -185,7 +185,8 @@ def row(number: int, rng: np.random.Generator) -> tuple[str, bool, Blend]:
     share = (blend.clip.time_s - blend.clip.time_s[0]) / blend.clip.duration_s
     off, own = 0.0, 0.0
     for k, clip in enumerate(clips):
-        source = grounded(clip, who.skeleton, legs).clip
+        alone = grounded(clip, who.skeleton, legs)
+        source = closed(alone.clip, np.inf) if alone.cycle else alone.clip
         clock = share * source.duration_s if blend.in_phase else blend.clip.time_s
         facing = headings_deg(who, source.at(source.time_s[0] + clock).rigid)
         # Of what is in phase from elsewhere on, each moment lies between some of the other's.
@@ -207,16 +208,16 @@ def row(number: int, rng: np.random.Generator) -> tuple[str, bool, Blend]:
 
 def sheet(blends: list[tuple[str, Blend]], file: Path, moments: int = 12) -> None:
     """Moments of each blend side by side, from ahead and to the left."""
-    import av  # noqa: F401
     from PIL import Image
 
     from motorcade.render.showcase import show_clip
 
     rows = []
     for _, blend in blends:
-        frames = list(show_clip(blend.character, blend.clip, (120, 160)))
-        chosen = np.linspace(0, len(frames) - 1, moments).astype(int)
-        rows.append(np.concatenate([frames[k] for k in chosen], axis=1))
+        clock = np.linspace(blend.clip.time_s[0], blend.clip.time_s[-1], moments)
+        chosen = Clip("moments", np.arange(moments) / 30.0, blend.clip.at(clock).rigid)
+        frames = list(show_clip(blend.character, chosen, (120, 160)))[:moments]
+        rows.append(np.concatenate(frames, axis=1))
     Image.fromarray(np.concatenate(rows)[..., ::-1]).save(file)
 
 

@@ -234,6 +234,11 @@ def _unit_m(rig: Rig, axes: Axes, places: Places, value: float | None) -> tuple[
     unsure = unit is not None and doubted and not is_plausible(height * unit)
     if unit is None:
         return guessed_unit_m(height)
+    if not unsure and not doubted and not is_plausible(height * unit):
+        return unit, (
+            f"it is {height * unit:.4g} m large as its file says, which few things are that stand "
+            "in footage: state its height where that is not meant"
+        )
     return nearer_unit_m(height, unit) if unsure else (unit, "")
 
 

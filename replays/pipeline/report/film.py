@@ -87,7 +87,7 @@ def film_of(findings: Findings) -> FilmView | None:
     moves = len(placed.path_m) or placed.parts or placed.ground_motion is not None
     if moves or camera is None:
         return FilmView(film.frames, film.frames_with_character, None, None, film.stands_on)
-    who = character_named(placed.character, placed.up, placed.front)
+    who = character_named(placed.character, placed.up, placed.front, placed.hide)
     axis = np.linspace([0.0, 0.0, 0.0], [0.0, 0.0, who.height_m], _STEPS)
     path = findings.integrity.drawn
     stamps = findings.recording.frames.time_ns

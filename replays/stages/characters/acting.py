@@ -30,13 +30,19 @@ IDLE = "idle"
 IDLE_HZ, LONGEST_IDLE_S = 30.0, 120.0
 
 
-def character_named(name: str, up: str | None = None, front: str | None = None) -> Character:
+def character_named(
+    name: str,
+    up: str | None = None,
+    front: str | None = None,
+    hide: tuple[str, ...] = (),
+) -> Character:
     """The mannequin, or the character of a file.
 
     Args:
         name: "mannequin", or the file.
         up: the axis of the file that is up, where the caller knows better than the file.
         front: the axis of the file that the figure faces at rest, likewise.
+        hide: names of its meshes that are not drawn.
 
     Raises:
         ValueError: no such file, or one that cannot be read, or axes for the mannequin; the message
@@ -44,28 +50,30 @@ def character_named(name: str, up: str | None = None, front: str | None = None) 
     """
     path = Path(name)
     if name == MANNEQUIN:
-        for knob, axis in (("up", up), ("front", front)):
+        for knob, axis in (("up", up), ("front", front), ("hide", hide or None)):
             if axis is not None:
                 raise ValueError(f"placed.{knob}: expected none for the mannequin, came {axis!r}")
         return mannequin()
     if not is_there(path):
         raise ValueError(f"placed.character: expected 'mannequin' or a file, came {name!r}")
-    character, files = _read(path.absolute(), up, front)
+    character, files = _read(path.absolute(), up, front, hide)
     if files_now(files) != files:
         _read.cache_clear()
-        character, files = _read(path.absolute(), up, front)
+        character, files = _read(path.absolute(), up, front, hide)
     put_on_record(files)
     return character
 
 
 @lru_cache(maxsize=8)
-def _read(path: Path, up: str | None, front: str | None) -> tuple[Character, Mapping[Path, str]]:
+def _read(
+    path: Path, up: str | None, front: str | None, hide: tuple[str, ...]
+) -> tuple[Character, Mapping[Path, str]]:
     """A character, and the files that it was read from."""
     from motorcade.animation.formats import FormatError, read_character
 
     try:
         with files_read() as files:
-            return read_character(path, up=up, front=front), files
+            return read_character(path, up=up, front=front, hide=hide), files
     except FormatError as fault:
         raise ValueError(f"placed.character: {fault}") from fault
 
@@ -217,7 +225,7 @@ def performers(placed: PlacedCharacter, lasting_s: float = 0.0) -> list[Performe
             )
             for part in placed.parts
         ]
-    character = character_named(placed.character, placed.up, placed.front)
+    character = character_named(placed.character, placed.up, placed.front, placed.hide)
     clip = clip_named(character, placed.clip)
     if len(placed.path_m):
         scale, start = placed.placement.scale, placed.plane_T_character

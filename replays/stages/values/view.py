@@ -94,6 +94,7 @@ class PlacedCharacter:
         parts: of a cast or a scene, what all do, the one first that the other fields tell of.
         apart_m: the least distance between two bodies of it; None for one alone.
         up, front: axes of the character's file, where the user knows better than the file.
+        hide: names of the character's meshes that are not drawn.
         choices: what there is to stand on, by the numbers of `placed.floor` from 1 on.
         doubt: what of it is a guess, in words; "" where nothing is.
         looks_at_m: ``(3,)`` a place in the world that it lifts its head to; None for none.
@@ -110,6 +111,7 @@ class PlacedCharacter:
     apart_m: float | None = None
     up: str | None = None
     front: str | None = None
+    hide: tuple[str, ...] = ()
     choices: tuple[StandingPlace, ...] = ()
     doubt: str = ""
     looks_at_m: FloatArray | None = None

@@ -38,9 +38,9 @@ log = logging.getLogger("motorcade.placed")
 
 NOTHING = FILE_KNOBS["placed.scene"]
 # What a cast says in place of knobs; those that are lists of numbers may be empty.
-CAST_SAYS = ("character", "clip", "up", "front", "path", "position_m", "heading_deg")
+CAST_SAYS = ("character", "clip", "up", "front", "hide", "path", "position_m", "heading_deg")
 SCENE_SAYS = (*CAST_SAYS, "height_m", "cast")
-LISTS = ("path", "position_m")
+LISTS = ("path", "position_m", "hide")
 # A clip that is raised or lowered by more of the height is named in the log.
 TOLD_SHARE = 0.01
 # Seen from so steeply above a figure lifts its head to the camera; from where hardly more than that
@@ -69,6 +69,7 @@ def placed(
     heading_deg: float | None = None,
     up: str | None = None,
     front: str | None = None,
+    hide: tuple[str, ...] = (),
     height_m: float | None = None,
 ) -> PlacedCharacter:
     """Stand the character on the board or markers, on a plane that was found, or on a floor.
@@ -97,7 +98,8 @@ def placed(
     `marker_poses.moving` where loose markers are mapped. `position_m` (x, y) lies
     in the plane's own frame; without it the character stands in the middle of the board or marker,
     on a plane where it is in view best and longest, or on the floor where the first camera looks.
-    `up` and `front` are axes of the character's file, such as z and -y, where its own are wrong.
+    `up` and `front` are axes of the character's file, such as z and -y, where its own are wrong;
+    `hide` names meshes of it that are not drawn, such as props held all at once.
     `heading_deg` turns from the plane's x towards its y; without it the character looks at the
     first camera, or up to where the camera usually is where that is steeply above. `height_m` is
     the character's; without it, half the shorter side of the board or plane, a marker's side, and
@@ -108,7 +110,7 @@ def placed(
     """
     if position_m and len(position_m) != 2:
         raise ValueError(f"placed.position_m: expected x,y, got {len(position_m)} numbers")
-    axes = up, front
+    axes = up, front, hide
     told = (character != Path(MANNEQUIN), clip, *axes, path, position_m, heading_deg is not None)
     if str(cast) != NOBODY:
         _refuse_beside("cast", *map(bool, told))
@@ -179,6 +181,7 @@ def placed(
         ground_motion,
         up=up,
         front=front,
+        hide=hide,
         looks_at_m=looks_at_m,
         choices=choices,
         doubt="; ".join(filter(None, doubts)),

@@ -14,7 +14,7 @@ from scipy.linalg import polar
 
 from motorcade.animation import Character
 from motorcade.animation.appearance import to_srgb
-from motorcade.animation.formats import read_character, read_motion
+from motorcade.animation.formats import FormatError, read_character, read_motion
 from tests.animation.formats import samples
 from tests.animation.formats.samples import Gltf, Write
 
@@ -327,3 +327,25 @@ def test_extensions_that_change_nothing_here_may_be_required(write: Write) -> No
     made = samples.gltf_tower()
     made.document["extensionsRequired"] = ["KHR_mesh_quantization", "KHR_materials_unlit"]
     assert read_character(write("quantized.glb", made.glb())).height_m == pytest.approx(2.0)
+
+
+def test_meshes_are_hidden_by_their_names(write: Write) -> None:
+    """By those of the nodes that bear them; a name that is not there is answered."""
+    made = samples.gltf_tower()
+    document = made.document
+    document["meshes"].append(document["meshes"][0])
+    bearing = next(node for node in document["nodes"] if "mesh" in node)
+    document["nodes"].append(bearing | {"mesh": 1, "name": "sword"})
+    document["scenes"][0]["nodes"].append(len(document["nodes"]) - 1)
+    path = write("both.glb", made.glb())
+    whole = read_character(path)
+    assert 2 * len(read_character(path, hide=["sword"]).triangles) == len(whole.triangles)
+    with pytest.raises(FormatError, match=r"hide: no mesh 'swrod'; did you mean sword\?"):
+        read_character(path, hide=["swrod"])
+
+
+@pytest.mark.parametrize("scale", [40.0, 1.0, 0.01])
+def test_sizes_that_few_things_have_are_doubted(write: Write, scale: float) -> None:
+    """Things without limbs keep what their file says; the tower is two metres high."""
+    read = read_character(write("tower.glb", samples.gltf_tower(scale).glb()))
+    assert any("m large as its file says" in notice for notice in read.notices) == (scale != 1.0)
