@@ -31,8 +31,8 @@ class Character:
         normals: (V, 3) unit vectors that point outwards.
         triangles: (T, 3) vertex numbers.
         colors: (V, 3) sRGB, 0 to 1.
-        joints: (V, 4) joint numbers.
-        weights: (V, 4) shares of these joints, not negative, summing to 1.
+        joints: (V, 4 or 8) joint numbers.
+        weights: (V, 4 or 8) shares of these joints, not negative, summing to 1.
         clips: motions of this skeleton with different names.
         notices: what was left out or assumed when it was read from a file.
         character_T_file: from the axes and unit of the file's scene to character space.
@@ -78,7 +78,8 @@ class Character:
 
     def __post_init__(self) -> None:
         count = len(np.asarray(self.vertices))
-        for name, width in (("vertices", 3), ("normals", 3), ("colors", 3), ("weights", 4)):
+        most = 8 if np.shape(self.weights)[-1:] == (8,) else 4
+        for name, width in (("vertices", 3), ("normals", 3), ("colors", 3), ("weights", most)):
             values = checked_floats(getattr(self, name), f"Character.{name}", (width,))
             if values.shape != (count, width):
                 raise ValueError(
@@ -89,7 +90,7 @@ class Character:
             raise ValueError("Character.vertices: expected one vertex or more, got none")
         for name, shape, limit in (
             ("triangles", (len(np.asarray(self.triangles)), 3), count),
-            ("joints", (count, 4), len(self.skeleton)),
+            ("joints", (count, most), len(self.skeleton)),
         ):
             given_numbers = _numbers(getattr(self, name), f"Character.{name}", shape, limit)
             object.__setattr__(self, name, given_numbers)
@@ -162,7 +163,7 @@ class Character:
 
     @cached_property
     def influences(self) -> tuple[IntArray, FloatArray]:
-        """Joints and weights ``(V, 4)``, the heaviest of each vertex first.
+        """Joints and weights ``(V, 4 or 8)``, the heaviest of each vertex first.
 
         Sums of versors take their signs from the first: no sum can then cancel.
         """

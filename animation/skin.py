@@ -174,7 +174,7 @@ def _sums(character: Character, entries: FloatArray, with_signs: bool) -> FloatA
     joints, weights = character.influences
     first = entries[..., joints[:, 0], :]
     total: FloatArray = first * weights[:, 0, None]
-    for k in range(1, 4):
+    for k in range(1, weights.shape[1]):
         held = np.flatnonzero(weights[:, k])
         other, share = entries[..., joints[held, k], :], weights[held, k, None]
         if with_signs:

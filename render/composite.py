@@ -206,7 +206,7 @@ def over(frame: ImageArray, layer: Layer, depth_m: DepthArray | None = None) -> 
     rgba = layer.rgba[part]
     alpha = rgba[..., 3] / 255.0
     if depth_m is not None and rgba.size:
-        alpha = alpha * _seen_share(layer.depth_m[part], depth_m[part]) / 256.0
+        alpha = alpha * seen_share(layer.depth_m[part], depth_m[part]) / 256.0
     whole, rim = alpha == 1.0, (alpha > 0.0) & (alpha < 1.0)
     np.copyto(result[part], rgba[..., :3], where=whole[..., None])
     own = rgba[rim][:, :3] / np.maximum(rgba[rim][:, 3:], 1.0)
@@ -216,7 +216,7 @@ def over(frame: ImageArray, layer: Layer, depth_m: DepthArray | None = None) -> 
     return result
 
 
-def _seen_share(drawn_m: DepthArray, real_m: DepthArray) -> NDArray[np.uint16]:
+def seen_share(drawn_m: DepthArray, real_m: DepthArray) -> NDArray[np.uint16]:
     """Share (of 256) of a layer that nothing real hides, soft over a pixel at its edges.
 
     Depth counts as nearer beyond twice the noise of a structured-light sensor, 1.4 mm a square

@@ -20,6 +20,7 @@ import numpy as np
 from motorcade.animation.vectors import box_corners
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
+from motorcade.render.account import FigureSeen, figures_seen
 from motorcade.render.backends.renderer import Renderer
 from motorcade.render.composite import (
     Matching,
@@ -99,6 +100,8 @@ class _Drawn:
     shade: ShadeArray | None
     ground_m: DepthArray | None
     known_m: DepthArray | None
+    figures: list[_PosedFigure]
+    world_T_camera: Motor
     eye_m: float = 0.0
 
 
@@ -241,11 +244,12 @@ class FilmStage:
         hull_m = np.concatenate([one.hull_m() for one in moment.figures])
         known = None if measured else known_depth(pinhole, pose, hull_m, self._prints, stand)
         if known is None and not measured:
-            return _Drawn(layer, shade, None, None)
+            return _Drawn(layer, shade, None, None, moment.figures, pose)
         ground_m = ground_depth(pinhole, camera_T_ground)
         eye_m = float(camera_T_ground.inverse().translation_m[2])
         known_m = None if known is None else self.lens.depth(known, window)
-        return _Drawn(layer, shade, self.lens.depth(ground_m, window), known_m, eye_m)
+        stood_on_m = self.lens.depth(ground_m, window)
+        return _Drawn(layer, shade, stood_on_m, known_m, moment.figures, pose, eye_m)
 
     def _follow(self, renderer: Renderer, posed: _PosedFigure) -> None:
         """Light that goes where one that walks alone goes, or all go on one ground that moves."""
@@ -262,8 +266,13 @@ class FilmStage:
         x, y, z = (ball_m + ground.rotor.apply(center_m)).tolist()
         renderer.relight(replace(light, shadow_center_m=(x, y, z)))
 
-    def composed(self, rng: np.random.Generator, shot: Shot) -> tuple[ImageArray, bool | None]:
-        """A frame with all that lies over it, and whether a figure shows; None without a pose."""
+    def composed(
+        self, rng: np.random.Generator, shot: Shot
+    ) -> tuple[ImageArray, tuple[FigureSeen, ...] | None]:
+        """A frame with all that lies over it, and what it shows of each figure.
+
+        None without a pose.
+        """
         frame = as_rgb(shot.picture)
         if shot.drawn is None:
             return frame, None
@@ -271,14 +280,24 @@ class FilmStage:
         sigma = frame_noise(shot.picture) if sigma is None else sigma
         layer = exposed(blended([one.layer for one in shot.drawn]), shot.gain)
         layer = greyed(layer) if is_grey(frame) else layer
-        part = self._laid_over(frame[shot.window], layer, shot.drawn, shot.depth_m)
+        part, hiding_m = self._laid_over(frame[shot.window], layer, shot.drawn, shot.depth_m)
         frame[shot.window] = noisy(part, layer.rgba[..., 3] / 255.0, sigma, rng)
-        return frame, bool(layer.rgba.any())
+        middle = shot.drawn[len(shot.drawn) // 2]
+        seen = figures_seen(
+            self.lens,
+            shot.window,
+            layer,
+            hiding_m,
+            [one.own_m for one in middle.figures],
+            [middle.world_T_camera.inverse() @ one.world_T_ground for one in middle.figures],
+            [figure.height_m for figure in self.figures],
+        )
+        return frame, seen
 
     def _laid_over(
         self, frame: ImageArray, layer: Layer, drawn: list[_Drawn], depth_m: DepthArray | None
-    ) -> ImageArray:
-        """A window of a frame: the shade on the ground, then the character over it."""
+    ) -> tuple[ImageArray, DepthArray | None]:
+        """A window of a frame: the shade on the ground, then the character over it; what hides."""
         middle = drawn[len(drawn) // 2]
         hiding_m = middle.known_m if depth_m is None else depth_m
         raised_m = None
@@ -295,7 +314,7 @@ class FilmStage:
             elif middle.known_m is not None and middle.ground_m is not None:
                 shade = shade * share_beyond(middle.known_m, middle.ground_m)
             frame = darken(frame, shade)
-        return over(frame, layer, hiding_m)
+        return over(frame, layer, hiding_m), hiding_m
 
 
 def _depth_to_the_rim(layer: Layer) -> DepthArray:

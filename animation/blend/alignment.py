@@ -43,7 +43,7 @@ LOWEST, SAMPLES, REFINED = 0.3, 240, 3
 SAME_CONTACT = 0.2
 # A foot this near to where it stands, as a share of the height, is on the ground.
 TOUCHES = 0.003
-PLANTINGS = 20
+PLANTINGS = 12
 PHASES = np.linspace(0.0, 1.0, 129)
 
 
@@ -369,10 +369,12 @@ def planted(motion: GroundedMotion, skeleton: Skeleton, legs: Sequence[Leg]) -> 
     for _ in range(PLANTINGS):  # what touches the ground as it is set down stands there already
         poses = plant_feet(skeleton, time_s, loose, legs, world_T_character=way, stances=stances)
         at = (way.reshape(-1, 1) @ skeleton.world(poses)).translation_m
-        before = stances
-        stances = [_touching(at[:, k], time_s, rest[k, 2], tall) for k in balls]
-        if before is not None and np.array_equal(before, stances):
-            break
+        touching = [_touching(at[:, k], time_s, rest[k, 2], tall) for k in balls]
+        if stances is not None:
+            touching = [now | before for now, before in zip(touching, stances, strict=True)]
+            if np.array_equal(touching, stances):
+                break
+        stances = touching
     if clip.looped:
         poses = poses[np.append(count + rows[:count], count)]
     return replace(motion, clip=replace(clip, poses=poses))

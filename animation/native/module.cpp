@@ -33,10 +33,12 @@ Mesh mesh_of(Array<const double, 2> positions, Array<const double, 2> normals,
              Array<const std::int64_t, 2> joints, Array<const double, 2> weights) {
     const std::size_t count = positions.shape(0);
     expect(positions.shape(1) == 3 && normals.shape(0) == count && normals.shape(1) == 3 &&
-               joints.shape(0) == count && joints.shape(1) == 4 && weights.shape(0) == count &&
-               weights.shape(1) == 4,
-           "Mesh: expected positions and normals (V, 3), joints and weights (V, 4)");
-    return Mesh(positions.data(), normals.data(), joints.data(), weights.data(), count);
+               joints.shape(0) == count && weights.shape(0) == count &&
+               (joints.shape(1) == 4 || joints.shape(1) == 8) &&
+               weights.shape(1) == joints.shape(1),
+           "Mesh: expected positions and normals (V, 3), joints and weights (V, 4) or (V, 8)");
+    return Mesh(positions.data(), normals.data(), joints.data(), weights.data(), count,
+                joints.shape(1));
 }
 
 void reshape(Mesh &mesh, Array<const double, 2> positions, Array<const double, 2> normals) {

@@ -38,18 +38,22 @@ const Method &of(Skinning method) {
 std::size_t palette_width(Skinning method) { return of(method).width; }
 
 Mesh::Mesh(const double *positions, const double *normals, const std::int64_t *joints,
-           const double *weights, std::size_t count)
+           const double *weights, std::size_t count, std::size_t width)
     : count_(count), padded_((count + LANES - 1) / LANES * LANES), rest_(6 * padded_, 0.0F),
       joints_(4 * padded_, 0), weights_(4 * padded_, 0.0F), few_(padded_ / 4, 1) {
     reshape(positions, normals);
     for (std::size_t i = 0; i < count; ++i) {
         // The first joint gives the sign; of the others those without weight go last.
         std::size_t used = 1;
-        for (std::size_t k = 0; k < 4; ++k) {
-            const auto joint = static_cast<std::uint16_t>(joints[4 * i + k]);
-            const auto weight = static_cast<float>(weights[4 * i + k]);
+        for (std::size_t k = 0; k < width; ++k) {
+            const auto joint = static_cast<std::uint16_t>(joints[width * i + k]);
+            const auto weight = static_cast<float>(weights[width * i + k]);
             joint_count_ = std::max<std::size_t>(joint_count_, joint + 1U);
             if (k > 0 && weight == 0.0F) continue;
+            if (used == 4) {
+                further_.push_back({i, joint, weight});
+                continue;
+            }
             const std::size_t at = 4 * i + (k > 0 ? used++ : 0);
             joints_[at] = joint;
             weights_[at] = weight;
@@ -71,6 +75,24 @@ void Mesh::reshape(const double *positions, const double *normals) {
         }
 }
 
+void Mesh::add_further(Skinning method, const float *palette, std::size_t from, std::size_t rows,
+                       float *sums) const {
+    const std::size_t width = of(method).width;
+    auto at = std::lower_bound(
+        further_.begin(), further_.end(), from,
+        [](const Further &one, std::size_t vertex) { return one.vertex < vertex; });
+    for (; at != further_.end() && at->vertex < from + rows; ++at) {
+        const float *const entry = palette + width * at->joint;
+        const float *const first = palette + width * joints_[4 * at->vertex];
+        float dot = 0.0F;
+        for (std::size_t k = 0; k < 4; ++k) dot += entry[k] * first[k];
+        const bool flips = method != Skinning::matrix && dot < 0.0F;
+        const float weight = flips ? -at->weight : at->weight;
+        for (std::size_t k = 0; k < width; ++k)
+            sums[k * TILE + at->vertex - from] += weight * entry[k];
+    }
+}
+
 void Mesh::skin_range(Skinning method, const float *palette, float *positions, float *normals,
                       std::size_t start, std::size_t end) const {
     alignas(64) float sums[12 * TILE];
@@ -84,6 +106,7 @@ void Mesh::skin_range(Skinning method, const float *palette, float *positions, f
         const std::size_t blocks = (rows + LANES - 1) / LANES;
         by.sum(palette, joints_.data() + 4 * from, weights_.data() + 4 * from,
                few_.data() + from / 4, blocks * LANES, sums, TILE);
+        add_further(method, palette, from, rows, sums);
         const float *const inputs[3] = {sums, rest_.data() + from,
                                         rest_.data() + 3 * padded_ + from};
         by.carry(inputs, input_steps, outputs, &tile, blocks);

@@ -133,10 +133,15 @@ def test_wherever_a_surface_goes_nothing_is_cut_off_or_left_behind() -> None:
     assert seen == 4
 
 
-@pytest.fixture(scope="module", params=["mannequin", "makehuman"])
+@pytest.fixture(scope="module", params=["mannequin", "of eight", "makehuman"])
 def character(request: pytest.FixtureRequest) -> Character:
     if request.param == "mannequin":
         return mannequin()
+    if request.param == "of eight":
+        figure, drawn = mannequin(), np.random.default_rng(4)
+        shape = (len(figure.vertices), 8)
+        joints = np.sort(drawn.integers(0, len(figure.skeleton), shape), axis=1)
+        return replace(figure, joints=joints, weights=drawn.dirichlet(np.ones(8), len(joints)))
     from motorcade.animation.formats import read_character
 
     folder: Path = request.getfixturevalue("data_dir")

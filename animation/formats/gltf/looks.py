@@ -89,8 +89,11 @@ class LookWriter:
         attributes = {"POSITION": add(character.vertices[rows], target=VERTICES, bounds=True)}
         if not flat:
             attributes["NORMAL"] = add(character.normals[rows], target=VERTICES)
-        attributes["JOINTS_0"] = add(character.joints[rows], kind, target=VERTICES)
-        attributes["WEIGHTS_0"] = add(character.weights[rows], target=VERTICES)
+        joints, weights = character.joints, character.weights
+        for group in range(joints.shape[1] // 4):
+            four = slice(4 * group, 4 * group + 4)
+            attributes[f"JOINTS_{group}"] = add(joints[rows, four], kind, target=VERTICES)
+            attributes[f"WEIGHTS_{group}"] = add(weights[rows, four], target=VERTICES)
         primitive: dict[str, Any] = {
             "attributes": attributes,
             "indices": add(triangles.reshape(-1), wide, target=INDICES),

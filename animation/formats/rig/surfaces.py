@@ -1,11 +1,12 @@
 """All surfaces of a rig as one mesh in the bind pose, in character space.
 
-Influences are cut to four, and normals made where a file has none.
+Influences are cut to eight, and normals made where a file has none.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,15 +22,17 @@ from motorcade.ga.arrays import FloatArray, IntArray
 
 # A dropped share or a sum off by this much is worth telling.
 TOLD_SHARE = 0.01
+# Influences of a vertex at most.
+MOST = 8
 
 
 @dataclass(frozen=True, eq=False)
 class Influences:
-    """Up to four joints a vertex.
+    """Up to four joints a vertex, or up to eight where some follow more.
 
     Args:
-        numbers: (V, 4) joints of the skin.
-        weights: (V, 4) shares that sum to 1.
+        numbers: (V, 4 or 8) joints of the skin.
+        weights: (V, 4 or 8) shares that sum to 1.
         notices: what was dropped or mended.
     """
 
@@ -38,8 +41,8 @@ class Influences:
     notices: tuple[str, ...]
 
 
-def strongest_four(surface: RigSurface) -> Influences:
-    """The four largest influences of each vertex, brought to a sum of 1.
+def strongest_influences(surface: RigSurface) -> Influences:
+    """The four or eight largest influences of each vertex, brought to a sum of 1.
 
     A vertex without any weight is given to the first joint of its skin, which a notice says.
 
@@ -51,34 +54,32 @@ def strongest_four(surface: RigSurface) -> Influences:
         raise expected(f"weights of '{surface.name}'", "finite shares of 0 or more", "others")
     notices = []
     if weights.shape[1] > 4:
-        order = np.argsort(-weights, axis=1, kind="stable")[:, :4]
-        kept = np.take_along_axis(weights, order, axis=1)
-        total = np.maximum(weights.sum(axis=1), 1e-30)
-        lost = 1.0 - kept.sum(axis=1) / total
-        if (total > 1e-20).any() and lost[total > 1e-20].max() > TOLD_SHARE:
-            count = int(np.count_nonzero((lost > TOLD_SHARE) & (total > 1e-20)))
-            notices.append(
-                f"'{surface.name}': {count} vertices have more than four influences; up to "
-                f"{100 * lost[total > 1e-20].max():.0f} % of their weight was left out"
-            )
-        numbers, weights = np.take_along_axis(numbers, order, axis=1), kept
-    elif weights.shape[1] < 4:
-        wanted = ((0, 0), (0, 4 - weights.shape[1]))
-        numbers, weights = np.pad(numbers, wanted), np.pad(weights, wanted)
+        order = np.argsort(-weights, axis=1, kind="stable")
+        numbers, weights = (np.take_along_axis(one, order, axis=1) for one in (numbers, weights))
+    total = weights.sum(axis=1)
+    lost = weights[:, MOST:].sum(axis=1) / np.maximum(total, 1e-30)
+    if lost.max(initial=0.0) > TOLD_SHARE:
+        count = int(np.count_nonzero(lost > TOLD_SHARE))
+        notices.append(
+            f"'{surface.name}': {count} vertices have more than {MOST} influences; up to "
+            f"{100 * lost.max():.0f} % of their weight was left out"
+        )
+    width = MOST if np.any(weights[:, 4:] > 0.0) else 4
+    more = ((0, 0), (0, max(0, width - weights.shape[1])))
+    numbers, weights = np.pad(numbers[:, :width], more), np.pad(weights[:, :width], more)
+    if np.all(total > 1e-12) and np.abs(total - 1.0).max(initial=0.0) > TOLD_SHARE:
+        notices.append(
+            f"'{surface.name}': weights sum to {total.min():.3g} to {total.max():.3g}: divided "
+            "by their sums"
+        )
     total = weights.sum(axis=1, keepdims=True)
     bare = total[:, 0] <= 1e-12
     if bare.any():
-        weights, numbers = weights.copy(), numbers.copy()
-        weights[bare], numbers[bare] = (1.0, 0.0, 0.0, 0.0), 0
+        weights[bare], numbers[bare] = np.eye(width)[0], 0
         total = weights.sum(axis=1, keepdims=True)
         notices.append(
             f"'{surface.name}': {np.count_nonzero(bare)} vertices without weights follow the "
             "first joint of their skin"
-        )
-    elif np.abs(total - 1.0).max() > TOLD_SHARE and surface.weights.shape[1] <= 4:
-        notices.append(
-            f"'{surface.name}': weights sum to {total.min():.3g} to {total.max():.3g}: divided "
-            "by their sums"
         )
     shares = weights / total
     return Influences(np.where(shares > 0.0, numbers, 0), shares, tuple(notices))
@@ -145,6 +146,7 @@ def bound_mesh(
             part = _skinned(surface, *skins[id(surface.skin)])
         parts.append(part)
         notices += part.notices
+    width = max(part.joints.shape[1] for part in parts)
     starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
     return BoundMesh(
         np.concatenate([part.vertices for part in parts]),
@@ -153,12 +155,16 @@ def bound_mesh(
             [part.triangles + start for part, start in zip(parts, starts[:-1], strict=True)]
         ),
         np.concatenate([part.colors for part in parts]),
-        np.concatenate([part.joints for part in parts]),
-        np.concatenate([part.weights for part in parts]),
+        np.concatenate([_as_wide(part.joints, width) for part in parts]),
+        np.concatenate([_as_wide(part.weights, width) for part in parts]),
         tuple(notices),
         _appearance(surfaces, parts),
         *_morphs(surfaces, parts),
     )
+
+
+def _as_wide(values: NDArray[Any], width: int) -> NDArray[Any]:
+    return np.pad(values, ((0, 0), (0, width - values.shape[1])))
 
 
 def _morphs(
@@ -232,7 +238,7 @@ def _skinned(surface: RigSurface, own: IntArray, matrices: FloatArray) -> BoundM
 
     Its skin's joints are `own` (M,), whose `matrices` (M, 4, 4) lead to character space.
     """
-    held = strongest_four(surface)
+    held = strongest_influences(surface)
     used = np.unique(held.numbers[held.weights > 0.0])
     first = matrices[used[0]]
     far = np.abs(surface.vertices).max(initial=0.0)

@@ -93,6 +93,14 @@ class RenderMesh:
         return array
 
 
+_INFLUENCES = (
+    ("4u2", "in_joints"),
+    ("4f4", "in_weights"),
+    ("4u2", "in_more_joints"),
+    ("4f4", "in_more_weights"),
+)
+
+
 class SkinnedMesh:
     """A mesh whose vertices a shader carries by the joints of a character.
 
@@ -118,18 +126,25 @@ class SkinnedMesh:
         most = gl.info["GL_MAX_TEXTURE_SIZE"]
         if self._shape[0] > most:
             raise ValueError(f"bind(character): expected at most {most} joints")
-        self._program = programs.carry(SKIN_KERNELS[known], _ROWS[known], signed=known != "linear")
+        joints, weights = character.influences
+        self._program = programs.carry(
+            SKIN_KERNELS[known], _ROWS[known], signed=known != "linear", more=joints.shape[1] > 4
+        )
         self._method, self._corners_m = known, box_corners(character.vertices)
         self._rest = gl.buffer(_interleaved(character.vertices, character.normals))
-        joints, weights = character.influences
-        self._joints = gl.buffer(np.ascontiguousarray(joints, np.uint16))
-        self._weights = gl.buffer(np.ascontiguousarray(weights, np.float32))
+        self._held = [
+            gl.buffer(np.ascontiguousarray(values[:, start : start + 4], kind))
+            for start in range(0, joints.shape[1], 4)
+            for values, kind in ((joints, np.uint16), (weights, np.float32))
+        ]
         self._palette = gl.texture((_ROWS[known], self._shape[0]), 4, dtype="f4")
         self._palette.filter = gl.NEAREST, gl.NEAREST
         content = [
             (self._rest, "3f4 3f4", "in_position", "in_normal"),
-            (self._joints, "4u2", "in_joints"),
-            (self._weights, "4f4", "in_weights"),
+            *(
+                (buffer, *name)
+                for buffer, name in zip(self._held, _INFLUENCES[: len(self._held)], strict=True)
+            ),
         ]
         self._array = gl.vertex_array(self._program, content)
 
@@ -170,7 +185,7 @@ class SkinnedMesh:
 
     def release(self) -> None:
         """Free everything."""
-        for part in (self._array, self._palette, self._weights, self._joints, self._rest):
+        for part in (self._array, self._palette, *self._held, self._rest):
             part.release()
 
 

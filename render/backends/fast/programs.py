@@ -56,11 +56,12 @@ class Programs:
             fragment_shader=_VERSION + _text("shadow.frag"),
         )
 
-    def carry(self, function: str, rows: int, *, signed: bool) -> Any:
+    def carry(self, function: str, rows: int, *, signed: bool, more: bool = False) -> Any:
         """Carries vertices by a palette with one of the generated functions."""
         defined = {"CARRY": function, "ROWS": str(rows)} | ({"SIGNED": ""} if signed else {})
+        defined |= {"MORE": ""} if more else {}
         return self._program(
-            ("carry", function),
+            ("carry", function, str(more)),
             vertex_shader=_head(defined) + _generated() + _text("carry.vert"),
             varyings=("position", "normal"),
         )

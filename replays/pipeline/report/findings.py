@@ -65,7 +65,10 @@ class Findings:
     def doubts(self) -> tuple[str, ...]:
         """What is not sure of the recording, and of what the character stands on."""
         standing = (self.placed.doubt,) if self.placed.doubt else ()
-        return (*self.recording.doubts, *standing)
+        film = self.overlay
+        seen = () if film is None else film.accounts
+        drawn = [doubt for one in seen if film for doubt in one.doubts(film.height_px)]
+        return (*self.recording.doubts, *standing, *drawn)
 
     def unmeasured_spans_s(self) -> Spans:
         """Where a pose was looked for and none was found: from the last one before to the next one.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -117,6 +118,101 @@ class PlacedCharacter:
     looks_at_m: FloatArray | None = None
 
 
+# Of the frames, of a figure's pixels, and of the picture's height: less than this is hardly seen.
+SEEN_FRAMES, SEEN_PIXELS, SEEN_HEIGHT = 0.5, 0.5, 0.05
+# In its heights: lower it is sunk, higher it hovers, and farther a foot slides.
+OFF_GROUND, SLIDES = 0.02, 0.02
+# Facing farther off its way than this for most of it, a figure does not go as people go.
+ASTRAY_DEG = 60.0
+
+
+@dataclass(frozen=True, eq=False)
+class FigureAccount:
+    """What a film shows of a figure, frame by frame; NaN where there is no pose or it is not there.
+
+    Fields:
+        name: what it is called.
+        visible_px: ``(F,)`` pixels of it that are seen.
+        drawn_px: ``(F,)`` those in the picture, were nothing before it.
+        inside: ``(F,)`` the share of it that is in the picture.
+        height_px: ``(F,)`` how high it is in the picture.
+        bottom: ``(F,)`` how high its lowest point lies over its ground, in its heights.
+        astray_rad: ``(F,)`` how far it faces off its way; NaN where it stands as well.
+        slide: the farthest that a foot goes on the ground in one contact, in its heights.
+    """
+
+    name: str
+    visible_px: FloatArray
+    drawn_px: FloatArray
+    inside: FloatArray
+    height_px: FloatArray
+    bottom: FloatArray
+    astray_rad: FloatArray
+    slide: float
+
+    @property
+    def hidden(self) -> float:
+        """The share of its pixels in the picture that something hides, over all frames."""
+        drawn = float(np.nansum(self.drawn_px))
+        return 1.0 - float(np.nansum(self.visible_px)) / drawn if drawn > 0.0 else 0.0
+
+    @property
+    def shown(self) -> tuple[int, int]:
+        """In how many frames some of it is seen, and in how many it should be."""
+        posed = np.isfinite(self.visible_px)
+        return int(np.count_nonzero(self.visible_px[posed] >= 1.0)), int(np.count_nonzero(posed))
+
+    def as_dict(self) -> dict[str, Any]:
+        """JSON-ready figures, medians over the frames in which it is seen."""
+        seen = self.visible_px >= 1.0
+        middle = [
+            float(np.median(row[seen])) if np.any(seen) else 0.0
+            for row in (self.visible_px, self.inside, self.height_px)
+        ]
+        posed = self.bottom[np.isfinite(self.bottom)]
+        astray = self.astray_rad[np.isfinite(self.astray_rad)]
+        return {
+            "name": self.name,
+            "frames_seen": self.shown[0],
+            "frames": self.shown[1],
+            "visible_px": middle[0],
+            "hidden_share": self.hidden,
+            "inside_share": middle[1],
+            "height_px": middle[2],
+            "lowest_share_of_height": float(posed.min()) if len(posed) else None,
+            "highest_share_of_height": float(posed.max()) if len(posed) else None,
+            "foot_slide_share_of_height": self.slide,
+            "heading_off_way_deg": float(np.degrees(np.median(astray))) if len(astray) else None,
+        }
+
+    def doubts(self, picture_px: int) -> tuple[str, ...]:
+        """What somebody who looks at the film would object to.
+
+        Args:
+            picture_px: height of the picture.
+        """
+        seen, frames = self.shown
+        if not frames:
+            return ()
+        told, found = self.as_dict(), []
+        if seen < SEEN_FRAMES * frames:
+            found.append(f"is seen in {seen} of {frames} frames")
+        if self.hidden > SEEN_PIXELS:
+            found.append(f"is hidden for {self.hidden:.0%} by what is before it")
+        if seen and told["height_px"] < SEEN_HEIGHT * picture_px:
+            found.append(f"is {told['height_px']:.0f} of {picture_px} pixels high")
+        low, far = told["lowest_share_of_height"], told["heading_off_way_deg"]
+        if low < -OFF_GROUND:
+            found.append(f"reaches {-low:.0%} of its height below its ground")
+        if low > OFF_GROUND:
+            found.append(f"hovers {low:.0%} of its height or more over its ground")
+        if self.slide > SLIDES:
+            found.append(f"slides on a foot by {self.slide:.1%} of its height")
+        if far is not None and far > ASTRAY_DEG:
+            found.append(f"faces {far:.0f}° off the way that it goes")
+        return tuple(f"the film: '{self.name}' {doubt}" for doubt in found)
+
+
 @dataclass(frozen=True, eq=False)
 class OverlayVideo:
     """A video, and what it shows.
@@ -128,6 +224,7 @@ class OverlayVideo:
         stands_on, lit_by: on what the character stands, and what lights it.
         footage: "original", "undistorted", or "steadied".
         along: which path it was drawn along: "measured", or "smoothed".
+        accounts: what it shows of each figure, and the height of its pictures.
         seconds: what drawing took.
     """
 
@@ -138,4 +235,6 @@ class OverlayVideo:
     lit_by: str
     footage: str
     along: str
+    accounts: tuple[FigureAccount, ...]
+    height_px: int
     seconds: float = field(metadata=ASIDE)

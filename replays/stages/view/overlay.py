@@ -6,6 +6,7 @@ import time
 from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -13,15 +14,18 @@ import numpy as np
 from motorcade.animation import Character
 from motorcade.fusion.smoothing.view import steady_view, turned_homography
 from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import IntArray
 from motorcade.ga.lookahead import ahead
 from motorcade.ga.names import nearest_name
 from motorcade.ga.progress import track
 from motorcade.render import (
+    Performer,
     RendererName,
     RenderUnavailable,
     render_performers,
     write_video,
 )
+from motorcade.render.account import FigureSeen
 from motorcade.render.composite import Matching
 from motorcade.render.lens import warped
 from motorcade.render.light import (
@@ -44,7 +48,8 @@ from motorcade.replays.stages.characters.acting import performers
 from motorcade.replays.stages.values.camera_poses import CameraPoses, MarkerPoses
 from motorcade.replays.stages.values.errors import Integrity
 from motorcade.replays.stages.values.paths import SmoothedPaths
-from motorcade.replays.stages.values.view import OverlayVideo, PlacedCharacter
+from motorcade.replays.stages.values.view import FigureAccount, OverlayVideo, PlacedCharacter
+from motorcade.replays.stages.view.account import account_of
 from motorcade.replays.stages.view.ground import prints_of
 from motorcade.tracking.rolling import as_read
 
@@ -120,6 +125,7 @@ def overlay(
         lighting, lit_by, meter = _estimated(footage, path, placed, character, prints)
     if view != "footage":
         path = footage.turned(path, steady_view(path, middle_m, live=view == "live"))
+    account: list[tuple[FigureSeen, ...] | None] = []
     pictures = render_performers(
         footage.frames(track(recording.frames, "drawing", len(recording.frames))),
         footage.camera,
@@ -132,6 +138,7 @@ def overlay(
         else None,  # where things move, a map may not hold
         meter=meter,
         renderer=renderer,
+        account=account,
     )
     file, frames = new_file("overlay.mp4"), recording.frames
     try:
@@ -146,7 +153,28 @@ def overlay(
         lit_by,
         "original" if distorted else "undistorted" if view == "footage" else "steadied",
         integrity.drawn_is if representation is None else "smoothed",
+        _accounts(placed, shown, account, frames.time_ns),
+        footage.camera.height,
         time.perf_counter() - start,
+    )
+
+
+def _accounts(
+    placed: PlacedCharacter,
+    shown: list[Performer],
+    account: list[tuple[FigureSeen, ...] | None],
+    time_ns: IntArray,
+) -> tuple[FigureAccount, ...]:
+    """What the film shows of each figure."""
+    names = [part.name for part in placed.parts] or [Path(placed.character).stem]
+    return tuple(
+        account_of(
+            name,
+            performer,
+            [None if frame is None else frame[k] for frame in account],
+            time_ns[: len(account)],
+        )
+        for k, (name, performer) in enumerate(zip(names, shown, strict=True))
     )
 
 

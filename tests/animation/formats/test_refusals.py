@@ -112,7 +112,7 @@ def test_weights_are_brought_to_a_sum_of_one_and_none_follows_the_first_joint(
     assert any("1 vertices without weights" in notice for notice in made_character.notices)
 
 
-def test_more_than_four_influences_keep_the_largest(write: Write) -> None:
+def test_up_to_eight_influences_are_kept_the_largest_first(write: Write) -> None:
     made = samples.gltf_tower()
     attributes = made.document["meshes"][0]["primitives"][0]["attributes"]
     numbers = np.tile([0, 1, 0, 1], (12, 1))
@@ -121,8 +121,23 @@ def test_more_than_four_influences_keep_the_largest(write: Write) -> None:
     attributes["WEIGHTS_0"] = made.add(np.tile([0.3, 0.05, 0.2, 0.05], (12, 1)))
     attributes["WEIGHTS_1"] = made.add(np.tile([0.1, 0.2, 0.05, 0.05], (12, 1)))
     character = read_character(write("many.glb", made.glb()))
-    np.testing.assert_allclose(character.weights[0], np.array([3, 2, 2, 1]) / 8.0, atol=1e-6)
-    assert any("more than four influences" in notice for notice in character.notices)
+    wanted = np.array([6, 4, 4, 2, 1, 1, 1, 1]) / 20.0
+    np.testing.assert_allclose(character.weights[0], wanted, atol=1e-6)
+    assert not any("influences" in notice for notice in character.notices)
+    back = write("back.glb", b"")
+    write_gltf(back, character)
+    np.testing.assert_allclose(read_character(back).weights[0], wanted, atol=1e-6)
+
+
+def test_more_than_eight_influences_keep_the_largest(write: Write) -> None:
+    made = samples.gltf_tower()
+    attributes = made.document["meshes"][0]["primitives"][0]["attributes"]
+    for group, share in enumerate((0.05, 0.15, 0.05)):
+        attributes[f"JOINTS_{group}"] = made.add(np.tile([0, 1, 0, 1], (12, 1)), "uint8")
+        attributes[f"WEIGHTS_{group}"] = made.add(np.tile([share] * 4, (12, 1)))
+    character = read_character(write("many.glb", made.glb()))
+    np.testing.assert_allclose(character.weights[0], [0.1875] * 4 + [0.0625] * 4, atol=1e-6)
+    assert any("more than 8 influences; up to 20 %" in notice for notice in character.notices)
 
 
 def test_what_is_lost_of_hardly_any_weight_is_not_worth_a_notice(write: Write) -> None:

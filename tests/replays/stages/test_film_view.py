@@ -61,7 +61,9 @@ def test_how_much_of_the_figure_a_film_shows_follows_from_where_it_stands(
     placement = Placement(Motor.from_translation([0.0, 4.0, 0.0]), 1.0 / who.height_m)
     stamps = 100_000_000 * np.arange(len(away))
     drawn = Trajectory(stamps, path, "world", "camera")
-    overlay = OverlayVideo(Path(), 3, len(away), "the floor", "", "original", "smoothed", 0.0)
+    overlay = OverlayVideo(
+        Path(), 3, len(away), "the floor", "", "original", "smoothed", (), 480, 0.0
+    )
     findings: Any = SimpleNamespace(
         overlay=overlay,
         placed=PlacedCharacter("mannequin", "idle", placement, "the floor"),

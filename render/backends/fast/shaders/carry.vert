@@ -1,6 +1,7 @@
 // A vertex and its normal carried by its joints, into the world. CARRY names the generated function
 // that stands above, ROWS the rows of four numbers in an entry of the palette. Where SIGNED is
-// defined, an entry and its negative mean the same motion, and all take the sign of the first.
+// defined, an entry and its negative mean the same motion, and all take the sign of the first; MORE
+// says that a vertex may follow eight joints.
 
 uniform sampler2D palette;
 uniform mat4 world_from_character;
@@ -8,6 +9,10 @@ in vec3 in_position;
 in vec3 in_normal;
 in uvec4 in_joints;
 in vec4 in_weights;
+#ifdef MORE
+in uvec4 in_more_joints;
+in vec4 in_more_weights;
+#endif
 out vec3 position;
 out vec3 normal;
 
@@ -18,9 +23,15 @@ void main()
     for (int row = 0; row < ROWS; ++row) {
         total[row] = vec4(0.0);
     }
+#ifdef MORE
+    for (int k = 0; k < 8; ++k) {
+        int joint = int(k < 4 ? in_joints[k] : in_more_joints[k - 4]);
+        float share = k < 4 ? in_weights[k] : in_more_weights[k - 4];
+#else
     for (int k = 0; k < 4; ++k) {
         int joint = int(in_joints[k]);
         float share = in_weights[k];
+#endif
 #ifdef SIGNED
         if (dot(first, texelFetch(palette, ivec2(0, joint), 0)) < 0.0) {
             share = -share;
