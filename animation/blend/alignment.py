@@ -44,6 +44,8 @@ SAME_CONTACT = 0.2
 # A foot this near to where it stands, as a share of the height, is on the ground.
 TOUCHES = 0.003
 PLANTINGS = 12
+# Hips are lowered to a foot that stands by this share of the height at most.
+LOWERED = 0.02
 PHASES = np.linspace(0.0, 1.0, 129)
 
 
@@ -360,21 +362,31 @@ def planted(motion: GroundedMotion, skeleton: Skeleton, legs: Sequence[Leg]) -> 
         return motion
     rows, time_s = np.arange(count + 1), clip.time_s
     rest = skeleton.rest_world.translation_m
+    hips = body_of(skeleton).get("hips", skeleton.root)
     tall, balls = float(np.max(rest[:, 2])), [skeleton.index(leg.ball) for leg in legs]
     if clip.looped:  # no stance is cut by its ends
         turns = np.repeat([-1.0, 0.0, 1.0], count) * clip.duration_s
         rows, time_s = np.tile(rows[:-1], 3), np.tile(time_s[:-1], 3) + turns
     way, loose = motion.way.at(time_s), clip.poses[rows]
-    stances: list[NDArray[np.bool_]] | None = None
+    stances = np.zeros((len(time_s), len(legs)), dtype=bool)
+    released, held = stances.copy(), None
     for _ in range(PLANTINGS):  # what touches the ground as it is set down stands there already
-        poses = plant_feet(skeleton, time_s, loose, legs, world_T_character=way, stances=stances)
+        poses = plant_feet(skeleton, time_s, loose, legs, world_T_character=way, stances=held)
         at = (way.reshape(-1, 1) @ skeleton.world(poses)).translation_m
         touching = [_touching(at[:, k], time_s, rest[k, 2], tall) for k in balls]
-        if stances is not None:
-            touching = [now | before for now, before in zip(touching, stances, strict=True)]
-            if np.array_equal(touching, stances):
-                break
-        stances = touching
+        # Rather than that hips go down to it, a foot that is left behind goes along.
+        drop = (loose[:, skeleton.root].translation_m - poses[:, skeleton.root].translation_m)[:, 2]
+        far = np.linalg.norm(at[:, balls, :2] - at[:, hips, None, :2], axis=-1)
+        lacking = np.flatnonzero(drop > LOWERED * tall)
+        for k, rows_held in enumerate(map(np.flatnonzero, stances.T)):
+            behind = lacking[np.argmax(far[lacking], axis=1) == k]
+            if len(rows_held) and len(behind):  # in a swing, what it is held for before or after
+                after = np.minimum(np.searchsorted(rows_held, behind), len(rows_held) - 1)
+                released[rows_held[np.stack([np.maximum(after - 1, 0), after])], k] = True
+        before, stances = stances, (stances | np.stack(touching, axis=1)) & ~released
+        if held is not None and np.array_equal(before, stances):
+            break
+        held = list(stances.T)
     if clip.looped:
         poses = poses[np.append(count + rows[:count], count)]
     return replace(motion, clip=replace(clip, poses=poses))

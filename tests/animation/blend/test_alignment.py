@@ -36,7 +36,8 @@ def facing_deg(skeleton: Skeleton, clip: Clip) -> np.ndarray:
 
 
 @pytest.mark.parametrize("degrees", [90.0, 180.0])
-def test_a_blend_faces_as_both_do_wherever_they_begin(who, degrees, names=("walk", "run")):
+def test_a_blend_faces_as_both_do_wherever_they_begin(who, degrees):
+    names = ("walk", "run")
     second = turned(who.clip(names[1]), who.skeleton, degrees, (1.5, -0.7, 0.0))
     other = replace(who, clips=(who.clip(names[0]), replace(second, name="other")))
     blend = blend_character(other, (names[0], "other"), 0.5)
@@ -146,7 +147,7 @@ def test_a_walk_and_a_walk_backwards_are_no_gaits_to_blend(who):
     share = (walk.time_s - walk.time_s[0])[:, None]
     goes = Motor.from_translation(share * [-0.6, 0.0, 0.0])
     backwards = replace(backwards, poses=who.skeleton.moved(backwards.poses, goes))
-    with pytest.raises(ValueError, match="face alike as they go, got 17. degrees"):
+    with pytest.raises(ValueError, match=r"face alike as they go, got 17. degrees"):
         gait_between([walk, backwards], who.skeleton, legs, 0.8)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.animation.formats import FormatError, read_character
+from motorcade.animation.formats import FormatError, read_character, write_gltf
 from motorcade.animation.formats.limits import beside
 from motorcade.ga.files import files_now, files_read
 from tests.animation.formats import samples
