@@ -14,7 +14,6 @@ from motorcade.animation import Character, Clip, Placement
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import checked_floats
 from motorcade.ga.lookahead import ahead
-from motorcade.render.account import FigureSeen
 from motorcade.render.backends.choice import RendererName, new_renderer
 from motorcade.render.composite import Matching
 from motorcade.render.figures import Performer
@@ -28,6 +27,7 @@ from motorcade.render.light import (
 from motorcade.render.scene import ImageArray, Lighting
 from motorcade.render.shadow import ShadowLook
 from motorcade.render.shots import FilmStage, StampedFrame
+from motorcade.render.visibility import FigureSeen
 from motorcade.tracking.cameras.camera import Camera
 
 log = logging.getLogger("motorcade.overlay")
@@ -63,7 +63,7 @@ def render_performers(
     prints: Prints | None = None,
     meter: ExposureMeter | None = None,
     renderer: RendererName = "fast",
-    account: list[tuple[FigureSeen, ...] | None] | None = None,
+    visibility: list[tuple[FigureSeen, ...] | None] | None = None,
 ) -> Iterator[ImageArray]:
     """Draw characters and props with their shadows into every frame that has a pose.
 
@@ -89,7 +89,7 @@ def render_performers(
             ground hide what is behind them.
         meter: of the footage's exposure, which what is drawn then follows.
         renderer: that draws; see `new_renderer`.
-        account: takes up, frame by frame, what each performer shows; None without a pose.
+        visibility: takes up, frame by frame, what each performer shows; None without a pose.
 
     Yields:
         uint8 (h, w, 3) RGB, one a frame.
@@ -118,8 +118,8 @@ def render_performers(
         for picture, shows in ahead(partial(stage.composed, rng), shots):
             posed += shows is not None
             seen |= any(figure.drawn_px > 0.0 for figure in shows or ())
-            if account is not None:
-                account.append(shows)
+            if visibility is not None:
+                visibility.append(shows)
             yield picture
     if posed and not seen:
         log.warning(

@@ -20,7 +20,6 @@ import numpy as np
 from motorcade.animation.vectors import box_corners
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.account import FigureSeen, figures_seen
 from motorcade.render.backends.renderer import Renderer
 from motorcade.render.composite import (
     Matching,
@@ -47,6 +46,7 @@ from motorcade.render.shadow import (
     shade_extent,
     shade_in_picture,
 )
+from motorcade.render.visibility import FigureSeen, figures_seen
 from motorcade.tracking.cameras.camera import Camera
 
 # In heights of the character: what is farther than this from the ground, above or below, takes no

@@ -329,8 +329,8 @@ def blend_motions(
     for motion in pair:
         rate = motion.clip.duration_s / clip.duration_s if in_phase else 1.0
         clocks.append(motion.clip.time_s[0] + rate * clip.time_s)
-        way = motion.way.at(clocks[-1])
-        step = way[:-1].inverse() @ way[1:]
+        places = motion.way.at(clocks[-1])
+        step = places[:-1].inverse() @ places[1:]
         steps.append(np.column_stack([heading_of(step), step.translation_m[:, :2]]))
     turns, *ahead = np.tensordot(share, steps, 1).T
     heading = np.concatenate([[0.0], np.cumsum(turns)])

@@ -55,7 +55,7 @@ def facing_rad(skeleton: Skeleton, at: FloatArray) -> FloatArray | None:
             level = np.linalg.norm(across[:, :2], axis=1) > LEVEL * np.linalg.norm(across, axis=1)
             rows = np.flatnonzero(level) if np.any(level) else np.arange(len(at))
             facing = np.unwrap(np.arctan2(-across[rows, 0], across[rows, 1]))
-            return np.interp(np.arange(len(at)), rows, facing)
+            return np.asarray(np.interp(np.arange(len(at)), rows, facing))
     return None
 
 

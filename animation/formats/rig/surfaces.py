@@ -23,7 +23,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 # A dropped share or a sum off by this much is worth telling.
 TOLD_SHARE = 0.01
 # Influences of a vertex at most.
-MOST = 8
+KEPT = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,16 +55,17 @@ def strongest_influences(surface: RigSurface) -> Influences:
     notices = []
     if weights.shape[1] > 4:
         order = np.argsort(-weights, axis=1, kind="stable")
-        numbers, weights = (np.take_along_axis(one, order, axis=1) for one in (numbers, weights))
+        numbers = np.take_along_axis(numbers, order, axis=1)
+        weights = np.take_along_axis(weights, order, axis=1)
     total = weights.sum(axis=1)
-    lost = weights[:, MOST:].sum(axis=1) / np.maximum(total, 1e-30)
+    lost = weights[:, KEPT:].sum(axis=1) / np.maximum(total, 1e-30)
     if lost.max(initial=0.0) > TOLD_SHARE:
         count = int(np.count_nonzero(lost > TOLD_SHARE))
         notices.append(
-            f"'{surface.name}': {count} vertices have more than {MOST} influences; up to "
+            f"'{surface.name}': {count} vertices have more than {KEPT} influences; up to "
             f"{100 * lost.max():.0f} % of their weight was left out"
         )
-    width = MOST if np.any(weights[:, 4:] > 0.0) else 4
+    width = KEPT if np.any(weights[:, 4:] > 0.0) else 4
     more = ((0, 0), (0, max(0, width - weights.shape[1])))
     numbers, weights = np.pad(numbers[:, :width], more), np.pad(weights[:, :width], more)
     if np.all(total > 1e-12) and np.abs(total - 1.0).max(initial=0.0) > TOLD_SHARE:

@@ -66,7 +66,7 @@ class Findings:
         """What is not sure of the recording, and of what the character stands on."""
         standing = (self.placed.doubt,) if self.placed.doubt else ()
         film = self.overlay
-        seen = () if film is None else film.accounts
+        seen = () if film is None else film.checks
         drawn = [doubt for one in seen if film for doubt in one.doubts(film.height_px)]
         return (*self.recording.doubts, *standing, *drawn)
 

@@ -73,7 +73,7 @@ def summarise(findings: Findings, film: FilmView | None) -> dict[str, Any]:
             "figure_height_share": film.height_share,
             "stands_on": film.stands_on,
             "in_words": film.sentence,
-            "figures": [figure.as_dict() for figure in drawn.accounts],
+            "figures": [figure.as_dict() for figure in drawn.checks],
         },
         "doubts": list(findings.doubts),
         "choices": [place.name for place in findings.placed.choices],

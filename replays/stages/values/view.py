@@ -127,7 +127,7 @@ ASTRAY_DEG = 60.0
 
 
 @dataclass(frozen=True, eq=False)
-class FigureAccount:
+class FigureCheck:
     """What a film shows of a figure, frame by frame; NaN where there is no pose or it is not there.
 
     Fields:
@@ -224,7 +224,7 @@ class OverlayVideo:
         stands_on, lit_by: on what the character stands, and what lights it.
         footage: "original", "undistorted", or "steadied".
         along: which path it was drawn along: "measured", or "smoothed".
-        accounts: what it shows of each figure, and the height of its pictures.
+        checks: what it shows of each figure, and the height of its pictures.
         seconds: what drawing took.
     """
 
@@ -235,6 +235,6 @@ class OverlayVideo:
     lit_by: str
     footage: str
     along: str
-    accounts: tuple[FigureAccount, ...]
+    checks: tuple[FigureCheck, ...]
     height_px: int
     seconds: float = field(metadata=ASIDE)

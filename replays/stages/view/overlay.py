@@ -25,7 +25,6 @@ from motorcade.render import (
     render_performers,
     write_video,
 )
-from motorcade.render.account import FigureSeen
 from motorcade.render.composite import Matching
 from motorcade.render.lens import warped
 from motorcade.render.light import (
@@ -38,6 +37,7 @@ from motorcade.render.light import (
 from motorcade.render.original import OriginalVideo
 from motorcade.render.scene import DepthArray, ImageArray, Lighting
 from motorcade.render.video import read_original
+from motorcade.render.visibility import FigureSeen
 from motorcade.replays.engine.artifacts import new_file
 from motorcade.replays.engine.stage import Unavailable
 from motorcade.replays.io.readers.frames.corners import CornerFrames
@@ -48,8 +48,8 @@ from motorcade.replays.stages.characters.acting import performers
 from motorcade.replays.stages.values.camera_poses import CameraPoses, MarkerPoses
 from motorcade.replays.stages.values.errors import Integrity
 from motorcade.replays.stages.values.paths import SmoothedPaths
-from motorcade.replays.stages.values.view import FigureAccount, OverlayVideo, PlacedCharacter
-from motorcade.replays.stages.view.account import account_of
+from motorcade.replays.stages.values.view import FigureCheck, OverlayVideo, PlacedCharacter
+from motorcade.replays.stages.view.figure_checks import check_figure
 from motorcade.replays.stages.view.ground import prints_of
 from motorcade.tracking.rolling import as_read
 
@@ -125,7 +125,7 @@ def overlay(
         lighting, lit_by, meter = _estimated(footage, path, placed, character, prints)
     if view != "footage":
         path = footage.turned(path, steady_view(path, middle_m, live=view == "live"))
-    account: list[tuple[FigureSeen, ...] | None] = []
+    visibility: list[tuple[FigureSeen, ...] | None] = []
     pictures = render_performers(
         footage.frames(track(recording.frames, "drawing", len(recording.frames))),
         footage.camera,
@@ -138,7 +138,7 @@ def overlay(
         else None,  # where things move, a map may not hold
         meter=meter,
         renderer=renderer,
-        account=account,
+        visibility=visibility,
     )
     file, frames = new_file("overlay.mp4"), recording.frames
     try:
@@ -153,26 +153,26 @@ def overlay(
         lit_by,
         "original" if distorted else "undistorted" if view == "footage" else "steadied",
         integrity.drawn_is if representation is None else "smoothed",
-        _accounts(placed, shown, account, frames.time_ns),
+        _checks(placed, shown, visibility, frames.time_ns),
         footage.camera.height,
         time.perf_counter() - start,
     )
 
 
-def _accounts(
+def _checks(
     placed: PlacedCharacter,
     shown: list[Performer],
-    account: list[tuple[FigureSeen, ...] | None],
+    visibility: list[tuple[FigureSeen, ...] | None],
     time_ns: IntArray,
-) -> tuple[FigureAccount, ...]:
+) -> tuple[FigureCheck, ...]:
     """What the film shows of each figure."""
     names = [part.name for part in placed.parts] or [Path(placed.character).stem]
     return tuple(
-        account_of(
+        check_figure(
             name,
             performer,
-            [None if frame is None else frame[k] for frame in account],
-            time_ns[: len(account)],
+            [None if frame is None else frame[k] for frame in visibility],
+            time_ns[: len(visibility)],
         )
         for k, (name, performer) in enumerate(zip(names, shown, strict=True))
     )

@@ -11,9 +11,9 @@ from motorcade.animation import Character, Clip, mannequin, place_on_plane
 from motorcade.animation.vectors import turn_z
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import Performer, render_performers
-from motorcade.render.account import FigureSeen
 from motorcade.render.composite import Matching
-from motorcade.replays.stages.view.account import account_of
+from motorcade.render.visibility import FigureSeen
+from motorcade.replays.stages.view.figure_checks import check_figure
 from motorcade.tracking.cameras.camera import Camera
 
 pytestmark = pytest.mark.usefixtures("opengl")
@@ -36,7 +36,7 @@ def seen(*figures: Performer, depth_m: np.ndarray | None = None) -> tuple[np.nda
     upright = Rotor.from_rotation_vector([-1.5708 - 0.3, 0.0, 0.0])
     eye = Motor.from_rotor_translation(upright, np.array([0.0, -2.5, 1.4]))
     path = Trajectory(np.array([0, 10**9]), Motor.stack([eye, eye]))
-    account: list[tuple[FigureSeen, ...] | None] = []
+    visibility: list[tuple[FigureSeen, ...] | None] = []
     frame = (0, FRAME) if depth_m is None else (0, FRAME, depth_m)
     picture = next(
         render_performers(
@@ -46,10 +46,10 @@ def seen(*figures: Performer, depth_m: np.ndarray | None = None) -> tuple[np.nda
             figures,
             light_direction=(-0.4, 0.3, -1.0),
             matching=Matching(1.0, 0.0, 0.0),
-            account=account,
+            visibility=visibility,
         )
     )
-    (shown,) = account
+    (shown,) = visibility
     assert shown is not None
     return picture, shown
 
@@ -92,7 +92,7 @@ def _account(who: Character, clip: Clip, motion: Trajectory | None = None):
     performer = replace(standing(who, (0.0, 0.0), clip), motion=motion)
     shown = seen(performer)[1][0]
     time_ns = np.arange(0, 3 * 10**9, 10**8)
-    return account_of("who", performer, [shown] * len(time_ns), time_ns)
+    return check_figure("who", performer, [shown] * len(time_ns), time_ns)
 
 
 def test_planted_faults_are_named(who):
@@ -127,5 +127,5 @@ def test_one_behind_the_camera_or_far_is_named(who):
     time_ns = np.arange(0, 10**9, 10**8)
     for performer, words in ((behind, "is seen in 0 of 10"), (far, "pixels high")):
         shown = seen(performer)[1][0]
-        account = account_of("who", performer, [shown] * len(time_ns), time_ns)
+        account = check_figure("who", performer, [shown] * len(time_ns), time_ns)
         assert any(words in doubt for doubt in account.doubts(CAMERA.height))

@@ -108,4 +108,4 @@ def _mask(px: FloatArray, shape: tuple[int, ...], window: Window) -> NDArray[np.
     box = np.maximum(np.ptp(px, axis=0), 1.0)
     apart = int(2.0 * np.sqrt(box[0] * box[1] / len(px))) | 1
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (apart + 2, apart + 2))
-    return cv2.morphologyEx(mask, cv2.MORPH_CLOSE, kernel).astype(np.float64)
+    return np.asarray(cv2.morphologyEx(mask, cv2.MORPH_CLOSE, kernel), dtype=np.float64)

@@ -1,6 +1,6 @@
 """The film looks at itself: for every figure what is seen of it, how it stands, and how it goes.
 
-Pixels come from what was drawn (`render.account`); contacts and headings from the poses, on the
+Pixels come from what was drawn (`render.visibility`); contacts and headings from the poses, on the
 ground that each figure stands on.
 """
 
@@ -16,8 +16,8 @@ from motorcade.animation.vectors import wrapped
 from motorcade.ga import Similarity
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.render import Performer
-from motorcade.render.account import FigureSeen
-from motorcade.replays.stages.values.view import FigureAccount
+from motorcade.render.visibility import FigureSeen
+from motorcade.replays.stages.values.view import FigureCheck
 
 # A foot is on the ground that is within this share of the height of how it rests.
 TOUCHES = 0.003
@@ -28,12 +28,12 @@ RATE_HZ = 60.0
 MOST = 36_000
 
 
-def account_of(
+def check_figure(
     name: str,
     performer: Performer,
     frames: Sequence[FigureSeen | None],
     time_ns: IntArray,
-) -> FigureAccount:
+) -> FigureCheck:
     """What a film shows of a figure.
 
     Args:
@@ -52,7 +52,7 @@ def account_of(
     ]
     visible, drawn, inside, height, bottom = np.array(rows).reshape(-1, 5).T
     slide, astray = _feet_and_way(performer, time_ns)
-    return FigureAccount(name, visible, drawn, inside, height, bottom, astray, slide)
+    return FigureCheck(name, visible, drawn, inside, height, bottom, astray, slide)
 
 
 def _feet_and_way(performer: Performer, time_ns: IntArray) -> tuple[float, FloatArray]:
