@@ -50,9 +50,8 @@ _ZIP64_LOCATOR = struct.Struct("<4s16x")
 def save_arrays(path: Path, owner: str, form: str, arrays: Mapping[str, Any]) -> None:
     """Write arrays and the name of their format.
 
-    Raises:
-        ValueError: a file name that does not end in ``.npz``.
-        OSError: a file that cannot be written.
+    Raises ValueError: a file name that does not end in ``.npz``; OSError: a file that cannot be
+    written.
     """
     if path.suffix != ".npz":
         raise ValueError(f"{owner}.save(path): expected a name ending in .npz, got {path}")
@@ -117,9 +116,8 @@ def load_arrays(
 ) -> T:
     """A value made of what `save_arrays` wrote.
 
-    Raises:
-        FileError: as `read_arrays`.
-        ValueError: a file that holds no such value, or numbers that the value refuses.
+    Raises FileError: as `read_arrays`; ValueError: a file that holds no such value, or numbers that
+    the value refuses.
     """
     arrays = read_arrays(path, what)
     try:

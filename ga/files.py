@@ -82,10 +82,8 @@ def read_bounded(path: Path, limit_bytes: int) -> bytes:
 def open_bounded(path: Path, limit_bytes: int) -> Iterator[BufferedReader]:
     """Open a regular file of 1 to `limit_bytes` bytes, to be read within the block.
 
-    Raises:
-        EmptyFileError: empty.
-        FileError: missing, not a regular file (a pipe would hang), larger than the limit, or
-            unreadable, also within the block.
+    Raises EmptyFileError: empty; FileError: missing, not a regular file (a pipe would hang), larger
+    than the limit, or unreadable, also within the block.
     """
     with _admitted(path, limit_bytes) as (file, about):
         _note_admitted(path, about)
@@ -96,8 +94,7 @@ def open_bounded(path: Path, limit_bytes: int) -> Iterator[BufferedReader]:
 def admit_file(path: Path, limit_bytes: int) -> None:
     """Check a file that a library is about to open, and put it on record.
 
-    Raises:
-        EmptyFileError, FileError: as `open_bounded`.
+    Raises EmptyFileError, FileError: as `open_bounded`.
     """
     with _admitted(path, limit_bytes) as (_, about):
         _note_admitted(path, about)

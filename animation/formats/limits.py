@@ -56,9 +56,8 @@ def beside(folder: Path, uri: str, field: str) -> Path:
 
     It is named as it was given, links and all: where one is set anew, another file is meant.
 
-    Raises:
-        FormatError: an absolute path, another scheme, or a way out of the folder, by `..` or by a
-            symbolic link.
+    Raises FormatError: an absolute path, another scheme, or a way out of the folder, by `..` or by
+    a symbolic link.
     """
     name = unquote(uri).replace("\\", "/")
     if name.startswith("/") or ":" in name or "\0" in name or len(name) > 1000:
@@ -82,8 +81,7 @@ def picture_beside(folder: Path, uri: str, field: str) -> Path:
     Programs write paths of the machine they ran on: where an address leads elsewhere, or to
     nothing, the file of the same name in the folder itself is meant.
 
-    Raises:
-        FormatError: no name that a file beside this one may have.
+    Raises FormatError: no name that a file beside this one may have.
     """
     try:
         named = beside(folder, uri, field)

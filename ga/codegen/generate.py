@@ -87,10 +87,8 @@ def generate(
 def read_script(path: Path) -> Script:
     """Read and parse a script.
 
-    Raises:
-        FileError: the file cannot be read, or is too large.
-        ValueError: it is no UTF-8.
-        ScriptError: what is wrong with the script, and where.
+    Raises FileError: the file cannot be read, or is too large; ValueError: it is no UTF-8;
+    ScriptError: what is wrong with the script, and where.
     """
     data = read_bounded(path, MAX_FILE_BYTES)
     try:

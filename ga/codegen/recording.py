@@ -44,8 +44,7 @@ def casadi_function(
 
     `define` is called with a list of scalars for each input and returns one for each output.
 
-    Raises:
-        ValueError: an output has another number of components than was declared.
+    Raises ValueError: an output has another number of components than was declared.
     """
     import casadi as ca
 
@@ -74,9 +73,8 @@ def trace(
     With `powers_of_two`, ``2^n`` and ``floor(log x / log 2)`` become the operations on bits that
     only the library's own kernels know.
 
-    Raises:
-        ValueError: an operation without a counterpart in the emitters, or outputs that do not
-            have the declared widths.
+    Raises ValueError: an operation without a counterpart in the emitters, or outputs that do not
+    have the declared widths.
     """
     function = casadi_function(name, inputs, outputs, define)
     return _read(name, function, inputs, outputs, powers_of_two=powers_of_two)
@@ -94,8 +92,7 @@ def tape_of(
     `symbols` are CasADi SX vectors, one of its width for each of `inputs`; `rows` hold SX scalars
     or numbers, one row for each of `outputs`. `name` is for messages.
 
-    Raises:
-        ValueError: an operation without a counterpart in the emitters.
+    Raises ValueError: an operation without a counterpart in the emitters.
     """
     import casadi as ca
 

@@ -193,8 +193,7 @@ def moved_frame(
 
     `point` makes a point of coordinates, `place` finds the coordinates of one.
 
-    Raises:
-        ValueError: it is no versor that moves points to points.
+    Raises ValueError: it is no versor that moves points to points.
     """
     ends = np.vstack([np.zeros((1, 3)), np.eye(3)])
     try:

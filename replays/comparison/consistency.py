@@ -331,10 +331,9 @@ def run_plan(
     On a cluster `out` must be a folder that all workers see. The verdicts do not depend on the
     `executor` (see `motorcade.replays.engine.executors.outcomes`).
 
-    Raises:
-        KeyboardInterrupt: stopped by Ctrl-C; what is finished is kept, and no table is written.
-        ValueError, RuntimeError: the executor is unknown or cannot be reached.
-        OSError: a folder that cannot be written.
+    Raises KeyboardInterrupt: stopped by Ctrl-C; what is finished is kept, and no table is written;
+    ValueError, RuntimeError: the executor is unknown or cannot be reached; OSError: a folder that
+    cannot be written.
     """
     jobs = {job: out / ".finished" / job_key(run_seeds, asdict(job)) for job in _jobs(plan)}
     judged = run_jobs(run_seeds, jobs, executor, "parts").whole("parts")

@@ -56,9 +56,8 @@ class Batch(Generic[JobType, Result]):
     def whole(self, what: str) -> Mapping[JobType, Result]:
         """All results, where there are all.
 
-        Raises:
-            KeyboardInterrupt: Ctrl-C came before the last job was done; says how many are.
-            RuntimeError: a job failed; says why, and how many did.
+        Raises KeyboardInterrupt: Ctrl-C came before the last job was done; says how many are;
+        RuntimeError: a job failed; says why, and how many did.
         """
         count = len(self.results) + len(self.failures) + self.left
         if self.left:
@@ -124,8 +123,7 @@ def finished(
 
     `about` says what each job is, ready for JSON (see `job_key`); the rest is as for `run_jobs`.
 
-    Raises:
-        KeyboardInterrupt, RuntimeError: not all jobs are done; see `Batch.whole`.
+    Raises KeyboardInterrupt, RuntimeError: not all jobs are done; see `Batch.whole`.
     """
     places = {job: out / ".finished" / job_key(function, what_is) for job, what_is in about.items()}
     return run_jobs(function, places, executor, what).whole(what)

@@ -169,9 +169,7 @@ class Footage:
     def jpeg(self, index: int) -> bytes:
         """An image, colour or grey as it was taken.
 
-        Raises:
-            IndexError: there is no such image.
-            RecordingError: it cannot be read.
+        Raises IndexError: there is no such image; RecordingError: it cannot be read.
         """
         if not 0 <= index < len(self._frames):
             raise IndexError(f"Footage.jpeg: expected 0 to {len(self._frames) - 1}, got {index}")

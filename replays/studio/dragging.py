@@ -104,9 +104,8 @@ class ObjectDrag:
     def take(self, grab: Grab) -> None:
         """Take hold, or take hold otherwise in the middle of it, as with a second finger.
 
-        Raises:
-            ValueError: a gesture that cannot follow on the one before.
-            OutOfReach: a finger that points past what it is to move.
+        Raises ValueError: a gesture that cannot follow on the one before; OutOfReach: a finger that
+        points past what it is to move.
         """
         whole = grab.gesture in ("move", "pinch")
         if self.drag is not None and not (whole and self.drag.kind == "similarity"):
@@ -123,9 +122,8 @@ class ObjectDrag:
     def move(self, rays: Sequence[Ray], amount: float | None) -> Scene:
         """The scene with the object where it is taken to; as many rays as it was taken by.
 
-        Raises:
-            ValueError: no such amount, another number of fingers.
-            OutOfReach: a finger that points past what it moves.
+        Raises ValueError: no such amount, another number of fingers; OutOfReach: a finger that
+        points past what it moves.
         """
         assert self.drag is not None  # it was taken
         if self._grab.gesture in BY_AMOUNT:
@@ -298,9 +296,7 @@ class LimbDrag:
     def move(self, rays: Sequence[Ray]) -> Motor:
         """The joints ``(J,)`` in the character's space, with what is held under the finger.
 
-        Raises:
-            ValueError: not one ray.
-            OutOfReach: a finger that points past the character.
+        Raises ValueError: not one ray; OutOfReach: a finger that points past the character.
         """
         if len(rays) != 1:
             raise ValueError("pixels: expected those of one finger")

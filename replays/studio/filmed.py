@@ -147,10 +147,8 @@ def spoken(anchor: SceneAnchor) -> str:
 def open_filmed(folder: Path) -> Filmed:
     """Read a run back for its scene to be edited; what its cache lost is computed again.
 
-    Raises:
-        ValueError: a folder that holds no run, one whose recording has changed since, or one
-            without a camera.
-        OSError: its recording is gone.
+    Raises ValueError: a folder that holds no run, one whose recording has changed since, or one
+    without a camera; OSError: its recording is gone.
     """
     origin = read_origin(folder)
     recording, run = read_run(folder, "placed")

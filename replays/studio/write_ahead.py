@@ -221,8 +221,7 @@ _BY_ANCHORS = ("group", "ungroup", "reparent")
 class SceneHistory:
     """The history of one scene, replayed from its write-ahead log.
 
-    Raises:
-        ValueError: a start or a line that cannot be read.
+    Raises ValueError: a start or a line that cannot be read.
     """
 
     def __init__(self, write_log: WriteAheadLog) -> None:
@@ -254,9 +253,8 @@ class SceneHistory:
     def do(self, gesture: Gesture, world_T_anchor: Mapping[str, Similarity]) -> None:
         """A whole gesture as one step; where anchors are meanwhile is kept where it matters.
 
-        Raises:
-            ValueError: what the scene does not have or may not have.
-            OSError: the step cannot be written; the scene is then as it was.
+        Raises ValueError: what the scene does not have or may not have; OSError: the step cannot be
+        written; the scene is then as it was.
         """
         editor, lines = self._editor, [gesture.as_json()]
         stands: Mapping[str, Similarity] = editor.world_T_anchor

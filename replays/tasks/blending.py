@@ -82,9 +82,8 @@ def character_with(
 
     `up` and `front` are axes of the character's file, as `read_character` takes them.
 
-    Raises:
-        FormatError: a file that cannot be read.
-        ValueError: skeletons of which no joints pair, or clips of one name.
+    Raises FormatError: a file that cannot be read; ValueError: skeletons of which no joints pair,
+    or clips of one name.
     """
     character = read_character(path, up=up, front=front)
     clips, notices = list(character.clips), list(character.notices)
@@ -113,8 +112,7 @@ def blend_character(
     are blended by the clock, and how often their feet come down together is said. Feet of the
     blend stay on the ground under its own way, which is between the two.
 
-    Raises:
-        ValueError: no such clip, a weight outside 0 to 1, a rate that is not positive.
+    Raises ValueError: no such clip, a weight outside 0 to 1, a rate that is not positive.
     """
     skeleton = character.skeleton
     legs = fitted_legs(legs_of(skeleton), character)
@@ -174,9 +172,7 @@ def _unaligned(
 def write_blend(blend: Blend, path: Path, size: tuple[int, int] = (640, 640)) -> None:
     """Write a blend as `.glb` or, drawn on an empty stage, as `.mp4`.
 
-    Raises:
-        ValueError: another ending.
-        RenderUnavailable: a video where there is no OpenGL.
+    Raises ValueError: another ending; RenderUnavailable: a video where there is no OpenGL.
     """
     if path.suffix == ".glb":
         write_gltf(path, blend.character, [blend.clip])

@@ -303,8 +303,7 @@ def write_covariance(path: Path, time_ns: IntArray, covariance: FloatArray) -> N
 
     They are of the right perturbation in the moving frame's axes: rotation (rad), then place (m).
 
-    Raises:
-        OSError: a file that cannot be written.
+    Raises OSError: a file that cannot be written.
     """
     rows, columns = np.triu_indices(6)
     names = [f"{_AXES[i]}_{_AXES[j]}" for i, j in zip(rows, columns, strict=True)]

@@ -46,8 +46,7 @@ def strongest_influences(surface: RigSurface) -> Influences:
 
     A vertex without any weight is given to the first joint of its skin, which a notice says.
 
-    Raises:
-        FormatError: weights that are negative, NaN or infinite.
+    Raises FormatError: weights that are negative, NaN or infinite.
     """
     numbers, weights = surface.influences, surface.weights
     if not np.isfinite(weights).all() or weights.min(initial=0.0) < 0.0:

@@ -110,8 +110,7 @@ def by_structure(
 
     `of_simple` is given the element, the part beside the scalar, and the square of that.
 
-    Raises:
-        ValueError: none of these.
+    Raises ValueError: none of these.
     """
     rest = without_scalar(x)
     if not rest.masks:

@@ -62,8 +62,7 @@ def optimized(tape: Tape) -> tuple[Tape, tuple[PassStats, ...]]:
     zero are left out of the outputs. Tapes of more than `LONGEST_SEARCHED` nodes are not searched
     for like terms and common factors.
 
-    Raises:
-        ValueError: a divisor is zero whatever the inputs are.
+    Raises ValueError: a divisor is zero whatever the inputs are.
     """
     done = []
     settled: dict[Callable[[Tape], Tape], Tape] = {}

@@ -226,8 +226,7 @@ def check_names(
     `slots` are parameters with names of their own: the output or variable that each belongs to,
     and its name.
 
-    Raises:
-        RefusedName: naming the name to use instead.
+    Raises RefusedName: naming the name to use instead.
     """
     parameters = variables(program)
     taken = {*parameters} | {slot for _, slot in slots}

@@ -42,8 +42,7 @@ def fitted(
     A Chebyshev fit with the fewest terms, worked out at 50 digits. `function` takes and returns
     mpmath numbers and is not asked for at the ends of the interval.
 
-    Raises:
-        ValueError: 40 terms do not suffice: the function is not smooth enough there.
+    Raises ValueError: 40 terms do not suffice: the function is not smooth enough there.
     """
     import mpmath as mp
 

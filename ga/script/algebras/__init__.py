@@ -53,9 +53,7 @@ class AlgebraDefinition:
     def macros(self) -> Macros:
         """The macros, read when they are first asked for.
 
-        Raises:
-            FileError: a file that cannot be read.
-            ScriptError: what is wrong with one.
+        Raises FileError: a file that cannot be read; ScriptError: what is wrong with one.
         """
         common = _macros_of(parse(COMMON_MACROS, "<macros>"))
         if not self.macro_file:

@@ -40,8 +40,7 @@ class Canvas:
     and read (`read`). A pixel's light is computed once for each triangle in it, however many
     triangles were drawn there.
 
-    Raises:
-        RenderUnavailable: the memory for it cannot be had.
+    Raises RenderUnavailable: the memory for it cannot be had.
     """
 
     def __init__(
