@@ -58,7 +58,7 @@ def figures(results: Results) -> dict[str, Any]:
     """
     if not results.ranking() or REFERENCE not in results.representations:
         raise ValueError("results: expected a comparison with motors and complete smoothers")
-    plan = results.told["plan"]
+    plan = results.document["plan"]
     found = findings(results)
     recorded = [one["name"] for one in plan.get("recorded", ())]
     return {
@@ -96,7 +96,7 @@ def _command(results: Results, recorded: Sequence[str]) -> str:
     synthetic = [one for one in results.motions if one not in recorded]
     words = [" ".join(synthetic)] if synthetic != list(MOTIONS) else ["all"] if recorded else []
     words += [f"{name}.csv" for name in recorded]
-    seeds = len(results.told["plan"]["test_seeds"])
+    seeds = len(results.document["plan"]["test_seeds"])
     made = "motorcade compare" + (" --trajectories " + " ".join(words) if words else "")
     made += f" --seeds {seeds}" if seeds != SEEDS else ""
     return "\n".join(textwrap.wrap(f"{made} --out out/compare", 96, subsequent_indent="    "))
