@@ -168,20 +168,20 @@ def _remove_all_but(names: list[str], folder: Path) -> None:
 def _called(line: list[str]) -> str:
     """Run a command line; how it ended."""
     caught: list[Exception] = []
-    told, errors = cli._told, io.StringIO()
+    told, errors = cli._error_text, io.StringIO()
 
     def kept(error: Exception) -> str:
         caught.append(error)
         return told(error)
 
-    cli._told = kept
+    cli._error_text = kept
     try:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(errors):
             status = cli.main(line)
     except SystemExit as stop:
         status = stop.code if isinstance(stop.code, int) else 1
     finally:
-        cli._told = told
+        cli._error_text = told
     for error in caught:
         if not (is_own(error) or _of_the_system(error)):
             told_as = f"{type(error).__name__}: {str(error)[:200]}"
