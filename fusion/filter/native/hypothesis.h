@@ -23,7 +23,7 @@ template <std::size_t N> struct Hypothesis {
     std::size_t begin = 0, since = 0;  // of the events; before `since` all is taken for wrong
     std::optional<State> begun;
     std::vector<double> given, cost;  // of the events
-    std::vector<bool> believed;
+    std::vector<bool> believed, apart;
     bool bridged = false;  // the IMU alone leads from where it begins to the first pose
     std::vector<std::pair<std::size_t, Doubt>> doubts;
     Track<N> first;

@@ -84,6 +84,7 @@ struct Event {
     bool by_later = false;  // weighed as later ones made it in a window; see window.h
     bool placed = false;    // it tells where the sensor is: its position, or more
     bool relative = false;  // it refers to the earlier pose
+    bool apart = false;     // wrong together with others, whatever it says alone
     bool bent = false;      // its prediction was no straight function of what was unknown
 
     // Takes numbers over: of a pose or a velocity, its covariance behind it.

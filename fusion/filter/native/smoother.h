@@ -17,26 +17,27 @@ constexpr std::size_t most_rounds = 5;
 constexpr double tolerance = 2.0;
 constexpr std::size_t none = static_cast<std::size_t>(-1);  // of the events
 
-constexpr std::size_t most_bursts = 8;  // that are tried; each costs a pass over the whole
+// That are tried; each costs a few passes over the whole.
+constexpr std::size_t most_steps = 6, most_spans = 8;
+// Poses on both sides that a step may be seen at too.
+constexpr std::size_t beside = 2;
 
 template <std::size_t N> class Smoother : public Timeline<N> {
 public:
     using Timeline<N>::Timeline;
 
-    // Rewrites what the sink holds for the moments passed so far. Where the prediction was given up
-    // near the start, the path may as well begin at any of the poses that it denied there; where
-    // that happened twice within seconds, what was measured between may have been a burst.
+    // Rewrites what the sink holds for the moments passed so far. What lies between two steps of the
+    // pose may be wrong together, as on a map of its own; and the path may as well begin at such a
+    // step, or at any pose that was denied near the start.
     void smooth() {
         this->doubt_last_jump(0);
-        const Hypothesis<N> forward = hypothesis(0);
         const auto given_up = this->given_up_;
-        const auto tried = bursts();
         const Hypothesis<N> first = weigh_all();
-        if (given_up.empty() || (this->starts_.empty() && tried.empty())) return;
+        const std::vector<Step> found = steps();
         Hypothesis<N> best = first;
-        for (const auto &[from, to] : tried) {
-            Hypothesis<N> other = without_burst(forward, from, to);
-            // Wrong together, as on a map of their own, they say nothing for or against.
+        for (const auto &[from, to] : spans(found)) {
+            Hypothesis<N> other = without(best, from, to);
+            // Wrong together, they say nothing for or against.
             for (std::size_t k = from; k < to; ++k) other.cost[k] = best.cost[k];
             const auto besides = [&](const Hypothesis<N> &one) {
                 return one.explained(0) - one.explained(from) + one.explained(to);
@@ -44,18 +45,22 @@ public:
             if (besides(other) >= besides(best) && other.better(best, refused()))
                 best = std::move(other);
         }
-        for (const std::size_t start : std::vector(this->starts_)) {
+        std::vector<std::pair<std::size_t, bool>> starts;
+        for (const std::size_t start : this->starts_) starts.emplace_back(start, false);
+        for (const Step &step : found)
+            if (within_bridge(0, step.event) && 2 * step.event < this->next_)
+                starts.emplace_back(step.event, true);
+        for (const auto &[start, steps_there] : starts) {
             this->begin_at(start);
             Hypothesis<N> other = weigh_all();
             Track<N> after = other.first;
             other.bridged = this->bridged_back(start, 0, after) || agrees_before(other);
+            // Nor do they before a step.
+            if (steps_there) std::copy_n(best.cost.begin(), start, other.cost.begin());
             if (other.better(best, refused())) best = std::move(other);
         }
-        if (best.begin == 0) {
-            remake(best);
-        } else if (!extended(best, first)) {
-            remake(first);
-        }
+        if (best.begin > 0 && !extended(best, first)) best = first;
+        if (best.begin == 0 && !(starts.empty() && found.empty())) remake(best);
         this->given_up_ = given_up;
     }
 
@@ -91,33 +96,67 @@ protected:
         return this->judge_before(other.first, other.begin) > 0;
     }
 
-    // From where the prediction was given up to where it was again, if the IMU may carry the path
-    // between.
-    std::vector<std::pair<std::size_t, std::size_t>> bursts() const {
-        std::vector<std::pair<std::size_t, std::size_t>> made;
-        const auto event_at = [&](std::int64_t time_ns) {
-            std::size_t k = 0;
-            while (k < this->next_ &&
-                   (this->events_[k].time_ns < time_ns || !this->events_[k].measures()))
-                ++k;
-            return k;
-        };
-        for (std::size_t k = 1; k < this->given_up_.size() && made.size() < most_bursts; ++k) {
-            const std::int64_t from_ns = this->given_up_[k - 1][0], to_ns = this->given_up_[k][0];
-            if (to_ns > from_ns && to_ns - from_ns <= longest_bridge_ns)
-                made.emplace_back(event_at(from_ns), event_at(to_ns));
+    // An event just before which the pose seems to step, as a normalised square.
+    struct Step {
+        double square;
+        std::size_t event;
+    };
+
+    // Where a pose of the most noise would not explain the step, and where the map was relocated.
+    std::vector<Step> steps() const {
+        std::vector<Step> made;
+        std::vector<std::size_t> poses;
+        for (std::size_t k = 0; k < this->next_; ++k)
+            if (this->events_[k].from_pose()) poses.push_back(k);
+        for (std::size_t i = 1; i < poses.size(); ++i) {
+            const std::size_t first = i > beside ? i - beside : 1,
+                              last = std::min(i + beside, poses.size() - 1);
+            const double square = this->events_[poses[i]].doubt ? std::numeric_limits<double>::infinity() : step_[poses[i]];
+            bool highest = square > this->settings_.most_noise * this->settings_.gate[6];
+            for (std::size_t k = first; k <= last; ++k) highest &= step_[poses[k]] <= square;
+            if (highest) made.push_back({square, poses[i]});
         }
+        const auto larger = [](const Step &one, const Step &other) {
+            return one.square > other.square;
+        };
+        std::sort(made.begin(), made.end(), larger);
+        if (made.size() > most_steps) made.resize(most_steps);
         return made;
     }
 
-    // All between is wrong, and the path jumped nowhere.
-    Hypothesis<N> without_burst(Hypothesis<N> forward, std::size_t from, std::size_t to) {
+    bool within_bridge(std::size_t from, std::size_t to) const {
+        return this->events_[to].time_ns - this->events_[from].time_ns <= longest_bridge_ns;
+    }
+
+    // Between two steps, or from one to the end, if the IMU may carry the path there.
+    std::vector<std::pair<std::size_t, std::size_t>> spans(const std::vector<Step> &steps) const {
+        std::vector<std::pair<std::size_t, std::size_t>> made;
+        for (std::size_t i = 0; i < steps.size(); ++i) {
+            if (within_bridge(steps[i].event, this->next_ - 1))
+                made.emplace_back(steps[i].event, this->next_);
+            for (std::size_t k = 0; k < i; ++k) {
+                const auto [from, to] = std::minmax(steps[i].event, steps[k].event);
+                if (within_bridge(from, to)) made.emplace_back(from, to);
+            }
+        }
+        if (made.size() > most_spans) made.resize(most_spans);
+        return made;
+    }
+
+    // All between is wrong, and the path jumped nowhere. Each alone might pass for noise: they are
+    // not weighed again. What began with a state that denied all before them begins at the first.
+    Hypothesis<N> without(Hypothesis<N> base, std::size_t from, std::size_t to) {
         const auto ends = [&](const auto &one) { return one.first >= from && one.first <= to; };
-        auto &doubts = forward.doubts;
+        auto &doubts = base.doubts;
         doubts.erase(std::remove_if(doubts.begin(), doubts.end(), ends), doubts.end());
-        for (std::size_t k = from; k < to; ++k) forward.given[k] = 0.0;
-        forward.given[to] = undecided;
-        restore(forward);
+        if (base.begun && base.explained(0) == base.explained(from)) {
+            base.begun.reset();
+            std::fill_n(base.given.begin(), from, undecided);
+        }
+        for (std::size_t k = from; k < to; ++k) base.given[k] = 0.0, base.apart[k] = true;
+        if (to < this->next_) base.given[to] = undecided;
+        restore(base);
+        if (to == this->next_ && !this->bridged(this->p_, this->events_[from])) return base;
         Hypothesis<N> made = weigh_all();
         made.bridged = true;
         return made;
@@ -131,6 +170,9 @@ protected:
         this->begin_ = 0;
         if (best.bridged) {
             this->judge_before(best.first, best.begin);
+            // What they deny stays so: each of them alone might pass for noise.
+            for (std::size_t k = 0; k < best.begin; ++k)
+                this->events_[k].apart = this->events_[k].given == 0.0;
         } else {
             this->begun_ = first.begun;
             for (std::size_t k = 0; k < best.begin; ++k) this->events_[k].given = first.given[k];
@@ -159,6 +201,7 @@ protected:
             const double cost = prediction_cost(square, static_cast<double>(freedom(event)));
             // However far off a wrong pose is, to call it wrong gains nothing.
             made.cost.push_back(event.measures() ? std::min(cost, refused()) : 0.0);
+            made.apart.push_back(event.apart);
             made.believed.push_back(event.measures() && event.factor > 0.0);
             if (event.doubt) made.doubts.emplace_back(k, *event.doubt);
         }
@@ -170,6 +213,7 @@ protected:
         this->begun_ = given.begun;
         for (std::size_t k = 0; k < this->next_; ++k) {
             this->events_[k].given = given.given[k];
+            this->events_[k].apart = given.apart[k];
             this->events_[k].doubt.reset();
         }
         for (const auto &[index, doubt] : given.doubts)
@@ -187,6 +231,7 @@ protected:
         Matrix<N> curvature;
         double gradient[N] = {};
         this->thorough_ = true;
+        step_.assign(this->next_, 0.0);
         const std::size_t begin = this->begin_;
         for (std::size_t end = this->next_; end > begin;) {
             std::size_t kept = end > begin + 1 ? end - 2 : begin;
@@ -198,6 +243,7 @@ protected:
                 if (event.kind == Kind::output) rewrite(event, gradient, curvature);
                 if (event.doubt) jump_ = i, jumped_ = smoothed(event, gradient, curvature);
                 look_back(i, gradient, curvature);
+                step_[i] = event.measures() ? step_square(gradient, curvature) : 0.0;
                 if (event.doubt && event.doubt->anew) {
                     curvature = Matrix<N>();
                     std::fill_n(gradient, N, 0.0);
@@ -377,6 +423,15 @@ protected:
         return {own, quadratic(spread, apart, m)};
     }
 
+    // The normalised square of the step of the pose just before an event that makes all since most
+    // likely (P. de Jong, J. Penzer, Diagnosing shocks in time series, Journal of the American
+    // Statistical Association 93(442), 1998).
+    static double step_square(const double *gradient, const Matrix<N> &curvature) {
+        double by[widest][widest];
+        for (std::size_t a = 0; a < 6; ++a) std::copy_n(curvature.row[a], 6, by[a]);
+        return quadratic(by, gradient, 6);
+    }
+
     static double quadratic(double (*matrix)[widest], const double *vector, std::size_t m) {
         double inverse[widest][widest], sum = 0.0;
         if (!inverse_of(m, matrix, inverse)) return nan_d;
@@ -403,7 +458,7 @@ protected:
         std::size_t changed = none;
         for (std::size_t k = first; k < this->next_; ++k) {
             Event &event = this->events_[k];
-            if (!event.measures()) continue;
+            if (!event.measures() || event.apart) continue;
             double factor = event.factor;
             if (event.left_out[0] >= 0.0)
                 factor = this->factor_of(event.left_out[0] / unit, event.left_out[1] / unit,
@@ -420,6 +475,7 @@ protected:
 
     static std::size_t freedom(const Event &event) { return event.size > 0 ? event.size : 6; }
 
+    std::vector<double> step_;  // of the events
     Track<N> first_;        // the first state, should it be needed to begin anew
     std::size_t jump_ = 0;  // the first event at which the prediction was given up, if any
     Track<N> jumped_;       // the state after it

@@ -190,6 +190,7 @@ protected:
     std::size_t judge_before(Track<N> track, std::size_t birth);
     void may_start(std::size_t index);
     void put(std::size_t row, const Matrix<N> &p) const;
+    bool bridged(const Matrix<N> &covariance, const Event &event) const;
     void reconsider();
     virtual void settle_before(std::int64_t) {}  // see window.h
 
@@ -337,7 +338,6 @@ private:
     double believed(const Event &event, double gates = 1.0);
     void spawn(std::size_t index);
     void give_up(const Rival<N> &rival);
-    bool bridged(const Matrix<N> &covariance, const Event &event) const;
     bool imu_suffices(const Event &event) const;
     void undo_jump(std::size_t jump, std::size_t from, std::size_t to);
     void take_for_wrong(std::size_t from, std::size_t to);
