@@ -26,41 +26,22 @@ template <std::size_t N> class Smoother : public Timeline<N> {
 public:
     using Timeline<N>::Timeline;
 
-    // Rewrites what the sink holds for the moments passed so far. What lies between two steps of the
-    // pose may be wrong together, as on a map of its own; and the path may as well begin at such a
-    // step, or at any pose that was denied near the start.
+    // Rewrites what the sink holds for the moments passed so far. The path may as well begin at any
+    // pose that was denied near the start; what lies between two steps of the pose may be wrong
+    // together, as on a map of its own, and so may all before a step.
     void smooth() {
         this->doubt_last_jump(0);
         const auto given_up = this->given_up_;
-        const Hypothesis<N> first = weigh_all();
+        Hypothesis<N> best = weigh_all();
+        bool other_tried = try_starts(best, this->starts_, false);
         const std::vector<Step> found = steps();
-        Hypothesis<N> best = first;
-        for (const auto &[from, to] : spans(found)) {
-            Hypothesis<N> other = without(best, from, to);
-            // Wrong together, they say nothing for or against.
-            for (std::size_t k = from; k < to; ++k) other.cost[k] = best.cost[k];
-            const auto besides = [&](const Hypothesis<N> &one) {
-                return one.explained(0) - one.explained(from) + one.explained(to);
-            };
-            if (besides(other) >= besides(best) && other.better(best, refused()))
-                best = std::move(other);
-        }
-        std::vector<std::pair<std::size_t, bool>> starts;
-        for (const std::size_t start : this->starts_) starts.emplace_back(start, false);
+        for (const auto &[from, to] : spans(found)) try_without(best, from, to);
+        std::vector<std::size_t> starts;
         for (const Step &step : found)
             if (within_bridge(0, step.event) && 2 * step.event < this->next_)
-                starts.emplace_back(step.event, true);
-        for (const auto &[start, steps_there] : starts) {
-            this->begin_at(start);
-            Hypothesis<N> other = weigh_all();
-            Track<N> after = other.first;
-            other.bridged = this->bridged_back(start, 0, after) || agrees_before(other);
-            // Nor do they before a step.
-            if (steps_there) std::copy_n(best.cost.begin(), start, other.cost.begin());
-            if (other.better(best, refused())) best = std::move(other);
-        }
-        if (best.begin > 0 && !extended(best, first)) best = first;
-        if (best.begin == 0 && !(starts.empty() && found.empty())) remake(best);
+                starts.push_back(step.event);
+        other_tried |= !found.empty();
+        if (!try_starts(best, starts, true) && other_tried) remake(best);
         this->given_up_ = given_up;
     }
 
@@ -96,13 +77,45 @@ protected:
         return this->judge_before(other.first, other.begin) > 0;
     }
 
+    // Whether any was tried; the best is taken over then. What is apart says nothing for or against.
+    bool try_starts(Hypothesis<N> &best, const std::vector<std::size_t> &starts, bool apart) {
+        if (starts.empty()) return false;
+        const Hypothesis<N> first = best;
+        for (const std::size_t start : starts) {
+            this->begin_at(start);
+            Hypothesis<N> other = weigh_all();
+            Track<N> after = other.first;
+            other.bridged = this->bridged_back(start, 0, after) || agrees_before(other);
+            if (apart) std::copy_n(best.cost.begin(), start, other.cost.begin());
+            if (other.better(best, refused())) best = std::move(other);
+        }
+        if (best.begin == first.begin)
+            remake(best);
+        else if (extended(best, first))
+            best = hypothesis(0);
+        else
+            remake(best = first);
+        return true;
+    }
+
+    void try_without(Hypothesis<N> &best, std::size_t from, std::size_t to) {
+        Hypothesis<N> other = without(best, from, to);
+        for (std::size_t k = from; k < to; ++k) other.cost[k] = best.cost[k];
+        const auto besides = [&](const Hypothesis<N> &one) {
+            return one.explained(0) - one.explained(from) + one.explained(to);
+        };
+        if (besides(other) >= besides(best) && other.better(best, refused()))
+            best = std::move(other);
+    }
+
     // An event just before which the pose seems to step, as a normalised square.
     struct Step {
         double square;
         std::size_t event;
     };
 
-    // Where a pose of the most noise would not explain the step, and where the map was relocated.
+    // Where a pose of the most noise would not explain the step; and where the map was relocated,
+    // or poses begin or cease to be refused as many in a row as a rival needs.
     std::vector<Step> steps() const {
         std::vector<Step> made;
         std::vector<std::size_t> poses;
@@ -111,7 +124,9 @@ protected:
         for (std::size_t i = 1; i < poses.size(); ++i) {
             const std::size_t first = i > beside ? i - beside : 1,
                               last = std::min(i + beside, poses.size() - 1);
-            const double square = this->events_[poses[i]].doubt ? std::numeric_limits<double>::infinity() : step_[poses[i]];
+            const bool certain = this->events_[poses[i]].doubt || run_ends(poses, i);
+            const double square =
+                certain ? std::numeric_limits<double>::infinity() : step_[poses[i]];
             bool highest = square > this->settings_.most_noise * this->settings_.gate[6];
             for (std::size_t k = first; k <= last; ++k) highest &= step_[poses[k]] <= square;
             if (highest) made.push_back({square, poses[i]});
@@ -122,6 +137,17 @@ protected:
         std::sort(made.begin(), made.end(), larger);
         if (made.size() > most_steps) made.resize(most_steps);
         return made;
+    }
+
+    // Whether as many poses before or from one on are refused, where those across are not.
+    bool run_ends(const std::vector<std::size_t> &poses, std::size_t i) const {
+        const auto wrong = [&](std::size_t k) { return this->events_[poses[k]].factor == 0.0; };
+        if (wrong(i) == wrong(i - 1)) return false;
+        const std::size_t first = wrong(i) ? i : i - std::min(i, enough_hits);
+        const std::size_t last = wrong(i) ? std::min(i + enough_hits, poses.size()) : i;
+        bool all = last - first == enough_hits;
+        for (std::size_t k = first; k < last; ++k) all &= wrong(k);
+        return all;
     }
 
     bool within_bridge(std::size_t from, std::size_t to) const {
@@ -154,9 +180,15 @@ protected:
             std::fill_n(base.given.begin(), from, undecided);
         }
         for (std::size_t k = from; k < to; ++k) base.given[k] = 0.0, base.apart[k] = true;
-        if (to < this->next_) base.given[to] = undecided;
+        for (std::size_t k = to; k < this->next_; ++k)
+            if (k == to || (base.given[k] == 0.0 && !base.apart[k])) base.given[k] = undecided;
         restore(base);
-        if (to == this->next_ && !this->bridged(this->p_, this->events_[from])) return base;
+        if (to == this->next_) {
+            if (!this->bridged(this->p_, this->events_[from])) return base;
+        } else if (Event &event = this->events_[to]; event.factor == 0.0 && this->strained(event)) {
+            event.given = std::max(1.0, event.nis / this->settings_.gate[event.size]);
+            this->replay(to, this->next_);
+        }
         Hypothesis<N> made = weigh_all();
         made.bridged = true;
         return made;

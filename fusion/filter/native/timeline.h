@@ -191,6 +191,7 @@ protected:
     void may_start(std::size_t index);
     void put(std::size_t row, const Matrix<N> &p) const;
     bool bridged(const Matrix<N> &covariance, const Event &event) const;
+    bool strained(const Event &event) const;
     void reconsider();
     virtual void settle_before(std::int64_t) {}  // see window.h
 
@@ -334,7 +335,6 @@ private:
     void consider(std::size_t index);
     void challenge(std::size_t index);
     bool agrees(Rival<N> &rival, const Event &event, double gates = 1.0);
-    bool strained(const Event &event) const;
     double believed(const Event &event, double gates = 1.0);
     void spawn(std::size_t index);
     void give_up(const Rival<N> &rival);
