@@ -461,7 +461,7 @@ protected:
     static double step_square(const double *gradient, const Matrix<N> &curvature) {
         double by[widest][widest];
         for (std::size_t a = 0; a < 6; ++a) std::copy_n(curvature.row[a], 6, by[a]);
-        return quadratic(by, gradient, 6);
+        return std::max(0.0, quadratic(by, gradient, 6));  // 0 where nothing later tells
     }
 
     static double quadratic(double (*matrix)[widest], const double *vector, std::size_t m) {
