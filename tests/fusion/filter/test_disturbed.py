@@ -66,6 +66,10 @@ def test_what_is_wrong_leaves_no_trace(record: Callable[..., Run], rng, how: str
         (0, 25, 6.5, 40.0),
         (0, 45, 0.3, 30.0),
         (70, 30, 2.0, 60.0),
+        (0, 25, 0.13, 4.6),
+        (4, 32, 7.8, 3.2),
+        (82, 30, 0.13, 4.3),
+        (130, 50, 0.13, 1.1),
     ],
 )
 def test_a_span_wrong_together_leaves_no_trace_outside_it(

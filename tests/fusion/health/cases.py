@@ -173,15 +173,60 @@ def _positions(multiple: float) -> Fault:
     return degraded_case
 
 
-def _frozen() -> Fault:
-    """An accelerometer that repeats its reading from the middle on."""
+def _columns(changed: Callable[[FloatArray], FloatArray], sensor: str) -> Fault:
+    """All readings of one sensor changed together."""
 
     def degraded_case(one: Case, _: Case) -> Case:
-        rows = np.minimum(np.arange(len(one.imu)), len(one.imu) // 2)
-        forces = one.imu.specific_force_m_s2[rows]
-        return replace(one, imu=ImuStream(one.imu.time_ns, one.imu.angular_rate_rad_s, forces))
+        rates, forces = one.imu.angular_rate_rad_s, one.imu.specific_force_m_s2
+        if sensor == "gyroscope":
+            rates = changed(rates)
+        else:
+            forces = changed(forces)
+        return replace(one, imu=ImuStream(one.imu.time_ns, rates, forces))
 
     return degraded_case
+
+
+def _frozen(readings: FloatArray) -> FloatArray:
+    """The reading in the middle again and again from there on."""
+    return readings[np.minimum(np.arange(len(readings)), len(readings) // 2)]
+
+
+def _clipped(readings: FloatArray) -> FloatArray:
+    """A range that one reading in fifty lies beyond, about the median."""
+    middle = np.median(readings, axis=0)
+    limit = np.quantile(np.abs(readings - middle), 0.98, axis=0)
+    return np.clip(readings, middle - limit, middle + limit)
+
+
+def _stepping(step: float) -> Callable[[FloatArray], FloatArray]:
+    """A bias that comes in the middle, of so much an axis."""
+    return lambda readings: readings + step * (np.arange(len(readings)) > len(readings) // 2)[:, None]
+
+
+def _without_gravity(one: Case, _: Case) -> Case:
+    """What phones call linear acceleration."""
+    stamps = np.clip(one.imu.time_ns, one.truth.time_ns[0], one.truth.time_ns[-1])
+    up = one.truth.motors_at(stamps).rotor.inverse().apply(np.array([0.0, 0.0, 9.81]))
+    forces = one.imu.specific_force_m_s2 - up
+    return replace(one, imu=ImuStream(one.imu.time_ns, one.imu.angular_rate_rad_s, forces))
+
+
+def _poses(changed: Callable[[Motor], Motor]) -> Fault:
+    """Other poses at the same stamps."""
+
+    def degraded_case(one: Case, _: Case) -> Case:
+        path = one.poses.trajectory
+        moved = Trajectory(path.time_ns, changed(path.motors), path.parent, path.child)
+        return replace(one, poses=PoseMeasurements(moved, one.poses.covariance))
+
+    return degraded_case
+
+
+def _y_down(poses: Motor) -> Motor:
+    """A world with OpenCV's axes."""
+    quarter = Rotor.from_rotation_vector(np.array([np.pi / 2, 0.0, 0.0]))
+    return Motor.from_rotor_translation(quarter, np.zeros(3)) @ poses
 
 
 def _of_another(one: Case, other: Case) -> Case:
@@ -231,10 +276,32 @@ FAULTS: Mapping[str, tuple[Fault, str]] = {
     "another recording's IMU": (_of_another, "unrelated"),
     "gyroscope reads 0": (_readings(rate=0.0), "stuck"),
     "gyroscope's y reads 0": (_readings(rate=np.diag([1.0, 0.0, 1.0])), "stuck"),
-    "accelerometer frozen at half": (_frozen(), "stuck"),
+    "accelerometer frozen at half": (_columns(_frozen, "accelerometer"), "stuck"),
     "gyroscope by 1.2": (_readings(rate=1.2), "rate_unit"),
     "positions in centimetres": (_positions(100.0), "position_unit"),
     "positions in inches": (_positions(1.0 / 0.0254), "position_unit"),
+    "positions in feet": (_positions(1.0 / 0.3048), "position_unit"),
+    "positions in millimetres": (_positions(1000.0), "position_unit"),
+    "milli-g": (_readings(force=1000.0 / 9.80665), "force_unit"),
+    "mrad/s": (_readings(rate=1000.0), "rate_unit"),
+    "gyroscope frozen at half": (_columns(_frozen, "gyroscope"), "stuck"),
+    "accelerometer reads 0": (_readings(force=0.0), "stuck"),
+    "gyroscope's z by 1.3": (_readings(rate=np.diag([1.0, 1.0, 1.3])), "rate_scale"),
+    "accelerometer by 1.2": (_readings(force=1.2), "gravity"),
+    "gyroscope clipped": (_columns(_clipped, "gyroscope"), "saturated"),
+    "accelerometer clipped": (_columns(_clipped, "accelerometer"), "saturated"),
+    "gyroscope off by 0.5 rad/s": (_columns(lambda x: x + 0.5, "gyroscope"), "rate_bias"),
+    "accelerometer off by 3 m/s²": (_columns(lambda x: x + 3.0, "accelerometer"), "force_bias"),
+    "gyroscope's bias steps": (_columns(_stepping(0.3), "gyroscope"), "rate_unexplained"),
+    "gravity left out": (_without_gravity, "gravity"),
+    "world's y down": (_poses(_y_down), "lean"),
+    "poses inverted": (_poses(lambda poses: poses.inverse()), "unrelated"),
+    "100 ms late": (_stamps(lambda ns: ns + 100_000_000, _same), "delay"),
+    "1.5 s late": (_stamps(lambda ns: ns + 1_500_000_000, _same), "delay"),
+    "IMU's clock fast by 0.2 %": (
+        _stamps(lambda ns: ns + (ns - ns[0]) // 500, _same),
+        "rate_unexplained",
+    ),
 }
 """Each with the name that the verdict must give it."""
 
