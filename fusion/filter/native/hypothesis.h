@@ -28,30 +28,46 @@ template <std::size_t N> struct Hypothesis {
     std::vector<std::pair<std::size_t, Doubt>> doubts;
     Track<N> first;
 
+    // Whether an event counts beside another hypothesis: what is apart by either says nothing.
+    bool counts(const Hypothesis &other, std::size_t k) const {
+        return !apart[k] && !other.apart[k];
+    }
+
     // By how much it predicts better what was measured from an event on.
     double gain(const Hypothesis &other, std::size_t from) const {
         double sum = 0.0;
-        for (std::size_t k = from; k < cost.size(); ++k) sum += other.cost[k] - cost[k];
+        for (std::size_t k = from; k < cost.size(); ++k)
+            if (counts(other, k)) sum += other.cost[k] - cost[k];
         return sum;
     }
 
-    std::ptrdiff_t explained(std::size_t from) const {
-        const auto first_one = believed.begin() + static_cast<std::ptrdiff_t>(from);
-        return std::count(first_one, believed.end(), true);
+    // By how many measurements from an event on it explains more.
+    std::ptrdiff_t more_explained(const Hypothesis &other, std::size_t from) const {
+        std::ptrdiff_t more = 0;
+        for (std::size_t k = from; k < cost.size(); ++k)
+            if (counts(other, k)) more += believed[k] - other.believed[k];
+        return more;
     }
 
     // Whether it explains fewer measurements from an event on, and predicts them worse by more than
     // one of them.
     bool loses(const Hypothesis &other, std::size_t from, double refused) const {
-        return explained(from) < other.explained(from) && other.gain(*this, from) > refused;
+        return more_explained(other, from) < 0 && other.gain(*this, from) > refused;
     }
 
-    // Whether this later start is to be preferred: never with more jumps of the map; with as many,
-    // where all is predicted better although poses before it count as wrong; with fewer, where
-    // those after it are, or are no worse where what came before them is known without.
+    // Whether this later start, or with more apart, is to be preferred: never with more jumps of
+    // the map; with as many, where all is predicted better although poses before it count as wrong,
+    // or no worse with less apart; with fewer, where those after it are, or are no worse where what
+    // came before them is known without.
     bool better(const Hypothesis &other, double refused) const {
         if (doubts.size() > other.doubts.size()) return false;
-        if (doubts.size() == other.doubts.size()) return gain(other, other.since) > refused;
+        if (doubts.size() == other.doubts.size()) {
+            const double more = gain(other, other.since);
+            const auto some = [](const Hypothesis &one) {
+                return std::count(one.apart.begin(), one.apart.end(), true);
+            };
+            return more > refused || (more > -refused && some(*this) < some(other));
+        }
         const std::size_t both = std::max(since, other.since);
         return bridged ? !loses(other, both, refused) : gain(other, both) > refused;
     }

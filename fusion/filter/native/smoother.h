@@ -35,7 +35,7 @@ public:
         Hypothesis<N> best = weigh_all();
         bool other_tried = try_starts(best, this->starts_, false);
         const std::vector<Step> found = steps();
-        for (const auto &[from, to] : spans(found)) try_without(best, from, to);
+        for (auto open = spans(found); take_best(best, open);) continue;
         std::vector<std::size_t> starts;
         for (const Step &step : found)
             if (within_bridge(0, step.event) && 2 * step.event < this->next_)
@@ -46,6 +46,8 @@ public:
     }
 
 protected:
+    using Span = std::pair<std::size_t, std::size_t>;  // of the events
+
     // Each measurement weighed by what all others say of it: again, with the weights that came out,
     // until they stay or predict worse than those before did.
     Hypothesis<N> weigh_all() {
@@ -77,7 +79,7 @@ protected:
         return this->judge_before(other.first, other.begin) > 0;
     }
 
-    // Whether any was tried; the best is taken over then. What is apart says nothing for or against.
+    // Whether any was tried; the best is taken over then.
     bool try_starts(Hypothesis<N> &best, const std::vector<std::size_t> &starts, bool apart) {
         if (starts.empty()) return false;
         const Hypothesis<N> first = best;
@@ -86,7 +88,7 @@ protected:
             Hypothesis<N> other = weigh_all();
             Track<N> after = other.first;
             other.bridged = this->bridged_back(start, 0, after) || agrees_before(other);
-            if (apart) std::copy_n(best.cost.begin(), start, other.cost.begin());
+            if (apart) std::fill_n(other.apart.begin(), start, true);
             if (other.better(best, refused())) best = std::move(other);
         }
         if (best.begin == first.begin)
@@ -98,14 +100,26 @@ protected:
         return true;
     }
 
-    void try_without(Hypothesis<N> &best, std::size_t from, std::size_t to) {
-        Hypothesis<N> other = without(best, from, to);
-        for (std::size_t k = from; k < to; ++k) other.cost[k] = best.cost[k];
-        const auto besides = [&](const Hypothesis<N> &one) {
-            return one.explained(0) - one.explained(from) + one.explained(to);
+    // Whether what predicts best without one of the spans is better, which is then taken over; that
+    // span and those that it touches are no longer open.
+    bool take_best(Hypothesis<N> &best, std::vector<Span> &open) {
+        Hypothesis<N> found;
+        Span without_it;
+        double most = 0.0;
+        for (const Span &span : open) {
+            Hypothesis<N> other = without(best, span.first, span.second);
+            const double gain = other.gain(best, best.since);
+            if (gain <= most || other.more_explained(best, 0) < 0 || !other.better(best, refused()))
+                continue;
+            most = gain, without_it = span, found = std::move(other);
+        }
+        if (most == 0.0) return false;
+        best = std::move(found);
+        const auto touched = [&](const Span &one) {
+            return one.first <= without_it.second && one.second >= without_it.first;
         };
-        if (besides(other) >= besides(best) && other.better(best, refused()))
-            best = std::move(other);
+        open.erase(std::remove_if(open.begin(), open.end(), touched), open.end());
+        return !open.empty();
     }
 
     // An event just before which the pose seems to step, as a normalised square.
@@ -114,9 +128,11 @@ protected:
         std::size_t event;
     };
 
-    // Where a pose of the most noise would not explain the step; and where the map was relocated,
-    // or poses begin or cease to be refused as many in a row as a rival needs.
+    // Where a pose of the most noise would hardly explain the step, if for one of them it would not
+    // at all; and where the map was relocated, or poses begin or cease to be refused as many in a
+    // row as a rival needs.
     std::vector<Step> steps() const {
+        const double most = this->settings_.most_noise;
         std::vector<Step> made;
         std::vector<std::size_t> poses;
         for (std::size_t k = 0; k < this->next_; ++k)
@@ -127,7 +143,7 @@ protected:
             const bool certain = this->events_[poses[i]].doubt || run_ends(poses, i);
             const double square =
                 certain ? std::numeric_limits<double>::infinity() : step_[poses[i]];
-            bool highest = square > this->settings_.most_noise * this->settings_.gate[6];
+            bool highest = square > most * this->settings_.middle[6];
             for (std::size_t k = first; k <= last; ++k) highest &= step_[poses[k]] <= square;
             if (highest) made.push_back({square, poses[i]});
         }
@@ -135,6 +151,7 @@ protected:
             return one.square > other.square;
         };
         std::sort(made.begin(), made.end(), larger);
+        if (made.empty() || made.front().square < most * this->settings_.gate[6]) return {};
         if (made.size() > most_steps) made.resize(most_steps);
         return made;
     }
@@ -155,8 +172,8 @@ protected:
     }
 
     // Between two steps, or from one to the end, if the IMU may carry the path there.
-    std::vector<std::pair<std::size_t, std::size_t>> spans(const std::vector<Step> &steps) const {
-        std::vector<std::pair<std::size_t, std::size_t>> made;
+    std::vector<Span> spans(const std::vector<Step> &steps) const {
+        std::vector<Span> made;
         for (std::size_t i = 0; i < steps.size(); ++i) {
             if (within_bridge(steps[i].event, this->next_ - 1))
                 made.emplace_back(steps[i].event, this->next_);
@@ -175,7 +192,8 @@ protected:
         const auto ends = [&](const auto &one) { return one.first >= from && one.first <= to; };
         auto &doubts = base.doubts;
         doubts.erase(std::remove_if(doubts.begin(), doubts.end(), ends), doubts.end());
-        if (base.begun && base.explained(0) == base.explained(from)) {
+        const auto start = base.believed.begin();
+        if (base.begun && std::count(start, start + static_cast<std::ptrdiff_t>(from), true) == 0) {
             base.begun.reset();
             std::fill_n(base.given.begin(), from, undecided);
         }
@@ -207,7 +225,8 @@ protected:
                 this->events_[k].apart = this->events_[k].given == 0.0;
         } else {
             this->begun_ = first.begun;
-            for (std::size_t k = 0; k < best.begin; ++k) this->events_[k].given = first.given[k];
+            for (std::size_t k = 0; k < best.begin; ++k)
+                this->events_[k].given = first.given[k], this->events_[k].apart = false;
             auto anew = std::make_unique<Doubt>();
             anew->anew = true;
             this->events_[best.begin].doubt = std::move(anew);
