@@ -11,17 +11,25 @@ from motorcade.fusion.health.accelerometer import (
     ForceTrial,
     ForceVerdict,
 )
-from motorcade.fusion.health.gyroscope import RATE_UNITS, RateVerdict, judge_rates
+from motorcade.fusion.health.gyroscope import (
+    LAG_TOLERANCE_S,
+    RATE_UNITS,
+    RateVerdict,
+    judge_rates,
+)
 from motorcade.fusion.health.joint import judge_jointly
 from motorcade.fusion.health.models import SIGMAS, TURN_TOLERANCE_RAD, AxesVerdict
 from motorcade.fusion.health.pushing import Pushes
 from motorcade.fusion.health.stamps import check_stamps
-from motorcade.fusion.health.stuck import find_saturation, find_stuck_axes
+from motorcade.fusion.health.stuck import find_stuck_axes
 from motorcade.fusion.health.turning import CameraRates, TurnedAngle, steady
 from motorcade.fusion.health.verdict import FaultName, Health, HealthFinding
 from motorcade.fusion.health.wording import (
+    POSES_INVERTED,
     bias_lines,
+    bias_step_line,
     delay_line,
+    drift_line,
     gravity_line,
     inverted_line,
     mirrored_line,
@@ -35,8 +43,11 @@ from motorcade.fusion.health.wording import (
     unrelated_line,
 )
 from motorcade.fusion.imu.gravity import GRAVITY_SHARE
+from motorcade.fusion.imu.noise import GYRO_BIAS_SIGMA_RAD_S
+from motorcade.fusion.imu.screening import saturated_axes
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 _MOST_WINDOWS = 300
 # Both sensors share a package. Where the accelerometer alone seems turned two calibrations meet,
@@ -119,6 +130,10 @@ def check_health(
         search_s,
         known=extrinsics_known,
     )
+    if rates.state not in ("sound", "unknown") or rates.late:
+        other = _inverted_or_changing(camera, turned, turn, time_offset_s, search_s)
+        if other is not None:
+            return Health((other,))
     if rates.state == "unrelated":
         return Health((HealthFinding("unrelated", unrelated_line(rates, search_s)),))
     offset_s = time_offset_s + rates.lag_s
@@ -143,8 +158,42 @@ def check_health(
     estimated_rad = SIGMAS * extrinsics_sigma_rad if extrinsics_known else np.pi
     findings += tell_both([_axes(one.rates, one.forces, estimated_rad) for one in stories])
     findings += [*_gravity(forces, gravity_m_s2), *bias_lines(rates, forces)]
-    findings += find_saturation(imu)
+    saturated = saturated_axes(imu)
+    if saturated:
+        findings.append(HealthFinding("saturated", "; ".join(saturated)))
     return Health(tuple(findings), unknown_lines(rates, forces))
+
+
+def _inverted_or_changing(
+    camera: Trajectory, turned: TurnedAngle, turn: FloatArray, offset_s: float, search_s: float
+) -> HealthFinding | None:
+    """Poses that are those of the world seen from the camera; a clock or a bias that changes."""
+
+    def judged(path: Trajectory) -> RateVerdict:
+        return judge_rates(CameraRates.of(path), turned, turn, offset_s, search_s, known=False)
+
+    inverse = judged(
+        Trajectory(camera.time_ns, camera.motors.inverse(), camera.child, camera.parent)
+    )
+    if inverse.state == "sound" and not inverse.late:
+        return HealthFinding("poses_inverted", POSES_INVERTED)
+    middle = len(camera) // 2
+    if middle < 2:
+        return None
+    first, second = judged(camera[:middle]), judged(camera[middle:])
+    states = {first.state, second.state}
+    if states == {"sound"}:
+        lag_s = second.lag_s - first.lag_s
+        sigma_s = float(np.hypot(first.lag_sigma_s, second.lag_sigma_s))
+        if abs(lag_s) > np.hypot(LAG_TOLERANCE_S, SIGMAS * sigma_s):
+            apart_s = 0.5e-9 * float(camera.time_ns[-1] - camera.time_ns[0])
+            return HealthFinding("clock_drift", drift_line(lag_s / apart_s))
+    step_rad_s = second.bias_rad_s - first.bias_rad_s
+    # A change by what is usual of a whole bias.
+    if "sound" in states and states <= {"sound", "unexplained"}:
+        if np.max(np.abs(step_rad_s)) > GYRO_BIAS_SIGMA_RAD_S:
+            return HealthFinding("rate_bias", bias_step_line(step_rad_s))
+    return None
 
 
 def _units(rates: RateVerdict, forces: ForceVerdict) -> list[HealthFinding]:

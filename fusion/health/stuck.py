@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 
 from motorcade.fusion.health.verdict import HealthFinding
-from motorcade.fusion.imu.screening import saturated_axes
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
@@ -55,11 +54,6 @@ def find_stuck_axes(
             )
             findings.append(HealthFinding("stuck", line))
     return findings
-
-
-def find_saturation(imu: ImuStream) -> list[HealthFinding]:
-    """Findings of axes whose largest readings are cut off."""
-    return [HealthFinding("saturated", line) for line in saturated_axes(imu)]
 
 
 def _longest_repeat(readings: FloatArray) -> tuple[int, int]:

@@ -26,6 +26,28 @@ _LENGTHS = {
 _BEYOND = 4.0  # deviations of what is known of a bias
 
 
+POSES_INVERTED = (
+    "the poses are the wrong way round: those of the world seen from the camera agree with the "
+    "gyroscope; give the camera's in the world, which are their inverses"
+)
+
+
+def drift_line(share: float) -> str:
+    """Of a clock that runs at another rate, by the change of the offset a second."""
+    return (
+        f"the IMU's clock runs {abs(100.0 * share):.2g} % {'fast' if share > 0.0 else 'slow'} "
+        "beside the poses': stamp both by one clock, or scale its stamps about the first"
+    )
+
+
+def bias_step_line(step_rad_s: FloatArray) -> str:
+    """Of a bias in the second half of a recording that is not that of the first."""
+    return (
+        f"the gyroscope's bias changes by {_three(step_rad_s)} rad/s from the recording's first "
+        "half to its second: leave one of them out, or record anew once it is warm"
+    )
+
+
 def unit_line(sensor: str, multiple: float, units: Mapping[float, str]) -> str:
     """Of readings in another unit."""
     unit = units.get(multiple)
