@@ -189,10 +189,9 @@ def _inverted_or_changing(
             apart_s = 0.5e-9 * float(camera.time_ns[-1] - camera.time_ns[0])
             return HealthFinding("clock_drift", drift_line(lag_s / apart_s))
     step_rad_s = second.bias_rad_s - first.bias_rad_s
-    # A change by what is usual of a whole bias.
-    if "sound" in states and states <= {"sound", "unexplained"}:
-        if np.max(np.abs(step_rad_s)) > GYRO_BIAS_SIGMA_RAD_S:
-            return HealthFinding("rate_bias", bias_step_line(step_rad_s))
+    steps = np.max(np.abs(step_rad_s)) > GYRO_BIAS_SIGMA_RAD_S  # as much as is usual of a bias
+    if steps and "sound" in states and states <= {"sound", "unexplained"}:
+        return HealthFinding("rate_bias", bias_step_line(step_rad_s))
     return None
 
 
