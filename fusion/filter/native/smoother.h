@@ -527,9 +527,9 @@ protected:
     static std::size_t freedom(const Event &event) { return event.size > 0 ? event.size : 6; }
 
     std::vector<double> step_;  // of the events
-    Track<N> first_;        // the first state, should it be needed to begin anew
-    std::size_t jump_ = 0;  // the first event at which the prediction was given up, if any
-    Track<N> jumped_;       // the state after it
+    Track<N> first_;            // the first state, should it be needed to begin anew
+    std::size_t jump_ = 0;      // the first event at which the prediction was given up, if any
+    Track<N> jumped_;           // the state after it
 
     std::vector<Transition> steps_;  // of one interval, kept for its memory
 };
