@@ -33,7 +33,7 @@ public:
         this->doubt_last_jump(0);
         const auto given_up = this->given_up_;
         Hypothesis<N> best = weigh_all();
-        bool other_tried = try_starts(best, this->starts_, false);
+        bool other_tried = !given_up.empty() && try_starts(best, this->starts_, false);
         const std::vector<Step> found = steps();
         for (auto open = spans(found); take_best(best, open);) continue;
         std::vector<std::size_t> starts;
