@@ -8,7 +8,7 @@ gathers them in its integrity, and shows them in `report.json`, on the page and 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
@@ -16,8 +16,9 @@ if TYPE_CHECKING:
 
 Verdict = Literal["consistent", "unknown", "doubtful", "contradicted"]
 """From best to worst; `unknown` where the recording cannot tell."""
-_OFF_CENTRE, _LIKE = 0.5, 0.1
-"""Share of half a picture that no lens's axis is off; share that a factor of sizes may be off."""
+_OFF_CENTRE, _LIKE, _CLEARLY = 0.5, 0.1, 2.0
+"""Share of half an image that no lens's axis is off; share that lenses are off, or a factor of
+sizes; and times that another hypothesis must be nearer."""
 _ORDER: tuple[Verdict, ...] = ("consistent", "unknown", "doubtful", "contradicted")
 
 
@@ -74,30 +75,54 @@ def scatter_px(camera: Camera) -> float:
 
 
 def centre_finding(camera: Camera) -> AuditFinding | None:
-    """Doubt a principal point far off the picture's middle; None where it lies about there.
+    """Doubt a principal point far off the image's middle, or in that of images turned by a quarter; None where it lies about there.
 
     >>> from motorcade.tracking import Camera
     >>> from motorcade.tracking.audit import centre_finding
     >>> halved = Camera(640, 480, 1000.0, 1000.0, 640.0, 480.0)  # intrinsics of 1280 x 960
-    >>> centre_finding(halved).advice
-    'divide fx, fy, cx and cy by 2: they look like those of pictures 2 times as large'
+    >>> centre_finding(halved).advice.partition(';')[0]
+    'divide fx, fy, cx and cy by 2: they look like those of images 2 times as large'
     """
-    ratios = (2.0 * camera.cx + 1.0) / camera.width, (2.0 * camera.cy + 1.0) / camera.height
-    off = max(abs(ratio - 1.0) for ratio in ratios)
-    if off <= _OFF_CENTRE:
+    width, height = camera.width, camera.height
+    ratios = (2.0 * camera.cx + 1.0) / width, (2.0 * camera.cy + 1.0) / height
+    turned = (2.0 * camera.cx + 1.0) / height, (2.0 * camera.cy + 1.0) / width
+    off, off_turned = (max(abs(ratio - 1.0) for ratio in pair) for pair in (ratios, turned))
+    if off <= max(_LIKE, _CLEARLY * off_turned) or off <= _OFF_CENTRE < off_turned:
         return None
     summary = (
-        f"the camera's centre ({camera.cx:g}, {camera.cy:g}) lies far from the middle of pictures "
-        f"of {camera.width} x {camera.height}"
+        f"the camera's centre ({camera.cx:g}, {camera.cy:g}) lies far from the middle of images "
+        f"of {width} x {height}"
     )
     factor = round(2.0 * sum(ratios) / 2.0) / 2.0
-    advice = "state the intrinsics of these pictures, cx and cy in their pixels"
-    if factor > 0.0 and all(abs(ratio / factor - 1.0) <= _LIKE for ratio in ratios):
-        larger = f"{factor:g} times as large" if factor > 1.0 else f"{factor:g} times their size"
+    advice = "state the intrinsics of these images, cx and cy in their pixels"
+    if off_turned <= _LIKE and width != height:
         advice = (
-            f"divide fx, fy, cx and cy by {factor:g}: they look like those of pictures {larger}"
+            f"they are turned by a quarter from those of its calibration: say width = {height}, "
+            f"height = {width}, rotation_deg = 90, or 270"
+        )
+    elif off <= _OFF_CENTRE:
+        return None
+    elif factor > 0.0 and all(abs(ratio / factor - 1.0) <= _LIKE for ratio in ratios):
+        larger = f"{factor:g} times as large" if factor > 1.0 else f"{factor:g} times their size"
+        whole = {key: getattr(camera, key) / factor for key in ("fx", "fy")}
+        whole |= {key: (getattr(camera, key) + 0.5) / factor - 0.5 for key in ("cx", "cy")}
+        advice = (
+            f"divide fx, fy, cx and cy by {factor:g}: they look like those of images {larger}; "
+            f"{said_camera(replace(camera, **whole), tuple(whole))}"
         )
     return AuditFinding("camera_centre", "doubtful", off, "share", summary, advice)
+
+
+def said_camera(camera: Camera, keys: tuple[str, ...] = ()) -> str:
+    """The keys of a manifest's `[camera]` that state a camera; all, or some."""
+    keys = keys or ("model", "fx", "fy", "cx", "cy", "distortion")
+    return "say " + ", ".join(f"{key} = {_value(getattr(camera, key))}" for key in keys)
+
+
+def _value(value: str | float | tuple[float, ...]) -> str:
+    if isinstance(value, tuple):
+        return f"[{', '.join(f'{part:.4f}' for part in value)}]"
+    return f'"{value}"' if isinstance(value, str) else f"{value:.2f}"
 
 
 def worst(findings: Iterable[AuditFinding]) -> Verdict:

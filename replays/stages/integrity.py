@@ -86,12 +86,24 @@ def integrity(
     kept = kept and not checks[-1].passed
     centre = None if recording.camera is None else centre_finding(recording.camera)
     checks += [] if centre is None else [centre]
+    checks += _unseen(recording, camera_poses)
     return Integrity(
         (*checks, *camera_poses.audit),
         registration,
         measured if kept else path,
         "measured" if kept else "smoothed",
     )
+
+
+def _unseen(recording: Recording, camera_poses: CameraPoses) -> list[AuditFinding]:
+    """What was stated to be in view, and is seen in no image: poses then came from elsewhere."""
+    stated = {"board": recording.board, "markers": recording.markers}
+    reasons = (one.partition(": ")[::2] for one in camera_poses.skipped)
+    return [
+        AuditFinding(f"stated_{name}", "contradicted", None, "", why, f"or leave [{name}] out")
+        for name, why in reasons
+        if stated.get(name) is not None
+    ]
 
 
 def _coverage(camera_poses: CameraPoses, path: Trajectory) -> AuditFinding:

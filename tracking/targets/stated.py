@@ -12,8 +12,9 @@ import numpy as np
 
 from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.boards.charuco import CharucoBoard
+from motorcade.tracking.boards.checkerboard import Checkerboard
 from motorcade.tracking.boards.corners import Board
-from motorcade.tracking.boards.markers import MarkerGrid
+from motorcade.tracking.boards.markers import MarkerGrid, SingleMarker
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.targets.finding import find_target, seen_markers
@@ -53,26 +54,67 @@ def compare_layout(
     """
     if not isinstance(board, MarkerGrid | CharucoBoard):
         return None
-    found = seen_markers(board.family, pictures)
-    own = [_only(one, _ids(board)) for one in found.markers]
+    seen = seen_markers(board.family, pictures)
+    own = [_only(markers, _ids(board)) for markers in seen.markers]
     fits = [
         min(pair, key=lambda fit: fit.askew)
         for pair in zip(layout_fits(board, own, camera), layout_fits(board, own), strict=False)
     ]
     if not fits:
-        summary = "no picture shows four of the board's markers that would tell its layout"
+        summary = "no image shows four of the board's markers that would tell its layout"
         return AuditFinding(NAME, "unknown", None, "share", summary)
     wrong = float(np.mean([not fit.good for fit in fits]))
-    if wrong > _MOST:
-        other = board_of_markers(board.family, own) or board_of_markers(board.family, found.markers)
-        return _otherwise(board, other, wrong)
-    return _details(board, [fit for fit in fits if fit.good])
-
-
-def name_target(pictures: Sequence[GrayImage]) -> str:
-    """What target pictures show, for a board that was never seen; empty where they show none."""
+    if wrong <= _MOST:
+        return _details(board, [fit for fit in fits if fit.good])
     target = find_target(pictures)
-    return "" if target is None else f"the pictures show {target.summary}"
+    other = None if target is None else target.board
+    if not isinstance(other, MarkerGrid | CharucoBoard):
+        other = board_of_markers(board.family, own) or board_of_markers(board.family, seen.markers)
+    if other is None:
+        summary = "the markers stand otherwise than stated, and in no grid known here"
+        advice = "state the board as it is printed, or its markers as loose ones ([markers])"
+        return AuditFinding(NAME, "contradicted", wrong, "share", summary, advice)
+    return _otherwise(board, other, wrong)
+
+
+def name_target(pictures: Sequence[GrayImage], stated: Board | str) -> str:
+    """What target images show in place of a stated one that was seen in none, and what mends it.
+
+    Args:
+        pictures: grey, a few spread over a recording.
+        stated: the board, or the family of loose markers.
+
+    Returns:
+        a clause, empty where they show none, as they are or mirrored.
+
+    >>> from motorcade.tracking import MarkerGrid
+    >>> from motorcade.tracking.targets.stated import name_target
+    >>> image, _ = MarkerGrid("tag36h11", 4, 3, marker_m=0.06, gap_m=0.018).draw(1000.0)
+    >>> name_target([image], MarkerGrid("tag25h9", 4, 3, marker_m=0.06, gap_m=0.018))
+    'the images show a grid of 4 x 3 markers tag36h11, in 1 of 1 pictures; say family = "tag36h11"'
+    """
+    target = find_target(pictures)
+    if target is None:
+        mirrored = find_target([np.ascontiguousarray(image[:, ::-1]) for image in pictures])
+        if mirrored is None or mirrored.family is None:
+            return ""
+        return (
+            f"the images are mirrored: as in a mirror they show {mirrored.summary}; mirror them "
+            "back, left to right"
+        )
+    seen = f"the images show {target.summary}"
+    if isinstance(stated, str):
+        return (
+            seen if target.family in (None, stated) else f'{seen}; say family = "{target.family}"'
+        )
+    if target.board is not None and not isinstance(stated, SingleMarker):
+        return "; ".join(filter(None, (seen, _keys(stated, target.board))))
+    if not isinstance(stated, SingleMarker) or target.family is None:
+        return seen
+    keys = [f'family = "{target.family}"'] * (target.family != stated.family)
+    if len(target.marker_ids) == 1 and target.marker_ids != (stated.marker_id,):
+        keys.append(f"marker_id = {target.marker_ids[0]}")
+    return f"{seen}; say {', '.join(keys)}" if keys else seen
 
 
 def _ids(board: MarkerGrid | CharucoBoard) -> range:
@@ -87,44 +129,57 @@ def _only(seen: SeenMarkers, ids: range) -> SeenMarkers:
 
 
 def _otherwise(
-    stated: MarkerGrid | CharucoBoard, other: MarkerGrid | CharucoBoard | None, wrong: float
+    stated: MarkerGrid | CharucoBoard, other: MarkerGrid | CharucoBoard, wrong: float
 ) -> AuditFinding:
-    """The finding on a layout that does not explain the pictures."""
-    if other is None:
-        summary = "the markers stand otherwise than stated, and in no grid known here"
-        advice = "state the board as it is printed, or its markers as loose ones ([markers])"
-    elif type(other) is not type(stated):
+    """The finding on a layout that does not explain the images."""
+    if type(other) is not type(stated):
         kind = "marker_grid" if isinstance(other, MarkerGrid) else "charuco"
         summary = f"the markers stand as those of a {kind}, {other.columns} by {other.rows}"
-        advice = f'say type = "{kind}"'
     elif other.columns != stated.columns:
         counts = f"{other.columns} by {other.rows}, not {stated.columns} by {stated.rows}"
-        summary, advice = f"the board stands {counts}", _keys(stated, other)
+        summary = f"the board stands {counts}"
+    elif other.family != stated.family:
+        summary = f"the markers are of {other.family}, not {stated.family}"
     elif isinstance(other, CharucoBoard):
         summary = f"the board is {'a legacy ChArUco board' if other.legacy else 'no legacy one'}"
-        advice = _keys(stated, other)
     elif isinstance(stated, MarkerGrid) and other.order == stated.order:
         summary = f"ids count from {other.first_id}, not from {stated.first_id}"
-        advice = _keys(stated, other)
     else:
         way = ("upwards from the bottom row", "downwards from the top row")
         own, others = way if other.order == "up" else way[::-1]
         summary = f"ids run {own}, not {others.split()[0]}"
-        advice = _keys(stated, other)
-    return AuditFinding(NAME, "contradicted", wrong, "share", summary, advice)
+    return AuditFinding(NAME, "contradicted", wrong, "share", summary, _keys(stated, other))
 
 
-def _keys(stated: MarkerGrid | CharucoBoard, other: MarkerGrid | CharucoBoard) -> str:
-    """The keys of a manifest that would state the other board."""
-    keys = ("columns", "rows") if stated.columns != other.columns else ()
-    differing = [
-        key
-        for key in (*keys, "first_id", "order", "turned_deg", "legacy")
-        if getattr(stated, key, None) != getattr(other, key, None)
+_KINDS: dict[type[Board], tuple[str, ...]] = {
+    Checkerboard: ("checkerboard", "columns", "rows"),
+    MarkerGrid: ("marker_grid", "family", "columns", "rows", "first_id", "order", "turned_deg"),
+    CharucoBoard: ("charuco", "family", "columns", "rows", "legacy"),
+}
+_LENGTHS = {MarkerGrid: "marker_m and gap_m", CharucoBoard: "square_m and marker_m"}
+
+
+def _keys(stated: Board, other: Board) -> str:
+    """The keys of a manifest that would state the other board; empty where none does."""
+    kind, *keys = _KINDS[type(other)]
+    same, whole = type(stated) is type(other), getattr(stated, "columns", 0) == other.columns
+    said = {} if same else {"type": kind}
+    said |= {
+        key: getattr(other, key)
+        for key in keys
+        if getattr(stated, key, None) != getattr(other, key)
+        and not (key == "rows" and same and whole)
+    }
+    if isinstance(stated, Checkerboard) and same:
+        said = {"columns": other.columns, "rows": other.rows}
+    elif {"columns"} & said.keys():
+        said["rows"] = other.rows
+    shown = [
+        f'{key} = "{x}"' if isinstance(x, str) else f"{key} = {str(x).lower()}"
+        for key, x in said.items()
     ]
-    values = [getattr(other, key) for key in differing]
-    shown = [f'"{one}"' if isinstance(one, str) else str(one).lower() for one in values]
-    return "say " + ", ".join(f"{key} = {one}" for key, one in zip(differing, shown, strict=True))
+    lengths = "" if same else f", and {_LENGTHS.get(type(other), 'square_m')} as measured"
+    return f"say {', '.join(shown)}{lengths}" if shown else ""
 
 
 def _details(board: MarkerGrid | CharucoBoard, fits: Sequence[LayoutFit]) -> AuditFinding:
@@ -146,9 +201,19 @@ def _details(board: MarkerGrid | CharucoBoard, fits: Sequence[LayoutFit]) -> Aud
         summary = f"the markers stand as stated, {gap_mm:.1f} mm apart"
         return AuditFinding(NAME, "consistent", abs(off), "sides", summary)
     if isinstance(board, CharucoBoard):
-        side_mm = 1e3 * board.square_m / float(np.median(ratios))
-        summary = f"you say markers of {1e3 * side_m:g} mm; the squares say {side_mm:.1f} mm"
-        return AuditFinding(NAME, "doubtful", abs(off), "sides", summary, "measure both anew")
+        side_m = board.square_m / float(np.median(ratios))
+        square_m = board.marker_m * float(np.median(ratios))
+        summary = (
+            f"you say markers of {1e3 * board.marker_m:g} mm; the squares say {1e3 * side_m:.1f} mm"
+        )
+        advice = (
+            f"say marker_m = {side_m:.4g}, or square_m = {square_m:.4g} if the markers are right"
+        )
+        return AuditFinding(NAME, "contradicted", abs(off), "sides", summary, advice)
     summary = f"you say a gap of {1e3 * board.gap_m:g} mm; the tags stand {gap_mm:.1f} mm apart"
-    advice = f"say gap_m = {1e-3 * gap_mm:.4f}"
+    advice = f"say gap_m = {1e-3 * gap_mm:.4g}"
+    if board.gap_m > 0.0 and gap_mm > 0.0:
+        advice += (
+            f", or marker_m = {side_m * board.gap_m / (1e-3 * gap_mm):.4g} if the gap is right"
+        )
     return AuditFinding(NAME, "contradicted", abs(off), "sides", summary, advice)

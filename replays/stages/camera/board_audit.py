@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import islice
 
 import numpy as np
 
 from motorcade.replays.io.recording import Recording
-from motorcade.tracking import Board, BoardTrack, Camera, Checkerboard, SelfCalibrationError
-from motorcade.tracking.audit import AuditFinding
+from motorcade.tracking import (
+    Board,
+    BoardTrack,
+    Camera,
+    Checkerboard,
+    SelfCalibrationError,
+)
+from motorcade.tracking.audit import AuditFinding, centre_finding, said_camera
 from motorcade.tracking.boards.checkerboard import extent_in_picture, extent_seen
 from motorcade.tracking.boards.corners import BoardCorners
+from motorcade.tracking.cameras.calibrate import view_error_px
+from motorcade.tracking.cameras.lens_choice import choose_lens, try_lenses
+from motorcade.tracking.measurements import MarkerObservation
 from motorcade.tracking.self_calibration.boards import board_sightings
 from motorcade.tracking.self_calibration.bodies import spread_runs
 from motorcade.tracking.self_calibration.choosing import as_kind, weighed_fit
@@ -18,7 +28,7 @@ from motorcade.tracking.self_calibration.fitting import fit
 from motorcade.tracking.self_calibration.lens import KINDS
 
 _PICTURES = 3
-_VIEWS = 90
+_VIEWS, _CALIBRATED = 90, 20
 _TERMS = next(kind for kind in KINDS if kind.name == "radtan with k1 k2")
 _FOCAL_SHARE = 0.02
 """A focal length wrong by so much puts a corner of the picture several pixels off."""
@@ -105,14 +115,34 @@ def _camera(camera: Camera, board: Board, tracked: BoardTrack, found_sigma: floa
     ratio = float(best.fit.state.numbers[0]) / focal
     sigma = float(np.sqrt(best.covariance[0, 0])) / focal
     off = abs(ratio - 1.0)
-    given = f"{camera.fx:.1f} is stated"
+    prior = f"{camera.fx:.1f} is stated"
     if found_sigma:
-        given = f"{camera.fx:.1f} ± {found_sigma * camera.fx:.1f} was found"
-    told = (
+        prior = f"{camera.fx:.1f} ± {found_sigma * camera.fx:.1f} was found"
+    summary = (
         f"the board's views say fx {ratio * camera.fx:.1f} ± {sigma * camera.fx:.1f} px where "
-        f"{given}, off by {off:.1%}; they fit to {best_px:.2f} px, {held.rms_px:.2f} as it is"
+        f"{prior}, off by {off:.1%}; they fit to {best_px:.2f} px, {held.rms_px:.2f} as it is"
     )
     if (off > _FOCAL_SHARE and off > _SIGMAS * np.hypot(sigma, found_sigma)) or worse:
-        advice = "calibrate the camera, or state its focal length and distortion as they are"
-        return AuditFinding(name, "contradicted", off, "share", told, advice)
-    return AuditFinding(name, "consistent", off, "share", told)
+        return AuditFinding(name, "contradicted", off, "share", summary, _mend(camera, board, some))
+    return AuditFinding(name, "consistent", off, "share", summary)
+
+
+def _mend(camera: Camera, board: Board, seen: Sequence[MarkerObservation]) -> str:
+    """The keys of the camera that the views bear, if it shows those held out better than stated."""
+    unknown = "calibrate the camera, or state its focal length and distortion as they are"
+    views = [BoardCorners(one.ids, one.corners_px, board.points_m[one.ids]) for one in seen]
+    views = [view for view in views if view.spanning]
+    views = views[:: -(-len(views) // _CALIBRATED) or 1]
+    try:
+        lens = choose_lens(try_lenses(views, (camera.width, camera.height)))
+        stated_px = float(np.median([view_error_px(view, camera) for view in views]))
+    except ValueError:
+        return unknown
+    if lens.calibration is None or centre_finding(camera) is not None:
+        return unknown
+    sure = lens.calibration.deviation[0] <= _FOCAL_SHARE * lens.calibration.camera.fx
+    return (
+        said_camera(lens.calibration.camera)
+        if sure and _TIMES * lens.typical_px < stated_px
+        else unknown
+    )

@@ -9,14 +9,12 @@ from __future__ import annotations
 import logging
 import time
 
-import numpy as np
-
 from motorcade.ga.lookahead import ahead
 from motorcade.ga.progress import track
 from motorcade.replays.engine.stage import NotOffered
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.board_audit import audited_board
-from motorcade.replays.stages.camera.offered import camera_of, require_pictures
+from motorcade.replays.stages.camera.offered import camera_of, require_pictures, sampled_images
 from motorcade.replays.stages.values.camera_poses import BoardPoses
 from motorcade.tracking import (
     Board,
@@ -34,8 +32,6 @@ from motorcade.tracking.targets.stated import compare_layout, name_target
 log = logging.getLogger("motorcade.camera_poses")
 
 _LARGEST_M = 5.0
-_SAMPLE = 8
-"""Pictures, spread over the recording, in which a board's layout is looked at."""
 _SIZELESS = ", whose size is not known: lengths have no unit"
 
 
@@ -55,7 +51,7 @@ def warn_of_contradictions(audit: tuple[AuditFinding, ...]) -> None:
             log.warning("camera_poses: %s; %s", one.summary, one.advice)
 
 
-def _turned(board: Board, tracked: BoardTrack) -> tuple[AuditFinding, ...]:
+def _guessed_turns(board: Board, tracked: BoardTrack) -> tuple[AuditFinding, ...]:
     """Doubt where a board that looks the same turned round was lost from sight between frames."""
     guessed = guessed_turns(board, tracked) if isinstance(board, Checkerboard) else 0
     if not guessed:
@@ -83,9 +79,7 @@ def board_poses(recording: Recording) -> BoardPoses:
     if recording.metric:
         warn_of_size(board)
     start = time.perf_counter()
-    sample = [
-        frames[k].gray() for k in np.unique(np.linspace(0, len(frames) - 1, _SAMPLE, dtype=int))
-    ]
+    sample = sampled_images(recording)
     layout = compare_layout(board, sample, camera)
     before = () if layout is None else (layout,)
     warn_of_contradictions(before)
@@ -95,14 +89,14 @@ def board_poses(recording: Recording) -> BoardPoses:
     try:
         tracked = track_board(pictures, camera, board)
     except TrackingError as fault:
-        reasons = [one.sentence for one in before if not one.passed] or [name_target(sample)]
+        reasons = [one.sentence for one in before if not one.passed] or [name_target(sample, board)]
         raise TrackingError("; ".join([str(fault), *filter(None, reasons)])) from fault
     if recording.readout_s:
         tracked = unrolled_track(tracked, board, camera, recording.shutter_s)
     seconds = time.perf_counter() - start
     audit = audited_board(recording, board, tracked)
     warn_of_contradictions(audit)
-    audit = (*before, *audit, *_turned(board, tracked))
+    audit = (*before, *audit, *_guessed_turns(board, tracked))
     on_board = tracked.measurements
     in_world = on_board.trajectory.transformed_by(left=recording.world_T_board)
     return BoardPoses(

@@ -17,7 +17,7 @@ from motorcade.ga.progress import track
 from motorcade.replays.engine.stage import NotOffered, Unavailable
 from motorcade.replays.io.readers.frames.corners import CornerFrames
 from motorcade.replays.io.recording import LooseMarkers, Recording
-from motorcade.replays.stages.camera.offered import camera_of
+from motorcade.replays.stages.camera.offered import camera_of, sampled_images
 from motorcade.replays.stages.values.camera_poses import MarkerPoses, SightedPoints
 from motorcade.tracking import Detection, PoseMeasurements, TrackingError, detect_markers
 from motorcade.tracking.audit import AuditFinding, scatter_px
@@ -35,6 +35,7 @@ from motorcade.tracking.markers.photometric import (
 from motorcade.tracking.markers.refinding import refind_markers
 from motorcade.tracking.markers.scenes import MarkerScene, map_scene
 from motorcade.tracking.rolling import unrolled_stream
+from motorcade.tracking.targets.stated import name_target
 
 Refine = Literal["none", "photometric"]
 _ONLY = "camera"
@@ -72,7 +73,9 @@ def marker_poses(
     seen = _seen_markers(recording, refine)
     streams = {name: _standing(stream, moving) for name, stream in seen.streams.items()}
     if not any(len(stream) for stream in streams.values()):
-        raise TrackingError("frames: expected some that show a marker, got none")
+        raise TrackingError(
+            f"frames: expected some that show a marker, got none{_instead(recording)}"
+        )
     known = None if recording.markers is None else recording.markers.marker_map
     found = _mapped(known, streams, seen)
     audit: tuple[AuditFinding, ...] = ()
@@ -110,6 +113,14 @@ def marker_poses(
         marker_map=found.marker_map,
         sighted=_sighted(next(iter(streams.values())), found.marker_map),
     )
+
+
+def _instead(recording: Recording) -> str:
+    """What images show in place of the markers that were stated."""
+    if recording.markers is None or isinstance(recording.frames, CornerFrames):
+        return ""
+    shown = name_target(sampled_images(recording), recording.markers.family)
+    return f"; {shown}" if shown else ""
 
 
 def _restless(markers: tuple[int, ...], before_px: float, left_px: float) -> AuditFinding:

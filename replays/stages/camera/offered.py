@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import logging
 
+import numpy as np
+
 from motorcade.replays.engine.stage import NotOffered
 from motorcade.replays.io.readers.frames.corners import CornerFrames
-from motorcade.replays.io.recording import Recording
+from motorcade.replays.io.recording import ImageArray, Recording
 from motorcade.tracking.cameras.camera import Camera
 
+_SAMPLE = 8
 log = logging.getLogger("motorcade.camera_poses")
 
 
@@ -50,3 +53,10 @@ def require_pictures(recording: Recording) -> None:
     """
     if isinstance(recording.frames, CornerFrames):
         raise NotOffered(f"{recording.name}: it holds corners of markers, and no pictures")
+
+
+def sampled_images(recording: Recording) -> list[ImageArray]:
+    """Grey images, eight spread over a recording, in which what is stated of it is looked at."""
+    frames = recording.frames
+    rows = np.unique(np.linspace(0, len(frames) - 1, _SAMPLE, dtype=int)).tolist()
+    return [frames[row].gray() for row in rows]
