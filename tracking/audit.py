@@ -75,7 +75,9 @@ def scatter_px(camera: Camera) -> float:
 
 
 def centre_finding(camera: Camera) -> AuditFinding | None:
-    """Doubt a principal point far off the image's middle, or in that of images turned by a quarter; None where it lies about there.
+    """Doubt a principal point far off the image's middle; None where it lies about there.
+
+    Nearer off it is doubted where it is that of images turned by a quarter.
 
     >>> from motorcade.tracking import Camera
     >>> from motorcade.tracking.audit import centre_finding
@@ -87,7 +89,8 @@ def centre_finding(camera: Camera) -> AuditFinding | None:
     ratios = (2.0 * camera.cx + 1.0) / width, (2.0 * camera.cy + 1.0) / height
     turned = (2.0 * camera.cx + 1.0) / height, (2.0 * camera.cy + 1.0) / width
     off, off_turned = (max(abs(ratio - 1.0) for ratio in pair) for pair in (ratios, turned))
-    if off <= max(_LIKE, _CLEARLY * off_turned) or off <= _OFF_CENTRE < off_turned:
+    by_quarter = off > _CLEARLY * off_turned and off_turned <= _LIKE < off
+    if off <= _OFF_CENTRE and not by_quarter:
         return None
     summary = (
         f"the camera's centre ({camera.cx:g}, {camera.cy:g}) lies far from the middle of images "
@@ -95,13 +98,11 @@ def centre_finding(camera: Camera) -> AuditFinding | None:
     )
     factor = round(2.0 * sum(ratios) / 2.0) / 2.0
     advice = "state the intrinsics of these images, cx and cy in their pixels"
-    if off_turned <= _LIKE and width != height:
+    if by_quarter:
         advice = (
             f"they are turned by a quarter from those of its calibration: say width = {height}, "
             f"height = {width}, rotation_deg = 90, or 270"
         )
-    elif off <= _OFF_CENTRE:
-        return None
     elif factor > 0.0 and all(abs(ratio / factor - 1.0) <= _LIKE for ratio in ratios):
         larger = f"{factor:g} times as large" if factor > 1.0 else f"{factor:g} times their size"
         whole = {key: getattr(camera, key) / factor for key in ("fx", "fy")}

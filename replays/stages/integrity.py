@@ -96,13 +96,20 @@ def integrity(
 
 
 def _unseen(recording: Recording, camera_poses: CameraPoses) -> list[AuditFinding]:
-    """What was stated to be in view, and is seen in no image: poses then came from elsewhere."""
-    stated = {"board": recording.board, "markers": recording.markers}
+    """What was stated and gave no pose, or does not come together."""
+    stated = {
+        "board": (recording.board, "or leave [board] out"),
+        "markers": (recording.markers, "or leave [markers] out"),
+        "slam": (recording.baseline_m, "or leave [stereo] out"),
+    }
     reasons = (one.partition(": ")[::2] for one in camera_poses.skipped)
+    unseen = [(f"stated_{name}", why, *stated[name]) for name, why in reasons if name in stated]
+    if recording.layout == "tum_rgbd":
+        unseen += [("depth_stamps", doubt, recording, "") for doubt in recording.doubts]
     return [
-        AuditFinding(f"stated_{name}", "contradicted", None, "", why, f"or leave [{name}] out")
-        for name, why in reasons
-        if stated.get(name) is not None
+        AuditFinding(name, "contradicted", None, "", why, advice)
+        for name, why, value, advice in unseen
+        if value is not None
     ]
 
 

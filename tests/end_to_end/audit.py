@@ -98,9 +98,9 @@ def pairs(scratch: Path) -> Iterator[Planted]:
         recording, frames=replace(frames, files=frames.right_files, right_files=frames.files)
     )
     yield Planted(
-        "drawn pair", "left for right", "left_and_right", lambda: (audited_pair(swapped),)
+        "drawn pair", "left for right", "left_and_right", lambda: audited_pair(swapped)
     )
-    yield Planted("drawn pair", "", "", lambda: (audited_pair(recording),))
+    yield Planted("drawn pair", "", "", lambda: audited_pair(recording))
 
 
 def flights(data: Path) -> Iterator[Planted]:

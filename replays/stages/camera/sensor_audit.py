@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.readers.frames.files import PictureFrames
 from motorcade.replays.io.recording import DepthArray, ImageArray, Recording
 from motorcade.replays.stages.camera.as_found import as_found
@@ -35,6 +36,9 @@ _PAIRS = 6
 _CORNERS = 400
 _LEVEL_PX = 2.0
 _FEWEST_MATCHES = 60
+_SAME_PX = 0.05
+_AGREE = 0.1
+"""Of a logarithm: so well pairs and depth sensors agree where both are calibrated roughly."""
 
 
 def audited_depth(
@@ -77,37 +81,70 @@ def audited_depth(
     return (corrected if mended else None), (*findings, found)
 
 
-def audited_pair(recording: Recording) -> AuditFinding:
-    """Look whether the right pictures are a right camera's, and rectified."""
+def audited_pair(recording: Recording) -> tuple[AuditFinding, ...]:
+    """Look whether the right images are a right camera's, rectified, and as far off as depth says.
+
+    Returns:
+        a finding on the images, and where there is depth one on the baseline.
+    """
     count = len(recording.frames)
-    right_of, level, matched = 0, 0, 0
+    apart, depths_m = [np.empty((0, 2))], [np.empty(0)]
     for number in np.unique(np.linspace(0, count - 1, _PAIRS).astype(int)).tolist():
         frame = recording.frames[number]
         left, right = frame.gray(), frame.right()
         if right is None:
             continue
         px = find_corners(left, _CORNERS).px
-        there, found = track_corners(left, right, px, px)
-        apart = (px - there)[found]
-        matched += len(apart)
-        same_row = np.abs(apart[:, 1]) <= _LEVEL_PX
-        level += int(np.count_nonzero(same_row))
-        right_of += int(np.count_nonzero(same_row & (apart[:, 0] > 0.0)))
-    name = "left_and_right"
+        there, tracked = track_corners(left, right, px, px)
+        apart.append((px - there)[tracked])
+        columns, rows = np.rint(px[tracked]).astype(int).T
+        depth_m = frame.depth_m()
+        depths_m.append(np.full(len(rows), np.nan) if depth_m is None else depth_m[rows, columns])
+    matches, depths = np.concatenate(apart), np.concatenate(depths_m)
+    same_row = np.abs(matches[:, 1]) <= _LEVEL_PX
+    right_of, level = np.count_nonzero(matches[same_row, 0] > 0.0), np.count_nonzero(same_row)
+    name, matched = "left_and_right", len(matches)
     if matched < _FEWEST_MATCHES:
-        return AuditFinding(name, "unknown", None, "share", "left and right share too few corners")
+        summary = "left and right share too few corners"
+        return (AuditFinding(name, "unknown", None, "share", summary),)
     if 2 * level < matched:
-        summary = f"only {level} of {matched} corners lie in the same row of both pictures"
-        advice = "rectify the pictures, or give frames of one moment"
-        return AuditFinding(name, "contradicted", 1.0 - level / matched, "share", summary, advice)
-    share = 1.0 - right_of / level
-    if share > 0.5:
-        summary = f"{level - right_of} of {level} corners lie further right in the right picture"
-        return AuditFinding(
-            name, "contradicted", share, "share", summary, "swap the left and right pictures"
+        summary = f"only {level} of {matched} corners lie in the same row of both images"
+        advice = "rectify the images, or give frames of one moment"
+        return (
+            AuditFinding(name, "contradicted", 1.0 - level / matched, "share", summary, advice),
         )
-    summary = f"{right_of} of {level} corners lie further left in the right picture"
-    return AuditFinding(name, "consistent", share, "share", summary)
+    share = 1.0 - right_of / level
+    verdict: Verdict = "consistent" if share <= 0.5 else "contradicted"
+    summary = f"{right_of} of {level} corners lie further left in the right image"
+    advice = "swap the left and right images"
+    if np.median(np.abs(matches)) < _SAME_PX:
+        verdict, summary = "contradicted", "left and right are the same images"
+        advice = "name those of the right camera in [stereo] right"
+    images = AuditFinding(name, verdict, share, "share", summary, advice)
+    if not images.passed:
+        return (images,)
+    return (images, *_baseline(recording, matches[same_row, 0], depths[same_row]))
+
+
+def _baseline(
+    recording: Recording, disparity_px: FloatArray, depth_m: FloatArray
+) -> tuple[AuditFinding, ...]:
+    """The baseline beside the depth of the same corners; nothing where there is too little."""
+    known = np.isfinite(depth_m) & (disparity_px > _LEVEL_PX)
+    baseline_m = recording.baseline_m
+    if baseline_m is None or np.count_nonzero(known) < _FEWEST_MATCHES:
+        return ()
+    by_pair_m = baseline_m * camera_of(recording).fx / disparity_px[known]
+    times = float(np.median(by_pair_m / depth_m[known]))
+    summary = f"by left and right images points are {times:.4g} times as far as by depth"
+    if abs(np.log(times)) <= _AGREE:
+        return (AuditFinding("baseline", "consistent", times, "times", summary),)
+    advice = f"say baseline_m = {baseline_m / times:.3g} if depth is right"
+    frames = recording.frames
+    if isinstance(frames, PictureFrames):
+        units = frames.depth_units_per_m
+        advice += f"; depth would be in units of {units / times:.4g} to the metre, not {units:g}"
+    return (AuditFinding("baseline", "contradicted", times, "times", summary, advice),)
 
 
 def _sampled(recording: Recording) -> list[int]:

@@ -80,15 +80,19 @@ def slam_poses(
     cameras = found_cameras(recording)
     audit = cameras.audit
     recording = as_found(recording, cameras.camera, cameras.depth_camera)
-    if paired:
-        audit = (*audit, audited_pair(recording))
+    if recording.baseline_m is not None:
+        audit = (*audit, *audited_pair(recording))
     mapped = None
     if imu_inside and adjust and not threads and carries_imu(recording):
         mapped = mapped_with_imu(recording, settings)
     if mapped is not None:
         poses = _with_imu_inside(recording, mapped, start)
     else:
-        found = _by_vision(recording, settings)
+        try:
+            found = _by_vision(recording, settings)
+        except TrackingError as fault:
+            reasons = [finding.sentence for finding in audit if not finding.passed]
+            raise TrackingError("; ".join([str(fault), *reasons])) from fault
         if found.metric and adjust and not paired and recording.slam_map is None:
             found = refined_by_depth(recording, found) or found
         poses = _measured(recording, found, start)

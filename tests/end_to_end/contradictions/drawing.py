@@ -28,7 +28,8 @@ RATE_HZ, IMU_HZ = 20.0, 200.0
 PINHOLE = Camera(480, 360, 420.0, 420.0, 239.5, 179.5)
 RADTAN = Camera(480, 360, 400.0, 400.0, 242.0, 176.0, "radtan", (-0.3, 0.1, 0.0, 0.0))
 FISHEYE = Camera(480, 360, 300.0, 300.0, 238.0, 181.0, "equidistant", (-0.03, 0.01, 0.0, 0.0))
-ROOM = Camera(320, 240, 262.5, 262.5, 159.5, 119.5)
+SMALL = Camera(320, 240, 280.0, 280.0, 159.5, 119.5)
+ROOM = Camera(640, 480, 525.0, 525.0, 319.5, 239.5)
 _FINE = 2
 
 
@@ -200,7 +201,7 @@ def _write_imu(folder: Path, path: Path_, frames: int, rng: np.random.Generator)
     return f'[imu]\nfile = "imu.csv"\nnoise_file = "imu.yaml"\nimu_T_camera = {pose!r}\n'
 
 
-def write_room(folder: Path, rng: np.random.Generator, frames: int = 24) -> Drawn:
+def write_room(folder: Path, rng: np.random.Generator, frames: int = 20) -> Drawn:
     """A textured room in the layout of TUM RGB-D, with depth and right images."""
     seed = int(rng.integers(1 << 30))
     sensor = Sensor(camera=ROOM, depth_noise_px=0.15)

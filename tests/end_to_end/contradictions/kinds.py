@@ -16,6 +16,7 @@ from motorcade.replays.io.readers.manifest.section import board_toml, camera_tom
 from motorcade.tracking import Board, Camera, CharucoBoard, Checkerboard, MarkerGrid, SingleMarker
 from tests.end_to_end.contradictions.drawing import (
     FISHEYE,
+    SMALL,
     PINHOLE,
     RADTAN,
     Drawn,
@@ -71,7 +72,7 @@ _ARUCO = {"marker_m": "0.05", "gap_m": "0.012"}
 
 def _board(board: Board, camera: Camera = PINHOLE, imu: bool = False, near: float = 1.0) -> Draw:
     def draw(folder: Path, rng: Rng) -> Drawn:
-        frames = 80 if imu else 12
+        frames = 200 if imu else 12
         return write_sheet(folder, sheet_of(board), camera, rng, frames, imu, near)
 
     return draw
@@ -93,10 +94,9 @@ BASES: dict[str, Draw] = {
     "charuco": _board(CHARUCO),
     "charuco legacy": _board(LEGACY, FISHEYE),
     "grid radtan": _board(GRID, RADTAN, near=0.75),
-    "marker": _board(MARKER),
+    "marker": _board(MARKER, near=2.5),
     "loose": _loose,
-    "grid imu": _board(GRID, imu=True),
-    "checkerboard imu": _board(CHECKER, RADTAN, imu=True),
+    "grid imu": _board(GRID, SMALL, imu=True),
     "room": write_room,
 }
 
@@ -173,7 +173,7 @@ def _boards() -> Iterator[Kind]:
         "aruco grid",
         "family 4x4_100",
         states(ARUCO, replace(ARUCO, family="aruco_4x4_100")),
-        'family = "aruco_5x5_100"',
+        'family = "aruco_5x5_50"',
     )
     plain = MarkerGrid("tag36h11", 4, 3, 0.06, 0.018)
     yield Kind("kalibr", "plain grid", states(KALIBR, plain), "aprilgrid|border2")
@@ -440,7 +440,11 @@ def _rooms() -> Iterator[Kind]:
     )
     from tests.end_to_end.contradictions.drawing import ROOM
 
-    double = sees(ROOM, scaled(ROOM, 2.0))
+    def doubled(drawn: Drawn, rng: Rng) -> Drawn:
+        lines = {key: getattr(scaled(ROOM, 2.0), key) for key in ("fx", "fy", "cx", "cy")}
+        for key, value in lines.items():
+            drawn = camera_line(key, repr(value))(drawn, rng)
+        return drawn
 
     def without_depth(plant: Plant) -> Plant:
         def changed(drawn: Drawn, rng: Rng) -> Drawn:
@@ -458,14 +462,14 @@ def _rooms() -> Iterator[Kind]:
     yield Kind(
         "room",
         "intrinsics times 2",
-        camera_line("cx|cy|fx|fy", "525.0"),
+        doubled,
         "divide fx|fx = ",
         files=False,
     )
     yield Kind(
         "room",
         "baseline in mm",
-        without_depth(camera_line("baseline_m", "120.0")),
+        camera_line("baseline_m", "120.0"),
         "baseline_m = 0.12",
         files=True,
     )

@@ -218,7 +218,7 @@ def test_a_pair_with_an_imu_has_metres_of_its_own(
     fed: type[FedInertialSlam], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("motorcade.replays.io.recording.Frame.right", lambda _: None)
-    monkeypatch.setattr(slam_poses, "audited_pair", lambda _: FOUND_OUT)
+    monkeypatch.setattr(slam_poses, "audited_pair", lambda _: (FOUND_OUT,))
     found = slam_poses.slam_poses(replace(carried(), baseline_m=0.1))
     assert "by a stereo pair with the IMU inside, upright 0.1 s after" in found.summary
     assert (found.metres_a_unit, found.scale_sigma) == (None, None)
