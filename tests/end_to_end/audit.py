@@ -28,11 +28,13 @@ from motorcade.replays.io.readers.tagslam.corners import TagSlamRecording
 from motorcade.replays.io.readers.tagslam.corners import read as read_tagslam
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.board_audit import audited_board
+from motorcade.replays.stages.camera.offered import sampled_images
 from motorcade.replays.stages.camera.sensor_audit import audited_depth, audited_pair
 from motorcade.tracking import AuditFinding, Checkerboard, track_board
 from motorcade.tracking.depth import DepthCamera
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.scenes import FixedMarker, MarkerBody, map_scene
+from motorcade.tracking.targets import compare_layout
 from tests.fusion.health.cases import FAULTS, flown
 from tests.textured_room.recording import write_recording
 from tests.textured_room.scenarios import scenario
@@ -97,9 +99,7 @@ def pairs(scratch: Path) -> Iterator[Planted]:
     swapped = replace(
         recording, frames=replace(frames, files=frames.right_files, right_files=frames.files)
     )
-    yield Planted(
-        "drawn pair", "left for right", "left_and_right", lambda: audited_pair(swapped)
-    )
+    yield Planted("drawn pair", "left for right", "left_and_right", lambda: audited_pair(swapped))
     yield Planted("drawn pair", "", "", lambda: audited_pair(recording))
 
 
@@ -271,7 +271,9 @@ def _board_findings(root: Path, change: Callable[[Recording], Recording]) -> Cal
             for number in range(0, len(recording.frames), len(recording.frames) // _BOARD_FRAMES)
         ]
         tracked = track_board(pictures, recording.camera, recording.board)
-        return audited_board(recording, recording.board, tracked)
+        layout = compare_layout(recording.board, sampled_images(recording), recording.camera)
+        of_camera = audited_board(recording, recording.board, tracked)
+        return of_camera if layout is None else (layout, *of_camera)
 
     return findings
 

@@ -17,6 +17,7 @@ from motorcade.tracking.boards.corners import Board
 from motorcade.tracking.boards.markers import MarkerGrid, SingleMarker
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
+from motorcade.tracking.targets.chessboards import checkerboard_seen
 from motorcade.tracking.targets.finding import find_target, seen_markers
 from motorcade.tracking.targets.layouts import (
     LayoutFit,
@@ -52,6 +53,8 @@ def compare_layout(
     >>> compare_layout(stated, [printed.draw(pixels_per_m=1000.0)[0]]).sentence
     'ids run upwards from the bottom row, not downwards; say order = "up"'
     """
+    if isinstance(board, Checkerboard):
+        return _counted(board, pictures)
     if not isinstance(board, MarkerGrid | CharucoBoard):
         return None
     seen = seen_markers(board.family, pictures)
@@ -75,6 +78,20 @@ def compare_layout(
         advice = "state the board as it is printed, or its markers as loose ones ([markers])"
         return AuditFinding(NAME, "contradicted", wrong, "share", summary, advice)
     return _otherwise(board, other, wrong)
+
+
+def _counted(board: Checkerboard, pictures: Sequence[GrayImage]) -> AuditFinding:
+    """The finding on how many corners a checkerboard has; where it ends must be in view."""
+    name, counted = "board_corners", checkerboard_seen(pictures)
+    if counted is None or not counted.ends:
+        return AuditFinding(name, "unknown", None, "corners", "no image shows where the board ends")
+    looks, stated = (counted.columns, counted.rows), (board.columns, board.rows)
+    off = float(np.abs(np.sort(looks) - np.sort(stated)).max())
+    seen = "the board looks like {} x {} inner corners".format(*looks)
+    if off == 0.0 or tuple(sorted(stated, reverse=True)) in counted.others:
+        return AuditFinding(name, "consistent", off, "corners", f"{seen}, as stated")
+    summary = "{}, not {} x {} as stated".format(seen, *stated)
+    return AuditFinding(name, "contradicted", off, "corners", summary, _keys(board, counted.board))
 
 
 def name_target(pictures: Sequence[GrayImage], stated: Board | str) -> str:

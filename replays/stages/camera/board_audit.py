@@ -1,9 +1,8 @@
-"""Whether the board and the camera that were described fit what the pictures of the board show."""
+"""Whether the camera that was stated fits what the images of the board show."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import islice
 
 import numpy as np
 
@@ -12,11 +11,9 @@ from motorcade.tracking import (
     Board,
     BoardTrack,
     Camera,
-    Checkerboard,
     SelfCalibrationError,
 )
 from motorcade.tracking.audit import AuditFinding, centre_finding, said_camera
-from motorcade.tracking.boards.checkerboard import extent_in_picture, extent_seen
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.calibrate import view_error_px
 from motorcade.tracking.cameras.lens_choice import choose_lens, try_lenses
@@ -27,7 +24,6 @@ from motorcade.tracking.self_calibration.choosing import as_kind, weighed_fit
 from motorcade.tracking.self_calibration.fitting import fit
 from motorcade.tracking.self_calibration.lens import KINDS
 
-_PICTURES = 3
 _VIEWS, _CALIBRATED = 90, 20
 _TERMS = next(kind for kind in KINDS if kind.name == "radtan with k1 k2")
 _FOCAL_SHARE = 0.02
@@ -39,41 +35,10 @@ _WORSE_PX, _TIMES = 0.2, 1.5
 def audited_board(
     recording: Recording, board: Board, tracked: BoardTrack
 ) -> tuple[AuditFinding, ...]:
-    """Compare the board's described corners, and the stated camera, with the tracked board."""
-    findings = []
-    if isinstance(board, Checkerboard):
-        findings.append(_extent(recording, board, tracked))
-    if recording.camera is not None:
-        findings.append(_camera(recording.camera, board, tracked, recording.focal_sigma))
-    return tuple(findings)
-
-
-def _board_looks(recording: Recording, board: Checkerboard, tracked: BoardTrack) -> tuple[int, int]:
-    """Columns and rows of inner corners that a checkerboard is seen to have.
-
-    Fewer than described by what was tracked, more by the first three pictures that show it whole.
-    """
-    whole = [one for one in tracked.observations if len(one.ids) == len(board.points_m)]
-    if not whole:
-        return extent_seen(board, tracked.observations)
-    corners = {one.time_ns: one.corners_px for one in whole[:_PICTURES]}
-    shown = (frame for frame in recording.frames if frame.time_ns in corners)
-    extents = [
-        extent_in_picture(board, frame.gray(), corners[frame.time_ns])
-        for frame in islice(shown, len(corners))
-    ]
-    return max((columns for columns, _ in extents)), max((rows for _, rows in extents))
-
-
-def _extent(recording: Recording, board: Checkerboard, tracked: BoardTrack) -> AuditFinding:
-    looks, described = _board_looks(recording, board, tracked), (board.columns, board.rows)
-    off = float(max(abs(looks[0] - described[0]), abs(looks[1] - described[1])))
-    seen = "the board looks like {} x {} inner corners".format(*looks)
-    if looks == described:
-        return AuditFinding("board_corners", "consistent", off, "corners", f"{seen}, as described")
-    summary = "{}, not {} x {} as described".format(seen, *described)
-    advice = "describe the board that is seen: poses from a wrong board are wrong"
-    return AuditFinding("board_corners", "contradicted", off, "corners", summary, advice)
+    """Compare the stated camera with the tracked board."""
+    if recording.camera is None:
+        return ()
+    return (_camera(recording.camera, board, tracked, recording.focal_sigma),)
 
 
 def _camera(camera: Camera, board: Board, tracked: BoardTrack, found_sigma: float) -> AuditFinding:

@@ -50,7 +50,7 @@ def planted(kind: Kind, folder: Path, seed: int) -> Drawn:
 
 
 def judged(kind: Kind, folder: Path, seed: int) -> tuple[str, str]:
-    """ "named", or what is missing; and the closing lines."""
+    """Whether it is named, or what is missing; and the closing lines."""
     wrong = planted(kind, folder, seed)
     answer = run(wrong)
     if answer.code != 1:
@@ -82,10 +82,8 @@ def main() -> int:
         start = time.perf_counter()
         verdict, closing = judged(kind, asked.out, asked.seed)
         rows.append((f"{kind.base}: {kind.name}", verdict, closing))
-        print(
-            f"{verdict:10} {kind.base}: {kind.name} ({time.perf_counter() - start:.1f} s): {closing}",
-            flush=True,
-        )
+        seconds = time.perf_counter() - start
+        print(f"{verdict:10} {rows[-1][0]} ({seconds:.1f} s): {closing}", flush=True)
     names = [name for name in BASES if asked.only in name]
     for number in range(asked.clean):
         name = names[number % len(names)]

@@ -1,4 +1,4 @@
-"""Draws recordings of prints and of a room, small and clean, into which contradictions are planted."""
+"""Draws recordings of prints and of a room, small and clean, to plant contradictions into."""
 
 from __future__ import annotations
 

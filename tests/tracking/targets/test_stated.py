@@ -14,6 +14,7 @@ from motorcade.tracking import (
     CharucoBoard,
     Checkerboard,
     MarkerGrid,
+    SingleMarker,
     TrackingError,
     track_board,
 )
@@ -53,6 +54,7 @@ CONTRADICTIONS: list[tuple[Board, Board, str]] = [  # printed, stated, what name
     (GRID, replace(GRID, gap_m=0.03), "you say a gap of 30 mm; the tags stand 18."),
     (replace(CHARUCO, legacy=True), CHARUCO, "a legacy ChArUco board; say legacy = true"),
     (CHARUCO, replace(CHARUCO, legacy=True), "no legacy one; say legacy = false"),
+    (CHARUCO, replace(CHARUCO, marker_m=0.024), "the squares say 28."),
 ]  # fmt: skip
 
 
@@ -82,7 +84,9 @@ def test_of_few_markers_nothing_is_told() -> None:
     found = compare_layout(few, pictures(few, 1))
     assert found is not None
     assert found.verdict == "unknown"
-    assert compare_layout(Checkerboard(5, 4, 0.03), pictures(few, 1)) is None
+    of_corners = compare_layout(Checkerboard(5, 4, 0.03), pictures(few, 1))
+    assert of_corners is not None
+    assert of_corners.verdict == "unknown"
 
 
 def test_rows_for_columns_end_no_tracking_with_a_number_that_is_none() -> None:
@@ -106,5 +110,18 @@ def test_kalibr_s_grid_is_found_whole() -> None:
 
 
 def test_what_is_seen_instead_of_a_board_is_named() -> None:
-    assert "4 x 3 markers tag36h11" in name_target(pictures(GRID))
-    assert name_target([np.full((360, 480), 120, np.uint8)]) == ""
+    shown = pictures(GRID)
+    others = (replace(GRID, family="tag25h9"), replace(GRID, family=APRILGRID.family))
+    for stated in (*others, SingleMarker("tag25h9", 3, 0.1), "tag25h9"):
+        text = name_target(shown, stated)
+        assert "4 x 3 markers tag36h11" in text
+        assert text.endswith('say family = "tag36h11"')
+    keys = 'say type = "marker_grid", family = "tag36h11", columns = 4, rows = 3, first_id = 5'
+    assert keys in name_target(shown, CHARUCO)
+    assert name_target([np.full((360, 480), 120, np.uint8)], GRID) == ""
+
+
+def test_mirrored_images_are_named() -> None:
+    mirrored = [np.ascontiguousarray(image[:, ::-1]) for image in pictures(GRID)]
+    assert "the images are mirrored" in name_target(mirrored, GRID)
+    assert "mirror them back, left to right" in name_target(mirrored, "tag36h11")
