@@ -30,6 +30,9 @@ _BRIGHTEST = 0.95
 _FEWEST = 4000
 _STANDS_OUT = 5.0
 """Times the scatter of shifts far from it by which the best one must lead their mean."""
+_AHEAD = 3.0
+"""Times that scatter by which a shift far off must lead the best about the stated place: another
+edge of the same scene fits nearly as well."""
 _USUAL_WIDTH = 320
 """Wider pictures are made smaller: what is looked for is pixels, not their fractions."""
 
@@ -99,10 +102,16 @@ def edge_offset(grays: Sequence[GrayImage], depths_m: Sequence[DepthImage]) -> E
 def _best(
     score: FloatArray, reach: int, shrunk: int, shape: tuple[int, int], pixels: int
 ) -> EdgeOffset:
-    best = np.unravel_index(int(np.argmax(score)), score.shape)
-    z, down, right = (int(index) for index in best)
     rows, columns = np.indices(score.shape[1:])
-    far = score[:, np.hypot(rows - down, columns - right) > reach / 2]
+    about_stated = np.hypot(rows - reach, columns - reach) <= reach / 2
+    best, mode = (
+        np.unravel_index(int(np.argmax(scores)), score.shape)
+        for scores in (score, np.where(about_stated, score, -np.inf))
+    )
+    far = score[:, np.hypot(rows - best[1], columns - best[2]) > reach / 2]
+    if score[best] - score[mode] < _AHEAD * far.std():
+        best = mode
+    z, down, right = (int(index) for index in best)
     contrast = float((score[z, down, right] - far.mean()) / max(far.std(), 1e-12))
     inside = all(0 < index < size - 1 for index, size in zip(best, score.shape, strict=True))
     if not inside or contrast < _STANDS_OUT:

@@ -18,7 +18,7 @@ from motorcade.replays.io.recording import DepthArray, ImageArray, Recording
 from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.camera.depth import measured_depth
 from motorcade.replays.stages.camera.offered import camera_of
-from motorcade.tracking.audit import DEPTH_ON_COLOUR_PX, AuditFinding, Verdict
+from motorcade.tracking.audit import DEPTH_ON_COLOUR_PX, AuditFinding, Verdict, centre_finding
 from motorcade.tracking.depth.cameras import DepthCamera
 from motorcade.tracking.depth.edges import EdgeOffset, edge_offset
 from motorcade.tracking.depth.lattice import inverse_depth_step
@@ -131,10 +131,11 @@ def _baseline(
 ) -> tuple[AuditFinding, ...]:
     """The baseline beside the depth of the same corners; nothing where there is too little."""
     known = np.isfinite(depth_m) & (disparity_px > _LEVEL_PX)
-    baseline_m = recording.baseline_m
-    if baseline_m is None or np.count_nonzero(known) < _FEWEST_MATCHES:
+    baseline_m, camera = recording.baseline_m, camera_of(recording)
+    lens_doubted = centre_finding(camera) is not None
+    if baseline_m is None or lens_doubted or np.count_nonzero(known) < _FEWEST_MATCHES:
         return ()
-    by_pair_m = baseline_m * camera_of(recording).fx / disparity_px[known]
+    by_pair_m = baseline_m * camera.fx / disparity_px[known]
     times = float(np.median(by_pair_m / depth_m[known]))
     summary = f"by left and right images points are {times:.4g} times as far as by depth"
     if abs(np.log(times)) <= _AGREE:

@@ -88,7 +88,9 @@ def loose_sheet(family: str, ids: range, side_m: float, rng: np.random.Generator
 Path_ = Callable[[FloatArray], Motor]
 
 
-def camera_path(sheet: Sheet, camera: Camera, rng: np.random.Generator, near: float) -> Path_:
+def camera_path(
+    sheet: Sheet, camera: Camera, rng: np.random.Generator, near: float, period_s: float
+) -> Path_:
     """A hand that carries a camera about before a print, looking at it: poses by time."""
     first_s, phases = rng.uniform(0.0, 6.0), rng.uniform(0.0, 2.0 * np.pi, 6)
     focal = max(camera.fx / camera.width, camera.fy / camera.height)
@@ -96,7 +98,7 @@ def camera_path(sheet: Sheet, camera: Camera, rng: np.random.Generator, near: fl
     down = Rotor.from_rotation_vector([np.pi, 0.0, 0.0])
 
     def poses(time_s: FloatArray) -> Motor:
-        s = 2.0 * np.pi * (first_s + np.asarray(time_s)) / 1.5
+        s = 2.0 * np.pi * (first_s + np.asarray(time_s)) / period_s
         tilt = np.stack([0.5 * np.sin(0.7 * s + phases[0]), 0.5 * np.cos(s + phases[1])], axis=-1)
         sway = np.concatenate([tilt, 0.3 * np.sin(s + phases[2])[..., None]], axis=-1)
         rotor = down @ Rotor.from_rotation_vector(sway)
@@ -171,7 +173,7 @@ def write_sheet(
 ) -> Drawn:
     """A recording of a print: images, and where asked the IMU that was carried along."""
     folder.mkdir(parents=True)
-    path = camera_path(sheet, camera, rng, near)
+    path = camera_path(sheet, camera, rng, near, 3.5 if imu else 1.5)
     (folder / "images").mkdir()
     for row, pose in enumerate(path(np.arange(frames) / RATE_HZ)):
         image = photograph(sheet, camera, pose, rng)

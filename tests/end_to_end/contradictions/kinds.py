@@ -72,7 +72,7 @@ _ARUCO = {"marker_m": "0.05", "gap_m": "0.012"}
 
 def _board(board: Board, camera: Camera = PINHOLE, imu: bool = False, near: float = 1.0) -> Draw:
     def draw(folder: Path, rng: Rng) -> Drawn:
-        frames = 200 if imu else 12
+        frames = 260 if imu else 12
         return write_sheet(folder, sheet_of(board), camera, rng, frames, imu, near)
 
     return draw
@@ -316,8 +316,8 @@ def _inertial() -> Iterator[Kind]:
     base, board = "grid imu", GRID
     inch = replace(GRID, marker_m=GRID.marker_m / 2.54, gap_m=GRID.gap_m / 2.54)
     tenth = replace(GRID, marker_m=10 * GRID.marker_m, gap_m=10 * GRID.gap_m)
-    yield Kind(base, "sizes in inches", states(board, inch), "2.5|marker_m")
-    yield Kind(base, "sizes ten times", states(board, tenth), "10|marker_m")
+    yield Kind(base, "sizes in inches", states(board, inch), "2.5|marker_m", mendable=False)
+    yield Kind(base, "sizes ten times", states(board, tenth), "10|marker_m", mendable=False)
     yield Kind(
         base, "images' rate 30 for 20", line("rate_hz = 20.0", "rate_hz = 30.0"), "rate|clock"
     )
@@ -327,7 +327,7 @@ def _inertial() -> Iterator[Kind]:
     yield Kind(
         base, "extrinsics inverted", line(old, f"imu_T_camera = {inverse!r}"), "inver|transpos"
     )
-    axes = pose.copy()
+    axes = pose.copy(, mendable=False)
     axes[:2] = axes[1::-1]
     axes[2] *= -1.0
     yield Kind(
@@ -347,7 +347,7 @@ def _inertial() -> Iterator[Kind]:
                 f"{s},{','.join(map(repr, v))}"
                 for s, v in zip(stamps, values.tolist(), strict=True)
             ]
-            path.write_text("\n".join([head, *text, ""]))
+            path.write_text("\n".join([head, *text, ""]), mendable=False)
             return drawn
 
         return plant
@@ -357,15 +357,13 @@ def _inertial() -> Iterator[Kind]:
         "gyroscope in deg/s",
         columns(lambda v: np.hstack([np.rad2deg(v[:, :3]), v[:, 3:]])),
         "deg/s|degrees",
-        files=True,
-    )
+        files=True, mendable=False)
     yield Kind(
         base,
         "accelerometer in g",
         columns(lambda v: np.hstack([v[:, :3], v[:, 3:] / 9.81])),
         r"\bg\b",
-        files=True,
-    )
+        files=True, mendable=False)
     yield Kind(
         base,
         "gyroscope's axis flipped",
@@ -378,7 +376,7 @@ def _inertial() -> Iterator[Kind]:
         path = drawn.folder / "imu.csv"
         head, *rows = path.read_text().splitlines()
         text = [f"{int(row.split(',')[0]) + 200_000_000},{row.partition(',')[2]}" for row in rows]
-        path.write_text("\n".join([head, *text, ""]))
+        path.write_text("\n".join([head, *text, ""]), mendable=False)
         return drawn
 
     yield Kind(base, "IMU 0.2 s late", late, "0.2|200 ms|clock|offset", files=True, mendable=False)
