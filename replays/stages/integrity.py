@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.filter import FilterSettings
-from motorcade.fusion.health import check_health
 from motorcade.fusion.metrics import most_by_chance, normalised_squared
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.offered import camera_of
+from motorcade.replays.stages.inertial.filter_input import inertial_health
 from motorcade.replays.stages.values.camera_poses import BoardPoses, CameraPoses
 from motorcade.replays.stages.values.errors import Integrity
 from motorcade.replays.stages.values.inertial import UsedImu
@@ -126,12 +126,7 @@ def _coverage(camera_poses: CameraPoses, path: Trajectory) -> AuditFinding:
 
 def _inertial(recording: Recording, camera_poses: CameraPoses, imu: UsedImu) -> AuditFinding:
     """Faults that the readings show beside the measured poses; these may be of a leaning world."""
-    health = check_health(
-        camera_poses.measurements.trajectory,
-        imu.stream(recording),
-        imu.imu_T_camera,
-        up=camera_poses.origin == "simulated",
-    )
+    health = inertial_health(recording, camera_poses, imu)
     verdict: Verdict = "unknown" if health.unknown else "consistent"
     if health.findings:
         verdict = "contradicted"

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.tracking.audit import DEPTH_ON_COLOUR_PX
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.depth.cameras import DepthImage
 
@@ -30,9 +31,9 @@ _BRIGHTEST = 0.95
 _FEWEST = 4000
 _STANDS_OUT = 5.0
 """Times the scatter of shifts far from it by which the best one must lead their mean."""
-_AHEAD = 3.0
-"""Times that scatter by which a shift far off must lead the best about the stated place: another
-edge of the same scene fits nearly as well."""
+_AHEAD = 1.0
+"""Times that scatter by which another place must lead the stated one: less is what coincidence
+gives one shift in three, and nothing separates the two."""
 _USUAL_WIDTH = 320
 """Wider pictures are made smaller: what is looked for is pixels, not their fractions."""
 
@@ -103,7 +104,11 @@ def _best(
     score: FloatArray, reach: int, shrunk: int, shape: tuple[int, int], pixels: int
 ) -> EdgeOffset:
     rows, columns = np.indices(score.shape[1:])
-    about_stated = np.hypot(rows - reach, columns - reach) <= reach / 2
+    about_stated = np.zeros(score.shape, bool)
+    middle = len(_ZOOMS) // 2
+    about_stated[middle - 1 : middle + 2] = (
+        shrunk * np.hypot(rows - reach, columns - reach) <= DEPTH_ON_COLOUR_PX
+    )
     best, mode = (
         np.unravel_index(int(np.argmax(scores)), score.shape)
         for scores in (score, np.where(about_stated, score, -np.inf))

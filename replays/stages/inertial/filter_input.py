@@ -6,9 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from motorcade.fusion.health import Health, check_health
 from motorcade.fusion.imu import ImuNoise, ImuStream
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
+from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.values.camera_poses import CameraPoses
 from motorcade.replays.stages.values.inertial import ImuOrigin, UsedImu
 from motorcade.tracking import PoseMeasurements
@@ -37,6 +39,12 @@ def assumed_noise(
         white * noise.accel_density_m_s2_rthz,
         walk * noise.accel_walk_m_s3_rthz,
     )
+
+
+def inertial_health(recording: Recording, camera_poses: CameraPoses, imu: UsedImu) -> Health:
+    """Faults that the readings show beside the measured poses, whose world may lean."""
+    path, stream = camera_poses.measurements.trajectory, imu.stream(recording)
+    return check_health(path, stream, imu.imu_T_camera, up=camera_poses.origin == "simulated")
 
 
 _UPRIGHT_DEG = 3.0

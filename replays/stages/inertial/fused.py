@@ -18,7 +18,12 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import checked_positive
 from motorcade.replays.io.recording import Odometry, Recording
 from motorcade.replays.stages.held_out import without_held_out
-from motorcade.replays.stages.inertial.filter_input import Levelled, assumed_noise, levelled
+from motorcade.replays.stages.inertial.filter_input import (
+    Levelled,
+    assumed_noise,
+    inertial_health,
+    levelled,
+)
 from motorcade.replays.stages.stage_comparison import compared_by_held_out
 from motorcade.replays.stages.values.camera_poses import CameraPoses
 from motorcade.replays.stages.values.inertial import UsedImu
@@ -93,7 +98,13 @@ def fused(
             return _as_tracked(poses, harm or _reason(poses, imu, odometry, by))
         if chosen == "odometry":
             return _with_the_rest(_by_odometry(poses, odometry), poses)
-        return _with_the_rest(_by_imu(poses, recording, imu, asked, lag_curve, whole), poses)
+        try:
+            return _with_the_rest(_by_imu(poses, recording, imu, asked, lag_curve, whole), poses)
+        except ValueError as fault:
+            health = inertial_health(recording, poses, imu)
+            if not health.findings:
+                raise
+            raise ValueError(f"the filter finds no path: {health.summary}") from fault
 
     if chosen == "odometry" and by == "auto":
         harm = _harm(camera_poses, path_of)

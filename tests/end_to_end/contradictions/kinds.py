@@ -325,9 +325,13 @@ def _inertial() -> Iterator[Kind]:
     old = f"imu_T_camera = {pose.tolist()!r}"
     inverse = np.linalg.inv(pose).tolist()
     yield Kind(
-        base, "extrinsics inverted", line(old, f"imu_T_camera = {inverse!r}"), "inver|transpos"
+        base,
+        "extrinsics inverted",
+        line(old, f"imu_T_camera = {inverse!r}"),
+        "inver|transpos",
+        mendable=False,
     )
-    axes = pose.copy(, mendable=False)
+    axes = pose.copy()
     axes[:2] = axes[1::-1]
     axes[2] *= -1.0
     yield Kind(
@@ -335,6 +339,7 @@ def _inertial() -> Iterator[Kind]:
         "axes of another IMU",
         line(old, f"imu_T_camera = {axes.tolist()!r}"),
         "imu_T_camera|axes|x and y",
+        mendable=False,
     )
 
     def columns(change: Callable[[np.ndarray], np.ndarray]) -> Plant:
@@ -347,7 +352,7 @@ def _inertial() -> Iterator[Kind]:
                 f"{s},{','.join(map(repr, v))}"
                 for s, v in zip(stamps, values.tolist(), strict=True)
             ]
-            path.write_text("\n".join([head, *text, ""]), mendable=False)
+            path.write_text("\n".join([head, *text, ""]))
             return drawn
 
         return plant
@@ -357,26 +362,31 @@ def _inertial() -> Iterator[Kind]:
         "gyroscope in deg/s",
         columns(lambda v: np.hstack([np.rad2deg(v[:, :3]), v[:, 3:]])),
         "deg/s|degrees",
-        files=True, mendable=False)
+        files=True,
+        mendable=False,
+    )
     yield Kind(
         base,
         "accelerometer in g",
         columns(lambda v: np.hstack([v[:, :3], v[:, 3:] / 9.81])),
         r"\bg\b",
-        files=True, mendable=False)
+        files=True,
+        mendable=False,
+    )
     yield Kind(
         base,
         "gyroscope's axis flipped",
         columns(lambda v: v * [1, -1, 1, 1, 1, 1]),
-        "sign|axis|axes|y",
+        "left-handed",
         files=True,
+        mendable=False,
     )
 
     def late(drawn: Drawn, rng: Rng) -> Drawn:
         path = drawn.folder / "imu.csv"
         head, *rows = path.read_text().splitlines()
         text = [f"{int(row.split(',')[0]) + 200_000_000},{row.partition(',')[2]}" for row in rows]
-        path.write_text("\n".join([head, *text, ""]), mendable=False)
+        path.write_text("\n".join([head, *text, ""]))
         return drawn
 
     yield Kind(base, "IMU 0.2 s late", late, "0.2|200 ms|clock|offset", files=True, mendable=False)

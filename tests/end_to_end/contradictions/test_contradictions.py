@@ -1,0 +1,59 @@
+"""Contradictions planted in drawn recordings are named with a mend that helps; clean ones pass."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.end_to_end.contradictions.__main__ import drawn_base, judged
+from tests.end_to_end.contradictions.drawing import Drawn
+from tests.end_to_end.contradictions.kinds import BASES, Kind, kinds
+from tests.end_to_end.contradictions.running import followed, run, said
+
+CLOSING = (
+    'CONTRADICTED: ids run upwards; say order = "up", rows = 3, or leave [board] out; the board\'s '
+    "views fit to 0.02 px; say fx = 420.10, distortion = [-0.3000, 0.1000, 0.0000, 0.0000]; done"
+)
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("drawn")
+
+
+def test_keys_are_read_off_a_closing_line() -> None:
+    assert said(CLOSING) == {
+        "order": '"up"',
+        "rows": "3",
+        "fx": "420.10",
+        "distortion": "[-0.3000, 0.1000, 0.0000, 0.0000]",
+    }
+    assert said("done as far as integrity; look into out") == {}
+
+
+def test_the_manifest_follows_a_closing_line() -> None:
+    text = '[camera]\nfx = 500.0\n[board]\ntype = "marker_grid"\nrows = 4\n'
+    mended = followed(Drawn(Path(), text), CLOSING, {}).manifest
+    assert "rows = 3\n" in mended.partition("[board]")[2]
+    assert "rows = 4" not in mended
+    assert "fx = 420.10\n" in mended.partition("[board]")[0]
+
+
+def test_there_are_sixty_kinds_and_all_have_names_of_their_own() -> None:
+    names = [(kind.base, kind.name) for kind in kinds()]
+    assert len(names) == len(set(names)) >= 60
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", kinds(), ids=lambda kind: f"{kind.base}: {kind.name}")
+def test_each_contradiction_is_named_with_a_mend_that_helps(kind: Kind, drawn: Path) -> None:
+    verdict, closing = judged(kind, drawn, seed=20)
+    assert verdict == "named", closing
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("base", BASES)
+def test_clean_recordings_are_not_doubted(base: str, drawn: Path) -> None:
+    answer = run(drawn_base(drawn, base, 21))
+    assert answer.code == 0, answer.closing
