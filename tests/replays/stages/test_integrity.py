@@ -86,7 +86,7 @@ def by_board(found: PoseMeasurements, truth: Motor, rng: np.random.Generator) ->
 
 def judged(one: Given, **knobs: Any) -> tuple[Integrity, Integrity]:
     """What the stages make of it, as judged by the pictures and without them."""
-    poses = camera_poses(Chosen(one.poses), **knobs)
+    poses = camera_poses(Chosen(one.poses, skipped=one.poses.skipped), **knobs)
     sensor = imu(one.recording, poses)
     joined = fused(one.recording, poses, sensor, noise_factor=1.0)
     paths = smoothed(joined, representations=("motor",))
@@ -187,6 +187,28 @@ def test_what_measuring_the_poses_found_is_judged_with_the_rest() -> None:
     found, _ = judged(replace(one, poses=replace(one.poses, audit=(told,))))
     assert found.verdict == "contradicted"
     assert found.doubts == ("tag 3 is smaller; say 0.1 m",)
+
+
+@pytest.mark.parametrize(
+    ("skipped", "named"),
+    [
+        ("board: frames: expected some that show it, got none; say columns = 4", "stated_board"),
+        ("markers: expected some that show a marker, got none", None),
+        ("slam: visual SLAM found no pose; swap the left and right images", "stated_slam"),
+    ],
+)
+def test_what_was_stated_and_is_not_seen_is_no_consistent_run(
+    skipped: str, named: str | None
+) -> None:
+    one = given(0)
+    recording = replace(one.recording, board=BOARD, baseline_m=0.1)
+    found, _ = judged(
+        replace(one, recording=recording, poses=replace(one.poses, skipped=(skipped,)))
+    )
+    assert (named is None) == (found.verdict == "consistent")
+    if named is not None:
+        assert failed(found) == {named}
+        assert skipped.partition(": ")[2] in found.doubts[0]
 
 
 def outliers(one: Given, share: float) -> Given:

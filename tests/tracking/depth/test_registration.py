@@ -121,6 +121,17 @@ def test_edges_tell_how_far_depth_lies_off(shift: tuple[int, int]) -> None:
     assert found.down_px == pytest.approx(down, abs=0.8)
 
 
+def test_other_edges_that_fit_hardly_better_are_not_preferred() -> None:
+    """A print that repeats what hangs there, a little more in contrast."""
+    grays, depths = zip(*(cluttered(seed) for seed in range(5)), strict=True)
+    both = [
+        np.clip(120.0 + 0.5 * (gray - 120.0) + 0.51 * np.roll(gray - 120.0, 12, 0), 0, 255)
+        for gray in map(np.float64, grays)
+    ]
+    found = edge_offset([gray.astype(np.uint8) for gray in both], depths)
+    assert found.px < 1.5
+
+
 def test_a_picture_without_edges_tells_nothing() -> None:
     flat = np.full((240, 320), 90, np.uint8)
     found = edge_offset([flat], [np.full((240, 320), 2.0, np.float32)])
