@@ -136,6 +136,6 @@ def worst(findings: Iterable[AuditFinding]) -> Verdict:
         >>> worst((seen, unseen))
         'consistent'
     """
-    verdicts = {one.verdict for one in findings}
-    told = verdicts - {"unknown"} or verdicts or {"unknown"}
-    return max(told, key=_ORDER.index)
+    verdicts = {finding.verdict for finding in findings}
+    known = verdicts - {"unknown"} or verdicts or {"unknown"}
+    return max(known, key=_ORDER.index)

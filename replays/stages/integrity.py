@@ -97,13 +97,15 @@ def integrity(
 
 def _unseen(recording: Recording, camera_poses: CameraPoses) -> list[AuditFinding]:
     """What was stated and gave no pose, or does not come together."""
-    stated = {
+    stated: dict[str, tuple[object, str]] = {
         "board": (recording.board, "or leave [board] out"),
         "markers": (recording.markers, "or leave [markers] out"),
         "slam": (recording.baseline_m, "or leave [stereo] out"),
     }
-    reasons = (one.partition(": ")[::2] for one in camera_poses.skipped)
-    unseen = [(f"stated_{name}", why, *stated[name]) for name, why in reasons if name in stated]
+    reasons = (text.partition(": ")[::2] for text in camera_poses.skipped)
+    unseen: list[tuple[str, str, object, str]] = [
+        (f"stated_{name}", why, *stated[name]) for name, why in reasons if name in stated
+    ]
     if recording.layout == "tum_rgbd":
         unseen += [("depth_stamps", doubt, recording, "") for doubt in recording.doubts]
     return [
@@ -149,11 +151,11 @@ def _innovations(fused: FusedPath) -> AuditFinding:
 def _registration_check(
     registration: dict[str, FloatArray], name: str, limit_px: float
 ) -> AuditFinding:
-    found = registration[name]
-    off, allowed = _off(found, limit_px), most_by_chance(len(found), CONTAMINATION)
+    off_px = registration[name]
+    off, allowed = _off(off_px, limit_px), most_by_chance(len(off_px), CONTAMINATION)
     summary = (
-        f"in {off} of {len(found)} frames (up to {allowed} may) what is drawn along the smoothed "
-        f"path lies more than {limit_px:.2g} px off: {_shown(_median(found))} px in the median, "
+        f"in {off} of {len(off_px)} frames (up to {allowed} may) what is drawn along the smoothed "
+        f"path lies more than {limit_px:.2g} px off: {_shown(_median(off_px))} px in the median, "
         f"{_shown(_median(registration['measured']))} px along the measured poses"
     )
     advice = f"{_SMOOTH_LESS}, or look at what the filter made of the poses"
@@ -162,7 +164,7 @@ def _registration_check(
             "the measured poses do not explain the pictures: look at the camera, at the board or "
             "markers as stated, at blur, and at what moves"
         )
-    return _counted("registration", off, len(found), allowed, summary, advice)
+    return _counted("registration", off, len(off_px), allowed, summary, advice)
 
 
 def _agreement(camera_poses: CameraPoses, path: Trajectory) -> AuditFinding:

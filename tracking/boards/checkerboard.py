@@ -84,11 +84,11 @@ class Checkerboard(SquaresBoard):
             ValueError: not a grey uint8 picture.
         """
         size = (self.columns, self.rows)
-        found, raw = cv2.findChessboardCorners(checked_gray(image), size, flags=QUICK)
-        if not found:
+        seen, raw = cv2.findChessboardCorners(checked_gray(image), size, flags=QUICK)
+        if not seen:
             cv2.setRNGSeed(1)  # it draws random numbers: the same picture, the same corners
-            found, raw = cv2.findChessboardCornersSB(image, size, flags=0)
-        if not found:
+            seen, raw = cv2.findChessboardCornersSB(image, size, flags=0)
+        if not seen:
             return None
         grid = raw.astype(np.float64).reshape(self.rows, self.columns, 2)
         numbered = self._numbered(image, grid)

@@ -143,8 +143,8 @@ def _slope(gray: GrayImage, shrunk: int) -> FloatArray:
     top = max(float(np.quantile(slope, _BRIGHTEST)), 1e-9)
     height, width = slope.shape[0] // shrunk, slope.shape[1] // shrunk
     cut = np.minimum(slope / top, 1.0)[: height * shrunk, : width * shrunk]
-    found: FloatArray = cut.reshape(height, shrunk, width, shrunk).mean(axis=(1, 3))
-    return found
+    slopes: FloatArray = cut.reshape(height, shrunk, width, shrunk).mean(axis=(1, 3))
+    return slopes
 
 
 def _edges(depth_m: DepthImage) -> NDArray[np.bool_]:
@@ -183,5 +183,5 @@ def _correlated(slope: np.ndarray, edges: FloatArray, reach: int) -> FloatArray:
     """Sums of the slope at the edges, moved by ``(a, b) - reach``."""
     whole = np.fft.irfft2(slope * np.conj(np.fft.rfft2(edges)), s=edges.shape)
     around = np.arange(-reach, reach + 1)
-    found: FloatArray = whole[around[:, None], around]
-    return found
+    sums: FloatArray = whole[around[:, None], around]
+    return sums

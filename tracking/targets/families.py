@@ -102,7 +102,7 @@ def families_seen(pictures: Sequence[GrayImage], *, whole: bool = False) -> tupl
     seen = [one for index in first for one in _exact(searched[index], index, _widest())]
     found = _listed(_widest(), seen, len(first))
     clear = any(len(one.pictures) >= _MOSTLY * len(first) for one in found)
-    counted = {_words_of(one.family) for one in found}
+    counted = {words_of(one.family) for one in found}
     families = [one for one in _widest() if one in counted or not clear]
     others = sorted(set(range(len(grays))) - set(first))
     seen += [one for index in others for one in _exact(searched[index], index, families)]
@@ -117,7 +117,7 @@ def _listed(
     return tuple(sorted((one for one in found if one), key=lambda one: -one.sightings))
 
 
-def _words_of(family: str) -> str:
+def words_of(family: str) -> str:
     """The family as it was read: the largest of its kind."""
     stem, _, size = family.rpartition("_")
     return f"{stem}_{_NESTED[-1]}" if size.isdigit() and int(size) in _NESTED else family

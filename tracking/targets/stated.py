@@ -18,6 +18,7 @@ from motorcade.tracking.boards.markers import MarkerGrid, SingleMarker
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.targets.chessboards import checkerboard_seen
+from motorcade.tracking.targets.families import words_of
 from motorcade.tracking.targets.finding import find_target, seen_markers
 from motorcade.tracking.targets.layouts import (
     LayoutFit,
@@ -155,7 +156,7 @@ def _otherwise(
     elif other.columns != stated.columns:
         counts = f"{other.columns} by {other.rows}, not {stated.columns} by {stated.rows}"
         summary = f"the board stands {counts}"
-    elif other.family != stated.family:
+    elif words_of(other.family) != words_of(stated.family):
         summary = f"the markers are of {other.family}, not {stated.family}"
     elif isinstance(other, CharucoBoard):
         summary = f"the board is {'a legacy ChArUco board' if other.legacy else 'no legacy one'}"
@@ -179,23 +180,24 @@ _LENGTHS = {MarkerGrid: "marker_m and gap_m", CharucoBoard: "square_m and marker
 def _keys(stated: Board, other: Board) -> str:
     """The keys of a manifest that would state the other board; empty where none does."""
     kind, *keys = _KINDS[type(other)]
-    same, whole = type(stated) is type(other), getattr(stated, "columns", 0) == other.columns
-    said = {} if same else {"type": kind}
-    said |= {
-        key: getattr(other, key)
-        for key in keys
-        if getattr(stated, key, None) != getattr(other, key)
-        and not (key == "rows" and same and whole)
-    }
-    if isinstance(stated, Checkerboard) and same:
-        said = {"columns": other.columns, "rows": other.rows}
-    elif {"columns"} & said.keys():
-        said["rows"] = other.rows
+    values = {key: getattr(other, key) for key in keys}
+    lengths = f", and {_LENGTHS.get(type(other), 'square_m')} as measured"
+    if type(stated) is type(other):
+        lengths = ""
+        differing = {key for key in keys if getattr(stated, key) != values[key]}
+        if "family" in keys and words_of(stated.family) == words_of(values["family"]):
+            differing -= {"family"}  # of nested dictionaries the smallest is seen
+        if "columns" in differing or (isinstance(other, Checkerboard) and differing):
+            differing |= {"columns", "rows"}
+        else:
+            differing -= {"rows"}  # those beyond the last marker seen are not known
+        values = {key: value for key, value in values.items() if key in differing}
+    else:
+        values = {"type": kind} | values
     shown = [
-        f'{key} = "{x}"' if isinstance(x, str) else f"{key} = {str(x).lower()}"
-        for key, x in said.items()
+        f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {str(value).lower()}"
+        for key, value in values.items()
     ]
-    lengths = "" if same else f", and {_LENGTHS.get(type(other), 'square_m')} as measured"
     return f"say {', '.join(shown)}{lengths}" if shown else ""
 
 

@@ -58,16 +58,19 @@ def _camera(camera: Camera, board: Board, tracked: BoardTrack, found_sigma: floa
     size = camera.width, camera.height
     some = [tracked.observations[row] for row in spread_runs(len(tracked.observations), _VIEWS)]
     flat = [
-        focal * camera.unproject(one.corners_px)[:, :2] + 0.5 * np.array(size) - 0.5 for one in some
+        focal * camera.unproject(sighted.corners_px)[:, :2] + 0.5 * np.array(size) - 0.5
+        for sighted in some
     ]
     views = [
         (row, view)
-        for row, (one, px) in enumerate(zip(some, flat, strict=True))
+        for row, (sighted, px) in enumerate(zip(some, flat, strict=True))
         if np.isfinite(px).all()
-        and (view := BoardCorners(one.ids, px, board.points_m[one.ids])).spanning
+        and (view := BoardCorners(sighted.ids, px, board.points_m[sighted.ids])).spanning
     ]
     try:
-        seen, start = board_sightings(views, np.array([one.time_ns for one in some]), size, focal)
+        seen, start = board_sightings(
+            views, np.array([sighted.time_ns for sighted in some]), size, focal
+        )
         held = fit(seen, start, readout=True, lens=False)
         free = weighed_fit(seen, start, readout=True)
         bent = weighed_fit(seen, as_kind(free.fit.state, _TERMS), readout=True)
@@ -95,7 +98,10 @@ def _camera(camera: Camera, board: Board, tracked: BoardTrack, found_sigma: floa
 def _mend(camera: Camera, board: Board, seen: Sequence[MarkerObservation]) -> str:
     """The keys of the camera that the views bear, if it shows those held out better than stated."""
     unknown = "calibrate the camera, or state its focal length and distortion as they are"
-    views = [BoardCorners(one.ids, one.corners_px, board.points_m[one.ids]) for one in seen]
+    views = [
+        BoardCorners(sighted.ids, sighted.corners_px, board.points_m[sighted.ids])
+        for sighted in seen
+    ]
     views = [view for view in views if view.spanning]
     views = views[:: -(-len(views) // _CALIBRATED) or 1]
     try:

@@ -46,9 +46,9 @@ def warn_of_size(board: Board) -> None:
 
 def warn_of_contradictions(audit: tuple[AuditFinding, ...]) -> None:
     """Warn of what the pictures contradict: poses from a wrong board or camera are wrong."""
-    for one in audit:
-        if one.verdict == "contradicted":
-            log.warning("camera_poses: %s; %s", one.summary, one.advice)
+    for finding in audit:
+        if finding.verdict == "contradicted":
+            log.warning("camera_poses: %s; %s", finding.summary, finding.advice)
 
 
 def _guessed_turns(board: Board, tracked: BoardTrack) -> tuple[AuditFinding, ...]:
@@ -89,7 +89,9 @@ def board_poses(recording: Recording) -> BoardPoses:
     try:
         tracked = track_board(pictures, camera, board)
     except TrackingError as fault:
-        reasons = [one.sentence for one in before if not one.passed] or [name_target(sample, board)]
+        reasons = [finding.sentence for finding in before if not finding.passed] or [
+            name_target(sample, board)
+        ]
         raise TrackingError("; ".join([str(fault), *filter(None, reasons)])) from fault
     if recording.readout_s:
         tracked = unrolled_track(tracked, board, camera, recording.shutter_s)

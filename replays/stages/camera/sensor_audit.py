@@ -57,12 +57,12 @@ def audited_depth(
     findings = [_unit(recording, numbers)] if recording.layout == "seven_scenes" else []
     if not np.isfinite(stated.px):
         summary = "edges of depth and of colour do not tell whether they fit"
-        found = AuditFinding("depth_on_colour", "unknown", None, "px", summary)
-        return None, (*findings, found)
+        finding = AuditFinding("depth_on_colour", "unknown", None, "px", summary)
+        return None, (*findings, finding)
     if stated.px <= DEPTH_ON_COLOUR_PX:
         summary = f"depth lies on colour to {stated.px:.1f} px"
-        found = AuditFinding("depth_on_colour", "consistent", stated.px, "px", summary)
-        return None, (*findings, found)
+        finding = AuditFinding("depth_on_colour", "consistent", stated.px, "px", summary)
+        return None, (*findings, finding)
     corrected = _corrected(recording, stated)
     anew = as_found(recording, None, corrected)
     again = edge_offset(grays, [_registered(anew, number) for number in numbers])
@@ -77,8 +77,8 @@ def audited_depth(
     advice = "state both focal lengths and the depth camera's pose on the colour camera as they are"
     if abs(stated.zoom - 1.0) >= _ZOOMED:
         advice += f": colour's to depth's is {stated.zoom:.3f} times what is stated"
-    found = AuditFinding("depth_on_colour", verdict, stated.px, "px", summary, advice)
-    return (corrected if mended else None), (*findings, found)
+    finding = AuditFinding("depth_on_colour", verdict, stated.px, "px", summary, advice)
+    return (corrected if mended else None), (*findings, finding)
 
 
 def audited_pair(recording: Recording) -> tuple[AuditFinding, ...]:

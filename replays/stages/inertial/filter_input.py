@@ -70,8 +70,8 @@ def levelled(camera_poses: CameraPoses, imu: UsedImu, stream: ImuStream) -> Leve
     Poses simulated from a ground truth keep its world, and an IMU simulated along it has z for up
     anyway. The mean is off by the change of velocity over the time, in units of gravity.
     """
-    found = camera_poses.measurements
-    upright = Levelled(found, Motor.identity(), 0.0, leaned=False)
+    measured = camera_poses.measurements
+    upright = Levelled(measured, Motor.identity(), 0.0, leaned=False)
     up = _mean_up(camera_poses, imu, stream)
     if imu.origin != "recorded" or camera_poses.origin == "simulated" or up is None:
         return upright
@@ -81,7 +81,7 @@ def levelled(camera_poses: CameraPoses, imu: UsedImu, stream: ImuStream) -> Leve
     across = float(np.hypot(up[0], up[1]))
     axis = np.array([up[1], -up[0], 0.0]) / across if across > 0.0 else np.array([1.0, 0.0, 0.0])
     turn = Motor.from_rotor_translation(Rotor.from_rotation_vector(lean_rad * axis), np.zeros(3))
-    turned = PoseMeasurements(found.trajectory.transformed_by(left=turn), found.covariance)
+    turned = PoseMeasurements(measured.trajectory.transformed_by(left=turn), measured.covariance)
     return Levelled(turned, turn, float(np.rad2deg(lean_rad)), leaned=True)
 
 

@@ -111,13 +111,13 @@ def fused(
         if harm is not None:
             chosen = "nothing"
             log.warning("%s: the path is left as tracked: %s", recording.name, harm)
-    found = path_of(camera_poses)
-    if found.noise is not None:
-        log.info("%s", found.noise.summary)
+    path = path_of(camera_poses)
+    if path.noise is not None:
+        log.info("%s", path.noise.summary)
     kept = None if recording.truth is not None else without_held_out(camera_poses)
     return replace(
-        found,
-        held_out=None if kept is None else path_of(kept, found).trajectory,
+        path,
+        held_out=None if kept is None else path_of(kept, path).trajectory,
         lag_s=asked.ahead_s,
     )
 
@@ -203,46 +203,46 @@ def _harm(camera_poses: CameraPoses, path_of: Callable[[CameraPoses], FusedPath]
     kept = without_held_out(camera_poses)
     if kept is None:
         return None
-    made = path_of(kept)
-    compared = compared_by_held_out(camera_poses, replace(made, held_out=made.trajectory))
-    return next((f"with the recorded odometry {one}" for one in compared.worse), None)
+    joined = path_of(kept)
+    compared = compared_by_held_out(camera_poses, replace(joined, held_out=joined.trajectory))
+    return next((f"with the recorded odometry {gain}" for gain in compared.worse), None)
 
 
 def _as_tracked(camera_poses: CameraPoses, reason: str) -> FusedPath:
     return _unjudged(camera_poses.measurements, "nothing", f"left as tracked: {reason}")
 
 
-def _with_the_rest(found: FusedPath, camera_poses: CameraPoses) -> FusedPath:
+def _with_the_rest(whole: FusedPath, camera_poses: CameraPoses) -> FusedPath:
     """The path and, as they were tracked, the measured poses at whose stamps it has none."""
-    measured, path = camera_poses.measurements, found.trajectory
+    measured, path = camera_poses.measurements, whole.trajectory
     stamps = measured.trajectory.time_ns
     rest = np.flatnonzero(~np.isin(stamps, path.time_ns))
     if not len(rest):
-        return found
+        return whole
     time_ns = np.concatenate([path.time_ns, stamps[rest]])
     motors = Motor.concatenate([path.motors, measured.trajectory.motors[rest]])
     order = np.argsort(time_ns)
     joined = (
-        (found.covariance, measured.covariance[rest]),
-        (found.nis, np.full(len(rest), np.nan)),
-        (found.accepted, np.ones(len(rest), dtype=np.bool_)),
+        (whole.covariance, measured.covariance[rest]),
+        (whole.nis, np.full(len(rest), np.nan)),
+        (whole.accepted, np.ones(len(rest), dtype=np.bool_)),
     )
     covariance, nis, accepted = (np.concatenate(parts)[order] for parts in joined)
     return replace(
-        found,
+        whole,
         trajectory=Trajectory(time_ns[order], motors[order], path.parent, path.child),
         covariance=covariance,
         nis=nis,
         accepted=accepted,
-        summary=f"{found.summary}; {len(rest)} poses outside its span are left as tracked",
+        summary=f"{whole.summary}; {len(rest)} poses outside its span are left as tracked",
     )
 
 
-def _unjudged(found: PoseMeasurements, by: FusedWith, summary: str) -> FusedPath:
-    count = len(found)
+def _unjudged(measured: PoseMeasurements, by: FusedWith, summary: str) -> FusedPath:
+    count = len(measured)
     accepted = np.ones(count, dtype=np.bool_)
     return FusedPath(
-        found.trajectory, found.covariance, np.full(count, np.nan), accepted, by, summary
+        measured.trajectory, measured.covariance, np.full(count, np.nan), accepted, by, summary
     )
 
 
@@ -250,15 +250,15 @@ def _by_odometry(camera_poses: CameraPoses, odometry: Odometry | None) -> FusedP
     """The pose graph's path at the times of the frames, between its nodes by the screw motion."""
     if odometry is None:
         raise ValueError("fused.by=odometry, but the recording holds none")
-    found = fuse_odometry(
+    graph = fuse_odometry(
         camera_poses.measurements, odometry.trajectory, odometry.odometry_T_camera
     )
-    path, times_ns = found.trajectory, camera_poses.frame_times_ns
+    path, times_ns = graph.trajectory, camera_poses.frame_times_ns
     stamps = times_ns[(times_ns >= path.time_ns[0]) & (times_ns <= path.time_ns[-1])]
     rows = np.searchsorted(path.time_ns, stamps)
     at = Trajectory(stamps, path.motors_at(stamps), path.parent, path.child)
     summary = "fused with the recorded odometry, which bridges what the camera did not see"
-    return _unjudged(PoseMeasurements(at, found.covariance[rows]), "odometry", summary)
+    return _unjudged(PoseMeasurements(at, graph.covariance[rows]), "odometry", summary)
 
 
 def _by_imu(
@@ -283,8 +283,8 @@ def _by_imu(
     learnt = None if whole is None else whole.noise
     if asked.learn_noise and learnt is None:
         upright = replace(settings, initial_tilt_error_rad=0.0)
-        given = level.measurements, stream, noise, imu.imu_T_camera
-        learnt = noise_of(*given, settings=upright)
+        inputs = level.measurements, stream, noise, imu.imu_T_camera
+        learnt = noise_of(*inputs, settings=upright)
     if learnt is not None:
         noise = learnt.noise
 
@@ -300,9 +300,11 @@ def _by_imu(
             state_covariances=False,
         )
 
-    found = _in_their_world(with_lag(asked.ahead_s, judged=whole is None), imu, level, asked.lag_s)
+    filtered = _in_their_world(
+        with_lag(asked.ahead_s, judged=whole is None), imu, level, asked.lag_s
+    )
     curve = latency_curve(with_lag) if lag_curve and whole is None else None
-    return replace(found, latency=curve, noise=learnt)
+    return replace(filtered, latency=curve, noise=learnt)
 
 
 def _in_their_world(found: Fused, imu: UsedImu, level: Levelled, lag_s: float | None) -> FusedPath:
