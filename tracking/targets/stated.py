@@ -183,9 +183,9 @@ def _keys(stated: Board, other: Board) -> str:
     values = {key: getattr(other, key) for key in keys}
     lengths = f", and {_LENGTHS.get(type(other), 'square_m')} as measured"
     if type(stated) is type(other):
-        lengths = ""
-        differing = {key for key in keys if getattr(stated, key) != values[key]}
-        if "family" in keys and words_of(stated.family) == words_of(values["family"]):
+        lengths, own = "", {key: getattr(stated, key) for key in keys}
+        differing = {key for key in keys if own[key] != values[key]}
+        if "family" in keys and words_of(own["family"]) == words_of(values["family"]):
             differing -= {"family"}  # of nested dictionaries the smallest is seen
         if "columns" in differing or (isinstance(other, Checkerboard) and differing):
             differing |= {"columns", "rows"}
