@@ -85,12 +85,12 @@ def loose_sheet(family: str, ids: range, side_m: float, rng: np.random.Generator
     return Sheet(wall, np.zeros(2), scale, table, middle_m, float(extent.max()))
 
 
-Path_ = Callable[[FloatArray], Motor]
+PosesByTime = Callable[[FloatArray], Motor]
 
 
 def camera_path(
     sheet: Sheet, camera: Camera, rng: np.random.Generator, near: float, period_s: float
-) -> Path_:
+) -> PosesByTime:
     """A hand that carries a camera about before a print, looking at it: poses by time."""
     first_s, phases = rng.uniform(0.0, 6.0), rng.uniform(0.0, 2.0 * np.pi, 6)
     focal = max(camera.fx / camera.width, camera.fy / camera.height)
@@ -187,7 +187,7 @@ def write_sheet(
     return Drawn(folder, manifest)
 
 
-def _write_imu(folder: Path, path: Path_, frames: int, rng: np.random.Generator) -> str:
+def _write_imu(folder: Path, path: PosesByTime, frames: int, rng: np.random.Generator) -> str:
     """The IMU along a path; the print lies flat, z up."""
     time_ns = even_stamps(int(2 * IMU_HZ * (frames / RATE_HZ + 0.1)), 2 * IMU_HZ)
     carried = Trajectory(time_ns, path(1e-9 * time_ns) @ IMU_T_CAMERA.inverse())

@@ -45,8 +45,14 @@ def test_there_are_sixty_kinds_and_all_have_names_of_their_own() -> None:
     assert len(names) == len(set(names)) >= 60
 
 
+def named(kind: Kind) -> object:
+    """The kind as a parameter, of which an open one may fail."""
+    marks = [pytest.mark.xfail(reason=kind.open, strict=False)] if kind.open else []
+    return pytest.param(kind, id=f"{kind.base}: {kind.name}", marks=marks)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", kinds(), ids=lambda kind: f"{kind.base}: {kind.name}")
+@pytest.mark.parametrize("kind", map(named, kinds()))
 def test_each_contradiction_is_named_with_a_mend_that_helps(kind: Kind, drawn: Path) -> None:
     verdict, closing = judged(kind, drawn, seed=20)
     assert verdict == "named", closing
