@@ -30,6 +30,7 @@ from motorcade.replays.stages.camera.sensor_audit import audited_pair
 from motorcade.replays.stages.values.camera_poses import SightedPoints
 from motorcade.replays.stages.values.slam_poses import SlamPoses
 from motorcade.tracking import PoseMeasurements, TrackingError
+from motorcade.tracking.audit import centre_finding
 from motorcade.tracking.slam.geometry import seen_through
 
 if TYPE_CHECKING:
@@ -91,7 +92,8 @@ def slam_poses(
         try:
             found = _by_vision(recording, settings)
         except TrackingError as fault:
-            reasons = [finding.sentence for finding in audit if not finding.passed]
+            findings = filter(None, (*audit, centre_finding(camera_of(recording))))
+            reasons = [finding.sentence for finding in findings if not finding.passed]
             raise TrackingError("; ".join([str(fault), *reasons])) from fault
         if found.metric and adjust and not paired and recording.slam_map is None:
             found = refined_by_depth(recording, found) or found

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import cv2
 import pytest
 
+from motorcade.tracking.targets import find_target
 from tests.end_to_end.contradictions.__main__ import drawn_base, judged
 from tests.end_to_end.contradictions.drawing import Drawn
 from tests.end_to_end.contradictions.kinds import BASES, Kind, kinds
@@ -63,3 +65,38 @@ def test_each_contradiction_is_named_with_a_mend_that_helps(kind: Kind, drawn: P
 def test_clean_recordings_are_not_doubted(base: str, drawn: Path) -> None:
     answer = run(drawn_base(drawn, base, 21))
     assert answer.code == 0, answer.closing
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("case", "manifest", "mend"),
+    [
+        ("grid_ids_upwards/pictures", "kalibr_order.toml", 'say order = "up"'),
+        ("grid_rows_columns/pictures", "swapped.toml", "say columns = 4, rows = 3"),
+        ("intrinsics_of_full_size/pictures", "m.toml", "divide fx, fy, cx and cy by 2"),
+        ("two_cameras_one_folder/two_cameras", "m.toml", None),
+    ],
+)
+def test_cases_that_users_met_are_named(
+    case: str, manifest: str, mend: str | None, data_dir: Path
+) -> None:
+    folder = data_dir / "cases" / case
+    stated = Drawn(folder, (folder.parent / manifest).read_text())
+    answer = run(stated)
+    assert answer.code == 1, answer.closing
+    if mend is None:
+        assert "two_cameras" in answer.closing
+        return
+    assert mend in answer.closing
+    if "intrinsics" not in case:  # whose pictures alone tell no pose
+        again = run(followed(stated, answer.closing, {}))
+        assert again.code == 0, again.closing
+
+
+@pytest.mark.slow
+def test_kalibr_s_aprilgrid_is_read_whole(data_dir: Path) -> None:
+    paths = sorted((data_dir / "cases" / "kalibr_aprilgrid" / "pictures").glob("*.jpg"))
+    target = find_target([cv2.imread(str(path), cv2.IMREAD_GRAYSCALE) for path in paths])
+    assert target is not None
+    assert target.family == "tag36h11_border2"
+    assert len(target.marker_ids) == 12
