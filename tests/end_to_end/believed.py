@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import argparse
 import collections
+import logging
 import sys
 import tempfile
 import time
@@ -28,8 +29,17 @@ from scipy.stats import chi2
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.pipeline.job import pipeline_graph
-from motorcade.replays.stages.values.camera_poses import CameraPoses
+from motorcade.ga.progress import show_progress
+from motorcade.replays.engine.stage import Chosen
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.stages.camera.board_poses import board_poses
+from motorcade.replays.stages.camera.camera_poses import camera_poses
+from motorcade.replays.stages.camera.marker_poses import marker_poses
+from motorcade.replays.stages.inertial.fused import fused
+from motorcade.replays.stages.inertial.imu import imu
+from motorcade.replays.stages.integrity import integrity
+from motorcade.replays.stages.smoothed import smoothed
+from motorcade.replays.stages.values.camera_poses import BoardPoses, CameraPoses
 from motorcade.replays.stages.values.errors import Integrity
 from tests.end_to_end.drawn_runs import HAPPENINGS, TARGETS, DrawnRun, draw_run
 
@@ -75,21 +85,27 @@ def judged(name: str) -> Outcome:
         folder.mkdir()
         drawn = draw_run(int(seed), target, happening, folder)
         start = time.process_time()
-        by = "markers" if target == "loose" else "board"
-        knobs = {"tracked": {"by": by}}
         try:
-            run = pipeline_graph().run(
-                "integrity", {"recording": drawn.recording}, Path(scratch) / "cache", knobs
-            )
+            poses, checked = tracked_and_checked(drawn.recording)
         except ValueError as reason:
-            told = (f"ended: {reason}",)
+            doubts = (f"ended: {reason}",)
             seconds = time.process_time() - start
-            return Outcome(name, False, told, drawn.planted, (np.nan,) * 3, seconds)
+            return Outcome(name, False, doubts, drawn.planted, (np.nan,) * 3, seconds)
         seconds = time.process_time() - start
-    poses: CameraPoses = run.outputs["tracked"].value
-    integrity: Integrity = run.outputs["integrity"]
     right, worst = compared(drawn, poses)
-    return Outcome(name, right, integrity.doubts, drawn.planted, worst, seconds)
+    return Outcome(name, right, checked.doubts, drawn.planted, worst, seconds)
+
+
+def tracked_and_checked(recording: Recording) -> tuple[CameraPoses, Integrity]:
+    """The pipeline's stages up to `integrity`, without its cache."""
+    by_board = recording.board is not None
+    tracked = board_poses(recording) if by_board else marker_poses(recording)
+    poses = camera_poses(Chosen(tracked))
+    inertial = imu(recording, poses)
+    path = fused(recording, poses, inertial)
+    smooth = smoothed(path, representations=("motor",))
+    board = tracked if isinstance(tracked, BoardPoses) else None
+    return tracked, integrity(recording, poses, inertial, path, smooth, board)
 
 
 def compared(drawn: DrawnRun, poses: CameraPoses) -> tuple[bool, tuple[float, float, float]]:
@@ -144,6 +160,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--all", action="store_true", help="a line for every run")
     asked = parser.parse_args(arguments)
     warnings.simplefilter("ignore")
+    logging.disable()
+    show_progress(False)
     outcomes, start = [], time.monotonic()
     for name in names_of(asked.runs, asked.seed, asked.only):
         outcome = judged(name)

@@ -226,8 +226,8 @@ def _path(
 ) -> tuple[float, Path3]:
     """A hand that sways before the middle of what there is, and how far away it is held."""
     middle, size = 0.5 * (extent[0] + extent[1]), extent[1] - extent[0]
-    fill = rng.uniform(0.45, 0.8)
-    share = max(size[0] / camera.width, size[1] / camera.height)
+    fill = rng.uniform(0.5, 0.95)
+    share = max(size[0] / camera.width, np.linalg.norm(size) / camera.height)
     distance = float(camera.fx * share / fill)
     tilt, azimuth = np.radians(rng.uniform(8.0, 35.0)), rng.uniform(0.0, 2.0 * np.pi)
     roll, rate = rng.uniform(-0.5, 0.5), rng.uniform(1.0, 3.0, 5)
@@ -328,31 +328,47 @@ def _rays(camera: Camera) -> FloatArray:
 
 
 def _drawn(stage: _Stage, late_s: FloatArray) -> FloatArray:
-    rays, world_T_camera = stage.rays, stage.path(late_s)
-    fine = np.full(rays.shape[:2], 90.0, np.float32)
+    world_T_camera, camera = stage.path(late_s), stage.camera
+    fine = np.full(stage.rays.shape[:2], 90.0, np.float32)
     for sheet in stage.sheets:
         sheet_T_camera = sheet.world_T_sheet(late_s).inverse() @ world_T_camera
-        rotation = sheet_T_camera.rotor.as_matrix().astype(np.float32)
-        eye = sheet_T_camera.translation_m.astype(np.float32)[:, None]
-        if len(rotation) == 1:
+        part = _shown(camera, sheet, sheet_T_camera)
+        rays, lines = stage.rays[part], slice(None) if len(late_s) == 1 else part[0]
+        rotation = sheet_T_camera.rotor.as_matrix().astype(np.float32)[lines]
+        eye = sheet_T_camera.translation_m.astype(np.float32)[lines, None]
+        if len(late_s) == 1:
             along = rays @ rotation[0].T
         else:
             along = np.einsum("rij,rcj->rci", rotation, rays)
-        depth = -eye[..., 2] / np.where(np.abs(along[..., 2]) < 1e-9, 1e-9, along[..., 2])
+        down = np.minimum(along[..., 2], -1e-6)
+        depth = -eye[..., 2] / down
         x = sheet.origin_px[0] + sheet.px_per_m * (eye[..., 0] + depth * along[..., 0])
         y = sheet.origin_px[1] - sheet.px_per_m * (eye[..., 1] + depth * along[..., 1])
         rows, columns = sheet.levels.shape
-        on = (depth > 0) & (x > -0.5) & (x < columns - 0.5) & (y > -0.5) & (y < rows - 0.5)
+        on = (along[..., 2] < -1e-6) & (x > -0.5) & (x < columns - 0.5) & (y > -0.5)
+        on &= y < rows - 0.5
+        places = x.astype(np.float32), y.astype(np.float32)
         levels = cv2.remap(
-            sheet.levels,
-            x.astype(np.float32),
-            y.astype(np.float32),
-            cv2.INTER_LINEAR,
-            borderMode=cv2.BORDER_REPLICATE,
+            sheet.levels, *places, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
         )
-        fine[on] = levels[on]
-    camera = stage.camera
+        fine[part][on] = levels[on]
     return cv2.resize(fine, (camera.width, camera.height), interpolation=cv2.INTER_AREA)
+
+
+def _shown(camera: Camera, sheet: Sheet, sheet_T_camera: Motor) -> tuple[slice, slice]:
+    """Lines and columns of samples that a sheet can cover."""
+    rows, columns = sheet.levels.shape
+    around = np.linspace(0.0, 1.0, 9)
+    x = np.concatenate([around, around, 0 * around, 0 * around + 1.0]) * columns
+    y = np.concatenate([0 * around, 0 * around + 1.0, around, around]) * rows
+    edge = np.stack([x - sheet.origin_px[0], sheet.origin_px[1] - y, 0 * x], -1) / sheet.px_per_m
+    some = sheet_T_camera[[0, -1]].inverse()
+    px = camera.project(some[:, None].apply(edge)).reshape(-1, 2)
+    if not np.isfinite(px).all():
+        return slice(None), slice(None)
+    low = np.floor(_SAMPLES * (px.min(axis=0) - 4.0)).clip(0).astype(int)
+    high = np.ceil(_SAMPLES * (px.max(axis=0) + 4.0)).clip(1).astype(int)
+    return slice(low[1], high[1]), slice(low[0], high[0])
 
 
 def _covering(boards: Sequence[Board], poses: Sequence[Path3]) -> FloatArray:
