@@ -3,7 +3,8 @@
 Short runs are drawn (see `drawn_runs`), tracked and judged by the pipeline, and their poses compared
 with the truth. A run is right where each pose lies within three of its own standard deviations (the
 probability of which holds for the run's poses together, six dimensions each) and half of the frames
-have one; it is doubted where its integrity has not passed, or where it ended with a reason. Printed
+have one. Poses by loose tags are compared within their map, whose world is one small tag's frame: it is
+laid on the truth rigidly, by the median over the frames. A run is doubted where its integrity has not passed, or where it ended with a reason. Printed
 are all runs that are wrong and not doubted, and those that are right and doubted although nothing in
 them contradicts what was stated; then how many of each there were. Ends with 1 where any is
 confident and wrong, or more than 2 % of the right ones are doubted.
@@ -114,6 +115,9 @@ def compared(drawn: DrawnRun, poses: CameraPoses) -> tuple[bool, tuple[float, fl
     rows = np.searchsorted(drawn.recording.frames.time_ns, path.time_ns)
     results = []
     for key, truth in _worlds(drawn, poses).items():
+        if drawn.recording.markers is not None:  # where its world lies, a map is free to choose
+            turns = (truth[rows] @ path.motors.inverse()).as_twist()
+            truth = Motor.from_twist(np.median(turns, axis=0)).inverse() @ truth
         off: FloatArray = path.motors.local(truth[rows])
         squared = np.einsum("ni,nij,nj->n", off, np.linalg.inv(covariance), off)
         results.append((float(np.median(squared)), key, squared, off))

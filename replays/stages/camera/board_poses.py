@@ -15,8 +15,8 @@ from motorcade.ga.lookahead import ahead
 from motorcade.ga.progress import track
 from motorcade.replays.engine.stage import NotOffered
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.stages.camera.board_audit import audited_board
-from motorcade.replays.stages.camera.offered import camera_of, require_pictures
+from motorcade.replays.stages.camera.board_audit import audited_board, pixels_finding
+from motorcade.replays.stages.camera.offered import camera_of, require_pictures, spread_frames
 from motorcade.replays.stages.values.camera_poses import BoardPoses
 from motorcade.tracking import (
     Board,
@@ -26,16 +26,15 @@ from motorcade.tracking import (
     TrackingError,
     track_board,
 )
-from motorcade.tracking.audit import AuditFinding
+from motorcade.tracking.audit import AuditFinding, scatter_px
 from motorcade.tracking.board_tracking.track import guessed_turns
+from motorcade.tracking.pictures import corner_noise_px
 from motorcade.tracking.rolling import unrolled_track
 from motorcade.tracking.targets.stated import compare_layout, name_target
 
 log = logging.getLogger("motorcade.camera_poses")
 
 _LARGEST_M = 5.0
-_SAMPLE = 8
-"""Pictures, spread over the recording, in which a board's layout is looked at."""
 _SIZELESS = ", whose size is not known: lengths have no unit"
 
 
@@ -55,7 +54,7 @@ def warn_of_contradictions(audit: tuple[AuditFinding, ...]) -> None:
             log.warning("camera_poses: %s; %s", one.summary, one.advice)
 
 
-def _turned(board: Board, tracked: BoardTrack) -> tuple[AuditFinding, ...]:
+def _guessed(board: Board, tracked: BoardTrack) -> tuple[AuditFinding, ...]:
     """Doubt where a board that looks the same turned round was lost from sight between frames."""
     guessed = guessed_turns(board, tracked) if isinstance(board, Checkerboard) else 0
     if not guessed:
@@ -83,9 +82,8 @@ def board_poses(recording: Recording) -> BoardPoses:
     if recording.metric:
         warn_of_size(board)
     start = time.perf_counter()
-    sample = [
-        frames[k].gray() for k in np.unique(np.linspace(0, len(frames) - 1, _SAMPLE, dtype=int))
-    ]
+    shown = {frame.time_ns: frame.gray() for frame in spread_frames(recording)}
+    sample = list(shown.values())
     layout = compare_layout(board, sample, camera)
     before = () if layout is None else (layout,)
     warn_of_contradictions(before)
@@ -97,12 +95,22 @@ def board_poses(recording: Recording) -> BoardPoses:
     except TrackingError as fault:
         reasons = [one.sentence for one in before if not one.passed] or [name_target(sample)]
         raise TrackingError("; ".join([str(fault), *filter(None, reasons)])) from fault
+    rolled, shutter_s = tracked, recording.shutter_s
     if recording.readout_s:
-        tracked = unrolled_track(tracked, board, camera, recording.shutter_s)
+        tracked = unrolled_track(rolled, board, camera, shutter_s)
+    audit, off_s = audited_board(recording, board, tracked)
+    if off_s is not None:
+        tracked = unrolled_track(rolled, board, camera, shutter_s + off_s)
+    seen = {one.time_ns: one for one in rolled.observations if one.time_ns in shown}
+    noise_px = corner_noise_px(
+        [shown[stamp] for stamp in seen], [one.corners_px for one in seen.values()]
+    )
+    path = tracked.measurements.trajectory
+    drawn = ((shown[stamp], board, path.motors_at(np.int64(stamp))) for stamp in seen)
+    pixels = pixels_finding(drawn, camera, scatter_px(camera, noise_px))
     seconds = time.perf_counter() - start
-    audit = audited_board(recording, board, tracked)
     warn_of_contradictions(audit)
-    audit = (*before, *audit, *_turned(board, tracked))
+    audit = (pixels, *before, *audit, *_guessed(board, tracked))
     on_board = tracked.measurements
     in_world = on_board.trajectory.transformed_by(left=recording.world_T_board)
     return BoardPoses(
@@ -114,5 +122,6 @@ def board_poses(recording: Recording) -> BoardPoses:
         metric=recording.metric,
         audit=audit,
         seconds=seconds,
+        corner_px=noise_px,
         track=tracked,
     )

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import logging
 
+import numpy as np
+
 from motorcade.replays.engine.stage import NotOffered
 from motorcade.replays.io.readers.frames.corners import CornerFrames
-from motorcade.replays.io.recording import Recording
+from motorcade.replays.io.recording import Frame, Recording
 from motorcade.tracking.cameras.camera import Camera
 
 log = logging.getLogger("motorcade.camera_poses")
+_SPREAD = 8
 
 
 def camera_of(recording: Recording) -> Camera:
@@ -40,6 +43,12 @@ def rows_readout_s(recording: Recording) -> float:
         )
         return 0.0
     return recording.readout_s
+
+
+def spread_frames(recording: Recording) -> list[Frame]:
+    """A few frames, evenly over the recording, in which what was stated is looked at."""
+    frames = recording.frames
+    return [frames[k] for k in np.unique(np.linspace(0, len(frames) - 1, _SPREAD, dtype=int))]
 
 
 def require_pictures(recording: Recording) -> None:
