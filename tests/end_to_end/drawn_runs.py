@@ -152,9 +152,7 @@ def draw_run(seed: int, target: str, happening: str, folder: Path) -> DrawnRun:
     quality = int(rng.integers(8, 35)) if happening == "compressed" else None
     files = _written(folder, [images[row] for row in rows], quality)
     shown_s = times_s[rows]
-    truth = {
-        key: world(shown_s).inverse() @ stage.path(shown_s) for key, world in worlds.items()
-    }
+    truth = {key: world(shown_s).inverse() @ stage.path(shown_s) for key, world in worlds.items()}
     if happening == "mirrored":
         truth = {}
         if isinstance(boards[0], Checkerboard):
@@ -348,9 +346,7 @@ def _drawn(stage: _Stage, late_s: FloatArray) -> FloatArray:
         on = (along[..., 2] < -1e-6) & (x > -0.5) & (x < columns - 0.5) & (y > -0.5)
         on &= y < rows - 0.5
         places = x.astype(np.float32), y.astype(np.float32)
-        levels = cv2.remap(
-            sheet.levels, *places, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-        )
+        levels = cv2.remap(sheet.levels, *places, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         fine[part][on] = levels[on]
     return cv2.resize(fine, (camera.width, camera.height), interpolation=cv2.INTER_AREA)
 
@@ -407,9 +403,7 @@ def _degraded(
     return lambda image, row: image
 
 
-def _order(
-    rng: np.random.Generator, happening: str, frames: int
-) -> tuple[IntArray, IntArray]:
+def _order(rng: np.random.Generator, happening: str, frames: int) -> tuple[IntArray, IntArray]:
     """Which image stands in each frame of the recording, and its stamp."""
     rows = np.arange(frames)
     if happening == "shuffled":
@@ -423,9 +417,7 @@ def _order(
     return rows, stamps
 
 
-def _written(
-    folder: Path, images: Sequence[np.ndarray], quality: int | None
-) -> tuple[Path, ...]:
+def _written(folder: Path, images: Sequence[np.ndarray], quality: int | None) -> tuple[Path, ...]:
     suffix, options = (".png", []) if quality is None else (".jpg", [1, quality])
     files = tuple(folder / f"{row:04d}{suffix}" for row in range(len(images)))
     for file, image in zip(files, images, strict=True):

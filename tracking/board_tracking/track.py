@@ -9,7 +9,7 @@ where the path puts them: `registration_px` is the jitter and drift that a viewe
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,10 +23,11 @@ from motorcade.tracking.board_tracking.tracker import BoardFrame, BoardTracker
 from motorcade.tracking.boards import Board, Checkerboard, GrayImage
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.measurements import MarkerObservation, PoseMeasurements
-from motorcade.tracking.pose import TrackingError
+from motorcade.tracking.pose import SIGMA_FLOOR_PX, TrackingError
 
 FRAME_STATES = ("lost", "detected", "tracked")
 _FORMAT = "motorcade board track 2"
+_POOLED = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,7 +203,7 @@ def track_board(
             f"frames: expected some that show {board.name}, got it in none of {len(stamps)}"
         )
     states = ["lost" if frame is None else frame.state for frame in tracked]
-    return _collected(stamps, states, seen)
+    return with_pooled_noise(_collected(stamps, states, seen))
 
 
 def _collected(stamps: list[int], states: list[str], seen: list[BoardFrame]) -> BoardTrack:
@@ -217,6 +218,28 @@ def _collected(stamps: list[int], states: list[str], seen: list[BoardFrame]) -> 
         measurements=PoseMeasurements(trajectory, np.stack([frame.covariance for frame in seen])),
         error_px=np.array([frame.error_px for frame in seen]),
     )
+
+
+def with_pooled_noise(board_track: BoardTrack) -> BoardTrack:
+    """The track with covariances for a noise of corners that its frames tell together.
+
+    Four corners leave two residuals beyond a pose, which by chance are ten times too small in one
+    frame of a hundred. So each frame's own noise is joined with the recording's, which counts as
+    much as `_POOLED` residuals (the mean of an inverse gamma distribution, as conjugate priors of a
+    variance have it); where a board has many corners, it is the frame's own.
+
+    Args:
+        board_track: with covariances as `refine` gives them.
+    """
+    count = np.array([len(one.ids) for one in board_track.observations])
+    squares, freedom = count * board_track.error_px**2, np.maximum(2 * count - 6, 1)
+    usual = float(squares.sum() / freedom.sum())
+    least = SIGMA_FLOOR_PX**2
+    own = np.maximum(squares / freedom, least)
+    joined = np.maximum((squares + _POOLED * usual) / (freedom + _POOLED), least)
+    measured = board_track.measurements
+    covariance = measured.covariance * (joined / own)[:, None, None]
+    return replace(board_track, measurements=PoseMeasurements(measured.trajectory, covariance))
 
 
 def guessed_turns(board: Checkerboard, board_track: BoardTrack) -> int:

@@ -33,8 +33,17 @@ _SECOND_AXIS = 0.02
 """Share of the turning about its main axis that there must be about another one."""
 _OFF_RAD = np.radians(10.0)
 """No extrinsics are stated so badly; a sign, an order of axes or an inverse is off by more."""
-_ORDER_RAD = 0.5 * np.pi
-"""By how much another order of axes is off: what does not tell so much tells nothing."""
+_SEPARABLE, _MOST_SHOWN = 9.2, 999.0
+"""Log likelihood ratio of 10,000 to 1, from which on another order of axes, or the inverse, is out."""
+_QUARTERS = [Rotor.from_rotation_vector(0.5 * np.pi * axis).as_matrix() for axis in np.eye(3)]
+_OTHER_AXES = np.unique(
+    [
+        np.rint(np.linalg.matrix_power(_QUARTERS[i], j) @ np.linalg.matrix_power(_QUARTERS[k], m))
+        for i, j, k, m in np.ndindex(3, 4, 3, 4)
+    ],
+    axis=0,
+)
+"""The rotations that take axes to axes, 24 of them."""
 _DEVIATIONS = 6.0
 _SIZE_SHARE = 0.03
 """A print is off by less than this, and so is a size that was measured with a ruler."""
@@ -51,12 +60,15 @@ class HandEye:
         inverse_rad: how far its inverse is.
         body_R_odometry: rotation vector of what fits best, radians.
         sigma_rad: its deviation about the axis that is known least; infinite where one is unknown.
+        log_ratio: of the likelihoods of the stated rotation and of the best of its inverse and its
+            other orders and signs of axes.
     """
 
     stated_rad: float
     inverse_rad: float
     body_R_odometry: tuple[float, float, float]
     sigma_rad: float
+    log_ratio: float
 
 
 def hand_eye(odometry: BodyOdometry, time_ns: IntArray, world_T_body: Motor) -> HandEye | None:
@@ -96,11 +108,19 @@ def hand_eye(odometry: BodyOdometry, time_ns: IntArray, world_T_body: Motor) -> 
     sigma = scale / np.sqrt(max(spread[0] + spread[1], 1e-12)) if known else np.inf
     best = Rotor.from_matrix(matrix)
     stated = odometry.body_T_odometry.rotor
+    own = stated.as_matrix()
+    others = np.concatenate([own @ _OTHER_AXES, [own.T]])
+    missed = [
+        np.sum(np.minimum(np.linalg.norm(body - odom @ one.T, axis=-1) / scale, _SIGMAS) ** 2)
+        for one in (own, *others)
+        if one is own or np.linalg.norm(one - own) > _LEAST_TURN_RAD
+    ]
     return HandEye(
         float((best.inverse() @ stated).angle()),
         float((best.inverse() @ stated.inverse()).angle()),
         tuple(best.as_rotation_vector().tolist()),
         float(sigma),
+        float(0.5 * (min(missed[1:]) - missed[0])),
     )
 
 
@@ -122,10 +142,11 @@ def odometry_finding(name: str, found: HandEye | None) -> AuditFinding:
     stated, inverse = np.rad2deg(found.stated_rad), np.rad2deg(found.inverse_rad)
     told = (
         f"the odometry of {name} turns as its stated pose says to {stated:.1f}°, as the inverse "
-        f"would to {inverse:.1f}°"
+        f"would to {inverse:.1f}°, and is e^{min(found.log_ratio, _MOST_SHOWN):.0f} times as likely "
+        "as any other order or sign of its axes"
     )
     reach_rad = max(_OFF_RAD, _DEVIATIONS * found.sigma_rad)
-    if found.stated_rad <= _OFF_RAD and _SIGMAS * found.sigma_rad < _ORDER_RAD:
+    if found.stated_rad <= _OFF_RAD and found.log_ratio > _SEPARABLE:
         return AuditFinding(what, "consistent", float(stated), "deg", told)
     if found.stated_rad <= reach_rad:
         told += f", and either is told to ± {np.rad2deg(found.sigma_rad):.0f}° alone"
