@@ -1,13 +1,14 @@
 """`python -m tests.end_to_end.believed --runs 500 --seed N`: is a tracker ever confident and wrong?
 
-Short runs are drawn (see `drawn_runs`), tracked and judged by the pipeline, and their poses compared
-with the truth. A run is right where each pose lies within three of its own standard deviations (the
-probability of which holds for the run's poses together, six dimensions each) and half of the frames
-have one. Poses by loose tags are compared within their map, whose world is one small tag's frame: it is
-laid on the truth rigidly, by the median over the frames. A run is doubted where its integrity has not passed, or where it ended with a reason. Printed
-are all runs that are wrong and not doubted, and those that are right and doubted although nothing in
-them contradicts what was stated; then how many of each there were. Ends with 1 where any is
-confident and wrong, or more than 2 % of the right ones are doubted.
+Short runs are drawn (see `drawn_runs`), tracked and judged by the pipeline, and their poses
+compared with the truth. A run is right where each pose lies within three of its own standard
+deviations (the probability of which holds for the run's poses together, six dimensions each) and
+half of the frames have one. Poses by loose tags are compared within their map, whose world is one
+small tag's frame: it is laid on the truth rigidly, by the median over the frames. A run is doubted
+where its integrity has not passed, or where it ended with a reason. Printed are all runs that are
+wrong and not doubted, and those that are right and doubted although nothing in them contradicts
+what was stated; then how many of each there were. Ends with 1 where any is confident and wrong, or
+more than 2 % of the right ones are doubted.
 
     python -m tests.end_to_end.believed --runs 40 --only shuffled   # one happening, all targets
     python -m tests.end_to_end.believed --only loose.moved.17       # one run again

@@ -1,4 +1,4 @@
-"""Short runs drawn at random, with exact truth: boards, grids and loose tags before a moving camera.
+"""Short runs drawn at random, with exact truth: boards, grids and loose tags before a camera.
 
 Every picture is the mean of four rays a pixel onto prints that lie about on a textured table; each
 line of a picture has its own time where the shutter rolls. What then happens to the pictures, their
@@ -314,7 +314,7 @@ def _image(stage: _Stage, rng: np.random.Generator, row: int) -> np.ndarray:
 
 
 def _rays(camera: Camera) -> FloatArray:
-    """``(rows, columns, 3)`` through all samples, between those of pixels a pixel over the edges."""
+    """``(rows, columns, 3)`` through all samples, between those of pixels."""
     x, y = np.arange(-1.0, camera.width + 1.0), np.arange(-1.0, camera.height + 1.0)
     whole = np.nan_to_num(camera.bearings(np.stack(np.meshgrid(x, y), axis=-1)))
     columns, lines = (
@@ -332,6 +332,8 @@ def _drawn(stage: _Stage, late_s: FloatArray) -> FloatArray:
         sheet_T_camera = sheet.world_T_sheet(late_s).inverse() @ world_T_camera
         part = _shown(camera, sheet, sheet_T_camera)
         rays, lines = stage.rays[part], slice(None) if len(late_s) == 1 else part[0]
+        if not rays.size:
+            continue
         rotation = sheet_T_camera.rotor.as_matrix().astype(np.float32)[lines]
         eye = sheet_T_camera.translation_m.astype(np.float32)[lines, None]
         if len(late_s) == 1:

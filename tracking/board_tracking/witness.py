@@ -2,13 +2,14 @@
 
 Poses follow from corners, or from the sides of markers; what lies between these had no part in
 them. There the image, laid into the board's plane through the lens, is registered with the drawing
-by cross-correlation with an upsampled peak (Guizar-Sicairos, Thurman and Fienup 2008; scikit-image's
-`phase_cross_correlation`): how far the two are apart is how far what is drawn slides.
+by cross-correlation with an upsampled peak (Guizar-Sicairos, Thurman and Fienup 2008, through
+scikit-image's `phase_cross_correlation`): as far as the two are apart, what is drawn slides.
 """
 
 from __future__ import annotations
 
 from functools import lru_cache
+from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -69,7 +70,7 @@ def pixel_offsets(
     weight = free * inside
     quarters = 1 if len(board.points_m) == 4 else 2
     lines, columns = (
-        [slice(*ends) for ends in zip(cuts[:-1], cuts[1:], strict=True)]
+        [slice(*ends) for ends in pairwise(cuts)]
         for cuts in (np.linspace(0, size, quarters + 1, dtype=int) for size in drawn.shape)
     )
     offsets = [
@@ -98,7 +99,7 @@ def _offset(drawn: FloatArray, shown: FloatArray, free: FloatArray) -> FloatArra
 
 @lru_cache(maxsize=8)
 def _drawing(board: Board, px_per_m: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """A print's levels, how free of corners each texel is, 0 to 1, and texels in the board frame."""
+    """A print's levels, how free of corners its texels are, 0 to 1, and these in its frame."""
     drawn, origin = board.draw(px_per_m)
     rows, columns = np.indices(drawn.shape)
     flat = np.stack([columns - origin[0], origin[1] - rows], axis=-1) / px_per_m

@@ -1,4 +1,4 @@
-"""Whether board, camera and shutter as described, and the poses, fit what images of the board show."""
+"""Whether board, camera and shutter as described, and poses, fit what images of the board show."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from motorcade.tracking.audit import AuditFinding, Verdict
 from motorcade.tracking.board_tracking.witness import pixel_offsets
 from motorcade.tracking.boards.checkerboard import extent_in_picture, extent_seen
 from motorcade.tracking.boards.corners import BoardCorners
+from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.self_calibration.boards import board_sightings
 from motorcade.tracking.self_calibration.bodies import spread_runs
-from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.self_calibration.choosing import ChosenFit, as_kind, weighed_fit
 from motorcade.tracking.self_calibration.fitting import fit
 from motorcade.tracking.self_calibration.lens import KINDS

@@ -31,7 +31,7 @@ from motorcade.tracking.sparse import PassingEquations
 _HUBER, _OUTLIER = 4.0, 12.0
 """In deviations of the eight residuals of a sighting: where its loss turns straight, and flat."""
 _NO_IMAGE = 1e3
-_STOP = Stop(steps=40, gain=1e-5, most_damping=1e8)
+_STOP = Stop(steps=40, gain=1e-5, most_damping=1e8, what="adjusting the scene")
 _STEP = 1e-6
 
 
