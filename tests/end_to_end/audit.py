@@ -271,7 +271,7 @@ def _board_findings(root: Path, change: Callable[[Recording], Recording]) -> Cal
             for number in range(0, len(recording.frames), len(recording.frames) // _BOARD_FRAMES)
         ]
         tracked = track_board(pictures, recording.camera, recording.board)
-        return audited_board(recording, recording.board, tracked)
+        return audited_board(recording, recording.board, tracked)[0]
 
     return findings
 

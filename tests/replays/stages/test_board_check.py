@@ -37,7 +37,7 @@ def told(board: Any, observation: MarkerObservation, caplog: pytest.LogCaptureFi
     recording: Any = SimpleNamespace(frames=[frame], camera=None)
     tracked: Any = SimpleNamespace(observations=(observation,))
     with caplog.at_level(logging.WARNING, "motorcade"):
-        warn_of_contradictions(audited_board(recording, board, tracked))
+        warn_of_contradictions(audited_board(recording, board, tracked)[0])
     return caplog.messages
 
 
