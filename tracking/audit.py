@@ -76,7 +76,7 @@ def scatter_px(camera: Camera, corner_px: float = 0.0) -> float:
         corner_px: standard deviation of a corner in them, where it is known (`corner_noise_px`).
     """
     lens_px = max(camera.width, camera.height) / 640.0
-    return (lens_px**2 + (3.0 * corner_px) ** 2) ** 0.5
+    return float((lens_px**2 + (3.0 * corner_px) ** 2) ** 0.5)
 
 
 def centre_finding(camera: Camera) -> AuditFinding | None:
