@@ -65,13 +65,19 @@ DEPTH_ON_COLOUR_PX = 4.5
 """A structured-light sensor compares windows of 9 pixels: its edges are off by half of one."""
 
 
-def scatter_px(camera: Camera) -> float:
+def scatter_px(camera: Camera, corner_px: float = 0.0) -> float:
     """Most that a corner is off where camera and print are as stated, pixels: fixed beforehand.
 
     Corner finders are right to a tenth of a pixel, prints and lens models to a thousandth of what
-    they measure; a pixel of 640 is seen by nobody, and leaves room for what blur adds.
+    they measure; a pixel of 640 is seen by nobody, and leaves room for both. Beside that stand
+    three deviations of what noise, contrast and blur of these images let a corner scatter.
+
+    Args:
+        camera: whose images.
+        corner_px: standard deviation of a corner in them, where it is known (`corner_noise_px`).
     """
-    return max(1.0, max(camera.width, camera.height) / 640.0)
+    lens_px = max(camera.width, camera.height) / 640.0
+    return float((lens_px**2 + (3.0 * corner_px) ** 2) ** 0.5)
 
 
 def centre_finding(camera: Camera) -> AuditFinding | None:

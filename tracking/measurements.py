@@ -6,19 +6,13 @@ Poses are ``world_T_camera``. A covariance belongs to the right (camera-frame) p
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from motorcade.ga import Motor, Trajectory
-from motorcade.ga.archives import load_arrays, save_arrays
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 
-_FORMAT = "motorcade pose measurements 1"
 _ASYMMETRY = 1e-9
 
 
@@ -103,34 +97,3 @@ class PoseMeasurements:
 
     def __len__(self) -> int:
         return len(self.trajectory)
-
-    def save(self, path: Path) -> None:
-        """Write an ``.npz`` file of plain arrays; the same measurements give the same bytes.
-
-        Raises:
-            ValueError: a file name that does not end in ``.npz``.
-            OSError: a file that cannot be written.
-        """
-        arrays = {
-            "time_ns": self.trajectory.time_ns,
-            "coefficients": self.trajectory.motors.coefficients,
-            "frames": np.array([self.trajectory.parent, self.trajectory.child]),
-            "covariance": self.covariance,
-        }
-        save_arrays(path, "PoseMeasurements", _FORMAT, arrays)
-
-    @classmethod
-    def load(cls, path: Path) -> PoseMeasurements:
-        """Read what `save` wrote.
-
-        Raises:
-            FileError: a file that cannot be read, or unpacks to too much (`ga.archives`).
-            ValueError: a file that holds no pose measurements, or values that are refused.
-        """
-
-        def make(stored: Mapping[str, NDArray[Any]]) -> PoseMeasurements:
-            poses, frames = Motor(stored["coefficients"]), stored["frames"]
-            trajectory = Trajectory(stored["time_ns"], poses, str(frames[0]), str(frames[1]))
-            return cls(trajectory, stored["covariance"])
-
-        return load_arrays(path, "saved pose measurements", _FORMAT, make)

@@ -13,6 +13,7 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.progress import track
 from motorcade.tracking.native._least_squares import eliminate, invert, substitute
 
 __all__ = [
@@ -244,12 +245,14 @@ class Stop:
         gain: a step that lowers the cost by no more than this share of it is the last one.
         damping: to begin with; a tenth after a step that is kept, ten times after another.
         most_damping: beyond it nothing lowers the cost any more.
+        what: is adjusted, for those who wait; empty where it takes no time.
     """
 
     steps: int = 50
     gain: float = 1e-10
     damping: float = 1e-4
     most_damping: float = 1e9
+    what: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -295,7 +298,8 @@ def minimise(
     """
     state, here = start, evaluate(start)
     damping, start_cost = stop.damping, here.cost
-    for _ in range(stop.steps):
+    steps = range(stop.steps)
+    for _ in track(steps, stop.what, stop.steps) if stop.what else steps:
         try:
             tried = retract(state, here.equations.step(damping))
             there = evaluate(tried)

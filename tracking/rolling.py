@@ -16,7 +16,7 @@ import numpy as np
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.tracking.board_tracking.track import BoardTrack
+from motorcade.tracking.board_tracking.track import BoardTrack, with_pooled_noise
 from motorcade.tracking.boards import Board
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.camera import Camera, reproject
@@ -114,12 +114,13 @@ def unrolled_track(
         poses = Motor.stack([found.world_T_camera for _, found in made])
     covariance = np.stack([found.covariance for _, found in made])
     trajectory = Trajectory(path.time_ns, poses, path.parent, path.child)
-    return replace(
+    unrolled = replace(
         track,
         observations=tuple(one for one, _ in made),
         measurements=PoseMeasurements(trajectory, covariance),
         error_px=np.array([found.error_px for _, found in made]),
     )
+    return with_pooled_noise(unrolled)
 
 
 def unrolled_stream(

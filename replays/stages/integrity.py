@@ -75,7 +75,8 @@ def integrity(
     registration = _registered_px(paths, recording, camera_poses, board_poses)
     if registration:
         sighted = camera_poses.sighted
-        limit_px = scatter_px(camera_of(recording) if sighted is None else sighted.camera)
+        seen_by = camera_of(recording) if sighted is None else sighted.camera
+        limit_px = scatter_px(seen_by, camera_poses.corner_px)
         if camera_poses.origin == "slam" and recording.frames[0].read_depth is not None:
             limit_px = max(limit_px, DEPTH_ON_COLOUR_PX)  # its points stand where depth puts them
         checks.append(_registration_check(registration, name, limit_px))

@@ -272,7 +272,7 @@ def _board_findings(root: Path, change: Callable[[Recording], Recording]) -> Cal
         ]
         tracked = track_board(pictures, recording.camera, recording.board)
         layout = compare_layout(recording.board, sampled_images(recording), recording.camera)
-        of_camera = audited_board(recording, recording.board, tracked)
+        of_camera, _ = audited_board(recording, recording.board, tracked)
         return of_camera if layout is None else (layout, *of_camera)
 
     return findings

@@ -1,4 +1,4 @@
-"""A board tracked through a whole recording, and the file that keeps it.
+"""A board tracked through a whole recording.
 
 The board frame is called ``world``; poses are ``world_T_camera``.
 
@@ -8,25 +8,22 @@ where the path puts them: `registration_px` is the jitter and drift that a viewe
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import Motor, Trajectory
-from motorcade.ga.archives import load_arrays, save_arrays
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.tracking.board_tracking.tracker import BoardFrame, BoardTracker
 from motorcade.tracking.boards import Board, Checkerboard, GrayImage
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.measurements import MarkerObservation, PoseMeasurements
-from motorcade.tracking.pose import TrackingError
+from motorcade.tracking.pose import SIGMA_FLOOR_PX, TrackingError
 
 FRAME_STATES = ("lost", "detected", "tracked")
-_FORMAT = "motorcade board track 2"
+_POOLED = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,71 +94,11 @@ class BoardTrack:
         """How many frames are in one of the `FRAME_STATES`."""
         return int(np.count_nonzero(self.states == state))
 
-    def save(self, path: Path) -> None:
-        """Write an ``.npz`` file of plain arrays; the same track gives the same bytes.
-
-        Raises:
-            ValueError: a file name that does not end in ``.npz``.
-            OSError: a file that cannot be written.
-        """
-        trajectory = self.measurements.trajectory
-        arrays = {
-            "time_ns": self.time_ns,
-            "states": self.states,
-            "corner_counts": np.array([len(one.ids) for one in self.observations]),
-            "ids": np.concatenate([one.ids for one in self.observations]),
-            "corners_px": np.concatenate([one.corners_px for one in self.observations]),
-            "candidates": np.stack([one.candidates.coefficients for one in self.observations]),
-            "candidate_error_px": np.stack([one.candidate_error_px for one in self.observations]),
-            "poses": trajectory.motors.coefficients,
-            "frames": np.array([trajectory.parent, trajectory.child]),
-            "covariance": self.measurements.covariance,
-            "error_px": self.error_px,
-        }
-        save_arrays(path, "BoardTrack", _FORMAT, arrays)
-
-    @classmethod
-    def load(cls, path: Path) -> BoardTrack:
-        """Read what `save` wrote.
-
-        Raises:
-            FileError: a file that cannot be read, or unpacks to too much (`ga.archives`).
-            ValueError: a file that is no board track, or holds values that are refused.
-        """
-        return load_arrays(path, "a saved board track", _FORMAT, cls._from_arrays)
-
-    @classmethod
-    def _from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> BoardTrack:
-        seen = arrays["time_ns"][arrays["states"] != "lost"]
-        ends = np.cumsum(arrays["corner_counts"])[:-1]
-        observations = tuple(
-            MarkerObservation(int(stamp), ids, corners, Motor(candidates), errors)
-            for stamp, ids, corners, candidates, errors in zip(
-                seen,
-                np.split(arrays["ids"], ends),
-                np.split(arrays["corners_px"], ends),
-                arrays["candidates"],
-                arrays["candidate_error_px"],
-                strict=True,
-            )
-        )
-        parent, child = map(str, arrays["frames"])
-        trajectory = Trajectory(seen, Motor(arrays["poses"]), parent, child)
-        return cls(
-            arrays["time_ns"],
-            arrays["states"],
-            observations,
-            PoseMeasurements(trajectory, arrays["covariance"]),
-            arrays["error_px"],
-        )
-
 
 def track_board(
     frames: Iterable[tuple[int, GrayImage]],
     camera: Camera,
     board: Board,
-    *,
-    progress: Callable[[int], None] | None = None,
 ) -> BoardTrack:
     """Track a board through a recording.
 
@@ -170,7 +107,6 @@ def track_board(
             camera's size; read one by one.
         camera: the camera that took them.
         board: the board to look for.
-        progress: called after each frame with the number of frames done.
 
     Returns:
         the track; frames without the board are "lost" and have no measurement.
@@ -194,15 +130,13 @@ def track_board(
     for time_ns, image in frames:
         tracked.append(tracker.update(image, time_ns))
         stamps.append(int(time_ns))
-        if progress is not None:
-            progress(len(stamps))
     seen = [frame for frame in tracked if frame is not None]
     if not seen:
         raise TrackingError(
             f"frames: expected some that show {board.name}, got it in none of {len(stamps)}"
         )
     states = ["lost" if frame is None else frame.state for frame in tracked]
-    return _collected(stamps, states, seen)
+    return with_pooled_noise(_collected(stamps, states, seen))
 
 
 def _collected(stamps: list[int], states: list[str], seen: list[BoardFrame]) -> BoardTrack:
@@ -217,6 +151,28 @@ def _collected(stamps: list[int], states: list[str], seen: list[BoardFrame]) -> 
         measurements=PoseMeasurements(trajectory, np.stack([frame.covariance for frame in seen])),
         error_px=np.array([frame.error_px for frame in seen]),
     )
+
+
+def with_pooled_noise(board_track: BoardTrack) -> BoardTrack:
+    """The track with covariances for a noise of corners that its frames tell together.
+
+    Four corners leave two residuals beyond a pose, which by chance are ten times too small in one
+    frame of a hundred. So each frame's own noise is joined with the recording's, which counts as
+    much as `_POOLED` residuals (the mean of an inverse gamma distribution, as conjugate priors of a
+    variance have it); where a board has many corners, it is the frame's own.
+
+    Args:
+        board_track: with covariances as `refine` gives them.
+    """
+    count = np.array([len(one.ids) for one in board_track.observations])
+    squares, freedom = count * board_track.error_px**2, np.maximum(2 * count - 6, 1)
+    usual = float(squares.sum() / freedom.sum())
+    least = SIGMA_FLOOR_PX**2
+    own = np.maximum(squares / freedom, least)
+    joined = np.maximum((squares + _POOLED * usual) / (freedom + _POOLED), least)
+    measured = board_track.measurements
+    covariance = measured.covariance * (joined / own)[:, None, None]
+    return replace(board_track, measurements=PoseMeasurements(measured.trajectory, covariance))
 
 
 def guessed_turns(board: Checkerboard, board_track: BoardTrack) -> int:

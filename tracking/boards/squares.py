@@ -27,7 +27,7 @@ from motorcade.tracking.pictures import grey_levels
 # Up-left, up-right, down-right, down-left of a corner, in the board frame.
 _DIAGONALS = np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
 _RIGHT, _UP = np.eye(2)
-_WINDOW_PX = (2, 11)
+_WINDOW_PX, _WINDOW_SHARE = (2, 11), 0.7
 _STOP = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 40, 1e-3)
 _LEAST_CONTRAST = 1.0 / 3.0
 _GOES_ON = 3
@@ -59,7 +59,7 @@ def refine_saddles(
     if homography is None:
         return corners_px, np.zeros(len(corners_px), bool)
     reach = _lengths_px(homography, points_m, clear_m)
-    window = int(np.clip(0.7 * np.median(reach), *_WINDOW_PX))
+    window = int(np.clip(_WINDOW_SHARE * np.median(reach), *_WINDOW_PX))
     inside = _inside(image, corners_px, window + 1)
     places = corners_px.copy()
     if inside.any():
@@ -155,6 +155,11 @@ class SquaresBoard(Board):
         """Width and height of all squares, metres."""
         across, down = self._inner
         return (across + 1) * self.square_m, (down + 1) * self.square_m
+
+    @property
+    def corner_reach_m(self) -> float:
+        """How far from a corner the print has a part in where it is seen, metres."""
+        return _WINDOW_SHARE * self._clear_m
 
     @cached_property
     def points_m(self) -> FloatArray:

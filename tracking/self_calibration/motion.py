@@ -138,7 +138,7 @@ def self_calibrate_motion(
     parallax, focal = parallax_deg(straight, found.state), float(found.state.numbers[0])
     found = _unfolded(frames, straight, found)
     sigma = _focal_sigma(straight, found)
-    why = ""
+    reason = ""
     if parallax < _LEAST_PARALLAX_DEG or not sigma <= _TOLD_FOCAL:
         why = f"things are seen from directions {parallax:.1f} degrees apart in the middle"
     elif (aside := _aside(found, frames)) > _FARTHEST_ASIDE:

@@ -1,47 +1,109 @@
-"""Whether the camera that was stated fits what the images of the board show."""
+"""Whether camera and shutter as described, and the poses, fit what images of the board show."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from motorcade.fusion.metrics import most_by_chance
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.recording import Recording
-from motorcade.tracking import (
-    Board,
-    BoardTrack,
-    Camera,
-    SelfCalibrationError,
-)
-from motorcade.tracking.audit import AuditFinding, centre_finding, said_camera
+from motorcade.tracking import Board, BoardTrack, Camera, SelfCalibrationError
+from motorcade.tracking.audit import AuditFinding, Verdict, centre_finding, said_camera
+from motorcade.tracking.board_tracking.witness import pixel_offsets
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.calibrate import view_error_px
 from motorcade.tracking.cameras.lens_choice import choose_lens, try_lenses
+from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.measurements import MarkerObservation
 from motorcade.tracking.self_calibration.boards import board_sightings
 from motorcade.tracking.self_calibration.bodies import spread_runs
-from motorcade.tracking.self_calibration.choosing import as_kind, weighed_fit
+from motorcade.tracking.self_calibration.choosing import ChosenFit, as_kind, weighed_fit
 from motorcade.tracking.self_calibration.fitting import fit
 from motorcade.tracking.self_calibration.lens import KINDS
 
-_VIEWS, _CALIBRATED = 90, 20
+_VIEWS, _CALIBRATED, _OUTLIERS = 90, 20, 0.1
 _TERMS = next(kind for kind in KINDS if kind.name == "radtan with k1 k2")
 _FOCAL_SHARE = 0.02
 """A focal length wrong by so much puts a corner of the picture several pixels off."""
-_SIGMAS = 3.0
+_SIGMAS, _SHUTTER_SIGMAS = 3.0, 4.0
+_SHUTTER_S = 0.002
+"""A read-out that is off by less moves nobody's corner by what it can scatter."""
 _WORSE_PX, _TIMES = 0.2, 1.5
 
 
 def audited_board(
     recording: Recording, board: Board, tracked: BoardTrack
-) -> tuple[AuditFinding, ...]:
-    """Compare the stated camera with the tracked board."""
+) -> tuple[tuple[AuditFinding, ...], FloatArray | None]:
+    """Compare the camera and its shutter with the tracked board.
+
+    Returns:
+        the findings; and by how much ``(2,)`` the shutter's read-out is off, as
+        `Recording.shutter_s`, where the images deny it.
+    """
     if recording.camera is None:
-        return ()
-    return (_camera(recording.camera, board, tracked, recording.focal_sigma),)
+        return (), None
+    of_camera, best = _camera(recording.camera, board, tracked, recording.focal_sigma)
+    if best is None:
+        return (of_camera,), None
+    shutter, off_s = _shutter(recording, best)
+    return (of_camera, shutter), off_s
 
 
-def _camera(camera: Camera, board: Board, tracked: BoardTrack, found_sigma: float) -> AuditFinding:
+def _shutter(recording: Recording, best: ChosenFit) -> tuple[AuditFinding, FloatArray | None]:
+    """The shutter's read-out, stated or none, against what the views say is left of it."""
+    name, state = "shutter", best.fit.state
+    sigmas = np.sqrt(np.diag(best.covariance)[len(state.numbers) :][:2])
+    ratios = np.abs(state.readout_s) / sigmas
+    axis = int(np.argmax(ratios))
+    left_s, sigma_s = float(state.readout_s[axis]), float(sigmas[axis])
+    stated_s = recording.shutter_s
+    said = f"a read-out of {1e3 * stated_s[axis]:.1f} ms is stated"
+    summary = (
+        f"the board's views say {1e3 * (stated_s[axis] + left_s):.1f} ± {1e3 * sigma_s:.1f} ms "
+        f"{('to the right', 'downwards')[axis]} where {said}"
+    )
+    figure = float(0.5 * ratios[axis] ** 2)
+    if ratios[axis] > _SHUTTER_SIGMAS and abs(left_s) > _SHUTTER_S:
+        advice = "that was taken; state readout_s, and which way the camera was held"
+        off_s = left_s * np.eye(2)[axis]
+        return AuditFinding(name, "contradicted", figure, "log ratio", summary, advice), off_s
+    verdict: Verdict = "consistent" if sigma_s < _SHUTTER_S else "unknown"
+    return AuditFinding(name, verdict, figure, "log ratio", summary), None
+
+
+def pixels_finding(
+    frames: Iterable[tuple[GrayImage, Board, Motor]], camera: Camera, limit_px: float
+) -> AuditFinding:
+    """How far what is drawn lies from the pixels, where no corner had a part in the pose.
+
+    Args:
+        frames: images, a print in each and its ``print_T_camera``.
+        camera: whose images.
+        limit_px: by how much a print may be off.
+    """
+    name = "pixels"
+    offsets = [pixel_offsets(image, board, camera, pose) for image, board, pose in frames]
+    off = np.array([np.sqrt(np.mean(np.sum(one**2, axis=-1))) for one in offsets if len(one)])
+    if not len(off):
+        summary = "no print lies open enough for what is drawn to be compared with its pixels"
+        return AuditFinding(name, "unknown", None, "px", summary)
+    beyond, allowed = int(np.count_nonzero(off > limit_px)), most_by_chance(len(off), _OUTLIERS)
+    median = float(np.median(off))
+    summary = (
+        f"what is drawn lies {median:.2f} px off the pixels in the median of {len(off)} prints, "
+        f"in {beyond} of them (up to {allowed} may) more than {limit_px:.2g} px"
+    )
+    verdict: Verdict = "consistent" if beyond <= allowed else "doubtful"
+    advice = "look at the board or markers as stated, at the camera, and at what stands there twice"
+    return AuditFinding(name, verdict, median, "px", summary, advice)
+
+
+def _camera(
+    camera: Camera, board: Board, tracked: BoardTrack, found_sigma: float
+) -> tuple[AuditFinding, ChosenFit | None]:
     """The camera against what the same corners say, its own lens and read-out being taken.
 
     Corners are brought to where its focal length alone shows them; fitted with a free focal length,
@@ -76,7 +138,7 @@ def _camera(camera: Camera, board: Board, tracked: BoardTrack, found_sigma: floa
         bent = weighed_fit(seen, as_kind(free.fit.state, _TERMS), readout=True)
     except SelfCalibrationError as why:
         summary = f"the board's views do not tell the camera ({why})"
-        return AuditFinding(name, "unknown", None, "share", summary)
+        return AuditFinding(name, "unknown", None, "share", summary), None
     best_px = bent.fit.rms_px
     worse = held.rms_px > max(_TIMES * best_px, best_px + _WORSE_PX)
     best = bent if worse else free
@@ -91,8 +153,9 @@ def _camera(camera: Camera, board: Board, tracked: BoardTrack, found_sigma: floa
         f"{prior}, off by {off:.1%}; they fit to {best_px:.2f} px, {held.rms_px:.2f} as it is"
     )
     if (off > _FOCAL_SHARE and off > _SIGMAS * np.hypot(sigma, found_sigma)) or worse:
-        return AuditFinding(name, "contradicted", off, "share", summary, _mend(camera, board, some))
-    return AuditFinding(name, "consistent", off, "share", summary)
+        advice = _mend(camera, board, some)
+        return AuditFinding(name, "contradicted", off, "share", summary, advice), best
+    return AuditFinding(name, "consistent", off, "share", summary), best
 
 
 def _mend(camera: Camera, board: Board, seen: Sequence[MarkerObservation]) -> str:

@@ -9,12 +9,14 @@ from __future__ import annotations
 import logging
 import time
 
+import numpy as np
+
 from motorcade.ga.lookahead import ahead
 from motorcade.ga.progress import track
 from motorcade.replays.engine.stage import NotOffered
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.stages.camera.board_audit import audited_board
-from motorcade.replays.stages.camera.offered import camera_of, require_pictures, sampled_images
+from motorcade.replays.stages.camera.board_audit import audited_board, pixels_finding
+from motorcade.replays.stages.camera.offered import camera_of, require_pictures, spread_frames
 from motorcade.replays.stages.values.camera_poses import BoardPoses
 from motorcade.tracking import (
     Board,
@@ -24,8 +26,9 @@ from motorcade.tracking import (
     TrackingError,
     track_board,
 )
-from motorcade.tracking.audit import AuditFinding
+from motorcade.tracking.audit import AuditFinding, scatter_px
 from motorcade.tracking.board_tracking.track import guessed_turns
+from motorcade.tracking.pictures import corner_noise_px
 from motorcade.tracking.rolling import unrolled_track
 from motorcade.tracking.targets.stated import compare_layout, name_target
 
@@ -79,7 +82,8 @@ def board_poses(recording: Recording) -> BoardPoses:
     if recording.metric:
         warn_of_size(board)
     start = time.perf_counter()
-    sample = sampled_images(recording)
+    shown = {frame.time_ns: frame.gray() for frame in spread_frames(recording)}
+    sample = list(shown.values())
     layout = compare_layout(board, sample, camera)
     before = () if layout is None else (layout,)
     warn_of_contradictions(before)
@@ -93,12 +97,22 @@ def board_poses(recording: Recording) -> BoardPoses:
             name_target(sample, board)
         ]
         raise TrackingError("; ".join([str(fault), *filter(None, reasons)])) from fault
+    rolled, shutter_s = tracked, recording.shutter_s
     if recording.readout_s:
-        tracked = unrolled_track(tracked, board, camera, recording.shutter_s)
+        tracked = unrolled_track(rolled, board, camera, shutter_s)
+    audit, off_s = audited_board(recording, board, tracked)
+    if off_s is not None:
+        tracked = unrolled_track(rolled, board, camera, shutter_s + off_s)
+    seen = {one.time_ns: one for one in rolled.observations if one.time_ns in shown}
+    noise_px = corner_noise_px(
+        [shown[stamp] for stamp in seen], [one.corners_px for one in seen.values()]
+    )
+    path = tracked.measurements.trajectory
+    drawn = ((shown[stamp], board, path.motors_at(np.int64(stamp))) for stamp in seen)
+    pixels = pixels_finding(drawn, camera, scatter_px(camera, noise_px))
     seconds = time.perf_counter() - start
-    audit = audited_board(recording, board, tracked)
     warn_of_contradictions(audit)
-    audit = (*before, *audit, *_guessed_turns(board, tracked))
+    audit = (pixels, *before, *audit, *_guessed_turns(board, tracked))
     on_board = tracked.measurements
     in_world = on_board.trajectory.transformed_by(left=recording.world_T_board)
     return BoardPoses(
@@ -110,5 +124,6 @@ def board_poses(recording: Recording) -> BoardPoses:
         metric=recording.metric,
         audit=audit,
         seconds=seconds,
+        corner_px=noise_px,
         track=tracked,
     )

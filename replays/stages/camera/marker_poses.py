@@ -6,7 +6,7 @@ Their corners are found or were recorded; they are mapped together and tracked b
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -16,10 +16,17 @@ from motorcade.ga import Motor
 from motorcade.ga.progress import track
 from motorcade.replays.engine.stage import NotOffered, Unavailable
 from motorcade.replays.io.readers.frames.corners import CornerFrames
-from motorcade.replays.io.recording import LooseMarkers, Recording
-from motorcade.replays.stages.camera.offered import camera_of, sampled_images
+from motorcade.replays.io.recording import ImageArray, LooseMarkers, Recording
+from motorcade.replays.stages.camera.board_audit import pixels_finding
+from motorcade.replays.stages.camera.offered import camera_of, sampled_images, spread_frames
 from motorcade.replays.stages.values.camera_poses import MarkerPoses, SightedPoints
-from motorcade.tracking import Detection, PoseMeasurements, TrackingError, detect_markers
+from motorcade.tracking import (
+    Detection,
+    PoseMeasurements,
+    SingleMarker,
+    TrackingError,
+    detect_markers,
+)
 from motorcade.tracking.audit import AuditFinding, scatter_px
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import Sightings
@@ -34,11 +41,12 @@ from motorcade.tracking.markers.photometric import (
 )
 from motorcade.tracking.markers.refinding import refind_markers
 from motorcade.tracking.markers.scenes import MarkerScene, map_scene
+from motorcade.tracking.pictures import corner_noise_px
 from motorcade.tracking.rolling import unrolled_stream
 from motorcade.tracking.targets.stated import name_target
 
 Refine = Literal["none", "photometric"]
-_ONLY = "camera"
+_ONLY, _DRAWN = "camera", 3
 # A camera's own noise floor: a map is never more certain than its lens and its print.
 _SIGMA_FLOOR = np.repeat([1e-4, 1e-4], 3)
 
@@ -79,8 +87,12 @@ def marker_poses(
     known = None if recording.markers is None else recording.markers.marker_map
     found = _mapped(known, streams, seen)
     audit: tuple[AuditFinding, ...] = ()
+    shown = {}
+    if not isinstance(frames, CornerFrames):
+        shown = {frame.time_ns: frame.gray() for frame in spread_frames(recording)}
+    noise_px = _noise_px(shown, next(iter(streams.values())))
+    limit_px = scatter_px(next(iter(streams.values())).camera, noise_px)
     if seen.posed is None:
-        limit_px = scatter_px(next(iter(streams.values())).camera)
         restless = moving_markers(streams, found, lambda part: _mapped(known, part, seen), limit_px)
         if restless:
             before_px = float(np.median(found.frame_error_px))
@@ -92,6 +104,9 @@ def marker_poses(
         shutter_s = recording.shutter_s
         streams = {_ONLY: unrolled_stream(streams[_ONLY], path, found.marker_map, shutter_s)}
         found = _mapped(known, streams, seen)
+    if recording.markers is not None and shown:
+        drawn = _drawn(shown, streams[_ONLY], found, recording.markers)
+        audit = (pixels_finding(drawn, streams[_ONLY].camera, limit_px), *audit)
     where = "mapped from this recording alone" if known is None else "where a map places them"
     recorded = isinstance(recording.frames, CornerFrames)
     summary = (
@@ -110,6 +125,7 @@ def marker_poses(
         metric=recording.metric,
         audit=audit,
         seconds=time.perf_counter() - start,
+        corner_px=noise_px,
         marker_map=found.marker_map,
         sighted=_sighted(next(iter(streams.values())), found.marker_map),
     )
@@ -121,6 +137,32 @@ def _instead(recording: Recording) -> str:
         return ""
     shown = name_target(sampled_images(recording), recording.markers.family)
     return f"; {shown}" if shown else ""
+
+
+def _noise_px(shown: Mapping[int, ImageArray], stream: CornerStream) -> float:
+    """How far noise lets the corners scatter that were seen in these images, by stamp."""
+    rows = [stream.corners_px[stream.time_ns[stream.frame] == stamp] for stamp in shown]
+    return corner_noise_px(shown.values(), [px.reshape(-1, 2) for px in rows])
+
+
+def _drawn(
+    shown: Mapping[int, ImageArray],
+    stream: CornerStream,
+    found: MappedRecording,
+    loose: LooseMarkers,
+) -> Iterator[tuple[ImageArray, SingleMarker, Motor]]:
+    """Images, and the largest markers in each where the map and the path put them."""
+    size = np.ptp(stream.corners_px, axis=1).prod(axis=-1)
+    world_T_marker, ids = found.marker_map.world_T_marker, found.marker_map.marker_ids
+    for stamp, image in shown.items():
+        posed = stamp in found.trajectory.time_ns
+        here = (stream.time_ns[stream.frame] == stamp) & np.isin(stream.marker_ids, ids) & posed
+        rows = np.flatnonzero(here)
+        for row in rows[np.argsort(-size[rows], kind="stable")][:_DRAWN]:
+            marker = int(stream.marker_ids[row])
+            placed = world_T_marker[int(np.searchsorted(ids, marker))]
+            pose = placed.inverse() @ found.trajectory.motors_at(np.int64(stamp))
+            yield image, SingleMarker(loose.family, marker, loose.side_m), pose
 
 
 def _restless(markers: tuple[int, ...], before_px: float, left_px: float) -> AuditFinding:

@@ -8,11 +8,11 @@ import numpy as np
 
 from motorcade.replays.engine.stage import NotOffered
 from motorcade.replays.io.readers.frames.corners import CornerFrames
-from motorcade.replays.io.recording import ImageArray, Recording
+from motorcade.replays.io.recording import Frame, ImageArray, Recording
 from motorcade.tracking.cameras.camera import Camera
 
-_SAMPLE = 8
 log = logging.getLogger("motorcade.camera_poses")
+_SPREAD = 8
 
 
 def camera_of(recording: Recording) -> Camera:
@@ -45,6 +45,12 @@ def rows_readout_s(recording: Recording) -> float:
     return recording.readout_s
 
 
+def spread_frames(recording: Recording) -> list[Frame]:
+    """A few frames, evenly over the recording, in which what was stated is looked at."""
+    frames = recording.frames
+    return [frames[k] for k in np.unique(np.linspace(0, len(frames) - 1, _SPREAD, dtype=int))]
+
+
 def require_pictures(recording: Recording) -> None:
     """Refuse a recording of marker corners alone.
 
@@ -56,7 +62,5 @@ def require_pictures(recording: Recording) -> None:
 
 
 def sampled_images(recording: Recording) -> list[ImageArray]:
-    """Grey images, eight spread over a recording, in which what is stated of it is looked at."""
-    frames = recording.frames
-    rows = np.unique(np.linspace(0, len(frames) - 1, _SAMPLE, dtype=int)).tolist()
-    return [frames[row].gray() for row in rows]
+    """The grey images of `spread_frames`."""
+    return [frame.gray() for frame in spread_frames(recording)]

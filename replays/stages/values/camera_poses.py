@@ -52,6 +52,8 @@ class CameraPoses:
         audit: whether what was told of cameras, rig, board or markers agrees with what was seen.
         camera, depth_camera: what took the pictures and their depth, where the recording states
             otherwise than was found; whatever shows pictures along these poses takes these.
+        corner_px: how far noise lets a corner scatter in these images, standard deviation; 0 where
+            that was not looked at.
         has_odometry: whether the recorded odometry is in the poses already.
         seconds: what tracking took, reading and decoding the pictures included.
 
@@ -85,6 +87,7 @@ class CameraPoses:
     audit: tuple[AuditFinding, ...] = ()
     camera: Camera | None = None
     depth_camera: DepthCamera | None = None
+    corner_px: float = 0.0
     has_odometry: bool = False
     seconds: float = field(default=0.0, metadata=ASIDE)
 

@@ -29,7 +29,7 @@ from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.readers.ros.reader import read_bag
 from motorcade.replays.io.trajectories import read_trajectory
 from motorcade.replays.pipeline.runs import open_run
-from motorcade.tracking import BoardTrack, MarkerMap, PoseMeasurements
+from motorcade.tracking import MarkerMap
 from motorcade.tracking.slam.mapping.map import MapSnapshot
 from tests.animation.formats.samples import md5_mesh_tower
 from tests.end_to_end.doors.children import Outcome, in_child
@@ -66,8 +66,6 @@ REASONS = (
 FUNCTIONS: dict[str, tuple[str, Callable[[Path], object]]] = {
     "Trajectory.load": ("a.npz", Trajectory.load),
     "MapSnapshot.load": ("a.npz", MapSnapshot.load),
-    "BoardTrack.load": ("a.npz", BoardTrack.load),
-    "PoseMeasurements.load": ("a.npz", PoseMeasurements.load),
     "read_arrays": ("a.npz", read_arrays),
     "MarkerMap.load": ("a.json", MarkerMap.load),
     "ImuNoise.load": ("a.yaml", ImuNoise.load),

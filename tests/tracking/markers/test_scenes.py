@@ -9,7 +9,7 @@ import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.tracking import Camera
+from motorcade.tracking import AuditFinding, Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.families import marker_points_m
 from motorcade.tracking.markers.planar import planar_poses
@@ -24,6 +24,7 @@ from motorcade.tracking.markers.scenes import (
     StatedPose,
     map_scene,
 )
+from motorcade.tracking.markers.scenes.audit import hand_eye, odometry_finding
 
 CAMERA = Camera(640, 480, 420.0, 420.0, 319.5, 239.5)
 FRAMES, RATE_HZ = 60, 10.0
@@ -177,6 +178,23 @@ def test_the_stated_place_of_odometry_means_what_its_name_says(rng: np.random.Ge
     assert "give the inverse" in told.sentence
     # What was stated wrongly does no harm.
     assert off_m(wrong, "rig", truth).max() < 0.02
+
+
+def test_extrinsics_are_consistent_only_where_other_axes_are_out() -> None:
+    """Rotations that noise drowns fit any order of axes: the answer is unknown."""
+    rng, count = np.random.default_rng(8), len(TIME_NS)
+    turns = np.cumsum(rng.normal(0.0, 0.03, (count, 3)), axis=0)
+    body = Motor.from_rotor_translation(Rotor.from_rotation_vector(turns), np.zeros((count, 3)))
+
+    def verdict(noise_rad: float) -> AuditFinding:
+        drift = Rotor.from_rotation_vector(rng.normal(0.0, noise_rad, (count, 3)))
+        seen = body @ Motor.from_rotor_translation(drift, np.zeros((count, 3)))
+        fit = hand_eye(odometry_of(body, BODY_T_ODOMETRY), TIME_NS, seen)
+        return odometry_finding("rig", fit)
+
+    assert verdict(0.002).verdict == "consistent"
+    assert "e^" in verdict(0.002).summary
+    assert verdict(0.4).verdict == "unknown"
 
 
 def test_a_wrong_size_and_a_wrong_place_are_named(rng: np.random.Generator) -> None:

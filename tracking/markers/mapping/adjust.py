@@ -72,7 +72,7 @@ def linearised(
 
 # Huber's loss turns linear where the eight residuals of a sighting exceed so many deviations.
 _HUBER = 4.0
-_STOP = Stop(steps=60, gain=1e-6, most_damping=1e8)
+_STOP = Stop(steps=60, gain=1e-6, most_damping=1e8, what="adjusting the markers")
 _ROUNDS = 2
 # What a sighting with a corner behind the camera counts.
 _NO_IMAGE_PX = 1000.0

@@ -33,8 +33,17 @@ _SECOND_AXIS = 0.02
 """Share of the turning about its main axis that there must be about another one."""
 _OFF_RAD = np.radians(10.0)
 """No extrinsics are stated so badly; a sign, an order of axes or an inverse is off by more."""
-_ORDER_RAD = 0.5 * np.pi
-"""By how much another order of axes is off: what does not tell so much tells nothing."""
+_SEPARABLE, _MOST_SHOWN = 9.2, 999.0
+"""Log likelihood ratio of 10,000 to 1, beyond which other axes and the inverse are out."""
+_QUARTERS = [Rotor.from_rotation_vector(0.5 * np.pi * axis).as_matrix() for axis in np.eye(3)]
+_OTHER_AXES = np.unique(
+    [
+        np.rint(np.linalg.matrix_power(_QUARTERS[i], j) @ np.linalg.matrix_power(_QUARTERS[k], m))
+        for i, j, k, m in np.ndindex(3, 4, 3, 4)
+    ],
+    axis=0,
+)
+"""The rotations that take axes to axes, 24 of them."""
 _DEVIATIONS = 6.0
 _SIZE_SHARE = 0.03
 """A print is off by less than this, and so is a size that was measured with a ruler."""
@@ -51,12 +60,15 @@ class HandEye:
         inverse_rad: how far its inverse is.
         body_R_odometry: rotation vector of what fits best, radians.
         sigma_rad: its deviation about the axis that is known least; infinite where one is unknown.
+        log_ratio: of the likelihoods of the stated rotation and of the best of its inverse and its
+            other orders and signs of axes.
     """
 
     stated_rad: float
     inverse_rad: float
     body_R_odometry: tuple[float, float, float]
     sigma_rad: float
+    log_ratio: float
 
 
 def hand_eye(odometry: BodyOdometry, time_ns: IntArray, world_T_body: Motor) -> HandEye | None:
@@ -78,8 +90,8 @@ def hand_eye(odometry: BodyOdometry, time_ns: IntArray, world_T_body: Motor) -> 
     near = np.diff(time_ns) <= _LONGEST_NS
     there = path.motors_at(time_ns)
     body, odom = (
-        (one[:-1].inverse() @ one[1:]).rotor.as_rotation_vector()[near]
-        for one in (world_T_body, there)
+        (poses[:-1].inverse() @ poses[1:]).rotor.as_rotation_vector()[near]
+        for poses in (world_T_body, there)
     )
     turns = np.linalg.norm(odom, axis=-1) > _LEAST_TURN_RAD
     body, odom = body[turns], odom[turns]
@@ -96,11 +108,19 @@ def hand_eye(odometry: BodyOdometry, time_ns: IntArray, world_T_body: Motor) -> 
     sigma = scale / np.sqrt(max(spread[0] + spread[1], 1e-12)) if known else np.inf
     best = Rotor.from_matrix(matrix)
     stated = odometry.body_T_odometry.rotor
+    own = stated.as_matrix()
+    others = np.concatenate([own @ _OTHER_AXES, [own.T]])
+    missed = [
+        np.sum(np.minimum(np.linalg.norm(body - odom @ axes.T, axis=-1) / scale, _SIGMAS) ** 2)
+        for axes in (own, *others)
+        if axes is own or np.linalg.norm(axes - own) > _LEAST_TURN_RAD
+    ]
     return HandEye(
         float((best.inverse() @ stated).angle()),
         float((best.inverse() @ stated.inverse()).angle()),
         tuple(best.as_rotation_vector().tolist()),
         float(sigma),
+        float(0.5 * (min(missed[1:]) - missed[0])),
     )
 
 
@@ -111,84 +131,88 @@ def _rotation(body: FloatArray, odom: FloatArray, weight: FloatArray) -> FloatAr
     return np.asarray(left @ keep @ right, np.float64)
 
 
-def odometry_finding(name: str, found: HandEye | None) -> AuditFinding:
+def odometry_finding(name: str, fit: HandEye | None) -> AuditFinding:
     """What hand and eye say of one body's odometry."""
     what = "odometry_extrinsics"
-    if found is None:
+    if fit is None:
         return AuditFinding(what, "unknown", None, "deg", f"{name}: too few steps turn")
-    if not np.isfinite(found.sigma_rad):
-        told = f"{name} turns about one axis only: where its odometry sits is not told"
-        return AuditFinding(what, "unknown", None, "deg", told)
-    stated, inverse = np.rad2deg(found.stated_rad), np.rad2deg(found.inverse_rad)
-    told = (
+    if not np.isfinite(fit.sigma_rad):
+        summary = f"{name} turns about one axis only: where its odometry sits is unknown"
+        return AuditFinding(what, "unknown", None, "deg", summary)
+    stated, inverse = np.rad2deg(fit.stated_rad), np.rad2deg(fit.inverse_rad)
+    summary = (
         f"the odometry of {name} turns as its stated pose says to {stated:.1f}°, as the inverse "
-        f"would to {inverse:.1f}°"
+        f"would to {inverse:.1f}°, and is e^{min(fit.log_ratio, _MOST_SHOWN):.0f} times as "
+        "likely as any other order or sign of its axes"
     )
-    reach_rad = max(_OFF_RAD, _DEVIATIONS * found.sigma_rad)
-    if found.stated_rad <= _OFF_RAD and _SIGMAS * found.sigma_rad < _ORDER_RAD:
-        return AuditFinding(what, "consistent", float(stated), "deg", told)
-    if found.stated_rad <= reach_rad:
-        told += f", and either is told to ± {np.rad2deg(found.sigma_rad):.0f}° alone"
-        return AuditFinding(what, "unknown", float(stated), "deg", told)
-    vector = ", ".join(f"{one:.3f}" for one in found.body_R_odometry)
+    reach_rad = max(_OFF_RAD, _DEVIATIONS * fit.sigma_rad)
+    if fit.stated_rad <= _OFF_RAD and fit.log_ratio > _SEPARABLE:
+        return AuditFinding(what, "consistent", float(stated), "deg", summary)
+    if fit.stated_rad <= reach_rad:
+        summary += f", and either is known to ± {np.rad2deg(fit.sigma_rad):.0f}° alone"
+        return AuditFinding(what, "unknown", float(stated), "deg", summary)
+    vector = ", ".join(f"{angle:.3f}" for angle in fit.body_R_odometry)
     mend = f"the odometry is left out; its rotation on the body is the vector ({vector}) rad"
-    if found.inverse_rad <= reach_rad:
+    if fit.inverse_rad <= reach_rad:
         mend = "the odometry is left out; give the inverse"
-    return AuditFinding(what, "contradicted", float(stated), "deg", told, mend)
+    return AuditFinding(what, "contradicted", float(stated), "deg", summary, mend)
 
 
 def misfit_finding(misfit: int, alone: int, limit_px: float) -> AuditFinding:
     """What is said of frames that were left without a pose, as their only sighting misfits."""
-    told = (
+    summary = (
         f"{misfit} of {alone} frames that one sighting alone places have no pose: its corners "
         f"misfit by more than {limit_px:.2g} px"
     )
     verdict: Verdict = "doubtful" if misfit > _CONTAMINATION * alone else "consistent"
     advice = "check the camera's focal length and distortion, and the stated noise of corners"
-    return AuditFinding("misfit_frames", verdict, float(misfit), "frames", told, advice)
+    return AuditFinding("misfit_frames", verdict, float(misfit), "frames", summary, advice)
 
 
-def scene_audit(found: MappedScene) -> tuple[AuditFinding, ...]:
-    """Connection, stated poses, stated sizes and corners of a scene as it was found."""
-    told = [
-        AuditFinding("unheeded_statement", "unknown", None, "", one) for one in found.scene.unheeded
+def scene_audit(mapped: MappedScene) -> tuple[AuditFinding, ...]:
+    """Connection, stated poses, stated sizes and corners of a scene as it was mapped."""
+    unheeded = [
+        AuditFinding("unheeded_statement", "unknown", None, "", said)
+        for said in mapped.scene.unheeded
     ]
-    return (_connection(found), _stated(found), _sizes(found), _corners(found), *told)
+    return (_connection(mapped), _stated(mapped), _sizes(mapped), _corners(mapped), *unheeded)
 
 
-def _connection(found: MappedScene) -> AuditFinding:
-    lost, count = found.left_out, len(found.seen.marker_ids)
-    told = f"{count - len(lost)} of {count} markers hang together"
+def _connection(mapped: MappedScene) -> AuditFinding:
+    lost, count = mapped.left_out, len(mapped.seen.marker_ids)
+    summary = f"{count - len(lost)} of {count} markers hang together"
     if not lost:
-        return AuditFinding("marker_connection", "consistent", 0.0, "markers", told)
+        return AuditFinding("marker_connection", "consistent", 0.0, "markers", summary)
     named = ", ".join(map(str, lost[:_MOST_NAMED])) + ("…" if len(lost) > _MOST_NAMED else "")
     advice = f"show marker {named} beside one of the others, or state its pose"
-    return AuditFinding("marker_connection", "doubtful", float(len(lost)), "markers", told, advice)
+    return AuditFinding(
+        "marker_connection", "doubtful", float(len(lost)), "markers", summary, advice
+    )
 
 
-def _stated(found: MappedScene) -> AuditFinding:
+def _stated(mapped: MappedScene) -> AuditFinding:
     """Poses that were stated, beside those that everything together asks for."""
-    rows = [(row, one) for row, one in stated_rows(found.seen, found.scene) if found.known[row]]
+    rows = [pair for pair in stated_rows(mapped.seen, mapped.scene) if mapped.known[pair[0]]]
     name = "stated_poses"
     if not rows:
         return AuditFinding(name, "unknown", None, "poses", "no pose was stated")
     at = np.array([row for row, _ in rows])
-    apart = Motor.stack([one.pose for _, one in rows]).local(found.poses[at])
+    apart = Motor.stack([one.pose for _, one in rows]).local(mapped.poses[at])
     information = np.linalg.inv(np.stack([one.covariance for _, one in rows]))
     chi2 = np.einsum("ni,nij,nj->n", apart, information, apart)
-    far_m = float(np.median(np.linalg.norm(found.seen.camera_T_marker.translation_m, axis=-1)))
+    far_m = float(np.median(np.linalg.norm(mapped.seen.camera_T_marker.translation_m, axis=-1)))
     turned = np.linalg.norm(apart[:, :3], axis=-1)
     moved_m = np.linalg.norm(apart[:, 3:], axis=-1)
     beyond = np.flatnonzero(
-        _never_fits(found)[at]
+        _never_fits(mapped)[at]
         | (chi2 > _GATE) & ((turned > _MISSTATED_RAD) | (moved_m > _MISSTATED_SHARE * far_m))
     )
-    told = f"{len(beyond)} of {len(rows)} stated poses are denied by what was seen"
+    summary = f"{len(beyond)} of {len(rows)} stated poses are denied by what was seen"
     if not len(beyond):
-        return AuditFinding(name, "consistent", 0.0, "poses", told)
+        return AuditFinding(name, "consistent", 0.0, "poses", summary)
     first = beyond[np.argsort(-chi2[beyond])][:_MOST_NAMED]
     named = "; ".join(
-        f"{_called(found.seen, found.scene, int(at[one]))}"
+        f"{_called(mapped.seen, mapped.scene, int(at[one]))}"
         + (
             f" by {1e3 * moved_m[one]:.0f} mm and {np.rad2deg(turned[one]):.1f}°"
             if chi2[one] > _GATE
@@ -198,14 +222,14 @@ def _stated(found: MappedScene) -> AuditFinding:
     )
     advice = "measure them again, or state as much noise"
     figure = float(len(beyond))
-    return AuditFinding(name, "contradicted", figure, "poses", f"{told}: {named}", advice)
+    return AuditFinding(name, "contradicted", figure, "poses", f"{summary}: {named}", advice)
 
 
-def _never_fits(found: MappedScene) -> NDArray[np.bool_]:
+def _never_fits(mapped: MappedScene) -> NDArray[np.bool_]:
     """``(P,)``: cameras and markers most of whose sightings lie far off: stated too surely."""
-    seen = found.seen
-    good = np.isfinite(found.error_px)
-    far = found.error_px[good] > _limit_px(found)
+    seen = mapped.seen
+    good = np.isfinite(mapped.error_px)
+    far = mapped.error_px[good] > _limit_px(mapped)
     rows = np.zeros(seen.rows, bool)
     cameras, markers = len(seen.names), len(seen.marker_ids)
     for first, size, owner in ((0, cameras, seen.camera), (cameras, markers, seen.marker)):
@@ -215,11 +239,11 @@ def _never_fits(found: MappedScene) -> NDArray[np.bool_]:
     return rows
 
 
-def _limit_px(found: MappedScene) -> float:
+def _limit_px(mapped: MappedScene) -> float:
     """Beyond this a sighting lies far off."""
-    errors = found.error_px[np.isfinite(found.error_px)]
+    errors = mapped.error_px[np.isfinite(mapped.error_px)]
     usual = float(np.median(errors)) if len(errors) else 0.0
-    return _SIGMAS * max(usual, found.scene.sigma_px)
+    return _SIGMAS * max(usual, mapped.scene.sigma_px)
 
 
 def _called(seen: SceneSightings, scene: MarkerScene, row: int) -> str:
@@ -231,13 +255,13 @@ def _called(seen: SceneSightings, scene: MarkerScene, row: int) -> str:
     return scene.bodies[int(np.searchsorted(seen.first_row, row, side="right")) - 1].name
 
 
-def _sizes(found: MappedScene) -> AuditFinding:
+def _sizes(mapped: MappedScene) -> AuditFinding:
     """Sizes that corners ask for where a frame shows other markers as well, all poses held."""
-    seen, name = found.seen, "marker_sizes"
-    used = np.flatnonzero(np.isfinite(found.error_px) & _in_company(seen))
+    seen, name = mapped.seen, "marker_sizes"
+    used = np.flatnonzero(np.isfinite(mapped.error_px) & _in_company(seen))
     if not len(used):
         return AuditFinding(name, "unknown", None, "share", "no frame shows several markers")
-    chain = [found.poses[seen.chain[used, k]] for k in range(4)]
+    chain = [mapped.poses[seen.chain[used, k]] for k in range(4)]
     camera_T_marker = (chain[CARRIER] @ chain[CAMERA]).inverse() @ chain[BODY] @ chain[MARKER]
     side = seen.side_m[seen.marker[used]]
     centre = marker_points_m(side).mean(axis=-2, keepdims=True)
@@ -254,19 +278,19 @@ def _sizes(found: MappedScene) -> AuditFinding:
     information = np.bincount(seen.marker[used], weight, minlength=size)
     share = -np.bincount(seen.marker[used], pull, minlength=size) / np.maximum(information, 1e-9)
     frames = np.bincount(seen.marker[used], minlength=size)
-    told_px = found.scene.sigma_px / np.sqrt(np.maximum(information, 1e-9))
-    judged = (frames >= _FEWEST_FRAMES) & (_DEVIATIONS * told_px < _SIZE_SHARE)
+    noise_px = mapped.scene.sigma_px / np.sqrt(np.maximum(information, 1e-9))
+    judged = (frames >= _FEWEST_FRAMES) & (_DEVIATIONS * noise_px < _SIZE_SHARE)
     off = np.flatnonzero(judged & (np.abs(share) > _SIZE_SHARE))
     most = float(np.max(np.abs(share[judged]))) if judged.any() else None
     if not judged.any():
         return AuditFinding(name, "unknown", None, "share", "too few frames show several markers")
     if not len(off):
-        told = f"the sides of {np.count_nonzero(judged)} markers fit to {most:.1%}"
-        return AuditFinding(name, "consistent", most, "share", told)
+        summary = f"the sides of {np.count_nonzero(judged)} markers fit to {most:.1%}"
+        return AuditFinding(name, "consistent", most, "share", summary)
     worst = off[np.argsort(-np.abs(share[off]))][:_MOST_NAMED]
     named = ", ".join(f"{seen.marker_ids[one]} ({share[one]:+.1%})" for one in worst)
-    told = f"{len(off)} markers look larger or smaller than stated: {named}"
-    return AuditFinding(name, "contradicted", most, "share", told, "measure their black squares")
+    summary = f"{len(off)} markers look larger or smaller than stated: {named}"
+    return AuditFinding(name, "contradicted", most, "share", summary, "measure their black squares")
 
 
 _STEP = 1e-4
@@ -279,20 +303,20 @@ def _in_company(seen: SceneSightings) -> NDArray[np.bool_]:
     return np.asarray(np.bincount(key)[key] > 1)
 
 
-def _corners(found: MappedScene) -> AuditFinding:
+def _corners(mapped: MappedScene) -> AuditFinding:
     """Sightings whose corners lie far from where everything else puts them."""
-    errors = found.error_px[np.isfinite(found.error_px)]
+    errors = mapped.error_px[np.isfinite(mapped.error_px)]
     if not len(errors):
         return AuditFinding("marker_corners", "unknown", None, "px", "no marker hangs together")
     usual = float(np.median(errors))
-    limit = _limit_px(found)
+    limit = _limit_px(mapped)
     off = int(np.count_nonzero(errors > limit))
-    told = (
+    summary = (
         f"corners of {off} of {len(errors)} sightings lie more than {limit:.2g} px off, of all "
         f"{usual:.2g} px in the median"
     )
     verdict: Verdict = "consistent"
-    if off > _CONTAMINATION * len(errors) or usual > _SIGMAS * found.scene.sigma_px:
+    if off > _CONTAMINATION * len(errors) or usual > _SIGMAS * mapped.scene.sigma_px:
         verdict = "doubtful"
     advice = "check the camera's focal length and distortion, and whether some marker moved"
-    return AuditFinding("marker_corners", verdict, usual, "px", told, advice)
+    return AuditFinding("marker_corners", verdict, usual, "px", summary, advice)

@@ -78,10 +78,12 @@ def map_scene(
     scene, told = _with_good_odometry(seen, scene)
     start = Start(seen, scene)
     start.fill()
-    poses, _ = adjust_scene(seen, scene, Motor(start.poses), start.known, bounded=False)
-    for _ in range(_ROUNDS):
+    poses, _ = adjust_scene(seen, scene, Motor(start.poses), start.known, bounded=False, last=False)
+    for left in reversed(range(_ROUNDS)):
         start.place_again(poses)
-        poses, equations = adjust_scene(seen, scene, Motor(start.poses), start.known, bounded=True)
+        poses, equations = adjust_scene(
+            seen, scene, Motor(start.poses), start.known, bounded=True, last=left == 0
+        )
     covariance = equations.covariance(np.repeat([1.0, 10.0], 3))
     misfit, alone, limit_px = _misfits(seen, scene, poses, start.known)
     start.known[misfit] = False

@@ -11,7 +11,7 @@ Source: F. Dellaert and M. Kaess, Factor Graphs for Robot Perception, 2017.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import chain
 from typing import Protocol
@@ -31,7 +31,9 @@ from motorcade.tracking.sparse import PassingEquations
 _HUBER, _OUTLIER = 4.0, 12.0
 """In deviations of the eight residuals of a sighting: where its loss turns straight, and flat."""
 _NO_IMAGE = 1e3
-_STOP = Stop(steps=40, gain=1e-5, most_damping=1e8)
+_STOP = Stop(steps=40, gain=1e-5, most_damping=1e8, what="adjusting the scene")
+_ROUGHLY = replace(_STOP, steps=15, gain=1e-3)
+"""Where all is adjusted again from there: a step takes seconds where odometry joins the frames."""
 _STEP = 1e-6
 
 
@@ -356,6 +358,7 @@ def adjust_scene(
     known: NDArray[np.bool_],
     *,
     bounded: bool,
+    last: bool = True,
 ) -> tuple[Motor, PassingEquations]:
     """Refine all known poses at once; the others stay as they are.
 
@@ -365,6 +368,7 @@ def adjust_scene(
         poses: the table ``(P,)`` to start from.
         known: ``(P,)``.
         bounded: whether far sightings pull no more; the start must be near then.
+        last: whether nothing comes after; else it ends a hundred times as roughly.
 
     Returns:
         the table, and its equations at the end.
@@ -375,7 +379,8 @@ def adjust_scene(
         *scene_factors(seen, scene, known),
     ]
     graph = _Graph(factors, seen.frame_of)
-    found = minimise(poses, partial(_Evaluated, graph), _retract, _STOP)
+    stop = _STOP if last else _ROUGHLY
+    found = minimise(poses, partial(_Evaluated, graph), _retract, stop)
     return found.state, found.evaluation.equations
 
 

@@ -19,7 +19,7 @@ from motorcade.tracking.optimise import PairIndex, Stop, minimise, sum_by
 from motorcade.tracking.slam.geometry import BoolArray
 from motorcade.tracking.sparse import SparseEquations
 
-_STOP = Stop(steps=30, gain=1e-6, damping=1e-6)
+_STOP = Stop(steps=30, gain=1e-6, damping=1e-6, what="closing the loop")
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,22 @@
+"""Runs that were confident and wrong once: right now, or doubted by name."""
+
+import pytest
+
+from tests.end_to_end.believed import judged
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("charuco.rolling.1000", "the board's views say"),  # read upwards, stated downwards
+        ("loose.moved.1001", "do not stand still"),  # two slide: 0.3 m, at 0.7 px
+        ("marker.noisy.2000", ""),  # surer of itself than four corners allow
+        ("checkerboard.shuffled.7", ""),
+    ],
+)
+def test_a_drawn_run_is_right_and_says_what_it_denies(name: str, said: str) -> None:
+    outcome = judged(name)
+    assert outcome.right
+    assert bool(outcome.doubts) == bool(said)
+    assert all(said in doubt for doubt in outcome.doubts)

@@ -1,0 +1,119 @@
+"""A witness by pixels: a print drawn where a pose puts it, beside the image of it.
+
+Poses follow from corners, or from the sides of markers; what lies between these had no part in
+them. There the image, laid into the board's plane through the lens, is registered with the drawing
+by cross-correlation with an upsampled peak (Guizar-Sicairos, Thurman and Fienup 2008, through
+scikit-image's `phase_cross_correlation`): as far as the two are apart, what is drawn slides.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from itertools import pairwise
+
+import cv2
+import numpy as np
+from skimage.registration import phase_cross_correlation
+
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
+from motorcade.tracking.boards import Board, GrayImage
+from motorcade.tracking.boards.squares import SquaresBoard
+from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.markers.families import border_share
+
+_LARGEST_PX = 240
+_UPSAMPLED = 20
+_ALIKE = 0.5
+"""Correlation from which on an image shows the print: half of its variance is explained by 0.7."""
+_INSIDE = 0.9
+_ROUND_CORNERS = 1.1
+"""Of the windows in which corners are refined: what is left out about them."""
+
+
+def pixel_offsets(
+    image: GrayImage, board: Board, camera: Camera, world_T_camera: Motor
+) -> FloatArray:
+    """How far ``(n, 2)`` a print's image lies from where a pose draws it, right and down, pixels.
+
+    Args:
+        image: grey, of the camera's size.
+        board: what is printed; its frame is the world.
+        camera: with the distortion of the image.
+        world_T_camera: one pose, with the board before the camera.
+
+    Returns:
+        an offset for each quarter of the board, or for a marker alone, that lies in the image and
+        looks like its print; those that are hidden have none. In pixels at the board's middle.
+
+    Breaks down where a print repeats itself within a tenth of its size: the nearest repetition
+    counts.
+
+    >>> from motorcade.tracking import Camera, SingleMarker, track_board
+    >>> from motorcade.tracking.board_tracking.witness import pixel_offsets
+    >>> board = SingleMarker("tag36h11", 7, side_m=0.1)
+    >>> picture, _ = board.draw(pixels_per_m=1000.0)
+    >>> camera = Camera(picture.shape[1], picture.shape[0], 200.0, 200.0, 69.5, 69.5)
+    >>> pose = track_board([(0, picture)], camera, board).measurements.trajectory.motors[0]
+    >>> bool(abs(pixel_offsets(picture, board, camera, pose)).max() < 0.2)
+    True
+    """
+    camera_T_world = world_T_camera.inverse()
+    middle = camera_T_world.apply(board.points_m.mean(axis=0))
+    px_per_m = float(np.sqrt(camera.fx * camera.fy) / np.linalg.norm(middle))
+    scale = min(px_per_m, _LARGEST_PX / max(board.size_m))
+    drawn, free, points = _drawing(board, float(f"{scale:.1g}"))
+    places = camera.project(camera_T_world.apply(points))
+    limit = (camera.width - 1, camera.height - 1)
+    inside = np.all((places >= 0.0) & (places <= limit), axis=-1)
+    shown = cv2.remap(image, places.astype(np.float32), None, cv2.INTER_LINEAR)
+    weight = free * inside
+    quarters = 1 if len(board.points_m) == 4 else 2
+    lines, columns = (
+        [slice(*ends) for ends in pairwise(cuts)]
+        for cuts in (np.linspace(0, size, quarters + 1, dtype=int) for size in drawn.shape)
+    )
+    offsets = [
+        offset
+        for part in ((line, column) for line in lines for column in columns)
+        if np.mean(inside[part]) >= _INSIDE
+        and (offset := _offset(drawn[part], shown[part].astype(np.float64), weight[part]))
+        is not None
+    ]
+    step_m = float(points[0, 1, 0] - points[0, 0, 0])
+    return np.array(offsets).reshape(-1, 2) * step_m * px_per_m
+
+
+def _offset(drawn: FloatArray, shown: FloatArray, free: FloatArray) -> FloatArray | None:
+    """Of one part, in its texels; None where the image does not look like the print."""
+    weight = free * np.outer(*(np.hanning(size + 2)[1:-1] for size in free.shape))
+    both = [weight * (part - np.average(part, weights=weight)) for part in (drawn, shown)]
+    down_right = phase_cross_correlation(
+        both[1], both[0], upsample_factor=_UPSAMPLED, normalization=None
+    )[0]
+    moved = np.roll(both[0], np.rint(down_right).astype(int), (0, 1))
+    lengths = float(np.linalg.norm(moved) * np.linalg.norm(both[1]))
+    alike = float(np.sum(moved * both[1])) >= _ALIKE * lengths > 0.0
+    return np.asarray(down_right[::-1], np.float64) if alike else None
+
+
+@lru_cache(maxsize=8)
+def _drawing(board: Board, px_per_m: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """A print's levels, how free of corners its texels are, 0 to 1, and these in its frame."""
+    drawn, origin = board.draw(px_per_m)
+    rows, columns = np.indices(drawn.shape)
+    flat = np.stack([columns - origin[0], origin[1] - rows], axis=-1) / px_per_m
+    points = np.concatenate([flat, np.zeros((*drawn.shape, 1))], axis=-1)
+    free = np.zeros(drawn.shape, np.uint8)
+    px = board.points_m[:, :2] * (px_per_m, -px_per_m) + origin
+    if isinstance(board, SquaresBoard):
+        free[:] = 1
+        for corner in np.rint(px).astype(int).tolist():
+            cv2.circle(free, corner, round(_ROUND_CORNERS * board.corner_reach_m * px_per_m), 0, -1)
+    else:
+        quads = px.reshape(-1, 4, 2)
+        inner = 1.0 - 2.0 * border_share(board.family)  # type: ignore[attr-defined]
+        middles = quads.mean(axis=1, keepdims=True)
+        cv2.fillPoly(free, list(np.rint(middles + inner * (quads - middles)).astype(np.int32)), 1)
+    soft = cv2.GaussianBlur(free.astype(np.float64), (0, 0), 1.0)
+    return drawn.astype(np.float64), soft, points
