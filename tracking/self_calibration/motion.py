@@ -140,14 +140,14 @@ def self_calibrate_motion(
     sigma = _focal_sigma(straight, found)
     reason = ""
     if parallax < _LEAST_PARALLAX_DEG or not sigma <= _TOLD_FOCAL:
-        why = f"things are seen from directions {parallax:.1f} degrees apart in the middle"
+        reason = f"things are seen from directions {parallax:.1f} degrees apart in the middle"
     elif (aside := _aside(found, frames)) > _FARTHEST_ASIDE:
-        why = (
+        reason = (
             f"its centre came out {aside:.0%} of the picture beside the middle, where no lens has "
             "it; of a clip cut from the side of another, state the camera"
         )
-    if why:
-        return _guessed(frames, focal / max(frames.small), max(sigma, _TOLD_FOCAL), why)
+    if reason:
+        return _guessed(frames, focal / max(frames.small), max(sigma, _TOLD_FOCAL), reason)
     return replace(_checked(frames, found, sigma), readout=readout)
 
 
