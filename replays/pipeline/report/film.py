@@ -1,8 +1,6 @@
 """What the film shows: in how many frames the figure is in view, how large, and on what it stands.
 
-Where it stands still and the camera is known, that follows from where its soles and its crown come
-to lie in the picture; what hides it is not looked at here. Else the frames are counted that drawing
-changed.
+That is what was counted on the layers that were drawn, after what hides the figure.
 
 What there is to stand on, each outlined in a frame, by the numbers that `--floor` takes.
 """
@@ -19,11 +17,9 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.render.scene import ImageArray
 from motorcade.replays.pipeline.report.before_after import sheet_jpeg
 from motorcade.replays.pipeline.report.findings import Findings
-from motorcade.replays.stages.characters.acting import character_named
 from motorcade.replays.stages.values.view import StandingPlace
 from motorcade.tracking import Camera
 
-_STEPS = 21  # points of the figure's axis, soles and crown among them
 _SHARES = {2: "half", 3: "a third", 4: "a quarter", 5: "a fifth"}
 _WHOLE = 0.8
 
@@ -35,8 +31,8 @@ class FilmView:
     Fields:
         frames: how many the film has.
         in_view: how many of them show something of the figure.
-        height_px: how long it is in the picture from its soles to its crown, as far as the picture
-            shows it, in the median over these; None where it moves.
+        height_px: how high it is in the picture, as far as the picture shows it, in the median over
+            these; None of several figures.
         height_share: the same as a share of the picture's height.
         stands_on: what it stands on, in words.
     """
@@ -78,33 +74,17 @@ class FilmView:
 
 def film_of(findings: Findings) -> FilmView | None:
     """What the film of a run shows; None where there is none."""
-    film, placed = findings.overlay, findings.placed
+    film = findings.overlay
     if film is None:
         return None
-    camera = findings.camera_poses.camera or findings.recording.camera
-    if camera is not None and film.footage != "original":
-        camera = camera.undistorted()
-    moves = len(placed.path_m) or placed.parts or placed.ground_motion is not None
-    if moves or camera is None:
+    if not film.checks:
         return FilmView(film.frames, film.frames_with_character, None, None, film.stands_on)
-    who = character_named(placed.character, placed.up, placed.front, placed.hide)
-    axis = np.linspace([0.0, 0.0, 0.0], [0.0, 0.0, who.height_m], _STEPS)
-    path = findings.integrity.drawn
-    stamps = findings.recording.frames.time_ns
-    posed = stamps[(stamps >= path.time_ns[0]) & (stamps <= path.time_ns[-1])]
-    in_camera = path.motors_at(posed).inverse()[:, None].apply(placed.placement.apply(axis))
-    px = camera.project(in_camera, allow_nan=True)
-    with np.errstate(invalid="ignore"):
-        inside = np.all((px > -0.5) & (px < np.array([camera.width, camera.height]) - 0.5), axis=-1)
-    shown = inside.any(axis=-1)
-    in_view = min(int(shown.sum()), film.frames_with_character)
-    if not in_view:
-        return FilmView(film.frames, 0, None, None, film.stands_on)
-    first, last = inside.argmax(axis=-1), _STEPS - 1 - inside[:, ::-1].argmax(axis=-1)
-    rows = np.flatnonzero(shown)
-    lengths = np.linalg.norm(px[rows, last[rows]] - px[rows, first[rows]], axis=-1)
-    height_px = float(np.median(lengths))
-    return FilmView(film.frames, in_view, height_px, height_px / camera.height, film.stands_on)
+    seen = np.array([check.visible_px >= 1.0 for check in film.checks])
+    in_view = int(np.count_nonzero(seen.any(axis=0)))
+    if len(film.checks) > 1 or not in_view:
+        return FilmView(film.frames, in_view, None, None, film.stands_on)
+    height_px = float(np.median(film.checks[0].height_px[seen[0]]))
+    return FilmView(film.frames, in_view, height_px, height_px / film.height_px, film.stands_on)
 
 
 _OUTLINE_STEPS = 24

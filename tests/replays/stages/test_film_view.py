@@ -7,15 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.animation import Placement
 from motorcade.fusion.motions import MOTIONS
-from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.pipeline.report.film import FilmView, film_of
 from motorcade.replays.pipeline.report.words import verdict
-from motorcade.replays.stages.characters.acting import character_named
 from motorcade.replays.stages.values.errors import Integrity
-from motorcade.replays.stages.values.view import OverlayVideo, PlacedCharacter
-from motorcade.tracking import Camera
+from motorcade.replays.stages.values.view import FigureCheck, OverlayVideo
 from motorcade.tracking.audit import AuditFinding
 
 
@@ -46,32 +42,38 @@ def test_sizes_in_words(height_share: float, words: str) -> None:
     assert f", {words}" in FilmView(9, 9, 1.0, height_share, "the floor").sentence
 
 
-@pytest.mark.parametrize("distortion", [(), (-0.2, 0.05)])
-def test_how_much_of_the_figure_a_film_shows_follows_from_where_it_stands(
-    distortion: tuple[float, ...],
-) -> None:
-    """A figure of 1 m on the floor, 4 m ahead of a camera that turns away from it."""
-    model: Any = "radtan" if distortion else "pinhole"
-    camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5, model, distortion)
-    upright = Rotor.from_rotation_vector([-np.pi / 2, 0.0, 0.0])  # looks along y
-    away = np.deg2rad([0.0, 10.0, 20.0, 60.0, 90.0])
-    turned = Rotor.from_rotation_vector(away[:, None] * [0.0, 0.0, 1.0]) @ upright
-    path = Motor.from_rotor_translation(turned, [0.0, 0.0, 0.5])
-    who = character_named("mannequin")
-    placement = Placement(Motor.from_translation([0.0, 4.0, 0.0]), 1.0 / who.height_m)
-    stamps = 100_000_000 * np.arange(len(away))
-    drawn = Trajectory(stamps, path, "world", "camera")
-    overlay = OverlayVideo(
-        Path(), 3, len(away), "the floor", "", "original", "smoothed", (), 480, 0.0
+def check_of(visible_px: list[float], height_px: list[float]) -> FigureCheck:
+    """A figure seen as these numbers of pixels say; NaN where there is no pose."""
+    seen, high = np.array(visible_px), np.array(height_px)
+    return FigureCheck(
+        "visitor", seen, seen, np.ones_like(seen), high, 0.0 * seen, seen * np.nan, 0.0
     )
-    findings: Any = SimpleNamespace(
-        overlay=overlay,
-        placed=PlacedCharacter("mannequin", "idle", placement, "the floor"),
-        camera_poses=SimpleNamespace(camera=camera),
-        recording=SimpleNamespace(frames=SimpleNamespace(time_ns=stamps)),
-        integrity=SimpleNamespace(drawn=drawn),
-    )
+
+
+def film_with(*checks: FigureCheck) -> FilmView:
+    overlay = OverlayVideo(Path(), 6, 6, "the floor", "", "original", "smoothed", checks, 480, 0.0)
+    findings: Any = SimpleNamespace(overlay=overlay)
     film = film_of(findings)
     assert film is not None
-    assert (film.frames, film.in_view) == (5, 3)
-    assert film.height_px == pytest.approx(125.0, rel=0.12)  # 500 px * 1 m / 4 m
+    return film
+
+
+def test_frames_in_view_are_those_in_which_pixels_of_the_figure_are_seen() -> None:
+    """Behind the board it is drawn, and not seen; without a pose it is not drawn."""
+    hidden_at_first = check_of(
+        [0.0, 0.4, 50.0, 900.0, 1000.0, np.nan], [90.0, 90.0, 95.0, 96.0, 97.0, np.nan]
+    )
+    film = film_with(hidden_at_first)
+    assert (film.frames, film.in_view, film.height_px) == (6, 3, 96.0)
+    assert (
+        film.sentence
+        == "the figure stands on the floor, in view in 3 of 6 frames, a fifth of the picture high"
+    )
+
+
+def test_of_several_figures_one_in_view_is_enough() -> None:
+    film = film_with(
+        check_of([9.0, 0, 0, 0, 0, 0], [9.0] * 6), check_of([0, 0, 0, 7.0, 0, 0], [9.0] * 6)
+    )
+    assert (film.in_view, film.height_px) == (2, None)
+    assert film_with(check_of([0.0] * 6, [0.0] * 6)).in_view == 0
