@@ -9,7 +9,7 @@ Sources: Hartley & Zisserman 2003, ch. 12; Barath et al. 2020 (MAGSAC++, in Open
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from functools import lru_cache
 
 import cv2
@@ -196,7 +196,8 @@ def refine_pose(
     """
     start = Motor.normalize(world_T_camera.coefficients)
     view = View(lens_of(camera), points, px, _HUBER_PX, OUTLIER_PX)
-    found, error = view.refine(start.coefficients, *astuple(_STOP))
+    stop = (_STOP.steps, _STOP.gain, _STOP.damping, _STOP.most_damping)
+    found, error = view.refine(start.coefficients, *stop)
     pose = Motor.normalize(found)
     inliers = error <= OUTLIER_PX
     rms = float(np.sqrt(np.mean(error[inliers] ** 2))) if inliers.any() else float("inf")
