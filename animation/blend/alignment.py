@@ -28,9 +28,10 @@ from motorcade.animation.vectors import turn_z
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray
 
-# Pelvises turn by this to either side in walking (Saunders, Inman, Eberhart, 1953); hips sway by
-# less than this share of the height. Motions that stay so near to the character's place keep it.
-SWAY_RAD, SWAY = np.deg2rad(4.0), 0.05
+# Pelvises turn by 4 degrees to either side in walking (Saunders, Inman, Eberhart, 1953) and by more
+# than twice that in running, which a gait by itself keeps; hips sway by less than this share of the
+# height. Motions that stay so near to the character's place keep it.
+SWAY_RAD, GAIT_SWAY_RAD, SWAY = np.deg2rad(4.0), np.deg2rad(12.0), 0.05
 # A way is smooth over so long.
 SMOOTH_S = 0.2
 # A cycle's ends lie so near to one another, but for its way: metres and radians.
@@ -64,7 +65,9 @@ class GroundedMotion:
     cycle: bool
 
 
-def grounded(clip: Clip, skeleton: Skeleton, legs: Sequence[Leg] = ()) -> GroundedMotion:
+def grounded(
+    clip: Clip, skeleton: Skeleton, legs: Sequence[Leg] = (), sway_rad: float = SWAY_RAD
+) -> GroundedMotion:
     """A motion of any file on the spot, facing +x, and its way over the ground.
 
     It breaks down for bodies that lie or stand on their heads: hips that are upright face nowhere,
@@ -75,6 +78,7 @@ def grounded(clip: Clip, skeleton: Skeleton, legs: Sequence[Leg] = ()) -> Ground
         clip: of the skeleton.
         skeleton: at rest facing +x, with its soles on z = 0.
         legs: where a cycle may walk on the spot: standing feet that go back tell its way.
+        sway_rad: by how much the hips turn to either side without being on a way of their own.
 
     Raises:
         ValueError: a clip of a single pose.
@@ -93,7 +97,8 @@ def grounded(clip: Clip, skeleton: Skeleton, legs: Sequence[Leg] = ()) -> Ground
     cycle = float(np.max(np.abs(gap))) <= ENDS_ALIKE and abs(facing[-1] - facing[0]) < np.pi
     share = (clip.time_s - clip.time_s[0]) / clip.duration_s
     even = Motor.exp(share[:, None] * (cycle * gone.log()))
-    plane_T_body = even @ _slow_way(even.inverse() @ _ground(facing, at), clip.time_s, tall, cycle)
+    about = even.inverse() @ _ground(facing, at)
+    plane_T_body = even @ _slow_way(about, clip.time_s, tall, cycle, sway_rad)
     inside = _hung_on_hips(without_way(clip, skeleton, plane_T_body), skeleton, hips)
     way = plane_T_body[0].inverse() @ plane_T_body
     if cycle and legs and np.linalg.norm(way.translation_m[-1]) < NO_WAY * tall:
@@ -136,7 +141,7 @@ def _ground(heading_rad: FloatArray, position_m: FloatArray) -> Motor:
     return Motor.from_rotor_translation(turn_z(heading_rad), position_m)
 
 
-def _slow_way(way: Motor, time_s: FloatArray, tall_m: float, cycle: bool) -> Motor:
+def _slow_way(way: Motor, time_s: FloatArray, tall_m: float, cycle: bool, sway_rad: float) -> Motor:
     """What is slow of motions ``(F,)`` on the ground; of a cycle, all around it."""
     count = len(time_s) - 1
     values = np.column_stack([np.unwrap(heading_of(way)), way.translation_m[:, :2]])
@@ -144,7 +149,7 @@ def _slow_way(way: Motor, time_s: FloatArray, tall_m: float, cycle: bool) -> Mot
     if cycle:
         turns = np.repeat([-1.0, 0.0, 1.0], count) * (time_s[-1] - time_s[0])
         values, clock = np.tile(values[:-1], (3, 1)), np.tile(time_s[:-1], 3) + turns
-    reach = (SWAY_RAD, SWAY * tall_m, SWAY * tall_m)
+    reach = (sway_rad, SWAY * tall_m, SWAY * tall_m)
     slow = np.column_stack([_slow(*pair, clock) for pair in zip(values.T, reach, strict=True)])
     if cycle:
         slow = slow[np.append(np.arange(count, 2 * count), count)]
@@ -154,8 +159,12 @@ def _slow_way(way: Motor, time_s: FloatArray, tall_m: float, cycle: bool) -> Mot
 def _slow(values: FloatArray, reach: float, time_s: FloatArray) -> FloatArray:
     """Values ``(F,)`` that move only where others leave their reach, from 0 on if those begin near.
 
-    What lags behind on the way there leads on the way back; their mean is in the middle.
+    What lags behind on the way there leads on the way back; their mean is in the middle. What never
+    leaves its reach stands still: in the middle, or at 0 where that is near enough.
     """
+    if np.ptp(values) <= 2.0 * reach:
+        near = np.abs(values).max() <= reach
+        return np.full(len(values), 0.0 if near else 0.5 * (values.min() + values.max()))
     first = 0.0 if abs(values[0]) <= reach else float(values[0])
     there = _dragged(values, reach, first)
     back = _dragged(values[::-1], reach, there[-1])

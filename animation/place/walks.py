@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from motorcade.animation.blend import Inertialized, closed, grounded
-from motorcade.animation.blend.alignment import NO_WAY
+from motorcade.animation.blend.alignment import GAIT_SWAY_RAD, NO_WAY
 from motorcade.animation.blend.transitions import PoseSource
 from motorcade.animation.clip import Clip
 from motorcade.animation.ik import GroundHeights, Leg, find_stances, plant_feet
@@ -323,7 +323,7 @@ def on_the_spot(clip: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> tuple[Cl
     poses = clip.poses
     if isinstance(poses, Similarity) or len(clip.time_s) < 2:
         raise ValueError(f"on_the_spot(clip): expected rigid poses, two or more, in '{clip.name}'")
-    motion = grounded(clip, skeleton, legs)
+    motion = grounded(clip, skeleton, legs, GAIT_SWAY_RAD)
     ahead_m = motion.way.start_T_now.translation_m[-1]
     length = float(np.linalg.norm(ahead_m))
     if length < NO_WAY * float(np.max(skeleton.rest_world.translation_m[:, 2])):

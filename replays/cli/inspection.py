@@ -61,9 +61,8 @@ def _describe(path: Path, manifest: Path | None) -> dict[str, Any]:
     """What a recording, a bag or a file of poses or readings holds."""
     from motorcade.replays.io.readers.opening import open_recording
     from motorcade.replays.io.readers.ros.recording import holds_pictures
-    from motorcade.replays.io.trajectories import is_bag
+    from motorcade.replays.io.trajectories import TEXT_SUFFIXES, is_bag
     from motorcade.replays.tasks.inspection import (
-        TEXT_SUFFIXES,
         describe,
         describe_bag,
         describe_log,

@@ -62,6 +62,8 @@ _SUFFIXES: dict[str, TrajectoryFormat] = {
     ".csv": "euroc",
     ".kitti": "kitti",
 }
+TEXT_SUFFIXES = tuple(_SUFFIXES)
+"""Endings of files that may hold poses or inertial readings."""
 _EUROC_HEADER = (
     "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []"
 )

@@ -229,9 +229,6 @@ def _posed(skeleton: Skeleton, clips: tuple[Clip, ...], pose: str) -> dict[str, 
     return {"clip": name, "at_s": at_s, "joints": _joints(skeleton, places, "position_m")}
 
 
-TEXT_SUFFIXES = (".tum", ".txt", ".csv", ".kitti")
-"""Endings of files that may hold poses or inertial readings."""
-
 _POSES = "poses: smooth, evaluate, fuse, trajectory"
 _READ_BY = {
     **dict.fromkeys(IMAGE_TYPES, "images: run"),

@@ -358,7 +358,7 @@ def test_a_path_that_most_poses_deny_is_no_result(
     given = ["fuse", tmp_path / "wild.tum", files.imu, "-o", tmp_path / "out.tum"]
     given += ["--sigma-m", SIGMA_M, "--sigma-deg", 0.3]
     line = refused(capsys, *given)
-    assert re.search(r"\d+ of 240 poses were refused \(up to 50% may be\)", line), line
+    assert re.search(r"\d+ of 24[01] poses were refused \(up to 50% may be\)", line), line
     assert not (tmp_path / "out.tum").exists()
     asked = [*given, "--least-accepted", 0, "--json", tmp_path / "out.json"]
     assert main([str(one) for one in asked]) == 0

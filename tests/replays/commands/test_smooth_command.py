@@ -200,7 +200,7 @@ def test_many_bodies_come_as_they_were(
     names = sorted(one.name for one in out.iterdir())
     assert names == ["euroc.csv", "odom.tum", "pose.tum", "poses.tum", "road.kitti"]
     said = capsys.readouterr().out
-    assert f"{file}:/odom: in {out}/odom.tum, as TUM: bags are only read\n" in said
+    assert f"{file}:/odom: in {out}/odom.tum, as TUM: bags and logs are only read\n" in said
     assert f"{poses}: in {out}/poses.tum\n" in said
     by_tum, by_euroc = (read_trajectory(out / name) for name in ("poses.tum", "euroc.csv"))
     by_kitti = read_trajectory(out / "road.kitti", rate_hz=30.0)

@@ -21,7 +21,7 @@ from motorcade.replays.io.readers.ros import recording as ros
 from motorcade.replays.io.readers.tagslam import corners as tagslam_corners
 from motorcade.replays.io.readers.tagslam import recording as tagslam
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.io.trajectories import even_stamps
+from motorcade.replays.io.trajectories import TEXT_SUFFIXES, even_stamps
 
 
 class LayoutReader(Protocol):
@@ -84,6 +84,8 @@ def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
         f"expected a recording, got neither {looked_for} nor motorcade.toml",
         advice="describe any other folder of pictures in a manifest (docs/manifests)"
         if root.is_dir()
+        else f"`motorcade inspect {root}` says whether it holds poses or readings"
+        if root.suffix.lower() in TEXT_SUFFIXES
         else "files of poses and readings are for smooth, orient, fuse and evaluate",
     )
 
