@@ -42,7 +42,7 @@ def check_figure(
         frames: of each frame what is seen of it; None without a pose.
         time_ns: ``(F,)`` stamps of these frames.
     """
-    time_s = 1e-9 * (time_ns - time_ns[0])
+    time_s = 1e-9 * (time_ns - time_ns[:1])
     there = np.array([performer.seen(float(second)) for second in time_s])
     rows = [
         (seen.visible_px, seen.drawn_px, seen.inside, seen.height_px, seen.bottom)
@@ -62,6 +62,8 @@ def _feet_and_way(performer: Performer, time_ns: IntArray) -> tuple[float, Float
     """
     skeleton, clip = performer.character.skeleton, performer.clip
     nothing = np.full(len(time_ns), np.nan)
+    if not len(time_ns):
+        return 0.0, nothing
     lasts_s = 1e-9 * float(time_ns[-1] - time_ns[0])
     clock = np.arange(min(int(lasts_s * RATE_HZ) + 1, MOST)) / RATE_HZ
     body = body_of(skeleton)
