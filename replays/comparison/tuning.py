@@ -14,10 +14,6 @@ and of the error of the scale where there is one: 1 is no better than the raw po
 gains nothing by trading error for jitter. Parameters are chosen for each motion and degradation
 separately, so no representation is judged with another motion's parameters.
 
-Where a representation adds rotations and positions up apart, what serves both in a method, such as
-the width of a window, is searched for each of them, by its own half of the objective; in motors, in
-similarities and in dual quaternions, whose dual parts mix both, there is one for all.
-
 Two searches are spared. On rigid motions `similarity` takes what was found for `motor`, which is
 nearly the same there (see `ties`). And `robust_map`, which has the motion model of
 `rts_constant_velocity` and is told the noise of the good poses, takes the process noise that was
@@ -31,7 +27,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
@@ -39,7 +35,7 @@ import numpy as np
 
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.comparison.cells import FOR_POSITIONS, Setting, inputs_of
+from motorcade.replays.comparison.cells import Setting, inputs_of
 from motorcade.replays.comparison.evaluator import PathEvaluator
 from motorcade.replays.comparison.truth import RecordedMotion
 
@@ -63,10 +59,6 @@ _LENDERS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {"robust_map": ("rts_constant_velocity", "gaussian")}
 )
 
-# Representations whose vectors mix rotations with positions.
-_MIXED = ("motor", "similarity", "dual_quaternion")
-# Which of the errors are of rotations, and which of positions and scale.
-_ROTATION, _POSITION, _BOTH = [1, 3], [0, 2, 4], [0, 1, 2, 3, 4]
 _COARSE = 5
 _STEPS, _STEPS_AGAIN = 4, 3
 # What a step of golden section takes of the longer side of its bracket.
@@ -178,30 +170,6 @@ def tuned(
     raw: Sequence[FloatArray],
 ) -> Tuned:
     """Search a method's parameters on paths, given the errors of the raw poses of each."""
-    shared = method not in FIXED and method in RANGES and representation not in _MIXED
-    if not shared:
-        return _searched_for(method, representation, inputs, raw, _BOTH)
-    parts = [
-        _searched_for(method, representation, inputs, raw, part) for part in (_ROTATION, _POSITION)
-    ]
-    turned, moved = (one.setting.parameters for one in parts)
-    apart = tuple((FOR_POSITIONS + name, value) for name, value in moved)
-    setting = Setting(method, representation, turned + apart)
-    trials = sum(one.trials for one in parts)
-    if any(one.objective is None for one in parts):
-        return replace(parts[0], trials=trials)
-    least = float(_objectives([setting], inputs, raw, _BOTH)[0])
-    return Tuned(setting, "search", float(f"{least:.9g}"), trials)
-
-
-def _searched_for(
-    method: str,
-    representation: str,
-    inputs: Sequence[tuple[Trajectory, PathEvaluator]],
-    raw: Sequence[FloatArray],
-    errors: list[int],
-) -> Tuned:
-    """The parameters by which some of the errors are least."""
     ranges = RANGES.get(method, ())
     chosen: dict[str, Any] = dict(FIXED.get(method, ()))
     chosen |= {one.parameter: one.start for one in ranges}
@@ -214,7 +182,7 @@ def _searched_for(
             Setting(method, representation, tuple((chosen | {parameter: _value(x)}).items()))
             for x in logs
         ]
-        return _objectives(settings, inputs, raw, errors)
+        return _objectives(settings, inputs, raw)
 
     for again in (False, True) if len(ranges) > 1 else (False,):
         for span in ranges:
@@ -303,17 +271,14 @@ def _objectives(
     tried: Sequence[Setting],
     inputs: Sequence[tuple[Trajectory, PathEvaluator]],
     raw: Sequence[FloatArray],
-    counted: list[int],
 ) -> FloatArray:
-    """The objective of each setting, by the errors that are counted; infinite where it is refused
-    on one of the paths.
-    """
+    """The objective of each setting; infinite where it is refused on one of the paths."""
     ratios = np.full((len(inputs), len(tried)), np.inf)
     for row, ((degraded, evaluator), base) in enumerate(zip(inputs, raw, strict=True)):
         paths = [(i, path) for i, one in enumerate(tried) if (path := _smoothed(one, degraded))]
         if paths:
             errors = evaluator.errors([path for _, path in paths])
-            ratios[row, [i for i, _ in paths]] = np.nanmean((errors / base)[:, counted], axis=1)
+            ratios[row, [i for i, _ in paths]] = np.nanmean(errors / base, axis=1)
     return np.asarray(np.mean(ratios, axis=0), dtype=np.float64)
 
 
