@@ -161,3 +161,16 @@ def test_big_endian_bytes_are_known_by_their_flag(frames) -> None:
     assert is_big
     np.testing.assert_array_equal(little, big)
     assert little.tobytes() != big.tobytes()
+
+
+def test_times_of_receipt_that_no_stamp_can_hold_are_refused(
+    frames, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """MCAP has room for 64 bits of nanoseconds, stamps for 63: no bag of ours gets so far."""
+    from motorcade.replays.io.readers.ros import reader
+
+    path = drawn(tmp_path, frames[:3], "mcap", "rgb8", "alone", "headers", "whole")
+    assert len(open_recording(path).frames) == 3
+    monkeypatch.setattr(reader, "_LATEST_NS", 1)
+    with pytest.raises(RecordingError, match="expected times of receipt before 2262, got"):
+        open_recording(path)

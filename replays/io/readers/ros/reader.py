@@ -27,6 +27,8 @@ from motorcade.replays.io.readers.ros.admission import (
 
 _LOG = logging.getLogger("motorcade.replays")
 _MESSAGE_LIMIT = 200_000
+# Stamps are whole nanoseconds in 63 bits; MCAP has room for 64.
+_LATEST_NS = 1 << 63
 
 
 class Bag:
@@ -146,6 +148,9 @@ class Bag:
             for connection, recorded_ns, raw in self._reader.messages(wanted, **span):
                 if connection.msgtype not in types:  # two connections of one number
                     problem = f"expected {' or '.join(types)}, got {one_line(connection.msgtype)}"
+                    raise refusal(self.path, problem, field=one_line(connection.topic))
+                if recorded_ns >= _LATEST_NS:
+                    problem = f"expected times of receipt before 2262, got {recorded_ns} ns"
                     raise refusal(self.path, problem, field=one_line(connection.topic))
                 message: Any = take(raw, connection.msgtype)
                 yield connection.topic, recorded_ns, message
