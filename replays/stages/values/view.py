@@ -154,7 +154,8 @@ class FigureCheck:
     def hidden(self) -> float:
         """The share of its pixels in the picture that something hides, over all frames."""
         drawn = float(np.nansum(self.drawn_px))
-        return 1.0 - float(np.nansum(self.visible_px)) / drawn if drawn > 0.0 else 0.0
+        seen = float(np.nansum(self.visible_px))
+        return max(0.0, 1.0 - seen / drawn) if drawn > 0.0 else 0.0
 
     @property
     def shown(self) -> tuple[int, int]:
