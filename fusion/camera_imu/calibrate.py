@@ -55,7 +55,7 @@ def calibrate_camera_imu(
     """Calibrate camera and IMU from a recording of a board that does not move.
 
     Turn about all axes of the IMU and shake along them, for half a minute or longer, the board in
-    the picture and the pictures sharp. What the motion leaves open is said in `untold`; where it
+    the image and the images sharp. What the motion leaves open is said in `unobservable`; where it
     leaves the extrinsics' rotation or the offset open, it is refused.
 
     Args:
@@ -89,8 +89,8 @@ def calibrate_camera_imu(
         ...     camera, None, 31, poses, np.zeros((0, 0)), nothing, 0.1, np.full(31, 0.1)
         ... )
         >>> found = calibrate_camera_imu(seen, sensor.stream, ADIS16448, gravity_m_s2=9.81)
-        >>> print(f"{found.offset_s:.2f} s; not told in three seconds: {found.untold[-1]}")
-        0.02 s; not told in three seconds: accel_axis_zy: lay gravity ...
+        >>> print(f"{found.offset_s:.2f} s; open after three seconds: {found.unobservable[-1]}")
+        0.02 s; open after three seconds: accel_axis_zy: lay gravity ...
     """
     size = STANDARD_GRAVITY_M_S2 if gravity_m_s2 is None else gravity_m_s2
     checked_positive(size, "gravity_m_s2", "m/s²")

@@ -35,18 +35,18 @@ class Parameter:
     Fields:
         name: with its unit, as in ``lever_arm_x_m``.
         value, sigma: as found, and its deviation.
-        untold: where the motion does not tell it, what would; else empty.
+        unobservable: where the motion does not tell it, what would; else empty.
 
     Examples:
         >>> from motorcade.fusion.camera_imu import Parameter
-        >>> Parameter("offset_s", 0.0123, 2e-5, "").untold
+        >>> Parameter("offset_s", 0.0123, 2e-5, "").unobservable
         ''
     """
 
     name: str
     value: float
     sigma: float
-    untold: str
+    unobservable: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,9 +177,11 @@ class CameraImuCalibration:
         return tuple(made)
 
     @property
-    def untold(self) -> tuple[str, ...]:
+    def unobservable(self) -> tuple[str, ...]:
         """What the motion does not tell, and what motion would, one line each."""
-        return tuple(f"{one.name}: {one.untold}" for one in self.parameters if one.untold)
+        return tuple(
+            f"{one.name}: {one.unobservable}" for one in self.parameters if one.unobservable
+        )
 
     @property
     def _sigmas(self) -> FloatArray:

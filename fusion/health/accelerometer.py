@@ -119,7 +119,7 @@ class ForceTrial:
         return {"stated": imu_R_camera.T, "inverted": imu_R_camera}
 
     def position_scale(self) -> float | None:
-        """What positions are multiples of metres of; None where they are in metres, or untold.
+        """What positions are multiples of metres of; None in metres, or where nothing tells.
 
         Positions in another unit, or of a camera that knows no scale, show accelerations and
         gravity alike so many times too large. An accelerometer of another scale shows its own

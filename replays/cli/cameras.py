@@ -255,8 +255,10 @@ def _print_inertial(calibration: dict[str, Any]) -> None:
     if calibration["misfit"] > _MUCH:
         print("  deviations are stated larger by its root; is the board flat, and of that size?")
     for parameter in calibration["parameters"]:
-        if parameter["untold"]:
-            print(f"  not told by this motion: {parameter['name']}; {parameter['untold']}")
+        if parameter["unobservable"]:
+            print(
+                f"  unobservable by this motion: {parameter['name']}; {parameter['unobservable']}"
+            )
 
 
 def _print_camera(calibration: dict[str, Any]) -> None:

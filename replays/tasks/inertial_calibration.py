@@ -163,7 +163,7 @@ def describe_inertial(run: InertialRun) -> dict[str, Any]:
                 "name": parameter.name,
                 "value": parameter.value,
                 "sigma": parameter.sigma,
-                "untold": parameter.untold or None,
+                "unobservable": parameter.unobservable or None,
             }
             for parameter in calibration.parameters
         ],
@@ -196,7 +196,7 @@ def _manifest(run: InertialRun, noise_file: str) -> str:
     calibration = run.calibration
     seen, span_s = calibration.poses, calibration.span_s
     lines = [f"# {seen} images of {run.board.name}, {span_s:.1f} s beside an IMU"]
-    lines += [f"# not told by the motion: {one}" for one in calibration.untold]
+    lines += [f"# unobservable by the motion: {one}" for one in calibration.unobservable]
     lines += [
         camera_toml(calibration.camera, run.rotation_deg),
         "[imu]",

@@ -197,8 +197,8 @@ def refine_pose(
     start = Motor.normalize(world_T_camera.coefficients)
     view = View(lens_of(camera), points, px, _HUBER_PX, OUTLIER_PX)
     stop = (_STOP.steps, _STOP.gain, _STOP.damping, _STOP.most_damping)
-    found, error = view.refine(start.coefficients, *stop)
-    pose = Motor.normalize(found)
+    coefficients, error = view.refine(start.coefficients, *stop)
+    pose = Motor.normalize(coefficients)
     inliers = error <= OUTLIER_PX
     rms = float(np.sqrt(np.mean(error[inliers] ** 2))) if inliers.any() else float("inf")
     sigma = max(rms / np.sqrt(2.0), _SIGMA_FLOOR_PX)

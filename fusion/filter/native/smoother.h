@@ -130,7 +130,7 @@ protected:
 
     // Where a pose of the most noise would hardly explain the step, if for one of them it would not
     // at all; and where the map was relocated, or poses begin or cease to be refused as many in a
-    // row as a rival needs.
+    // row as another hypothesis needs.
     std::vector<Step> steps() const {
         const double most = this->settings_.most_noise;
         std::vector<Step> made;

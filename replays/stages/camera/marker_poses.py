@@ -85,7 +85,7 @@ def marker_poses(
             f"frames: expected some that show a marker, got none{_instead(recording)}"
         )
     known = None if recording.markers is None else recording.markers.marker_map
-    found = _mapped(known, streams, seen)
+    mapped = _mapped(known, streams, seen)
     audit: tuple[AuditFinding, ...] = ()
     shown = {}
     if not isinstance(frames, CornerFrames):
@@ -93,41 +93,43 @@ def marker_poses(
     noise_px = _noise_px(shown, next(iter(streams.values())))
     limit_px = scatter_px(next(iter(streams.values())).camera, noise_px)
     if seen.posed is None:
-        restless = moving_markers(streams, found, lambda part: _mapped(known, part, seen), limit_px)
+        restless = moving_markers(
+            streams, mapped, lambda part: _mapped(known, part, seen), limit_px
+        )
         if restless:
-            before_px = float(np.median(found.frame_error_px))
+            before_px = float(np.median(mapped.frame_error_px))
             streams = without(streams, restless)
-            found = _mapped(known, streams, seen)
-            audit = (_restless(restless, before_px, float(np.median(found.frame_error_px))),)
+            mapped = _mapped(known, streams, seen)
+            audit = (_restless(restless, before_px, float(np.median(mapped.frame_error_px))),)
     if recording.readout_s and len(streams) == 1 and seen.posed is None:
-        path = _of_camera(found, _ONLY).trajectory
+        path = _of_camera(mapped, _ONLY).trajectory
         shutter_s = recording.shutter_s
-        streams = {_ONLY: unrolled_stream(streams[_ONLY], path, found.marker_map, shutter_s)}
-        found = _mapped(known, streams, seen)
+        streams = {_ONLY: unrolled_stream(streams[_ONLY], path, mapped.marker_map, shutter_s)}
+        mapped = _mapped(known, streams, seen)
     if recording.markers is not None and shown:
-        drawn = _drawn(shown, streams[_ONLY], found, recording.markers)
+        drawn = _drawn(shown, streams[_ONLY], mapped, recording.markers.family)
         audit = (pixels_finding(drawn, streams[_ONLY].camera, limit_px), *audit)
     where = "mapped from this recording alone" if known is None else "where a map places them"
     recorded = isinstance(recording.frames, CornerFrames)
     summary = (
         f"tracked by the {'recorded corners' if recorded else 'images'} of "
-        f"{len(found.marker_map)} loose markers, {where}"
+        f"{len(mapped.marker_map)} loose markers, {where}"
         + (", refined on their prints" if refine == "photometric" else "")
-        + (f"; {len(found.left_out)} markers never seen beside them" if found.left_out else "")
+        + (f"; {len(mapped.left_out)} markers never seen beside them" if mapped.left_out else "")
         + ("" if recording.metric else "; their size is not known: lengths have no unit")
     )
     return MarkerPoses(
-        _of_camera(found, next(iter(streams))),
-        found.time_ns,
-        found.frame_error_px,
+        _of_camera(mapped, next(iter(streams))),
+        mapped.time_ns,
+        mapped.frame_error_px,
         "markers",
         summary,
         metric=recording.metric,
         audit=audit,
         seconds=time.perf_counter() - start,
         corner_px=noise_px,
-        marker_map=found.marker_map,
-        sighted=_sighted(next(iter(streams.values())), found.marker_map),
+        marker_map=mapped.marker_map,
+        sighted=_sighted(next(iter(streams.values())), mapped.marker_map),
     )
 
 
@@ -146,23 +148,21 @@ def _noise_px(shown: Mapping[int, ImageArray], stream: CornerStream) -> float:
 
 
 def _drawn(
-    shown: Mapping[int, ImageArray],
-    stream: CornerStream,
-    found: MappedRecording,
-    loose: LooseMarkers,
+    shown: Mapping[int, ImageArray], stream: CornerStream, mapped: MappedRecording, family: str
 ) -> Iterator[tuple[ImageArray, SingleMarker, Motor]]:
     """Images, and the largest markers in each where the map and the path put them."""
-    size = np.ptp(stream.corners_px, axis=1).prod(axis=-1)
-    world_T_marker, ids = found.marker_map.world_T_marker, found.marker_map.marker_ids
+    area_px = np.ptp(stream.corners_px, axis=1).prod(axis=-1)
+    known, path = mapped.marker_map, mapped.trajectory
     for stamp, image in shown.items():
-        posed = stamp in found.trajectory.time_ns
-        here = (stream.time_ns[stream.frame] == stamp) & np.isin(stream.marker_ids, ids) & posed
-        rows = np.flatnonzero(here)
-        for row in rows[np.argsort(-size[rows], kind="stable")][:_DRAWN]:
-            marker = int(stream.marker_ids[row])
-            placed = world_T_marker[int(np.searchsorted(ids, marker))]
-            pose = placed.inverse() @ found.trajectory.motors_at(np.int64(stamp))
-            yield image, SingleMarker(loose.family, marker, loose.side_m), pose
+        if stamp not in path.time_ns:
+            continue
+        at_stamp = stream.time_ns[stream.frame] == stamp
+        rows = np.flatnonzero(at_stamp & np.isin(stream.marker_ids, known.marker_ids))
+        for row in rows[np.argsort(-area_px[rows], kind="stable")][:_DRAWN]:
+            place = int(np.searchsorted(known.marker_ids, stream.marker_ids[row]))
+            marker_T_world = known.world_T_marker[place].inverse()
+            marker = SingleMarker(family, int(known.marker_ids[place]), float(known.side_m[place]))
+            yield image, marker, marker_T_world @ path.motors_at(np.int64(stamp))
 
 
 def _restless(markers: tuple[int, ...], before_px: float, left_px: float) -> AuditFinding:
@@ -184,27 +184,27 @@ def _by_scene(
 ) -> MarkerPoses:
     """All that was stated of bodies, markers, cameras and lengths, and all corners, together."""
     streams = {name: _standing(stream, moving) for name, stream in frames.streams.items()}
-    found = map_scene(streams, scene)
+    mapped = map_scene(streams, scene)
     first = next(iter(streams))
-    path = found.seen_from(first)
+    path = mapped.seen_from(first)
     if not len(path.measurements):
         raise TrackingError("frames: expected some that show a marker, got none")
     summary = (
         f"tracked by the recorded corners of {len(path.marker_map)} markers, with all that was "
         "stated of them"
-        + (", joined with the recorded odometry" if found.has_odometry else "")
-        + (f"; {len(found.left_out)} markers never seen beside them" if found.left_out else "")
+        + (", joined with the recorded odometry" if mapped.has_odometry else "")
+        + (f"; {len(mapped.left_out)} markers never seen beside them" if mapped.left_out else "")
     )
     spread = path.measurements.covariance + np.diag(_SIGMA_FLOOR**2)
     return MarkerPoses(
         PoseMeasurements(path.measurements.trajectory, spread),
-        found.seen.time_ns,
+        mapped.seen.time_ns,
         path.error_px,
         "markers",
         summary,
         seconds=time.perf_counter() - start,
-        audit=found.audit,
-        has_odometry=found.has_odometry,
+        audit=mapped.audit,
+        has_odometry=mapped.has_odometry,
         marker_map=path.marker_map,
         sighted=_sighted(streams[first], path.marker_map),
     )
@@ -247,13 +247,13 @@ def _seen_markers(recording: Recording, refine: Refine) -> _SeenMarkers:
     return _SeenMarkers({_ONLY: stream}, side_m, {_ONLY: Motor.identity()}, posed)
 
 
-def _of_camera(found: MappedRecording, camera: str) -> PoseMeasurements:
+def _of_camera(mapped: MappedRecording, camera: str) -> PoseMeasurements:
     """The rig's path and covariance, at one of its cameras."""
-    rig_T_camera = found.rig_T_camera[camera]
+    rig_T_camera = mapped.rig_T_camera[camera]
     adjoint = rig_T_camera.inverse().adjoint()
-    covariance = adjoint @ found.covariance @ adjoint.T + np.diag(_SIGMA_FLOOR**2)
+    covariance = adjoint @ mapped.covariance @ adjoint.T + np.diag(_SIGMA_FLOOR**2)
     return PoseMeasurements(
-        found.trajectory.transformed_by(right=rig_T_camera, child="camera"),
+        mapped.trajectory.transformed_by(right=rig_T_camera, child="camera"),
         0.5 * (covariance + covariance.swapaxes(-1, -2)),
     )
 
@@ -278,11 +278,11 @@ def markers_found(
         seen = detect_markers(gray, family, camera)
         if markers.marker_map is not None:
             seen = refind_markers(gray, family, camera, markers.marker_map, seen)
-        found = _usable(seen)
-        ids.append(np.array([one.marker_id for one in found], np.int64))
-        corners.append(np.array([one.corners_px for one in found]).reshape(-1, 4, 2))
+        usable = _usable(seen)
+        ids.append(np.array([one.marker_id for one in usable], np.int64))
+        corners.append(np.array([one.corners_px for one in usable]).reshape(-1, 4, 2))
         if refine == "photometric":
-            sides = np.full(len(found), markers.side_m)
+            sides = np.full(len(usable), markers.side_m)
             refined.append(_refined(gray, camera, family, ids[-1], corners[-1], sides))
     if refine == "photometric":
         return joined_frames(camera, frames.time_ns, refined)

@@ -90,14 +90,14 @@ def slam_poses(
         poses = _with_imu_inside(recording, mapped, start)
     else:
         try:
-            found = _by_vision(recording, settings)
+            result = _by_vision(recording, settings)
         except TrackingError as fault:
             findings = filter(None, (*audit, centre_finding(camera_of(recording))))
             reasons = [finding.sentence for finding in findings if not finding.passed]
             raise TrackingError("; ".join([str(fault), *reasons])) from fault
-        if found.metric and adjust and not paired and recording.slam_map is None:
-            found = refined_by_depth(recording, found) or found
-        poses = _measured(recording, found, start)
+        if result.metric and adjust and not paired and recording.slam_map is None:
+            result = refined_by_depth(recording, result) or result
+        poses = _measured(recording, result, start)
     return replace(
         poses,
         audit=audit,

@@ -195,23 +195,23 @@ class FigureCheck:
         seen, frames = self.shown
         if not frames:
             return ()
-        told, found = self.as_dict(), []
+        figures, doubts = self.as_dict(), []
         if seen < SEEN_FRAMES * frames:
-            found.append(f"is seen in {seen} of {frames} frames")
+            doubts.append(f"is seen in {seen} of {frames} frames")
         if self.hidden > SEEN_PIXELS:
-            found.append(f"is hidden for {self.hidden:.0%} by what is before it")
-        if seen and told["height_px"] < SEEN_HEIGHT * picture_px:
-            found.append(f"is {told['height_px']:.0f} of {picture_px} pixels high")
-        low, far = told["lowest_share_of_height"], told["heading_off_way_deg"]
+            doubts.append(f"is hidden for {self.hidden:.0%} by what is before it")
+        if seen and figures["height_px"] < SEEN_HEIGHT * picture_px:
+            doubts.append(f"is {figures['height_px']:.0f} of {picture_px} pixels high")
+        low, far = figures["lowest_share_of_height"], figures["heading_off_way_deg"]
         if low < -OFF_GROUND:
-            found.append(f"reaches {-low:.0%} of its height below its ground")
+            doubts.append(f"reaches {-low:.0%} of its height below its ground")
         if low > OFF_GROUND:
-            found.append(f"hovers {low:.0%} of its height or more over its ground")
+            doubts.append(f"hovers {low:.0%} of its height or more over its ground")
         if self.slide > SLIDES:
-            found.append(f"slides on a foot by {self.slide:.1%} of its height")
+            doubts.append(f"slides on a foot by {self.slide:.1%} of its height")
         if far is not None and far > ASTRAY_DEG:
-            found.append(f"faces {far:.0f}° off the way that it goes")
-        return tuple(f"the film: '{self.name}' {doubt}" for doubt in found)
+            doubts.append(f"faces {far:.0f}° off the way that it goes")
+        return tuple(f"the film: '{self.name}' {doubt}" for doubt in doubts)
 
 
 @dataclass(frozen=True, eq=False)

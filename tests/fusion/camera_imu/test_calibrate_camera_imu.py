@@ -89,13 +89,13 @@ def test_what_the_motion_does_not_tell_is_named():
     found = calibrate_camera_imu(
         seen, true.imu, true.noise, gravity_m_s2=9.81, correction_sigma=0.005
     )
-    named = {one.name for one in found.parameters if one.untold}
+    named = {one.name for one in found.parameters if one.unobservable}
     assert {"gyro_scale_x", "gyro_axis_xz"} <= named
     assert "gyro_scale_y" not in named
     for one in found.parameters:
         if one.name.startswith(("gyro_", "accel_")):
-            assert bool(one.untold) == (one.sigma > 0.0025)
-    assert len(found.untold) == len(named)
+            assert bool(one.unobservable) == (one.sigma > 0.0025)
+    assert len(found.unobservable) == len(named)
 
 
 @pytest.mark.slow

@@ -294,8 +294,8 @@ def test_a_chains_time_shift_is_heeded(files: Files, tmp_path: Path) -> None:
     named = fused(files, tmp_path / "b.tum", "--extrinsics", files.extrinsics, "--offset-s", LATE_S)
     path = fused(files, tmp_path / "a.tum", "--extrinsics", chain)
     np.testing.assert_allclose(path.motors.local(named.motors), 0.0, atol=1e-6)
-    unheeded = fused(files, tmp_path / "c.tum", "--extrinsics", chain, "--offset-s", 0)
-    errors = [evaluate(one, files.truth).ape_m.rmse for one in (path, unheeded)]
+    ignored = fused(files, tmp_path / "c.tum", "--extrinsics", chain, "--offset-s", 0)
+    errors = [evaluate(one, files.truth).ape_m.rmse for one in (path, ignored)]
     assert errors[1] > 1.5 * errors[0]
 
 

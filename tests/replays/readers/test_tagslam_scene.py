@@ -71,11 +71,11 @@ def test_information_gives_the_covariance_that_it_states(folder: Path, deviation
 def test_what_is_not_heeded_is_said(
     folder: Path, caplog: pytest.LogCaptureFixture, key: str, text: str
 ) -> None:
-    assert not read_scene(folder, {}).unheeded
+    assert not read_scene(folder, {}).ignored
     assert not caplog.text
     with (folder / "tagslam.yaml").open("a") as file:
         file.write(text)
-    (told,) = read_scene(folder, {}).unheeded
+    (told,) = read_scene(folder, {}).ignored
     assert f"{key} is not heeded" in told
     assert told in caplog.text
 

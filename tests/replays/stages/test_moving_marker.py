@@ -4,21 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from motorcade.ga import Motor
+from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Performer, render_performers
 from motorcade.replays.io.recording import LooseMarkers, Recording
-from motorcade.replays.stages.camera.marker_poses import marker_poses
+from motorcade.replays.stages.camera.marker_poses import _drawn, marker_poses
 from motorcade.replays.stages.characters.acting import character_named, clip_named
 from motorcade.replays.stages.values.camera_poses import CameraPoses
 from motorcade.replays.stages.values.errors import Integrity
 from motorcade.replays.stages.values.view import PlacedCharacter
 from motorcade.replays.stages.view.placed import placed
-from motorcade.tracking import Board, MarkerGrid, SingleMarker
+from motorcade.tracking import Board, MarkerGrid, MarkerMap, SingleMarker
+from motorcade.tracking.markers.corner_stream import CornerStream
 from tests.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 from tests.replays.carried_marker import (
     CAMERA,
@@ -187,3 +190,17 @@ def test_a_marker_that_is_said_to_move_does_no_harm_to_the_map() -> None:
     assert named.sentence.endswith(f"say marker_poses.moving={ID}")
     with pytest.raises(ValueError, match="wall: refine=photometric takes all markers"):
         marker_poses(recording, refine="photometric", moving=(ID,))
+
+
+def test_prints_that_differ_in_size_are_each_drawn_in_their_own() -> None:
+    """The witness by pixels takes sides from the map, of which one recording's may be several."""
+    side_m = np.array([0.05, 0.12])
+    known = MarkerMap(np.array([3, 8]), side_m, Rotor.identity((2,)), np.zeros((2, 3)))
+    path = Trajectory(TIME_NS[:1], Motor.identity((1,)), "world", "camera")
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    corners_px = 100.0 + square * np.array([20.0, 40.0])[:, None, None]
+    stream = CornerStream(CAMERA, TIME_NS[:1], np.zeros(2, int), known.marker_ids, corners_px)
+    mapped: Any = SimpleNamespace(marker_map=known, trajectory=path)
+    image = np.zeros((CAMERA.height, CAMERA.width), np.uint8)
+    prints = [drawn for _, drawn, _ in _drawn({int(TIME_NS[0]): image}, stream, mapped, "tag36h11")]
+    assert [(drawn.marker_id, drawn.side_m) for drawn in prints] == [(8, 0.12), (3, 0.05)]

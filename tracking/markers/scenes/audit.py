@@ -171,11 +171,11 @@ def misfit_finding(misfit: int, alone: int, limit_px: float) -> AuditFinding:
 
 def scene_audit(mapped: MappedScene) -> tuple[AuditFinding, ...]:
     """Connection, stated poses, stated sizes and corners of a scene as it was mapped."""
-    unheeded = [
-        AuditFinding("unheeded_statement", "unknown", None, "", said)
-        for said in mapped.scene.unheeded
+    ignored = [
+        AuditFinding("ignored_statement", "unknown", None, "", said)
+        for said in mapped.scene.ignored
     ]
-    return (_connection(mapped), _stated(mapped), _sizes(mapped), _corners(mapped), *unheeded)
+    return (_connection(mapped), _stated(mapped), _sizes(mapped), _corners(mapped), *ignored)
 
 
 def _connection(mapped: MappedScene) -> AuditFinding:

@@ -380,8 +380,8 @@ def adjust_scene(
     ]
     graph = _Graph(factors, seen.frame_of)
     stop = _STOP if last else _ROUGHLY
-    found = minimise(poses, partial(_Evaluated, graph), _retract, stop)
-    return found.state, found.evaluation.equations
+    minimised = minimise(poses, partial(_Evaluated, graph), _retract, stop)
+    return minimised.state, minimised.evaluation.equations
 
 
 def _retract(poses: Motor, step: FloatArray) -> Motor:

@@ -204,7 +204,7 @@ class MarkerScene:
         sigma_px: noise of a corner's coordinate, as stated.
         wiggle: ``(2,)`` deviations, rad and m, of each frame's pose of a camera on its body about
             its usual one, of those that sit loosely or expose apart from the others.
-        unheeded: what was stated and is not used, in a sentence each.
+        ignored: what was stated and is not used, in a sentence each.
 
     Raises:
         ValueError: no body that stands still, a camera on a body that is not there, a marker on
@@ -219,7 +219,7 @@ class MarkerScene:
     coordinates: tuple[CornerCoordinate, ...] = ()
     sigma_px: float = 1.0
     wiggle: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    unheeded: tuple[str, ...] = ()
+    ignored: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if all(body.moves for body in self.bodies):

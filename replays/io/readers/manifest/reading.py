@@ -115,43 +115,47 @@ class _Manifest:
 
     def recording(self) -> Recording:
         """Read table by table; later ones may need earlier ones."""
-        made = self._base()
+        recording = self._base()
         if "name" in self.top:
             name = self.top.text("name")
             if not name.isprintable():
                 raise self.top.fault("name", f"expected letters that show, got {one_line(name)}")
-            made = replace(made, name=name)
+            recording = replace(recording, name=name)
         if "settings" in self.top:
-            made = replace(made, settings=tuple(map(self._setting, self.top.texts("settings"))))
+            recording = replace(
+                recording, settings=tuple(map(self._setting, self.top.texts("settings")))
+            )
         if "doubts" in self.top:
-            made = replace(made, doubts=tuple(self.top.texts("doubts")))
-        made = self._with_camera(made)
+            recording = replace(recording, doubts=tuple(self.top.texts("doubts")))
+        recording = self._with_camera(recording)
         if "depth_camera" in self.top:
-            made = self._with_depth_camera(made)
+            recording = self._with_depth_camera(recording)
         if "stereo" in self.top:
-            made = self._with_right(made)
+            recording = self._with_right(recording)
         if "board" in self.top:
             board, world_T_board, metric = self._board()
-            made = replace(made, board=board, world_T_board=world_T_board, metric=metric)
+            recording = replace(recording, board=board, world_T_board=world_T_board, metric=metric)
         if "markers" in self.top:
             section = self._section("markers", MARKERS_KEYS)
-            metric = section.truth("metric", otherwise=True) and made.metric
-            made = replace(made, markers=section_markers(section, self._file), metric=metric)
+            metric = section.truth("metric", otherwise=True) and recording.metric
+            recording = replace(
+                recording, markers=section_markers(section, self._file), metric=metric
+            )
         if "slam" in self.top:
             section = self._section("slam", SLAM_KEYS)
-            made = replace(made, slam_map=section_slam(section, self._file))
+            recording = replace(recording, slam_map=section_slam(section, self._file))
         if "imu" in self.top:
-            made = self._with_imu(made)
+            recording = self._with_imu(recording)
         if "truth" in self.top:
             section = self._section("truth", TRUTH_KEYS)
-            truth = read_truth(section, made, self._file, self.stated_T_upright)
-            made = replace(made, truth=truth)
-        if made.imu is not None and made.imu_T_camera is None:
+            truth = read_truth(section, recording, self._file, self.stated_T_upright)
+            recording = replace(recording, truth=truth)
+        if recording.imu is not None and recording.imu_T_camera is None:
             _LOG.warning(
                 "%s: its IMU is left aside: give imu_T_camera in [imu] to use it", self.root
             )
-            made = replace(made, imu=None)
-        return made
+            recording = replace(recording, imu=None)
+        return recording
 
     def _section(self, name: str, keys: tuple[str, ...]) -> Section:
         return Section(self.path, name, self.table[name], keys)

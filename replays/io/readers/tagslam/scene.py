@@ -85,8 +85,8 @@ def read_scene(root: Path, odometry: Mapping[str, Trajectory]) -> MarkerScene:
     sigma_px = _parameter(path, parameters, "pixel_noise", _PIXEL)
     if sigma_px == 0.0:
         raise refusal(path, "expected pixels above 0, got 0", field="pixel_noise")
-    unheeded = _unheeded(content, parameters)
-    for key in unheeded:
+    ignored = _ignored(content, parameters)
+    for key in ignored:
         _LOG.warning("%s: %s", path, key)
     try:
         return MarkerScene(
@@ -98,13 +98,13 @@ def read_scene(root: Path, odometry: Mapping[str, Trajectory]) -> MarkerScene:
             + _planes(path, content.get("plane_measurements")),
             sigma_px,
             _wiggles(root / "cameras.yaml"),
-            unheeded,
+            ignored,
         )
     except ValueError as fault:
         raise refusal(path, str(fault)) from fault
 
 
-def _unheeded(content: Mapping[str, object], parameters: Mapping[str, object]) -> tuple[str, ...]:
+def _ignored(content: Mapping[str, object], parameters: Mapping[str, object]) -> tuple[str, ...]:
     """What is stated and not used."""
     texts = []
     if content.get("amnesia") is True:
