@@ -167,13 +167,10 @@ def _film_caption(findings: Findings) -> str:
     film = findings.overlay
     if film is None:
         return ""
-    seen = film.frames_with_character
-    where = f"all {film.frames}" if seen == film.frames else f"{seen} of {film.frames}"
     footage = {"original": "the pictures as filmed", "undistorted": "straightened pictures"}
     return (
         f"Drawn into {footage.get(film.footage, f'{film.footage} pictures')} along the "
-        f"{film.along} path; the character or its shadow is in view in {where}. It stands on "
-        f"{film.stands_on}, in {film.lit_by}."
+        f"{film.along} path, standing on {film.stands_on}, in {film.lit_by}."
     )
 
 
