@@ -62,7 +62,7 @@ def pixel_offsets(
     middle = camera_T_world.apply(board.points_m.mean(axis=0))
     px_per_m = float(np.sqrt(camera.fx * camera.fy) / np.linalg.norm(middle))
     scale = min(px_per_m, _LARGEST_PX / max(board.size_m))
-    drawn, free, points = _drawing(board, float(f"{scale:.1g}"))
+    drawn, free, points = _drawing(board, float(f"{scale:.1g}"))  # coarse: drawn once for many
     places = camera.project(camera_T_world.apply(points))
     limit = (camera.width - 1, camera.height - 1)
     inside = np.all((places >= 0.0) & (places <= limit), axis=-1)

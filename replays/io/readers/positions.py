@@ -1,9 +1,9 @@
 """Positions of satellite navigation as paths: GPX, NMEA, PX4's logs, KITTI's `oxts`, NavSatFix.
 
 A path is in metres east, north and up of its first fix (`fusion.measurements.GeodeticOrigin`), on
-WGS 84; its poses do not turn, except KITTI's, whose unit measures how it stands. Heights of GPX are
-above the sea: as heights over the ellipsoid they are off by the geoid, which over a path is a
-constant. GPX is read by gpxpy, NMEA by pynmea2.
+WGS 84; its poses do not turn, except KITTI's, whose unit measures how it stands. Heights of GPX and
+NMEA are above the sea: as heights over the ellipsoid they are off by the geoid, which over a path
+is a constant. GPX is read by gpxpy, NMEA by pynmea2.
 """
 
 from __future__ import annotations
@@ -62,13 +62,22 @@ def geodetic_path(
 ) -> Trajectory:
     """The path of stamps ``(N,)`` and latitude, longitude (deg), height (m) ``(N, 3)``.
 
-    Of fixes that are no later than one before, the first is kept.
+    Of fixes that are no later than one before, the first is kept. Heights that are missing are NaN:
+    where all are, the path is level; else fixes without one are left out. Both are said.
 
     Raises:
         RecordingError: no fixes, or places that are none.
     """
     if not len(time_ns):
         raise refusal(path, "expected fixes with time and place, got none")
+    high = np.isfinite(places[:, 2])
+    if not high.any():
+        _LOG.warning("%s: no fix has a height: the path is level", path)
+        places = np.column_stack([places[:, :2], np.zeros(len(places))])
+    elif not high.all():
+        _LOG.warning("%s: %d fixes without a height are left out", path, np.count_nonzero(~high))
+        time_ns, places = time_ns[high], places[high]
+        world_R_body = world_R_body[high] if world_R_body is not None else None
     rows = np.flatnonzero(np.diff(np.maximum.accumulate(time_ns), prepend=time_ns[0] - 1) > 0)
     try:
         origin = GeodeticOrigin(*places[rows[0]].tolist())
@@ -132,13 +141,18 @@ def _read_gpx(path: Path) -> _Fixes:
     except Exception as fault:  # of two parsers of XML, without a common base
         raise refusal(path, f"expected GPX: {one_line(fault, 100)}") from fault
     points = (
-        (_nanoseconds(point.time), point.latitude, point.longitude, point.elevation or 0.0)
+        (_nanoseconds(point.time), point.latitude, point.longitude, _height_m(point.elevation))
         for track in content.tracks
         for segment in track.segments
         for point in segment.points
         if point.time is not None
     )
     return _fixes(points, path)
+
+
+def _height_m(value: float | str | None) -> float:
+    """NaN where none is stated."""
+    return float(value) if value not in (None, "") else float("nan")
 
 
 def _nanoseconds(moment: datetime) -> int:
@@ -171,8 +185,8 @@ def _read_nmea(path: Path) -> _Fixes:
             days += int(of_day_s < last_s - 43_200)
             last_s = float(of_day_s)
             stamp = (days * 86_400 + of_day_s) * 10**9 + clock.microsecond * 1000
-            height = float(sentence.altitude or 0.0) + float(sentence.geo_sep or 0.0)
-            rows.append((stamp, sentence.latitude, sentence.longitude, height))
+            height_m = _height_m(sentence.altitude)
+            rows.append((stamp, sentence.latitude, sentence.longitude, height_m))
         except (pynmea2.ParseError, ValueError, TypeError, AttributeError):
             bad += 1
     if bad:

@@ -67,7 +67,7 @@ def read_readings(path: Path, *, with_field: bool = True) -> SensorReadings:
         problem = "expected accelerometer and gyroscope, got a recording without them"
         raise refusal(path, problem)
     try:
-        notices = screen_imu(imu) if held_by in _NOT_SCREENED else ()
+        notices = screen_imu(imu) if held_by in _UNSCREENED else ()
     except ValueError as fault:
         raise refusal(path, str(fault)) from fault
     for notice in notices:
@@ -112,7 +112,8 @@ def _source(path: Path) -> tuple[str, _Read]:
 
 
 _LOGS = {"a trial of BROAD", "a log of PX4", "a phone's logger", "KITTI's oxts"}
-_NOT_SCREENED = _LOGS | {"a video's telemetry"}
+_UNSCREENED = _LOGS | {"a video's telemetry"}
+"""Kinds whose own readers do not look for units and axes that cannot be."""
 
 
 def _of_bag(path: Path, with_field: bool) -> tuple[ImuStream | None, Field | None]:

@@ -155,6 +155,32 @@ def test_gpx_with_declarations_of_its_own_is_refused(tmp_path: Path) -> None:
         read_trajectory(path)
 
 
+def gpx(path: Path, heights: list[float | None]) -> Path:
+    """A track of these heights above the sea, None for points without."""
+    points = [
+        f'<trkpt lat="47.0" lon="{8.5 + 1e-5 * k}"><time>2026-05-01T08:00:{k:02d}Z</time>'
+        + ("" if height is None else f"<ele>{height}</ele>")
+        + "</trkpt>"
+        for k, height in enumerate(heights)
+    ]
+    head = '<gpx version="1.1" creator="t" xmlns="http://www.topografix.com/GPX/1/1"><trk><trkseg>'
+    path.write_text(f"{head}{''.join(points)}</trkseg></trk></gpx>")
+    return path
+
+
+def test_points_without_a_height_make_no_jump_to_the_sea(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    track = read_trajectory(gpx(tmp_path / "some.gpx", [400.0, 401.0, None, 403.0]))
+    assert len(track) == 3
+    np.testing.assert_allclose(track.motors.translation_m[:, 2], [0.0, 1.0, 3.0], atol=1e-6)
+    assert "1 fixes without a height are left out" in caplog.text
+    level = read_trajectory(gpx(tmp_path / "none.gpx", [None] * 4))
+    assert len(level) == 4
+    assert np.abs(level.motors.translation_m[:, 2]).max() < 1e-3
+    assert "no fix has a height: the path is level" in caplog.text
+
+
 def test_header_stamps_count_before_times_of_arrival(motion: Motion, tmp_path: Path) -> None:
     imu = read_imu_of(KINDS["rostopic"](tmp_path, motion))
     np.testing.assert_array_equal(np.diff(imu.time_ns), np.diff(motion.imu.time_ns))
