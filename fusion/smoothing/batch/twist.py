@@ -93,7 +93,8 @@ def moved_together(
         left_out = off[:, k] * (1.0 + weights * others)
         if models[k].memory_s > 0.0:
             beside, less = _beside(time_s, left_out, weights, models[k].memory_s)
-            left_out, others = left_out - beside, others - less
+            # Of an error whose variance is that of weight 1 divided by its own.
+            left_out, others = left_out - beside, others - less / np.where(weights > 0, weights, 1)
         columns[k] = ColumnPath(beyond[:, k], left_out, others, spread[:, k])
     return columns
 

@@ -173,3 +173,26 @@ def test_errors_that_last_are_no_motion_beside_a_twist() -> None:
         assert 0.1 < found.choice.memory_s < 0.5
         left.append(sizes(found.trajectory, true) / sizes(raw, true))
     assert np.all(np.sqrt(np.mean(np.square(left), axis=0)) < 0.6)
+
+
+EXACT = {
+    "line": [0.0, 0.0, 0.0, 0.3, 0.0, 0.0],
+    "spin": [0.0, 0.0, 1.2, 0.0, 0.0, 0.0],
+    "screw": [0.2, -0.5, 1.0, 0.1, 0.3, -0.2],
+    "rest": [0.0] * 6,
+}
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("rounded_m", [0.0, 1e-15, 1e-9])
+@pytest.mark.parametrize("name", EXACT)
+def test_a_path_without_noise_stays_as_it_is(name: str, rounded_m: float) -> None:
+    """Of rounding alone errors may seem to last, and then tell nearly all of one another."""
+    time_ns = np.arange(100) * 33_000_000
+    motors = Motor.from_twist(1e-9 * time_ns[:, None] * np.array(EXACT[name]))
+    if rounded_m:
+        at = rounded_m * np.rint(motors.translation_m / rounded_m)
+        motors = Motor.from_rotor_translation(motors.rotor, at)
+    path = Trajectory(time_ns, motors, "world", "camera")
+    smoothed = smoothed_automatically(path).trajectory
+    assert sizes(smoothed, path).max() < 1e-8
