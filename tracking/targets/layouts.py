@@ -44,6 +44,12 @@ class SeenMarkers:
     ids: IntArray
     corners_px: FloatArray
 
+    def straightened(self, camera: Camera) -> SeenMarkers:
+        """As a camera without a lens's distortion sees them; without those beyond its reach."""
+        corners = camera.undistort(self.corners_px.reshape(-1, 2)).reshape(-1, 4, 2)
+        whole = np.isfinite(corners).all(axis=(1, 2))
+        return SeenMarkers(self.ids[whole], corners[whole])
+
 
 @dataclass(frozen=True)
 class _Guess:
@@ -115,13 +121,10 @@ def layout_fits(
     >>> fit.good, round(float(fit.side), 3), fit.turned_deg
     (True, 0.667, 0)
     """
-    guess, fits = _Guess.of(board), []
-    for one in _telling(seen):
-        corners = one.corners_px
-        if camera is not None:
-            corners = camera.undistort(corners.reshape(-1, 2)).reshape(-1, 4, 2)
-        whole = np.isfinite(corners).all(axis=(1, 2))
-        fits.append(_fit(guess, SeenMarkers(one.ids[whole], corners[whole])))
+    guess, telling = _Guess.of(board), _telling(seen)
+    if camera is not None:
+        telling = [one.straightened(camera) for one in telling]
+    fits = [_fit(guess, one) for one in telling]
     return [fit for fit in fits if np.isfinite(fit.side_px) and fit.side_px > 0.0]
 
 

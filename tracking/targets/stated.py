@@ -18,7 +18,7 @@ from motorcade.tracking.boards.markers import MarkerGrid, SingleMarker
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.targets.chessboards import checkerboard_seen
-from motorcade.tracking.targets.families import words_of
+from motorcade.tracking.targets.families import families_seen, words_of
 from motorcade.tracking.targets.finding import find_target, seen_markers
 from motorcade.tracking.targets.layouts import (
     LayoutFit,
@@ -73,7 +73,11 @@ def compare_layout(
     target = find_target(pictures)
     other = None if target is None else target.board
     if not isinstance(other, MarkerGrid | CharucoBoard):
-        other = board_of_markers(board.family, own) or board_of_markers(board.family, seen.markers)
+        shown = [own, seen.markers]
+        if camera is not None:
+            shown += [[one.straightened(camera) for one in markers] for markers in shown]
+        boards = (board_of_markers(board.family, markers) for markers in shown)
+        other = next(filter(None, boards), None)
     if other is None:
         summary = "the markers stand otherwise than stated, and in no grid known here"
         advice = "state the board as it is printed, or its markers as loose ones ([markers])"
@@ -83,16 +87,32 @@ def compare_layout(
 
 def _counted(board: Checkerboard, pictures: Sequence[GrayImage]) -> AuditFinding:
     """The finding on how many corners a checkerboard has; where it ends must be in view."""
-    name, counted = "board_corners", checkerboard_seen(pictures)
-    if counted is None or not counted.ends:
+    name, stated = "board_corners", (board.columns, board.rows)
+    counted, printed = checkerboard_seen(pictures), _charuco_seen(pictures)
+    looks = None if counted is None else (counted.columns, counted.rows)
+    if printed is not None:
+        inner = {printed.columns - 1, printed.rows - 1}
+        if inner in (set(stated), set(looks or ())):
+            size = f"{printed.columns} by {printed.rows}"
+            summary = f"markers stand in the squares: the board is a ChArUco board, {size}"
+            return AuditFinding(name, "contradicted", 1.0, "share", summary, _keys(board, printed))
+    if counted is None or looks is None or not counted.ends:
         return AuditFinding(name, "unknown", None, "corners", "no image shows where the board ends")
-    looks, stated = (counted.columns, counted.rows), (board.columns, board.rows)
     off = float(np.abs(np.sort(looks) - np.sort(stated)).max())
     seen = "the board looks like {} x {} inner corners".format(*looks)
     if off == 0.0 or tuple(sorted(stated, reverse=True)) in counted.others:
         return AuditFinding(name, "consistent", off, "corners", f"{seen}, as stated")
     summary = "{}, not {} x {} as stated".format(seen, *stated)
     return AuditFinding(name, "contradicted", off, "corners", summary, _keys(board, counted.board))
+
+
+def _charuco_seen(pictures: Sequence[GrayImage]) -> CharucoBoard | None:
+    """The ChArUco board whose markers images show, its squares of length 1."""
+    for family in families_seen(pictures)[:1]:
+        seen = seen_markers(family.family, pictures, set(family.marker_ids))
+        board = board_of_markers(family.family, seen.markers)
+        return board if isinstance(board, CharucoBoard) else None
+    return None
 
 
 def name_target(pictures: Sequence[GrayImage], stated: Board | str) -> str:
@@ -112,14 +132,15 @@ def name_target(pictures: Sequence[GrayImage], stated: Board | str) -> str:
     'the images show a grid of 4 x 3 markers tag36h11, in 1 of 1 pictures; say family = "tag36h11"'
     """
     target = find_target(pictures)
-    if target is None:
+    if target is None or (target.family is None and not isinstance(stated, Checkerboard)):
         mirrored = find_target([np.ascontiguousarray(image[:, ::-1]) for image in pictures])
-        if mirrored is None or mirrored.family is None:
-            return ""
-        return (
-            f"the images are mirrored: as in a mirror they show {mirrored.summary}; mirror them "
-            "back, left to right"
-        )
+        if mirrored is not None and mirrored.family is not None:
+            return (
+                f"the images are mirrored: as in a mirror they show {mirrored.summary}; mirror "
+                "them back, left to right"
+            )
+    if target is None:
+        return ""
     seen = f"the images show {target.summary}"
     if isinstance(stated, str):
         return (

@@ -133,8 +133,14 @@ class PathStart:
     def with_levels_returned(
         self, measured: Measured, path: FloatArray, models: AxisModels
     ) -> PathStart:
-        """The same with runs moved back to the level that the path leaves and returns to."""
-        returned = returned_levels(measured, path, self.weights, models)
+        """The same with runs moved back to the level that the path leaves and returns to, each
+        pose once: where a jump is left then, no level returned.
+        """
+        returned = [
+            run
+            for run in returned_levels(measured, path, self.weights, models)
+            if not np.any(self.mirrored[run.first : run.last])
+        ]
         if not returned:
             return self
         representation, like = measured.representation, self.trajectory
