@@ -14,12 +14,14 @@ from typing import Any
 import numpy as np
 
 from motorcade.fusion.smoothing import smooth
-from motorcade.ga import Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.comparison.evaluator import METRICS, PathEvaluator
 from motorcade.replays.comparison.plan import OWN, degradation_named
 from motorcade.replays.comparison.truth import RecordedMotion, truth_of
 
+FOR_POSITIONS = "position."
+"""Begins the name of a parameter that positions are smoothed by, where rotations have another."""
 RAW = ("raw", "none")
 """Method and representation of the row that measures the poses as they come."""
 # Digits that are kept: rounding of the last ones may differ from machine to machine.
@@ -29,7 +31,10 @@ _FARTHEST = 1e9
 
 @dataclass(frozen=True)
 class Setting:
-    """A method in a representation, or `OWN`, with its parameters: pairs of name and value."""
+    """A method in a representation, or `OWN`, with its parameters: pairs of name and value.
+
+    Those of names that begin with `FOR_POSITIONS` are of positions, the others then of rotations.
+    """
 
     method: str
     representation: str
@@ -42,11 +47,28 @@ class Setting:
         """
         parameters: dict[str, Any] = dict(self.parameters)
         name = None if self.representation == OWN else self.representation
+        others = {
+            key.removeprefix(FOR_POSITIONS): parameters.pop(key)
+            for key in list(parameters)
+            if key.startswith(FOR_POSITIONS)
+        }
         smoothed: Trajectory = smooth(trajectory, self.method, name, **parameters)
+        if others:
+            moved: Trajectory = smooth(trajectory, self.method, name, **parameters | others)
+            smoothed = _parts_joined(smoothed, moved)
         farthest = float(np.max(np.abs(smoothed.poses.coefficients)))
         if not farthest < _FARTHEST:
             raise ValueError(f"the result runs away, to coefficients of {farthest:.3g}")
         return smoothed
+
+
+def _parts_joined(turned: Trajectory, moved: Trajectory) -> Trajectory:
+    """The rotations of one path, and positions and scales of another."""
+    rigid = Motor.from_rotor_translation(turned.poses.rotor, moved.poses.translation_m)
+    poses: Motor | Similarity = rigid
+    if isinstance(moved.poses, Similarity):
+        poses = Similarity.from_motor_scale(rigid, moved.poses.scale)
+    return Trajectory(turned.time_ns, poses, turned.parent, turned.child)
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,10 @@ and of the error of the scale where there is one: 1 is no better than the raw po
 gains nothing by trading error for jitter. Parameters are chosen for each motion and degradation
 separately, so no representation is judged with another motion's parameters.
 
+Where a representation adds rotations and positions up apart, what serves both in a method, such as
+the width of a window, is searched for each of them, by its own half of the objective; in motors, in
+similarities and in dual quaternions, whose dual parts mix both, there is one for all.
+
 Two searches are spared. On rigid motions `similarity` takes what was found for `motor`, which is
 nearly the same there (see `ties`). And `robust_map`, which has the motion model of
 `rts_constant_velocity` and is told the noise of the good poses, takes the process noise that was
@@ -35,7 +39,7 @@ import numpy as np
 
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.comparison.cells import Setting, inputs_of
+from motorcade.replays.comparison.cells import FOR_POSITIONS, Setting, inputs_of
 from motorcade.replays.comparison.evaluator import PathEvaluator
 from motorcade.replays.comparison.truth import RecordedMotion
 
@@ -59,6 +63,10 @@ _LENDERS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {"robust_map": ("rts_constant_velocity", "gaussian")}
 )
 
+# Representations whose vectors mix rotations with positions.
+_MIXED = ("motor", "similarity", "dual_quaternion")
+# Which of the errors are of rotations, and which of positions and scale.
+_ROTATION, _POSITION, _BOTH = [1, 3], [0, 2, 4], [0, 1, 2, 3, 4]
 _COARSE = 5
 _STEPS, _STEPS_AGAIN = 4, 3
 # What a step of golden section takes of the longer side of its bracket.
@@ -143,7 +151,7 @@ class Tuned:
         how: "search", "defaults" (nothing to search, or no value that the method did not refuse)
             or "borrowed".
         objective: of the best value; None where nothing was tried.
-        trials: how many values were tried.
+        trials: how many values were tried, of rotations and of positions each where they are apart.
     """
 
     setting: Setting
@@ -170,6 +178,25 @@ def tuned(
     raw: Sequence[FloatArray],
 ) -> Tuned:
     """Search a method's parameters on paths, given the errors of the raw poses of each."""
+    ratios = _Ratios(inputs, raw)
+    apart = method not in FIXED and method in RANGES and representation not in _MIXED
+    if not apart:
+        return _searched_for(method, representation, ratios, _BOTH)
+    parts = [_searched_for(method, representation, ratios, part) for part in (_ROTATION, _POSITION)]
+    turned, moved = (one.setting.parameters for one in parts)
+    setting = Setting(
+        method,
+        representation,
+        turned + tuple((FOR_POSITIONS + name, value) for name, value in moved),
+    )
+    if any(one.objective is None for one in parts):
+        return parts[0]
+    least = float(ratios.objectives([setting], _BOTH)[0])
+    return Tuned(setting, "search", float(f"{least:.9g}"), parts[0].trials)
+
+
+def _searched_for(method: str, representation: str, ratios: _Ratios, errors: list[int]) -> Tuned:
+    """The parameters by which some of the errors are least."""
     ranges = RANGES.get(method, ())
     chosen: dict[str, Any] = dict(FIXED.get(method, ()))
     chosen |= {one.parameter: one.start for one in ranges}
@@ -182,7 +209,7 @@ def tuned(
             Setting(method, representation, tuple((chosen | {parameter: _value(x)}).items()))
             for x in logs
         ]
-        return _objectives(settings, inputs, raw)
+        return ratios.objectives(settings, errors)
 
     for again in (False, True) if len(ranges) > 1 else (False,):
         for span in ranges:
@@ -267,19 +294,31 @@ class SearchPlace:
         return Tuned(setting, "borrowed", None, 0)
 
 
-def _objectives(
-    tried: Sequence[Setting],
-    inputs: Sequence[tuple[Trajectory, PathEvaluator]],
-    raw: Sequence[FloatArray],
-) -> FloatArray:
-    """The objective of each setting; infinite where it is refused on one of the paths."""
-    ratios = np.full((len(inputs), len(tried)), np.inf)
-    for row, ((degraded, evaluator), base) in enumerate(zip(inputs, raw, strict=True)):
-        paths = [(i, path) for i, one in enumerate(tried) if (path := _smoothed(one, degraded))]
-        if paths:
-            errors = evaluator.errors([path for _, path in paths])
-            ratios[row, [i for i, _ in paths]] = np.nanmean(errors / base, axis=1)
-    return np.asarray(np.mean(ratios, axis=0), dtype=np.float64)
+class _Ratios:
+    """What settings leave of the raw poses' errors on some paths, each setting tried once."""
+
+    def __init__(
+        self, inputs: Sequence[tuple[Trajectory, PathEvaluator]], raw: Sequence[FloatArray]
+    ) -> None:
+        self.inputs, self.raw = inputs, raw
+        self.known: dict[Setting, FloatArray] = {}
+
+    def objectives(self, settings: Sequence[Setting], errors: list[int]) -> FloatArray:
+        """The objective of each setting by some of the errors; infinite where it is refused on one
+        of the paths.
+        """
+        new = [one for one in dict.fromkeys(settings) if one not in self.known]
+        ratios = np.full((len(new), len(self.inputs), len(_BOTH)), np.inf)
+        for row, ((degraded, evaluator), base) in enumerate(
+            zip(self.inputs, self.raw, strict=True)
+        ):
+            paths = [(i, path) for i, one in enumerate(new) if (path := _smoothed(one, degraded))]
+            if paths:
+                measured = evaluator.errors([path for _, path in paths])
+                ratios[[i for i, _ in paths], row] = measured / base
+        self.known.update(zip(new, ratios, strict=True))
+        counted = np.array([self.known[one][:, errors] for one in settings])
+        return np.asarray(np.mean(np.nanmean(counted, axis=2), axis=1), dtype=np.float64)
 
 
 def _smoothed(setting: Setting, degraded: Trajectory) -> Trajectory | None:
