@@ -33,7 +33,8 @@ def add_fuse(commands: Commands) -> None:
         "imu",
         type=Path,
         metavar="IMU",
-        help="whatever holds readings, as of `orient`",
+        help="whatever holds readings: a recording's folder, CSV, a phone's logger, BAG:/topic, a "
+        "GoPro's video, PX4's .ulg, KITTI's oxts",
     )
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT")
     parser.add_argument("--format", choices=("tum", "euroc", "kitti"), help="of OUT")

@@ -318,8 +318,8 @@ def add_orient(commands: Commands) -> None:
         "imu",
         type=Path,
         metavar="IMU",
-        help="whatever holds readings: CSV, a phone's logger (folder or zip), BAG:/topic, a "
-        "GoPro's video, PX4's .ulg, KITTI's oxts, BROAD's .hdf5",
+        help="whatever holds readings: a recording's folder, CSV, a phone's logger (folder or "
+        "zip), BAG:/topic, a GoPro's video, PX4's .ulg, KITTI's oxts, BROAD's .hdf5",
     )
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="OUT.tum", help="positions are 0"

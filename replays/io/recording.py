@@ -4,10 +4,6 @@ Conventions: stamps in integer nanoseconds, OpenCV camera axes, poses named `wor
 images uint8 in RGB order or grey as the file has them, upright (turned as EXIF or a video's display
 matrix says; the camera is that of the upright pictures), depth in metres with NaN where the sensor
 saw nothing (stored 0 or 65535).
-
-Markers in view that make up no board: they stand anywhere, and the recording may map them.
-
-Frames that are decoded one by one from a single file: a video, or a topic of a bag.
 """
 
 from __future__ import annotations

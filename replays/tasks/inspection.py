@@ -30,7 +30,7 @@ from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.readers.layouts.detect import find_layout
 from motorcade.replays.io.readers.manifest import LOCAL_NAME
 from motorcade.replays.io.readers.opening import open_recording
-from motorcade.replays.io.readers.readings import holds_readings, read_readings
+from motorcade.replays.io.readers.readings import is_log_of_readings, read_readings
 from motorcade.replays.io.readers.ros.frame_tree import TRANSFORM_TYPES
 from motorcade.replays.io.readers.ros.frames import IMAGE_TYPES, BagFrames
 from motorcade.replays.io.readers.ros.reader import Bag
@@ -44,7 +44,7 @@ from motorcade.tracking.cameras.orientation import AS_STORED
 
 def describe(recording: Recording) -> dict[str, Any]:
     """Contents of a recording as JSON-ready values whose keys carry units."""
-    about: dict[str, Any] = {"name": recording.name}
+    about: dict[str, Any] = {"name": recording.name, "layout": recording.layout}
     about |= describe_stream("frames", recording.frames.time_ns)
     camera = recording.camera
     if camera is not None:
@@ -273,7 +273,7 @@ def is_log(path: Path) -> bool:
     """Whether a path holds readings or positions, and nothing that a camera recorded."""
     if path.is_dir() and (find_layout(path) is not None or (path / LOCAL_NAME).exists()):
         return False
-    return positions.recognise(path) or holds_readings(path)
+    return positions.recognise(path) or is_log_of_readings(path)
 
 
 def describe_log(path: Path) -> dict[str, Any]:
@@ -285,7 +285,7 @@ def describe_log(path: Path) -> dict[str, Any]:
     about: dict[str, Any] = {"name": path.name}
     faults, quoted = list[RecordingError](), shlex.quote(str(path))
     following = list[str]()
-    if holds_readings(path):
+    if is_log_of_readings(path):
         try:
             about, following = _held_readings(path)
         except RecordingError as fault:

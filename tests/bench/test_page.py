@@ -9,6 +9,7 @@ import pytest
 
 from tests.bench.page import MACHINE, headlines, machine, page
 from tests.bench.tables import SUITES
+from tests.ga.kernels.accuracy_fresh import LIMITS
 
 HOST = ("processor", "cores", "kernels", "compiler", "python", "numpy")
 BLEND = [
@@ -30,7 +31,13 @@ BLEND = [
 ]
 FIGURES: dict[str, Any] = {
     MACHINE: {"processor": "a small one", "cores": "2"},
-    "accuracy": {"float32": {"log": 2e-7, "exp": 3e-7}, "float64": {"log": 5e-16, "exp": 4e-16}},
+    "accuracy": {
+        "hard": {"float32": {"log": 2e-7, "exp": 3e-7}, "float64": {"log": 5e-16, "exp": 4e-16}},
+        "fresh": {
+            precision: dict.fromkeys(LIMITS, (size, 1.5)) | {"log": (size, 2.5)}
+            for precision, size in (("float32", 3e-7), ("float64", 6e-16))
+        },
+    },
     "smooth": {
         "rows": [
             {"job": "RTS", "way": "motors", "seconds": 0.5, "over_ours": 1.0},
@@ -47,7 +54,10 @@ def test_a_headline_names_both_sides_their_ratio_and_the_command() -> None:
     assert (blended.ours, blended.other) == ("2.0 ns a joint", "6.0 (GLM nlerp + mix)")
     assert (blended.ratio, blended.suite) == (3.0, "blend")
     assert found["RTS"].ratio == 4.0
-    assert found["worst error of all kernels, float64 (`log`)"].ours == "5.0e-16"
+    hard = found["largest error of all kernels where formulas fail, float64 (`log`)"]
+    assert hard.ours == "5.0e-16"
+    fresh = found["largest error on a million fresh motors, float64 (`log`)"]
+    assert fresh.ours == "2.5 roundings times the condition"
 
 
 def test_the_page_holds_machine_tables_and_commands() -> None:

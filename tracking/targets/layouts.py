@@ -44,7 +44,7 @@ class SeenMarkers:
     ids: IntArray
     corners_px: FloatArray
 
-    def straightened(self, camera: Camera) -> SeenMarkers:
+    def undistorted(self, camera: Camera) -> SeenMarkers:
         """As a camera without a lens's distortion sees them; without those beyond its reach."""
         corners = camera.undistort(self.corners_px.reshape(-1, 2)).reshape(-1, 4, 2)
         whole = np.isfinite(corners).all(axis=(1, 2))
@@ -123,7 +123,7 @@ def layout_fits(
     """
     guess, telling = _Guess.of(board), _telling(seen)
     if camera is not None:
-        telling = [one.straightened(camera) for one in telling]
+        telling = [one.undistorted(camera) for one in telling]
     fits = [_fit(guess, one) for one in telling]
     return [fit for fit in fits if np.isfinite(fit.side_px) and fit.side_px > 0.0]
 

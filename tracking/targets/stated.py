@@ -75,7 +75,7 @@ def compare_layout(
     if not isinstance(other, MarkerGrid | CharucoBoard):
         shown = [own, seen.markers]
         if camera is not None:
-            shown += [[one.straightened(camera) for one in markers] for markers in shown]
+            shown += [[one.undistorted(camera) for one in markers] for markers in shown]
         boards = (board_of_markers(board.family, markers) for markers in shown)
         other = next(filter(None, boards), None)
     if other is None:

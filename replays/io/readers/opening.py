@@ -17,11 +17,8 @@ def open_recording(path: Path | str, manifest: Path | str | None = None) -> Reco
     r"""Open a folder of any known layout, or a video file.
 
     Args:
-        path: the recording. Known layouts: EuRoC (`mav0/cam0/data.csv`), TUM RGB-D (`rgb.txt`),
-            7-Scenes (`frame-000000.color.png`), KITTI odometry (`calib.txt` beside `image_0`),
-            TagSLAM's recorded corners (`tag_detections.bag`), a ROS bag (`.bag`, `.mcap`, `.db3`, a
-            folder with `metadata.yaml`; `BAG:/topic` names its pictures), a video file, and any
-            folder with a manifest.
+        path: a recording of a layout in `docs/recordings.md` (`BAG:/topic` names a bag's
+            pictures), or any folder with a manifest.
         manifest: TOML file that describes the recording or adds to its layout (see
             `docs/manifests`). It may lie anywhere. Without it, `motorcade.toml` in the folder is
             used where there is one; since that one came with the recording, it may not point

@@ -75,8 +75,8 @@ def read_readings(path: Path, *, with_field: bool = True) -> SensorReadings:
     return SensorReadings(imu, field, held_by)
 
 
-def holds_readings(path: Path) -> bool:
-    """Whether a path is recognised by something other than its being a table or a recording."""
+def is_log_of_readings(path: Path) -> bool:
+    """Whether a path is a log: of PX4, BROAD, a phone's logger, or KITTI's oxts."""
     return _source(path)[0] in _LOGS
 
 

@@ -24,7 +24,7 @@ from motorcade.replays.io.files import read_bounded, write_bytes
 from motorcade.replays.io.readers.frames.corners import CornerFrames
 from motorcade.replays.io.readers.frames.files import PictureFrames
 from motorcade.replays.io.readers.frames.video import VideoFrames
-from motorcade.replays.io.readers.layouts import detect as loose_pictures
+from motorcade.replays.io.readers.layouts import loose_pictures
 from motorcade.replays.io.readers.manifest import LOCAL_NAME
 from motorcade.replays.io.readers.manifest.section import (
     TOML_LIMIT,

@@ -44,7 +44,7 @@ _WAYS = ("auto", "scipy", "Savitzky", "1€", "filterpy")
 
 JOBS: tuple[Job, ...] = (
     Job("demo", 240.0),
-    Job("accuracy", 150.0),
+    Job("accuracy", 240.0),
     Job("blend", 150.0),
     Job("render", 120.0),
     Job("smoothers", 240.0, sizes={"on": _FLIGHTS, "ways": _WAYS}),

@@ -1,9 +1,11 @@
 """Kernels against fifty digits: what an error may be over the hard samples."""
 
+import numpy as np
 import pytest
 
 from motorcade.ga.kernels.generated.python import KERNELS
 from tests.ga.kernels.accuracy_conversions import conversion_errors
+from tests.ga.kernels.accuracy_fresh import LIMITS, fresh_errors
 from tests.ga.kernels.accuracy_motors import largest_errors
 from tests.ga.kernels.accuracy_similarities import similarity_errors
 
@@ -41,3 +43,15 @@ def test_kernels_that_convert_move_or_average_are_all_compared() -> None:
     }  # fmt: skip
     of_groups = {name for name, (group, _, _) in KERNELS.items() if group in groups}
     assert of_groups <= conversion_errors("float64").keys()
+
+
+@pytest.mark.skipif(np.finfo(np.longdouble).eps > 2e-19, reason="no 80-bit numbers here")
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize("seed", range(2))
+def test_errors_on_fresh_motors_stay_within_roundings_of_their_condition(
+    dtype: str, seed: int
+) -> None:
+    errors = fresh_errors(dtype, 5_000, seed)
+    assert all(worst <= LIMITS[kernel] for kernel, (_, worst) in errors.items()), errors
+    # Where translations cancel, the condition is what explains the error.
+    assert errors["interpolate"][0] > 100 * np.finfo(dtype).eps

@@ -12,12 +12,14 @@ import pytest
 from motorcade.ga import Motor
 from motorcade.replays.io.errors import RecordingError
 from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.layouts.detect import LAYOUTS
 from motorcade.replays.io.readers.layouts.tum_rgbd import nearest
 from motorcade.replays.io.readers.opening import open_recording
-from tests.replays.conftest import HEIGHT, WIDTH
+from tests.replays.conftest import HEIGHT, MAKERS, WIDTH
 
 Make = Callable[..., Any]
-KNOWN = ("euroc", "seven_scenes", "tum_rgbd", "kitti")
+KNOWN = tuple(name for name in MAKERS if name != "folder")
+REPOSITORY = Path(__file__).resolve().parents[3]
 
 
 def same_poses(a: Motor, b: Motor) -> bool:
@@ -399,3 +401,24 @@ def test_a_truncated_picture_is_found_by_the_check_and_when_read(make: Make) -> 
     for act in (recording.check, recording.frames[3].image):
         with pytest.raises(RecordingError, match=f"{path.name}, frame 3: the picture is truncated"):
             act()
+
+
+def test_each_layout_is_on_the_page_of_recordings_and_has_a_sample() -> None:
+    rows = (REPOSITORY / "docs" / "recordings.md").read_text()
+    for _, _, what in LAYOUTS:
+        assert f"| {what.partition(' (')[0]}" in rows, what
+    folder = REPOSITORY / "replays" / "io" / "readers" / "layouts"
+    modules = {path.stem for path in folder.glob("*.py")}
+    assert modules - {"__init__", "detect", "loose_pictures"} == set(KNOWN)
+
+
+@pytest.mark.parametrize("name", ["calibration.txt", "imu.txt"])
+def test_files_that_tum_layout_does_not_have_are_named(
+    make: Make, name: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    made = make("tum_rgbd")
+    open_recording(made.root)
+    assert name not in caplog.text
+    (made.root / name).write_text("525 525 319.5 239.5\n")
+    open_recording(made.root)
+    assert f"{name}: not read in TUM's layout" in caplog.text

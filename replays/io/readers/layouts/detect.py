@@ -1,6 +1,6 @@
 """Which layout a folder has: each is known by one file or pattern, looked for in a fixed order.
 
-A folder of pictures and nothing else: frames in the order of their names, at an assumed rate.
+The first that is recognised wins: what is known by more stands before what is known by less.
 """
 
 from __future__ import annotations
@@ -12,16 +12,19 @@ from typing import Protocol
 
 from motorcade.replays.io.errors import refusal
 from motorcade.replays.io.readers.frames import video
-from motorcade.replays.io.readers.frames.files import PictureFrames, pictures_in
-from motorcade.replays.io.readers.frames.pictures import SUFFIXES
 from motorcade.replays.io.readers.frames.pictures import SUFFIXES as PICTURES
-from motorcade.replays.io.readers.layouts import detect as loose_pictures
-from motorcade.replays.io.readers.layouts import euroc, kitti, seven_scenes, tum_rgbd
+from motorcade.replays.io.readers.layouts import (
+    euroc,
+    kitti,
+    loose_pictures,
+    seven_scenes,
+    tum_rgbd,
+)
 from motorcade.replays.io.readers.ros import recording as ros
 from motorcade.replays.io.readers.tagslam import corners as tagslam_corners
 from motorcade.replays.io.readers.tagslam import recording as tagslam
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.io.trajectories import TEXT_SUFFIXES, even_stamps
+from motorcade.replays.io.trajectories import TEXT_SUFFIXES
 
 
 class LayoutReader(Protocol):
@@ -32,7 +35,7 @@ class LayoutReader(Protocol):
         ...
 
 
-_LAYOUTS: tuple[tuple[Callable[[Path], bool], LayoutReader, str], ...] = (
+LAYOUTS: tuple[tuple[Callable[[Path], bool], LayoutReader, str], ...] = (
     (euroc.recognise, euroc.read, "EuRoC (mav0/cam0/data.csv)"),
     (tum_rgbd.recognise, tum_rgbd.read, "TUM RGB-D (rgb.txt)"),
     (seven_scenes.recognise, seven_scenes.read, "7-Scenes (frame-000000.color.png)"),
@@ -50,7 +53,7 @@ _OTHER_VIDEOS = (".gif", ".wmv", ".asf", ".flv", ".f4v", ".ogv", ".mxf")
 
 def find_layout(root: Path) -> LayoutReader | None:
     """The reader for a folder or file; None where no layout is recognised."""
-    return next((read for recognise, read, _ in _LAYOUTS if recognise(root)), None)
+    return next((read for recognise, read, _ in LAYOUTS if recognise(root)), None)
 
 
 def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
@@ -78,7 +81,7 @@ def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
             f"expected {loose_pictures.FEWEST} pictures or more, got {few}: they tell no path",
             advice="`motorcade detect` finds markers in single pictures",
         )
-    looked_for = ", ".join(what for _, _, what in _LAYOUTS)
+    looked_for = ", ".join(what for _, _, what in LAYOUTS)
     raise refusal(
         root,
         f"expected a recording, got neither {looked_for} nor motorcade.toml",
@@ -112,45 +115,3 @@ def _refuse_other_pictures(root: Path) -> None:
             f"ffmpeg -i {quote(root.name)} -vf 'crop=trunc(iw/2)*2:trunc(ih/2)*2' "
             f"-pix_fmt yuv420p {quote(root.stem + '.mp4')}",
         )
-
-
-LAYOUT = "pictures"
-RATE_HZ = 30.0
-FEWEST = 3
-
-
-def recognise(root: Path) -> bool:
-    """Whether the folder, or the only one in it that holds any, holds three pictures or more."""
-    return root.is_dir() and _folder(root) is not None
-
-
-def read(root: Path) -> Recording:
-    """Read the pictures; they tell no time, so thirty a second are assumed.
-
-    Raises:
-        RecordingError: more pictures than can be read.
-    """
-    files = pictures_in(_folder(root) or root)
-    frames = PictureFrames(files, even_stamps(len(files), RATE_HZ))
-    return Recording(root.resolve().name, root, LAYOUT, frames)
-
-
-def too_few(root: Path) -> int:
-    """How many pictures a folder without other folders holds, where those are too few; else 0."""
-    if not root.is_dir() or any(one.is_dir() for one in root.iterdir()):
-        return 0
-    count = sum(one.suffix.lower() in SUFFIXES for one in root.iterdir())
-    return count if count < FEWEST else 0
-
-
-def _folder(root: Path) -> Path | None:
-    """The folder of pictures; None where there is none, or several."""
-    if _enough(root):
-        return root
-    inner = [one for one in sorted(root.iterdir()) if one.is_dir() and _enough(one)]
-    return inner[0] if len(inner) == 1 else None
-
-
-def _enough(folder: Path) -> bool:
-    pictures = (one for one in folder.iterdir() if one.suffix.lower() in SUFFIXES)
-    return sum(1 for _, _ in zip(pictures, range(FEWEST), strict=False)) == FEWEST

@@ -9,6 +9,7 @@ Source: https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats
 
 from __future__ import annotations
 
+import logging
 import re
 from pathlib import Path
 
@@ -23,8 +24,12 @@ from motorcade.replays.io.recording import Recording
 from motorcade.replays.io.trajectories import read_trajectory
 from motorcade.tracking.cameras.camera import Camera
 
+_LOG = logging.getLogger("motorcade.replays")
+
 DEPTH_UNITS_PER_M = 5000.0
 ASSOCIATION_NS = 20_000_000
+_OTHERS = ("calibration.txt", "imu.txt")
+"""What ETH3D's sequences hold beside files of these names."""
 _SIZE = (640, 480)
 _INTRINSICS = {
     "1": (517.306408, 516.469215, 318.643040, 255.313989),
@@ -53,6 +58,9 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
     camera = _camera(root)
     depth: tuple[Path | None, ...] = ()
     doubts: tuple[str, ...] = ()
+    for name in _OTHERS:
+        if (root / name).is_file():
+            _LOG.warning("%s: not read in TUM's layout; state it in a manifest", root / name)
     if (root / "depth.txt").is_file():
         listing = read_listing(root / "depth.txt", separator=None, unit="s")
         files = _files(root, listing)
