@@ -93,7 +93,7 @@ def without_detours(imports: Mapping[str, set[str]]) -> dict[str, set[str]]:
 
 
 def main() -> None:
-    """Write both pictures."""
+    """Write all pictures."""
     for name, text in drawings().items():
         (REPOSITORY / "docs" / "pictures" / name).write_text(text, encoding="utf-8")
 

@@ -1,4 +1,7 @@
-"""What people may ask of `method="auto"`: smoother or less so, noise they know, no far moves."""
+"""What people may ask of `method="auto"`: smoother or less so, noise they know, no far moves.
+
+Other methods declare their parameters in their signatures.
+"""
 
 from __future__ import annotations
 

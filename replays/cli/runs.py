@@ -73,7 +73,12 @@ def add_run(commands: Commands) -> None:
 def add_run_options(parser: argparse.ArgumentParser, out: Path) -> None:
     """Options shared with `demo`."""
     parser.add_argument("--out", type=Path, default=out, metavar="DIR", help=f"results ({out})")
-    parser.add_argument("--until", default="report", metavar="STAGE", help="stop after this stage")
+    parser.add_argument(
+        "--until",
+        default="report",
+        metavar="STAGE",
+        help="stop after this stage, of those that `motorcade graph` shows (report)",
+    )
     parser.add_argument(
         "--set",
         dest="settings",

@@ -92,7 +92,7 @@ _ONE_BY_ONE = (
     "local_polynomial",
 )
 _TWISTS = (*_ONE_BY_ONE, "spline")
-_ALL = (
+_POSITIONS_APART = (
     *_TWISTS,
     "constant_velocity",
     "constant_acceleration",
@@ -105,7 +105,7 @@ def exact_ties() -> list[dict[str, Any]]:
     """Every tie with what theory says and what was measured on a noisy path of 300 poses."""
     path = _noisy("walk_and_look")
     rows = [
-        _trait_row(
+        _tie_row(
             "the linear blend of rigid motors is the dual quaternion linear blend",
             "motor coefficients and dual quaternions are the same eight numbers up to order and "
             "sign, and both are projected to the nearest unit one",
@@ -117,7 +117,7 @@ def exact_ties() -> list[dict[str, Any]]:
             ),
         )
     ]
-    for method in _ALL:
+    for method in _POSITIONS_APART:
         smoothed = _cached(path, method)
         for theory, reason, first, second, which, methods in _LAWS:
             if method not in methods:
@@ -125,14 +125,14 @@ def exact_ties() -> list[dict[str, Any]]:
             try:
                 metres, radians = _apart(smoothed(first), smoothed(second))
             except Exception as error:  # one failing method never ends the others; its row says why
-                row = _trait_row(theory, reason, method, (first, second), (None, None))
+                row = _tie_row(theory, reason, method, (first, second), (None, None))
                 rows.append(row | {"holds": False, "failure": why(error)})
                 continue
             costs = (
                 metres if which != "rotation" else None,
                 radians if which != "position" else None,
             )
-            rows.append(_trait_row(theory, reason, method, (first, second), costs))
+            rows.append(_tie_row(theory, reason, method, (first, second), costs))
     return rows
 
 
@@ -159,7 +159,7 @@ _LAWS = (
         "rotor",
         "quaternion",
         "position",
-        _ALL,
+        _POSITIONS_APART,
     ),
     (
         "quaternion and Euler angles give the same positions",
@@ -167,7 +167,7 @@ _LAWS = (
         "quaternion",
         "euler",
         "position",
-        _ALL,
+        _POSITIONS_APART,
     ),
 )
 
@@ -204,7 +204,7 @@ def _apart(first: Trajectory, second: Trajectory) -> tuple[float, float]:
     return float(np.max(shift)), float(np.max(turn))
 
 
-def _trait_row(
+def _tie_row(
     theory: str,
     reason: str,
     method: str,

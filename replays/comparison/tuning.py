@@ -24,7 +24,7 @@ nearly the same there (see `ties`). And `robust_map`, which has the motion model
 found for that one with plain noise: what that noise is worth depends on the motion, not on what
 else is wrong.
 
-Methods without a range run with their defaults, and the results say so.
+`auto` alone has no range: it runs with its defaults, and the results say so.
 """
 
 from __future__ import annotations

@@ -69,6 +69,7 @@ TRACKED = first_of(
     simulated=simulated_poses,
     turning=turning_poses,
 )
+# All that can run; a run computes what its last stage needs, by default the report.
 STAGES = (
     TRACKED,  # where the camera was, in one of five ways
     camera_poses,  # the same, less blackouts

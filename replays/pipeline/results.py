@@ -17,16 +17,19 @@ from motorcade.replays.io.trajectories import write_trajectory
 from motorcade.replays.pipeline.report.summary import without_nan
 
 _OUR_TRAJECTORY = re.compile(r"(camera_poses|fused|smoothed)_[a-z_]+\.tum")
-_OUR_FILES = (
-    "overlay.mp4",
-    "marker_map.json",
-    "slam_map.npz",
-    "slam_history.csv",
-    "report.html",
-    "report.json",
-    "footage.mp4",
-    "viewer.html",
-)
+FILES = {
+    "overlay.mp4": ("overlay", "path"),
+    "report.html": ("report", "page"),
+    "report.json": ("report", "summary"),
+    "footage.mp4": ("report", "footage"),
+    "viewer.html": ("report", "viewer"),
+    "marker_map.json": ("marker_poses", "marker_map"),
+    "slam_map.npz": ("slam_poses", "slam_map"),
+    "slam_history.csv": ("slam_poses", "slam_history"),
+}
+"""Which stage leaves each file for users, and which field of its value that is: a path or, of a
+map, a value with `save`.
+"""
 OWN_MANIFEST = "manifest.toml"
 """What a run that was told too little found out, as a manifest that repeats it."""
 
@@ -57,7 +60,7 @@ def write_results(
     if manifest is not None:
         write_bytes(out / OWN_MANIFEST, manifest.encode())
     write_bytes(out / "run.json", (json.dumps(run_log, indent=2) + "\n").encode())
-    of_earlier_runs = [out / name for name in _OUR_FILES] + [
+    of_earlier_runs = [out / name for name in FILES] + [
         path
         for path in (out / "trajectories").glob("*.tum")
         if _OUR_TRAJECTORY.fullmatch(path.name)
@@ -113,22 +116,17 @@ def _write_trajectories(run: GraphRun, folder: Path) -> set[Path]:
 
 def _write_files(run: GraphRun, out: Path) -> set[Path]:
     """The video, the report, and the maps that poses were measured in."""
-    film, pages = run.outputs.get("overlay"), run.outputs.get("report")
-    copied = {"overlay.mp4": film and film.path}
-    copied |= {"report.html": pages and pages.page, "report.json": pages and pages.summary}
-    copied |= {"footage.mp4": pages and pages.footage, "viewer.html": pages and pages.viewer}
-    saved = {
-        "marker_map.json": getattr(run.outputs.get("marker_poses"), "marker_map", None),
-        "slam_map.npz": getattr(run.outputs.get("slam_poses"), "slam_map", None),
-        "slam_history.csv": getattr(run.outputs.get("slam_poses"), "slam_history", None),
-    }
-    for name, source in copied.items():
-        if source is not None:
-            copy_file(source, out / name)
-    for name, known in saved.items():
-        if known is not None:
-            _save(known.save, out / name)
-    return {out / name for name, one in (copied | saved).items() if one is not None}
+    written = set()
+    for name, (stage, field) in FILES.items():
+        value = getattr(run.outputs.get(stage), field, None)
+        if value is None:
+            continue
+        if isinstance(value, Path):
+            copy_file(value, out / name)
+        else:
+            _save(value.save, out / name)
+        written.add(out / name)
+    return written
 
 
 def _save(save: Callable[[Path], None], path: Path) -> None:

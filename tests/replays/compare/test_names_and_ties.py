@@ -33,6 +33,5 @@ def test_everything_that_can_be_compared_has_a_name_and_a_line() -> None:
     assert set(names.MOTIONS) == set(MOTIONS)
     assert set(names.DEGRADATIONS) == set(names.LABELS) == {*DEGRADATIONS, "recorded"}
     assert set(names.METRICS) == {"score", *RULER_METRICS}
-    for method in names.CAUSAL:
-        assert "causal" in names.METHODS[method]
+    assert set(names.CAUSAL) == {name for name, line in names.METHODS.items() if "causal" in line}
     assert set(COLOURS) >= set(REPRESENTATION_NAMES)

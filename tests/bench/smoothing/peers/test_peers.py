@@ -10,6 +10,7 @@ import pytest
 import tests.bench.smoothing.peers.own_best as own_best
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
+from motorcade.fusion.smoothing import METHODS
 from motorcade.ga import Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from tests.bench.smoothing.peers.graph import gtsam_positions, gtsam_rotations
@@ -94,6 +95,7 @@ def case() -> Case:
 
 def test_own_best_searches_every_method(monkeypatch: pytest.MonkeyPatch) -> None:
     """One that no search is written for is not left out in silence."""
+    assert set(METHODS) == own_best.SEARCHED
     monkeypatch.setattr(own_best, "METHODS", {"auto": None, "gaussian": None})
     with pytest.raises(ValueError, match="no search of"):
         own_best.own_best(case())
