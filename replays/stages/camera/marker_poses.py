@@ -30,6 +30,7 @@ from motorcade.tracking import (
 from motorcade.tracking.audit import AuditFinding, scatter_px
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import Sightings
+from motorcade.tracking.markers.families import border_share
 from motorcade.tracking.markers.mapping import MappedRecording, map_markers, track_rig
 from motorcade.tracking.markers.mapping.moving import moving_markers, without
 from motorcade.tracking.markers.marker_map import MarkerMap
@@ -41,7 +42,8 @@ from motorcade.tracking.markers.photometric import (
 )
 from motorcade.tracking.markers.refinding import refind_markers
 from motorcade.tracking.markers.scenes import MarkerScene, map_scene
-from motorcade.tracking.pictures import corner_noise_px
+from motorcade.tracking.pictures import blur_bias_px, corner_noise_px
+from motorcade.tracking.pose import SIGMA_FLOOR_PX
 from motorcade.tracking.rolling import unrolled_stream
 from motorcade.tracking.targets.stated import name_target
 
@@ -85,27 +87,33 @@ def marker_poses(
             f"frames: expected some that show a marker, got none{_instead(recording)}"
         )
     known = None if recording.markers is None else recording.markers.marker_map
-    mapped = _mapped(known, streams, seen)
-    audit: tuple[AuditFinding, ...] = ()
-    shown = {}
-    if not isinstance(frames, CornerFrames):
+    shown, noise_px = {}, 0.0
+    if recording.markers is not None and not isinstance(frames, CornerFrames):
         shown = {frame.time_ns: frame.gray() for frame in spread_frames(recording)}
-    noise_px = _noise_px(shown, next(iter(streams.values())))
+        noise_px = _noise_px(shown, streams[_ONLY], border_share(recording.markers.family))
+    floor_px = max(noise_px, SIGMA_FLOOR_PX)
+
+    def map_or_track(streams: Mapping[str, CornerStream]) -> MappedRecording:
+        if known is not None:
+            return track_rig(known, streams, seen.rig_T_camera, floor_px=floor_px)
+        return map_markers(
+            streams, seen.side_m, seen.rig_T_camera, posed=seen.posed, floor_px=floor_px
+        )
+
+    mapped, audit = map_or_track(streams), ()
     limit_px = scatter_px(next(iter(streams.values())).camera, noise_px)
     if seen.posed is None:
-        restless = moving_markers(
-            streams, mapped, lambda part: _mapped(known, part, seen), limit_px
-        )
+        restless = moving_markers(streams, mapped, map_or_track, limit_px)
         if restless:
             before_px = float(np.median(mapped.frame_error_px))
             streams = without(streams, restless)
-            mapped = _mapped(known, streams, seen)
+            mapped = map_or_track(streams)
             audit = (_restless(restless, before_px, float(np.median(mapped.frame_error_px))),)
     if recording.readout_s and len(streams) == 1 and seen.posed is None:
         path = _of_camera(mapped, _ONLY).trajectory
         shutter_s = recording.shutter_s
         streams = {_ONLY: unrolled_stream(streams[_ONLY], path, mapped.marker_map, shutter_s)}
-        mapped = _mapped(known, streams, seen)
+        mapped = map_or_track(streams)
     if recording.markers is not None and shown:
         drawn = _drawn(shown, streams[_ONLY], mapped, recording.markers.family)
         audit = (pixels_finding(drawn, streams[_ONLY].camera, limit_px), *audit)
@@ -141,10 +149,13 @@ def _instead(recording: Recording) -> str:
     return f"; {shown}" if shown else ""
 
 
-def _noise_px(shown: Mapping[int, ImageArray], stream: CornerStream) -> float:
-    """How far noise lets the corners scatter that were seen in these images, by stamp."""
+def _noise_px(shown: Mapping[int, ImageArray], stream: CornerStream, cell_share: float) -> float:
+    """How far noise and blur let the corners scatter that were seen in these images, by stamp."""
     rows = [stream.corners_px[stream.time_ns[stream.frame] == stamp] for stamp in shown]
-    return corner_noise_px(shown.values(), [px.reshape(-1, 2) for px in rows])
+    noise_px = corner_noise_px(shown.values(), [px.reshape(-1, 2) for px in rows])
+    seen = [pair for pair in zip(shown.values(), rows, strict=True) if len(pair[1])]
+    blurred = [blur_bias_px(image, px, cell_share) for image, px in seen]
+    return float(np.hypot(noise_px, np.median(np.concatenate(blurred)) if blurred else 0.0))
 
 
 def _drawn(
@@ -208,15 +219,6 @@ def _by_scene(
         marker_map=path.marker_map,
         sighted=_sighted(streams[first], path.marker_map),
     )
-
-
-def _mapped(
-    known: MarkerMap | None, streams: Mapping[str, CornerStream], seen: _SeenMarkers
-) -> MappedRecording:
-    """The markers mapped, or the rig tracked by a map that is known."""
-    if known is not None:
-        return track_rig(known, streams, seen.rig_T_camera)
-    return map_markers(streams, seen.side_m, seen.rig_T_camera, posed=seen.posed)
 
 
 @dataclass(frozen=True, eq=False)

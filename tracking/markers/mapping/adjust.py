@@ -78,7 +78,6 @@ _ROUNDS = 2
 _NO_IMAGE_PX = 1000.0
 # A frame whose corners leave a direction free is known there to a radian or ten metres.
 _VAGUE = np.diag(1.0 / np.repeat([1.0, 10.0], 3) ** 2)
-_MEDIAN_CHI2 = 7.344  # median of chi squared with eight degrees of freedom
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +100,11 @@ class AdjustedRig:
 
 
 def adjust(
-    seen: RigSightings, world_T_rig: Motor, world_T_marker: Motor, held: NDArray[np.bool_]
+    seen: RigSightings,
+    world_T_rig: Motor,
+    world_T_marker: Motor,
+    held: NDArray[np.bool_],
+    floor_px: float = SIGMA_FLOOR_PX,
 ) -> AdjustedRig:
     """Refine all poses of frames and markers that the sightings name; others stay as they are.
 
@@ -110,24 +113,52 @@ def adjust(
         world_T_rig: Motor ``(F,)`` to start from.
         world_T_marker: Motor ``(M,)`` to start from.
         held: ``(M,)`` markers that stay where they are; at least one, which fixes the world.
+        floor_px: noise a coordinate that there is at least.
     """
     state = AdjustedRig(seen, world_T_rig, world_T_marker, np.zeros(0), 1.0)
     for _ in range(_ROUNDS):
         found = minimise(state, partial(_Reprojection, held), partial(_retract, held), _STOP)
         state, squares = found.state, found.evaluation.squares
-        sigma_px = max(float(np.sqrt(np.median(squares) / _MEDIAN_CHI2)), SIGMA_FLOOR_PX)
+        sigma_px = max(_noise_px(seen, held, squares), floor_px)
         state = replace(state, error_px=np.sqrt(squares / 4.0), sigma_px=sigma_px)
     return state
 
 
-def pose_covariance(state: AdjustedRig) -> FloatArray:
-    """Covariance ``(F, 6, 6)`` of each frame's pose, markers and cameras taken as they stand.
+def _noise_px(seen: RigSightings, held: NDArray[np.bool_], squares: FloatArray) -> float:
+    """Noise a coordinate, by the median: of eight residuals poses take the share of a sighting.
+
+    The median of χ² is that of Wilson and Hilferty (1931).
+    """
+    per_frame = np.bincount(seen.frame)[seen.frame]
+    kept = 1 + max(int(slot.max(initial=-1)) for slot in _slots(seen, held))
+    freedom = np.maximum(8.0 - 6.0 / per_frame - 6.0 * kept / len(seen), 1.0)
+    usual = freedom * (1.0 - 2.0 / (9.0 * freedom)) ** 3
+    return float(np.sqrt(np.median(squares / usual)))
+
+
+def pose_covariance(state: AdjustedRig, held: NDArray[np.bool_]) -> FloatArray:
+    """Covariance ``(F, 6, 6)`` of each frame's pose beside the others.
 
     Of the right perturbation, rotation (rad) then translation (m); sightings count as Huber's loss
-    has them.
+    has them. How unsure markers and cameras are is in it, but for what moves all frames as one:
+    inner constraints (Triggs et al. 2000, section 9), weighed by what each frame tells.
     """
-    information = _VAGUE + _Reprojection(np.ones(0, bool), state).by_frame / state.sigma_px**2
-    covariance = np.asarray(np.linalg.inv(information), np.float64)
+    adjusted, precision = _Reprojection(held, state), state.sigma_px**-2
+    by_frame, equations = _VAGUE + precision * adjusted.by_frame, adjusted.equations
+    covariance: FloatArray = np.linalg.inv(by_frame)
+    if len(equations.gradient):
+        frames, groups = equations.block_of, equations.group_of
+        follows = np.zeros((len(by_frame), 6, len(equations.gradient) // 6, 6))
+        follows[frames, :, groups] = -precision * covariance[frames] @ equations.coupling
+        follows = follows.reshape(*follows.shape[:2], -1)
+        by_world = state.world_T_rig.inverse().adjoint()
+        told = by_world.swapaxes(-1, -2) @ by_frame
+        together = np.linalg.solve(
+            np.einsum("fij,fjk->ik", told, by_world), np.einsum("fij,fjk->ik", told, follows)
+        )
+        follows = follows - by_world @ together
+        spread = np.linalg.inv(precision * equations.reduced_information)
+        covariance = covariance + follows @ spread @ follows.swapaxes(-1, -2)
     return 0.5 * (covariance + covariance.swapaxes(-1, -2))
 
 

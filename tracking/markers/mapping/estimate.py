@@ -28,7 +28,7 @@ from motorcade.tracking.markers.mapping.adjust import (
 )
 from motorcade.tracking.markers.mapping.rig import RigSightings, agreed, gather
 from motorcade.tracking.markers.marker_map import MarkerMap
-from motorcade.tracking.pose import TrackingError
+from motorcade.tracking.pose import SIGMA_FLOOR_PX, TrackingError
 
 # Two sightings of a pair agree within this share of the distance between the markers, or of a side.
 _AGREE_SHARE = 0.1
@@ -121,8 +121,9 @@ class MappedRecording:
     Args:
         marker_map: the markers.
         trajectory: ``world_T_rig`` of the n frames that show a marker of the map.
-        covariance: ``(n, 6, 6)`` of these poses within the map, right perturbation, rotation (rad)
-            then translation (m). That a planar pose may be the wrong one is not in it.
+        covariance: ``(n, 6, 6)`` of these poses beside each other, right perturbation, rotation
+            (rad) then translation (m), how unsure the map's shape is with it. That a planar pose
+            may be the wrong one is not in it.
         frame_error_px: ``(n,)`` root mean square reprojection error of each of these frames.
         rig_T_camera: by camera; those that were not given are estimated.
         time_ns: ``(F,)`` stamps of all frames.
@@ -161,6 +162,7 @@ def map_markers(
     sync_s: float = _SYNC_S,
     over_time: bool = True,
     posed: Mapping[str, Sightings] | None = None,
+    floor_px: float = SIGMA_FLOOR_PX,
 ) -> MappedRecording:
     """Estimate where markers stand and where the rig was, from corners alone.
 
@@ -176,6 +178,7 @@ def map_markers(
         over_time: resolve planar poses over time; False shows what that is worth.
         posed: by camera, both planar poses of its detections where they were refined beyond what
             corners tell (see `photometric`).
+        floor_px: noise of a corner a coordinate that there is at least.
 
     Raises:
         ValueError: no streams, no camera with a known place, a marker without a size.
@@ -210,12 +213,12 @@ def map_markers(
     world_T_marker, reached = hang_markers(seen)
     world_T_rig, placed = place_frames(seen, world_T_marker, reached)
     held = np.arange(len(reached)) == np.argmax(np.bincount(seen.marker))
-    result = adjust(_part(seen, reached), world_T_rig, world_T_marker, held)
+    result = adjust(_part(seen, reached), world_T_rig, world_T_marker, held, floor_px)
     poses = result.world_T_marker[reached]
     marker_map = MarkerMap(
         seen.marker_ids[reached], seen.side_m[reached], poses.rotor, poses.translation_m
     )
-    return _mapped(marker_map, result, placed, list(streams), seen.marker_ids[~reached])
+    return _mapped(marker_map, result, held, placed, list(streams), seen.marker_ids[~reached])
 
 
 def track_rig(
@@ -224,6 +227,7 @@ def track_rig(
     rig_T_camera: Mapping[str, Motor] | None = None,
     *,
     sync_s: float = _SYNC_S,
+    floor_px: float = SIGMA_FLOOR_PX,
 ) -> MappedRecording:
     """Where a rig was, by a map that stands; markers that are not in it are passed over.
 
@@ -232,6 +236,7 @@ def track_rig(
         streams: by camera, at least one.
         rig_T_camera: see `map_markers`.
         sync_s: see `map_markers`.
+        floor_px: see `map_markers`.
 
     Raises:
         ValueError: no streams, no camera with a known place.
@@ -248,8 +253,8 @@ def track_rig(
     world_T_marker = marker_map.world_T_marker[rows]
     everywhere = np.ones(len(rows), dtype=bool)
     world_T_rig, placed = place_frames(seen, world_T_marker, everywhere)
-    result = adjust(seen, world_T_rig, world_T_marker, everywhere)
-    return _mapped(marker_map, result, placed, list(streams), np.zeros(0, np.int64))
+    result = adjust(seen, world_T_rig, world_T_marker, everywhere, floor_px)
+    return _mapped(marker_map, result, everywhere, placed, list(streams), np.zeros(0, np.int64))
 
 
 def _part(seen: RigSightings, reached: NDArray[np.bool_]) -> RigSightings:
@@ -269,6 +274,7 @@ def _of_map(stream: CornerStream, marker_map: MarkerMap) -> CornerStream:
 def _mapped(
     marker_map: MarkerMap,
     result: AdjustedRig,
+    held: NDArray[np.bool_],
     placed: NDArray[np.bool_],
     names: list[str],
     left_out: IntArray,
@@ -277,7 +283,7 @@ def _mapped(
     return MappedRecording(
         marker_map,
         Trajectory(stamps[placed], result.world_T_rig[placed], "world", "rig"),
-        pose_covariance(result)[placed],
+        pose_covariance(result, held)[placed],
         _frame_error_px(result)[placed],
         {name: result.seen.rig_T_camera[which] for which, name in enumerate(names)},
         stamps,
