@@ -74,6 +74,7 @@ def linearised(
 _HUBER = 4.0
 _STOP = Stop(steps=60, gain=1e-6, most_damping=1e8, what="adjusting the markers")
 _ROUNDS = 2
+_MOST_LASTING = 0.95
 # What a sighting with a corner behind the camera counts.
 _NO_IMAGE_PX = 1000.0
 # A frame whose corners leave a direction free is known there to a radian or ten metres.
@@ -141,7 +142,8 @@ def pose_covariance(state: AdjustedRig, held: NDArray[np.bool_]) -> FloatArray:
 
     Of the right perturbation, rotation (rad) then translation (m); sightings count as Huber's loss
     has them. How unsure markers and cameras are is in it, but for what moves all frames as one:
-    inner constraints (Triggs et al. 2000, section 9), weighed by what each frame tells.
+    inner constraints (Triggs et al. 2000, section 9), weighed by what each frame tells. Errors of
+    corners that last from frame to frame tell a map less than as many that do not.
     """
     adjusted, precision = _Reprojection(held, state), state.sigma_px**-2
     by_frame, equations = _VAGUE + precision * adjusted.by_frame, adjusted.equations
@@ -158,8 +160,24 @@ def pose_covariance(state: AdjustedRig, held: NDArray[np.bool_]) -> FloatArray:
         )
         follows = follows - by_world @ together
         spread = np.linalg.inv(precision * equations.reduced_information)
-        covariance = covariance + follows @ spread @ follows.swapaxes(-1, -2)
+        lasting = _variance_inflation(adjusted)
+        covariance = covariance + lasting * follows @ spread @ follows.swapaxes(-1, -2)
     return 0.5 * (covariance + covariance.swapaxes(-1, -2))
+
+
+def _variance_inflation(adjusted: _Reprojection) -> float:
+    """By how much errors that last make a mean less sure (Bayley & Hammersley 1946), 1 or more.
+
+    By the correlation of a marker's residuals in one frame with those in the next that shows it.
+    """
+    seen, residuals = adjusted.seen, adjusted.weighed_residuals
+    order = np.lexsort((seen.frame, seen.camera, seen.marker))
+    same = np.diff(seen.marker[order]) == 0
+    same &= np.diff(seen.camera[order]) == 0
+    before, after = residuals[order[:-1][same]], residuals[order[1:][same]]
+    squares = 0.5 * float(np.sum(before**2) + np.sum(after**2))
+    share = float(np.clip(np.sum(before * after) / max(squares, 1e-12), 0.0, _MOST_LASTING))
+    return (1.0 + share) / (1.0 - share)
 
 
 class _Reprojection:
@@ -167,7 +185,7 @@ class _Reprojection:
 
     def __init__(self, held: NDArray[np.bool_], state: AdjustedRig) -> None:
         self._held, self._state = held, state
-        seen = state.seen
+        self.seen = seen = state.seen
         poses = state.world_T_rig[seen.frame], state.world_T_marker[seen.marker]
         residuals = residuals_px(seen, *poses)
         squares: FloatArray = np.sum(residuals**2, axis=(-1, -2))
@@ -184,6 +202,11 @@ class _Reprojection:
         root = np.sqrt(self._weight)
         jacobians = jacobians * root[:, None, None, None]
         return residuals * root[:, None], jacobians, jacobians[:, 0]
+
+    @property
+    def weighed_residuals(self) -> FloatArray:
+        """``(N, 8)``, pixels."""
+        return self._linearised[0]
 
     @property
     def by_frame(self) -> FloatArray:
