@@ -78,7 +78,7 @@ def compare_layout(
             shown += [[one.undistorted(camera) for one in markers] for markers in shown]
         boards = (board_of_markers(board.family, markers) for markers in shown)
         other = next(filter(None, boards), None)
-    if other is None:
+    if not isinstance(other, MarkerGrid | CharucoBoard):
         summary = "the markers stand otherwise than stated, and in no grid known here"
         advice = "state the board as it is printed, or its markers as loose ones ([markers])"
         return AuditFinding(NAME, "contradicted", wrong, "share", summary, advice)

@@ -100,7 +100,8 @@ def marker_poses(
             streams, seen.side_m, seen.rig_T_camera, posed=seen.posed, floor_px=floor_px
         )
 
-    mapped, audit = map_or_track(streams), ()
+    mapped = map_or_track(streams)
+    audit: tuple[AuditFinding, ...] = ()
     limit_px = scatter_px(next(iter(streams.values())).camera, noise_px)
     if seen.posed is None:
         restless = moving_markers(streams, mapped, map_or_track, limit_px)

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga import Rotor
+from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.io.readers.tagslam import corners as tagslam
 from motorcade.replays.io.readers.tagslam.recording import TagSlamReference, read_reference
@@ -76,11 +76,20 @@ def reference_rotors(stream: CornerStream, reference: TagSlamReference, camera: 
     """Coefficients ``(N, 4)`` of each detection's camera_R_tag; NaN where there is none."""
     rotors = np.full((len(stream), 4), np.nan)
     for row, stamp in enumerate(reference.time_ns):
-        tags = reference.camera_T_tags(row, camera)
+        tags = _camera_T_tags(reference.world_T_frame[row], camera)
         for one in np.flatnonzero(stream.time_ns[stream.frame] == stamp):
             if int(stream.marker_ids[one]) in tags:
                 rotors[one] = tags[int(stream.marker_ids[one])].rotor.coefficients
     return rotors
+
+
+def _camera_T_tags(world_T_frame: Mapping[str, Motor], camera: str) -> dict[int, Motor]:
+    """Pose of each tag's centred frame in a camera, by id."""
+    if camera not in world_T_frame:
+        return {}
+    camera_T_world = world_T_frame[camera].inverse()
+    tags = ((name.removeprefix("tag_"), pose) for name, pose in world_T_frame.items())
+    return {int(name): camera_T_world @ pose for name, pose in tags if name.isdigit()}
 
 
 def count_flips(stream: CornerStream, normals: FloatArray, reference: FloatArray) -> Flips:

@@ -4,16 +4,19 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
 from motorcade.ga import Motor, Rotor
-from motorcade.tracking import Camera, TrackingError
+from motorcade.tracking import Camera, SingleMarker, TrackingError, detect_markers
 from motorcade.tracking.markers.corner_stream import CornerStream
+from motorcade.tracking.markers.families import marker_points_m
 from motorcade.tracking.markers.mapping import map_markers, track_rig
 from motorcade.tracking.markers.mapping.adjust import linearised, residuals_px
 from motorcade.tracking.markers.mapping.rig import gather
 from motorcade.tracking.markers.marker_map import MarkerMap
+from motorcade.tracking.pictures import blur_bias_px
 
 RIG_T_RIGHT = Motor.from_rotor_translation(
     Rotor.from_rotation_vector([0.02, 0.2, -0.05]), [0.12, 0.01, -0.02]
@@ -215,3 +218,50 @@ def test_frames_of_a_rig_have_stamps_of_their_own() -> None:
     given = {"slow": Motor.identity(), "fast": Motor.identity()}
     found = gather({"slow": slow, "fast": fast}, given, {}, sync_s=0.01)
     assert found.time_ns.tolist() == [95_000_000, 100_000_000, 200_000_000]
+
+
+def test_poses_are_as_unsure_as_errors_that_last_make_their_map() -> None:
+    """Two views of four tags, six frames each, in which each corner is off by the same."""
+    rng, camera = np.random.default_rng(5), Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
+    wall = Motor.from_rotor_translation(
+        Rotor.from_rotation_vector(0.2 * rng.standard_normal((4, 3))),
+        [[0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.0, 0.2, 0.0], [0.2, 0.2, 0.0]],
+    )
+    turns = Rotor.from_rotation_vector([[np.pi - 0.5, 0.1, 0.0], [np.pi + 0.3, 0.5, 0.1]])
+    views = Motor.from_rotor_translation(turns, [[-0.1, 0.1, 0.7], [-0.1, 0.1, 0.8]])
+    points = (views.reshape(2, 1) @ wall)[..., None].apply(marker_points_m(0.08))
+    stamps, view = 33_000_000 * np.arange(12), np.repeat([0, 1], 6)
+    squared = []
+    for _ in range(8):
+        seen = camera.project(points) + rng.normal(0.0, 0.3, (2, 4, 4, 2))
+        frames, ids = np.repeat(np.arange(12), 4), np.tile(np.arange(4), 12)
+        corners = seen[view].reshape(-1, 4, 2) + rng.normal(0.0, 0.05, (48, 4, 2))
+        stream = CornerStream(camera, stamps, frames, ids, corners)
+        found = map_markers({"one": stream}, dict.fromkeys(range(4), 0.08))
+        path = found.trajectory.motors
+        moved, true = path[0].inverse() @ path[-1], views[0] @ views[1].inverse()
+        at_end = moved.inverse().adjoint()
+        spread = at_end @ found.covariance[0] @ at_end.T + found.covariance[-1]
+        off = moved.local(true)
+        squared.append(float(off @ np.linalg.solve(spread, off)) / 6.0)
+    assert 0.1 < np.mean(squared) < 3.0
+
+
+def test_blur_draws_corners_aside_as_far_as_it_is_said_to() -> None:
+    """Sharp tags tell nothing aside; a blur of half a cell moves corners by a sixth of itself."""
+    rng = np.random.default_rng(8)
+    for blur_px, size_px in ((0.7, 60), (2.5, 40), (3.5, 60)):
+        off, told = [], []
+        for marker_id in rng.integers(0, 500, 6).tolist():
+            marker = SingleMarker("tag36h11", marker_id, 0.08)
+            drawn, origin = marker.draw(8 * size_px / 0.08)
+            fine = np.pad(drawn, 160, constant_values=120)
+            fine = fine[: len(fine) // 8 * 8, : fine.shape[1] // 8 * 8]
+            image = cv2.resize(fine, None, fx=0.125, fy=0.125, interpolation=cv2.INTER_AREA)
+            image = cv2.GaussianBlur(image, (0, 0), blur_px)
+            at = marker.points_m[:, :2] * (1, -1) * 8 * size_px / 0.08 + origin + 160
+            for one in detect_markers(image, "tag36h11"):
+                off.append(one.corners_px - ((at + 0.5) / 8.0 - 0.5))
+                told.append(float(blur_bias_px(image, one.corners_px[None], 0.125)[0]))
+        rms_px = float(np.sqrt(np.mean(np.square(off))))
+        assert np.median(told) == pytest.approx(rms_px, rel=0.5, abs=0.03), blur_px

@@ -147,12 +147,12 @@ def pose_covariance(state: AdjustedRig, held: NDArray[np.bool_]) -> FloatArray:
     """
     adjusted, precision = _Reprojection(held, state), state.sigma_px**-2
     by_frame, equations = _VAGUE + precision * adjusted.by_frame, adjusted.equations
-    covariance: FloatArray = np.linalg.inv(by_frame)
+    covariance = np.asarray(np.linalg.inv(by_frame), np.float64)
     if len(equations.gradient):
         frames, groups = equations.block_of, equations.group_of
-        follows = np.zeros((len(by_frame), 6, len(equations.gradient) // 6, 6))
-        follows[frames, :, groups] = -precision * covariance[frames] @ equations.coupling
-        follows = follows.reshape(*follows.shape[:2], -1)
+        by_group = np.zeros((len(by_frame), 6, len(equations.gradient) // 6, 6))
+        by_group[frames, :, groups] = -precision * covariance[frames] @ equations.coupling
+        follows = by_group.reshape(len(by_frame), 6, -1)
         by_world = state.world_T_rig.inverse().adjoint()
         told = by_world.swapaxes(-1, -2) @ by_frame
         together = np.linalg.solve(
@@ -160,23 +160,21 @@ def pose_covariance(state: AdjustedRig, held: NDArray[np.bool_]) -> FloatArray:
         )
         follows = follows - by_world @ together
         spread = np.linalg.inv(precision * equations.reduced_information)
-        lasting = _variance_inflation(adjusted)
+        lasting = _variance_inflation(state.seen, adjusted._linearised[0])
         covariance = covariance + lasting * follows @ spread @ follows.swapaxes(-1, -2)
     return 0.5 * (covariance + covariance.swapaxes(-1, -2))
 
 
-def _variance_inflation(adjusted: _Reprojection) -> float:
+def _variance_inflation(seen: RigSightings, residuals: FloatArray) -> float:
     """By how much errors that last make a mean less sure (Bayley & Hammersley 1946), 1 or more.
 
     By the correlation of a marker's residuals in one frame with those in the next that shows it.
     """
-    seen, residuals = adjusted.seen, adjusted.weighed_residuals
     order = np.lexsort((seen.frame, seen.camera, seen.marker))
-    same = np.diff(seen.marker[order]) == 0
-    same &= np.diff(seen.camera[order]) == 0
+    same = (np.diff(seen.marker[order]) == 0) & (np.diff(seen.camera[order]) == 0)
     before, after = residuals[order[:-1][same]], residuals[order[1:][same]]
-    squares = 0.5 * float(np.sum(before**2) + np.sum(after**2))
-    share = float(np.clip(np.sum(before * after) / max(squares, 1e-12), 0.0, _MOST_LASTING))
+    squares = max(0.5 * float(np.sum(before**2) + np.sum(after**2)), 1e-12)
+    share = float(np.clip(np.sum(before * after) / squares, 0.0, _MOST_LASTING))
     return (1.0 + share) / (1.0 - share)
 
 
@@ -185,7 +183,7 @@ class _Reprojection:
 
     def __init__(self, held: NDArray[np.bool_], state: AdjustedRig) -> None:
         self._held, self._state = held, state
-        self.seen = seen = state.seen
+        seen = state.seen
         poses = state.world_T_rig[seen.frame], state.world_T_marker[seen.marker]
         residuals = residuals_px(seen, *poses)
         squares: FloatArray = np.sum(residuals**2, axis=(-1, -2))
@@ -202,11 +200,6 @@ class _Reprojection:
         root = np.sqrt(self._weight)
         jacobians = jacobians * root[:, None, None, None]
         return residuals * root[:, None], jacobians, jacobians[:, 0]
-
-    @property
-    def weighed_residuals(self) -> FloatArray:
-        """``(N, 8)``, pixels."""
-        return self._linearised[0]
 
     @property
     def by_frame(self) -> FloatArray:

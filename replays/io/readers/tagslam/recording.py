@@ -89,7 +89,7 @@ def _reference(root: Path, camera: str, marker_ids: IntArray) -> Trajectory | No
 
 
 _TRANSFORMS = "tf/msg/tfMessage"
-_MAP, _TAG = "map", "tag_"
+_MAP = "map"
 _DEEPEST = 8
 _MOST_TRANSFORMS = 5000
 
@@ -109,19 +109,6 @@ class TagSlamReference:
     time_ns: IntArray
     odometry: Trajectory
     world_T_frame: tuple[Mapping[str, Motor], ...]
-
-    def camera_T_tags(self, row: int, camera: str) -> dict[int, Motor]:
-        """Pose of each tag's centred frame in a camera, by id, at one of the stamps."""
-        known = self.world_T_frame[row]
-        if camera not in known:
-            return {}
-        camera_T_world = known[camera].inverse()
-        tags = {name: pose for name, pose in known.items() if name.startswith(_TAG)}
-        return {
-            int(name.removeprefix(_TAG)): camera_T_world @ pose
-            for name, pose in tags.items()
-            if name.removeprefix(_TAG).isdigit()
-        }
 
 
 def read_reference(root: Path) -> TagSlamReference:
