@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.motions.degradations import wrong_planar_pose
-from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, inlier_poses
+from motorcade.fusion.smoothing.batch.inliers import Sizes, inlier_poses
 from motorcade.fusion.smoothing.batch.problem import Charged, PathState, Problem, loss_weights
 from motorcade.fusion.smoothing.representations import REPRESENTATIONS, Representation
 from motorcade.ga import Motor, Rotor
@@ -67,36 +67,30 @@ def mirrored_back(
     found = np.zeros(len(poses), dtype=np.bool_)
     coefficients = np.array(poses.coefficients)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], ~kept, [0]])))
-    off = np.concatenate([[0], np.cumsum(_off(time_s, poses, kept, sizes))])
     for first, last in edges.reshape(-1, 2):
-        if off[last] - off[first] < _SHORTEST:
-            continue
-        part = slice(max(0, first - _AROUND), min(len(poses), last + _AROUND))
-        if np.count_nonzero(kept[part]) < 2:
-            continue  # not even a velocity is left around the run to read it by
-        run = slice(first - part.start, last - part.start)
-        read = _Run.likelier(time_s[part], poses[part], kept[part], run, sizes, width).read()
-        if read is not None and not _torn(poses[first:last], *read, sizes):
+        read = mirrored_run(time_s, poses, kept, slice(first, last), sizes, width)
+        if read is not None:
             rows = first + np.flatnonzero(read[1])
             coefficients[rows], found[rows] = read[0][read[1]].coefficients, True
     return Motor(coefficients), found
 
 
-def _off(
-    time_s: FloatArray, poses: Motor, kept: NDArray[np.bool_], sizes: tuple[Sizes, Sizes, Sizes]
-) -> NDArray[np.bool_]:
-    """Which poses that the chain leaves out lie off it: right ones between wrong ones do not."""
-    found, rows = ~kept, np.flatnonzero(kept)
-    lost = np.flatnonzero(found)
-    if rows.size < 2 or not lost.size:
-        return found
-    behind = np.searchsorted(rows, lost)
-    before_s = time_s[lost] - np.append(time_s[rows], -np.inf)[behind - 1]
-    behind_s = np.append(time_s[rows], np.inf)[behind] - time_s[lost]
-    path = bridged(time_s, poses, kept)[lost]
-    expected = _Expected(path, _deviation(sizes, _bridge_variance(before_s, behind_s)))
-    found[lost] = np.sum(expected.vectors(poses[lost]) ** 2, axis=1) > _EXPLAINED
-    return found
+def mirrored_run(
+    time_s: FloatArray,
+    poses: Motor,
+    kept: NDArray[np.bool_],
+    run: slice,
+    sizes: tuple[Sizes, Sizes, Sizes],
+    width: float,
+) -> tuple[Motor, NDArray[np.bool_]] | None:
+    """The poses ``(K,)`` of one such run mirrored, and which of them that explains; else None."""
+    part = slice(max(0, run.start - _AROUND), min(len(poses), run.stop + _AROUND))
+    # Without two poses around the run not even a velocity is left to read it by.
+    if run.stop - run.start < _SHORTEST or np.count_nonzero(kept[part]) < 2:
+        return None
+    within = slice(run.start - part.start, run.stop - part.start)
+    read = _Run.likelier(time_s[part], poses[part], kept[part], within, sizes, width).read()
+    return None if read is None or _torn(poses[run], *read, sizes) else read
 
 
 def _torn(
@@ -186,7 +180,7 @@ class _Run:
         surest = np.argsort(expected.deviation[:, 3])[:_TRIED]
         thrown = np.sum(expected.vectors(self.poses)[surest] ** 2, axis=1) > _THROWN
         guesses = _markers(self.poses, expected, surest[thrown], self.sizes[0].noise)
-        if 2 * np.count_nonzero(thrown) < len(surest) or not len(guesses):
+        if not len(guesses):
             return None
 
         def vectors(marker: FloatArray) -> FloatArray:

@@ -15,8 +15,8 @@ from motorcade.fusion.smoothing.batch.columns import (
     standard_errors,
 )
 from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, first_sizes, inlier_poses
-from motorcade.fusion.smoothing.batch.jumps import returned_levels, with_jumps
-from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
+from motorcade.fusion.smoothing.batch.jumps import returned_levels, squares_left, with_jumps
+from motorcade.fusion.smoothing.batch.mirrored import mirrored_back, mirrored_run
 from motorcade.fusion.smoothing.batch.per_axis import (
     HEAVY_TAILS,
     LAST_STEPS,
@@ -36,7 +36,7 @@ from motorcade.fusion.smoothing.representations import (
     restored,
 )
 from motorcade.fusion.smoothing.window import gaussian
-from motorcade.ga import Similarity, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
 FIRST_STEPS = 3
@@ -60,6 +60,8 @@ _LIKELIER = 10.0
 _WIDTH = 3.5
 # Deviation of the window that a first path is averaged by, in usual intervals.
 _FIRST_WINDOW = 2.0
+# How often poses beside jumps may be corrected before a first path is what it is.
+_CORRECTIONS = 5
 # Stamps that are off even ones by no more than this share of the interval are taken as they are.
 _STEADY = 0.02
 # The interval may be off the median one by this share, and is told from so many stamps at first.
@@ -98,8 +100,7 @@ class PathStart:
         sizes = cls(trajectory, kept.astype(np.float64), mirrored)._sizes()
         kept = inlier_poses(time_s, poses.rigid, *sizes[:2])
         judged = judged_runs(time_s, poses.rigid, kept)
-        sure = judged.motion & ~judged.doubtful
-        rigid, mirrored = mirrored_back(time_s, poses.rigid, sure, sizes, _WIDTH)
+        rigid, mirrored = mirrored_back(time_s, poses.rigid, kept, sizes, _WIDTH)
         if np.any(mirrored):
             poses = with_rigid(poses, rigid)
             trajectory = Trajectory(trajectory.time_ns, poses, trajectory.parent, trajectory.child)
@@ -119,7 +120,7 @@ class PathStart:
         ]
         return sizes[0], sizes[1], sizes[2]
 
-    def without_runs_between(self, jumps: IntArray) -> PathStart:
+    def _without_runs_between(self, jumps: IntArray) -> PathStart:
         """The same without poses between two jumps that the path returns from; see `predicted`."""
         kept, time_s, poses = self.weights > 0.0, self.trajectory.time_s, self.trajectory.poses
         for first, last in pairwise(jumps):
@@ -130,7 +131,57 @@ class PathStart:
         same = np.array_equal(kept, self.weights > 0.0)
         return self if same else replace(self, weights=kept.astype(np.float64))
 
-    def with_levels_returned(
+    def corrected(self, measured: Measured, path: FloatArray, models: AxisModels) -> PathStart:
+        """Another start where poses beside the jumps turn out to be wrong, else the same."""
+        other = self._with_runs_mirrored(measured, path, models)
+        if other is self:
+            other = self._without_runs_between(measured.jumps)
+        return self._with_levels_returned(measured, path, models) if other is self else other
+
+    def _with_runs_mirrored(
+        self, measured: Measured, path: FloatArray, models: AxisModels
+    ) -> PathStart:
+        """The same with runs up to a jump, or between two, mirrored back where a marker's five
+        numbers explain the poses as well as the jumps' do; of less than half the poses.
+        """
+        if not len(measured.jumps):
+            return self
+        start, count = replace(self, jumps=measured.jumps), len(self.weights)
+        sizes, mirrored = start._sizes(), start.mirrored
+        most = squares_left(measured, path, self.weights, models)
+        for first, last in pairwise([0, *measured.jumps.tolist(), count]):
+            other = (
+                start._mirrored(slice(first, last), sizes) if 2 * (last - first) < count else None
+            )
+            if other is None:
+                continue
+            own, near = other.written(measured.representation)
+            own = replace(own, time_s=measured.time_s)
+            left = squares_left(own, near, self.weights, models)
+            if left <= most:
+                start, most = other, left
+        return self if start.mirrored is mirrored else start
+
+    def _mirrored(self, run: slice, sizes: tuple[Sizes, Sizes, Sizes]) -> PathStart | None:
+        """The same with a whole run mirrored back; None where no marker explains all of it."""
+        like, poses, kept = self.trajectory, self.trajectory.poses, self.weights > 0.0
+        kept[run] = False
+        read = mirrored_run(like.time_s, poses.rigid, kept, run, sizes, _WIDTH)
+        if read is None or not np.all(read[1]):
+            return None
+        rigid, weights, mirrored = (
+            np.array(rows) for rows in (poses.rigid.coefficients, self.weights, self.mirrored)
+        )
+        rigid[run], weights[run], mirrored[run] = read[0].coefficients, 1.0, True
+        moved = with_rigid(poses, Motor(rigid))
+        return PathStart(
+            Trajectory(like.time_ns, moved, like.parent, like.child),
+            weights,
+            mirrored,
+            np.setdiff1d(self.jumps, [run.start, run.stop]),
+        )
+
+    def _with_levels_returned(
         self, measured: Measured, path: FloatArray, models: AxisModels
     ) -> PathStart:
         """The same with runs moved back to the level that the path leaves and returns to, each
@@ -200,21 +251,21 @@ def first_path(
     The start is another one where poses between jumps turn out to be wrong. Models and whether
     stamps are even may be known.
     """
-    measured, path = start.written(representation)
-    models = known or chosen_models(measured, path, start.weights, _FIRST_ORDER)
-    even_s = even_stamps(measured.time_s) if even is None or even else None
-    if even_s is not None:
-        in_step = replace(measured, time_s=even_s)
-        others = known or chosen_models(in_step, path, start.weights, _FIRST_ORDER)
-        even = even or others.score - _LIKELIER > models.score
-        measured, models = (in_step, others) if even else (measured, models)
-    measured, jumping = with_jumps(measured, path, start.weights, models)
-    models = known or jumping
-    other = start.without_runs_between(measured.jumps)
-    if other is start:
-        other = start.with_levels_returned(measured, path, models)
-    if other is not start:
-        return first_path(other, representation, known, even)
+    for corrections_left in range(_CORRECTIONS, -1, -1):
+        measured, path = start.written(representation)
+        models = known or chosen_models(measured, path, start.weights, _FIRST_ORDER)
+        even_s = even_stamps(measured.time_s) if even is None or even else None
+        if even_s is not None:
+            in_step = replace(measured, time_s=even_s)
+            others = known or chosen_models(in_step, path, start.weights, _FIRST_ORDER)
+            even = even or others.score - _LIKELIER > models.score
+            measured, models = (in_step, others) if even else (measured, models)
+        measured, jumping = with_jumps(measured, path, start.weights, models)
+        models = known or jumping
+        other = start.corrected(measured, path, models) if corrections_left else start
+        if other is start:
+            break
+        start = other
     smoothed = smoothed_per_axis(measured, path, start.weights, models, HEAVY_TAILS, FIRST_STEPS)
     return start, bool(even), measured, smoothed
 
