@@ -152,10 +152,9 @@ def squares_left(
     summed, values = developed(measured, path)
     left = 0.0
     for k, model in enumerate(models.columns):
-        column, kind = values[:, k : k + 1], (model.order, model.ratio, model.memory_s)
-        squares = _columns.spline(
-            measured.time_s, np.ascontiguousarray(column), weights, measured.jumps, *kind
-        )[1]
+        kind = (model.order, model.ratio, model.memory_s)
+        column = np.ascontiguousarray(values[:, k : k + 1])
+        squares = _columns.spline(measured.time_s, column, weights, measured.jumps, *kind)[1]
         left += squares[0] / least(model.noise, summed[:, k]) ** 2
     return left
 

@@ -11,7 +11,6 @@ A run that no marker explains is left as it is.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -44,8 +43,6 @@ _GAIN = 30.0
 _TORN = 2.0
 _ROUNDS = 8
 _STEP = 1e-6
-# The first fit of a marker: how far off a number pulls the most, in deviations; when it ends.
-_FITTED_WIDTH, _FITTED_ROUNDS, _SETTLED, _STIFF = 2.0, 50, 1e-6, 1e9
 
 
 def mirrored_back(
@@ -146,7 +143,7 @@ class _Run:
 
     def read(self) -> tuple[Motor, NDArray[np.bool_]] | None:
         """The run's poses mirrored and which of them that explains; None where it is too few."""
-        marker = self._first_marker(self._expected(self.path))
+        marker = self._first_marker()
         if marker is None:
             return None
         everyone = np.ones(len(self.time_s), dtype=np.bool_)
@@ -158,38 +155,38 @@ class _Run:
             or plain.cost - mirrored.cost < _GAIN * _SHORTEST
         ):
             return None
-        return self._mirrored(marker), explained
+        return self._mirrored(marker), turned
 
     def _mirrored(self, marker: FloatArray) -> Motor:
         """The run's poses ``(*, K)`` by markers ``(*, 6)``."""
         normal = marker[..., 3:] / np.linalg.norm(marker[..., 3:], axis=-1, keepdims=True)
         return wrong_planar_pose(self.poses, marker[..., None, :3], normal[..., None, :])
 
-    def _expected(self, path: PathState) -> _Expected:
+    def _expected(self) -> _Expected:
+        """Where the path puts the run, and how surely: with states known a seconds before and b
+        behind, white acceleration of unit density moves a pose by ``a³ b³ / 3 (a + b)³``.
+        """
         time_s, run = self.time_s, self.run
         before_s = time_s[run] - (time_s[run.start - 1] if run.start > 0 else -np.inf)
         behind_s = (time_s[run.stop] if run.stop < len(time_s) else np.inf) - time_s[run]
-        deviation = _deviation(self.sizes, _bridge_variance(before_s, behind_s))
-        return _Expected(self._poses_of(path.coordinates[run]), deviation)
+        spread = (1.0 / before_s + 1.0 / behind_s) ** -3.0 / 3.0
+        noise, density = (np.repeat(pair, 3) for pair in zip(*self.sizes[:2], strict=True))
+        variance = 2.0 * noise**2 + (_PROCESS_FACTOR * density) ** 2 * spread[:, None]
+        poses = self.problem.representation.poses(self.path.coordinates[run]).rigid
+        return _Expected(poses, np.sqrt(variance))
 
-    def _poses_of(self, coordinates: FloatArray) -> Motor:
-        return self.problem.representation.poses(coordinates).rigid
-
-    def _first_marker(self, expected: _Expected) -> FloatArray | None:
-        """The marker that explains the run best beside the path without it; None without leaps."""
+    def _first_marker(self) -> FloatArray | None:
+        """Of markers that explain a leap, that which explains most; None without leaps."""
+        expected = self._expected()
         surest = np.argsort(expected.deviation[:, 3])[:_TRIED]
         thrown = np.sum(expected.vectors(self.poses)[surest] ** 2, axis=1) > _THROWN
         guesses = _markers(self.poses, expected, surest[thrown], self.sizes[0].noise)
         if not len(guesses):
             return None
 
-        def vectors(marker: FloatArray) -> FloatArray:
-            made = expected.vectors(self._mirrored(marker))[..., surest, :]
-            return made.reshape(*marker.shape[:-1], -1)
-
-        squares = np.sum(vectors(guesses).reshape(len(guesses), -1, 6) ** 2, axis=-1)
-        charged = np.sum(np.log1p(squares / self.width**2), axis=-1)
-        return _fitted(vectors, guesses[int(np.argmin(charged))])
+        off = expected.vectors(self._mirrored(guesses))[:, surest]
+        charged = np.sum(np.log1p(np.sum(off**2, axis=-1) / self.width**2), axis=-1)
+        return np.asarray(guesses[int(np.argmin(charged))])
 
     def _refined(self, marker: FloatArray) -> tuple[FloatArray, Charged, NDArray[np.bool_]]:
         """Marker and path together, by Gauss-Newton; the path's own unknowns are eliminated.
@@ -255,49 +252,6 @@ class _Run:
             for step in (_STEP, -_STEP)
         )
         return np.moveaxis((ahead - back) / (2.0 * _STEP), 0, -1), ways
-
-
-def _fitted(vectors: Callable[[FloatArray], FloatArray], marker: FloatArray) -> FloatArray:
-    """The marker ``(6,)`` whose residuals ``(*, R)`` cost least by Cauchy's loss of each number.
-
-    By Levenberg and Marquardt's steps; the damping also holds the length of the normal, which
-    nothing tells.
-    """
-    found, damping = vectors(marker), 1e-3
-    for _ in range(_FITTED_ROUNDS):
-        ahead, back = (vectors(marker + step * np.eye(6)) for step in (_STEP, -_STEP))
-        slopes = (ahead - back).T / (2.0 * _STEP)
-        weighed = slopes.T / (1.0 + (found / _FITTED_WIDTH) ** 2)
-        normal = weighed @ slopes
-        held = damping * np.diag(np.diagonal(normal) + 1e-12 * np.trace(normal))
-        other = marker - np.linalg.lstsq(normal + held, weighed @ found, rcond=None)[0]
-        moved = vectors(other)
-        saved = float(np.sum(np.log1p((found / _FITTED_WIDTH) ** 2)))
-        saved -= float(np.sum(np.log1p((moved / _FITTED_WIDTH) ** 2)))
-        if saved <= 0.0:
-            damping *= 10.0
-            if damping > _STIFF:
-                break
-            continue
-        marker, found, damping = other, moved, 0.1 * damping
-        if saved < _SETTLED:
-            break
-    return marker
-
-
-def _deviation(sizes: tuple[Sizes, Sizes, Sizes], spread: FloatArray) -> FloatArray:
-    """Deviations ``(K, 6)`` of measured poses from what a path makes that others tell."""
-    noise, density = (np.repeat(pair, 3) for pair in zip(*sizes[:2], strict=True))
-    variance = 2.0 * noise**2 + (_PROCESS_FACTOR * density) ** 2 * spread[:, None]
-    return np.asarray(np.sqrt(variance), dtype=np.float64)
-
-
-def _bridge_variance(before_s: FloatArray, behind_s: FloatArray) -> FloatArray:
-    """What white acceleration of unit density does to poses ``(K,)`` between known ones.
-
-    With states known a seconds before and b behind, ``a³ b³ / 3 (a + b)³``; with one, ``a³ / 3``.
-    """
-    return np.asarray((1.0 / before_s + 1.0 / behind_s) ** -3.0 / 3.0, dtype=np.float64)
 
 
 def _markers(poses: Motor, expected: _Expected, rows: IntArray, noise_rad: float) -> FloatArray:

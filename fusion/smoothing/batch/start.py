@@ -102,8 +102,7 @@ class PathStart:
         judged = judged_runs(time_s, poses.rigid, kept)
         rigid, mirrored = mirrored_back(time_s, poses.rigid, kept, sizes, _WIDTH)
         if np.any(mirrored):
-            poses = with_rigid(poses, rigid)
-            trajectory = Trajectory(trajectory.time_ns, poses, trajectory.parent, trajectory.child)
+            trajectory = replace(trajectory, poses=with_rigid(poses, rigid))
             judged = judged_runs(time_s, rigid, inlier_poses(time_s, rigid, *sizes[:2]))
         return cls(trajectory, judged.motion.astype(np.float64), mirrored, judged.jumps)
 
@@ -133,6 +132,8 @@ class PathStart:
 
     def corrected(self, measured: Measured, path: FloatArray, models: AxisModels) -> PathStart:
         """Another start where poses beside the jumps turn out to be wrong, else the same."""
+        if not len(measured.jumps):
+            return self
         other = self._with_runs_mirrored(measured, path, models)
         if other is self:
             other = self._without_runs_between(measured.jumps)
@@ -144,42 +145,32 @@ class PathStart:
         """The same with runs up to a jump, or between two, mirrored back where a marker's five
         numbers explain the poses as well as the jumps' do; of less than half the poses.
         """
-        if not len(measured.jumps):
-            return self
         start, count = replace(self, jumps=measured.jumps), len(self.weights)
-        sizes, mirrored = start._sizes(), start.mirrored
-        most = squares_left(measured, path, self.weights, models)
-        for first, last in pairwise([0, *measured.jumps.tolist(), count]):
-            other = (
-                start._mirrored(slice(first, last), sizes) if 2 * (last - first) < count else None
-            )
-            if other is None:
-                continue
-            own, near = other.written(measured.representation)
-            own = replace(own, time_s=measured.time_s)
-            left = squares_left(own, near, self.weights, models)
-            if left <= most:
-                start, most = other, left
-        return self if start.mirrored is mirrored else start
+        sizes, most = start._sizes(), squares_left(measured, path, self.weights, models)
+        runs = pairwise([0, *measured.jumps.tolist(), count])
+        for first, last in sorted(runs, key=lambda run: run[1] - run[0]):
+            other = start._mirrored(slice(first, last), sizes)
+            if other is not start and 2 * np.count_nonzero(other.mirrored) < count:
+                own, near = other.written(measured.representation)
+                own = replace(own, time_s=measured.time_s)
+                left = squares_left(own, near, self.weights, models)
+                start, most = (other, left) if left <= most else (start, most)
+        return self if start.mirrored is self.mirrored else start
 
-    def _mirrored(self, run: slice, sizes: tuple[Sizes, Sizes, Sizes]) -> PathStart | None:
-        """The same with a whole run mirrored back; None where no marker explains all of it."""
+    def _mirrored(self, run: slice, sizes: tuple[Sizes, Sizes, Sizes]) -> PathStart:
+        """The same with a run mirrored back, where a marker explains all of it."""
         like, poses, kept = self.trajectory, self.trajectory.poses, self.weights > 0.0
         kept[run] = False
         read = mirrored_run(like.time_s, poses.rigid, kept, run, sizes, _WIDTH)
         if read is None or not np.all(read[1]):
-            return None
+            return self
         rigid, weights, mirrored = (
             np.array(rows) for rows in (poses.rigid.coefficients, self.weights, self.mirrored)
         )
         rigid[run], weights[run], mirrored[run] = read[0].coefficients, 1.0, True
-        moved = with_rigid(poses, Motor(rigid))
-        return PathStart(
-            Trajectory(like.time_ns, moved, like.parent, like.child),
-            weights,
-            mirrored,
-            np.setdiff1d(self.jumps, [run.start, run.stop]),
-        )
+        trajectory = replace(like, poses=with_rigid(poses, Motor(rigid)))
+        jumps = np.setdiff1d(self.jumps, [run.start, run.stop])
+        return PathStart(trajectory, weights, mirrored, jumps)
 
     def _with_levels_returned(
         self, measured: Measured, path: FloatArray, models: AxisModels
@@ -202,7 +193,7 @@ class PathStart:
         poses = np.where(moved[:, None], other.coefficients, like.poses.coefficients)
         edges = [row for run in returned for row in run[:2]]
         return PathStart(
-            Trajectory(like.time_ns, type(like.poses)(poses), like.parent, like.child),
+            replace(like, poses=type(like.poses)(poses)),
             self.weights,
             moved,
             np.setdiff1d(measured.jumps, edges),
