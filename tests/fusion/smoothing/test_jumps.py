@@ -1,5 +1,6 @@
 """Jumps of level are kept as jumps, and what only moves fast is none."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,9 @@ import pytest
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian, Outliers
-from motorcade.fusion.smoothing import AutomaticPath, smoothed_automatically
+from motorcade.fusion.smoothing import REPRESENTATIONS, AutomaticPath, smoothed_automatically
+from motorcade.fusion.smoothing.batch.per_axis import chosen_models
+from motorcade.fusion.smoothing.batch.start import PathStart, first_path
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from tests.bench.smoothing.cells import cell, left, motion
@@ -146,3 +149,34 @@ def test_a_level_that_does_not_return_is_corrected_for_good(rng: np.random.Gener
     for rows, shift_m in ((slice(100, None), 0.2), (slice(160, None), -0.1)):
         true = relocated(true, rows, Motor.from_translation([shift_m, 0.1, 0.0]))
     assert smoothed_automatically(NOISE.apply(true, rng)).jumps.tolist() == [100, 160]
+
+
+def test_a_run_that_was_moved_back_once_keeps_its_jumps(rng: np.random.Generator) -> None:
+    true = MOTIONS["handheld"].sampled(20.0, 19.95)
+    run = slice(100, 130)
+    wrong = relocated(NOISE.apply(true, rng), run, Motor.from_translation([0.2, 0.1, 0.0]))
+    whole = np.ones(len(wrong))
+    start = PathStart(wrong, whole, whole == 0.0, np.array([run.start, run.stop]))
+    measured, path = start.written(REPRESENTATIONS["euler"])
+    models = chosen_models(measured, path, whole, (2,))
+    moved = start._with_levels_returned(measured, path, models)
+    assert np.flatnonzero(moved.mirrored).tolist() == list(range(run.start, run.stop))
+    assert moved.jumps.size == 0
+    # Had it not helped, the same jumps would be found again.
+    again = replace(start, mirrored=moved.mirrored)
+    assert again._with_levels_returned(measured, path, models) is again
+
+
+def test_a_first_path_ends_though_every_start_calls_for_another(
+    monkeypatch: pytest.MonkeyPatch, rng: np.random.Generator
+) -> None:
+    tried = list[PathStart]()
+
+    def another(start: PathStart, *_: object) -> PathStart:
+        tried.append(replace(start))
+        return tried[-1]
+
+    monkeypatch.setattr(PathStart, "corrected", another)
+    start = PathStart.of(NOISE.apply(MOTIONS["handheld"].sampled(20.0, 5.0), rng))
+    assert first_path(start, REPRESENTATIONS["euler"])[0] is tried[-1]
+    assert len(tried) < 10
