@@ -155,7 +155,7 @@ class _Run:
             or plain.cost - mirrored.cost < _GAIN * _SHORTEST
         ):
             return None
-        return self._mirrored(marker), turned
+        return self._mirrored(marker), explained
 
     def _mirrored(self, marker: FloatArray) -> Motor:
         """The run's poses ``(*, K)`` by markers ``(*, 6)``."""
@@ -179,11 +179,14 @@ class _Run:
         """Of markers that explain a leap, that which explains most; None without leaps."""
         expected = self._expected()
         surest = np.argsort(expected.deviation[:, 3])[:_TRIED]
-        thrown = np.sum(expected.vectors(self.poses)[surest] ** 2, axis=1) > _THROWN
+        off, deviation = expected.vectors(self.poses)[surest], expected.deviation[surest]
+        squares = np.sum(off**2, axis=1)
+        leap, thrown = (off * deviation)[np.argmax(squares)], squares > _THROWN
+        # In the middle of a run at a low rate even the largest leap would not show.
+        shown = np.sum((leap / deviation) ** 2, axis=1) > _THROWN
         guesses = _markers(self.poses, expected, surest[thrown], self.sizes[0].noise)
-        if not len(guesses):
+        if 2 * np.count_nonzero(thrown) < np.count_nonzero(shown) or not len(guesses):
             return None
-
         off = expected.vectors(self._mirrored(guesses))[:, surest]
         charged = np.sum(np.log1p(np.sum(off**2, axis=-1) / self.width**2), axis=-1)
         return np.asarray(guesses[int(np.argmin(charged))])

@@ -54,7 +54,8 @@ _TURNS = 1.0
 _FAR = 0.5
 # A changing acceleration tells stamps and axes from each other as well as any order that is chosen.
 _FIRST_ORDER = (2,)
-# By how much the logarithm of poses must be likelier with even stamps for these to be taken.
+# By how much the logarithm of poses must be likelier with even stamps, or with a marker's mirror
+# for a jump, for these to be taken.
 _LIKELIER = 10.0
 # Runs of a flat marker's other candidate are read with a loss so wide.
 _WIDTH = 3.5
@@ -143,7 +144,7 @@ class PathStart:
         self, measured: Measured, path: FloatArray, models: AxisModels
     ) -> PathStart:
         """The same with runs up to a jump, or between two, mirrored back where a marker's five
-        numbers explain the poses as well as the jumps' do; of less than half the poses.
+        numbers explain the poses clearly better than the jumps' do; of less than half the poses.
         """
         start, count = replace(self, jumps=measured.jumps), len(self.weights)
         sizes, most = start._sizes(), squares_left(measured, path, self.weights, models)
@@ -154,7 +155,8 @@ class PathStart:
                 own, near = other.written(measured.representation)
                 own = replace(own, time_s=measured.time_s)
                 left = squares_left(own, near, self.weights, models)
-                start, most = (other, left) if left <= most else (start, most)
+                if left < most - 2.0 * _LIKELIER:
+                    start, most = other, left
         return self if start.mirrored is self.mirrored else start
 
     def _mirrored(self, run: slice, sizes: tuple[Sizes, Sizes, Sizes]) -> PathStart:
@@ -164,9 +166,8 @@ class PathStart:
         read = mirrored_run(like.time_s, poses.rigid, kept, run, sizes, _WIDTH)
         if read is None or not np.all(read[1]):
             return self
-        rigid, weights, mirrored = (
-            np.array(rows) for rows in (poses.rigid.coefficients, self.weights, self.mirrored)
-        )
+        rigid = np.array(poses.rigid.coefficients)
+        weights, mirrored = np.array(self.weights), np.array(self.mirrored)
         rigid[run], weights[run], mirrored[run] = read[0].coefficients, 1.0, True
         trajectory = replace(like, poses=with_rigid(poses, Motor(rigid)))
         jumps = np.setdiff1d(self.jumps, [run.start, run.stop])
