@@ -229,7 +229,8 @@ def chosen(
             ]
             own += tried_first + [predicted(order, best + step) for step in FINE]
         best_of_all = min(own, key=lambda candidate: candidate.score(column, noise))
-        behind = standard_errors_behind(own, best_of_all, column, noise)
+        risks = np.stack([candidate.risks(column, noise) for candidate in own])
+        behind = standard_errors(risks - best_of_all.risks(column, noise))
         equals = [candidate for candidate, by in zip(own, behind, strict=True) if by <= equal]
         taken = max(equals, key=lambda candidate: candidate.likelihood(column, noise))
         size = float(taken.noise[column] if searched else noise)
@@ -363,14 +364,6 @@ def likelihoods(
         return np.full(len(squares), -np.inf)
     logarithms = sum(part[2] for part in innovations)
     return np.asarray(-0.5 * (rows * (np.log(squares / rows) + 1.0) + logarithms))
-
-
-def standard_errors_behind(
-    tried: Sequence[Prediction], best: Prediction, column: int, noise: float
-) -> FloatArray:
-    """By how much predictions of a column are worse than the best, in its standard errors."""
-    least = best.risks(column, noise)
-    return standard_errors(np.stack([one.risks(column, noise) for one in tried]) - least)
 
 
 def standard_errors(differences: FloatArray) -> FloatArray:

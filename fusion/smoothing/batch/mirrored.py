@@ -150,10 +150,8 @@ class _Run:
         plain = self.problem.descended(self.path, "cauchy", self.width, everyone, _ROUNDS)
         marker, mirrored, turned = self._refined(marker)
         explained = turned & (mirrored.squares[self.run] < _EXPLAINED)
-        if (
-            np.count_nonzero(explained) < _SHORTEST
-            or plain.cost - mirrored.cost < _GAIN * _SHORTEST
-        ):
+        saved = plain.cost - mirrored.cost
+        if np.count_nonzero(explained) < _SHORTEST or saved < _GAIN * _SHORTEST:
             return None
         return self._mirrored(marker), explained
 

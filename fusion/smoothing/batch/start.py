@@ -192,13 +192,9 @@ class PathStart:
             moved[first:last] = True
         other = restored(representation, coordinates, like).poses
         poses = np.where(moved[:, None], other.coefficients, like.poses.coefficients)
-        edges = [row for run in returned for row in run[:2]]
-        return PathStart(
-            replace(like, poses=type(like.poses)(poses)),
-            self.weights,
-            moved,
-            np.setdiff1d(measured.jumps, edges),
-        )
+        trajectory = replace(like, poses=type(like.poses)(poses))
+        jumps = np.setdiff1d(measured.jumps, [row for run in returned for row in run[:2]])
+        return PathStart(trajectory, self.weights, moved, jumps)
 
     def written(self, representation: Representation) -> tuple[Measured, FloatArray]:
         """The measured poses, and the chain's with what lies between them, as coordinates."""
