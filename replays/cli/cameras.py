@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 DETECTION = """\
-Find the markers of one family in images, each by itself.
+Find the markers of one family in images, each by itself; or with --board the corners of a board.
 
 corners     in pixels, (0, 0) is the centre of the top-left pixel; clockwise from the printed
             top-left corner of the marker, however it is rotated in the image
@@ -39,9 +39,12 @@ def add_detect(commands: Commands) -> None:
     )
     parser.description = DETECTION
     parser.add_argument("images", type=Path, nargs="+", metavar="IMAGE")
-    parser.add_argument(
+    which = parser.add_mutually_exclusive_group(required=True)
+    which.add_argument(
+        "--board", metavar="B", help="a board's name or file, as of `calibrate`: its corners alone"
+    )
+    which.add_argument(
         "--family",
-        required=True,
         metavar="F",
         help="tag16h5, tag25h9, tag36h10, tag36h11, tagStandard41h12, tagStandard52h13, "
         "tagCircle21h7, tagCircle49h12, tagCustom48h12, aruco_NxN_COUNT (N 4 to 7; COUNT 50, 100, "
@@ -63,18 +66,23 @@ def add_detect(commands: Commands) -> None:
 def detect(arguments: argparse.Namespace) -> None:
     """Search every image; print what was found, and complain of the others at the end."""
     from motorcade.replays.io.errors import RecordingError
-    from motorcade.replays.io.readers.manifest.section import read_camera, stated_rotation
+    from motorcade.replays.io.readers.manifest.section import (
+        read_board,
+        read_camera,
+        stated_rotation,
+    )
     from motorcade.replays.tasks.pictures import describe, drawing_names, markers_in, write_drawing
 
+    if arguments.size_m is not None and arguments.board is not None:
+        raise ValueError("--size-m: expected no size beside --board, whose name or file says it")
     if arguments.size_m is not None and arguments.camera is None:
         raise ValueError("--size-m: expected --camera FILE with it, since poses need both")
     camera = None if arguments.camera is None else read_camera(arguments.camera)
     rotation_deg = None if arguments.camera is None else stated_rotation(arguments.camera)
+    target = arguments.family if arguments.board is None else read_board(arguments.board)
     described: list[dict[str, Any]] = []
     failed = 0
-    pictures = markers_in(
-        arguments.images, arguments.family, camera, arguments.size_m, rotation_deg
-    )
+    pictures = markers_in(arguments.images, target, camera, arguments.size_m, rotation_deg)
     names = drawing_names(arguments.images)
     for path, name, picture in zip(arguments.images, names, pictures, strict=True):
         if isinstance(picture, RecordingError):
@@ -88,7 +96,8 @@ def detect(arguments: argparse.Namespace) -> None:
         if arguments.draw is not None:
             write_drawing(picture, arguments.draw / name)
     if arguments.json:
-        print_json({"family": arguments.family, "pictures": described})
+        sought = {"family": target} if arguments.board is None else {"board": target.name}
+        print_json(sought | {"pictures": described})
     if failed:
         of = f"{failed} of {len(arguments.images)} images"
         raise RuntimeError(f"{of} could not be searched; the others are done")
@@ -96,6 +105,14 @@ def detect(arguments: argparse.Namespace) -> None:
 
 def _print(picture: MarkerPicture) -> None:
     count = len(picture.detections)
+    if picture.board is not None:
+        from motorcade.replays.tasks.pictures import describe
+
+        corners = f"{len(picture.board)} corners"
+        pose = describe(picture).get("camera_T_board")
+        at = " ".join(f"{value:8.4f}" for value in pose["translation_m"]) if pose else ""
+        print(f"{picture.path}: the board, {corners}" + f", at {at} m" * bool(pose))
+        return
     print(f"{picture.path}: {count} marker{'s' if count != 1 else ''}")
     for index, detection in enumerate(picture.detections):
         corners = "  ".join(f"{x:8.2f} {y:8.2f}" for x, y in detection.corners_px)
@@ -131,6 +148,9 @@ tell is named. Kalibr's files, -camchain-imucam.yaml and -imu.yaml, are written 
 boards      checkerboard_9x6_40mm (inner corners, square)
             charuco_aruco_5x5_100_7x5_40mm_30mm (squares, square, marker)
             tag36h11_6x4_30mm_gap_9mm_from_0 (markers, side, gap, first id)
+            aprilgrid_6x6_88mm_gap_26.4mm (Kalibr's), or Kalibr's target.yaml
+            circles_7x5_30mm_15mm (circles, spacing, diameter), circles_4x11_…_asymmetric
+            calib.io_checker_200x150_8x11_15 (a file of calib.io)
             or a .toml file with a [board] table"""
 
 
@@ -148,7 +168,7 @@ def add_calibrate(commands: Commands) -> None:
     )
     parser.description = CALIBRATION
     parser.add_argument("images", type=Path, nargs="+", metavar="IMAGES")
-    parser.add_argument("--board", required=True, metavar="B", help="its name, or a .toml file")
+    parser.add_argument("--board", required=True, metavar="B", help="its name, or a file")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE")
     parser.add_argument(
         "--model",
@@ -298,6 +318,8 @@ boards      checkerboard_9x6_22mm (inner corners, square)
             charuco_aruco_5x5_100_7x5_26mm_19mm (squares, square, marker)
             tag36h11_4x5_30mm_gap_9mm_from_0 (markers, side, gap, first id)
             tag36h11_id_7_65mm (id, side); with --count 12: ids 7 to 18, as many a sheet as fit
+            aprilgrid_6x6_25mm_gap_7.5mm (Kalibr's), or Kalibr's target.yaml
+            circles_7x5_26mm_13mm (circles, spacing, diameter), circles_4x11_…_asymmetric
             or a .toml file with a [board] table"""
 
 
@@ -310,7 +332,7 @@ def add_print(commands: Commands) -> None:
         "motorcade print checkerboard_9x6_22mm -o board.pdf",
     )
     parser.description = PRINTING
-    parser.add_argument("boards", nargs="+", metavar="BOARD", help="its name, or a .toml file")
+    parser.add_argument("boards", nargs="+", metavar="BOARD", help="its name, or a file")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE")
     parser.add_argument(
         "--paper", default="a4", metavar="P", help="a4, a3, letter, …, or 300x400mm (a4)"

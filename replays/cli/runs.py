@@ -54,7 +54,7 @@ def add_run(commands: Commands) -> None:
         "--board",
         metavar="NAME",
         help="the board in view where nothing describes it, such as checkerboard_9x6 (inner "
-        "corners) or checkerboard_9x6_25mm",
+        "corners), or as `calibrate` names it: checkerboard_9x6_25mm, Kalibr's target.yaml",
     )
     which = parser.add_mutually_exclusive_group()
     which.add_argument(
@@ -104,6 +104,13 @@ def add_strict(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _board_name(text: str) -> str:
+    """A board's name, of a file that describes it the name of that."""
+    from motorcade.replays.io.readers.manifest.section import read_board
+
+    return read_board(text).name if Path(text).suffix in (".toml", ".yaml", ".yml") else text
+
+
 def run_recordings(arguments: argparse.Namespace) -> None:
     """Run one recording here, or several by the executor asked for."""
     from motorcade.replays.engine.executors import check_executor, outcomes
@@ -114,7 +121,7 @@ def run_recordings(arguments: argparse.Namespace) -> None:
         require_integrity(arguments.until)
     recordings = [_with_topic(path, arguments.topic) for path in arguments.recordings]
     _refuse_equal_names(recordings)
-    board = () if arguments.board is None else (f"described.board={arguments.board}",)
+    board = () if arguments.board is None else (f"described.board={_board_name(arguments.board)}",)
     floor = () if arguments.floor is None else (f"placed.floor={arguments.floor}",)
     jobs = [
         Job(

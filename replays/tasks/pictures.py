@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.errors import RecordingError, refusal
 from motorcade.replays.io.files import write_bytes
@@ -23,8 +25,10 @@ from motorcade.replays.io.readers.frames.pictures import (
 )
 from motorcade.replays.io.recording import ImageArray
 from motorcade.tracking import Camera, Detection, TrackingError, detect_markers, pose_marker
+from motorcade.tracking.boards import Board, BoardCorners
 from motorcade.tracking.checks import check_length
 from motorcade.tracking.markers.poses import PosedMarker
+from motorcade.tracking.pose import planar_candidates, refine
 
 _LOG = logging.getLogger("motorcade.replays")
 _OUTLINE, _FIRST, _DOUBTFUL = (0, 200, 0), (0, 0, 255), (0, 165, 255)  # blue, green, red
@@ -42,6 +46,8 @@ class MarkerPicture:
         posed: one for each detection where camera and size are known, else empty; None for a
             marker that has no pose (outside what the lens model covers).
         camera: of the upright image, where it is known.
+        board: the corners of a board, where one was looked for in place of markers: none where it
+            is not seen.
     """
 
     path: Path
@@ -49,11 +55,12 @@ class MarkerPicture:
     detections: tuple[Detection, ...]
     posed: tuple[PosedMarker | None, ...] = ()
     camera: Camera | None = None
+    board: BoardCorners | None = None
 
 
 def markers_in(
     paths: Sequence[Path],
-    family: str,
+    target: str | Board,
     camera: Camera | None = None,
     size_m: float | None = None,
     rotation_deg: int | None = None,
@@ -62,7 +69,7 @@ def markers_in(
 
     Args:
         paths: PNG, JPEG, BMP or PNM files, grey or colour, 8 or 16 bits.
-        family: one of `tracking.FAMILIES`.
+        target: one of `tracking.FAMILIES`, or a board whose corners alone are looked for.
         camera: undistorts lines; with `size_m` gives poses. The images must have its size, as
             shown or as stored.
         size_m: side of the markers' black square, metres.
@@ -83,7 +90,12 @@ def markers_in(
         except RecordingError as fault:
             yield fault
             continue
-        markers = detect_markers(gray, family, taken_by)
+        if isinstance(target, Board):
+            corners = target.detect(gray, taken_by)
+            none = BoardCorners(np.zeros(0, np.int64), np.zeros((0, 2)), np.zeros((0, 3)))
+            yield MarkerPicture(path, gray, (), (), taken_by, corners or none)
+            continue
+        markers = detect_markers(gray, target, taken_by)
         posed: tuple[PosedMarker | None, ...] = ()
         if taken_by is not None and size_m is not None:
             posed = tuple(_posed(one, taken_by, size_m) for one in markers)
@@ -113,6 +125,9 @@ def _posed(detection: Detection, camera: Camera, size_m: float) -> PosedMarker |
 def describe(picture: MarkerPicture) -> dict[str, Any]:
     """What was found, for JSON: pixels, metres, quaternions wxyz (see `motorcade detect`)."""
     height, width = picture.gray.shape
+    described: dict[str, Any] = {"file": str(picture.path), "width_px": width, "height_px": height}
+    if picture.board is not None:
+        return described | _described_board(picture.board, picture.camera)
     rows = []
     for index, detection in enumerate(picture.detections):
         row: dict[str, Any] = {
@@ -126,7 +141,32 @@ def describe(picture: MarkerPicture) -> dict[str, Any]:
         if picture.posed:
             row |= _described_pose(picture.posed[index])
         rows.append(row)
-    return {"file": str(picture.path), "width_px": width, "height_px": height, "markers": rows}
+    return described | {"markers": rows}
+
+
+def _described_board(corners: BoardCorners, camera: Camera | None) -> dict[str, Any]:
+    """Corners by their number on the board, and where it stands if the camera is known."""
+    rows = [
+        {"id": corner, "px": np.round(px, 4).tolist(), "point_m": point_m}
+        for corner, px, point_m in zip(
+            corners.ids.tolist(), corners.corners_px, corners.points_m.tolist(), strict=True
+        )
+    ]
+    described: dict[str, Any] = {"corners": rows, "camera_T_board": None}
+    if camera is not None and corners.spanning:
+        with suppress(TrackingError):
+            candidates = planar_candidates(corners, camera)
+            pose = refine(corners, camera, candidates.world_T_camera[0])
+            described["camera_T_board"] = _pose_json(pose.world_T_camera.inverse())
+            described["reprojection_rmse_px"] = pose.error_px
+    return described
+
+
+def _pose_json(pose: Motor) -> dict[str, Any]:
+    return {
+        "translation_m": pose.translation_m.tolist(),
+        "rotation_wxyz": pose.rotor.as_quaternion().tolist(),
+    }
 
 
 def _described_pose(posed: PosedMarker | None) -> dict[str, Any]:
@@ -134,10 +174,7 @@ def _described_pose(posed: PosedMarker | None) -> dict[str, Any]:
         return {"candidates": [], "ambiguity": None}
     candidates = [
         {
-            "camera_T_marker": {
-                "translation_m": pose.translation_m.tolist(),
-                "rotation_wxyz": pose.rotor.as_quaternion().tolist(),
-            },
+            "camera_T_marker": _pose_json(pose),
             "reprojection_rmse_px": float(error),
         }
         for pose, error in zip(posed.camera_T_marker, posed.candidates.error_px, strict=True)
@@ -151,6 +188,8 @@ def draw(picture: MarkerPicture) -> ImageArray:
     Outlines of corners that are not sharp are orange. Returns BGR ``(height, width, 3)``.
     """
     canvas = cv2.cvtColor(picture.gray, cv2.COLOR_GRAY2BGR)
+    for corner in () if picture.board is None else picture.board.corners_px:
+        cv2.circle(canvas, _fixed(corner).tolist(), 60, _OUTLINE, 1, cv2.LINE_AA, _SUBPIXEL_BITS)
     for index, detection in enumerate(picture.detections):
         colour = _OUTLINE if detection.sharp else _DOUBTFUL
         cv2.polylines(

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.tracking.board_tracking.tracker import BoardFrame, BoardTracker
-from motorcade.tracking.boards import Board, Checkerboard, GrayImage
+from motorcade.tracking.boards import Board, GrayImage
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.measurements import MarkerObservation, PoseMeasurements
 from motorcade.tracking.pose import SIGMA_FLOOR_PX, TrackingError
@@ -175,7 +175,7 @@ def with_pooled_noise(board_track: BoardTrack) -> BoardTrack:
     return replace(board_track, measurements=PoseMeasurements(measured.trajectory, covariance))
 
 
-def guessed_turns(board: Checkerboard, board_track: BoardTrack) -> int:
+def guessed_turns(board: Board, board_track: BoardTrack) -> int:
     """In how many frames a board that looks the same turned jumps so far that either turn fits.
 
     Its numbering is the one whose corners lie nearest to where they were; that tells nothing where

@@ -18,6 +18,7 @@ from skimage.registration import phase_cross_correlation
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.boards import Board, GrayImage
+from motorcade.tracking.boards.circles import CircleGrid
 from motorcade.tracking.boards.squares import SquaresBoard
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.families import border_share
@@ -58,6 +59,8 @@ def pixel_offsets(
     >>> bool(abs(pixel_offsets(picture, board, camera, pose)).max() < 0.2)
     True
     """
+    if isinstance(board, CircleGrid):
+        return np.zeros((0, 2))  # poses follow from all that is printed
     camera_T_world = world_T_camera.inverse()
     middle = camera_T_world.apply(board.points_m.mean(axis=0))
     px_per_m = float(np.sqrt(camera.fx * camera.fy) / np.linalg.norm(middle))

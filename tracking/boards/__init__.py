@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from motorcade.tracking.boards.charuco import CharucoBoard
 from motorcade.tracking.boards.checkerboard import Checkerboard
+from motorcade.tracking.boards.circles import CircleGrid
 from motorcade.tracking.boards.corners import Board, BoardCorners, Pattern
 from motorcade.tracking.boards.markers import MarkerGrid, SingleMarker
 from motorcade.tracking.boards.names import BOARD_NAMES, board_named
@@ -15,6 +16,7 @@ __all__ = [
     "BoardCorners",
     "CharucoBoard",
     "Checkerboard",
+    "CircleGrid",
     "GrayImage",
     "MarkerGrid",
     "Pattern",

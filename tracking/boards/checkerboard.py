@@ -94,17 +94,6 @@ class Checkerboard(SquaresBoard):
         numbered = self._numbered(image, grid)
         return None if numbered is None else self.refine_corners(image, numbered)
 
-    def aligned(self, corners: BoardCorners, expected_px: FloatArray) -> BoardCorners:
-        """Of the numberings that the colours allow, the one nearest to the expected pixels."""
-        distances = [
-            np.linalg.norm(expected_px[turn[corners.ids]] - corners.corners_px, axis=-1).mean()
-            for turn in self.turns
-        ]
-        turned = self.turns[int(np.argmin(distances))][corners.ids]
-        order = np.argsort(turned)
-        ids = turned[order]
-        return BoardCorners(ids, corners.corners_px[order], self.points_m[ids])
-
     def coloured_alike(self, image: GrayImage, corners: BoardCorners) -> bool:
         """Whether most corners have the colours about them that their numbers say."""
         signal = contrast(

@@ -16,7 +16,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -200,13 +201,41 @@ class Board(ABC):
             project: points ``(n, 3)`` of the board to pixels ``(n, 2)``, by the corners' pose.
         """
 
+    @property
+    def turns(self) -> list[IntArray]:
+        """Renumberings ``new_id = turn[old_id]`` under which the print looks the same."""
+        return [np.arange(len(self.points_m))]
+
+    @property
+    def unit_m(self) -> float:
+        """The length that its kind is counted in: the first of its fields, metres."""
+        return float(getattr(self, self._lengths[0]))
+
+    def resized(self, unit_m: float) -> Self:
+        """The same print at another size."""
+        lengths = {key: getattr(self, key) * unit_m / self.unit_m for key in self._lengths}
+        return replace(self, **lengths)  # type: ignore[type-var]
+
+    @property
+    def _lengths(self) -> list[str]:
+        return [one.name for one in fields(self) if one.name.endswith("_m")]  # type: ignore[arg-type]
+
     def aligned(self, corners: BoardCorners, expected_px: FloatArray) -> BoardCorners:
         """Of the numberings that the pattern's symmetry allows, the one nearest to expectation.
 
         ``expected_px`` is ``(len(points_m), 2)``: where each corner of the board is expected.
         Corners that are numbered by markers stay as they are.
         """
-        return corners
+        if len(self.turns) == 1:
+            return corners
+        distances = [
+            np.linalg.norm(expected_px[turn[corners.ids]] - corners.corners_px, axis=-1).mean()
+            for turn in self.turns
+        ]
+        turned = self.turns[int(np.argmin(distances))][corners.ids]
+        order = np.argsort(turned)
+        ids = turned[order]
+        return BoardCorners(ids, corners.corners_px[order], self.points_m[ids])
 
     def draw(self, pixels_per_m: float) -> tuple[GrayImage, tuple[float, float]]:
         """The printed picture with its quiet zone, and the pixel of the board's origin in it."""

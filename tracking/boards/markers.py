@@ -21,6 +21,7 @@ from motorcade.tracking.checks import GrayImage, check_count, check_length
 from motorcade.tracking.markers.detection import detect_markers, readable
 from motorcade.tracking.markers.edges import refine_quads
 from motorcade.tracking.markers.families import (
+    KALIBR_FAMILY,
     border_share,
     family_size,
     layout,
@@ -184,10 +185,13 @@ class MarkerGrid(_MarkerBoard):
 
     @property
     def name(self) -> str:
-        """For example ``tag36h11_6x4_30mm_gap_9mm_from_0``."""
+        """For example ``tag36h11_6x4_30mm_gap_9mm_from_0``; Kalibr's begin with ``aprilgrid``."""
+        stands = f"{self.columns}x{self.rows}_{self.marker_m * 1e3:g}mm_gap_{self.gap_m * 1e3:g}mm"
+        kalibr = self.family == KALIBR_FAMILY and self.order == "up" and not self.turned_deg
+        if kalibr and self.corner_squares:
+            return f"aprilgrid_{stands}" + f"_from_{self.first_id}" * (self.first_id > 0)
         return (
-            f"{self.family}_{self.columns}x{self.rows}_{self.marker_m * 1e3:g}mm"
-            f"_gap_{self.gap_m * 1e3:g}mm_from_{self.first_id}"
+            f"{self.family}_{stands}_from_{self.first_id}"
             + "_up" * (self.order == "up")
             + f"_turned_{self.turned_deg}" * (self.turned_deg > 0)
             + "_squares" * self.corner_squares

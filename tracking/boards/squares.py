@@ -55,7 +55,7 @@ def refine_saddles(
         picture, coloured as expected with at least a third of the median contrast, and not
         drawn away from where they were expected by more than the window.
     """
-    homography = _homography(points_m, corners_px)
+    homography = plane_homography(points_m, corners_px)
     if homography is None:
         return corners_px, np.zeros(len(corners_px), bool)
     reach = _lengths_px(homography, points_m, clear_m)
@@ -91,11 +91,15 @@ def contrast(
     smaller of the two whites against the larger of the two blacks decides.
     """
     if homography is None:
-        homography = _homography(points_m, corners_px)
+        homography = plane_homography(points_m, corners_px)
     if homography is None:
         return np.zeros(len(corners_px))
     around = points_m[:, None] + offset_m * _DIAGONALS
-    probes = corners_px[:, None] + _map(homography, around) - _map(homography, points_m)[:, None]
+    probes = (
+        corners_px[:, None]
+        + map_plane(homography, around)
+        - map_plane(homography, points_m)[:, None]
+    )
     levels = grey_levels(image, probes)
     first, second = levels[:, 0::2], levels[:, 1::2]
     whites = np.where(black_up_left[:, None], second, first)
@@ -106,13 +110,14 @@ def contrast(
     return signed
 
 
-def _homography(points_m: FloatArray, corners_px: FloatArray) -> FloatArray | None:
+def plane_homography(points_m: FloatArray, corners_px: FloatArray) -> FloatArray | None:
     """Board to pixels; None where the corners lie on one line or on one spot."""
     found, _ = cv2.findHomography(points_m, corners_px, 0)
     return cast("FloatArray | None", found)
 
 
-def _map(homography: FloatArray, points: FloatArray) -> FloatArray:
+def map_plane(homography: FloatArray, points: FloatArray) -> FloatArray:
+    """Pixels ``(*, 2)`` of points ``(*, 2)`` on the board."""
     mapped = points @ homography[:, :2].T + homography[:, 2]
     plane: FloatArray = mapped[..., :2] / mapped[..., 2:]
     return plane
@@ -120,9 +125,9 @@ def _map(homography: FloatArray, points: FloatArray) -> FloatArray:
 
 def _lengths_px(homography: FloatArray, points_m: FloatArray, length_m: float) -> FloatArray:
     """The shorter of the two sides, in pixels, that a square of `length_m` has at each point."""
-    here = _map(homography, points_m)
-    across = _map(homography, points_m + length_m * _RIGHT) - here
-    along = _map(homography, points_m + length_m * _UP) - here
+    here = map_plane(homography, points_m)
+    across = map_plane(homography, points_m + length_m * _RIGHT) - here
+    along = map_plane(homography, points_m + length_m * _UP) - here
     shorter: FloatArray = np.minimum(
         np.linalg.norm(across, axis=-1), np.linalg.norm(along, axis=-1)
     )

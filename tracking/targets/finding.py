@@ -9,6 +9,7 @@ import numpy as np
 
 from motorcade.tracking.boards.charuco import CharucoBoard
 from motorcade.tracking.boards.checkerboard import Checkerboard
+from motorcade.tracking.boards.circles import CircleGrid
 from motorcade.tracking.boards.corners import Board
 from motorcade.tracking.boards.markers import MarkerGrid
 from motorcade.tracking.checks import GrayImage
@@ -56,6 +57,8 @@ class FoundTarget:
     @property
     def unit(self) -> str:
         """What a length of 1 is: the side of a square, or of a marker."""
+        if isinstance(self.board, CircleGrid):
+            return "spacing"
         return "square" if isinstance(self.board, Checkerboard | CharucoBoard) else "marker side"
 
     @property

@@ -29,6 +29,7 @@ from motorcade.replays.io.transforms import (
 
 if TYPE_CHECKING:
     from motorcade.fusion.imu import ImuStream
+    from motorcade.tracking.boards import Board
     from motorcade.tracking.cameras.camera import Camera
 
 
@@ -81,6 +82,56 @@ def read_chain(path: Path) -> tuple[ChainCamera, ...]:
     if not cameras:
         raise refusal(path, f"expected cam0, got {one_line(list(content))}")
     return tuple(cameras)
+
+
+TARGET_KEYS = {
+    "aprilgrid": ("tagCols", "tagRows", "tagSize", "tagSpacing"),
+    "checkerboard": ("targetCols", "targetRows", "rowSpacingMeters", "colSpacingMeters"),
+    "circlegrid": ("targetCols", "targetRows", "spacingMeters"),
+}
+_DIAMETER = 0.5
+"""Of the spacing: Kalibr's circles have no diameter, and only drawings need one."""
+
+
+def read_target(path: Path) -> Board:
+    """Read the board of Kalibr's target file, as its ``--target`` takes it.
+
+    ``tagSpacing`` is the gap between tags over ``tagSize``. Of circles the file tells no diameter;
+    half of their spacing is taken, which matters for prints alone.
+
+    Raises:
+        RecordingError: a key that is missing or of another kind, squares that are oblong, or
+            numbers that the board refuses.
+
+    Source: Kalibr's wiki, "Calibration targets".
+    """
+    from motorcade.tracking.boards import Checkerboard, CircleGrid
+    from motorcade.tracking.boards.names import kalibr_grid
+
+    content = read_yaml(path)
+    kind = str(content.get("target_type"))
+    if kind not in TARGET_KEYS:
+        expected = f"expected one of {', '.join(TARGET_KEYS)}, got {one_line(kind)}"
+        raise refusal(path, expected, field="target_type")
+    for key in TARGET_KEYS[kind]:
+        if not is_number(content.get(key)):
+            raise refusal(path, f"expected a number, got {one_line(content.get(key))}", field=key)
+    columns, rows, unit_m, *others = (as_float(content[key]) for key in TARGET_KEYS[kind])
+    if not (columns.is_integer() and rows.is_integer()):
+        raise refusal(path, "expected whole numbers", field=" and ".join(TARGET_KEYS[kind][:2]))
+    counts = int(columns), int(rows)
+    try:
+        if kind == "aprilgrid":
+            first = content.get("codeOffset", 0)
+            return kalibr_grid(*counts, unit_m, others[0] * unit_m, int(as_float(first)))
+        if kind == "circlegrid":
+            shifted = content.get("asymmetricGrid", False)
+            return CircleGrid(*counts, unit_m, _DIAMETER * unit_m, shifted is True)
+        if others[0] != unit_m:
+            raise ValueError(f"expected square cells, got {unit_m:g} by {others[0]:g} m")
+        return Checkerboard(*counts, unit_m)
+    except ValueError as fault:
+        raise refusal(path, str(fault), field=kind) from fault
 
 
 def _camera(table: dict[str, object], path: Path, name: str) -> ChainCamera:

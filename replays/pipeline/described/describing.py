@@ -61,9 +61,6 @@ from motorcade.replays.pipeline.described.values import (
     stated_lens,
 )
 from motorcade.tracking import (
-    CharucoBoard,
-    Checkerboard,
-    MarkerGrid,
     SelfCalibrationError,
 )
 from motorcade.tracking.boards.names import board_in_units
@@ -511,10 +508,6 @@ def _word(target: FoundTarget) -> str:
 def _target_toml(target: FoundTarget, length: float) -> str:
     """The table of a target whose square or marker has this side."""
     board = target.board
-    if isinstance(board, Checkerboard):
-        return board_toml(replace(board, square_m=length))
-    if isinstance(board, CharucoBoard):
-        return board_toml(replace(board, square_m=length, marker_m=length * board.marker_m))
-    if isinstance(board, MarkerGrid):
-        return board_toml(replace(board, marker_m=length, gap_m=length * board.gap_m))
+    if board is not None:
+        return board_toml(board.resized(length))
     return markers_toml(str(target.family), length)

@@ -21,7 +21,6 @@ from motorcade.replays.stages.values.camera_poses import BoardPoses
 from motorcade.tracking import (
     Board,
     BoardTrack,
-    Checkerboard,
     PoseMeasurements,
     TrackingError,
     track_board,
@@ -56,7 +55,7 @@ def warn_of_contradictions(audit: tuple[AuditFinding, ...]) -> None:
 
 def _guessed_turns(board: Board, tracked: BoardTrack) -> tuple[AuditFinding, ...]:
     """Doubt where a board that looks the same turned round was lost from sight between frames."""
-    guessed = guessed_turns(board, tracked) if isinstance(board, Checkerboard) else 0
+    guessed = guessed_turns(board, tracked)
     if not guessed:
         return ()
     summary = (

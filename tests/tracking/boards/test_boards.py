@@ -14,6 +14,7 @@ from motorcade.tracking import (
     SingleMarker,
     detect_markers,
 )
+from motorcade.tracking.boards import CircleGrid
 from motorcade.tracking.boards.corners import BoardCorners
 
 CHECKERS = Checkerboard(9, 6, 0.03)
@@ -24,6 +25,7 @@ BOARDS: list[tuple[Board, float]] = [  # and how far a corner may be off, RMS in
     (MarkerGrid("aruco_4x4_50", 5, 3, 0.04, 0.01, first_id=7), 0.06),
     (SingleMarker("tag36h11", 5, 0.12), 0.06),
     (CharucoBoard("aruco_5x5_100", 7, 5, 0.04, 0.028), 0.1),
+    (CircleGrid(4, 7, 0.03, 0.02, asymmetric=True), 0.06),
 ]
 every_board = pytest.mark.parametrize(
     ("board", "tolerance_px"), BOARDS, ids=[board.name for board, _ in BOARDS]
@@ -53,6 +55,19 @@ def test_corners_lie_where_they_are(
     error = np.concatenate(errors)
     assert np.sqrt((error**2).sum(axis=1).mean()) < tolerance_px
     assert np.abs(error.mean(axis=0)).max() < 0.02
+
+
+@pytest.mark.parametrize("board", [CircleGrid(7, 6, 0.03, 0.018), CircleGrid(5, 5, 0.03, 0.012)])
+def test_circles_that_look_the_same_turned_are_numbered_one_of_the_ways(
+    board: CircleGrid, wide_camera, render, look_at
+) -> None:
+    for tilt_deg, azimuth_deg, roll_deg in ((8, 20, 0), (35, 200, 70), (30, 100, 185)):
+        pose = look_at(board, 0.0012 * wide_camera.fx, tilt_deg, azimuth_deg, roll_deg)
+        found = board.detect(render(board, wide_camera, pose, noise=2.0), wide_camera)
+        assert found is not None
+        seen = board.aligned(found, true_corners(board, wide_camera, pose))
+        error = seen.corners_px - true_corners(board, wide_camera, pose)[seen.ids]
+        assert np.sqrt((error**2).sum(axis=1).mean()) < 0.06
 
 
 @every_board

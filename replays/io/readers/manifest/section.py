@@ -10,7 +10,6 @@ import math
 import re
 import tomllib
 from collections.abc import Callable, Mapping
-from functools import partial
 from pathlib import Path
 
 from motorcade.ga.names import did_you_mean, one_line
@@ -23,18 +22,20 @@ from motorcade.replays.io.readers.calibration import (
     yaml_camera,
 )
 from motorcade.replays.io.readers.frames.held import ROTATIONS_DEG
+from motorcade.replays.io.readers.kalibr import read_target
 from motorcade.replays.io.recording import LooseMarkers
 from motorcade.tracking.boards import (
     Board,
     CharucoBoard,
     Checkerboard,
+    CircleGrid,
     MarkerGrid,
     SingleMarker,
     board_named,
 )
+from motorcade.tracking.boards.names import kalibr_grid
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers import FAMILIES
-from motorcade.tracking.markers.families import KALIBR_FAMILY
 from motorcade.tracking.markers.marker_map import MarkerMap
 
 TOML_LIMIT = 2**16
@@ -181,33 +182,37 @@ class Section:
         raise self.fault(key, f"{expected}, got {one_line(value)}")
 
 
-_OPTIONAL = ("first_id", "order", "turned_deg", "corner_squares", "legacy")
+_OPTIONAL = ("first_id", "order", "turned_deg", "corner_squares", "legacy", "asymmetric")
 BOARD_KEYS = {
     "checkerboard": ("columns", "rows", "square_m"),
     "marker_grid": ("family", "columns", "rows", "marker_m", "gap_m", *_OPTIONAL[:4]),
     "aprilgrid": ("columns", "rows", "marker_m", "gap_m", "first_id"),
     "marker": ("family", "marker_id", "side_m"),
     "charuco": ("family", "columns", "rows", "square_m", "marker_m", "legacy"),
+    "circles": ("columns", "rows", "spacing_m", "diameter_m", "asymmetric"),
 }
 _BOARD_COMMON = ("type", "world_T_board", "metric")
 _BOARDS: dict[str, Callable[..., Board]] = {
     "checkerboard": Checkerboard,
     "marker_grid": MarkerGrid,
-    "aprilgrid": partial(MarkerGrid, KALIBR_FAMILY, order="up", corner_squares=True),
+    "aprilgrid": kalibr_grid,
     "marker": SingleMarker,
     "charuco": CharucoBoard,
+    "circles": CircleGrid,
 }
 
 
 def read_board(text: str) -> Board:
-    """Take a board's name (`boards.board_named`), or the `[board]` table of a TOML file.
+    """Take a board's name (`boards.board_named`), a TOML file's `[board]`, or Kalibr's target.
 
     Raises:
         ValueError: neither; or what the table or the board refuses.
     """
-    if not text.endswith(".toml"):
-        return board_named(text)
     path = Path(text)
+    if path.suffix.lower() in (".yaml", ".yml"):
+        return read_target(path)
+    if path.suffix.lower() != ".toml":
+        return board_named(text)
     tables = load_toml(path)
     if "board" not in tables:
         raise Section(path, "", {}, ()).fault("board", "the table is missing")
@@ -239,7 +244,7 @@ def _board_value(section: Section, key: str) -> object:
         return section.number(key, 1e-6, 1e3)
     if key in ("family", "order"):
         return section.text(key, tuple(FAMILIES) if key == "family" else ("down", "up"))
-    if key in ("corner_squares", "legacy"):
+    if key in ("corner_squares", "legacy", "asymmetric"):
         return section.truth(key, otherwise=False)
     return section.whole(key)
 
