@@ -315,7 +315,7 @@ def _read_kitti(
 
 
 def _columns(path: Path) -> int:
-    return len(next(data_rows(path, None))[1])
+    return len(next(data_rows(path, None), (0, ()))[1])
 
 
 def _frame_numbers(table: Table) -> IntArray:

@@ -13,11 +13,13 @@ import numpy as np
 from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.boards.charuco import CharucoBoard
 from motorcade.tracking.boards.checkerboard import Checkerboard
+from motorcade.tracking.boards.circles import CircleGrid
 from motorcade.tracking.boards.corners import Board
 from motorcade.tracking.boards.markers import MarkerGrid, SingleMarker
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.targets.chessboards import checkerboard_seen
+from motorcade.tracking.targets.circles import circles_seen
 from motorcade.tracking.targets.families import families_seen, words_of
 from motorcade.tracking.targets.finding import find_target, seen_markers
 from motorcade.tracking.targets.layouts import (
@@ -56,6 +58,8 @@ def compare_layout(
     """
     if isinstance(board, Checkerboard):
         return _counted(board, pictures)
+    if isinstance(board, CircleGrid):
+        return _circled(board, pictures)
     if not isinstance(board, MarkerGrid | CharucoBoard):
         return None
     seen = seen_markers(board.family, pictures)
@@ -106,6 +110,31 @@ def _counted(board: Checkerboard, pictures: Sequence[GrayImage]) -> AuditFinding
     return AuditFinding(name, "contradicted", off, "corners", summary, _keys(board, counted.board))
 
 
+def _circled(board: CircleGrid, pictures: Sequence[GrayImage]) -> AuditFinding:
+    """The finding on how many circles a grid has, and how its rows stand."""
+    name, looks = "board_corners", circles_seen(pictures)
+    if looks is None or not _same_circles(looks, board):
+        target = find_target(pictures)  # squares of one colour pass for shifted circles
+        if target is not None and target.board is not None:
+            summary = f"the images show {target.summary}"
+            return AuditFinding(
+                name, "contradicted", 1.0, "share", summary, _keys(board, target.board)
+            )
+    if looks is None:
+        return AuditFinding(name, "unknown", None, "corners", "no image shows a whole grid")
+    size = (looks.columns, looks.rows)
+    seen = "the board looks like {} x {} circles".format(*size) + ", shifted" * looks.asymmetric
+    if _same_circles(looks, board):
+        return AuditFinding(name, "consistent", 0.0, "corners", f"{seen}, as stated")
+    return AuditFinding(name, "contradicted", 1.0, "share", seen, _keys(board, looks))
+
+
+def _same_circles(looks: CircleGrid, board: CircleGrid) -> bool:
+    size = (looks.columns, looks.rows)
+    ways = (size,) if looks.asymmetric else (size, size[::-1])
+    return (board.columns, board.rows) in ways and looks.asymmetric == board.asymmetric
+
+
 def _charuco_seen(pictures: Sequence[GrayImage]) -> CharucoBoard | None:
     """The ChArUco board whose markers images show, its squares of length 1."""
     for family in families_seen(pictures)[:1]:
@@ -139,6 +168,10 @@ def name_target(pictures: Sequence[GrayImage], stated: Board | str) -> str:
                 f"the images are mirrored: as in a mirror they show {mirrored.summary}; mirror "
                 "them back, left to right"
             )
+    circles = circles_seen(pictures) if target is None else None
+    if circles is not None and isinstance(stated, Board):
+        shape = f"{circles.columns} x {circles.rows} circles" + ", shifted" * circles.asymmetric
+        return f"the images show {shape}; {_keys(stated, circles)}"
     if target is None:
         return ""
     seen = f"the images show {target.summary}"
@@ -194,8 +227,13 @@ _KINDS: dict[type[Board], tuple[str, ...]] = {
     Checkerboard: ("checkerboard", "columns", "rows"),
     MarkerGrid: ("marker_grid", "family", "columns", "rows", "first_id", "order", "turned_deg"),
     CharucoBoard: ("charuco", "family", "columns", "rows", "legacy"),
+    CircleGrid: ("circles", "columns", "rows", "asymmetric"),
 }
-_LENGTHS = {MarkerGrid: "marker_m and gap_m", CharucoBoard: "square_m and marker_m"}
+_LENGTHS = {
+    MarkerGrid: "marker_m and gap_m",
+    CharucoBoard: "square_m and marker_m",
+    CircleGrid: "spacing_m and diameter_m",
+}
 
 
 def _keys(stated: Board, other: Board) -> str:
@@ -208,7 +246,7 @@ def _keys(stated: Board, other: Board) -> str:
         differing = {key for key in keys if own[key] != values[key]}
         if "family" in keys and words_of(own["family"]) == words_of(values["family"]):
             differing -= {"family"}  # of nested dictionaries the smallest is seen
-        if "columns" in differing or (isinstance(other, Checkerboard) and differing):
+        if "columns" in differing or (isinstance(other, Checkerboard | CircleGrid) and differing):
             differing |= {"columns", "rows"}
         else:
             differing -= {"rows"}  # those beyond the last marker seen are not known

@@ -123,7 +123,7 @@ def read_target(path: Path) -> Board:
     try:
         if kind == "aprilgrid":
             first = content.get("codeOffset", 0)
-            return kalibr_grid(*counts, unit_m, others[0] * unit_m, int(as_float(first)))
+            return kalibr_grid(*counts, unit_m, round(others[0] * unit_m, 9), int(as_float(first)))
         if kind == "circlegrid":
             shifted = content.get("asymmetricGrid", False)
             return CircleGrid(*counts, unit_m, _DIAMETER * unit_m, shifted is True)

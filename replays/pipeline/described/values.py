@@ -36,7 +36,7 @@ from motorcade.tracking.checks import GrayImage
 
 _NEIGHBOURS = 3
 _FEWEST_PLACES, _MOST_PLACES = 8, 24
-_MOST_BYTES = 2**28
+_MOST_BYTES, _LARGE = 2**28, 16_000_000
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,8 @@ def sampled_pictures(
     """Three neighbouring frames at each of some places that are spread over a recording.
 
     Neighbours tell how fast the camera moved; places, what it saw. Of large pictures fewer are
-    taken, so that all of them fit into a quarter of a GiB; of a few frames every one is a place.
+    taken, so that all of them fit into a quarter of a GiB (above 16 million pixels no neighbours);
+    of a few frames every one is a place.
     `kept` are pictures that were read already, by their rows.
     """
     rows, places = sample_rows(len(frames), kept[0].size if kept else frames[0].gray().size)
@@ -148,11 +149,12 @@ def sampled_pictures(
 
 def sample_rows(count: int, pixels: int) -> tuple[IntArray, tuple[int, ...]]:
     """Rows of the frames that a sample takes, and which of these stand for a place each."""
-    places = int(np.clip(_MOST_BYTES / (_NEIGHBOURS * pixels), _FEWEST_PLACES, _MOST_PLACES))
+    neighbours, fewest = (_NEIGHBOURS, _FEWEST_PLACES) if pixels <= _LARGE else (1, 3)
+    places = int(np.clip(_MOST_BYTES / (neighbours * pixels), fewest, _MOST_PLACES))
     last = count - 1
     ends = (0, last) if last < _FEWEST_PLACES else (1, last - 1)
     middles = np.unique(np.linspace(*ends, places).astype(int))
-    beside = (middles[:, None] + np.arange(_NEIGHBOURS) - _NEIGHBOURS // 2).ravel()
+    beside = (middles[:, None] + np.arange(neighbours) - neighbours // 2).ravel()
     rows = np.unique(np.clip(beside, 0, last))
     return rows, tuple(int(row) for row in np.searchsorted(rows, middles))
 

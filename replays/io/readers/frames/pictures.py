@@ -26,7 +26,9 @@ from motorcade.replays.io.recording import DepthArray, ImageArray
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm")
 FILE_LIMIT = 256 * 2**20
-PIXEL_LIMIT = 100_000_000
+PIXEL_LIMIT, FRAME_PIXELS = 100_000_000, 50_000_000
+"""Pixels of an image by itself, and of a frame, of which some are held at once."""
+_BLOCK_ROWS = 512
 _JPEG_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
 _PNM_HEADER = re.compile(rb"P[56]" + 3 * rb"(?:\s|#[^\n]*\n)+(\d{1,9})" + rb"\s")
 _TRUNCATED = "the picture is truncated"
@@ -40,17 +42,21 @@ def read_picture_bytes(
 ) -> bytes:
     """Read a picture file and check that it is whole and has this size (width, height), upright.
 
-    `advice` is what to do about another size, where that is not the camera's.
+    `advice` is what to do about another size, where that is not the camera's. A frame, which a
+    field names, has at most `FRAME_PIXELS` pixels.
 
     Raises:
         DamagedError: empty, truncated, corrupt, or no picture at all.
-        RecordingError: missing, or another size.
+        RecordingError: missing, too large for a frame, or another size.
     """
     data = read_bounded(path, FILE_LIMIT, field)
     try:
         found = upright_size(data)
     except ValueError as fault:
         raise _damaged(path, str(fault), field) from fault
+    if field is not None and found[0] * found[1] > FRAME_PIXELS:
+        problem = f"expected frames of at most {FRAME_PIXELS} pixels, got {found[0]} x {found[1]}"
+        raise refusal(path, problem, field=field, advice="make all images smaller alike")
     if size is not None and found != size:
         raise refusal(
             path,
@@ -79,7 +85,9 @@ def read_picture(path: Path, field: str, size: tuple[int, int] | None) -> ImageA
     if picture.dtype != np.uint8:
         raise refusal(path, f"expected 8-bit pixels, got {picture.dtype}", field=field)
     if picture.ndim == 3:
-        picture = cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
+        for row in range(0, len(picture), _BLOCK_ROWS):  # in place, so that it is held once
+            block = picture[row : row + _BLOCK_ROWS]
+            block[...] = cv2.cvtColor(block, cv2.COLOR_BGR2RGB)
     return picture_orientation(data).upright(np.asarray(picture, dtype=np.uint8))
 
 

@@ -31,8 +31,8 @@ from motorcade.ga.arrays import IntArray
 from motorcade.ga.names import one_line
 from motorcade.replays.io.errors import refusal
 from motorcade.replays.io.files import open_bounded
-from motorcade.replays.io.readers.frames.files import FRAME_LIMIT
-from motorcade.replays.io.readers.frames.pictures import PIXEL_LIMIT, picture_size
+from motorcade.replays.io.readers.frames.files import FRAME_PIXELS
+from motorcade.replays.io.readers.frames.pictures import FRAME_PIXELS, picture_size
 from motorcade.replays.io.readers.ros.admission import FILE_LIMIT
 from motorcade.replays.io.readers.ros.reader import Bag
 from motorcade.replays.io.recording import DecodedFrames, DepthArray, Frame, ImageArray
@@ -220,8 +220,8 @@ class BagFrames(DecodedFrames):
             pixels = ENCODINGS.get(_encoding(message))
             if pixels is not None and pixels.number == "u2" and hasattr(message, "encoding"):
                 highest = max(highest, int(_numbers(message, "u2").max(initial=0)))
-            if len(rows) > FRAME_LIMIT:
-                raise refusal(self._path, f"expected at most {FRAME_LIMIT} pictures, got more")
+            if len(rows) > FRAME_PIXELS:
+                raise refusal(self._path, f"expected at most {FRAME_PIXELS} pictures, got more")
         self._bits = max(self._bits, highest.bit_length())
         table = np.array(rows, dtype=np.int64).reshape(-1, 3)
         stamps = choose_stamps(*table.T)
@@ -392,7 +392,7 @@ def _rows(message: Any, path: Path, field: str, number: str, count: int) -> NDAr
     """Pixels ``(height, width)`` or ``(height, width, count)`` of a raw message."""
     height, width, step = (int(value) for value in (message.height, message.width, message.step))
     least = width * count * np.dtype(number).itemsize
-    fits = 0 < height * width <= PIXEL_LIMIT and step >= least
+    fits = 0 < height * width <= FRAME_PIXELS and step >= least
     if not fits or message.data.size != height * step:
         problem = f"expected {height} rows of {step} bytes, got {message.data.size}"
         raise refusal(path, problem, field=field)
@@ -415,7 +415,9 @@ def _compressed(message: Any, path: Path, field: str, pixels: _Pixels | None) ->
 
 def _unpacked(data: Any, path: Path, field: str, flags: int) -> NDArray[Any]:
     try:
-        picture_size(bytes(data))
+        width, height = picture_size(bytes(data))
+        if width * height > FRAME_PIXELS:
+            raise ValueError(f"expected at most {FRAME_PIXELS} pixels, got {width} x {height}")
         picture = cv2.imdecode(np.asarray(data, dtype=np.uint8), flags)
     except ValueError as fault:
         raise refusal(path, str(fault), field=field) from fault

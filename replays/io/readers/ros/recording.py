@@ -297,8 +297,9 @@ def read_bag_imu(
     streams = {name: entry for name, entry in streams.items() if len(entry[0])}
     if not streams:
         return None
-    gyros = [name for name, (_, rows) in streams.items() if not np.any(rows[:, 3:])]
-    accels = [name for name, (_, rows) in streams.items() if not np.any(rows[:, :3])]
+    nothing = {name: np.nan_to_num(rows, nan=1.0) == 0.0 for name, (_, rows) in streams.items()}
+    gyros = [name for name, zero in nothing.items() if zero[:, 3:].all()]
+    accels = [name for name, zero in nothing.items() if zero[:, :3].all()]
     whole = [name for name in streams if name not in (*gyros, *accels)]
     try:
         if not whole and gyros and accels:
