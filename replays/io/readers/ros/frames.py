@@ -31,7 +31,7 @@ from motorcade.ga.arrays import IntArray
 from motorcade.ga.names import one_line
 from motorcade.replays.io.errors import refusal
 from motorcade.replays.io.files import open_bounded
-from motorcade.replays.io.readers.frames.files import FRAME_PIXELS
+from motorcade.replays.io.readers.frames.files import FRAME_LIMIT
 from motorcade.replays.io.readers.frames.pictures import FRAME_PIXELS, picture_size
 from motorcade.replays.io.readers.ros.admission import FILE_LIMIT
 from motorcade.replays.io.readers.ros.reader import Bag
@@ -220,8 +220,8 @@ class BagFrames(DecodedFrames):
             pixels = ENCODINGS.get(_encoding(message))
             if pixels is not None and pixels.number == "u2" and hasattr(message, "encoding"):
                 highest = max(highest, int(_numbers(message, "u2").max(initial=0)))
-            if len(rows) > FRAME_PIXELS:
-                raise refusal(self._path, f"expected at most {FRAME_PIXELS} pictures, got more")
+            if len(rows) > FRAME_LIMIT:
+                raise refusal(self._path, f"expected at most {FRAME_LIMIT} pictures, got more")
         self._bits = max(self._bits, highest.bit_length())
         table = np.array(rows, dtype=np.int64).reshape(-1, 3)
         stamps = choose_stamps(*table.T)
