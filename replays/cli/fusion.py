@@ -38,6 +38,22 @@ def add_fuse(commands: Commands) -> None:
     )
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT")
     parser.add_argument("--format", choices=("tum", "euroc", "kitti"), help="of OUT")
+    parser.add_argument(
+        "--positions",
+        metavar="FILE",
+        help="positions on the poses' clock that hold a path which drifts: .gpx, .nmea, .ulg, "
+        "BAG:TOPIC (NavSatFix), or a trajectory file in metres",
+    )
+    parser.add_argument(
+        "--positions-sigma-m", type=float, default=3.0, metavar="S", help="their deviation (3 m)"
+    )
+    parser.add_argument(
+        "--antenna-m",
+        type=float,
+        nargs=3,
+        metavar=("X", "Y", "Z"),
+        help="where they were measured, from the IMU in its axes (0 0 0)",
+    )
     add_stamps(parser)
     parser.add_argument(
         "--stamps",
@@ -148,12 +164,14 @@ def fuse(arguments: argparse.Namespace) -> None:
     if not np.ptp(poses.rigid.poses.rotor.coefficients, axis=0).any() and poses.child == "antenna":
         raise ValueError(
             f"{arguments.poses}: expected poses, got positions, which do not turn; "
-            "`motorcade evaluate` takes them for a reference"
+            "give them as --positions beside poses; `motorcade evaluate` takes them for a reference"
         )
     imu = read_imu_of(arguments.imu)
     if rig is not None:
         imu = rig.corrected(imu)
-    fused = fuse_poses(poses, imu, options, _stamps(arguments.stamps, poses, imu, options))
+    positions = None if arguments.positions is None else read_trajectory(arguments.positions)
+    stamps = _stamps(arguments.stamps, poses, imu, options)
+    fused = fuse_poses(poses, imu, options, stamps, positions)
     path = fused.fused.trajectory
     write_trajectory(path, arguments.output, arguments.format)
     if arguments.covariance is not None:
@@ -187,8 +205,9 @@ def _options(arguments: argparse.Namespace, rig: ImuCalibration | None) -> Fusin
         **chosen(
             arguments,
             *("noise_factor", "walk_factor", "learn_noise", "sigma_m", "gravity_m_s2"),
-            *("extrinsics_sigma_m", "gate", "least_accepted", "online"),
+            *("extrinsics_sigma_m", "gate", "least_accepted", "online", "positions_sigma_m"),
         ),
+        **({} if arguments.antenna_m is None else {"antenna_m": tuple(arguments.antenna_m)}),
         imu_T_camera=imu_T_camera,
         offset_s=offset_s if arguments.offset_s is None else arguments.offset_s,
         estimate=tuple(arguments.estimate),

@@ -7,6 +7,7 @@ IMU as the pipeline takes it, ten times the data sheet's white noise.
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -16,6 +17,13 @@ import numpy as np
 from motorcade.fusion.filter import FilterSettings, Fused, LearntNoise, fuse, learn_noise
 from motorcade.fusion.filter.fuse import checked_lag
 from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
+from motorcade.fusion.measurements import (
+    Measurements,
+    PositionMeasurements,
+    RelativePoseMeasurements,
+)
+from motorcade.fusion.metrics.poses.alignment import align_heading
+from motorcade.fusion.metrics.poses.association import Pairs
 from motorcade.fusion.smoothing import choose
 from motorcade.fusion.smoothing.batch.inliers import first_sizes
 from motorcade.fusion.sync import synchronise
@@ -29,9 +37,11 @@ from motorcade.replays.stages.values.camera_poses import CameraPoses
 from motorcade.replays.stages.values.inertial import UsedImu
 from motorcade.tracking import PoseMeasurements
 
+_LOG = logging.getLogger("motorcade.replays")
 Estimated = Literal["extrinsics", "offset"]
 _FLOOR_M, _FLOOR_RAD = 1e-4, 1e-4
 """No pose is believed beyond this, as in tracking: errors that last are in no roughness."""
+_FEWEST_POSITIONS = 4
 _AXES = ("rx", "ry", "rz", "tx", "ty", "tz")
 
 
@@ -57,6 +67,8 @@ class FusingOptions:
         online: every pose of what came before it alone.
         lag_s: every pose of what came up to so much after it; None: of all.
         least_accepted: share of the poses below which there is no result.
+        positions_sigma_m: deviation of positions beside the poses, an axis.
+        antenna_m: where they were measured, from the IMU, in its axes.
 
     Raises:
         ValueError: a deviation or factor that is not above zero; a lag below it, or with `online`.
@@ -84,9 +96,11 @@ class FusingOptions:
     online: bool = False
     lag_s: float | None = None
     least_accepted: float = 0.5
+    positions_sigma_m: float = 3.0
+    antenna_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        for name in ("noise_factor", "walk_factor", "sigma_m", "sigma_rad"):
+        for name in ("noise_factor", "walk_factor", "sigma_m", "sigma_rad", "positions_sigma_m"):
             value = getattr(self, name)
             if value is not None:
                 checked_positive(value, name)
@@ -131,6 +145,7 @@ class FusedPoses:
         return {
             "poses": self.poses,
             "fused_poses": len(fused.trajectory),
+            "positions_kept": {kind.name: float(kind.accepted.mean()) for kind in fused.also},
             "refused": int(np.count_nonzero(~fused.accepted)),
             "nis_per_dimension": float(nis.mean()) / 6.0 if nis.size else None,
             "sigma_m": self.sigma_m,
@@ -154,6 +169,7 @@ def fuse_poses(
     imu: ImuStream,
     options: FusingOptions | None = None,
     stamps_ns: IntArray | None = None,
+    positions: Trajectory | None = None,
 ) -> FusedPoses:
     """Fuse a path, in metres, with the readings of an IMU that moved with it.
 
@@ -162,6 +178,8 @@ def fuse_poses(
         imu: its readings, on its own clock.
         options: what is known besides.
         stamps_ns: rising stamps on the poses' clock at which the path is wanted; None: theirs.
+        positions: of an antenna on the same clock, in any upright world. They hold a path that
+            drifts: its poses then count by the steps between them (see `_held`).
 
     Raises:
         ValueError: streams that do not overlap, fewer than 16 poses where their noise is to be
@@ -194,6 +212,10 @@ def fuse_poses(
         UsedImu(None, sheet, imu_T_camera, "recorded"),
         stream,
     )
+    also: tuple[Measurements, ...] = ()
+    if positions is not None:
+        held, also = _held(level.measurements, positions, imu_T_camera, chosen)
+        level = replace(level, measurements=held)
     settings = _settings(chosen, offset_sigma_s or 0.0, leaned=level.leaned)
     learned = None
     if chosen.learn_noise:
@@ -205,6 +227,7 @@ def fuse_poses(
         noise,
         imu_T_camera,
         poses.time_ns if stamps_ns is None else stamps_ns,
+        also=also,
         settings=settings,
         smoothed=not chosen.online,
         lag_s=chosen.ahead_s,
@@ -237,6 +260,52 @@ def fuse_poses(
         len(poses),
         learned,
     )
+
+
+def _held(
+    measured: PoseMeasurements, positions: Trajectory, imu_T_camera: Motor, options: FusingOptions
+) -> tuple[PoseMeasurements, tuple[Measurements, ...]]:
+    """Poses and what holds their path: positions turned about the vertical into their world.
+
+    As far as both lie apart beyond the positions' own deviation, the path drifts. An error that
+    lasts is one error, in however many poses: all of them together then weigh as one of that size,
+    and the steps between them as they are.
+
+    Raises:
+        ValueError: fewer than four positions beside the poses, or such as tell no heading.
+    """
+    path, sigma_m = measured.trajectory, options.positions_sigma_m
+    stamps = positions.time_ns
+    beside = np.flatnonzero((stamps >= path.time_ns[0]) & (stamps <= path.time_ns[-1]))
+    if len(beside) < _FEWEST_POSITIONS:
+        raise ValueError(
+            f"positions: expected {_FEWEST_POSITIONS} or more between the first pose and the "
+            f"last, got {len(beside)}; both must be on one clock"
+        )
+    stamps, places = stamps[beside], positions.motors[beside]
+    antenna = (path.motors_at(stamps) @ imu_T_camera.inverse()).apply(options.antenna_m)
+    spread_m = float(np.hypot(*places.translation_m[:, :2].std(axis=0)))
+    if spread_m < sigma_m:
+        raise ValueError(
+            f"positions: expected them spread by more than their deviation, {sigma_m:g} m, since "
+            f"they tell the heading, got {spread_m:.1f} m; say --positions-sigma-m as it is"
+        )
+    rows = np.arange(len(stamps))
+    pairs = Pairs(stamps, places, Motor.from_translation(antenna), rows, rows)
+    aligned = align_heading(pairs).apply(places).translation_m
+    drift_m = np.sqrt(max(np.square(aligned - antenna).mean() - sigma_m**2, 0.0))
+    _LOG.info("positions: %.2f m of drift in the poses, %.1f m across", drift_m, spread_m)
+    covariance = np.asarray(measured.covariance)
+    steps = RelativePoseMeasurements.along(path, 2.0 * covariance[1:], imu_T_camera)
+    spread = np.diag(np.repeat([drift_m / spread_m, drift_m], 3)) ** 2
+    fixes = PositionMeasurements(
+        time_ns=stamps,
+        position_m=aligned,
+        covariance=sigma_m**2 * np.eye(3),
+        arm_m=np.array(options.antenna_m),
+    )
+    drifting = PoseMeasurements(path, covariance + len(path) * spread)
+    return drifting, (fixes, steps) if drift_m > 0.0 else (fixes,)
 
 
 def _cause(fused: Fused) -> str:
