@@ -9,6 +9,7 @@ picture's corners. How sure the focal length is follows from errors that corners
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from motorcade.tracking.self_calibration.bodies import BodySightings, BodyState
 from motorcade.tracking.self_calibration.certainty import error_inflation, stretches
 from motorcade.tracking.self_calibration.fitting import BodyFit, fit
 from motorcade.tracking.self_calibration.homographies import LEAST_FOCAL, MOST_FOCAL
-from motorcade.tracking.self_calibration.lens import FOCAL_SPREAD, KINDS, LensKind
+from motorcade.tracking.self_calibration.lens import FOCAL_SPREAD, KINDS, PINHOLE, LensKind
 from motorcade.tracking.self_calibration.result import (
     Basis,
     ReadoutAxis,
@@ -25,6 +26,7 @@ from motorcade.tracking.self_calibration.result import (
     SelfCalibrationError,
     ShutterReadout,
 )
+from motorcade.tracking.self_calibration.zooming import focal_range, zoom_doubt
 
 _DOUBTFUL_FOCAL = 0.01
 _SURE_FOCAL = 0.001
@@ -174,16 +176,19 @@ def calibration_of(chosen: ChosenFit, seen: BodySightings, basis: Basis) -> Self
     Raises:
         SelfCalibrationError: views from which no camera's focal length follows.
     """
-    chosen, breathing = _with_breathing(chosen, seen)
+    zoom = focal_range(len(seen.time_s), partial(_focal_of, chosen.fit.state, seen))
+    chosen, breathing = (chosen, 0.0) if zoom else _with_breathing(chosen, seen)
     found = chosen.fit
     focal = float(found.state.numbers[0])
     formal = float(np.sqrt(chosen.covariance[0, 0])) / focal
-    sigma = float(np.linalg.norm([formal, chosen.spread, _SURE_FOCAL]))
+    zoomed = 0.5 * np.log(zoom[1] / zoom[0]) if zoom else 0.0
+    sigma = float(np.linalg.norm([formal, chosen.spread, _SURE_FOCAL, zoomed]))
     if not LEAST_FOCAL <= focal / max(seen.size) <= MOST_FOCAL:
         raise SelfCalibrationError(
             f"{basis}: expected a focal length of {LEAST_FOCAL:g} to {MOST_FOCAL:g} long sides of "
             f"the picture, got {focal / max(seen.size):.2g}: no camera sees it like that"
         )
+    doubts = [zoom_doubt(*zoom)] if zoom else _doubts(found, sigma, breathing, basis)
     return SelfCalibration(
         found.camera(seen.size),
         basis,
@@ -193,8 +198,17 @@ def calibration_of(chosen: ChosenFit, seen: BodySightings, basis: Basis) -> Self
         len(seen.time_s),
         _readout(chosen),
         breathing,
-        (*_doubts(found, sigma, breathing, basis), *_reach(seen)),
+        (*doubts, *_reach(seen)),
     )
+
+
+def _focal_of(state: BodyState, seen: BodySightings, views: IntArray) -> tuple[float, float] | None:
+    """What some views alone tell of the focal length, and its deviation, for a lens like all."""
+    try:
+        alone = fit(seen.only(views), as_kind(_of_views(state, views), PINHOLE), bodies=False)
+    except SelfCalibrationError:
+        return None
+    return float(alone.state.numbers[0]), float(np.sqrt(alone.covariance[0, 0]))
 
 
 def largest_tilt_deg(state: BodyState) -> float:

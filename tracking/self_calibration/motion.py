@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import islice
 
 import cv2
@@ -53,6 +54,7 @@ from motorcade.tracking.self_calibration.usual import (
     view_deg,
     with_prior,
 )
+from motorcade.tracking.self_calibration.zooming import focal_range, zoom_doubt
 from motorcade.tracking.slam.features import find_corners
 from motorcade.tracking.slam.results import SlamResult
 from motorcade.tracking.slam.slam import VisualSlam
@@ -135,11 +137,15 @@ def self_calibrate_motion(
     except SelfCalibrationError as why:
         return _guessed(frames, camera.fx / max(frames.small), np.inf, str(why))
     straight, found, readout = fit_with_shutter(seen, start, velocity)
+    zoom = focal_range(found.state.world_T_camera.shape[0], partial(_focal_of, straight, found))
     parallax, focal = parallax_deg(straight, found.state), float(found.state.numbers[0])
     found = _unfolded(frames, straight, found)
     sigma = _focal_sigma(straight, found)
     reason = ""
-    if parallax < _LEAST_PARALLAX_DEG or not sigma <= _TOLD_FOCAL:
+    if zoom is not None:
+        sigma = max(sigma, 0.5 * float(np.log(zoom[1] / zoom[0])))
+        reason = zoom_doubt(*(frames.scale * np.array(zoom)))
+    elif parallax < _LEAST_PARALLAX_DEG or not sigma <= _TOLD_FOCAL:
         reason = f"things are seen from directions {parallax:.1f} degrees apart in the middle"
     elif (aside := _aside(found, frames)) > _FARTHEST_ASIDE:
         reason = (
@@ -347,6 +353,18 @@ def _checked(frames: _Frames, found: PointFit, sigma: float) -> SelfCalibration:
         views,
         doubts=tuple(doubts),
     )
+
+
+def _focal_of(seen: PointSightings, found: PointFit, views: IntArray) -> tuple[float, float] | None:
+    """What some views alone tell of the focal length, and its deviation, pixels as tracked."""
+    rows = np.flatnonzero(np.isin(seen.view, views))
+    part = replace(seen.only(rows), view=np.searchsorted(views, seen.view[rows]))
+    state = replace(found.state, world_T_camera=found.state.world_T_camera[views])
+    try:
+        alone = fit_points(*_often_seen(part, state))
+    except (ValueError, np.linalg.LinAlgError):
+        return None
+    return float(alone.state.numbers[0]), float(np.sqrt(alone.covariance[0, 0]))
 
 
 def _unfolded(frames: _Frames, seen: PointSightings, found: PointFit) -> PointFit:
