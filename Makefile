@@ -27,6 +27,7 @@ WRITTEN := $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(k
 .DEFAULT_GOAL := demo
 
 demo: $(READY) system
+	@echo "drawing a small recording, and everything run on it: about a minute on two processors"
 	$(BIN)/motorcade demo --out out/demo
 
 # Two workers on two processors: threads of linear algebra beside them would wait for each other.
@@ -99,10 +100,13 @@ release:
 # The environment is complete when this stamp is newer than everything it was made from.
 $(READY): $(NATIVE)
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "motorcade needs Python 3.11 or newer; say PYTHON=python3.x")'
-	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install -q -c constraints.txt pip setuptools wheel scikit-build-core nanobind
-	$(BIN)/python -m pip install -q -c constraints.txt --no-build-isolation -e ".[dev]"
-	touch $@
+	@echo "1 of 3: an environment in $(VENV) with pip and what builds (some 10 s)"
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@$(BIN)/python -m pip install -q -c constraints.txt pip setuptools wheel scikit-build-core nanobind
+	@echo "2 of 3: packages of constraints.txt, named as they come (2.5 GB on the disk; minutes the first time)"
+	@echo "3 of 3: after 'Building editable', C and C++ compiled: without a word, some minutes of a processor"
+	@$(BIN)/python -m pip install -c constraints.txt --no-build-isolation --progress-bar off -e ".[dev]"
+	@touch $@
 
 # Headless OpenGL comes from the system's packages: installed where permitted, named where not.
 system:

@@ -54,6 +54,6 @@ def zoom_doubt(shortest: float, longest: float) -> str:
     """What to say of a clip whose lens zooms, focal lengths in pixels."""
     return (
         f"the focal length changes by {longest / shortest - 1.0:.0%} or more within the shot, from "
-        f"about {shortest:.0f} to {longest:.0f} px: the lens zooms, and one camera is right in hardly "
-        "any frame; take a part of the clip in which it does not"
+        f"about {shortest:.0f} to {longest:.0f} px: the lens zooms, and one camera is right in "
+        "hardly any frame; take a part of the clip in which it does not"
     )
