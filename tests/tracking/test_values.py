@@ -38,6 +38,27 @@ def test_names_are_read_in_millimetres() -> None:
             board_named(wrong)
 
 
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("calib.io_checker_200x150_8x11_15.pdf", "checkerboard_10x7_15mm"),
+        ("calib.io_charuco_297x210_5x7_35_26_DICT_4X4", "charuco_aruco_4x4_50_7x5_35mm_26mm"),
+        ("calib.io_CHARUCO_800x600_14x20_40_30_DICT_5X5", "charuco_aruco_5x5_250_20x14_40mm_30mm"),
+        ("calib.io_circles_200x150_8x10_18_8.33.pdf", "circles_10x8_18mm_8.33mm"),
+        ("aprilgrid_6x6_88mm_gap_26.4mm_from_0", "aprilgrid_6x6_88mm_gap_26.4mm"),
+    ],
+)
+def test_names_of_generators_are_names_of_boards(name: str, meant: str) -> None:
+    """Of calib.io: rows by columns of squares, as its files are called."""
+    assert board_named(name).name == meant
+
+
+@pytest.mark.parametrize("name", ["calib.io_charuco_200x150_8x11_15", "calib.io_checker_2x1_8x11"])
+def test_names_of_files_that_lack_a_number_are_refused(name: str) -> None:
+    with pytest.raises(ValueError, match="board: expected a name"):
+        board_named(name)
+
+
 def test_depth_is_undistorted_as_pictures_are() -> None:
     """Of an image whose depths are its own columns: each pixel shows the column it came from."""
     bent = replace(CAMERA, model="radtan", distortion=(-0.2, 0.05, 0.0, 0.0))

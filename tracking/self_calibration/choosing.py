@@ -18,7 +18,7 @@ from motorcade.tracking.self_calibration.bodies import BodySightings, BodyState
 from motorcade.tracking.self_calibration.certainty import error_inflation, stretches
 from motorcade.tracking.self_calibration.fitting import BodyFit, fit
 from motorcade.tracking.self_calibration.homographies import LEAST_FOCAL, MOST_FOCAL
-from motorcade.tracking.self_calibration.lens import FOCAL_SPREAD, KINDS, PINHOLE, LensKind
+from motorcade.tracking.self_calibration.lens import FOCAL_SPREAD, KINDS, LensKind
 from motorcade.tracking.self_calibration.result import (
     Basis,
     ReadoutAxis,
@@ -205,7 +205,7 @@ def calibration_of(chosen: ChosenFit, seen: BodySightings, basis: Basis) -> Self
 def _focal_of(state: BodyState, seen: BodySightings, views: IntArray) -> tuple[float, float] | None:
     """What some views alone tell of the focal length, and its deviation, for a lens like all."""
     try:
-        alone = fit(seen.only(views), as_kind(_of_views(state, views), PINHOLE), bodies=False)
+        alone = fit(seen.only(views), _of_views(state, views), bodies=False)
     except SelfCalibrationError:
         return None
     return float(alone.state.numbers[0]), float(np.sqrt(alone.covariance[0, 0]))

@@ -15,9 +15,9 @@ import numpy as np
 from motorcade.ga.arrays import IntArray
 
 PARTS, FEWEST_VIEWS = 5, 5
-_SIGMAS, _LEAST, _WORSE = 5.0, 0.08, 3.0
-"""Parts differ where they do by so many deviations and this share; fits' deviations are taken so
-many times, since corners of a part err alike."""
+_SIGMAS, _LEAST, _WORSE = 5.0, 0.15, 3.0
+"""Parts differ where they do by so many deviations and this share, which is more than focus does to
+a lens; fits' deviations are taken so many times, since corners of a part err alike."""
 
 
 def focal_range(

@@ -19,6 +19,7 @@ from motorcade.replays.io.errors import RecordingError
 from motorcade.replays.io.readers.manifest.section import load_toml
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.transforms import read_transform
+from motorcade.replays.pipeline.described.values import sample_rows
 
 
 @pytest.mark.parametrize(
@@ -111,3 +112,20 @@ def test_damaged_time_scales_are_said(
         status = main(["inspect", str(path), "--json"])
     said = caplog.text + capsys.readouterr().err
     assert "time scale, hides 29 of 30" in said or (status == 1 and "10 us" in said)
+
+
+def test_frames_too_large_are_refused_before_they_are_decoded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for number in range(3):
+        cv2.imwrite(str(tmp_path / f"{number}.png"), np.full((6000, 9000), 90, np.uint8))
+    monkeypatch.setattr(cv2, "imdecode", lambda *_: pytest.fail("it was decoded"))
+    with pytest.raises(RecordingError, match="at most 50000000 pixels, got 9000 x 6000"):
+        open_recording(tmp_path).frames[0].gray()
+
+
+@pytest.mark.parametrize("pixels", [2_000_000, 15_000_000, 33_000_000, 50_000_000])
+def test_a_sample_of_frames_is_bounded_by_their_pixels(pixels: int) -> None:
+    rows, places = sample_rows(500, pixels)
+    assert len(rows) * pixels <= 1.5 * 2**28
+    assert len(places) >= 3
