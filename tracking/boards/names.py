@@ -45,17 +45,17 @@ def board_named(name: str) -> Board:
     >>> board_named("tag36h11_id_7_65mm")
     SingleMarker(family='tag36h11', marker_id=7, side_m=0.065)
     """
-    if found := re.fullmatch(f"checkerboard_{_GRID}_{_MM}", name):
-        columns, rows, square = found.groups()
+    if match := re.fullmatch(f"checkerboard_{_GRID}_{_MM}", name):
+        columns, rows, square = match.groups()
         return Checkerboard(int(columns), int(rows), _metres(square))
-    if found := re.fullmatch(f"charuco_{_FAMILY}_{_GRID}_{_MM}_{_MM}(_legacy)?", name):
-        family, *counts, square, marker, legacy = found.groups()
+    if match := re.fullmatch(f"charuco_{_FAMILY}_{_GRID}_{_MM}_{_MM}(_legacy)?", name):
+        family, *counts, square, marker, legacy = match.groups()
         columns, rows = map(int, counts)
         return CharucoBoard(family, columns, rows, _metres(square), _metres(marker), bool(legacy))
-    if found := re.fullmatch(
+    if match := re.fullmatch(
         rf"{_FAMILY}_{_GRID}_{_MM}_gap_{_MM}(?:_from_(\d{{1,4}}))?{_PRINT}", name
     ):
-        family, columns, rows, side, gap, first, up, turned, squares = found.groups()
+        family, columns, rows, side, gap, first, up, turned, squares = match.groups()
         return MarkerGrid(
             family,
             int(columns),
@@ -67,17 +67,17 @@ def board_named(name: str) -> Board:
             int(turned or 0),
             bool(squares),
         )
-    if found := re.fullmatch(rf"aprilgrid_{_GRID}_{_MM}_gap_{_MM}(?:_from_(\d{{1,4}}))?", name):
-        columns, rows, side, gap, first = found.groups()
+    if match := re.fullmatch(rf"aprilgrid_{_GRID}_{_MM}_gap_{_MM}(?:_from_(\d{{1,4}}))?", name):
+        columns, rows, side, gap, first = match.groups()
         return kalibr_grid(int(columns), int(rows), _metres(side), _metres(gap), int(first or 0))
-    if found := re.fullmatch(f"circles_{_GRID}_{_MM}_{_MM}(_asymmetric)?", name):
-        columns, rows, spacing, diameter, shifted = found.groups()
+    if match := re.fullmatch(f"circles_{_GRID}_{_MM}_{_MM}(_asymmetric)?", name):
+        columns, rows, spacing, diameter, shifted = match.groups()
         lengths = _metres(spacing), _metres(diameter)
         return CircleGrid(int(columns), int(rows), *lengths, bool(shifted))
-    if found := re.fullmatch(_CALIB_IO, name):
-        return _of_calib_io(*found.groups())
-    if found := re.fullmatch(rf"{_FAMILY}_id_(\d{{1,4}})_{_MM}", name):
-        family, marker, side = found.groups()
+    if match := re.fullmatch(_CALIB_IO, name):
+        return _of_calib_io(*match.groups())
+    if match := re.fullmatch(rf"{_FAMILY}_id_(\d{{1,4}})_{_MM}", name):
+        family, marker, side = match.groups()
         return SingleMarker(family, int(marker), _metres(side))
     raise ValueError(f"board: expected a name such as {', '.join(BOARD_NAMES)}, got {name!r}")
 
@@ -96,8 +96,8 @@ def board_in_units(name: str) -> tuple[Board, float | None]:
     >>> board_in_units("tag36h11_6x4_30mm_gap_9mm")[1]
     0.03
     """
-    if found := re.fullmatch(f"checkerboard_{_GRID}", name):
-        return Checkerboard(int(found[1]), int(found[2]), 1.0), None
+    if match := re.fullmatch(f"checkerboard_{_GRID}", name):
+        return Checkerboard(int(match[1]), int(match[2]), 1.0), None
     board = board_named(name)
     if isinstance(board, SingleMarker):
         raise ValueError(f"board: expected a board of several corners or markers, got {name!r}")

@@ -8,7 +8,7 @@ no parallax) has a wide deviation, and says nothing.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
@@ -39,11 +39,9 @@ def focal_range(
     parts = np.array_split(np.arange(views), PARTS)
     if views < PARTS * FEWEST_VIEWS:
         return None
-    told: Sequence[tuple[float, float]] = [
-        told for part in parts if (told := focal_of(part)) is not None and told[0] > 0.0
-    ]
-    least = min(told, key=lambda part: part[0] + _SIGMAS * _WORSE * part[1], default=(0.0, 0.0))
-    most = max(told, key=lambda part: part[0] - _SIGMAS * _WORSE * part[1], default=(0.0, 0.0))
+    focals = [focal for part in parts if (focal := focal_of(part)) is not None]
+    least = min(focals, key=lambda part: part[0] + _SIGMAS * _WORSE * part[1], default=(0.0, 0.0))
+    most = max(focals, key=lambda part: part[0] - _SIGMAS * _WORSE * part[1], default=(0.0, 0.0))
     apart = _SIGMAS * _WORSE * float(np.hypot(least[1], most[1]))
     if most[0] - least[0] <= max(apart, _LEAST * least[0]):
         return None
