@@ -96,8 +96,8 @@ def detect(arguments: argparse.Namespace) -> None:
         if arguments.draw is not None:
             write_drawing(picture, arguments.draw / name)
     if arguments.json:
-        sought = {"family": target} if arguments.board is None else {"board": target.name}
-        print_json(sought | {"pictures": described})
+        header = {"family": target} if arguments.board is None else {"board": target.name}
+        print_json(header | {"pictures": described})
     if failed:
         of = f"{failed} of {len(arguments.images)} images"
         raise RuntimeError(f"{of} could not be searched; the others are done")

@@ -51,6 +51,7 @@ def add_fuse(commands: Commands) -> None:
         "--antenna-m",
         type=float,
         nargs=3,
+        default=(0.0, 0.0, 0.0),
         metavar=("X", "Y", "Z"),
         help="where they were measured, from the IMU in its axes (0 0 0)",
     )
@@ -207,7 +208,7 @@ def _options(arguments: argparse.Namespace, rig: ImuCalibration | None) -> Fusin
             *("noise_factor", "walk_factor", "learn_noise", "sigma_m", "gravity_m_s2"),
             *("extrinsics_sigma_m", "gate", "least_accepted", "online", "positions_sigma_m"),
         ),
-        **({} if arguments.antenna_m is None else {"antenna_m": tuple(arguments.antenna_m)}),
+        antenna_m=tuple(arguments.antenna_m),
         imu_T_camera=imu_T_camera,
         offset_s=offset_s if arguments.offset_s is None else arguments.offset_s,
         estimate=tuple(arguments.estimate),

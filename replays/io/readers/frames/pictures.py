@@ -26,7 +26,8 @@ from motorcade.replays.io.recording import DepthArray, ImageArray
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm")
 FILE_LIMIT = 256 * 2**20
-PIXEL_LIMIT, FRAME_PIXELS = 100_000_000, 50_000_000
+PIXEL_LIMIT = 100_000_000
+FRAME_PIXELS = 50_000_000
 """Pixels of an image by itself, and of a frame, of which some are held at once."""
 _BLOCK_ROWS = 512
 _JPEG_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
