@@ -91,8 +91,7 @@ def find_target(pictures: Sequence[GrayImage]) -> FoundTarget | None:
             from markers best.
 
     Breaks down for markers smaller than about 15 px, and for boards that never lie whole in a
-    picture and have no markers. A ChArUco board of OpenCV before 4.6 with an even count of rows, or
-    a grid whose ids do not rise row by row from its top left, gives loose markers.
+    picture and have no markers. Circles are not looked for (see `circles.circles_seen`).
 
     Raises:
         ValueError: not grey uint8 pictures.
