@@ -14,13 +14,17 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.boards.circles import CircleGrid
+from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.checks import GrayImage
+from motorcade.tracking.pictures import grey_levels
 
 _FEWEST, _MOST, _LONGEST = 3, 400, 40
 _BESIDE = 2
 """Blobs beside a grid that are allowed for."""
 _PICTURES = 6
+_STEPS, _SQUARE = 27, 1.2
 _ASKEW = 0.08
 """Of the distance of neighbours, RMS: what lens distortion leaves of a right guess."""
 
@@ -75,4 +79,16 @@ def _fits(guess: CircleGrid, picture: GrayImage) -> bool:
         return False
     placed = cv2.perspectiveTransform(seen.corners_px.reshape(-1, 1, 2), to_plane)
     off = placed.reshape(-1, 2) - seen.points_m[:, :2]
-    return bool(np.sqrt((off**2).sum(axis=1).mean()) <= _ASKEW)
+    return bool(np.sqrt((off**2).sum(axis=1).mean()) <= _ASKEW) and _round(seen, picture, to_plane)
+
+
+def _round(seen: BoardCorners, picture: GrayImage, to_plane: FloatArray) -> bool:
+    """Whether blobs reach as far along their diagonals as along rows: squares do not."""
+    angles = np.radians(np.arange(0.0, 360.0, 45.0))
+    ways = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    rays = ways[:, None] * np.linspace(0.05, 0.7, _STEPS)[:, None]
+    plane = seen.points_m[:, None, None, :2] + rays
+    px = cv2.perspectiveTransform(plane.reshape(-1, 1, 2), np.linalg.inv(to_plane))
+    levels = np.median(grey_levels(picture, px.reshape(*plane.shape[:3], 2)), axis=0)
+    dark = (levels < 0.5 * (levels.min() + levels.max())).sum(axis=1)
+    return bool(dark[1::2].sum() < _SQUARE * dark[::2].sum())

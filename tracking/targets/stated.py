@@ -113,8 +113,8 @@ def _counted(board: Checkerboard, pictures: Sequence[GrayImage]) -> AuditFinding
 def _circled(board: CircleGrid, pictures: Sequence[GrayImage]) -> AuditFinding:
     """The finding on how many circles a grid has, and how its rows stand."""
     name, looks = "board_corners", circles_seen(pictures)
-    if looks is None or not _same_circles(looks, board):
-        target = find_target(pictures)  # squares of one colour pass for shifted circles
+    if looks is None:
+        target = find_target(pictures)
         if target is not None and target.board is not None:
             summary = f"the images show {target.summary}"
             return AuditFinding(
@@ -168,7 +168,8 @@ def name_target(pictures: Sequence[GrayImage], stated: Board | str) -> str:
                 f"the images are mirrored: as in a mirror they show {mirrored.summary}; mirror "
                 "them back, left to right"
             )
-    circles = circles_seen(pictures) if target is None else None
+    unmarked = target is None or isinstance(target.board, Checkerboard)
+    circles = circles_seen(pictures) if unmarked else None
     if circles is not None and isinstance(stated, Board):
         shape = f"{circles.columns} x {circles.rows} circles" + ", shifted" * circles.asymmetric
         return f"the images show {shape}; {_keys(stated, circles)}"

@@ -336,3 +336,10 @@ def test_an_unknown_format_is_refused(tmp_path: Path) -> None:
         write_trajectory(made, tmp_path / "a.xyz")
     with pytest.raises(ValueError, match="did you mean euroc"):
         write_trajectory(made, tmp_path / "a.xyz", "euro")
+
+
+def test_a_kitti_file_without_rows_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "poses.txt"
+    path.write_text("# nothing\n\n")
+    with pytest.raises(ValueError, match="poses"):
+        read_trajectory(path, "kitti", rate_hz=10.0)
