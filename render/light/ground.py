@@ -54,6 +54,7 @@ class GroundMap:
         printed: (n, n) what is known to be a print that lies there.
         bound: the scatter from which on a cell is not flat.
         eye_m: (2,) mean place of the cameras, in the ground's frame.
+        eye_high_m: how high they are above it; 0 where that is unknown.
 
     >>> import numpy as np
     >>> from motorcade.ga import Motor
@@ -73,6 +74,7 @@ class GroundMap:
     printed: NDArray[np.bool_]
     bound: float
     eye_m: FloatArray
+    eye_high_m: float = 0.0
 
     @property
     def flat(self) -> NDArray[np.bool_]:
@@ -134,8 +136,18 @@ def ground_map(
     printed = _printed(world_T_ground, cell_m, prints)
     bound = max(SCATTER, USUAL * float(np.median(scatter[often])))
     light, full_there = np.exp(level) - VEIL, overexposed > 0.5
-    eye_m = eyes[above, :2].mean(axis=0)
-    return GroundMap(world_T_ground, cell_m, light, scatter, full_there, printed, bound, eye_m)
+    *eye_m, high_m = eyes[above].mean(axis=0)
+    return GroundMap(
+        world_T_ground,
+        cell_m,
+        light,
+        scatter,
+        full_there,
+        printed,
+        bound,
+        np.array(eye_m),
+        float(high_m),
+    )
 
 
 def _evened(

@@ -33,7 +33,7 @@ from motorcade.animation.appearance import to_linear
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.composite import as_rgb
-from motorcade.render.light.cast import HIDDEN_SKY, CastShadow, cast_shadows, things_seen
+from motorcade.render.light.cast import CastShadow, cast_shadows, things_seen
 from motorcade.render.light.ground import GroundMap, ground_map
 from motorcade.render.light.lamps import character_lighting, light_on, sunlight_direction
 from motorcade.render.light.prints import Prints, light_on_paper
@@ -194,8 +194,7 @@ def _share(direction: LightDirection, ground: GroundMap | None) -> float | None:
         return SHARES[0] if shadowless else None
     if direction.darkening is None:
         return SHARE
-    own = (direction.darkening - HIDDEN_SKY) / (1.0 - HIDDEN_SKY)
-    return float(np.clip(own, *SHARES))
+    return float(np.clip(direction.darkening, *SHARES))
 
 
 def _from(
@@ -269,7 +268,7 @@ DIRECTIONS = 1500
 ELEVATIONS_RAD = np.deg2rad([15.0, 75.0])
 """Lamps and windows are seldom lower or higher; all between are as likely."""
 SELDOM = 0.1
-SHADOW_RAD, SLOPE_RAD = np.deg2rad(20.0), np.deg2rad(35.0)
+SHADOW_RAD, HEIGHT_RAD, SLOPE_RAD = np.deg2rad([15.0, 8.0, 35.0])
 WRONG = 0.25
 """Of shadows, slopes and faces: so many are something else, and say nothing."""
 PAPERS, FEWEST_FACES = 0.25, 5
@@ -334,6 +333,9 @@ def light_direction(
         for shadow in shadows:
             turn = np.arctan2(shadow.towards[1], shadow.towards[0])
             weight = weight * _near(side - turn, SHADOW_RAD) ** shadow.weight
+        told = [one.elevation_rad for one in shadows if one.elevation_rad is not None]
+        if told:
+            weight = weight * _near(height - float(np.median(told)), HEIGHT_RAD)
         if shadows:
             by.append("1 shadow" if len(shadows) == 1 else f"{len(shadows)} shadows")
         slope = _slope(ground)

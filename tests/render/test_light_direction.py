@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
@@ -132,18 +133,35 @@ def test_a_rooms_light_lies_within_its_doubt_or_is_said_to_be_unknown(room: Room
         assert off_deg(room, found) < 25.0
 
 
-@pytest.mark.parametrize("rim", [0.0, 6.0, 16.0])
-def test_a_lamp_is_as_wide_as_the_rim_of_its_shadow_is_long(rim: float) -> None:
-    """A shadow 14 cells long whose end fades out evenly over a number of cells."""
+@pytest.mark.parametrize("softness", [0.02, 0.1, 0.25])
+def test_a_lamp_is_as_wide_as_its_shadow_grows_soft(softness: float) -> None:
+    """A shadow whose sides and end are the softer the farther they are from the thing."""
     ground = table(0.0)
     y, x = np.mgrid[:N, :N] - 0.5 * (N - 1)
-    end = np.clip((23.0 + 0.5 * rim - x) / max(rim, 1e-9), 0.0, 1.0)
-    lost = 0.7 * end * (np.abs(y) < 7.0) * (x > 0.0)
+    sigma = 0.7 + softness * np.maximum(x, 0.0)
+    sides = norm.cdf((8.0 - y) / sigma) - norm.cdf((-8.0 - y) / sigma)
+    lost = 0.7 * sides * norm.cdf((30.0 - x) / sigma) * (x > 0.0)
     (found,) = cast_shadows(replace(ground, light=0.6 * (1.0 - lost)))
-    assert found.lamp_radius_rad is not None
-    # Of an even ramp, 0.6 lies between 80 % and 20 %; half of the thing's radius is added.
-    across = np.sqrt(max((0.6 * rim) ** 2 - 4.0**2, 0.0))
-    assert found.lamp_radius_rad == pytest.approx(0.71 * across / 18.5, abs=0.08)
+    assert found.lamp_radius_rad == pytest.approx(1.2 * softness, abs=0.08)
+    assert found.darkening == pytest.approx(0.7, rel=0.15)  # the softest is nowhere full
+
+
+def test_how_far_a_top_is_seen_tells_how_high_the_light_is() -> None:
+    """Two things that reach beyond their feet by 14 cells, whose shadows are 16 cells long."""
+    y, x = np.mgrid[:N, :N] - 0.5 * (N - 1)
+    light, scatter = np.full((N, N), 0.6), np.full((N, N), 0.005)
+    for aside in (-25.0, 25.0):
+        off = x - aside
+        light[(np.abs(y) < 7.0) & (off > 0.0) & (off < 22.0)] *= 0.4
+        scatter[(np.abs(off) < 7.0) & (y > -7.0) & (y < 21.0)] = 0.5
+    none, eye = np.zeros((N, N), bool), np.array([0.0, -0.5])
+    ground = GroundMap(Motor.identity(), 0.005, light, scatter, none, none, 0.05, eye, 0.5)
+    found = cast_shadows(ground)
+    assert len(found) == 2
+    # Of what is seen beyond, 13.4 cells are 0.7: 19 of 93 + 15 + 19 that lie 100 below the eye.
+    for shadow in found:
+        assert shadow.elevation_rad == pytest.approx(np.arctan2(15.0, 16.0), abs=0.2)
+        assert shadow.towards @ [-1.0, 0.0] > np.cos(np.deg2rad(5.0))
 
 
 def test_things_without_shadows_are_counted() -> None:
