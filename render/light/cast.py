@@ -237,7 +237,7 @@ def _shadow(
     """The best that was tried, about the way that all have in common; None where it is none."""
     off = (np.arange(TURNS) - common + TURNS // 2) % TURNS - TURNS // 2
     left = np.where(np.abs(off) <= TOGETHER_RAD / (2.0 * np.pi) * TURNS, tried[..., 0].T, np.inf).T
-    turn, length, softness = np.unravel_index(int(np.argmin(left)), left.shape)
+    turn, length, softness = map(int, np.unravel_index(int(np.argmin(left)), left.shape))
     dark, weight = (
         _darkening(thing, turn, LENGTHS[length], float(tried[turn, length, softness, 1])),
         1.0 - float(left.min()) / unexplained,
