@@ -79,7 +79,8 @@ class Thing:
 
     def faces(self) -> list[Polygon]:
         """Its sides and its top, (k, 3) each."""
-        low, high = (np.pad(self.foot_m, ((0, 0), (0, 1))) + [0, 0, z] for z in (0, self.height_m))
+        low = np.pad(self.foot_m, ((0, 0), (0, 1)))
+        high = low + np.array([0.0, 0.0, self.height_m])
         turned = [np.roll(part, -1, axis=0) for part in (low, high)]
         sides = np.stack([low, turned[0], turned[1], high], axis=1)
         return [*sides, high]
