@@ -102,7 +102,7 @@ $(READY): $(NATIVE)
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "motorcade needs Python 3.11 or newer; say PYTHON=python3.x")'
 	@echo "1 of 3: an environment in $(VENV) with pip and what builds (some 10 s)"
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	@$(BIN)/python -m pip install -q -c constraints.txt pip setuptools wheel scikit-build-core nanobind
+	@$(BIN)/python -m pip install -q -c constraints.txt pip setuptools wheel scikit-build-core nanobind numpy
 	@echo "2 of 3: packages of constraints.txt, named as they come (2.5 GB on the disk; minutes the first time)"
 	@echo "3 of 3: after 'Building editable', C and C++ compiled: without a word, some minutes of a processor"
 	@$(BIN)/python -m pip install -c constraints.txt --no-build-isolation --progress-bar off -e ".[dev]"

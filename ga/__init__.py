@@ -18,44 +18,10 @@ angles intrinsic. Worlds are right-handed with z up; cameras look along z with y
 Small motions are twists in a pose's own frame, rotation vector first: see `Motor.retract`.
 
 Leading dimensions are batch and broadcast: one motor and a million are the same function. Values
-are frozen, and what does not fit is refused with its name. Needs NumPy only.
+are frozen, and what does not fit is refused with its name. Needs no more than NumPy; names
+are imported when they are first used.
 """
 
-from __future__ import annotations
+import lazy_loader as lazy
 
-from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra, Multivector
-from motorcade.ga.classical import DualQuaternion, EulerPose, QuaternionPose
-from motorcade.ga.motion import ScrewPath, SplineSample, TwistSample
-from motorcade.ga.on_demand import compile, show
-from motorcade.ga.splines import CumulativeBSpline, SimilaritySpline
-from motorcade.ga.trajectory import Trajectory
-from motorcade.ga.versors.averages import blend, mean
-from motorcade.ga.versors.motor import Motor
-from motorcade.ga.versors.rotor import Rotor
-from motorcade.ga.versors.similarity import Similarity
-from motorcade.ga.versors.versor import Versor
-
-__all__ = [
-    "CGA3",
-    "EGA3",
-    "PGA3",
-    "Algebra",
-    "CumulativeBSpline",
-    "DualQuaternion",
-    "EulerPose",
-    "Motor",
-    "Multivector",
-    "QuaternionPose",
-    "Rotor",
-    "ScrewPath",
-    "Similarity",
-    "SimilaritySpline",
-    "SplineSample",
-    "Trajectory",
-    "TwistSample",
-    "Versor",
-    "blend",
-    "compile",
-    "mean",
-    "show",
-]
+__getattr__, __dir__, __all__ = lazy.attach_stub(__name__, __file__)

@@ -9,10 +9,17 @@ from typing import Any, overload
 
 from motorcade.ga.algebra import CGA3, Algebra, Multivector
 from motorcade.ga.codegen.derivatives import Jacobian
-from motorcade.ga.codegen.programs import Program, checked_identifier, program_of, symbols_of
+from motorcade.ga.codegen.programs import (
+    Program,
+    checked_identifier,
+    compile_script,
+    program_of,
+    symbols_of,
+)
 from motorcade.ga.codegen.runtime.evaluator import Evaluator
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.targets.shared.expressions import component_name
+from motorcade.ga.script import Script, parse
 
 _HINT = "both ways can be computed and one be chosen: motorcade.ga.algebra.functions.elementary"
 
@@ -180,6 +187,43 @@ def compile_function(
     if not outputs:
         raise ValueError(f"{name}: expected a function with results, got an empty dict")
     return CompiledFunction(program_of(name, algebra, inputs, symbols, outputs), single)
+
+
+def compile(
+    source: Callable[..., Any] | Script | str,
+    *,
+    algebra: Algebra | None = None,
+    name: str = "script",
+    **blades: str,
+) -> CompiledFunction:
+    """A function that runs a program: as NumPy source at once, as compiled C when that is ready.
+
+    Args:
+        source: a function of multivectors, as `motorcade.ga.codegen.compile_function` takes it, or
+            a CLUScript, whose free variables are the parameters in the order of first use and
+            whose results come by their names.
+        algebra: CGA3 unless given here or by the script's algebra pragma.
+        name: of a script, an identifier; a function has its own.
+        blades: of a function's parameters, separated by blanks; others are real scalars.
+
+    Raises:
+        ScriptError: what is wrong with the script, and where.
+        ValueError: a function that cannot be traced, blades for a script.
+
+    >>> from motorcade.ga import compile
+    >>> area = compile("?area = (x*e1) ^ (y*e2);")
+    >>> area(2.0, y=3.0)["area"]["e1^e2"]
+    6.0
+    """
+    if callable(source):
+        return compile_function(source, algebra=CGA3 if algebra is None else algebra, **blades)
+    if blades:
+        raise ValueError(
+            f"{name}: expected blades of a function's parameters, got some of "
+            f"{', '.join(blades)} for a script, whose variables are scalars"
+        )
+    script = parse(source, name) if isinstance(source, str) else source
+    return CompiledFunction(compile_script(script, name, algebra), single=False)
 
 
 class _Reader:

@@ -21,6 +21,16 @@ class Block:
 # The same functions, which give whether all numbers of their inputs were finite.
 checked: dict[str, Callable[..., bool]]
 
+def register_versor(versor: type[Any], size: int) -> None: ...
+def fast_path(
+    method: Callable[..., Any],
+    name: str,
+    operands: str,
+    result: str,
+    above: float,
+    within: float,
+    /,
+) -> Any: ...
 def set_threads(threads: int) -> None: ...
 def threads() -> int: ...
 def repeat(name: str, times: int, *operands: Any) -> float: ...

@@ -178,6 +178,7 @@ class VersorKernels:
         self._apply, self._as_twist = function(f"{prefix}apply"), function(f"{prefix}as_twist")
         self._checked_apply = checked_function(f"{prefix}apply")
         self._checked_of_twist = checked_function(f"{prefix}of_twist")
+        self._of_coefficients = function(f"{prefix}of_coefficients")
         self._add_weighted = function(f"{prefix}add_weighted")
         self._add_local = function(f"{prefix}add_local")
 
@@ -210,6 +211,12 @@ class VersorKernels:
     def checked_of_twist(self, twist: Array) -> tuple[Array, bool]:
         """Versors of twists ``(*, d)``, and whether these are finite; see `exp`."""
         return checked_call(self._checked_of_twist, self._size, twist)
+
+    def off(self, m: Array) -> float:
+        """How far coefficients are from a versor's, the most of a batch."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            measured = of_one(self._of_coefficients, m, self._size + 1)[..., self._size]
+        return float(np.max(measured, initial=0.0))
 
     def as_twist(self, m: Array) -> Array:
         """Twists ``(*, d)`` of versors, which turn by at most π."""
@@ -394,35 +401,18 @@ def batch_of(*inputs: Array) -> tuple[int, ...]:
     return shape
 
 
-def checked_call(kernel: Callable[..., bool], width: int, *inputs: Array) -> tuple[Array, bool]:
-    """Apply a checked kernel to inputs ``(*, n)`` of one precision; and whether they are finite."""
+def checked_call(kernel: Callable[..., Any], width: int, *inputs: Array) -> tuple[Array, Any]:
+    """Apply a kernel to inputs ``(*, n)`` of one precision; checked ones say if all are finite."""
     shape = batch_of(*inputs)
-    if not shape:
-        out = np.empty(width, inputs[0].dtype)
-        return out, kernel(*inputs, out)
     out = empty(shape, width, inputs[0].dtype)
     return out, kernel(*[spread(one, shape, 1) for one in inputs], out)
 
 
 def of_one(kernel: Callable[..., None], array: Array, width: int) -> Array:
     """Apply a kernel of one input ``(*, n)``."""
-    shape = batch_of(array)
-    if not shape:
-        out = np.empty(width, array.dtype)
-        kernel(array, out)
-        return out
-    out = empty(shape, width, array.dtype)
-    kernel(spread(array, shape, 1), out)
-    return out
+    return checked_call(kernel, width, array)[0]
 
 
 def of_two(kernel: Callable[..., None], a: Array, b: Array, width: int) -> Array:
     """Apply a kernel of two inputs ``(*, n)`` whose batches broadcast."""
-    shape = batch_of(a, b)
-    if not shape:
-        out = np.empty(width, a.dtype)
-        kernel(a, b, out)
-        return out
-    out = empty(shape, width, a.dtype)
-    kernel(spread(a, shape, 1), spread(b, shape, 1), out)
-    return out
+    return checked_call(kernel, width, a, b)[0]

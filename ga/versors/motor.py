@@ -22,6 +22,7 @@ from motorcade.ga.arrays import (
     given_floats,
 )
 from motorcade.ga.kernels import MOTORS, ROTORS, parts
+from motorcade.ga.kernels.backend import fast_path
 from motorcade.ga.versors.euler_angles import sequence_operands
 from motorcade.ga.versors.operators import Operators
 from motorcade.ga.versors.rotor import (
@@ -61,22 +62,10 @@ class Motor(Versor):
     _log_size = 6
     _blades = (*Rotor._blades, "e1^einf", "e2^einf", "e3^einf", "e1^e2^e3^einf")
     _kernels = MOTORS
+    _unit = "norm 1 and m0 m7 = m1 m4 + m2 m5 + m3 m6"
 
     @classmethod
-    def _check_unit(cls, coefficients: FloatArray) -> None:
-        super()._check_unit(coefficients)
-        length = np.max(np.abs(coefficients[..., 4:]), axis=-1)
-        study = np.abs(_study(coefficients)) / np.maximum(1.0, length)
-        worst = float(np.max(study, initial=0.0))
-        tolerance = cls._tolerance(coefficients)
-        if worst > tolerance:
-            raise ValueError(
-                f"{cls._field('coefficients')}: expected m0 m7 = m1 m4 + m2 m5 + m3 m6 within "
-                f"{tolerance:g}, got a difference of {worst:.3g}; "
-                "Motor.normalize projects other even elements"
-            )
-
-    @classmethod
+    @fast_path("project", "cx", "v", above=0.0)
     def normalize(cls, coefficients: ArrayLike) -> Motor:
         """Project even elements ``(*, 8)`` onto rigid motors, as after a linear blend.
 
@@ -86,16 +75,7 @@ class Motor(Versor):
             ValueError: wrong last dimension, NaN or infinity, or a zero rotor part, which stands
                 for no motion.
         """
-        name = "Motor.normalize(coefficients)"
-        elements = given_floats(coefficients, name, (8,))
-        motors, least = parts.normalized_motor(elements)
-        if not least > 0.0:
-            checked_floats(elements, name, (8,))
-            raise ValueError(
-                f"{name}: expected a non-zero rotor part m0..m3, got "
-                f"{int(np.count_nonzero(~np.any(elements[..., :4], axis=-1)))} zero ones"
-            )
-        return cls._trusted(motors)
+        return cls._normalized(coefficients, parts.normalized_motor)
 
     @classmethod
     def random(
@@ -124,25 +104,17 @@ class Motor(Versor):
         return Rotor._trusted(self.coefficients[..., :4])
 
     @property
+    @fast_path("translation", "v", "z")
     def translation_m(self) -> FloatArray:
         """The translation ``(*, 3)`` in metres, ``t`` of ``M = T R``: where the origin goes."""
         translation = parts.translation(self.coefficients)
         translation += 0.0  # no -0.0
         return translation
 
-    def apply(self, points: ArrayLike) -> FloatArray:
-        """Move points ``(*, 3)`` in metres; batch shapes broadcast.
-
-        Directions turn with ``motor.rotor.apply``.
-
-        Raises:
-            ValueError: wrong last dimension, NaN or infinity, shapes that do not broadcast.
-        """
-        return self._applied(points)
-
     # Conversions -------------------------------------------------------------------------------
 
     @classmethod
+    @fast_path("motor_of", "crx", "v")
     def from_rotor_translation(cls, rotor: Rotor, translation_m: ArrayLike) -> Motor:
         """Motors that turn by `rotor`, then move by `translation_m` ``(*, 3)``; batches broadcast.
 
@@ -156,17 +128,17 @@ class Motor(Versor):
         return cls._trusted(motors)
 
     @classmethod
+    @fast_path("of_translation", "cx", "v")
     def from_translation(cls, translation_m: ArrayLike) -> Motor:
         """Translators: motions ``(*)`` by vectors ``(*, 3)`` in metres that turn nothing."""
         shift = given_floats(translation_m, "translation_m", (3,))
-        if not np.isfinite(shift).all():
+        motors, finite = parts.motor_of_translation(shift)
+        if not finite:
             checked_floats(shift, "translation_m", (3,))
-        motors = np.zeros((*shift.shape[:-1], 8), shift.dtype)
-        motors[..., 0] = 1.0
-        np.multiply(shift, -0.5, out=motors[..., 4:7])
         return cls._trusted(motors)
 
     @classmethod
+    @fast_path("motor_of_matrix44", "cs", "v", MATRIX_TOLERANCE)
     def from_matrix(cls, matrix: ArrayLike) -> Motor:
         """Motors from homogeneous matrices ``(*, 4, 4)`` that act on columns.
 
@@ -182,11 +154,26 @@ class Motor(Versor):
             check_rotation(whole[..., :3, :3])
         return cls._trusted(motors)
 
+    @classmethod
+    def nearest(cls, matrix: ArrayLike) -> Motor:
+        """Motors of homogeneous matrices ``(*, 4, 4)`` with noise: the nearest rotations, see
+        `Rotor.nearest`, and the translations as they are.
+
+        Raises:
+            ValueError: as `Rotor.nearest`, or a last row that is not 0 0 0 1.
+        """
+        whole = checked_floats(matrix, "Motor.nearest(matrix)", (4, 4))
+        check_bottom_row(whole, "Motor.nearest(matrix)")
+        rotor = Rotor.nearest(whole[..., :3, :3])
+        return cls.from_rotor_translation(rotor, whole[..., :3, 3])
+
+    @fast_path("matrix44", "v", "s")
     def as_matrix(self) -> FloatArray:
         """Homogeneous matrices ``(*, 4, 4)`` that act on columns."""
         return MOTORS.matrix44(self.coefficients)
 
     @classmethod
+    @fast_path("motor_of_quaternion", "cxx", "v", UNIT_TOLERANCE)
     def from_quaternion_translation(cls, wxyz: ArrayLike, translation_m: ArrayLike) -> Motor:
         """Motors from unit quaternions ``(*, 4)`` wxyz and translations ``(*, 3)``.
 
@@ -197,9 +184,10 @@ class Motor(Versor):
         q = given_floats(wxyz, "Rotor.from_quaternion(wxyz)", (4,))
         q, t = _of_one_precision(q, translation_m)
         motors, off = parts.motor_of_quaternion(q, t)
-        if not off <= cls._tolerance(q):
-            check_quaternions(q, "Rotor.from_quaternion(wxyz)", cls._tolerance(q))
+        if np.isnan(off):
+            checked_floats(q, "Rotor.from_quaternion(wxyz)", (4,))
             checked_floats(translation_m, "Motor translation_m", (3,))
+        check_quaternions(q, "Rotor.from_quaternion(wxyz)", cls._tolerance(q), off)
         return cls._trusted(motors)
 
     def as_quaternion_translation(self) -> tuple[FloatArray, FloatArray]:
@@ -207,6 +195,7 @@ class Motor(Versor):
         return ROTORS.inverse(self.coefficients[..., :4]), self.translation_m
 
     @classmethod
+    @fast_path("motor_of_dual_quaternion", "cx", "v", UNIT_TOLERANCE)
     def from_dual_quaternion(cls, dual_quaternion: ArrayLike) -> Motor:
         """Motors from unit Hamilton dual quaternions ``(*, 8)``: real wxyz, then dual wxyz.
 
@@ -220,6 +209,7 @@ class Motor(Versor):
             cls._check_unit(motors)
         return cls._trusted(motors)
 
+    @fast_path("dual_quaternion", "v", "x")
     def as_dual_quaternion(self) -> FloatArray:
         """Unit Hamilton dual quaternions ``(*, 8)``: real wxyz, then dual wxyz."""
         return kernels.dual_quaternion(self.coefficients)
@@ -247,6 +237,7 @@ class Motor(Versor):
         return euler_of_coefficients(self.coefficients[..., :4], sequence), self.translation_m
 
     @classmethod
+    @fast_path("of_twist", "cx", "v")
     def from_twist(cls, twist: ArrayLike) -> Motor:
         """Motors from se(3) coordinates ``(*, 6)``: rotation vector (rad), translational part (m).
 
@@ -258,26 +249,16 @@ class Motor(Versor):
         """
         return cls._trusted(cls._of_twist(twist, "Motor.from_twist(twist)"))
 
+    @fast_path("as_twist", "v", "x")
     def as_twist(self) -> FloatArray:
         """se(3) coordinates ``(*, 6)``: rotation vector (rad), translational part (m)."""
         return MOTORS.as_twist(self.coefficients)
 
 
-def _study(coefficients: FloatArray) -> FloatArray:
-    """``β / 2`` of ``m ~m = α + β J``; zero for a rigid motor."""
-    products: FloatArray = coefficients[..., 0] * coefficients[..., 7] - np.sum(
-        coefficients[..., 1:4] * coefficients[..., 4:7], axis=-1
-    )
-    return products
-
-
 def _of_one_precision(rotor: FloatArray, translation_m: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Rotors, quaternions or angles ``(*, n)``, and translations whose batch goes with them."""
     t = given_floats(translation_m, "Motor translation_m", (3,))
-    if t.shape[:-1] != rotor.shape[:-1]:
-        broadcast_batch("Motor rotor and translation_m", rotor.shape[:-1], t.shape[:-1])
-    if t.dtype is rotor.dtype:
-        return rotor, t
+    broadcast_batch("Motor rotor and translation_m", rotor.shape[:-1], t.shape[:-1])
     kind = common_precision(rotor, translation_m)
     return rotor.astype(kind, copy=False), t.astype(kind, copy=False)
 

@@ -10,8 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga.arrays import FloatArray, checked_floats, given_floats
+from motorcade.ga.arrays import UNIT_TOLERANCE, FloatArray, checked_floats, given_floats
 from motorcade.ga.kernels import ROTORS, parts
+from motorcade.ga.kernels.backend import fast_path
 from motorcade.ga.versors.euler_angles import sequence_operands
 from motorcade.ga.versors.versor import Versor
 
@@ -42,37 +43,27 @@ class Rotor(Versor):
     _log_size = 3
     _blades = ("1", "e2^e3", "e3^e1", "e1^e2")
     _kernels = ROTORS
+    _unit = "norm 1"
 
     @classmethod
+    @fast_path("normalize", "cx", "v", above=0.0)
     def normalize(cls, coefficients: ArrayLike) -> Rotor:
         """Divide even elements ``(*, 4)`` by their norm.
 
         Raises:
             ValueError: wrong last dimension, NaN or infinity, or a zero element.
         """
-        name = "Rotor.normalize(coefficients)"
-        elements = given_floats(coefficients, name, (4,))
-        rotors, least = parts.normalized_rotor(elements)
-        if not least > 0.0:
-            checked_floats(elements, name, (4,))
-            raise ValueError(
-                f"{name}: expected non-zero elements, got "
-                f"{int(np.count_nonzero(~np.any(elements, axis=-1)))} zero ones"
-            )
-        return cls._trusted(rotors)
+        return cls._normalized(coefficients, parts.normalized_rotor)
 
     @classmethod
     def random(cls, rng: np.random.Generator, shape: tuple[int, ...] = ()) -> Rotor:
         """Rotations drawn uniformly from all orientations."""
+        if not isinstance(rng, np.random.Generator):
+            raise TypeError(
+                f"random(rng): expected a numpy.random.Generator, got {type(rng).__name__}; "
+                "numpy.random.default_rng(seed) makes one"
+            )
         return cls.normalize(rng.standard_normal((*shape, 4)))
-
-    def apply(self, points: ArrayLike) -> FloatArray:
-        """Rotate points or vectors ``(*, 3)``; batch shapes broadcast.
-
-        Raises:
-            ValueError: wrong last dimension, NaN or infinity, shapes that do not broadcast.
-        """
-        return self._applied(points)
 
     def angle(self) -> FloatArray:
         """Angle of the rotation, ``(*)``, in [0, π] radians."""
@@ -83,6 +74,7 @@ class Rotor(Versor):
     # Conversions -------------------------------------------------------------------------------
 
     @classmethod
+    @fast_path("of_quaternion", "cx", "v", UNIT_TOLERANCE)
     def from_quaternion(cls, wxyz: ArrayLike) -> Rotor:
         """Rotors from unit quaternions ``(*, 4)`` in the order w, x, y, z.
 
@@ -92,26 +84,28 @@ class Rotor(Versor):
         """
         quaternions = given_floats(wxyz, "Rotor.from_quaternion(wxyz)", (4,))
         rotors, off = parts.rotor_of_quaternion(quaternions)
-        if not off <= cls._tolerance(quaternions):
-            check_quaternions(
-                quaternions, "Rotor.from_quaternion(wxyz)", cls._tolerance(quaternions)
-            )
+        tolerance = cls._tolerance(quaternions)
+        check_quaternions(quaternions, "Rotor.from_quaternion(wxyz)", tolerance, off)
         return cls._trusted(rotors)
 
+    @fast_path("inverse", "v", "x")
     def as_quaternion(self) -> FloatArray:
         """Unit quaternions ``(*, 4)`` in the order w, x, y, z, with the rotor's own sign."""
         return ROTORS.inverse(self.coefficients)
 
     @classmethod
+    @fast_path("of_twist", "cx", "v")
     def from_rotation_vector(cls, vector_rad: ArrayLike) -> Rotor:
         """Rotors from rotation vectors ``(*, 3)``: axis times right-handed angle in radians."""
         return cls._trusted(cls._of_twist(vector_rad, "Rotor.from_rotation_vector(vector_rad)"))
 
+    @fast_path("as_twist", "v", "x")
     def as_rotation_vector(self) -> FloatArray:
         """Rotation vectors ``(*, 3)`` of length at most π; at π the sign of `self` decides."""
         return ROTORS.as_twist(self.coefficients)
 
     @classmethod
+    @fast_path("of_matrix33", "cs", "v", MATRIX_TOLERANCE)
     def from_matrix(cls, matrix: ArrayLike) -> Rotor:
         """Rotors from rotation matrices ``(*, 3, 3)`` that act on columns.
 
@@ -151,6 +145,7 @@ class Rotor(Versor):
         left[..., 2] *= np.linalg.det(left @ right)[..., None]
         return cls.from_matrix(left @ right)
 
+    @fast_path("matrix33", "v", "s")
     def as_matrix(self) -> FloatArray:
         """Rotation matrices ``(*, 3, 3)`` that act on columns."""
         return parts.rotor_matrix(self.coefficients)
@@ -217,17 +212,14 @@ def check_rotation(matrix: FloatArray) -> None:
         raise ValueError("Rotor.from_matrix(matrix): expected determinant +1, got a reflection")
 
 
-def check_quaternions(values: FloatArray, name: str, tolerance: float) -> None:
-    """Refuse quaternions ``(*, 4)``.
+def check_quaternions(values: FloatArray, name: str, tolerance: float, off: float) -> None:
+    """Refuse quaternions ``(*, 4)`` whose norms are off 1 by so much, NaN where not finite.
 
-    Raises ValueError: NaN or infinity, or a norm further from 1 than the tolerance.
+    Raises ValueError: NaN or infinity, or more than the tolerance.
     """
-    checked_floats(values, name, (4,))
-    with np.errstate(over="ignore"):  # an infinite norm is refused like any other
-        norm = np.sqrt(np.sum(values**2, axis=-1))
-    worst = float(np.max(np.abs(norm - 1.0), initial=0.0))
-    if worst > tolerance:
+    if not off <= tolerance:
+        checked_floats(values, name, (4,))
         raise ValueError(
             f"{name}: expected unit quaternions (norm within {tolerance:g} of 1), got a norm off "
-            f"by {worst:.3g}; divide by it first"
+            f"by {off:.3g}; divide by it first"
         )

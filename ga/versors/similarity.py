@@ -26,13 +26,14 @@ from motorcade.ga.arrays import (
     given_floats,
 )
 from motorcade.ga.kernels import SIMILARITIES, parts
+from motorcade.ga.kernels.backend import fast_path
 from motorcade.ga.versors.motor import Motor, check_bottom_row
 from motorcade.ga.versors.operators import Operators
 from motorcade.ga.versors.rotor import MATRIX_TOLERANCE, Rotor, check_rotation
 from motorcade.ga.versors.versor import Versor
 
-# However large the scale, S ~S must be told from zero.
-_LOOSEST = 0.1
+# Less defined than this, an element in float64 is as near to one versor as to another far from it.
+_VAGUE = float(np.sqrt(np.finfo(np.float64).eps))
 
 
 class Similarity(Versor):
@@ -62,32 +63,10 @@ class Similarity(Versor):
         *("e1^einf", "e2^einf", "e3^einf", "e1^e2^e3^einf"),
     )
     _kernels = SIMILARITIES
+    _unit = "S ~S = 1"
 
     @classmethod
-    def _check_unit(cls, coefficients: FloatArray) -> None:
-        a, b, last = coefficients[..., :4], coefficients[..., 4:8], coefficients[..., 8:]
-        with np.errstate(over="ignore", invalid="ignore"):  # not finite is refused like any other
-            squares = np.sum(a * a + b * b, axis=-1)
-            norm = np.sum(a * a - b * b, axis=-1) - 1.0
-            skew = (
-                a[..., :1] * b[..., 1:] - b[..., :1] * a[..., 1:] + np.cross(a[..., 1:], b[..., 1:])
-            )
-            p = a + b
-            study = p[..., 0] * last[..., 3] - np.sum(p[..., 1:] * last[..., :3], axis=-1)
-            tolerance = cls._tolerance(coefficients)
-            allowed = np.minimum(tolerance * np.maximum(squares, 1.0), _LOOSEST)
-            longest = np.maximum(1.0, np.max(np.abs(last), axis=-1))
-            off = np.maximum(np.abs(norm), 2.0 * np.max(np.abs(skew), axis=-1))
-            off = np.maximum(off, np.abs(study) / longest)
-        bad = ~(off <= allowed)
-        if np.any(bad):
-            raise ValueError(
-                f"{cls._field('coefficients')}: expected unit versors (S ~S within "
-                f"{tolerance:g} of 1), got {int(np.count_nonzero(bad))} off by up to "
-                f"{float(np.max(off)):.3g}; {cls.__name__}.normalize projects other even elements"
-            )
-
-    @classmethod
+    @fast_path("exp", "cx", "v")
     def exp(cls, log: ArrayLike) -> Similarity:
         """Similarities from bivectors ``(*, 7)``, the mirror of `log`.
 
@@ -106,6 +85,7 @@ class Similarity(Versor):
         return cls._trusted(similarities)
 
     @classmethod
+    @fast_path("normalize", "cx", "v", above=_VAGUE)
     def normalize(cls, coefficients: ArrayLike) -> Similarity:
         """Project even elements ``(*, 12)`` onto similarities, as after a linear blend.
 
@@ -172,17 +152,10 @@ class Similarity(Versor):
         """How much lengths grow, ``ρ (*)``."""
         return self._parts()[2]
 
-    def apply(self, points: ArrayLike) -> FloatArray:
-        """Move points ``(*, 3)`` in metres to ``ρ R x ~R + t``; batch shapes broadcast.
-
-        Raises:
-            ValueError: wrong last dimension, NaN or infinity, shapes that do not broadcast.
-        """
-        return self._applied(points)
-
     # Conversions -------------------------------------------------------------------------------
 
     @classmethod
+    @fast_path("similarity_of", "crxp", "v")
     def from_rotor_translation_scale(
         cls, rotor: Rotor, translation_m: ArrayLike, scale: ArrayLike
     ) -> Similarity:
@@ -195,13 +168,11 @@ class Similarity(Versor):
         t = given_floats(translation_m, "Motor translation_m", (3,))
         rho = _scales(scale)
         r = rotor.coefficients
-        if not r.ndim == t.ndim == rho.ndim + 1 == 1:
-            shape = broadcast_batch("Motor rotor and translation_m", rotor.shape, t.shape[:-1])
-            broadcast_batch("Similarity motor and scale", shape, rho.shape)
-        if not t.dtype is rho.dtype is r.dtype:
-            kind = common_precision(rotor, translation_m, scale)
-            r, t, rho = (x.astype(kind, copy=False) for x in (r, t, rho))
-        similarities, finite = parts.similarity_of(r, t, rho)
+        shape = broadcast_batch("Motor rotor and translation_m", rotor.shape, t.shape[:-1])
+        broadcast_batch("Similarity motor and scale", shape, rho.shape)
+        kind = common_precision(rotor, translation_m, scale)
+        r, t, rho = (x.astype(kind, copy=False) for x in (r, t, rho))
+        similarities, finite = parts.similarity_of(r, t, rho[..., None])
         if not finite:
             checked_floats(translation_m, "Motor translation_m", (3,))
         return cls._trusted(similarities)
@@ -211,6 +182,7 @@ class Similarity(Versor):
         return self._parts()
 
     @classmethod
+    @fast_path("similarity_of_motor", "cmp", "v")
     def from_motor_scale(cls, motor: Motor, scale: ArrayLike = 1.0) -> Similarity:
         """``M D``: grow by `scale` ``(*)`` about the origin, then move by `motor`.
 
@@ -220,11 +192,9 @@ class Similarity(Versor):
         """
         rho = _scales(scale)
         broadcast_batch("Similarity motor and scale", motor.shape, rho.shape)
-        m = motor.coefficients
-        if m.dtype is not rho.dtype:
-            kind = common_precision(motor, scale)
-            m, rho = m.astype(kind, copy=False), rho.astype(kind, copy=False)
-        return cls._trusted(parts.similarity_of_motor(m, rho)[0])
+        kind = common_precision(motor, scale)
+        m, rho = motor.coefficients.astype(kind, copy=False), rho.astype(kind, copy=False)
+        return cls._trusted(parts.similarity_of_motor(m, rho[..., None])[0])
 
     @property
     def rigid(self) -> Motor:
@@ -237,6 +207,7 @@ class Similarity(Versor):
         return Motor._trusted(motor), scale
 
     @classmethod
+    @fast_path("similarity_of_matrix44", "cs", "v", MATRIX_TOLERANCE)
     def from_matrix(cls, matrix: ArrayLike) -> Similarity:
         """Similarities from homogeneous matrices ``(*, 4, 4)`` that act on columns.
 
@@ -251,11 +222,13 @@ class Similarity(Versor):
             _check_matrices(checked_floats(matrices, name, (4, 4)), name)
         return cls._trusted(similarities)
 
+    @fast_path("matrix44", "v", "s")
     def as_matrix(self) -> FloatArray:
         """Homogeneous matrices ``(*, 4, 4)`` that act on columns."""
         return SIMILARITIES.matrix44(self.coefficients)
 
     @classmethod
+    @fast_path("of_twist", "cx", "v")
     def from_twist(cls, twist: ArrayLike) -> Similarity:
         """Similarities from sim(3) coordinates ``(*, 7)``: rotation vector (rad), translational
         part (m), logarithm of the scale.
@@ -265,15 +238,14 @@ class Similarity(Versor):
         """
         name = "Similarity.from_twist(twist)"
         similarities = cls._of_twist(twist, name)
-        # The square of one is quicker to look at than all its numbers.
-        small = similarities.ndim == 1 and float(similarities.dot(similarities)) < np.inf
-        if not small and not np.isfinite(similarities).all():
+        if not np.isfinite(similarities).all():
             raise ValueError(
                 f"{name}: expected scales that {similarities.dtype} holds, got a log of up to "
                 f"{float(np.max(np.abs(np.asarray(twist)[..., 6]))):.3g}"
             )
         return cls._trusted(similarities)
 
+    @fast_path("as_twist", "v", "x")
     def as_twist(self) -> FloatArray:
         """sim(3) coordinates ``(*, 7)``: rotation vector (rad), translational part (m), log scale.
 
@@ -286,8 +258,7 @@ class Similarity(Versor):
 def _scales(scale: ArrayLike) -> FloatArray:
     """Scales ``(*)``, positive and finite."""
     rho = given_floats(scale, "Similarity scale", ())
-    fine = 0.0 < rho.item() < np.inf if rho.size == 1 else np.all((rho > 0.0) & (rho < np.inf))
-    if not fine:
+    if not np.all((rho > 0.0) & (rho < np.inf)):
         checked_floats(rho, "Similarity scale", ())
         raise ValueError(f"Similarity scale: expected positive numbers, got {float(np.min(rho)):g}")
     return rho

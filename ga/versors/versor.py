@@ -21,8 +21,9 @@ no precision of their own.
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
-from math import isfinite
+from functools import cache
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -37,6 +38,7 @@ from motorcade.ga.arrays import (
     given_floats,
     sealed,
 )
+from motorcade.ga.kernels.backend import fast_path, register_versor
 from motorcade.ga.kernels.batches import VersorKernels
 from motorcade.ga.versors.operators import Operators
 
@@ -68,10 +70,16 @@ class Versor(Operators):
 
     _log_size: ClassVar[int]
     _blades: ClassVar[tuple[str, ...]]
+    _unit: ClassVar[str]
     _kernels: ClassVar[VersorKernels]
 
-    def __post_init__(self) -> None:
-        values = self._checked(self.coefficients, self._field("coefficients"), (self._size,))
+    def __init_subclass__(cls) -> None:
+        if "_kernels" in cls.__dict__:
+            register_versor(cls, cls._size)
+
+    @fast_path("of_coefficients", "ix", "i", UNIT_TOLERANCE)
+    def __init__(self, coefficients: ArrayLike) -> None:
+        values = self._checked(coefficients, self._field("coefficients"), (self._size,))
         self._check_unit(values)
         own = np.array(values, order="C", copy=True)
         object.__setattr__(self, "coefficients", sealed(own))
@@ -89,22 +97,19 @@ class Versor(Operators):
 
     @classmethod
     def _check_unit(cls, coefficients: FloatArray) -> None:
-        with np.errstate(over="ignore"):  # an infinite norm is refused like any other
-            norm = np.sqrt(np.sum(coefficients[..., :4] ** 2, axis=-1))
-        worst = float(np.max(np.abs(norm - 1.0), initial=0.0))
-        tolerance = cls._tolerance(coefficients)
-        if worst > tolerance:
+        off, tolerance = cls._kernels.off(coefficients), cls._tolerance(coefficients)
+        if not off <= tolerance:
             raise ValueError(
-                f"{cls._field('coefficients')}: expected unit versors (norm within "
-                f"{tolerance:g} of 1), got a norm off by {worst:.3g}; "
-                f"{cls.__name__}.normalize projects other even elements"
+                f"{cls._field('coefficients')}: expected unit versors ({cls._unit} within "
+                f"{tolerance:g}), got some off by {off:.3g}; {cls.__name__}.normalize projects "
+                "other even elements"
             )
 
     @classmethod
     def _trusted(cls, coefficients: FloatArray) -> Self:
         """Wrap coefficients that a kernel has just made; they are frozen in place, not copied."""
         trusted = object.__new__(cls)
-        trusted.__dict__["coefficients"] = sealed(coefficients)  # sooner than by __setattr__
+        object.__setattr__(trusted, "coefficients", sealed(coefficients))
         return trusted
 
     @classmethod
@@ -168,8 +173,7 @@ class Versor(Operators):
                 f"{name}(other): expected a {type(self).__name__}, got {type(other).__name__}"
             )
         broadcast_batch(name, self.shape, other.shape)
-        if other.coefficients.dtype != self.coefficients.dtype:
-            self._check_alike(name, self, other)
+        self._check_alike(name, self, other)
 
     @classmethod
     def _check_alike(cls, what: str, *values: Self) -> None:
@@ -181,6 +185,7 @@ class Versor(Operators):
             )
 
     @classmethod
+    @fast_path("exp", "cx", "v")
     def exp(cls, log: ArrayLike) -> Self:
         """Versors from bivectors, the mirror of `log`.
 
@@ -195,22 +200,39 @@ class Versor(Operators):
     def normalize(cls, coefficients: ArrayLike) -> Self:
         """Project even elements onto unit versors; zero is refused with ValueError."""
 
+    @classmethod
+    def _normalized(
+        cls, coefficients: ArrayLike, nearest: Callable[..., tuple[FloatArray, float]]
+    ) -> Self:
+        name = cls._field("normalize(coefficients)")
+        elements = given_floats(coefficients, name, (cls._size,))
+        versors, least = nearest(elements)
+        if not least > 0.0:
+            checked_floats(elements, name, (cls._size,))
+            raise ValueError(
+                f"{name}: expected a non-zero rotor part m0..m3, got "
+                f"{int(np.count_nonzero(~np.any(elements[..., :4], axis=-1)))} zero ones"
+            )
+        return cls._trusted(versors)
+
     # Algebra -----------------------------------------------------------------------------------
 
+    @fast_path("compose", "vv", "v")
     def __matmul__(self, other: Self) -> Self:
         """Compose: ``(a @ b).apply(x) == a.apply(b.apply(x))``. Batches broadcast."""
         if type(other) is not type(self):
             return NotImplemented
         name = f"{type(self).__name__} @ {type(self).__name__}"
         broadcast_batch(name, self.shape, other.shape)
-        if other.coefficients.dtype != self.coefficients.dtype:
-            self._check_alike(name, self, other)
+        self._check_alike(name, self, other)
         return self._trusted(self._kernels.compose(self.coefficients, other.coefficients))
 
+    @fast_path("inverse", "v", "v")
     def inverse(self) -> Self:
         """The motion undone: ``m @ m.inverse()`` is the identity."""
         return self._trusted(self._kernels.inverse(self.coefficients))
 
+    @fast_path("log", "v", "x")
     def log(self) -> FloatArray:
         """Bivector whose `exp` is this versor or its negative, the one that turns by at most π.
 
@@ -219,12 +241,15 @@ class Versor(Operators):
         """
         return self._kernels.log(self.coefficients)
 
-    @abstractmethod
+    @fast_path("apply", "vx", "x")
     def apply(self, points: ArrayLike) -> FloatArray:
-        """Move points ``(*, 3)``; batch shapes broadcast."""
+        """Move points ``(*, 3)`` in metres: scaled where the type scales, turned, then moved.
 
-    def _applied(self, points: ArrayLike) -> FloatArray:
-        """Points moved by the kernel, which looks for numbers that are not finite on its way."""
+        Directions turn with the `rotor`. Batches broadcast.
+
+        Raises:
+            ValueError: wrong last dimension, NaN or infinity, batches that do not broadcast.
+        """
         name = f"{type(self).__name__}.apply"
         positions = given_floats(points, f"{name}(points)", (3,))
         x = positions.astype(self.dtype, copy=False)
@@ -243,6 +268,7 @@ class Versor(Operators):
             checked_floats(twists, name, (cls._log_size,))
         return motor
 
+    @fast_path("interpolate", "vvf", "v")
     def interpolate(self, other: Self, fraction: ArrayLike, short_way: bool = True) -> Self:
         """Constant-speed path ``self exp(fraction log(~self other))``, the screw between the two.
 
@@ -269,12 +295,11 @@ class Versor(Operators):
         )
 
     def _power(self, fraction: ArrayLike) -> Self:
-        return self.identity(dtype=self.dtype).interpolate(self, fraction)
+        still: Self = _identity(type(self), self.dtype)
+        return still.interpolate(self, fraction)
 
     def _fractions(self, fraction: Any, name: str) -> FloatArray:
         """Checked fractions in this precision."""
-        if isinstance(fraction, float) and isfinite(fraction):  # most often, and much faster
-            return np.asarray(fraction, dtype=self.coefficients.dtype)
         return checked_floats(fraction, name, ()).astype(self.coefficients.dtype, copy=False)
 
     def _check_long_way(self, other: Self, name: str) -> None:
@@ -289,6 +314,7 @@ class Versor(Operators):
 
     # Tangents ----------------------------------------------------------------------------------
 
+    @fast_path("retract", "vx", "v")
     def retract(self, twist: ArrayLike) -> Self:
         """Move by a twist ``(*, d)`` in the frame of this versor: ``S exp(x)``.
 
@@ -300,6 +326,7 @@ class Versor(Operators):
         step = self._twists(twist, "retract(twist)")
         return self._trusted(self._kernels.retract(self.coefficients, step))
 
+    @fast_path("local", "vv", "x")
     def local(self, other: Self) -> FloatArray:
         """Twist ``(*, d)`` that takes this versor to `other`, which turns by at most π.
 
@@ -313,6 +340,7 @@ class Versor(Operators):
         self._check_partner(other, name)
         return self._kernels.local(self.coefficients, other.coefficients)
 
+    @fast_path("adjoint", "v", "s")
     def adjoint(self) -> FloatArray:
         """Matrices ``(*, d, d)`` on twists with ``S exp(x) ~S = exp(Ad x)``.
 
@@ -320,6 +348,7 @@ class Versor(Operators):
         """
         return self._kernels.adjoint(self.coefficients)
 
+    @fast_path("transform_twist", "vx", "x")
     def transform_twist(self, twist: ArrayLike) -> FloatArray:
         """Twists ``(*, d)`` from the frame on the right to the one on the left: `adjoint` of them.
 
@@ -330,6 +359,7 @@ class Versor(Operators):
         return self._kernels.transform_twist(self.coefficients, twists)
 
     @classmethod
+    @fast_path("left_jacobian", "cx", "s")
     def left_jacobian(cls, twist: ArrayLike) -> FloatArray:
         """Matrices ``(*, d, d)`` with ``exp(x + y) ≈ exp(J y) exp(x)`` for small ``y``.
 
@@ -384,3 +414,8 @@ class Versor(Operators):
     def _shown(self) -> list[tuple[str, Any]] | None:
         single = not self.shape
         return list(zip(self._blades, self.coefficients.tolist(), strict=True)) if single else None
+
+
+@cache
+def _identity(kind: type[Versor], dtype: np.dtype[Any]) -> Any:
+    return kind.identity(dtype=dtype)

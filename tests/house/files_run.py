@@ -68,11 +68,11 @@ def run() -> FunctionType:
 
 
 def interpolate() -> FunctionType:
-    """One motor between two others."""
+    """The path between two motors; of one pose on it, what runs is compiled."""
     from motorcade.ga import Motor
 
     start, end = Motor.random(np.random.default_rng(0), (2,))
-    return lambda: start.interpolate(end, 0.5)
+    return lambda: start.interpolate(end, np.linspace(0.0, 1.0, 1000))
 
 
 def vertex() -> FunctionType:

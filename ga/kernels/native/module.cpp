@@ -17,6 +17,10 @@
 
 #include "dispatch.h"
 
+namespace motorcade {
+void add_fast_paths(nanobind::module_ &module);  // see fast_path.cpp
+}
+
 namespace nb = nanobind;
 using namespace nb::literals;
 
@@ -325,4 +329,5 @@ NB_MODULE(_compiled, module) {
         checked[kernel.name] = function(methods[2 * k + 1], &call<true>);
     }
     module.attr("checked") = checked;
+    motorcade::add_fast_paths(module);
 }

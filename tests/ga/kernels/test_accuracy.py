@@ -42,7 +42,8 @@ def test_kernels_that_convert_move_or_average_are_all_compared() -> None:
         "similarity_twists", "twists",
     }  # fmt: skip
     of_groups = {name for name, (group, _, _) in KERNELS.items() if group in groups}
-    assert of_groups <= conversion_errors("float64").keys()
+    exact = {name for name in KERNELS if name.endswith(("of_coefficients", "of_translation"))}
+    assert of_groups - exact <= conversion_errors("float64").keys()
 
 
 @pytest.mark.skipif(np.finfo(np.longdouble).eps > 2e-19, reason="no 80-bit numbers here")

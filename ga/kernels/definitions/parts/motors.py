@@ -38,6 +38,11 @@ def _translation(precision: Precision, m: Numbers) -> list[Numbers]:
     return [matrix_rows(m, unit=True)[3::4]]
 
 
+def _of_translation(precision: Precision, t: Numbers) -> list[Numbers]:
+    """The motor that moves by a translation and turns nothing."""
+    return [joined([1, 0, 0, 0], t)]
+
+
 def _of_rotor_translation(precision: Precision, r: Numbers, t: Numbers) -> list[Numbers]:
     """The motor that turns by a rotor, then moves by a translation."""
     return [joined(r, t)]
@@ -57,10 +62,14 @@ def _of_matrix44(precision: Precision, m: Numbers) -> list[Numbers]:
 
 def _of_dual_quaternion(precision: Precision, d: Numbers) -> list[Numbers]:
     """Motor of a unit Hamilton dual quaternion."""
-    m = [d[0], -d[1], -d[2], -d[3], -d[5], -d[6], -d[7], -d[4]]
+    return _of_coefficients(precision, [d[0], -d[1], -d[2], -d[3], -d[5], -d[6], -d[7], -d[4]])
+
+
+def _of_coefficients(precision: Precision, m: Numbers) -> list[Numbers]:
+    """The same numbers, and how far they are from a motor's."""
     length = rotors.largest([1, *(ca.fabs(x) for x in m[4:])])
     study = ca.fabs(m[0] * m[7] - sum(m[k] * m[k + 3] for k in (1, 2, 3))) / length
-    return [[*m, rotors.off_unit(m[:4]) + study]]
+    return [[*m, rotors.largest([rotors.off_unit(m[:4]), study])]]
 
 
 def _project(precision: Precision, m: Numbers) -> list[Numbers]:
@@ -77,6 +86,7 @@ _GROUP = "motor_conversions"
 
 KERNELS = (
     Kernel("translation", _GROUP, (_M,), (on.VECTOR.operand("out"),), _translation),
+    Kernel("of_translation", _GROUP, (_T,), (_OUT,), _of_translation),
     Kernel("motor_of", _GROUP, (on.ROTOR.operand("r"), _T), (_OUT,), _of_rotor_translation),
     Kernel(
         "motor_of_quaternion",
@@ -89,5 +99,6 @@ KERNELS = (
     Kernel(
         "motor_of_dual_quaternion", _GROUP, (_DUAL,), (rotors.checked(_OUT),), _of_dual_quaternion
     ),
+    Kernel("of_coefficients", _GROUP, (_M,), (rotors.checked(_OUT),), _of_coefficients),
     Kernel("project", _GROUP, (_M,), (Operand("out", (*_OUT.components, "size")),), _project),
 )

@@ -124,6 +124,11 @@ def _of_quaternion(precision: Precision, q: Numbers) -> list[Numbers]:
     return [[*conjugate(q), off_unit(q)]]
 
 
+def _of_coefficients(precision: Precision, r: Numbers) -> list[Numbers]:
+    """The same numbers, and how far they are from a rotor's."""
+    return [[*r, off_unit(r)]]
+
+
 def _normalize(precision: Precision, r: Numbers) -> list[Numbers]:
     """The rotor nearest to an even element, divided by its largest coefficient first."""
     size = largest([ca.fabs(x) for x in r])
@@ -141,6 +146,7 @@ KERNELS = (
     ),
     Kernel("rotor_matrix33", _GROUP, (_R,), (on.components("out", 3, 3),), _matrix33),
     Kernel("rotor_of_matrix33", _GROUP, (_MATRIX,), (checked(_OUT),), _of_matrix33),
+    Kernel("rotor_of_coefficients", _GROUP, (_R,), (checked(_OUT),), _of_coefficients),
     Kernel("rotor_of_quaternion", _GROUP, (QUATERNION,), (checked(_OUT),), _of_quaternion),
     Kernel(
         "rotor_normalize", _GROUP, (_R,), (Operand("out", (*_OUT.components, "size")),), _normalize

@@ -1,5 +1,5 @@
-/* Kernels of the group motor_conversions: translation, motor_of, motor_of_quaternion,
- * motor_of_matrix44, motor_of_dual_quaternion, project.
+/* Kernels of the group motor_conversions: translation, of_translation, motor_of,
+ * motor_of_quaternion, motor_of_matrix44, motor_of_dual_quaternion, of_coefficients, project.
  * Written by `python -m motorcade.ga.codegen` from ga/kernels/definitions; edit those. */
 
 #include "support.h"
@@ -41,6 +41,52 @@ void motorcade_translation_f64(MOTORCADE_ARGUMENTS(double))
         out_at[i] = -2.0 * (m4 * m0 + m5 * m3 - m6 * m2 + m7 * m1);
         out_at[out_step + i] = -2.0 * (m0 * m5 - m4 * m3 + m2 * m7 + m6 * m1);
         out_at[2 * out_step + i] = -2.0 * (m4 * m2 - m5 * m1 + m0 * m6 + m3 * m7);
+    }
+}
+
+/* of_translation: The motor that moves by a translation and turns nothing
+ * in t: x y z
+ * out out: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞ */
+
+MOTORCADE_SIMD
+void motorcade_of_translation_f32(MOTORCADE_ARGUMENTS(float))
+{
+    const float *restrict t_at = inputs[0];
+    const ptrdiff_t t_step = input_steps[0];
+    float *restrict out_at = outputs[0];
+    const ptrdiff_t out_step = output_steps[0];
+    MOTORCADE_INDEPENDENT
+    for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {
+        const float t0 = t_at[i], t1 = t_at[t_step + i], t2 = t_at[2 * t_step + i];
+        out_at[i] = 1.0f;
+        out_at[out_step + i] = 0.0f;
+        out_at[2 * out_step + i] = 0.0f;
+        out_at[3 * out_step + i] = 0.0f;
+        out_at[4 * out_step + i] = -0.5f * t0;
+        out_at[5 * out_step + i] = -0.5f * t1;
+        out_at[6 * out_step + i] = -0.5f * t2;
+        out_at[7 * out_step + i] = 0.0f;
+    }
+}
+
+MOTORCADE_SIMD
+void motorcade_of_translation_f64(MOTORCADE_ARGUMENTS(double))
+{
+    const double *restrict t_at = inputs[0];
+    const ptrdiff_t t_step = input_steps[0];
+    double *restrict out_at = outputs[0];
+    const ptrdiff_t out_step = output_steps[0];
+    MOTORCADE_INDEPENDENT
+    for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {
+        const double t0 = t_at[i], t1 = t_at[t_step + i], t2 = t_at[2 * t_step + i];
+        out_at[i] = 1.0;
+        out_at[out_step + i] = 0.0;
+        out_at[2 * out_step + i] = 0.0;
+        out_at[3 * out_step + i] = 0.0;
+        out_at[4 * out_step + i] = -0.5 * t0;
+        out_at[5 * out_step + i] = -0.5 * t1;
+        out_at[6 * out_step + i] = -0.5 * t2;
+        out_at[7 * out_step + i] = 0.0;
     }
 }
 
@@ -322,7 +368,8 @@ void motorcade_motor_of_dual_quaternion_f32(MOTORCADE_ARGUMENTS(float))
         out_at[5 * out_step + i] = -d6;
         out_at[6 * out_step + i] = -d7;
         out_at[7 * out_step + i] = -d4;
-        out_at[8 * out_step + i] = fabsf(sqrtf(d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3) - 1.0f) + t0;
+        out_at[8 * out_step + i] = largerf(fabsf(sqrtf(d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3) -
+            1.0f), t0);
     }
 }
 
@@ -348,7 +395,66 @@ void motorcade_motor_of_dual_quaternion_f64(MOTORCADE_ARGUMENTS(double))
         out_at[5 * out_step + i] = -d6;
         out_at[6 * out_step + i] = -d7;
         out_at[7 * out_step + i] = -d4;
-        out_at[8 * out_step + i] = fabs(sqrt(d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3) - 1.0) + t0;
+        out_at[8 * out_step + i] = larger(fabs(sqrt(d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3) - 1.0),
+            t0);
+    }
+}
+
+/* of_coefficients: The same numbers, and how far they are from a motor's
+ * in m: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
+ * out out: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞ off */
+
+MOTORCADE_SIMD
+void motorcade_of_coefficients_f32(MOTORCADE_ARGUMENTS(float))
+{
+    const float *restrict m_at = inputs[0];
+    const ptrdiff_t m_step = input_steps[0];
+    float *restrict out_at = outputs[0];
+    const ptrdiff_t out_step = output_steps[0];
+    MOTORCADE_INDEPENDENT
+    for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {
+        const float m0 = m_at[i], m1 = m_at[m_step + i], m2 = m_at[2 * m_step + i];
+        const float m3 = m_at[3 * m_step + i], m4 = m_at[4 * m_step + i], m5 = m_at[5 * m_step + i];
+        const float m6 = m_at[6 * m_step + i], m7 = m_at[7 * m_step + i];
+        const float t0 = fabsf(m0 * m7 - (m1 * m4 + m2 * m5 + m3 * m6)) /
+            largerf(largerf(largerf(largerf(1.0f, fabsf(m4)), fabsf(m5)), fabsf(m6)), fabsf(m7));
+        out_at[i] = m0;
+        out_at[out_step + i] = m1;
+        out_at[2 * out_step + i] = m2;
+        out_at[3 * out_step + i] = m3;
+        out_at[4 * out_step + i] = m4;
+        out_at[5 * out_step + i] = m5;
+        out_at[6 * out_step + i] = m6;
+        out_at[7 * out_step + i] = m7;
+        out_at[8 * out_step + i] = largerf(fabsf(sqrtf(m0 * m0 + m1 * m1 + m2 * m2 + m3 * m3) -
+            1.0f), t0);
+    }
+}
+
+MOTORCADE_SIMD
+void motorcade_of_coefficients_f64(MOTORCADE_ARGUMENTS(double))
+{
+    const double *restrict m_at = inputs[0];
+    const ptrdiff_t m_step = input_steps[0];
+    double *restrict out_at = outputs[0];
+    const ptrdiff_t out_step = output_steps[0];
+    MOTORCADE_INDEPENDENT
+    for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {
+        const double m0 = m_at[i], m1 = m_at[m_step + i], m2 = m_at[2 * m_step + i];
+        const double m3 = m_at[3 * m_step + i], m4 = m_at[4 * m_step + i], m5 = m_at[5 * m_step + i];
+        const double m6 = m_at[6 * m_step + i], m7 = m_at[7 * m_step + i];
+        const double t0 = fabs(m0 * m7 - (m1 * m4 + m2 * m5 + m3 * m6)) /
+            larger(larger(larger(larger(1.0, fabs(m4)), fabs(m5)), fabs(m6)), fabs(m7));
+        out_at[i] = m0;
+        out_at[out_step + i] = m1;
+        out_at[2 * out_step + i] = m2;
+        out_at[3 * out_step + i] = m3;
+        out_at[4 * out_step + i] = m4;
+        out_at[5 * out_step + i] = m5;
+        out_at[6 * out_step + i] = m6;
+        out_at[7 * out_step + i] = m7;
+        out_at[8 * out_step + i] = larger(fabs(sqrt(m0 * m0 + m1 * m1 + m2 * m2 + m3 * m3) - 1.0),
+            t0);
     }
 }
 

@@ -1,5 +1,5 @@
 /* Kernels of the group rotor_conversions: rotor_apply, rotor_matrix33, rotor_of_matrix33,
- * rotor_of_quaternion, rotor_normalize.
+ * rotor_of_coefficients, rotor_of_quaternion, rotor_normalize.
  * Written by `python -m motorcade.ga.codegen` from ga/kernels/definitions; edit those. */
 
 #include "support.h"
@@ -217,6 +217,48 @@ void motorcade_rotor_of_matrix33_f64(MOTORCADE_ARGUMENTS(double))
         out_at[2 * out_step + i] = -(t17 * t19);
         out_at[3 * out_step + i] = -(t18 * t19);
         out_at[4 * out_step + i] = (t20 ? 4.0 : t22);
+    }
+}
+
+/* rotor_of_coefficients: The same numbers, and how far they are from a rotor's
+ * in r: 1 e23 e31 e12
+ * out out: 1 e23 e31 e12 off */
+
+MOTORCADE_SIMD
+void motorcade_rotor_of_coefficients_f32(MOTORCADE_ARGUMENTS(float))
+{
+    const float *restrict r_at = inputs[0];
+    const ptrdiff_t r_step = input_steps[0];
+    float *restrict out_at = outputs[0];
+    const ptrdiff_t out_step = output_steps[0];
+    MOTORCADE_INDEPENDENT
+    for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {
+        const float r0 = r_at[i], r1 = r_at[r_step + i], r2 = r_at[2 * r_step + i];
+        const float r3 = r_at[3 * r_step + i];
+        out_at[i] = r0;
+        out_at[out_step + i] = r1;
+        out_at[2 * out_step + i] = r2;
+        out_at[3 * out_step + i] = r3;
+        out_at[4 * out_step + i] = fabsf(sqrtf(r0 * r0 + r1 * r1 + r2 * r2 + r3 * r3) - 1.0f);
+    }
+}
+
+MOTORCADE_SIMD
+void motorcade_rotor_of_coefficients_f64(MOTORCADE_ARGUMENTS(double))
+{
+    const double *restrict r_at = inputs[0];
+    const ptrdiff_t r_step = input_steps[0];
+    double *restrict out_at = outputs[0];
+    const ptrdiff_t out_step = output_steps[0];
+    MOTORCADE_INDEPENDENT
+    for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {
+        const double r0 = r_at[i], r1 = r_at[r_step + i], r2 = r_at[2 * r_step + i];
+        const double r3 = r_at[3 * r_step + i];
+        out_at[i] = r0;
+        out_at[out_step + i] = r1;
+        out_at[2 * out_step + i] = r2;
+        out_at[3 * out_step + i] = r3;
+        out_at[4 * out_step + i] = fabs(sqrt(r0 * r0 + r1 * r1 + r2 * r2 + r3 * r3) - 1.0);
     }
 }
 

@@ -1,4 +1,5 @@
-/* Kernels of the group similarity_parts: similarity_of, similarity_of_matrix44, motor_scale.
+/* Kernels of the group similarity_parts: similarity_of, similarity_of_matrix44,
+ * similarity_of_coefficients, motor_scale.
  * Written by `python -m motorcade.ga.codegen` from ga/kernels/definitions; edit those. */
 
 #include "support.h"
@@ -255,6 +256,102 @@ void motorcade_similarity_of_matrix44_f64(MOTORCADE_ARGUMENTS(double))
         out_at[10 * out_step + i] = t33 * (t37 * t40 - t36 * t41 + t32 * t42);
         out_at[11 * out_step + i] = -(t33 * (t36 * t40 + t38 * t42 + t37 * t41));
         out_at[12 * out_step + i] = t46;
+    }
+}
+
+/* similarity_of_coefficients: The same numbers, and how far ``S ~S`` is from 1, as a share of the
+ * squares in it
+ * in m: 1 e23 e31 e12 E e23E e31E e12E e1∞ e2∞ e3∞ e123∞
+ * out out: 1 e23 e31 e12 E e23E e31E e12E e1∞ e2∞ e3∞ e123∞ off */
+
+MOTORCADE_SIMD
+void motorcade_similarity_of_coefficients_f32(MOTORCADE_ARGUMENTS(float))
+{
+    const float *restrict m_at = inputs[0];
+    const ptrdiff_t m_step = input_steps[0];
+    float *restrict out_at = outputs[0];
+    const ptrdiff_t out_step = output_steps[0];
+    MOTORCADE_INDEPENDENT
+    for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {
+        const float m0 = m_at[i], m1 = m_at[m_step + i], m2 = m_at[2 * m_step + i];
+        const float m3 = m_at[3 * m_step + i], m4 = m_at[4 * m_step + i], m5 = m_at[5 * m_step + i];
+        const float m6 = m_at[6 * m_step + i], m7 = m_at[7 * m_step + i], m8 = m_at[8 * m_step + i];
+        const float m9 = m_at[9 * m_step + i], m10 = m_at[10 * m_step + i], m11 = m_at[11 * m_step + i];
+        const float t0 = m0 * m0;
+        const float t1 = m4 * m4;
+        const float t2 = m1 * m1;
+        const float t3 = m5 * m5;
+        const float t4 = m2 * m2;
+        const float t5 = m6 * m6;
+        const float t6 = m3 * m3;
+        const float t7 = m7 * m7;
+        const float t8 = largerf(largerf(largerf(largerf(1.0f, fabsf(m8)), fabsf(m9)), fabsf(m10)),
+            fabsf(m11));
+        const float t9 = largerf(fabsf(t0 - t1 + (t2 - t3) + (t4 - t5) + (t6 - t7) - 1.0f),
+            fabsf((m11 * (m0 + m4) - (m8 * (m1 + m5) + m9 * (m2 + m6) + m10 * (m3 + m7))) / t8));
+        const float t10 = largerf(largerf(t9, fabsf((m0 * m5 - m1 * m4 + m2 * m7 - m3 * m6) *
+            2.0f)), fabsf(2.0f * (m0 * m6 - m2 * m4 + m3 * m5 - m1 * m7)));
+        const float t11 = largerf(1e-04f, 1.0f / largerf(1.0f, t7 + (t5 + (t3 + (t1 + (t6 + (t4 +
+            (t0 + t2))))))));
+        out_at[i] = m0;
+        out_at[out_step + i] = m1;
+        out_at[2 * out_step + i] = m2;
+        out_at[3 * out_step + i] = m3;
+        out_at[4 * out_step + i] = m4;
+        out_at[5 * out_step + i] = m5;
+        out_at[6 * out_step + i] = m6;
+        out_at[7 * out_step + i] = m7;
+        out_at[8 * out_step + i] = m8;
+        out_at[9 * out_step + i] = m9;
+        out_at[10 * out_step + i] = m10;
+        out_at[11 * out_step + i] = m11;
+        out_at[12 * out_step + i] = largerf(t10, fabsf(2.0f * (m0 * m7 - m3 * m4 + m1 * m6 - m2 *
+            m5))) * t11;
+    }
+}
+
+MOTORCADE_SIMD
+void motorcade_similarity_of_coefficients_f64(MOTORCADE_ARGUMENTS(double))
+{
+    const double *restrict m_at = inputs[0];
+    const ptrdiff_t m_step = input_steps[0];
+    double *restrict out_at = outputs[0];
+    const ptrdiff_t out_step = output_steps[0];
+    MOTORCADE_INDEPENDENT
+    for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {
+        const double m0 = m_at[i], m1 = m_at[m_step + i], m2 = m_at[2 * m_step + i];
+        const double m3 = m_at[3 * m_step + i], m4 = m_at[4 * m_step + i], m5 = m_at[5 * m_step + i];
+        const double m6 = m_at[6 * m_step + i], m7 = m_at[7 * m_step + i], m8 = m_at[8 * m_step + i];
+        const double m9 = m_at[9 * m_step + i], m10 = m_at[10 * m_step + i], m11 = m_at[11 * m_step + i];
+        const double t0 = m0 * m0;
+        const double t1 = m4 * m4;
+        const double t2 = m1 * m1;
+        const double t3 = m5 * m5;
+        const double t4 = m2 * m2;
+        const double t5 = m6 * m6;
+        const double t6 = m3 * m3;
+        const double t7 = m7 * m7;
+        const double t8 = (m11 * (m0 + m4) - (m8 * (m1 + m5) + m9 * (m2 + m6) + m10 * (m3 + m7))) /
+            larger(larger(larger(larger(1.0, fabs(m8)), fabs(m9)), fabs(m10)), fabs(m11));
+        const double t9 = larger(larger(fabs(t0 - t1 + (t2 - t3) + (t4 - t5) + (t6 - t7) - 1.0),
+            fabs(t8)), fabs((m0 * m5 - m1 * m4 + m2 * m7 - m3 * m6) * 2.0));
+        const double t10 = larger(larger(t9, fabs(2.0 * (m0 * m6 - m2 * m4 + m3 * m5 - m1 * m7))),
+            fabs(2.0 * (m0 * m7 - m3 * m4 + m1 * m6 - m2 * m5)));
+        const double t11 = t10 * larger(1e-05, 1.0 / larger(1.0, t7 + (t5 + (t3 + (t1 + (t6 + (t4 +
+            (t0 + t2))))))));
+        out_at[i] = m0;
+        out_at[out_step + i] = m1;
+        out_at[2 * out_step + i] = m2;
+        out_at[3 * out_step + i] = m3;
+        out_at[4 * out_step + i] = m4;
+        out_at[5 * out_step + i] = m5;
+        out_at[6 * out_step + i] = m6;
+        out_at[7 * out_step + i] = m7;
+        out_at[8 * out_step + i] = m8;
+        out_at[9 * out_step + i] = m9;
+        out_at[10 * out_step + i] = m10;
+        out_at[11 * out_step + i] = m11;
+        out_at[12 * out_step + i] = t11;
     }
 }
 

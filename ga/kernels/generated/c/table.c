@@ -98,6 +98,8 @@ void motorcade_rotor_matrix33_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_rotor_matrix33_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_rotor_of_matrix33_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_rotor_of_matrix33_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_of_coefficients_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_of_coefficients_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_rotor_of_quaternion_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_rotor_of_quaternion_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_rotor_normalize_f32(MOTORCADE_ARGUMENTS(float));
@@ -112,6 +114,8 @@ void motorcade_rotor_proper_euler_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_rotor_proper_euler_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_translation_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_translation_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_of_translation_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_of_translation_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_motor_of_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_motor_of_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_motor_of_quaternion_f32(MOTORCADE_ARGUMENTS(float));
@@ -120,12 +124,16 @@ void motorcade_motor_of_matrix44_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_motor_of_matrix44_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_motor_of_dual_quaternion_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_motor_of_dual_quaternion_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_of_coefficients_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_of_coefficients_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_project_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_project_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_similarity_of_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_similarity_of_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_similarity_of_matrix44_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_similarity_of_matrix44_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_of_coefficients_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_of_coefficients_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_motor_scale_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_motor_scale_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_adjoint_f32(MOTORCADE_ARGUMENTS(float));
@@ -286,6 +294,8 @@ const struct motorcade_kernel motorcade_kernels[] = {
      motorcade_rotor_matrix33_f32, motorcade_rotor_matrix33_f64},
     {"rotor_of_matrix33", 1, 1, {9, 5},
      motorcade_rotor_of_matrix33_f32, motorcade_rotor_of_matrix33_f64},
+    {"rotor_of_coefficients", 1, 1, {4, 5},
+     motorcade_rotor_of_coefficients_f32, motorcade_rotor_of_coefficients_f64},
     {"rotor_of_quaternion", 1, 1, {4, 5},
      motorcade_rotor_of_quaternion_f32, motorcade_rotor_of_quaternion_f64},
     {"rotor_normalize", 1, 1, {4, 5},
@@ -300,6 +310,8 @@ const struct motorcade_kernel motorcade_kernels[] = {
      motorcade_rotor_proper_euler_f32, motorcade_rotor_proper_euler_f64},
     {"translation", 1, 1, {8, 3},
      motorcade_translation_f32, motorcade_translation_f64},
+    {"of_translation", 1, 1, {3, 8},
+     motorcade_of_translation_f32, motorcade_of_translation_f64},
     {"motor_of", 2, 1, {4, 3, 8},
      motorcade_motor_of_f32, motorcade_motor_of_f64},
     {"motor_of_quaternion", 2, 1, {4, 3, 9},
@@ -308,12 +320,16 @@ const struct motorcade_kernel motorcade_kernels[] = {
      motorcade_motor_of_matrix44_f32, motorcade_motor_of_matrix44_f64},
     {"motor_of_dual_quaternion", 1, 1, {8, 9},
      motorcade_motor_of_dual_quaternion_f32, motorcade_motor_of_dual_quaternion_f64},
+    {"of_coefficients", 1, 1, {8, 9},
+     motorcade_of_coefficients_f32, motorcade_of_coefficients_f64},
     {"project", 1, 1, {8, 9},
      motorcade_project_f32, motorcade_project_f64},
     {"similarity_of", 3, 1, {4, 3, 1, 12},
      motorcade_similarity_of_f32, motorcade_similarity_of_f64},
     {"similarity_of_matrix44", 1, 1, {16, 13},
      motorcade_similarity_of_matrix44_f32, motorcade_similarity_of_matrix44_f64},
+    {"similarity_of_coefficients", 1, 1, {12, 13},
+     motorcade_similarity_of_coefficients_f32, motorcade_similarity_of_coefficients_f64},
     {"motor_scale", 1, 1, {12, 9},
      motorcade_motor_scale_f32, motorcade_motor_scale_f64},
     {"adjoint", 1, 1, {8, 36},

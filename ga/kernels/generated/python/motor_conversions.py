@@ -1,5 +1,5 @@
-"""Kernels of the group motor_conversions: translation, motor_of, motor_of_quaternion,
-motor_of_matrix44, motor_of_dual_quaternion, project.
+"""Kernels of the group motor_conversions: translation, of_translation, motor_of,
+motor_of_quaternion, motor_of_matrix44, motor_of_dual_quaternion, of_coefficients, project.
 
 Written by ``python -m motorcade.ga.codegen`` from ga/kernels/definitions; edit those.
 """
@@ -29,6 +29,36 @@ def translation_f64(m: Any) -> tuple[Any, ...]:
         -2.0 * (m4 * m0 + m5 * m3 - m6 * m2 + m7 * m1),
         -2.0 * (m0 * m5 - m4 * m3 + m2 * m7 + m6 * m1),
         -2.0 * (m4 * m2 - m5 * m1 + m0 * m6 + m3 * m7),
+    )
+
+
+def of_translation_f32(t: Any) -> tuple[Any, ...]:
+    """The motor that moves by a translation and turns nothing"""
+    t0, t1, t2 = (t[..., i] for i in range(3))
+    return (
+        1.0,
+        0.0,
+        0.0,
+        0.0,
+        -0.5 * t0,
+        -0.5 * t1,
+        -0.5 * t2,
+        0.0,
+    )
+
+
+def of_translation_f64(t: Any) -> tuple[Any, ...]:
+    """The motor that moves by a translation and turns nothing"""
+    t0, t1, t2 = (t[..., i] for i in range(3))
+    return (
+        1.0,
+        0.0,
+        0.0,
+        0.0,
+        -0.5 * t0,
+        -0.5 * t1,
+        -0.5 * t2,
+        0.0,
     )
 
 
@@ -226,8 +256,8 @@ def motor_of_dual_quaternion_f32(d: Any) -> tuple[Any, ...]:
             np.abs(d4))
     )
     t1 = (
-        np.abs(np.sqrt(d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3) - 1.0) + np.abs(d0 * d4 + (d1 * d5 +
-            d2 * d6 + d3 * d7)) / t0
+        np.maximum(np.abs(np.sqrt(d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3) - 1.0), np.abs(d0 * d4 +
+            (d1 * d5 + d2 * d6 + d3 * d7)) / t0)
     )
     return (
         d0,
@@ -250,8 +280,8 @@ def motor_of_dual_quaternion_f64(d: Any) -> tuple[Any, ...]:
             np.abs(d4))
     )
     t1 = (
-        np.abs(np.sqrt(d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3) - 1.0) + np.abs(d0 * d4 + (d1 * d5 +
-            d2 * d6 + d3 * d7)) / t0
+        np.maximum(np.abs(np.sqrt(d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3) - 1.0), np.abs(d0 * d4 +
+            (d1 * d5 + d2 * d6 + d3 * d7)) / t0)
     )
     return (
         d0,
@@ -262,6 +292,54 @@ def motor_of_dual_quaternion_f64(d: Any) -> tuple[Any, ...]:
         -d6,
         -d7,
         -d4,
+        t1,
+    )
+
+
+def of_coefficients_f32(m: Any) -> tuple[Any, ...]:
+    """The same numbers, and how far they are from a motor's"""
+    m0, m1, m2, m3, m4, m5, m6, m7 = (m[..., i] for i in range(8))
+    t0 = (
+        np.maximum(np.maximum(np.maximum(np.maximum(1.0, np.abs(m4)), np.abs(m5)), np.abs(m6)),
+            np.abs(m7))
+    )
+    t1 = (
+        np.maximum(np.abs(np.sqrt(m0 * m0 + m1 * m1 + m2 * m2 + m3 * m3) - 1.0), np.abs(m0 * m7 -
+            (m1 * m4 + m2 * m5 + m3 * m6)) / t0)
+    )
+    return (
+        m0,
+        m1,
+        m2,
+        m3,
+        m4,
+        m5,
+        m6,
+        m7,
+        t1,
+    )
+
+
+def of_coefficients_f64(m: Any) -> tuple[Any, ...]:
+    """The same numbers, and how far they are from a motor's"""
+    m0, m1, m2, m3, m4, m5, m6, m7 = (m[..., i] for i in range(8))
+    t0 = (
+        np.maximum(np.maximum(np.maximum(np.maximum(1.0, np.abs(m4)), np.abs(m5)), np.abs(m6)),
+            np.abs(m7))
+    )
+    t1 = (
+        np.maximum(np.abs(np.sqrt(m0 * m0 + m1 * m1 + m2 * m2 + m3 * m3) - 1.0), np.abs(m0 * m7 -
+            (m1 * m4 + m2 * m5 + m3 * m6)) / t0)
+    )
+    return (
+        m0,
+        m1,
+        m2,
+        m3,
+        m4,
+        m5,
+        m6,
+        m7,
         t1,
     )
 

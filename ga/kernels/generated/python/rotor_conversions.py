@@ -1,5 +1,5 @@
 """Kernels of the group rotor_conversions: rotor_apply, rotor_matrix33, rotor_of_matrix33,
-rotor_of_quaternion, rotor_normalize.
+rotor_of_coefficients, rotor_of_quaternion, rotor_normalize.
 
 Written by ``python -m motorcade.ga.codegen`` from ga/kernels/definitions; edit those.
 """
@@ -163,6 +163,30 @@ def rotor_of_matrix33_f64(m: Any) -> tuple[Any, ...]:
         -(t17 * t19),
         -(t18 * t19),
         np.where(t20, np.float64(4.0), t22 + np.abs(m2 * m2 + m5 * m5 + m8 * m8 - 1.0)),
+    )
+
+
+def rotor_of_coefficients_f32(r: Any) -> tuple[Any, ...]:
+    """The same numbers, and how far they are from a rotor's"""
+    r0, r1, r2, r3 = (r[..., i] for i in range(4))
+    return (
+        r0,
+        r1,
+        r2,
+        r3,
+        np.abs(np.sqrt(r0 * r0 + r1 * r1 + r2 * r2 + r3 * r3) - 1.0),
+    )
+
+
+def rotor_of_coefficients_f64(r: Any) -> tuple[Any, ...]:
+    """The same numbers, and how far they are from a rotor's"""
+    r0, r1, r2, r3 = (r[..., i] for i in range(4))
+    return (
+        r0,
+        r1,
+        r2,
+        r3,
+        np.abs(np.sqrt(r0 * r0 + r1 * r1 + r2 * r2 + r3 * r3) - 1.0),
     )
 
 

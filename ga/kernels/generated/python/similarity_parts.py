@@ -1,4 +1,5 @@
-"""Kernels of the group similarity_parts: similarity_of, similarity_of_matrix44, motor_scale.
+"""Kernels of the group similarity_parts: similarity_of, similarity_of_matrix44,
+similarity_of_coefficients, motor_scale.
 
 Written by ``python -m motorcade.ga.codegen`` from ga/kernels/definitions; edit those.
 """
@@ -220,6 +221,92 @@ def similarity_of_matrix44_f64(m: Any) -> tuple[Any, ...]:
         t33 * (t37 * t40 - t36 * t41 + t32 * t42),
         -(t33 * (t36 * t40 + t38 * t42 + t37 * t41)),
         t47,
+    )
+
+
+def similarity_of_coefficients_f32(m: Any) -> tuple[Any, ...]:
+    """The same numbers, and how far ``S ~S`` is from 1, as a share of the squares in it"""
+    m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11 = (m[..., i] for i in range(12))
+    t0 = m0 * m0
+    t1 = m4 * m4
+    t2 = m1 * m1
+    t3 = m5 * m5
+    t4 = m2 * m2
+    t5 = m6 * m6
+    t6 = m3 * m3
+    t7 = m7 * m7
+    t8 = (
+        np.maximum(np.maximum(np.maximum(np.maximum(1.0, np.abs(m8)), np.abs(m9)), np.abs(m10)),
+            np.abs(m11))
+    )
+    t9 = (
+        np.maximum(np.abs(t0 - t1 + (t2 - t3) + (t4 - t5) + (t6 - t7) - 1.0), np.abs((m11 * (m0 +
+            m4) - (m8 * (m1 + m5) + m9 * (m2 + m6) + m10 * (m3 + m7))) / t8))
+    )
+    t10 = (
+        np.maximum(np.maximum(t9, np.abs((m0 * m5 - m1 * m4 + m2 * m7 - m3 * m6) * 2.0)), np.abs(2.0
+            * (m0 * m6 - m2 * m4 + m3 * m5 - m1 * m7)))
+    )
+    t11 = (
+        np.maximum(1e-04, 1.0 / np.maximum(1.0, t7 + (t5 + (t3 + (t1 + (t6 + (t4 + (t0 + t2))))))))
+    )
+    return (
+        m0,
+        m1,
+        m2,
+        m3,
+        m4,
+        m5,
+        m6,
+        m7,
+        m8,
+        m9,
+        m10,
+        m11,
+        np.maximum(t10, np.abs(2.0 * (m0 * m7 - m3 * m4 + m1 * m6 - m2 * m5))) * t11,
+    )
+
+
+def similarity_of_coefficients_f64(m: Any) -> tuple[Any, ...]:
+    """The same numbers, and how far ``S ~S`` is from 1, as a share of the squares in it"""
+    m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11 = (m[..., i] for i in range(12))
+    t0 = m0 * m0
+    t1 = m4 * m4
+    t2 = m1 * m1
+    t3 = m5 * m5
+    t4 = m2 * m2
+    t5 = m6 * m6
+    t6 = m3 * m3
+    t7 = m7 * m7
+    t8 = (
+        np.maximum(np.maximum(np.maximum(np.maximum(1.0, np.abs(m8)), np.abs(m9)), np.abs(m10)),
+            np.abs(m11))
+    )
+    t9 = (
+        np.maximum(np.abs(t0 - t1 + (t2 - t3) + (t4 - t5) + (t6 - t7) - 1.0), np.abs((m11 * (m0 +
+            m4) - (m8 * (m1 + m5) + m9 * (m2 + m6) + m10 * (m3 + m7))) / t8))
+    )
+    t10 = (
+        np.maximum(np.maximum(t9, np.abs((m0 * m5 - m1 * m4 + m2 * m7 - m3 * m6) * 2.0)), np.abs(2.0
+            * (m0 * m6 - m2 * m4 + m3 * m5 - m1 * m7)))
+    )
+    t11 = (
+        np.maximum(1e-05, 1.0 / np.maximum(1.0, t7 + (t5 + (t3 + (t1 + (t6 + (t4 + (t0 + t2))))))))
+    )
+    return (
+        m0,
+        m1,
+        m2,
+        m3,
+        m4,
+        m5,
+        m6,
+        m7,
+        m8,
+        m9,
+        m10,
+        m11,
+        np.maximum(t10, np.abs(2.0 * (m0 * m7 - m3 * m4 + m1 * m6 - m2 * m5))) * t11,
     )
 
 
