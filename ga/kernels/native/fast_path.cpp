@@ -39,8 +39,7 @@ constexpr std::size_t KINDS = std::size(kinds);
 PyObject *coefficients_name = nullptr, *method_type = nullptr;
 
 struct FastPath {
-    PyObject_HEAD
-    vectorcallfunc call;
+    PyObject_HEAD vectorcallfunc call;
     PyObject *method;
     const motorcade_kernel *kernels[KINDS];
     char operands[MOTORCADE_OPERANDS + 2], result;
@@ -69,10 +68,11 @@ struct Inputs {
         auto *array = reinterpret_cast<PyArrayObject *>(given);
         if (!PyArray_CheckExact(given)) return false;
         const int type = PyArray_TYPE(array), kept = PyArray_NDIM(array) - trailing;
-        if ((type != NPY_DOUBLE && type != NPY_FLOAT) || !PyArray_ISBEHAVED_RO(array) ||
-            kept < 0 || kept > 1)
+        if ((type != NPY_DOUBLE && type != NPY_FLOAT) || !PyArray_ISBEHAVED_RO(array) || kept < 0 ||
+            kept > 1)
             return false;
-        const npy_intp *shape = PyArray_DIMS(array) + kept, *strides = PyArray_STRIDES(array) + kept;
+        const npy_intp *shape = PyArray_DIMS(array) + kept,
+                       *strides = PyArray_STRIDES(array) + kept;
         npy_intp numbers = 1, step = PyArray_ITEMSIZE(array);
         if (trailing > 0) {
             numbers = shape[trailing - 1];
@@ -210,7 +210,8 @@ struct Output {
 
 const motorcade_kernel *find(const std::string &name) {
     const auto end = motorcade_kernels + motorcade_kernel_count;
-    const auto at = std::find_if(motorcade_kernels, end, [&](const auto &k) { return name == k.name; });
+    const auto at =
+        std::find_if(motorcade_kernels, end, [&](const auto &k) { return name == k.name; });
     return at == end ? nullptr : at;
 }
 
@@ -219,8 +220,7 @@ PyObject *versor_of(PyTypeObject *type, PyObject *array, PyObject *into) {
     nb::object coefficients = nb::steal(array);
     if (!array) return nullptr;
     nb::object versor = into ? nb::borrow(into) : nb::steal(PyType_GenericAlloc(type, 0));
-    if (!versor.is_valid() ||
-        PyObject_GenericSetAttr(versor.ptr(), coefficients_name, array) != 0)
+    if (!versor.is_valid() || PyObject_GenericSetAttr(versor.ptr(), coefficients_name, array) != 0)
         return nullptr;
     return into ? Py_NewRef(Py_None) : versor.release().ptr();
 }
@@ -229,7 +229,8 @@ PyObject *versor_of(PyTypeObject *type, PyObject *array, PyObject *into) {
 PyObject *call_kernel(const FastPath &path, PyObject *const *given) {
     const bool of_class = path.operands[0] == 'c';
     const auto *type = of_class ? reinterpret_cast<PyTypeObject *>(given[0]) : Py_TYPE(given[0]);
-    const auto own = std::find_if(kinds, kinds + KINDS, [&](const Kind &k) { return k.type == type; });
+    const auto own =
+        std::find_if(kinds, kinds + KINDS, [&](const Kind &k) { return k.type == type; });
     const motorcade_kernel *kernel = own == kinds + KINDS ? nullptr : path.kernels[own - kinds];
     if (!kernel) return nullptr;
     Inputs inputs;
@@ -240,11 +241,13 @@ PyObject *call_kernel(const FastPath &path, PyObject *const *given) {
         ++inputs.count;
     }
     inputs.settle();
-    const bool single = inputs.precision == NPY_FLOAT, checked = std::isfinite(path.above) || std::isfinite(path.within);
+    const bool single = inputs.precision == NPY_FLOAT,
+               checked = std::isfinite(path.above) || std::isfinite(path.within);
     const bool versor = path.result == 'v' || path.result == 'i';
-    if (checked && single) return nullptr;  // whose tolerance is another
+    if (checked && single) return nullptr;                        // whose tolerance is another
     if (path.result == 'i' && inputs.batch >= 0) return nullptr;  // which is kept in C order
-    Output out(inputs.precision, inputs.batch, static_cast<std::size_t>(kernel->widths[kernel->inputs]));
+    Output out(inputs.precision, inputs.batch,
+               static_cast<std::size_t>(kernel->widths[kernel->inputs]));
     if (!out.allocate(versor)) return nullptr;
     inputs.rows[inputs.count] = out.rows;
     if (!motorcade::run(*kernel, inputs.rows, single, true, 1)) return nullptr;
@@ -262,7 +265,8 @@ PyObject *call_kernel(const FastPath &path, PyObject *const *given) {
 
 PyObject *call(PyObject *self, PyObject *const *given, std::size_t flagged, PyObject *names) {
     const auto &path = *reinterpret_cast<FastPath *>(self);
-    if (!names && PyVectorcall_NARGS(flagged) == static_cast<Py_ssize_t>(std::strlen(path.operands))) {
+    if (!names &&
+        PyVectorcall_NARGS(flagged) == static_cast<Py_ssize_t>(std::strlen(path.operands))) {
         PyObject *result = call_kernel(path, given);
         if (result || PyErr_Occurred()) return result;
     }
