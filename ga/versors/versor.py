@@ -189,6 +189,8 @@ class Versor(Operators):
     def exp(cls, log: ArrayLike) -> Self:
         """Versors from bivectors, the mirror of `log`.
 
+        The formulas of both are in `ga/kernels/definitions`, `motors.py` and `similarities.py`.
+
         Raises:
             ValueError: wrong last dimension, NaN or infinity.
         """
