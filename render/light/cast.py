@@ -85,10 +85,10 @@ def _fitted(ground: GroundMap) -> list[CastShadow]:
     if not tried:
         return []
     # Each has as much to say as the others, however many cells it has.
-    told = [
+    likelihoods = [
         -np.log(np.maximum(left[..., 0].min(axis=(1, 2)) / all_, 0.05)) for _, all_, left in tried
     ]
-    common = int(np.argmax(np.sum(told, axis=0)))
+    common = int(np.argmax(np.sum(likelihoods, axis=0)))
     shadows = [_shadow(ground, *one, common) for one in tried]
     return [shadow for shadow in shadows if shadow is not None]
 

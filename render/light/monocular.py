@@ -334,9 +334,9 @@ def light_direction(
         for shadow in shadows:
             turn = np.arctan2(shadow.towards[1], shadow.towards[0])
             weight = weight * _near(side - turn, SHADOW_RAD) ** shadow.weight
-        told = [one.elevation_rad for one in shadows if one.elevation_rad is not None]
-        if told:
-            weight = weight * _near(height - float(np.median(told)), HEIGHT_RAD)
+        heights = [one.elevation_rad for one in shadows if one.elevation_rad is not None]
+        if heights:
+            weight = weight * _near(height - float(np.median(heights)), HEIGHT_RAD)
         if shadows:
             by.append("1 shadow" if len(shadows) == 1 else f"{len(shadows)} shadows")
         slope = _slope(ground)

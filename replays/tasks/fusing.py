@@ -42,6 +42,8 @@ Estimated = Literal["extrinsics", "offset"]
 _FLOOR_M, _FLOOR_RAD = 1e-4, 1e-4
 """No pose is believed beyond this, as in tracking: errors that last are in no roughness."""
 _FEWEST_POSITIONS = 4
+_UNEXPLAINED = 0.5
+"""Of how far positions spread: a path that leaves more apart explains less than 3/4 of them."""
 _AXES = ("rx", "ry", "rz", "tx", "ty", "tz")
 
 
@@ -272,7 +274,8 @@ def _held(
     and the steps between them as they are.
 
     Raises:
-        ValueError: fewer than four positions beside the poses, or such as tell no heading.
+        ValueError: fewer than four positions beside the poses, such as tell no heading, or such as
+            the path leaves as far apart as it would if they stood still.
     """
     path, sigma_m = measured.trajectory, options.positions_sigma_m
     stamps = positions.time_ns
@@ -293,6 +296,13 @@ def _held(
     rows = np.arange(len(stamps))
     pairs = Pairs(stamps, places, Motor.from_translation(antenna), rows, rows)
     aligned = align_heading(pairs).apply(places).translation_m
+    apart_m = float(np.sqrt(np.square(aligned - antenna)[:, :2].sum(axis=1).mean()))
+    if apart_m > _UNEXPLAINED * spread_m:
+        raise ValueError(
+            f"positions: expected them along the poses' path, got {apart_m:.1f} m between them "
+            f"where they spread by {spread_m:.1f} m, however they are turned: are both of "
+            "one recording, on one clock, the poses in metres?"
+        )
     drift_m = np.sqrt(max(np.square(aligned - antenna).mean() - sigma_m**2, 0.0))
     _LOG.info("positions: %.2f m of drift in the poses, %.1f m across", drift_m, spread_m)
     covariance = np.asarray(measured.covariance)

@@ -121,3 +121,14 @@ def test_positions_of_another_time_are_refused(flight: Flight, capsys) -> None:
     asked = ["fuse", flight.folder / "poses.tum", flight.folder / "imu.csv", "-o", later]
     assert main([str(word) for word in [*asked, "--positions", later]]) == 1
     assert "positions: expected 4 or more" in capsys.readouterr().err
+
+
+def test_positions_of_another_path_are_refused(flight: Flight, capsys) -> None:
+    """A mirrored path is one that no heading explains."""
+    moved = flight.truth.motors.translation_m * [-1.0, 1.0, 1.0]
+    other = flight.folder / "other.tum"
+    write_trajectory(Trajectory(flight.truth.time_ns, Motor.from_translation(moved)), other)
+    poses, imu = (str(flight.folder / name) for name in ("poses.tum", "imu.csv"))
+    out = str(flight.folder / "none.tum")
+    assert main(["fuse", poses, imu, "-o", out, "--positions", str(other)]) == 1
+    assert "expected them along the poses' path" in capsys.readouterr().err

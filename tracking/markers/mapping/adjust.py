@@ -126,7 +126,7 @@ def adjust(
 
 
 def _noise_px(seen: RigSightings, held: NDArray[np.bool_], squares: FloatArray) -> float:
-    """Noise a coordinate, by the median: of eight residuals poses take the share of a sighting.
+    """Noise a coordinate, by the median: of eight residuals poses take the share of an observation.
 
     The median of χ² is that of Wilson and Hilferty (1931).
     """
