@@ -115,13 +115,10 @@ def _circled(board: CircleGrid, pictures: Sequence[GrayImage]) -> AuditFinding:
     name, looks = "board_corners", circles_seen(pictures)
     if looks is None:
         target = find_target(pictures)
-        if target is not None and target.board is not None:
-            summary = f"the images show {target.summary}"
-            return AuditFinding(
-                name, "contradicted", 1.0, "share", summary, _keys(board, target.board)
-            )
-    if looks is None:
-        return AuditFinding(name, "unknown", None, "corners", "no image shows a whole grid")
+        if target is None or target.board is None:
+            return AuditFinding(name, "unknown", None, "corners", "no image shows a whole grid")
+        summary, keys = f"the images show {target.summary}", _keys(board, target.board)
+        return AuditFinding(name, "contradicted", 1.0, "share", summary, keys)
     size = (looks.columns, looks.rows)
     seen = "the board looks like {} x {} circles".format(*size) + ", shifted" * looks.asymmetric
     if _same_circles(looks, board):
