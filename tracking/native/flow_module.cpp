@@ -28,7 +28,7 @@ using Flags = nb::ndarray<nb::numpy, bool, nb::shape<-1>>;
 
 constexpr std::size_t most_pixels = 32767;
 
-Picture picture(const Grey &image) {
+Picture checked_picture(const Grey &image) {
     if (image.shape(0) < 1 || image.shape(1) < 1 || image.shape(0) > most_pixels ||
         image.shape(1) > most_pixels)
         throw std::invalid_argument("image: expected 1 to 32767 pixels a side");
@@ -106,9 +106,9 @@ NB_MODULE(_flow, module) {
         .def(
             "__init__",
             [](Pyramid *made, Grey image) {
-                const Picture given = picture(image);
+                const Picture next = checked_picture(image);
                 nb::gil_scoped_release unlocked;
-                new (made) Pyramid(given);
+                new (made) Pyramid(next);
             },
             "image"_a)
         .def_prop_ro("width", [](const Pyramid &of) { return of[0].width; })

@@ -170,8 +170,8 @@ class ColladaMaterials:
             if source is None:
                 break
             name = source.text.strip()
-        image = self._library.find(f"#{name}")
-        start = None if image is None else next(image.every("init_from"), None)
+        stored = self._library.find(f"#{name}")
+        start = None if stored is None else next(stored.every("init_from"), None)
         picture = None if start is None else self._picture(start.text.strip())
         if picture is None:
             return None

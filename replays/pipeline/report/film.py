@@ -126,7 +126,7 @@ def outlined(
     colour: tuple[int, int, int],
 ) -> ImageArray:
     """A copy of a picture with a place's outline, as far as it is ahead, and a label."""
-    image = np.ascontiguousarray(
+    canvas = np.ascontiguousarray(
         picture if picture.ndim == 3 else np.repeat(picture[..., None], 3, axis=2)
     ).copy()
     width = max(2, camera.width // 240)
@@ -136,11 +136,11 @@ def outlined(
     shown &= np.all(np.abs(px) < 4.0 * max(camera.width, camera.height), axis=1)
     for start, end, seen in zip(px, np.roll(px, -1, 0), shown & np.roll(shown, -1), strict=True):
         if seen:
-            cv2.line(image, start.astype(int), end.astype(int), colour, width)
+            cv2.line(canvas, start.astype(int), end.astype(int), colour, width)
     size = camera.height / 240.0
     at = (int(0.02 * camera.width), int(0.14 * camera.height))
-    cv2.putText(image, label, at, cv2.FONT_HERSHEY_SIMPLEX, size, colour, 2 * width)
-    return image
+    cv2.putText(canvas, label, at, cv2.FONT_HERSHEY_SIMPLEX, size, colour, 2 * width)
+    return canvas
 
 
 def _round(corners: FloatArray) -> FloatArray:

@@ -65,9 +65,9 @@ def test_colmap_projects_points_where_we_do(shown: Shown, camera: Camera, tmp_pa
     assert sorted(names) == [f"frame_{number:06}.jpg" for number in range(0, len(frames), 5)]
     for name, image in names.items():
         number = int(name[6:12])
-        picture = cv2.imread(str(tmp_path / "model" / "images" / name))[..., ::-1]
+        written = cv2.imread(str(tmp_path / "model" / "images" / name))[..., ::-1]
         wanted = frames[number].image().astype(float)
-        assert np.abs(picture - wanted).mean() < 3.0
+        assert np.abs(written - wanted).mean() < 3.0
         pose = shown.path.motors_at(frames.time_ns[number])
         inside = pose.inverse().apply(points)
         seen = inside[:, 2] > 0.1

@@ -22,7 +22,7 @@ Corners find_quads(Grey image, bool white_inside, float least_side, int reach) {
     if (reach < 0) throw std::invalid_argument("find_quads: expected a reach from 0 on");
     if (image.shape(0) > 32767 || image.shape(1) > 32767)
         throw std::invalid_argument("image: expected at most 32767 pixels a side");
-    const Picture picture{image.data(), static_cast<std::ptrdiff_t>(image.shape(1)),
+    const Picture pixels{image.data(), static_cast<std::ptrdiff_t>(image.shape(1)),
                           static_cast<int>(image.shape(1)), static_cast<int>(image.shape(0))};
     auto *found = new std::vector<Quad>;
     nb::capsule owner(found,
@@ -30,8 +30,8 @@ Corners find_quads(Grey image, bool white_inside, float least_side, int reach) {
     {
         nb::gil_scoped_release unlocked;
         const Binary binary =
-            reach == 0 ? threshold_tiles(picture) : threshold_mean(picture, reach);
-        fit_quads(find_edges(picture, binary, least_side), white_inside, least_side, *found);
+            reach == 0 ? threshold_tiles(pixels) : threshold_mean(pixels, reach);
+        fit_quads(find_edges(pixels, binary, least_side), white_inside, least_side, *found);
     }
     return Corners(found->data(), {found->size(), 4, 2}, owner);
 }

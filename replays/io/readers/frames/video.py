@@ -184,7 +184,7 @@ class VideoFrames(DecodedFrames):
     def _image(self, index: int) -> ImageArray:
         with self._lock:
             try:
-                picture = self._picture(int(self._places[index]))
+                picture = self._decoded(int(self._places[index]))
                 if picture.shape[1::-1] != self.stored_size:
                     size = self.stored_size
                     raise ValueError(f"expected {size} pixels, got {picture.shape[1::-1]}")
@@ -198,7 +198,7 @@ class VideoFrames(DecodedFrames):
                     advice="leave it out, as `intact` does",
                 ) from fault
 
-    def _picture(self, place: int) -> ImageArray:
+    def _decoded(self, place: int) -> ImageArray:
         """The picture at a place of the order shown: the running decoder's, if it is before that.
 
         Else a new one starts at a keyframe, or at the start where seeking leads astray: indices of

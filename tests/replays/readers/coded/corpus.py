@@ -16,7 +16,7 @@ import av
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["CASES", "COUNT", "Case", "number_of", "picture", "write_case"]
+__all__ = ["CASES", "COUNT", "Case", "number_of", "numbered_picture", "write_case"]
 
 COUNT, GROUP, RATE = 24, 8, 25
 _BLOCK, _BITS = 12, 5
@@ -121,7 +121,7 @@ CASES = (
 )
 
 
-def picture(number: int, size: tuple[int, int]) -> Picture:
+def numbered_picture(number: int, size: tuple[int, int]) -> Picture:
     """The picture of a number, RGB ``(h, w, 3)``."""
     width, height = size
     y, x = np.mgrid[:height, :width]
@@ -186,7 +186,7 @@ def _encoded(case: Case) -> tuple[list[Any], bytes]:
         if coding.codec == "mjpeg":
             stream.codec_context.color_range = 2
         for number in range(count):
-            frame = av.VideoFrame.from_ndarray(picture(number, size), format="rgb24")
+            frame = av.VideoFrame.from_ndarray(numbered_picture(number, size), format="rgb24")
             frame.pts, frame.time_base = number, Fraction(1, RATE)
             file.mux(stream.encode(frame))
         file.mux(stream.encode(None))

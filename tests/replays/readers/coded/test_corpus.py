@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from motorcade.replays.io.readers.frames.video import VideoFrames
-from tests.replays.readers.coded.corpus import CASES, Case, number_of, picture, write_case
+from tests.replays.readers.coded.corpus import CASES, Case, number_of, numbered_picture, write_case
 
 DAMAGED = ("broken_picture", "flipped_bytes", "no_first_key")
 OUT_OF_ORDER = ("repeated_stamps", "stored_order")
@@ -53,7 +53,10 @@ def _check(folder: Path, case: Case) -> None:
     for at, image in enumerate(as_stored):
         if frames._places[at] < count:
             assert np.abs(image.astype(int) - seen[frames._places[at]]).mean() < 1.0
-        assert np.abs(image.astype(int) - picture(numbers[at], image.shape[1::-1])).mean() < 12.0
+        assert (
+            np.abs(image.astype(int) - numbered_picture(numbers[at], image.shape[1::-1])).mean()
+            < 12.0
+        )
     for at in np.random.default_rng(1).permutation(len(frames))[:8].tolist():
         assert np.array_equal(frames[at].image(), images[at])
     if shutil.which("ffprobe") and case.fault not in OUT_OF_ORDER:
