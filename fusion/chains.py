@@ -52,11 +52,11 @@ class ChainFactor:
             right = level.pushed(right)
         solved: FloatArray = self._last @ right
         for level, own in zip(reversed(self._levels), reversed(eliminated), strict=True):
-            made = np.empty((len(solved) + len(own), *own.shape[1:]))
-            made[0::2] = solved
-            made[1::2] = level.alone @ own + level.from_before @ solved[: len(own)]
-            made[1::2][: level.inner] += level.from_after @ solved[1 : 1 + level.inner]
-            solved = made
+            merged = np.empty((len(solved) + len(own), *own.shape[1:]))
+            merged[0::2] = solved
+            merged[1::2] = level.alone @ own + level.from_before @ solved[: len(own)]
+            merged[1::2][: level.inner] += level.from_after @ solved[1 : 1 + level.inner]
+            solved = merged
         return solved
 
     def inverse_blocks(self) -> tuple[FloatArray, FloatArray]:

@@ -144,18 +144,18 @@ def differentiated(
         rows = [polynomial_at_centre(u, equal, inside, order, k) for k in range(4)]
         return np.stack([unit * row for unit, row in zip(units, rows, strict=True)])
 
-    found = np.empty((4, len(trajectory), 7 if scaled else 6))
-    made = coordinates.copy()
+    derived = np.empty((4, len(trajectory), 7 if scaled else 6))
+    fitted = coordinates.copy()
     for start in range(0, len(trajectory), _STRETCH):
         part = slice(start, min(start + _STRETCH, len(trajectory)))
         windows = Windows.of(trajectory.time_ns, part, first, last, weights)
         for _ in range(_ROUNDS):
-            found[:, part] = weighted_vectors(coordinates, made[part], representation, windows)
-            made[part] = representation.retract(made[part], found[0, part])
-    poses = representation.poses(made)
+            derived[:, part] = weighted_vectors(coordinates, fitted[part], representation, windows)
+            fitted[part] = representation.retract(fitted[part], derived[0, part])
+    poses = representation.poses(fitted)
     assert isinstance(poses, Motor | Similarity)
     path = Trajectory(trajectory.time_ns, poses, trajectory.parent, trajectory.child)
-    _, slope, curvature, twist_jerk = found
+    _, slope, curvature, twist_jerk = derived
     return PathDerivatives(
         path, slope, curvature, twist_jerk - 0.5 * twist_bracket(slope, curvature)
     )

@@ -220,18 +220,18 @@ def _check_steps(steps_s: FloatArray, rate_rad_s: FloatArray) -> None:
 
 
 def _checked_keyframes(keyframes_ns: IntArray, imu: ImuStream) -> IntArray:
-    given = np.asarray(keyframes_ns)
-    if given.dtype.kind != "i" or given.ndim != 1 or given.size < 2 or np.any(np.diff(given) <= 0):
+    at_ns = np.asarray(keyframes_ns)
+    if at_ns.dtype.kind != "i" or at_ns.ndim != 1 or at_ns.size < 2 or np.any(np.diff(at_ns) <= 0):
         raise ValueError(
             "keyframes_ns: expected two or more rising integer nanoseconds (K + 1,), got "
-            f"dtype {given.dtype}, shape {given.shape}"
+            f"dtype {at_ns.dtype}, shape {at_ns.shape}"
         )
-    if given[0] < imu.time_ns[0] or given[-1] > imu.time_ns[-1]:
+    if at_ns[0] < imu.time_ns[0] or at_ns[-1] > imu.time_ns[-1]:
         raise ValueError(
             f"keyframes_ns: expected stamps in [{imu.time_ns[0]}, {imu.time_ns[-1]}], where there "
-            f"are samples, got {given[0]} to {given[-1]}"
+            f"are samples, got {at_ns[0]} to {at_ns[-1]}"
         )
-    return given.astype(np.int64)
+    return at_ns.astype(np.int64)
 
 
 def _checked_bias(value: ArrayLike, name: str, count: int) -> FloatArray:

@@ -100,13 +100,13 @@ def calibrate_camera_imu(
     doubted = noise.scaled(_UNCORRECTED)
     start = synchronise(path, imu, doubted, search_s=search_s)
     imu = covered(path, imu, start.offset_s, _MARGIN_S)[1]
-    made = _Run(seen, imu, start, size, size_sigma, correction_sigma)
-    found = made.calibrated(doubted, start.imu_T_camera, start.offset_s)
-    corrected = imu.corrected(found.gyro_correction, found.accel_correction)
+    run = _Run(seen, imu, start, size, size_sigma, correction_sigma)
+    calibration = run.calibrated(doubted, start.imu_T_camera, start.offset_s)
+    corrected = imu.corrected(calibration.gyro_correction, calibration.accel_correction)
     used = synchronise(path, corrected, noise, search_s=search_s).imu_noise
-    last = found.fused
-    found = made.calibrated(used, last.imu_T_camera[-1], float(last.time_offset_s[-1]))
-    return _checked(made.result(found, used, start))
+    last = calibration.fused
+    calibration = run.calibrated(used, last.imu_T_camera[-1], float(last.time_offset_s[-1]))
+    return _checked(run.result(calibration, used, start))
 
 
 def _check_turns(path: Trajectory) -> None:
@@ -168,28 +168,28 @@ class _Run:
         )
 
     def result(
-        self, found: GraphCalibration, noise: ImuNoise, start: Synchronised
+        self, calibration: GraphCalibration, noise: ImuNoise, start: Synchronised
     ) -> CameraImuCalibration:
         """What was found, in the board's frame."""
-        fused, seen = found.fused, self.seen
-        covariance = found.covariance * max(found.misfit, 1.0)
+        fused, seen = calibration.fused, self.seen
+        covariance = calibration.covariance * max(calibration.misfit, 1.0)
         own = covariance[COMMON:, COMMON:]
         root = seen.intrinsics_root
         spread = np.sqrt(np.diag(root @ own @ root.T)) if len(root) else np.zeros(0)
-        down = fused.gravity_m_s2[-1] * (found.gravity_m_s2 / self.size_m_s2)
+        down = fused.gravity_m_s2[-1] * (calibration.gravity_m_s2 / self.size_m_s2)
         stamps = fused.trajectory.time_ns
         return CameraImuCalibration(
-            camera=seen.camera_at(found.common),
+            camera=seen.camera_at(calibration.common),
             intrinsics_sigma=spread,
             imu_T_camera=fused.imu_T_camera[-1],
             offset_s=float(fused.time_offset_s[-1]),
             gravity_m_s2=self.level_T_board.inverse().rotor.apply(down),
-            gyro_correction=found.gyro_correction,
-            accel_correction=found.accel_correction,
+            gyro_correction=calibration.gyro_correction,
+            accel_correction=calibration.accel_correction,
             gyro_bias_rad_s=fused.gyro_bias_rad_s.mean(axis=0),
             accel_bias_m_s2=fused.accel_bias_m_s2.mean(axis=0),
             covariance=covariance,
-            misfit=found.misfit,
+            misfit=calibration.misfit,
             noise=noise,
             poses=len(stamps),
             refused=int(np.count_nonzero(~fused.accepted)),
@@ -201,13 +201,13 @@ class _Run:
         )
 
 
-def _checked(found: CameraImuCalibration) -> CameraImuCalibration:
+def _checked(calibration: CameraImuCalibration) -> CameraImuCalibration:
     """The result, where it is worth the name."""
-    turn, offset = float(found.rotation_sigma_rad.max()), found.offset_sigma_s
+    turn, offset = float(calibration.rotation_sigma_rad.max()), calibration.offset_sigma_s
     if turn > _WORST_TURN_RAD or offset > _WORST_OFFSET_S:
         raise ValueError(
             "camera and imu: expected motion that tells how one sits on the other and their clocks "
             f"apart, got deviations of {np.rad2deg(turn):.2g}° and {1e3 * offset:.2g} ms; turn "
             "about all axes, faster and longer"
         )
-    return found
+    return calibration

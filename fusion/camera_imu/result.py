@@ -136,9 +136,9 @@ class CameraImuCalibration:
     @property
     def accel_sigma(self) -> FloatArray:
         """``(3, 3)`` deviations of the accelerometer's, zero above the diagonal."""
-        made = np.zeros((3, 3))
-        made[np.tril_indices(3)] = self._sigmas[ACCEL]
-        return made
+        sigma = np.zeros((3, 3))
+        sigma[np.tril_indices(3)] = self._sigmas[ACCEL]
+        return sigma
 
     @property
     def gyro_matrix(self) -> FloatArray:
@@ -167,21 +167,19 @@ class CameraImuCalibration:
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """Every number of the calibration with its deviation, and what the motion does not tell."""
-        made = [*self._extrinsics(), *self._corrections()]
+        parameters = [*self._extrinsics(), *self._corrections()]
         if len(self.intrinsics_sigma):
             own = self.camera
             names = ("fx_px", "fy_px", "cx_px", "cy_px", *_LENS.get(own.model, ()))
             values = (own.fx, own.fy, own.cx, own.cy, *own.distortion)
             rows = zip(names, values, self.intrinsics_sigma.tolist(), strict=False)
-            made += [Parameter(*one, "") for one in rows]
-        return tuple(made)
+            parameters += [Parameter(*row, "") for row in rows]
+        return tuple(parameters)
 
     @property
     def unobservable(self) -> tuple[str, ...]:
         """What the motion does not tell, and what motion would, one line each."""
-        return tuple(
-            f"{one.name}: {one.unobservable}" for one in self.parameters if one.unobservable
-        )
+        return tuple(f"{p.name}: {p.unobservable}" for p in self.parameters if p.unobservable)
 
     @property
     def _sigmas(self) -> FloatArray:
@@ -192,16 +190,16 @@ class CameraImuCalibration:
         vector = np.rad2deg(camera.rotor.as_rotation_vector()).tolist()
         turn_deg = np.rad2deg(self.rotation_sigma_rad).tolist()
         place, arm = camera.translation_m.tolist(), self.lever_arm_sigma_m.tolist()
-        made = [Parameter("offset_s", self.offset_s, self.offset_sigma_s, "")]
+        parameters = [Parameter("offset_s", self.offset_s, self.offset_sigma_s, "")]
         for k, axis in enumerate(_AXES):
-            made.append(Parameter(f"rotation_{axis}_deg", vector[k], turn_deg[k], ""))
+            parameters.append(Parameter(f"rotation_{axis}_deg", vector[k], turn_deg[k], ""))
         for k, axis in enumerate(_AXES):
             others = " and ".join(_AXES.replace(axis, ""))
             why = f"turn about the IMU's {others}" if arm[k] > LEAST_LEVER_M else ""
-            made.append(Parameter(f"lever_arm_{axis}_m", place[k], arm[k], why))
+            parameters.append(Parameter(f"lever_arm_{axis}_m", place[k], arm[k], why))
         for k, axis in enumerate(_AXES):
-            made.append(Parameter(f"gravity_{axis}_m_s2", *self._gravity(k), ""))
-        return made
+            parameters.append(Parameter(f"gravity_{axis}_m_s2", *self._gravity(k), ""))
+        return parameters
 
     def _gravity(self, k: int) -> tuple[float, float]:
         """A component in the board's axes: its size's deviation, and tilt across it."""
@@ -211,7 +209,7 @@ class CameraImuCalibration:
         return float(self.gravity_m_s2[k]), float(np.hypot(along * self.gravity_sigma_m_s2, across))
 
     def _corrections(self) -> list[Parameter]:
-        made = []
+        parameters = []
         for sensor, matrix, sigma, motion in (
             (
                 "gyro",
@@ -234,8 +232,8 @@ class CameraImuCalibration:
                 name = "scale" if row == column else "axis"
                 label = f"{sensor}_{name}_{_AXES[row]}{'' if row == column else _AXES[column]}"
                 why = "" if known else motion.format(_AXES[column])
-                made.append(Parameter(label, value, spread, why))
-        return made
+                parameters.append(Parameter(label, value, spread, why))
+        return parameters
 
 
 # A ruler tells a lever arm to a centimetre: what is less sure was not worth a recording.

@@ -179,10 +179,10 @@ def calibrate_by_graph(
         sigmas = np.append(sigmas, gravity_size_sigma_m_s2)
     with determined():
         factors, values, rounds = _settled(graph, values, sigmas)
-        judged = [replace(one, given=one.kind(values)) for one in graph.kinds]
+        judged = [replace(one, measurements=one.kind(values)) for one in graph.kinds]
         graph = replace(graph, kinds=judged)
-        found, marginals = read_all(graph, factors, values, covariances=state_covariances)
-    fused = as_fused(graph, found, measurements.trajectory, wanted, chosen)
+        states, marginals = read_all(graph, factors, values, covariances=state_covariances)
+    fused = as_fused(graph, states, measurements.trajectory, wanted, chosen)
     numbers = values.atVector(_key())
     gyro, accel = corrections(numbers)
     spread = np.sqrt(np.diag(marginals.marginalCovariance(_key())))
@@ -217,10 +217,10 @@ def _covered(
     if effect is None:
         return used, None
     count = len(measurements)
-    given = checked_floats(effect, "pose_effect", (6, np.shape(effect)[-1]))
-    if given.shape[0] != count or not given.shape[-1]:
-        raise ValueError(f"pose_effect: expected {(count, 6, 'p')}, got {given.shape}")
-    return used, given[np.searchsorted(measurements.trajectory.time_ns, used.trajectory.time_ns)]
+    checked = checked_floats(effect, "pose_effect", (6, np.shape(effect)[-1]))
+    if checked.shape[0] != count or not checked.shape[-1]:
+        raise ValueError(f"pose_effect: expected {(count, 6, 'p')}, got {checked.shape}")
+    return used, checked[np.searchsorted(measurements.trajectory.time_ns, used.trajectory.time_ns)]
 
 
 def _settled(
@@ -266,12 +266,12 @@ def _joint(
     ]
     asked = [(key, list(rows)) for key, rows in places if key is not None]
     joint = marginals.jointMarginalCovariance(gtsam.KeyVector([key for key, _ in asked]))
-    made = np.zeros((25 + width, 25 + width))
-    for one, rows in asked:
+    covariance = np.zeros((25 + width, 25 + width))
+    for key, rows in asked:
         for other, columns in asked:
-            block = joint.at(one, other)
-            made[np.ix_(rows[: len(block)], columns[: block.shape[1]])] = block
-    return made
+            block = joint.at(key, other)
+            covariance[np.ix_(rows[: len(block)], columns[: block.shape[1]])] = block
+    return covariance
 
 
 def _misfit(
@@ -321,21 +321,21 @@ def _factors(
     effect = np.empty((*errors.shape, len(sigmas)))
     for k in range(len(sigmas)):
         ahead = about + _STEP * (np.arange(len(sigmas)) == k)
-        for row, (one, plain) in enumerate(zip(motions(ahead), here, strict=True)):
+        for row, (factor, plain) in enumerate(zip(motions(ahead), here, strict=True)):
             # Whitened as the factor itself: its noise hardly depends on the corrections.
-            moved = one.unwhitenedError(values) - plain.unwhitenedError(values)
+            moved = factor.unwhitenedError(values) - plain.unwhitenedError(values)
             effect[row, :, k] = plain.noiseModel().whiten(moved) / _STEP
     factors = factors_of(graph, [])
-    for one, by in zip(here, effect, strict=True):
-        factors.push_back(_with_corrections(one, about, by))
-    for number, given in enumerate(graph.also):
-        if given.parameter_sigma.size:
-            certain = np.maximum(given.parameter_sigma, _CERTAIN)
+    for factor, by in zip(here, effect, strict=True):
+        factors.push_back(_with_corrections(factor, about, by))
+    for number, kind in enumerate(graph.also):
+        if kind.parameter_sigma.size:
+            certain = np.maximum(kind.parameter_sigma, _CERTAIN)
             known = gtsam.noiseModel.Diagonal.Sigmas(certain)
             name = parameter_key(number)
-            factors.push_back(gtsam.PriorFactorVector(name, given.parameters, known))
+            factors.push_back(gtsam.PriorFactorVector(name, kind.parameters, known))
     if any(one.number < 0 and one.calibrated for one in graph.kinds):
-        count = len(next(one for one in graph.kinds if one.number < 0).given.parameters)
+        count = len(next(one for one in graph.kinds if one.number < 0).measurements.parameters)
         unit = gtsam.noiseModel.Unit.Create(count)
         factors.push_back(gtsam.PriorFactorVector(parameter_key(-1), np.zeros(count), unit))
     prior = gtsam.noiseModel.Diagonal.Sigmas(sigmas)

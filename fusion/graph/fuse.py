@@ -83,12 +83,12 @@ def fuse_by_graph(
     if lag_s is not None:
         _check_lag(checked_positive(lag_s, "lag_s", "seconds"), chosen, kinds)
 
-    def one(given: PoseMeasurements, stream: ImuStream, stamps: IntArray | None) -> Fused:
+    def fuse_part(part: PoseMeasurements, stream: ImuStream, stamps: IntArray | None) -> Fused:
         return _fused(
-            given, stream, noise, imu_T_camera, stamps, kinds, chosen, time_offset_s, lag_s
+            part, stream, noise, imu_T_camera, stamps, kinds, chosen, time_offset_s, lag_s
         )
 
-    return by_stretch(one, measurements, imu, stamps_ns, shift_ns)
+    return by_stretch(fuse_part, measurements, imu, stamps_ns, shift_ns)
 
 
 def checked_graph_input(
@@ -114,10 +114,10 @@ def _check_lag(lag_s: float, settings: FilterSettings, also: Sequence[Measuremen
         raise ValueError(
             "settings: expected only motion and biases to estimate with a lag, got more"
         )
-    for one in also:
-        since = one.since_ns
-        if since is not None and np.any(one.time_ns - since > lag_ns):
-            raise ValueError(f"lag_s: expected no {one.name} step longer than the lag, got one")
+    for kind in also:
+        since = kind.since_ns
+        if since is not None and np.any(kind.time_ns - since > lag_ns):
+            raise ValueError(f"lag_s: expected no {kind.name} step longer than the lag, got one")
 
 
 def _fused(
@@ -138,35 +138,35 @@ def _fused(
     graph = InertialGraph.of(used, imu, noise, imu_T_camera, wanted, chosen, also, time_offset_s)
     start = filtered_start(used, imu, noise, graph) if also and lag_s is None else None
     with determined():
-        found = smooth_all(graph, start) if lag_s is None else smooth_with_lag(graph, lag_s)
-    return as_fused(graph, found, measurements.trajectory, wanted, chosen)
+        states = smooth_all(graph, start) if lag_s is None else smooth_with_lag(graph, lag_s)
+    return as_fused(graph, states, measurements.trajectory, wanted, chosen)
 
 
 def as_fused(
     graph: InertialGraph,
-    found: GraphStates,
+    states: GraphStates,
     path: Trajectory,
     wanted: IntArray,
     chosen: FilterSettings,
 ) -> Fused:
     """What was found at the stamps asked for, seen from the camera."""
     rows, count = np.searchsorted(graph.time_ns, wanted), len(wanted)
-    poses = found.world_T_imu[rows] @ found.imu_T_camera
-    spread = found.covariance[rows]
-    fall = -chosen.gravity_m_s2 * found.world_R_up[:, 2]
+    poses = states.world_T_imu[rows] @ states.imu_T_camera
+    spread = states.covariance[rows]
+    fall = -chosen.gravity_m_s2 * states.world_R_up[:, 2]
     return Fused(
         trajectory=Trajectory(wanted, poses, path.parent, path.child),
-        velocity_m_s=found.velocity_m_s[rows],
-        gyro_bias_rad_s=found.bias[rows, :3],
-        accel_bias_m_s2=found.bias[rows, 3:],
-        covariance=camera_covariance(spread, found.imu_T_camera),
+        velocity_m_s=states.velocity_m_s[rows],
+        gyro_bias_rad_s=states.bias[rows, :3],
+        accel_bias_m_s2=states.bias[rows, 3:],
+        covariance=camera_covariance(spread, states.imu_T_camera),
         state_covariance=spread,
         nis=np.full(count, np.nan),
-        accepted=graph.accepted(found, MOST_NOISE)[rows],
+        accepted=graph.accepted(states, MOST_NOISE)[rows],
         gravity_m_s2=np.tile(fall, (count, 1)),
-        imu_T_camera=Motor.stack([found.imu_T_camera] * count),
-        time_offset_s=np.full(count, found.time_offset_s),
-        also=graph.judgements(found, MOST_NOISE),
+        imu_T_camera=Motor.stack([states.imu_T_camera] * count),
+        time_offset_s=np.full(count, states.time_offset_s),
+        also=graph.judgements(states, MOST_NOISE),
     )
 
 
@@ -176,7 +176,7 @@ def filtered_start(
     """Where the filter sees the nodes by all kinds that do not relate two moments."""
     kinds = [one for one in graph.also if one.since_ns is None and not one.parameter_sigma.size]
     shared = graph.shared
-    found = fuse_unjudged(
+    fused = fuse_unjudged(
         measurements,
         imu,
         noise,
@@ -186,5 +186,5 @@ def filtered_start(
         time_offset_s=shared.time_offset_s,
         state_covariances=False,
     )
-    bias = np.hstack([found.gyro_bias_rad_s, found.accel_bias_m_s2])
-    return found.trajectory.motors @ shared.imu_T_camera.inverse(), found.velocity_m_s, bias
+    bias = np.hstack([fused.gyro_bias_rad_s, fused.accel_bias_m_s2])
+    return fused.trajectory.motors @ shared.imu_T_camera.inverse(), fused.velocity_m_s, bias

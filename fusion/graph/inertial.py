@@ -125,8 +125,8 @@ class InertialGraph:
         within = [rows_within(one, int(seen[0]), int(imu.time_ns[-1])) for one in also]
         others = [
             stamps[rows]
-            for one, rows in zip(also, within, strict=True)
-            for stamps in (one.time_ns, one.since_ns)
+            for kind, rows in zip(also, within, strict=True)
+            for stamps in (kind.time_ns, kind.since_ns)
             if stamps is not None
         ]
         nodes = np.unique(np.concatenate([seen, stamps_ns, *others])).astype(np.int64)
@@ -136,9 +136,9 @@ class InertialGraph:
         adjoint = imu_T_camera.adjoint()
         shared = SharedUnknowns(imu_T_camera, time_offset_s, *settings.known_sigmas)
         at = data.angular_rate_rad_s[np.searchsorted(data.time_ns, nodes)]
-        made = [
-            kind_factor(one, number, row, nodes, at, shared)
-            for number, (one, rows) in enumerate(zip(also, within, strict=True))
+        factors = [
+            kind_factor(kind, number, row, nodes, at, shared)
+            for number, (kind, rows) in enumerate(zip(also, within, strict=True))
             for row in rows.tolist()
         ]
         if shared.keys or pose_effect is not None:
@@ -148,7 +148,7 @@ class InertialGraph:
             poses = PosesByUnknowns(
                 seen, path.motors, measurements.covariance, 1e-9 * shift_ns, pose_effect, common
             )
-            made += [kind_factor(poses, -1, row, nodes, at, shared) for row in range(len(seen))]
+            factors += [kind_factor(poses, -1, row, nodes, at, shared) for row in range(len(seen))]
         return cls(
             nodes,
             data,
@@ -158,7 +158,7 @@ class InertialGraph:
             measurements.trajectory.motors @ imu_T_camera.inverse(),
             adjoint @ measurements.covariance @ adjoint.T,
             [settings.gate_limit(n) for n in range(1, MOST_NUMBERS + 1)],
-            made,
+            factors,
             tuple(also),
             shared,
         )
@@ -209,14 +209,14 @@ class InertialGraph:
         import gtsam
 
         every_force, every_rate, every_step, places = self._samples
-        made = gtsam.PreintegratedCombinedMeasurements(self._params, bias)
+        preintegrated = gtsam.PreintegratedCombinedMeasurements(self._params, bias)
         rows = slice(places[index - 1], places[index])
         force, rate, steps = every_force[rows], every_rate[rows], every_step[rows]
         # The bias's part of the turn to the beginning of a step, to first order.
         force = force + 0.5 * steps[:, None] * (force @ skew(bias.gyroscope()))
-        for one in zip(force, rate, steps.tolist(), strict=True):
-            made.integrateMeasurement(*one)
-        return made
+        for sample in zip(force, rate, steps.tolist(), strict=True):
+            preintegrated.integrateMeasurement(*sample)
+        return preintegrated
 
     def motion(
         self, index: int, summed: gtsam.PreintegratedCombinedMeasurements
@@ -233,26 +233,26 @@ class InertialGraph:
         """The factors of what was measured at a node."""
         import gtsam
 
-        made = [one.factor(self.gate(one.given)) for one in self._at_nodes.get(index, [])]
+        factors = [one.factor(self.gate(one.measurements)) for one in self._at_nodes.get(index, [])]
         row = int(self.measured[index])
         if row < 0 or self.poses_as_kinds:
-            return made
+            return factors
         model: Any = gtsam.noiseModel.Gaussian.Covariance(self.covariance[row])
         if np.isfinite(self.gates[-1]):
             loss = gtsam.noiseModel.mEstimator.DCS.Create(self.gates[5])
             model = gtsam.noiseModel.Robust.Create(loss, model)
-        return [gtsam.PriorFactorPose3(keys(index).pose, self.poses[row], model), *made]
+        return [gtsam.PriorFactorPose3(keys(index).pose, self.poses[row], model), *factors]
 
     @cached_property
     def _at_nodes(self) -> dict[int, list[KindFactor]]:
-        made: dict[int, list[KindFactor]] = {}
-        for one in self.kinds:
-            made.setdefault(one.index, []).append(one)
-        return made
+        by_node: dict[int, list[KindFactor]] = {}
+        for factor in self.kinds:
+            by_node.setdefault(factor.index, []).append(factor)
+        return by_node
 
-    def gate(self, given: Measurements) -> float:
+    def gate(self, kind: Measurements) -> float:
         """The squared deviations from which on a kind's measurements lose weight."""
-        size: int = given.covariance.shape[-1]
+        size: int = kind.covariance.shape[-1]
         return self.gates[size - 1]
 
     def priors(self) -> list[gtsam.NonlinearFactor]:
@@ -271,29 +271,29 @@ class InertialGraph:
             *self.shared.priors(),
         ]
 
-    def accepted(self, found: GraphStates, outlier_threshold: float) -> NDArray[np.bool_]:
+    def accepted(self, states: GraphStates, outlier_threshold: float) -> NDArray[np.bool_]:
         """Whether each node's pose, if one was measured, has a weight to speak of."""
         accepted = np.ones(len(self.time_ns), dtype=np.bool_)
-        for one in self.kinds:
-            if one.number < 0:
-                accepted[one.index] = found.squared(one) <= outlier_threshold * self.gates[5]
+        for factor in self.kinds:
+            if factor.number < 0:
+                accepted[factor.index] = states.squared(factor) <= outlier_threshold * self.gates[5]
         if self.poses_as_kinds:
             return accepted
         nodes = np.flatnonzero(self.measured >= 0)
         rows = self.measured[nodes]
-        apart = found.world_T_imu[nodes].local(self.world_T_imu[rows])
+        apart = states.world_T_imu[nodes].local(self.world_T_imu[rows])
         solved = np.linalg.solve(self.covariance[rows], apart[..., None])[..., 0]
         accepted[nodes] = np.sum(apart * solved, axis=-1) <= outlier_threshold * self.gates[5]
         return accepted
 
-    def judgements(self, found: GraphStates, outlier_threshold: float) -> tuple[Judgement, ...]:
+    def judgements(self, states: GraphStates, outlier_threshold: float) -> tuple[Judgement, ...]:
         """What became of the other kinds."""
         accepted = [np.zeros(len(one), dtype=np.bool_) for one in self.also]
-        for one in self.kinds:
-            if one.number >= 0:
-                limit = outlier_threshold * self.gate(one.given)
-                accepted[one.number][one.row] = found.squared(one) <= limit
+        for factor in self.kinds:
+            if factor.number >= 0:
+                limit = outlier_threshold * self.gate(factor.measurements)
+                accepted[factor.number][factor.row] = states.squared(factor) <= limit
         return tuple(
-            Judgement(given.name, given.time_ns, np.full(len(given), np.nan), seen)
-            for given, seen in zip(self.also, accepted, strict=True)
+            Judgement(kind.name, kind.time_ns, np.full(len(kind), np.nan), seen)
+            for kind, seen in zip(self.also, accepted, strict=True)
         )

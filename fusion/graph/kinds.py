@@ -112,14 +112,14 @@ class PosesByUnknowns(Measurements):
         back = Motor.left_jacobian_inverse(residual)
         seen = -back @ camera.inverse().AdjointMap()
         going = self._going(state)
-        made = np.zeros((6, ERROR_NUMBERS))
-        made[:, :6] = seen @ ahead.inverse().AdjointMap()
-        made[:, ROTATION] += late_s * seen[:, 3:] @ skew(going[3:])
-        made[:, VELOCITY] = late_s * seen[:, 3:]
-        made[:, GYRO_BIAS] = -late_s * seen[:, :3]
-        made[:, EXTRINSICS] = -back
-        made[:, OFFSET] = seen @ going
-        return made
+        jacobian = np.zeros((6, ERROR_NUMBERS))
+        jacobian[:, :6] = seen @ ahead.inverse().AdjointMap()
+        jacobian[:, ROTATION] += late_s * seen[:, 3:] @ skew(going[3:])
+        jacobian[:, VELOCITY] = late_s * seen[:, 3:]
+        jacobian[:, GYRO_BIAS] = -late_s * seen[:, :3]
+        jacobian[:, EXTRINSICS] = -back
+        jacobian[:, OFFSET] = seen @ going
+        return jacobian
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,13 +127,13 @@ class KindFactor:
     """A row of a kind of measurements, on its node and on what is shared.
 
     Fields:
-        given, number, row: the measurement, and which of the kinds it is; -1: the camera's poses.
+        measurements, number, row: the kind, its number (-1: the camera's poses), and which row.
         index, earlier: the node at its stamp, and at the moment that it refers to, if it does.
         reading_rad_s: ``(3,)`` of the gyroscope there.
         calibrated: whether the sensor's own parameters are unknowns too.
     """
 
-    given: Measurements
+    measurements: Measurements
     number: int
     row: int
     index: int
@@ -167,7 +167,7 @@ class KindFactor:
         """For gtsam, with the loss of dynamic covariance scaling where the gate is finite."""
         import gtsam
 
-        model: Any = gtsam.noiseModel.Gaussian.Covariance(self.given.covariance[self.row])
+        model: Any = gtsam.noiseModel.Gaussian.Covariance(self.measurements.covariance[self.row])
         if np.isfinite(gate):
             loss = gtsam.noiseModel.mEstimator.DCS.Create(gate)
             model = gtsam.noiseModel.Robust.Create(loss, model)
@@ -190,23 +190,23 @@ class KindFactor:
 
     def blocks(self, values: gtsam.Values, state: PredictedState) -> list[FloatArray]:
         """The residual's derivatives by gtsam's own errors, variable by variable."""
-        given, node = self.kind(values), keys(self.index)
-        whole = given.jacobian(self.row, state)
+        kind, node = self.kind(values), keys(self.index)
+        whole = kind.jacobian(self.row, state)
         pose = values.atPose3(node.pose)
         own = pose.rotation().matrix()
-        made = [
+        blocks = [
             whole[:, :6],
             whole[:, VELOCITY] @ own.T,
             np.hstack([whole[:, ACCEL_BIAS], whole[:, GYRO_BIAS]]),
         ]
         before = self._before(values)
         if before is not None:
-            made.append(whole[:, EARLIER])
+            blocks.append(whole[:, EARLIER])
         for name in self.shared.keys:
             if name == "camera":
-                made.append(whole[:, EXTRINSICS])
+                blocks.append(whole[:, EXTRINSICS])
             elif name == "offset":
-                made.append(whole[:, OFFSET : OFFSET + 1])
+                blocks.append(whole[:, OFFSET : OFFSET + 1])
             else:
                 leaning = lean(self.shared.tilt(values))
                 part = whole[:, :6] @ leans(pose, leaning)
@@ -216,16 +216,16 @@ class KindFactor:
                 part += whole[:, TILT] @ leaning[:2]
                 if before is not None:
                     part += whole[:, EARLIER] @ leans(before, leaning)
-                made.append(part)
+                blocks.append(part)
         if self.calibrated:
-            made.append(given.parameter_jacobian(self.row, state))
-        return made
+            blocks.append(kind.parameter_jacobian(self.row, state))
+        return blocks
 
     def kind(self, values: gtsam.Values) -> Measurements:
         """The measurements, by a sensor as gtsam's values have it."""
         if not self.calibrated:
-            return self.given
-        return _calibrated(self.given, values.atVector(parameter_key(self.number)).tobytes())
+            return self.measurements
+        return _calibrated(self.measurements, values.atVector(parameter_key(self.number)).tobytes())
 
     def _before(self, values: gtsam.Values) -> gtsam.Pose3 | None:
         return None if self.earlier is None else values.atPose3(keys(self.earlier).pose)
@@ -240,9 +240,9 @@ def _pose(coefficients: bytes) -> gtsam.Pose3:
 
 
 @lru_cache(maxsize=8)
-def _calibrated(given: Measurements, parameters: bytes) -> Measurements:
+def _calibrated(kind: Measurements, parameters: bytes) -> Measurements:
     """Every row of a kind asks for the same."""
-    return given.with_parameters(np.frombuffer(parameters))
+    return kind.with_parameters(np.frombuffer(parameters))
 
 
 def parameter_key(number: int) -> int:
@@ -253,7 +253,7 @@ def parameter_key(number: int) -> int:
 
 
 def kind_factor(
-    given: Measurements,
+    kind: Measurements,
     number: int,
     row: int,
     nodes: IntArray,
@@ -261,6 +261,6 @@ def kind_factor(
     shared: SharedUnknowns,
 ) -> KindFactor:
     """The factor of a row, where nodes have these stamps and the gyroscope read that there."""
-    index, since = int(np.searchsorted(nodes, given.time_ns[row])), given.since_ns
+    index, since = int(np.searchsorted(nodes, kind.time_ns[row])), kind.since_ns
     earlier = None if since is None else int(np.searchsorted(nodes, since[row]))
-    return KindFactor(given, number, row, index, earlier, readings_rad_s[index], shared)
+    return KindFactor(kind, number, row, index, earlier, readings_rad_s[index], shared)

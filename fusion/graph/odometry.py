@@ -111,11 +111,11 @@ def fuse_odometry(
         loss = gtsam.noiseModel.mEstimator.DCS.Create(_GATE)
         robust = gtsam.noiseModel.Robust.Create(loss, gtsam.noiseModel.Gaussian.Covariance(spread))
         factors.push_back(gtsam.PriorFactorPose3(node, pose, robust))
-    found = optimised(factors, _start(path, nodes, measured), _ITERATIONS, _RELATIVE)
-    marginals = gtsam.Marginals(factors, found)
+    values = optimised(factors, _start(path, nodes, measured), _ITERATIONS, _RELATIVE)
+    marginals = gtsam.Marginals(factors, values)
     count = len(stamps)
     spreads: FloatArray = np.array([marginals.marginalCovariance(k) for k in range(count)])
-    poses = as_motor([found.atPose3(k) for k in range(count)])
+    poses = as_motor([values.atPose3(k) for k in range(count)])
     names = measurements.trajectory.parent, measurements.trajectory.child
     return PoseMeasurements(
         Trajectory(stamps, poses, *names), 0.5 * (spreads + spreads.swapaxes(-1, -2))

@@ -76,21 +76,21 @@ class SharedUnknowns:
         """What is believed of it beforehand."""
         import gtsam
 
-        made: list[gtsam.NonlinearFactor] = []
+        priors: list[gtsam.NonlinearFactor] = []
         own = self.keys
         if "tilt" in own:
             model = gtsam.noiseModel.Isotropic.Sigma(2, self.tilt_sigma_rad)
-            made.append(gtsam.PriorFactorVector(own["tilt"], np.zeros(2), model))
+            priors.append(gtsam.PriorFactorVector(own["tilt"], np.zeros(2), model))
         if "camera" in own:
             sigmas = np.repeat([self.turn_sigma_rad, self.shift_sigma_m], 3)
             certain = gtsam.noiseModel.Diagonal.Sigmas(np.maximum(sigmas, _CERTAIN))
             pose = gtsam.Pose3(self.imu_T_camera.as_matrix())
-            made.append(gtsam.PriorFactorPose3(own["camera"], pose, certain))
+            priors.append(gtsam.PriorFactorPose3(own["camera"], pose, certain))
         if "offset" in own:
             model = gtsam.noiseModel.Isotropic.Sigma(1, self.offset_sigma_s)
             guess = np.array([self.time_offset_s])
-            made.append(gtsam.PriorFactorVector(own["offset"], guess, model))
-        return made
+            priors.append(gtsam.PriorFactorVector(own["offset"], guess, model))
+        return priors
 
     def insert(self, values: gtsam.Values) -> None:
         """Add the first guesses."""
@@ -114,8 +114,8 @@ class SharedUnknowns:
         """The camera's pose on the IMU."""
         if "camera" not in self.keys:
             return self.imu_T_camera
-        found = values.atPose3(self.keys["camera"])
-        return _motor(found.rotation().matrix().tobytes(), found.translation().tobytes())
+        pose = values.atPose3(self.keys["camera"])
+        return _motor(pose.rotation().matrix().tobytes(), pose.translation().tobytes())
 
     def offset_s(self, values: gtsam.Values) -> float:
         """The time offset of the camera."""

@@ -54,8 +54,8 @@ def factors_of(
     for prior in graph.priors():
         factors.push_back(prior)
     for index in range(len(graph.time_ns)):
-        for one in graph.seen(index):
-            factors.push_back(one)
+        for factor in graph.seen(index):
+            factors.push_back(factor)
         if 0 < index <= len(motions):
             factors.push_back(motions[index - 1])
     return factors
@@ -108,7 +108,7 @@ def first_values(
 def read_all(
     graph: InertialGraph,
     factors: gtsam.NonlinearFactorGraph,
-    found: gtsam.Values,
+    values: gtsam.Values,
     *,
     covariances: bool = True,
 ) -> tuple[GraphStates, gtsam.Marginals]:
@@ -118,13 +118,13 @@ def read_all(
     """
     import gtsam
 
-    marginals = gtsam.Marginals(factors, found)
+    marginals = gtsam.Marginals(factors, values)
     poses, velocity, bias, covariance = [], [], [], []
     for index in range(len(graph.time_ns)):
         node = keys(index)
-        poses.append(found.atPose3(node.pose))
-        velocity.append(found.atVector(node.velocity))
-        own = found.atConstantBias(node.bias)
+        poses.append(values.atPose3(node.pose))
+        velocity.append(values.atVector(node.velocity))
+        own = values.atConstantBias(node.bias)
         bias.append(np.concatenate([own.gyroscope(), own.accelerometer()]))
         if not covariances:
             continue
@@ -134,7 +134,7 @@ def read_all(
     size = 15 + sum(width for name, width in _WIDTHS.items() if name in graph.shared.keys)
     spread = np.array(covariance) if covariances else np.zeros((len(poses), size, size))
     states = np.array(velocity), np.array(bias), spread
-    return GraphStates.of(as_motor(poses), *states, graph.shared, found), marginals
+    return GraphStates.of(as_motor(poses), *states, graph.shared, values), marginals
 
 
 # Steps of Gauss and Newton at each node: the loss is not quadratic, and a prediction after long
@@ -183,8 +183,8 @@ def _add(
 
     factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
     node = keys(index)
-    for one in graph.seen(index):
-        factors.push_back(one)
+    for factor in graph.seen(index):
+        factors.push_back(factor)
     if index == 0:
         for prior in graph.priors():
             factors.push_back(prior)

@@ -109,5 +109,5 @@ class GraphStates:
             self.imu_T_camera.coefficients,
             self.time_offset_s,
         )
-        residual = of.given.residual(of.row, state)
-        return float(residual @ np.linalg.solve(of.given.covariance[of.row], residual))
+        residual = of.measurements.residual(of.row, state)
+        return float(residual @ np.linalg.solve(of.measurements.covariance[of.row], residual))

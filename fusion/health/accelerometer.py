@@ -97,17 +97,17 @@ class ForceTrial:
             return self._verdict("named", shared, agrees=True)
         if of_rates is not None:  # which says how the extrinsics are to be read
             bases = {of_rates.base: bases[of_rates.base]}
-        found = judge_axes(bases, tuple(FORCE_UNITS), -NEEDED)
+        judged = judge_axes(bases, tuple(FORCE_UNITS), -NEEDED)
         other = judge_stated(self._with_any_gravity(stated), -NEEDED)
-        named = found.state == "named" and found.multiple in (1.0, *FORCE_UNITS)
-        if other.state == "sound" and not (named and found.fit.score > other.fit.score - NEEDED):
+        named = judged.state == "named" and judged.multiple in (1.0, *FORCE_UNITS)
+        if other.state == "sound" and not (named and judged.fit.score > other.fit.score - NEEDED):
             return self._verdict("gravity", other, agrees=of_rates is None)
-        if found.state == "nothing":
-            found = replace(found, state="unexplained")
+        if judged.state == "nothing":
+            judged = replace(judged, state="unexplained")
         state: Literal["named", "unexplained"] = (
-            "named" if found.state == "named" else "unexplained"
+            "named" if judged.state == "named" else "unexplained"
         )
-        return self._verdict(state, found, agrees=False)
+        return self._verdict(state, judged, agrees=False)
 
     def rivals(self) -> tuple[Model, ...]:
         """Bases and permutations that explain the accelerometer best; none where too few are."""
@@ -155,15 +155,15 @@ class ForceTrial:
         permuted = replace(
             turned, block=np.einsum("nalj,jm->nalm", turned.block, of_rates.permutation.T)
         )
-        found = judge_stated(permuted, -NEEDED)
+        judged = judge_stated(permuted, -NEEDED)
         permutation, turn = of_rates.permutation, of_rates.turn
-        return replace(found, base=of_rates.base, permutation=permutation, turn=turn)
+        return replace(judged, base=of_rates.base, permutation=permutation, turn=turn)
 
     def _bases(self) -> dict[Base, AxesEvidence]:
-        made: dict[Base, AxesEvidence] = {"stated": self._evidence(self.imu_T_camera)}
+        bases: dict[Base, AxesEvidence] = {"stated": self._evidence(self.imu_T_camera)}
         if self.known:
-            made["inverted"] = self._evidence(self.imu_T_camera.inverse())
-        return made
+            bases["inverted"] = self._evidence(self.imu_T_camera.inverse())
+        return bases
 
     def _evidence(self, imu_T_camera: Motor) -> AxesEvidence:
         """Acceleration = mean(world_R_camera camera_R_imu K readings) + gravity - bias - lever."""
@@ -188,10 +188,10 @@ class ForceTrial:
         size = None if self.up else (self.gravity_m_s2, _SIZE_SIGMA_M_S2)
         return AxesEvidence(pushes.acceleration_m_s2, block, extra, prior, camera_R_imu, size)
 
-    def _with_any_gravity(self, one: AxesEvidence) -> AxesEvidence:
-        mean, sigma = one.prior.mean.copy(), one.prior.sigma.copy()
+    def _with_any_gravity(self, evidence: AxesEvidence) -> AxesEvidence:
+        mean, sigma = evidence.prior.mean.copy(), evidence.prior.sigma.copy()
         mean[:3], sigma[:3] = 0.0, _ANY_GRAVITY_M_S2
-        return replace(one, prior=Prior(mean, sigma), gravity=None)
+        return replace(evidence, prior=Prior(mean, sigma), gravity=None)
 
     def _verdict(
         self,

@@ -24,7 +24,7 @@ _MOST_LAGS = 40
 
 def _signed_permutations() -> tuple[FloatArray, ...]:
     """All 48: the identity, all signs, then by how many axes they leave."""
-    made = [
+    signed = [
         np.eye(3)[list(order)] * np.array(signs)
         for order in permutations(range(3))
         for signs in product((1.0, -1.0), repeat=3)
@@ -34,7 +34,7 @@ def _signed_permutations() -> tuple[FloatArray, ...]:
         same = float(np.trace(matrix))
         return same < 3.0, same > -3.0, float(np.sum(np.abs(matrix - np.eye(3))))
 
-    return tuple(sorted(made, key=far))
+    return tuple(sorted(signed, key=far))
 
 
 SIGNED_PERMUTATIONS = _signed_permutations()
@@ -72,11 +72,11 @@ class AxesEvidence:
             self, target=self.target[rows], block=self.block[rows], extra=self.extra[rows]
         )
 
-    def strained(self, found: RobustFit) -> bool:
+    def strained(self, fit: RobustFit) -> bool:
         """Whether unknowns besides K end far from what is known of them."""
-        besides = found.values[-len(self.prior.mean) :]
+        besides = fit.values[-len(self.prior.mean) :]
         off = np.abs(besides - self.prior.mean) > _STRAINED * self.prior.sigma
-        return bool(np.any(off)) or self._surprise(found) > _STRAINED
+        return bool(np.any(off)) or self._surprise(fit) > _STRAINED
 
     @property
     def repeats(self) -> float:
@@ -85,9 +85,9 @@ class AxesEvidence:
         M. Bartlett, Some aspects of the time-correlation problem in regard to tests of
         significance, Journal of the Royal Statistical Society 98(3), 1935.
         """
-        told = np.einsum("naii->na", self.block)
-        one, other = (_autocorrelation(values) for values in (self.target, told))
-        return max(1.0, 1.0 + 2.0 * float(np.sum(one * other)))
+        own = np.einsum("naii->na", self.block)
+        of_target, other = (_autocorrelation(values) for values in (self.target, own))
+        return max(1.0, 1.0 + 2.0 * float(np.sum(of_target * other)))
 
     def multiple(self, matrix: FloatArray) -> float:
         """A multiple of `matrix` to start with, by least squares."""
@@ -105,8 +105,8 @@ class AxesEvidence:
 
     def along(self, matrix: FloatArray) -> RobustFit:
         """With K as given: nothing of it free."""
-        told = np.einsum("naij,ij->na", self.block, matrix)
-        left = self.target - told
+        explained = np.einsum("naij,ij->na", self.block, matrix)
+        left = self.target - explained
         return self._judged(fit(left, self.extra, self.prior, self._start(left)))
 
     def scaled(self, matrix: FloatArray, start: float) -> RobustFit:
@@ -130,18 +130,18 @@ class AxesEvidence:
         others = self.extra[..., 3:] @ self.prior.mean[3:]
         return np.append(np.median(left - others, axis=0), self.prior.mean[3:])
 
-    def _surprise(self, found: RobustFit) -> float:
+    def _surprise(self, fit: RobustFit) -> float:
         """Deviations by which gravity has another size than expected."""
         if self.gravity is None:
             return 0.0
         rows = slice(-len(self.prior.mean), 3 - len(self.prior.mean) or None)
-        vector, covariance = found.values[rows], found.covariance[rows, rows]
+        vector, covariance = fit.values[rows], fit.covariance[rows, rows]
         size = max(float(np.linalg.norm(vector)), _SMALLEST)
         variance = float(vector @ covariance @ vector) / size**2
         return abs(size - self.gravity[0]) / float(np.sqrt(variance + self.gravity[1] ** 2))
 
-    def _judged(self, found: RobustFit) -> RobustFit:
-        return replace(found, score=found.score - 0.5 * self._surprise(found) ** 2)
+    def _judged(self, fit: RobustFit) -> RobustFit:
+        return replace(fit, score=fit.score - 0.5 * self._surprise(fit) ** 2)
 
     def _with(self, mean: FloatArray | list[float]) -> Prior:
         return Prior(

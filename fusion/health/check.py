@@ -196,26 +196,26 @@ def _inverted_or_changing(
 
 
 def _units(rates: RateVerdict, forces: ForceVerdict) -> list[HealthFinding]:
-    found = []
+    findings = []
     if rates.state == "named" and rates.axes is not None and rates.axes.multiple != 1.0:
         line = unit_line("gyroscope", rates.axes.multiple, RATE_UNITS)
-        found.append(HealthFinding("rate_unit", line))
+        findings.append(HealthFinding("rate_unit", line))
     if rates.state == "named" and rates.axes is not None and rates.axes.scales != (1.0,) * 3:
-        found.append(HealthFinding("rate_scale", scale_line("gyroscope", rates.axes.scales)))
+        findings.append(HealthFinding("rate_scale", scale_line("gyroscope", rates.axes.scales)))
     if forces.state == "named" and forces.axes is not None and forces.axes.multiple != 1.0:
         line = unit_line("accelerometer", forces.axes.multiple, FORCE_UNITS)
-        found.append(HealthFinding("force_unit", line))
-    return found
+        findings.append(HealthFinding("force_unit", line))
+    return findings
 
 
 def _axes(rates: RateVerdict, forces: ForceVerdict, estimated_rad: float) -> list[HealthFinding]:
     """Extrinsics and axes: what both sensors have in common is said once."""
     of_rates = rates.axes if rates.state == "named" else None
     of_forces = forces.axes if forces.state == "named" else None
-    found = [axes for axes in (of_rates, of_forces) if axes is not None]
-    if found and all(_turned(axes) and axes.turn_rad <= estimated_rad for axes in found):
+    moved = [axes for axes in (of_rates, of_forces) if axes is not None]
+    if moved and all(_turned(axes) and axes.turn_rad <= estimated_rad for axes in moved):
         return []
-    inverted = [inverted_line()] if any(axes.base == "inverted" for axes in found) else []
+    inverted = [inverted_line()] if any(axes.base == "inverted" for axes in moved) else []
     return inverted + _own_axes(rates, forces, of_rates, of_forces)
 
 

@@ -116,9 +116,9 @@ def judge_rates(
         return RateVerdict("unknown", None, 0.0, 0.0, np.zeros(3), None, 0.0)
     first = judge_stated(here["stated"], NEEDED * here["stated"].repeats)
     if first.state == "sound":
-        found = _verdict("sound", first, here["stated"], 0.0)
-        if not found.late:
-            return found
+        verdict = _verdict("sound", first, here["stated"], 0.0)
+        if not verdict.late:
+            return verdict
     chosen_s, evidence, axes = try_here.best(here, offset_s, search_s)
     state = _state(axes, evidence["stated"])
     if state not in ("sound", "named"):
@@ -170,7 +170,7 @@ class _Trial:
         That is here, or where the norms of both match, whatever the axes, or where the readings do
         as they are. The simplest wins: an offset alone, before one with other axes.
         """
-        found = (offset_s, here, _explained(here))
+        best = (offset_s, here, _explained(here))
         steps = np.arange(-round(search_s / _GRID_S), round(search_s / _GRID_S) + 1)
         grid = offset_s + _GRID_S * steps.astype(np.float64)
         for match in (norm_correlations(self.rates, self.turned, grid), self._matches(grid)):
@@ -181,11 +181,11 @@ class _Trial:
             if there is None or abs(there_s - offset_s) <= _LAG_SIGMA_S:
                 continue
             axes = _explained(there)
-            simpler = axes.state == "sound" and found[2].state != "sound"
-            clearer = axes.gain > (1.0 + _CLEARER) * found[2].gain + NEEDED
-            if clearer or (simpler and axes.gain > found[2].gain - NEEDED):
-                found = (there_s, there, axes)
-        return found
+            simpler = axes.state == "sound" and best[2].state != "sound"
+            clearer = axes.gain > (1.0 + _CLEARER) * best[2].gain + NEEDED
+            if clearer or (simpler and axes.gain > best[2].gain - NEEDED):
+                best = (there_s, there, axes)
+        return best
 
     def _matches(self, offsets_s: FloatArray) -> FloatArray:
         """How well the readings as they are match the camera's rates ``(M,)``, NaN where too few.

@@ -34,12 +34,12 @@ def judge_jointly(rates: RateVerdict, trial: ForceTrial) -> list[Story]:
         rates: the gyroscope's verdict alone.
         trial: the accelerometer's evidence.
     """
-    told = [rates]
+    verdicts = [rates]
     if rates.state == "named" and rates.axes is not None and len(rates.axes.rivals) > 1:
         turns = trial.camera_R_imu()
         models = _fewest(rates.axes.rivals, trial.rivals(), turns)
-        told = [_retold(rates, rates.axes, model, turns) for model in models]
-    return [Story(one, trial.judged(one.axes if one.explained else None)) for one in told]
+        verdicts = [_retold(rates, rates.axes, model, turns) for model in models]
+    return [Story(own, trial.judged(own.axes if own.explained else None)) for own in verdicts]
 
 
 def count_faults(model: Model, of_forces: FloatArray) -> int:
@@ -71,12 +71,12 @@ def _fewest(
         pairs = [(count_faults((base, own), own), base, own, own) for base, own in of_rates]
     least, base, own, other = min(pairs, key=lambda pair: pair[0])
     chosen = turns[base] @ np.array([own, other])
-    found = [(base, own)]
+    models = [(base, own)]
     for faults, its_base, mine, others in pairs:
         same = np.diag(same_turns(turns[its_base] @ np.array([mine, others]), chosen))
         if faults == least and its_base != base and np.all(same):
-            found.append((its_base, mine))
-    return found
+            models.append((its_base, mine))
+    return models
 
 
 def _retold(

@@ -119,12 +119,12 @@ def judge_axes(
     base, matrix = rivals[0]
     own = evidence[base]
     nothing = own.nothing().score
-    found = own.scaled(matrix, own.multiple(matrix))
-    multiple = _named_multiple(float(found.values[0]), float(found.deviations[0]), units)
+    fit = own.scaled(matrix, own.multiple(matrix))
+    multiple = _named_multiple(float(fit.values[0]), float(fit.deviations[0]), units)
     fitted = own.along(multiple * matrix)
     free = own.free(multiple * matrix, fitted.sigma)
     off, sigma = _off(free, matrix, multiple)
-    gain = found.score - nothing
+    gain = fit.score - nothing
     if np.any(off > _TOLERANCE + SIGMAS * sigma) and free.score - nothing >= needed:
         if base == believed and np.array_equal(matrix, np.eye(3)):
             scaled = _judge_scales(base, own, free)
@@ -188,14 +188,14 @@ def _judge_turn(base: Base, evidence: AxesEvidence, units: tuple[float, ...]) ->
     """Whether a rotation explains the readings, or a mirrored one."""
     free = evidence.free(np.zeros((3, 3)), evidence.nothing().sigma)
     for _ in range(_TURNS):
-        found = free.values[:9].reshape(3, 3)
-        free = evidence.free(found, evidence.along(found).sigma)
-    found, sigma = free.values[:9].reshape(3, 3), free.deviations[:9].reshape(3, 3)
-    u, sizes, vt = np.linalg.svd(found)
+        linear = free.values[:9].reshape(3, 3)
+        free = evidence.free(linear, evidence.along(linear).sigma)
+    linear, sigma = free.values[:9].reshape(3, 3), free.deviations[:9].reshape(3, 3)
+    u, sizes, vt = np.linalg.svd(linear)
     sign = float(np.sign(np.linalg.det(u @ vt)))
     size = float(np.mean(sizes))
     multiple = _named_multiple(size, float(np.max(sigma)), units)
-    off = np.abs(found - size * u @ vt)
+    off = np.abs(linear - size * u @ vt)
     fits = bool(np.all(off <= SCALE_TOLERANCE * size + SIGMAS * sigma))
     fitted = evidence.along(multiple * u @ vt)
     fits &= not evidence.strained(fitted)
@@ -213,18 +213,18 @@ def _tried(evidence: Mapping[Base, AxesEvidence]) -> list[tuple[float, Base, Flo
     tried = []
     for base, matrix in models:
         own = few[base]
-        found = own.scaled(matrix, own.multiple(matrix))
-        if found.values[0] > 0.0:
-            tried.append((found.score, base, matrix))
+        fit = own.scaled(matrix, own.multiple(matrix))
+        if fit.values[0] > 0.0:
+            tried.append((fit.score, base, matrix))
     return tried
 
 
-def _named_multiple(found: float, sigma: float, units: tuple[float, ...]) -> float:
+def _named_multiple(multiple: float, sigma: float, units: tuple[float, ...]) -> float:
     """One, or a unit, where that is as near as scales of sensors are to it."""
     for unit in (1.0, *units):
-        if abs(found / unit - 1.0) <= SCALE_TOLERANCE + SIGMAS * sigma / found:
+        if abs(multiple / unit - 1.0) <= SCALE_TOLERANCE + SIGMAS * sigma / multiple:
             return unit
-    return found
+    return multiple
 
 
 def _off(free: RobustFit, matrix: FloatArray, multiple: float) -> tuple[FloatArray, FloatArray]:

@@ -37,17 +37,17 @@ def with_outcome(
         covered: what `covariance_findings` says.
     """
     biases = [] if health.findings else _biases(gyro_bias_rad_s, accel_bias_m_s2)
-    found = [*health.findings, *biases, *covered]
+    findings = [*health.findings, *biases, *covered]
     refused = int(np.count_nonzero(~accepted))
     if refused > _MOST_REFUSED * len(accepted):
-        advice = "" if found else ": check their covariances and the IMU's noise densities"
+        advice = "" if findings else ": check their covariances and the IMU's noise densities"
         line = f"{refused} of {len(accepted)} poses were refused{advice}"
-        found.append(HealthFinding("measurements_refused", line))
-    return Health(tuple(found), health.unknown)
+        findings.append(HealthFinding("measurements_refused", line))
+    return Health(tuple(findings), health.unknown)
 
 
 def _biases(gyro_bias_rad_s: FloatArray, accel_bias_m_s2: FloatArray) -> list[HealthFinding]:
-    found = []
+    findings = []
     gyro, accel = (
         float(np.median(np.linalg.norm(bias, axis=-1)))
         for bias in (gyro_bias_rad_s, accel_bias_m_s2)
@@ -57,14 +57,14 @@ def _biases(gyro_bias_rad_s: FloatArray, accel_bias_m_s2: FloatArray) -> list[He
             f"the gyroscope's bias came out as {gyro:.2g} rad/s, where {GYRO_BIAS_SIGMA_RAD_S:g} "
             "are usual: check its unit, the extrinsics and the stamps"
         )
-        found.append(HealthFinding("rate_bias", line))
+        findings.append(HealthFinding("rate_bias", line))
     if accel > _BEYOND * ACCEL_BIAS_SIGMA_M_S2:
         line = (
             f"the accelerometer's bias came out as {accel:.2g} m/s², where "
             f"{ACCEL_BIAS_SIGMA_M_S2:g} are usual: check its unit, gravity and the extrinsics"
         )
-        found.append(HealthFinding("force_bias", line))
-    return found
+        findings.append(HealthFinding("force_bias", line))
+    return findings
 
 
 def covariance_findings(
@@ -77,7 +77,7 @@ def covariance_findings(
         covariance: ``(N, 6, 6)`` of the poses.
         state_covariance: ``(N, M, M)`` of the states, or no rows.
     """
-    found = []
+    findings = []
     variances = np.einsum("nii->ni", covariance[:, :3, :3])
     turn_rad = np.sqrt(variances.max(axis=1, initial=0.0))
     lost = np.flatnonzero(turn_rad > _KNOWN_TURN_RAD)
@@ -88,7 +88,7 @@ def covariance_findings(
             f"{np.rad2deg(turn_rad.max()):.0f}° only: poses and covariances cannot be relied on "
             "there, nor before where they look ahead; measure poses or directions too"
         )
-        found.append(HealthFinding("attitude_unknown", line))
+        findings.append(HealthFinding("attitude_unknown", line))
     estimated = np.einsum("nii->ni", state_covariance)[:, _EXTRINSICS_AND_OFFSET]
     if np.any(estimated > 0.0):
         line = (
@@ -96,5 +96,5 @@ def covariance_findings(
             "alone: on recorded flights squared errors were 4 to 79 times theirs; those of "
             "synchronise cover axes and clocks that differ"
         )
-        found.append(HealthFinding("deviations_modelled", line))
-    return found
+        findings.append(HealthFinding("deviations_modelled", line))
+    return findings

@@ -83,7 +83,7 @@ def _windows(camera: Trajectory) -> IntArray:
     half = max(round(_HALF_S * 1e9), _LEAST_STEPS * usual)
     longest = min(_MOST_GAP_STEPS * usual, LONGEST_STEP_S * 1e9)
     gaps = np.concatenate([[0], np.cumsum(steps > longest)])
-    found, start = [], 0
+    windows, start = [], 0
     while True:
         middle = int(np.searchsorted(stamps, stamps[start] + half))
         if middle >= len(stamps):
@@ -92,11 +92,11 @@ def _windows(camera: Trajectory) -> IntArray:
         if end >= len(stamps):
             break
         if gaps[end] == gaps[start]:
-            found.append((start, middle, end))
+            windows.append((start, middle, end))
             start = middle
         else:  # on behind the first gap in it
             start = int(np.searchsorted(gaps, gaps[start], side="right"))
-    return np.array(found, dtype=np.int64).reshape(-1, 3)
+    return np.array(windows, dtype=np.int64).reshape(-1, 3)
 
 
 def _covered(imu: ImuStream, first_ns: IntArray, last_ns: IntArray) -> NDArray[np.intp]:
@@ -112,9 +112,9 @@ def _second_difference(
 ) -> FloatArray:
     """Of values ``(N, ...)``, divided so that it is the mean of the second derivative."""
     shape = (-1,) + (1,) * (values.ndim - 1)
-    one, two, three = (values[column] for column in rows.T)
+    first, two, three = (values[column] for column in rows.T)
     before, after = before.reshape(shape), after.reshape(shape)
-    slope: FloatArray = (three - two) / after - (two - one) / before
+    slope: FloatArray = (three - two) / after - (two - first) / before
     return slope / (0.5 * (before + after))
 
 

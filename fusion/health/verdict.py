@@ -78,7 +78,7 @@ class Health:
     unknown: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        ordered = sorted(self.findings, key=lambda one: _ORDER.index(one.fault))
+        ordered = sorted(self.findings, key=lambda finding: _ORDER.index(finding.fault))
         object.__setattr__(self, "findings", tuple(ordered))
 
     @property

@@ -96,16 +96,16 @@ def inverted_line() -> HealthFinding:
 
 def shared_axes_line(axes: AxesVerdict) -> list[HealthFinding]:
     """Of what both sensors have in common: the order of the axes, or a turn of the extrinsics."""
-    found: list[HealthFinding] = []
+    findings: list[HealthFinding] = []
     turned = not np.allclose(axes.turn, np.eye(3))
     if turned and np.linalg.det(axes.permutation) < 0.0:
         line = (
             "the IMU's axes are left-handed: negate all three of each sensor, or the one that is "
             "wrong, or swap two"
         )
-        return [*found, HealthFinding("axes", line)]
+        return [*findings, HealthFinding("axes", line)]
     if not np.allclose(axes.permutation, np.eye(3)):
-        found.append(HealthFinding("axes", _order("the IMU's axes are", axes)))
+        findings.append(HealthFinding("axes", _order("the IMU's axes are", axes)))
     if turned:
         # True readings, in the axes that the extrinsics speak of, are turn @ readings.
         vector = Rotor.from_matrix(axes.turn).inverse().as_rotation_vector()
@@ -113,8 +113,8 @@ def shared_axes_line(axes: AxesVerdict) -> list[HealthFinding]:
             f"imu_T_camera is turned by {np.rad2deg(axes.turn_rad):.0f}°: put the rotation vector "
             f"{_degrees(vector)}, in the IMU's axes, before its rotation, or estimate it anew"
         )
-        found.append(HealthFinding("extrinsics_turned", line))
-    return found
+        findings.append(HealthFinding("extrinsics_turned", line))
+    return findings
 
 
 def own_axes_line(sensor: str, axes: AxesVerdict) -> HealthFinding:
@@ -161,14 +161,14 @@ def delay_line(rates: RateVerdict) -> str:
 
 def gravity_line(forces: ForceVerdict, stated_m_s2: float, fault: str) -> str:
     """Of another gravity, or of a world that leans."""
-    found = forces.gravity_m_s2
-    size = float(np.linalg.norm(found))
+    gravity = forces.gravity_m_s2
+    size = float(np.linalg.norm(gravity))
     if fault == "gravity":
         return (
             f"gravity is {size:.2f} m/s² here, where {stated_m_s2:g} was stated: set gravity_m_s2 "
             "to it, or scale the accelerometer"
         )
-    lean = float(np.rad2deg(np.arccos(np.clip(-found[2] / size, -1.0, 1.0))))
+    lean = float(np.rad2deg(np.arccos(np.clip(-gravity[2] / size, -1.0, 1.0))))
     return (
         f"the world's z is {lean:.0f}° from up: level the poses, or set gravity_sigma_rad to at "
         "least that"
@@ -186,31 +186,31 @@ def unrelated_line(rates: RateVerdict, search_s: float) -> str:
 
 def bias_lines(rates: RateVerdict, forces: ForceVerdict) -> list[HealthFinding]:
     """Of biases far beyond what is known of them, and of readings that nothing explains."""
-    found = []
+    findings = []
     if rates.state == "unexplained":
         if np.max(np.abs(rates.bias_rad_s)) > _BEYOND * GYRO_BIAS_SIGMA_RAD_S:
             line = f"the gyroscope reads {_three(rates.bias_rad_s)} rad/s at rest: subtract it"
-            found.append(HealthFinding("rate_bias", line))
+            findings.append(HealthFinding("rate_bias", line))
         else:
             line = (
                 "the gyroscope agrees with the camera only in part, and no unit, sign, order of "
                 "axes, rotation or offset mends it"
             )
-            found.append(HealthFinding("rate_unexplained", line))
+            findings.append(HealthFinding("rate_unexplained", line))
     if forces.state == "unexplained":
         if np.max(np.abs(forces.bias_m_s2)) > _BEYOND * ACCEL_BIAS_SIGMA_M_S2:
             line = (
                 f"the accelerometer is off by {_three(forces.bias_m_s2)} m/s² in the camera's axes,"
                 f" where {ACCEL_BIAS_SIGMA_M_S2:g} are usual: calibrate it"
             )
-            found.append(HealthFinding("force_bias", line))
+            findings.append(HealthFinding("force_bias", line))
         else:
             line = (
                 "the accelerometer contradicts the path, and no unit, sign, order of axes, "
                 "rotation or gravity mends it"
             )
-            found.append(HealthFinding("force_unexplained", line))
-    return found
+            findings.append(HealthFinding("force_unexplained", line))
+    return findings
 
 
 def unknown_lines(rates: RateVerdict, forces: ForceVerdict) -> tuple[str, ...]:

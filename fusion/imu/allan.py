@@ -253,17 +253,17 @@ def _least_squares(
     terms = _terms(curve.tau_s)[:, used]
     # The first guess weighs every time alike; the covariance then follows from the fit itself.
     scaled = terms / variance[:, None]
-    found, _ = nnls(scaled, np.ones_like(variance))
-    spread = np.zeros_like(found)
+    estimate, _ = nnls(scaled, np.ones_like(variance))
+    spread = np.zeros_like(estimate)
     for _ in range(3):
         full = np.zeros(3)
-        full[used] = found
+        full[used] = estimate
         factor = np.linalg.cholesky(_covariance(curve, full))
         whitened = np.linalg.solve(factor, terms)
-        found, _ = nnls(whitened, np.linalg.solve(factor, variance))
+        estimate, _ = nnls(whitened, np.linalg.solve(factor, variance))
         spread = np.sqrt(np.diag(np.linalg.inv(whitened.T @ whitened)))
     squares, deviations = np.zeros(3), np.zeros(3)
-    squares[used], deviations[used] = found, spread
+    squares[used], deviations[used] = estimate, spread
     return squares, deviations
 
 

@@ -81,8 +81,9 @@ class ContinuousPath:
         ]
         first, last = splines[0], splines[-1]
         spans = tuple(
-            (start, start + one.duration_s)
-            for one, start in ((one, (one.start_ns - first.start_ns) * 1e-9) for one in splines)
+            (start, start + spline.duration_s)
+            for spline in splines
+            for start in [(spline.start_ns - first.start_ns) * 1e-9]
         )
         twists = first.twists if first is last else _Stretches(tuple(splines), spans).twists
         return cls(first.start_ns, spans[-1][1], twists, trajectory.parent, trajectory.child, spans)
@@ -114,11 +115,11 @@ class ContinuousPath:
         child_T_imu = imu_T_child.inverse()
 
         def twists(time_s: FloatArray) -> TwistSample[Motor]:
-            given = self.twists(time_s)
+            sample = self.twists(time_s)
             return TwistSample(
-                given.pose @ child_T_imu,
-                imu_T_child.transform_twist(given.body_twist),
-                imu_T_child.transform_twist(given.body_twist_rate),
+                sample.pose @ child_T_imu,
+                imu_T_child.transform_twist(sample.body_twist),
+                imu_T_child.transform_twist(sample.body_twist_rate),
             )
 
         return ContinuousPath(
@@ -138,9 +139,9 @@ class _Stretches:
         flat = np.ravel(time_s)
         pose = np.zeros((flat.size, 8))
         twist, rate = np.zeros((2, flat.size, 6))
-        for here, made in self._parts(flat):
+        for here, sample in self._parts(flat):
             pose[here], twist[here], rate[here] = (
-                made.pose.coefficients, made.body_twist, made.body_twist_rate
+                sample.pose.coefficients, sample.body_twist, sample.body_twist_rate
             )  # fmt: skip
         shape = np.shape(time_s)
         twist, rate = twist.reshape(*shape, 6), rate.reshape(*shape, 6)

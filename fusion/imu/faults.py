@@ -129,10 +129,10 @@ class ImuFaults:
 
 
 def _checked_axes(value: ArrayLike, name: str) -> FloatArray:
-    given = np.asarray(value, dtype=np.float64)
-    if given.shape not in ((), (3,)):
-        raise ValueError(f"{name}: expected one number or three, got shape {given.shape}")
-    axes: FloatArray = checked_floats(np.broadcast_to(given, (3,)).copy(), name, (3,))
+    values = np.asarray(value, dtype=np.float64)
+    if values.shape not in ((), (3,)):
+        raise ValueError(f"{name}: expected one number or three, got shape {values.shape}")
+    axes: FloatArray = checked_floats(np.broadcast_to(values, (3,)).copy(), name, (3,))
     if name.endswith("_scale") and np.any(axes <= 0.0):
         raise ValueError(f"{name}: expected numbers above 0, got {axes.tolist()}")
     # An angle at a time: squares of what is out of range overflow.
@@ -144,10 +144,10 @@ def _checked_axes(value: ArrayLike, name: str) -> FloatArray:
 
 
 def _checked_matrix(value: ArrayLike, name: str) -> FloatArray:
-    given = np.asarray(value, dtype=np.float64)
-    if given.shape not in ((), (3,), (3, 3)):
-        raise ValueError(f"{name}: expected one number, three or 3 x 3, got shape {given.shape}")
-    matrix = given.copy() if given.ndim == 2 else np.diag(np.broadcast_to(given, (3,)))
+    values = np.asarray(value, dtype=np.float64)
+    if values.shape not in ((), (3,), (3, 3)):
+        raise ValueError(f"{name}: expected one number, three or 3 x 3, got shape {values.shape}")
+    matrix = values.copy() if values.ndim == 2 else np.diag(np.broadcast_to(values, (3,)))
     return frozen(checked_floats(matrix, name, (3, 3)))
 
 

@@ -110,8 +110,8 @@ def _number(content: Mapping[str, object], name: str, path: Path) -> float:
         except ValueError:
             value = content[name]
     if not _is_positive(value):
-        given = reprlib.repr(content[name])
-        raise ValueError(f"{path}: {name}: expected a number above 0, got {given}")
+        shown = reprlib.repr(content[name])
+        raise ValueError(f"{path}: {name}: expected a number above 0, got {shown}")
     return float(str(value))
 
 

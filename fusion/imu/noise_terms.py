@@ -101,8 +101,8 @@ class Flicker:
             np.exp(-2.0 * np.pi * hz / rate_hz)
             for hz in (poles_hz * np.sqrt(_POLE_RATIO), poles_hz)
         )
-        one, none = np.ones_like(pole), np.zeros_like(pole)
-        self._sections = np.stack([one, -zero, none, one, -pole, none], axis=-1)
+        unit, none = np.ones_like(pole), np.zeros_like(pole)
+        self._sections = np.stack([unit, -zero, none, unit, -pole, none], axis=-1)
         self._gain = np.asarray(instability) * self._unit_gain(
             rate_hz, float(np.sqrt(np.prod(poles_hz[[0, -1]])))
         )
@@ -121,8 +121,8 @@ class Flicker:
         from scipy.signal import sosfilt
 
         white = self._gain * self._rng.standard_normal((count, 3))
-        made, self._state = sosfilt(self._sections, white, axis=0, zi=self._state)
-        return np.asarray(made)
+        filtered, self._state = sosfilt(self._sections, white, axis=0, zi=self._state)
+        return np.asarray(filtered)
 
 
 class LowPass:

@@ -155,7 +155,7 @@ def _gravity(imu: ImuStream) -> tuple[str, ...]:
 
 def saturated_axes(imu: ImuStream) -> tuple[str, ...]:
     """A line for each axis that sticks to its largest reading, with nothing much just below it."""
-    found = []
+    lines = []
     for name, values in (
         ("angular rate", imu.angular_rate_rad_s),
         ("specific force", imu.specific_force_m_s2),
@@ -164,11 +164,11 @@ def saturated_axes(imu: ImuStream) -> tuple[str, ...]:
             for limit in (float(np.max(column)), float(np.min(column))):
                 stuck = _stuck(column, limit)
                 if stuck:
-                    found.append(
+                    lines.append(
                         f"{name} {axis} reads exactly {limit:.6g} in {stuck} samples, as if "
                         "saturated; what moved faster is lost"
                     )
-    return tuple(found)
+    return tuple(lines)
 
 
 def _stuck(column: FloatArray, limit: float) -> int:

@@ -125,16 +125,16 @@ class SimulatedSensor:
         since_ns = (true_ns - self._path.start_ns).astype(np.float64)
         warmed_k = faults.warmed_k(1e-9 * since_ns)
         (rate, gyro_bias), (force, accel_bias) = (
-            errors.added(one, true_ns, warmed_k)
-            for errors, one in zip(self._errors, felt, strict=True)
+            errors.added(signal, true_ns, warmed_k)
+            for errors, signal in zip(self._errors, felt, strict=True)
         )
-        made = Readings(
+        readings = Readings(
             self._stamped(true_ns), faults.converted_rate(rate), faults.converted_force(force),
             gyro_bias, accel_bias, true_ns, exact.pose.coefficients, exact.world_velocity_m_s,
         )  # fmt: skip
         if self._losses is None:
-            return made
-        return made[np.flatnonzero(self._losses.random(len(true_ns)) >= faults.dropped_share)]
+            return readings
+        return readings[np.flatnonzero(self._losses.random(len(true_ns)) >= faults.dropped_share)]
 
     def _at(self, true_ns: IntArray, opened_ns: IntArray, delay_s: float) -> SplineSample:
         """The motion so long before stamps ``(n,)``, but not before their stretches' starts."""

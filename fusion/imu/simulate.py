@@ -173,13 +173,14 @@ def simulate_imu_in_chunks(
 
 
 def _as_path(
-    given: Trajectory | ContinuousPath,
+    path: Trajectory | ContinuousPath,
     rate_hz: float,
     knot_spacing_s: float,
     imu_T_child: Motor | None,
 ) -> ContinuousPath:
     checked_rate(checked_positive(rate_hz, "rate_hz"), "rate_hz")
-    path = ContinuousPath.through(given, knot_spacing_s) if isinstance(given, Trajectory) else given
+    if isinstance(path, Trajectory):
+        path = ContinuousPath.through(path, knot_spacing_s)
     return path if imu_T_child is None else path.seen_from(imu_T_child)
 
 

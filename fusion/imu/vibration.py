@@ -186,8 +186,8 @@ class VibrationNoise:
         fresh = self._rng.standard_normal((self._block, 6)).T
         white = np.concatenate([self._white, fresh], axis=-1)
         self._white = white[:, self._block :]
-        made = np.fft.irfft(np.fft.rfft(white, axis=-1) * self._response, self._size, axis=-1)
-        return made[:, -self._block :].T
+        block = np.fft.irfft(np.fft.rfft(white, axis=-1) * self._response, self._size, axis=-1)
+        return block[:, -self._block :].T
 
 
 def _folded(

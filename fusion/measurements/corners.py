@@ -128,14 +128,14 @@ class CornerMeasurements(Measurements):
         by_camera = -by_twist(points, self.camera.project_jacobian(points)[1]).reshape(-1, 6)
         late_s, going = state.time_offset_s - self.shift_s, self._going(state)
         by_pose = by_camera @ Motor(state.imu_T_camera).inverse().adjoint()
-        made = np.zeros((len(by_camera), ERROR_NUMBERS))
-        made[:, :6] = by_pose @ self._ahead(state).inverse().adjoint()
-        made[:, ROTATION] += late_s * by_pose[:, 3:] @ skew(going[3:])
-        made[:, VELOCITY] = late_s * by_pose[:, 3:]
-        made[:, GYRO_BIAS] = -late_s * by_pose[:, :3]
-        made[:, EXTRINSICS] = by_camera
-        made[:, OFFSET] = by_pose @ going
-        return made
+        jacobian = np.zeros((len(by_camera), ERROR_NUMBERS))
+        jacobian[:, :6] = by_pose @ self._ahead(state).inverse().adjoint()
+        jacobian[:, ROTATION] += late_s * by_pose[:, 3:] @ skew(going[3:])
+        jacobian[:, VELOCITY] = late_s * by_pose[:, 3:]
+        jacobian[:, GYRO_BIAS] = -late_s * by_pose[:, :3]
+        jacobian[:, EXTRINSICS] = by_camera
+        jacobian[:, OFFSET] = by_pose @ going
+        return jacobian
 
     def parameter_jacobian(self, row: int, state: PredictedState) -> FloatArray:
         """Derivative ``(2k, 4 + n)`` by the intrinsics, by central differences."""

@@ -65,11 +65,11 @@ class HeadingMeasurements(Measurements):
 
     def jacobian(self, row: int, state: PredictedState) -> FloatArray:
         """Derivative ``(1, 30)`` of that."""
-        made = np.zeros((1, ERROR_NUMBERS))
+        jacobian = np.zeros((1, ERROR_NUMBERS))
         x, y, _ = state.world_R_imu @ self.axis
         turned = state.world_R_imu @ skew(self.axis)
-        made[0, ROTATION] = (x * turned[1] - y * turned[0]) / (x * x + y * y)
-        return made
+        jacobian[0, ROTATION] = (x * turned[1] - y * turned[0]) / (x * x + y * y)
+        return jacobian
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -118,7 +118,7 @@ class MagneticFieldMeasurements(Measurements):
 
     def jacobian(self, row: int, state: PredictedState) -> FloatArray:
         """Derivative ``(3, 30)`` of that."""
-        made = np.zeros((3, ERROR_NUMBERS))
+        jacobian = np.zeros((3, ERROR_NUMBERS))
         turned = skew(self.world_field @ state.world_R_imu)
-        made[:, ROTATION] = -self.imu_R_sensor.as_matrix().T @ turned
-        return made
+        jacobian[:, ROTATION] = -self.imu_R_sensor.as_matrix().T @ turned
+        return jacobian

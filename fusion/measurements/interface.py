@@ -46,8 +46,8 @@ def turn(angles: FloatArray) -> FloatArray:
     angle = float(np.linalg.norm(angles))
     across = skew(angles)
     first, second = np.sinc(angle / np.pi), 0.5 * np.sinc(0.5 * angle / np.pi) ** 2
-    made: FloatArray = np.eye(3) + first * across + second * across @ across
-    return made
+    rotation: FloatArray = np.eye(3) + first * across + second * across @ across
+    return rotation
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,9 +117,9 @@ class PredictedState:
     def random(cls, rng: np.random.Generator) -> PredictedState:
         """Any state, to try a kind at."""
         pose, earlier, camera = (Motor.random(rng) for _ in range(3))
-        given = cls.at(pose, rng.standard_normal(3), rng.standard_normal(3), earlier)
+        state = cls.at(pose, rng.standard_normal(3), rng.standard_normal(3), earlier)
         return replace(
-            given,
+            state,
             gyro_bias_rad_s=0.1 * rng.standard_normal(3),
             accel_bias_m_s2=0.1 * rng.standard_normal(3),
             world_R_gravity=turn(0.1 * rng.standard_normal(3)),
@@ -247,18 +247,18 @@ class Measurements(ABC):
         return numerical_jacobian(self, row, state)
 
 
-def numerical_jacobian(given: Measurements, row: int, state: PredictedState) -> FloatArray:
+def numerical_jacobian(kind: Measurements, row: int, state: PredictedState) -> FloatArray:
     """Derivative ``(m, 30)`` of a residual by central differences."""
     columns = []
     for k in range(ERROR_NUMBERS):
         error = np.zeros(ERROR_NUMBERS)
         error[k] = _STEP
-        ahead, behind = (given.residual(row, state.retract(one)) for one in (error, -error))
+        ahead, behind = (kind.residual(row, state.retract(one)) for one in (error, -error))
         columns.append((ahead - behind) / (2.0 * _STEP))
     return np.stack(columns, axis=-1)
 
 
-def jacobian_error(given: Measurements, rng: np.random.Generator, tries: int = 20) -> float:
+def jacobian_error(kind: Measurements, rng: np.random.Generator, tries: int = 20) -> float:
     """Largest difference between a kind's own Jacobian and central differences.
 
     It is tried at random rows and states; a right one stays below about 1e-8 times the size of
@@ -266,26 +266,26 @@ def jacobian_error(given: Measurements, rng: np.random.Generator, tries: int = 2
     """
     worst = 0.0
     for _ in range(tries):
-        row, state = int(rng.integers(len(given))), PredictedState.random(rng)
-        apart = given.jacobian(row, state) - numerical_jacobian(given, row, state)
+        row, state = int(rng.integers(len(kind))), PredictedState.random(rng)
+        apart = kind.jacobian(row, state) - numerical_jacobian(kind, row, state)
         worst = max(worst, float(np.max(np.abs(apart))))
     return worst
 
 
-def checked_measurements(given: Measurements) -> Measurements:
+def checked_measurements(kind: Measurements) -> Measurements:
     """A kind whose stamps and covariances are as they must be.
 
     Raises:
         TypeError: something that is no kind of measurement.
         ValueError: stamps that do not rise, covariances of another shape or not positive definite.
     """
-    if not isinstance(given, Measurements):
-        raise TypeError(f"also: expected kinds of measurements, got {type(given).__name__}")
-    name = f"{given.name} measurements"
-    stamps = np.asarray(given.time_ns)
+    if not isinstance(kind, Measurements):
+        raise TypeError(f"also: expected kinds of measurements, got {type(kind).__name__}")
+    name = f"{kind.name} measurements"
+    stamps = np.asarray(kind.time_ns)
     if stamps.dtype.kind != "i" or stamps.ndim != 1 or np.any(np.diff(stamps) < 0):
         raise ValueError(f"{name}: time_ns: expected rising integer nanoseconds (N,), got others")
-    given_covariance = np.asarray(given.covariance)
+    given_covariance = np.asarray(kind.covariance)
     size = given_covariance.shape[-1] if given_covariance.ndim else 0
     covariance = checked_floats(given_covariance, f"{name}: covariance", (size, size))
     if covariance.shape != (len(stamps), size, size) or not 1 <= size <= MOST_NUMBERS:
@@ -300,9 +300,9 @@ def checked_measurements(given: Measurements) -> Measurements:
             raise ValueError(
                 f"{name}: covariance: expected symmetric positive definite matrices, got others"
             )
-    since = given.since_ns
+    since = kind.since_ns
     if since is not None and (
         since.dtype.kind != "i" or since.shape != stamps.shape or np.any(since >= stamps)
     ):
         raise ValueError(f"{name}: since_ns: expected integer stamps before time_ns, got others")
-    return given
+    return kind

@@ -69,10 +69,10 @@ class BodyPoseMeasurements(Measurements):
 
     def jacobian(self, row: int, state: PredictedState) -> FloatArray:
         """Derivative ``(6, 30)`` of that."""
-        made = np.zeros((6, ERROR_NUMBERS))
+        jacobian = np.zeros((6, ERROR_NUMBERS))
         back = Motor.left_jacobian_inverse(self.residual(row, state))
-        made[:, :6] = -back @ self.imu_T_body.inverse().adjoint()
-        return made
+        jacobian[:, :6] = -back @ self.imu_T_body.inverse().adjoint()
+        return jacobian
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -158,9 +158,9 @@ class RelativePoseMeasurements(Measurements):
 
     def jacobian(self, row: int, state: PredictedState) -> FloatArray:
         """Derivative ``(6, 30)`` of that."""
-        made = np.zeros((6, ERROR_NUMBERS))
+        jacobian = np.zeros((6, ERROR_NUMBERS))
         step, body = self._predicted(state), self.imu_T_body.inverse()
         back = Motor.left_jacobian_inverse(step.local(self.earlier_T_body[row]))
-        made[:, :6] = -back @ body.adjoint()
-        made[:, EARLIER] = back @ (step.inverse() @ body).adjoint()
-        return made
+        jacobian[:, :6] = -back @ body.adjoint()
+        jacobian[:, EARLIER] = back @ (step.inverse() @ body).adjoint()
+        return jacobian

@@ -98,10 +98,10 @@ class PositionMeasurements(Measurements):
 
     def jacobian(self, row: int, state: PredictedState) -> FloatArray:
         """Derivative ``(3, 30)`` of that."""
-        made = np.zeros((3, ERROR_NUMBERS))
-        made[:, ROTATION] = state.world_R_imu @ skew(self.arm_m)
-        made[:, POSITION] = -state.world_R_imu
-        return made
+        jacobian = np.zeros((3, ERROR_NUMBERS))
+        jacobian[:, ROTATION] = state.world_R_imu @ skew(self.arm_m)
+        jacobian[:, POSITION] = -state.world_R_imu
+        return jacobian
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -145,10 +145,10 @@ class AltitudeMeasurements(Measurements):
 
     def jacobian(self, row: int, state: PredictedState) -> FloatArray:
         """Derivative ``(1, 30)`` of that."""
-        made = np.zeros((1, ERROR_NUMBERS))
-        made[0, ROTATION] = state.world_R_imu[2] @ skew(self.arm_m)
-        made[0, POSITION] = -state.world_R_imu[2]
-        return made
+        jacobian = np.zeros((1, ERROR_NUMBERS))
+        jacobian[0, ROTATION] = state.world_R_imu[2] @ skew(self.arm_m)
+        jacobian[0, POSITION] = -state.world_R_imu[2]
+        return jacobian
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -204,12 +204,12 @@ class VelocityMeasurements(Measurements):
 
     def jacobian(self, row: int, state: PredictedState) -> FloatArray:
         """Derivative ``(3, 30)`` of that."""
-        made = np.zeros((3, ERROR_NUMBERS))
+        jacobian = np.zeros((3, ERROR_NUMBERS))
         about = np.cross(state.angular_rate_rad_s, self.arm_m)
-        made[:, ROTATION] = state.world_R_imu @ skew(about)
-        made[:, VELOCITY] = -state.world_R_imu
-        made[:, GYRO_BIAS] = -state.world_R_imu @ skew(self.arm_m)
-        return made
+        jacobian[:, ROTATION] = state.world_R_imu @ skew(about)
+        jacobian[:, VELOCITY] = -state.world_R_imu
+        jacobian[:, GYRO_BIAS] = -state.world_R_imu @ skew(self.arm_m)
+        return jacobian
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -297,8 +297,8 @@ class BodyVelocityMeasurements(Measurements):
 
     def jacobian(self, row: int, state: PredictedState) -> FloatArray:
         """Derivative ``(3, 30)`` of that."""
-        made = np.zeros((3, ERROR_NUMBERS))
-        made[:, ROTATION] = -self._body_R_imu @ skew(state.velocity_m_s @ state.world_R_imu)
-        made[:, VELOCITY] = -self._body_R_imu
-        made[:, GYRO_BIAS] = -self._body_R_imu @ skew(self.arm_m)
-        return made
+        jacobian = np.zeros((3, ERROR_NUMBERS))
+        jacobian[:, ROTATION] = -self._body_R_imu @ skew(state.velocity_m_s @ state.world_R_imu)
+        jacobian[:, VELOCITY] = -self._body_R_imu
+        jacobian[:, GYRO_BIAS] = -self._body_R_imu @ skew(self.arm_m)
+        return jacobian

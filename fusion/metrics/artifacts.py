@@ -296,19 +296,19 @@ def _overshoot(estimate: Trajectory, truth: Trajectory, way: Way) -> float:
         )
     ours, true = estimate.motors[kept], path.poses(time_s[kept])
     speed = np.linalg.norm(way(true[:-1], true[1:]), axis=-1) / np.diff(time_s[kept])
-    found = []
+    overshoots = []
     for before, stop, after in stops(speed):
         at, stretch = true[stop], slice(before, after + 1)
         course = -way(at, true[before])
         length = float(np.linalg.norm(course))
         if length > 0.0:
             true_way, our_way = (way(at, poses[stretch]) @ course for poses in (true, ours))
-            found.append(float(np.max(our_way) - np.max(true_way)) / length)
-    if not found:
+            overshoots.append(float(np.max(our_way) - np.max(true_way)) / length)
+    if not overshoots:
         raise NotObservableError(
             "overshoot: expected a ground truth that stops or turns back on its way, got none"
         )
-    return max(0.0, *found)
+    return max(0.0, *overshoots)
 
 
 def stops(speed: FloatArray) -> list[tuple[int, int, int]]:

@@ -131,11 +131,11 @@ class Consistency:
         Raises:
             ValueError: no runs or steps, NaN or infinity, or a probability out of its range.
         """
-        given = checked_floats(values, "values", (np.shape(values)[-1],))
-        if given.ndim != 2 or given.size == 0:
-            raise ValueError(f"values: expected (runs, steps), got shape {given.shape}")
-        low, high = chi2_bounds(freedom, len(given), probability)
-        return cls(freedom, len(given), given.mean(axis=0), low, high)
+        checked = checked_floats(values, "values", (np.shape(values)[-1],))
+        if checked.ndim != 2 or checked.size == 0:
+            raise ValueError(f"values: expected (runs, steps), got shape {checked.shape}")
+        low, high = chi2_bounds(freedom, len(checked), probability)
+        return cls(freedom, len(checked), checked.mean(axis=0), low, high)
 
     @property
     def share_within(self) -> float:

@@ -153,9 +153,9 @@ class Evaluation:
         }
         for name in _ERRORS:
             error, _, unit = name.rpartition("_")
-            found = getattr(self, name)
+            statistics = getattr(self, name)
             for statistic in Statistics.names():
-                flat[f"{error}_{statistic}_{unit}"] = getattr(found, statistic, None)
+                flat[f"{error}_{statistic}_{unit}"] = getattr(statistics, statistic, None)
         for axis, rmse_m in zip("xyz", self.ape_axes_rmse_m, strict=True):
             flat[f"ape_{axis}_rmse_m"] = rmse_m
         for statistic in Statistics.names():
@@ -178,9 +178,9 @@ class Evaluation:
         if self.rpe_delta != Delta():
             flat["rpe_delta"], flat["rpe_delta_unit"] = self.rpe_delta.value, self.rpe_delta.unit
             flat["rpe_pairs"] = "all" if self.rpe_delta.all_pairs else "consecutive"
-        for error, unit, found in self.relations:
+        for error, unit, statistics in self.relations:
             for statistic in Statistics.names():
-                flat[f"{error}_{statistic}{unit}"] = getattr(found, statistic, None)
+                flat[f"{error}_{statistic}{unit}"] = getattr(statistics, statistic, None)
         return flat if self.drift is None else flat | _flat_drift(self.drift)
 
 
@@ -316,10 +316,10 @@ def _relative(
     ours: Motor, true: Motor, delta: Delta, relations: Sequence[Relation] = ()
 ) -> list[Statistics | None]:
     wanted: tuple[Relation, ...] = ("trans_part", "angle_deg", *relations)
-    found = _if_observable(lambda: relative_errors(ours, true, delta, wanted))
-    if found is None:
+    per_relation = _if_observable(lambda: relative_errors(ours, true, delta, wanted))
+    if per_relation is None:
         return [None] * len(wanted)
-    return [Statistics.of(errors) if errors.size else None for errors in found]
+    return [Statistics.of(errors) if errors.size else None for errors in per_relation]
 
 
 def _delta_of_length(length_m: float) -> Delta:
@@ -331,16 +331,16 @@ def _delta_of_length(length_m: float) -> Delta:
 def _by_relation(
     ours: Motor, true: Motor, relations: Sequence[Relation], relative: list[Statistics | None]
 ) -> tuple[tuple[str, str, Statistics | None], ...]:
-    found: list[tuple[str, str, Statistics | None]] = []
+    summaries: list[tuple[str, str, Statistics | None]] = []
     for relation in relations:
         if relation != "point_distance_error_ratio":
             name, unit = _RELATION_NAMES[relation]
             errors = absolute_errors(ours, true, relation)
-            found.append((f"ape_{name}", unit, Statistics.of(errors)))
+            summaries.append((f"ape_{name}", unit, Statistics.of(errors)))
     for relation, summary in zip(relations, relative, strict=True):
         name, unit = _RELATION_NAMES[relation]
-        found.append((f"rpe_{name}", unit, summary))
-    return tuple(found)
+        summaries.append((f"rpe_{name}", unit, summary))
+    return tuple(summaries)
 
 
 def _drift(ours: Motor, true: Motor, lengths_m: Sequence[float]) -> tuple[Drift, ...] | None:

@@ -230,13 +230,13 @@ def _refined(ours: FloatArray, true: Callable[[float], FloatArray], peak: float)
     def slope(lag: float) -> float:
         return float(np.sum(_scores(ours, true, lag)[0]))
 
-    found = minimize_scalar(
+    optimum = minimize_scalar(
         lambda lag: -_similarity(changes, true(lag)),
         bounds=(peak - _COARSE_STEP_S, peak + _COARSE_STEP_S),
         method="bounded",
         options={"xatol": _PEAK_TOLERANCE_S},
     )
-    peak = float(found.x)
+    peak = float(optimum.x)
     for reach in (10.0 * _PEAK_TOLERANCE_S, 100.0 * _PEAK_TOLERANCE_S, _COARSE_STEP_S):
         if slope(peak - reach) > 0.0 > slope(peak + reach):
             return float(brentq(slope, peak - reach, peak + reach, xtol=_ROOT_TOLERANCE_S))

@@ -64,10 +64,10 @@ class SmoothPath:
     @classmethod
     def through(cls, trajectory: Trajectory) -> SmoothPath:
         """The interpolation of a trajectory, computed once for as long as the trajectory lives."""
-        found = _FITTED.get(trajectory)
-        if found is None:
-            found = _FITTED[trajectory] = cls(trajectory)
-        return found
+        fitted = _FITTED.get(trajectory)
+        if fitted is None:
+            fitted = _FITTED[trajectory] = cls(trajectory)
+        return fitted
 
     @property
     def span_s(self) -> tuple[float, float]:

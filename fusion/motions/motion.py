@@ -187,15 +187,15 @@ class Stops(Signal):
         levels = np.array(self.levels)
         which = (index % levels.size).astype(np.int64)
         change = (np.roll(levels, -1) - levels)[which]
-        made = np.stack([change * _STEP.deriv(k)(fraction) / self.move_s**k for k in range(4)])
-        made[0] += levels[which]
-        return made
+        rates = np.stack([change * _STEP.deriv(k)(fraction) / self.move_s**k for k in range(4)])
+        rates[0] += levels[which]
+        return rates
 
 
 def _as_tuple(signal: Signal, name: str) -> None:
     """Keep finite numbers as a tuple of floats, so that signals stay hashable values."""
-    given: ArrayLike = getattr(signal, name)
-    checked = checked_floats(given, f"{type(signal).__name__}.{name}", ())
+    values: ArrayLike = getattr(signal, name)
+    checked = checked_floats(values, f"{type(signal).__name__}.{name}", ())
     if checked.ndim != 1 or checked.size == 0:
         raise ValueError(
             f"{type(signal).__name__}.{name}: expected one or more numbers, got shape "
@@ -228,9 +228,9 @@ class Factor:
     signal: Signal
 
     def __post_init__(self) -> None:
-        given = np.asarray(self.twist)
-        size = 7 if given.shape[-1:] == (7,) else 6
-        checked = checked_floats(given, "Factor.twist", (size,))
+        twist = np.asarray(self.twist)
+        size = 7 if twist.shape[-1:] == (7,) else 6
+        checked = checked_floats(twist, "Factor.twist", (size,))
         if checked.ndim != 1:
             raise ValueError(f"Factor.twist: expected shape (6,) or (7,), got {checked.shape}")
         object.__setattr__(self, "twist", frozen(checked))

@@ -25,7 +25,7 @@ _TILT_RAD, _HEADING_RAD = 0.1, 0.2
 
 def orientation_doubts(
     imu: ImuStream,
-    found: Orientation,
+    orientation: Orientation,
     model: OrientationModel | None = None,
     *,
     with_magnetometer: bool = False,
@@ -37,7 +37,7 @@ def orientation_doubts(
 
     Args:
         imu: the stream.
-        found: its orientation.
+        orientation: its orientation.
         model: the model that it was estimated with.
         with_magnetometer: whether a magnetic field was given.
 
@@ -52,25 +52,25 @@ def orientation_doubts(
     """
     model = OrientationModel() if model is None else model
     gravity = model.gravity_m_s2
-    world = found.world_R_imu.apply(imu.specific_force_m_s2)
+    world = orientation.world_R_imu.apply(imu.specific_force_m_s2)
     count = max(1, min(len(imu), round(_WINDOW_S * imu.rate_hz)))
     windows = world[: len(imu) // count * count].reshape(-1, count, 3).mean(axis=1)
     up = float(np.median(windows[:, 2]))
     level = float(np.sqrt(np.mean(np.sum(windows[:, :2] ** 2, axis=1))))
-    told = []
+    warnings = []
     if level > _LEVEL_SHARE * max(abs(up), 0.1 * gravity):
-        told.append(
+        warnings.append(
             f"specific force averages to {level:.3g} m/s² sideways where gravity should stand "
             "upright: the gyroscope is in degrees a second, or its axes or signs are not the "
             "accelerometer's; or the sensor speeds up for seconds, as in a vehicle"
         )
     elif abs(up / gravity - 1.0) > GRAVITY_SHARE:
-        told.append(_wrong_gravity(up, gravity))
-    if np.median(found.tilt_deviation_rad) > _TILT_RAD:
-        told.append(f"tilt is known to {_degrees(found.tilt_deviation_rad)} only")
+        warnings.append(_wrong_gravity(up, gravity))
+    if np.median(orientation.tilt_deviation_rad) > _TILT_RAD:
+        warnings.append(f"tilt is known to {_degrees(orientation.tilt_deviation_rad)} only")
     if with_magnetometer:
-        told += _magnetic(found)
-    return tuple(told)
+        warnings += _magnetic(orientation)
+    return tuple(warnings)
 
 
 def _wrong_gravity(up: float, gravity: float) -> str:
@@ -86,17 +86,17 @@ def _wrong_gravity(up: float, gravity: float) -> str:
     )
 
 
-def _magnetic(found: Orientation) -> list[str]:
-    told = []
-    disturbed = float(np.mean(found.field_deviation_rad > _DISTURBED_RAD))
+def _magnetic(orientation: Orientation) -> list[str]:
+    warnings = []
+    disturbed = float(np.mean(orientation.field_deviation_rad > _DISTURBED_RAD))
     if disturbed > _DISTURBED_SHARE:
-        told.append(
+        warnings.append(
             f"the magnetic field is disturbed {disturbed:.0%} of the time: magnets or iron nearby, "
             "a magnetometer that is not calibrated, or axes that are not the gyroscope's"
         )
-    if np.median(found.heading_deviation_rad) > _HEADING_RAD:
-        told.append(f"heading is known to {_degrees(found.heading_deviation_rad)} only")
-    return told
+    if np.median(orientation.heading_deviation_rad) > _HEADING_RAD:
+        warnings.append(f"heading is known to {_degrees(orientation.heading_deviation_rad)} only")
+    return warnings
 
 
 def _degrees(deviations_rad: FloatArray) -> str:

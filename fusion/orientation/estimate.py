@@ -310,16 +310,16 @@ def estimate_orientation(
 
 def _checked_field(field: FloatArray, count: int) -> FloatArray:
     """Readings as the compiled filter takes them: rows are finite or NaN."""
-    made = np.array(field, dtype=np.float64)
-    if made.shape != (count, 3):
-        raise ValueError(f"magnetic_field: expected shape {(count, 3)}, got {made.shape}")
-    missing = np.isnan(made).any(axis=1)
-    made[missing] = np.nan
+    readings = np.array(field, dtype=np.float64)
+    if readings.shape != (count, 3):
+        raise ValueError(f"magnetic_field: expected shape {(count, 3)}, got {readings.shape}")
+    missing = np.isnan(readings).any(axis=1)
+    readings[missing] = np.nan
     if np.all(missing):
         raise ValueError("magnetic_field: expected a reading, got rows of NaN alone")
-    largest = float(np.nanmax(np.abs(made)))
+    largest = float(np.nanmax(np.abs(readings)))
     if not largest < _MOST_FIELD:
         raise ValueError(
             f"magnetic_field: expected readings within {_MOST_FIELD:g}, got {largest:g}"
         )
-    return made
+    return readings

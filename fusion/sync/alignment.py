@@ -295,8 +295,8 @@ class _Intervals:
         for first in (0, 6, 9, 12):  # rows that this noise rules: turn, velocity, biases
             rows = slice(first, first + 3)
             inverse = np.linalg.inv(known[:, rows, rows])
-            found = np.sum(left[:, rows] * (inverse @ left[:, rows]))
-            ratios.append(found / np.einsum("kij,kji->", inverse, expected[:, rows, rows]))
+            misfit = np.sum(left[:, rows] * (inverse @ left[:, rows]))
+            ratios.append(misfit / np.einsum("kij,kji->", inverse, expected[:, rows, rows]))
         return np.array(ratios)
 
 

@@ -93,18 +93,18 @@ class Bordered:
         Derivatives are by both states and by what is shared.
         """
         size, count = start.shape[-1], len(residual)
-        told = np.flatnonzero(np.any(shared, axis=(0, 1)))
-        joined = np.concatenate([start, end, shared[..., told], residual[..., None]], axis=-1)
+        observed = np.flatnonzero(np.any(shared, axis=(0, 1)))
+        joined = np.concatenate([start, end, shared[..., observed], residual[..., None]], axis=-1)
         squares = np.ascontiguousarray(_turned(joined)) @ joined
         for state, column in ((first, 0), (first + 1, size)):
             part, rows = slice(state, state + count), squares[:, column : column + size]
             self._own[part] += rows[..., column : column + size]
-            self._border[part, :, told] += rows[..., 2 * size : -1]
+            self._border[part, :, observed] += rows[..., 2 * size : -1]
             self._pull[part] -= rows[..., -1]
         self._next[first : first + count] += squares[:, size : 2 * size, :size]
         of_shared = np.sum(squares[:, 2 * size : -1], axis=0)
-        self._shared[np.ix_(told, told)] += of_shared[:, 2 * size : -1]
-        self._shared_pull[told] -= of_shared[:, -1]
+        self._shared[np.ix_(observed, observed)] += of_shared[:, 2 * size : -1]
+        self._shared_pull[observed] -= of_shared[:, -1]
 
     def add_prior(self, state: int, unknown: slice, error: FloatArray, sigma: FloatArray) -> None:
         """What is known beforehand of some unknowns of one state."""

@@ -104,8 +104,8 @@ def offset_by_rotations(
 def _blocks(time_ns: IntArray) -> list[IntArray]:
     """Rows of poses that belong together."""
     number = (time_ns - time_ns[0]) // round(_BLOCK_S * 1e9)
-    found = np.split(np.arange(len(time_ns)), np.flatnonzero(np.diff(number)) + 1)
-    return [rows for rows in found if len(rows) >= _FEWEST]
+    blocks = np.split(np.arange(len(time_ns)), np.flatnonzero(np.diff(number)) + 1)
+    return [rows for rows in blocks if len(rows) >= _FEWEST]
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +176,7 @@ class _Step:
 def _solved(rows: list[_Rows], weights: list[FloatArray]) -> _Step:
     """Least squares, the drift of each block eliminated."""
     pairs = [
-        (*_without_drift(one, weight), weight) for one, weight in zip(rows, weights, strict=True)
+        (*_without_drift(own, weight), weight) for own, weight in zip(rows, weights, strict=True)
     ]
     matrices = np.array([np.einsum("n,nij,nik->jk", w, a, a) for _, a, w in pairs])
     total = np.sum(matrices, axis=0)
@@ -184,7 +184,7 @@ def _solved(rows: list[_Rows], weights: list[FloatArray]) -> _Step:
     inverse = np.linalg.inv(total)
     step = inverse @ np.sum([np.einsum("n,nij,ni->j", w, a, r) for r, a, w in pairs], axis=0)
     left = [r - a @ step for r, a, _ in pairs]
-    squares = [np.sum(one**2, axis=-1) for one in left]
+    squares = [np.sum(residuals**2, axis=-1) for residuals in left]
     together = np.concatenate(squares)
     # Of N poses, a block's drift takes three.
     kept = 1.0 - _DRIFT * len(rows) / len(together)
@@ -209,11 +209,11 @@ def _jackknife(total: FloatArray, matrices: FloatArray, scores: FloatArray) -> f
     return float(np.sqrt((count - 1.0) / count * np.sum(moved**2)))
 
 
-def _without_drift(one: _Rows, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _without_drift(rows: _Rows, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Residuals ``(N, 3)`` and slopes ``(N, 3, 4)`` less what the drift explains of them."""
     count = len(weight)
-    values = np.concatenate([one.left[..., None], one.shared], axis=-1).reshape(count, -1)
-    weighted = one.drift.T * weight
-    fitted = one.drift @ np.linalg.solve(weighted @ one.drift, weighted @ values)
+    values = np.concatenate([rows.left[..., None], rows.shared], axis=-1).reshape(count, -1)
+    weighted = rows.drift.T * weight
+    fitted = rows.drift @ np.linalg.solve(weighted @ rows.drift, weighted @ values)
     free = (values - fitted).reshape(count, 3, -1)
     return free[..., 0], free[..., 1:]

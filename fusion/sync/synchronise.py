@@ -193,24 +193,24 @@ def synchronise(
     health = _checked(used, imu, match)
     doubt_s = _DOUBT * match.offset_sigma_s
     beliefs = Beliefs(doubt_s, np.pi, _LEVER_SIGMA_M, GRAVITY_SIGMA_M_S2, 0.0)
-    found = align(used, imu, noise, start, beliefs)
-    if abs(found.shared.offset_s - match.offset_s) > doubt_s:
+    joint = align(used, imu, noise, start, beliefs)
+    if abs(joint.shared.offset_s - match.offset_s) > doubt_s:
         raise ValueError(
             f"camera and imu: expected poses that agree with their rates, which put the offset at "
-            f"{match.offset_s:.4f} ± {match.offset_sigma_s:.4f} s, got {found.shared.offset_s:.4f}"
+            f"{match.offset_s:.4f} ± {match.offset_sigma_s:.4f} s, got {joint.shared.offset_s:.4f}"
         )
-    offset_s, covariance = _borne_out(found, used, imu, beliefs)
+    offset_s, covariance = _borne_out(joint, used, imu, beliefs)
     return Synchronised(
         offset_s,
-        found.shared.imu_T_camera,
-        found.shared.gravity_m_s2,
+        joint.shared.imu_T_camera,
+        joint.shared.gravity_m_s2,
         covariance,
-        found.bias[:, :3],
-        found.bias[:, 3:],
-        found.time_ns,
+        joint.bias[:, :3],
+        joint.bias[:, 3:],
+        joint.time_ns,
         match.correlation,
-        *found.sigma,
-        found.noise,
+        *joint.sigma,
+        joint.noise,
         health,
     )
 
@@ -234,13 +234,13 @@ def _checked(camera: Trajectory, imu: ImuStream, match: RateMatch) -> Health:
     mended = [one.summary for one in health.findings if one.fault in _NO_OFFSET_MENDS]
     if mended:
         raise ValueError(f"camera and imu: {'; '.join(mended)}")
-    for one in health.findings:
-        log.warning("%s", one.summary)
+    for finding in health.findings:
+        log.warning("%s", finding.summary)
     return health
 
 
 def _borne_out(
-    found: Aligned, used: Trajectory, imu: ImuStream, beliefs: Beliefs
+    joint: Aligned, used: Trajectory, imu: ImuStream, beliefs: Beliefs
 ) -> tuple[float, FloatArray]:
     """Offset and covariance ``(10, 10)`` that do not rest on the forces alone.
 
@@ -251,21 +251,21 @@ def _borne_out(
     J. Hausman, Specification tests in econometrics, Econometrica 46(6), 1978: of two estimates the
     one that believes more is the surer one, but they agree where its beliefs are right.
     """
-    deaf = replace(found.noise, accel_density_m_s2_rthz=_DEAF * found.noise.accel_density_m_s2_rthz)
-    turning = align(used, imu, deaf, found.shared, beliefs, found.sigma, adapt=False)
-    apart = found.shared.imu_T_camera.rotor.local(turning.shared.imu_T_camera.rotor)
+    deaf = replace(joint.noise, accel_density_m_s2_rthz=_DEAF * joint.noise.accel_density_m_s2_rthz)
+    turning = align(used, imu, deaf, joint.shared, beliefs, joint.sigma, adapt=False)
+    apart = joint.shared.imu_T_camera.rotor.local(turning.shared.imu_T_camera.rotor)
     squares = apart**2
-    covariance = found.covariance[: GRAVITY.stop, : GRAVITY.stop]
+    covariance = joint.covariance[: GRAVITY.stop, : GRAVITY.stop]
     stated = np.diag(covariance)[ROTATION]
     own = np.diag(turning.covariance)[ROTATION]
     grown = np.ones(len(covariance))
     if np.any(squares > _UNLIKELY * own):  # then forces are believed about no axis
         grown[ROTATION] = np.sqrt(np.maximum((squares + own) / stated, 1.0))
-    offset_s, rotor = found.shared.offset_s, found.shared.imu_T_camera.rotor
-    bias = np.median(found.bias[:, :3], axis=0)
-    told = offset_by_rotations(used, imu, offset_s, rotor, bias)
-    if told is not None:
-        offset_s, grown[0] = told.offset_s, told.sigma_s / float(np.sqrt(covariance[0, 0]))
+    offset_s, rotor = joint.shared.offset_s, joint.shared.imu_T_camera.rotor
+    bias = np.median(joint.bias[:, :3], axis=0)
+    turned = offset_by_rotations(used, imu, offset_s, rotor, bias)
+    if turned is not None:
+        offset_s, grown[0] = turned.offset_s, turned.sigma_s / float(np.sqrt(covariance[0, 0]))
     inflated: FloatArray = covariance * grown * grown[:, None]
     return offset_s, inflated
 
@@ -297,7 +297,7 @@ def covered(
     stamps = camera.time_ns + shift
     parts = imu.stretches()
     masks = [
-        (stamps - margin >= one.time_ns[0]) & (stamps + margin <= one.time_ns[-1]) for one in parts
+        (stamps - margin >= own.time_ns[0]) & (stamps + margin <= own.time_ns[-1]) for own in parts
     ]
     most = int(np.argmax([np.count_nonzero(mask) for mask in masks]))
     inside = masks[most]

@@ -44,10 +44,10 @@ def linear_start(
     matrix, right = _system(camera, rotor.as_matrix(), camera_T_imu, summed)
     if scale is not None:
         matrix, right = matrix[:, :-1], right - scale * matrix[:, -1]
-    found: FloatArray = np.linalg.lstsq(matrix, right, rcond=None)[0].astype(np.float64)
+    solution: FloatArray = np.linalg.lstsq(matrix, right, rcond=None)[0].astype(np.float64)
     if scale is not None:
-        return scale, found[-3:]
-    scale, gravity = float(found[-1]), found[-4:-1]
+        return scale, solution[-3:]
+    scale, gravity = float(solution[-1]), solution[-4:-1]
     if not scale > 0.0:
         raise ValueError(
             f"camera and imu: expected motion that tells the scale, got {scale:.3g} m a unit: too "

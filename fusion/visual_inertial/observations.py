@@ -36,15 +36,15 @@ class LandmarkObservations:
     def __post_init__(self) -> None:
         px = frozen(checked_floats(self.px, "LandmarkObservations.px", (2,)))
         for name in ("keyframe", "landmark"):
-            given = np.array(getattr(self, name))
-            if given.dtype.kind not in "iu" or given.shape != px.shape[:1] or np.any(given < 0):
+            rows = np.array(getattr(self, name))
+            if rows.dtype.kind not in "iu" or rows.shape != px.shape[:1] or np.any(rows < 0):
                 raise ValueError(
                     f"LandmarkObservations.{name}: expected {px.shape[:1]} whole numbers from 0 "
-                    f"on, got dtype {given.dtype}, shape {given.shape}"
+                    f"on, got dtype {rows.dtype}, shape {rows.shape}"
                 )
-            given = given.astype(np.int64)
-            given.setflags(write=False)
-            object.__setattr__(self, name, given)
+            rows = rows.astype(np.int64)
+            rows.setflags(write=False)
+            object.__setattr__(self, name, rows)
         pairs = np.stack([self.keyframe, self.landmark], axis=-1)
         if len(np.unique(pairs, axis=0)) < len(pairs):
             raise ValueError(

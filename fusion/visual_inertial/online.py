@@ -201,9 +201,9 @@ class InertialSlam:
         states = tuple(state for _, state in self._frames)
         if self._start is None or slam.trajectory is None:
             return InertialSlamResult(slam, None, None, None, None, states)
-        given = measured_in_map(slam.trajectory, slam.covariance, slam.map.time_ns)
+        measured = measured_in_map(slam.trajectory, slam.covariance, slam.map.time_ns)
         fused = fuse(
-            given,
+            measured,
             self._samples.all(),
             self._noise,
             self._imu_T_camera,
@@ -211,7 +211,7 @@ class InertialSlam:
             settings=self._settings,
             fits_noise=False,
         )
-        return InertialSlamResult(slam, self._start, self._metric_from_ns, given, fused, states)
+        return InertialSlamResult(slam, self._start, self._metric_from_ns, measured, fused, states)
 
     # Frames --------------------------------------------------------------------------------------
 
@@ -269,8 +269,8 @@ class InertialSlam:
     def _replay(self) -> None:
         """Feed a new filter with the poses of late, as the map has them now."""
         self._replays = False
-        found = self._slam.finish(adjust=False)
-        path = found.trajectory
+        result = self._slam.finish(adjust=False)
+        path = result.trajectory
         if path is None:
             return
         self._filter = PoseFilter(
@@ -283,7 +283,7 @@ class InertialSlam:
         for row in rows.tolist():
             time_ns = int(path.time_ns[row])
             self._advanced(time_ns)
-            spread = found.covariance[row] + np.diag(FLOOR)
+            spread = result.covariance[row] + np.diag(FLOOR)
             self._filter.camera_pose(time_ns, path.motors[row], spread)
 
     # Metres --------------------------------------------------------------------------------------
@@ -300,14 +300,14 @@ class InertialSlam:
         if (time_ns - self._tried_ns) * 1e-9 < max(_TRY_AGAIN_S, _TRY_AGAIN_SHARE * tried_s):
             return
         self._tried_ns = time_ns
-        found = self._slam.finish(adjust=False)
-        path = found.trajectory
+        result = self._slam.finish(adjust=False)
+        path = result.trajectory
         if path is None:
             return
-        given = PoseMeasurements(path, found.covariance + np.diag(FLOOR))
+        measured = PoseMeasurements(path, result.covariance + np.diag(FLOOR))
         try:
             start = start_inertial(
-                given, self._samples.all(), self._noise, self._imu_T_camera, metric=found.metric
+                measured, self._samples.all(), self._noise, self._imu_T_camera, metric=result.metric
             )
         except ValueError:
             return  # too little motion so far: the frame's state stays "visual", which says so

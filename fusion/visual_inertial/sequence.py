@@ -116,10 +116,10 @@ def fuse_map(
     Raises:
         ValueError: a run without poses, or what `start_inertial` and `fuse` refuse.
     """
-    made = metric_map(result, camera, imu, noise, imu_T_camera, readout_s)
+    metric = metric_map(result, camera, imu, noise, imu_T_camera, readout_s)
     wanted = np.asarray(result.time_ns) if stamps_ns is None else stamps_ns
-    path = fuse(made.measurements, imu, noise, imu_T_camera, wanted, fits_noise=False)
-    return FusedMap(path, made.keyframes, made.start)
+    path = fuse(metric.measurements, imu, noise, imu_T_camera, wanted, fits_noise=False)
+    return FusedMap(path, metric.keyframes, metric.start)
 
 
 def metric_map(
@@ -134,8 +134,8 @@ def metric_map(
     path, snapshot = result.trajectory, result.map
     if path is None:
         raise ValueError("result: expected a run of SLAM that found poses, got none")
-    given = PoseMeasurements(path, result.covariance + np.diag(FLOOR))
-    start = start_inertial(given, imu, noise, imu_T_camera)
+    poses = PoseMeasurements(path, result.covariance + np.diag(FLOOR))
+    start = start_inertial(poses, imu, noise, imu_T_camera)
     inside = (snapshot.time_ns >= imu.time_ns[0]) & (snapshot.time_ns <= imu.time_ns[-1])
     own = Trajectory(snapshot.time_ns[inside], snapshot.world_T_camera[inside])
     before = start.in_metres(own)

@@ -76,8 +76,8 @@ def _pinholes(
     spread = sigma_px**2 * np.linalg.inv(by_plane.swapaxes(-1, -2) @ by_plane)
     turned = Motor.from_rotor_translation(Rotor.from_matrix(camera_T_pinhole), np.zeros(3))
     middle, lens = np.zeros(2), gtsam.Cal3_S2(1.0, 1.0, 0.0, 0.0, 0.0)
-    for one, extrinsics in zip(spread, as_poses(imu_T_camera @ turned), strict=True):
-        yield middle, gtsam.noiseModel.Gaussian.Covariance(one), lens, extrinsics
+    for covariance, extrinsics in zip(spread, as_poses(imu_T_camera @ turned), strict=True):
+        yield middle, gtsam.noiseModel.Gaussian.Covariance(covariance), lens, extrinsics
 
 
 def _towards(rays: FloatArray) -> FloatArray:

@@ -126,20 +126,20 @@ def start_inertial(
     variances = np.median(np.einsum("kii->ki", measurements.covariance), axis=0)
     turn, shift = np.sqrt(variances.reshape(2, 3).mean(axis=-1))
     sigma = float(turn), scale * float(shift)
-    found = align(used, imu, noise, start, beliefs, sigma, adapt=False)
-    up = upright(found.shared.gravity_m_s2)
-    size = float(np.linalg.norm(found.shared.gravity_m_s2))
-    lean = up.as_matrix()[:2] @ found.covariance[GRAVITY, GRAVITY] @ up.as_matrix()[:2].T
+    aligned = align(used, imu, noise, start, beliefs, sigma, adapt=False)
+    up = upright(aligned.shared.gravity_m_s2)
+    size = float(np.linalg.norm(aligned.shared.gravity_m_s2))
+    lean = up.as_matrix()[:2] @ aligned.covariance[GRAVITY, GRAVITY] @ up.as_matrix()[:2].T
     turned = Motor.from_rotor_translation(up, np.zeros(3))
     return InertialStart(
-        Similarity.from_motor_scale(turned, found.shared.scale),
-        float(np.sqrt(found.covariance[SCALE, SCALE][0, 0])),
+        Similarity.from_motor_scale(turned, aligned.shared.scale),
+        float(np.sqrt(aligned.covariance[SCALE, SCALE][0, 0])),
         float(np.sqrt(np.trace(lean) / 2.0)) / size,
-        found.time_ns,
-        turned @ found.world_T_imu @ imu_T_camera,
-        up.apply(found.velocity_m_s),
-        found.bias[:, :3],
-        found.bias[:, 3:],
+        aligned.time_ns,
+        turned @ aligned.world_T_imu @ imu_T_camera,
+        up.apply(aligned.velocity_m_s),
+        aligned.bias[:, :3],
+        aligned.bias[:, 3:],
     )
 
 

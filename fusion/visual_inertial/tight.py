@@ -159,10 +159,10 @@ def adjust_visual_inertial(
         add_sightings(factors, at_stamp, _told(at_stamp, used, camera), camera, *by_pixels)
         _add_landmarks(factors, values, landmarks, used)
         values = optimised(factors, values, _ITERATIONS, _RELATIVE)
-        found = _read(values, keyframes, landmarks, used, at_stamp, camera, imu_T_camera)
+        adjusted = _read(values, keyframes, landmarks, used, at_stamp, camera, imu_T_camera)
         if rounds_left:
-            at_stamp = _at_stamp(found, observations, camera, imu, imu_T_camera, readout_s)
-    return found
+            at_stamp = _at_stamp(adjusted, observations, camera, imu, imu_T_camera, readout_s)
+    return adjusted
 
 
 def _told(observations: LandmarkObservations, used: NDArray[np.bool_], camera: Camera) -> IntArray:
@@ -172,7 +172,7 @@ def _told(observations: LandmarkObservations, used: NDArray[np.bool_], camera: C
 
 
 def _at_stamp(
-    found: VisualInertial,
+    adjusted: VisualInertial,
     observations: LandmarkObservations,
     camera: Camera,
     imu: ImuStream,
@@ -180,10 +180,10 @@ def _at_stamp(
     readout_s: float,
 ) -> LandmarkObservations:
     """The sightings as a global shutter would have had them."""
-    keyframes, camera_T_imu = found.trajectory, imu_T_camera.inverse()
-    rate = imu.at(keyframes.time_ns).angular_rate_rad_s - found.gyro_bias_rad_s
+    keyframes, camera_T_imu = adjusted.trajectory, imu_T_camera.inverse()
+    rate = imu.at(keyframes.time_ns).angular_rate_rad_s - adjusted.gyro_bias_rad_s
     twist = camera_twist_rate(
-        keyframes.motors @ camera_T_imu, found.velocity_m_s, rate, camera_T_imu
+        keyframes.motors @ camera_T_imu, adjusted.velocity_m_s, rate, camera_T_imu
     )
     moved = rows_moved_px(
         camera,
@@ -191,7 +191,7 @@ def _at_stamp(
         keyframes.motors,
         twist,
         observations.keyframe,
-        found.landmarks_m[observations.landmark],
+        adjusted.landmarks_m[observations.landmark],
     )
     return LandmarkObservations(
         observations.keyframe, observations.landmark, observations.px - moved
@@ -289,7 +289,7 @@ def _add_landmarks(
 
 
 def _read(
-    found: gtsam.Values,
+    values: gtsam.Values,
     keyframes: Trajectory,
     landmarks: FloatArray,
     used: NDArray[np.bool_],
@@ -300,11 +300,11 @@ def _read(
     import gtsam
 
     nodes = [keys(index) for index in range(len(keyframes))]
-    poses = as_motor([found.atPose3(node.pose) for node in nodes]) @ imu_T_camera
-    biases = [found.atConstantBias(node.bias) for node in nodes]
+    poses = as_motor([values.atPose3(node.pose) for node in nodes]) @ imu_T_camera
+    biases = [values.atConstantBias(node.bias) for node in nodes]
     points = np.array(landmarks)
     for row in np.flatnonzero(used).tolist():
-        points[row] = found.atPoint3(gtsam.symbol("l", row))
+        points[row] = values.atPoint3(gtsam.symbol("l", row))
     own = poses[observations.keyframe].inverse().apply(points[observations.landmark])
     ahead = used[observations.landmark]
     if not is_native(camera):  # a fisheye sees all around
@@ -313,7 +313,7 @@ def _read(
     error[ahead] = np.linalg.norm(camera.project(own[ahead]) - observations.px[ahead], axis=-1)
     return VisualInertial(
         Trajectory(keyframes.time_ns, poses, keyframes.parent, keyframes.child),
-        np.array([found.atVector(node.velocity) for node in nodes]),
+        np.array([values.atVector(node.velocity) for node in nodes]),
         np.array([bias.gyroscope() for bias in biases]),
         np.array([bias.accelerometer() for bias in biases]),
         points,

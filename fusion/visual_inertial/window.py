@@ -116,14 +116,14 @@ class InertialAdjuster:
                 velocity[row], bias[row] = known.velocity_m_s, known.bias
         problem = _Problem(self, bundle, time_ns, chain, bias)
         start = _State(bundle.world_T_camera, bundle.points, velocity, bias)
-        found = minimise(start, problem.evaluated, problem.retracted, Stop(iterations, _GAIN))
-        state, end = found.state, found.evaluation
+        minimum = minimise(start, problem.evaluated, problem.retracted, Stop(iterations, _GAIN))
+        state, end = minimum.state, minimum.evaluation
         for row in np.flatnonzero(~bundle.fixed):
             self.motions[int(time_ns[row])] = KeyframeMotion(
                 state.velocity_m_s[row], state.bias[row]
             )
         return AdjustedBundle(
-            state.world_T_camera, state.points, end.error_px, end.cost, found.start_cost
+            state.world_T_camera, state.points, end.error_px, end.cost, minimum.start_cost
         )
 
     def _motion(
@@ -314,10 +314,10 @@ class _Evaluated:
         information, gradient = np.zeros((size, size)), np.zeros(size)
         information[:poses, :poses], gradient[:poses] = seen.information, seen.gradient
         before, after = self._derivatives()
-        for k, (one, other) in enumerate(zip(problem.one, problem.other, strict=True)):
+        for k, (first, other) in enumerate(zip(problem.one, problem.other, strict=True)):
             parts = [
                 (problem.columns(int(row)), by)
-                for row, by in ((one, before[k]), (other, after[k]))
+                for row, by in ((first, before[k]), (other, after[k]))
                 if problem.slot[row] >= 0
             ]
             columns = np.concatenate([at for at, _ in parts])

@@ -80,7 +80,7 @@ def drift_by_length(
         raise ValueError(f"every: expected 1 or more, got {every}")
     along = np.concatenate([[0.0], np.cumsum(steps_m(reference))])
     starts = np.arange(0, along.size, every)
-    found = []
+    drifts = []
     for length_m in lengths_m:
         _check_length(length_m)
         ends = np.searchsorted(along, along[starts] + length_m, side="right")
@@ -90,7 +90,7 @@ def drift_by_length(
         metres, radians = errors_between(
             estimate, reference, starts[whole], ends[whole], ("trans_part", "angle_rad")
         )
-        found.append(
+        drifts.append(
             Drift(
                 float(length_m),
                 float(np.mean(metres)) / length_m,
@@ -98,11 +98,11 @@ def drift_by_length(
                 int(np.count_nonzero(whole)),
             )
         )
-    if not found:
+    if not drifts:
         raise NotObservableError(
             f"drift: expected a path longer than one of {tuple(lengths_m)} m, got {along[-1]:.6g} m"
         )
-    return tuple(found)
+    return tuple(drifts)
 
 
 def _check_length(length_m: float) -> None:

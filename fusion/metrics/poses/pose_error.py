@@ -150,15 +150,15 @@ def constant_rotation(estimate: Motor, reference: Motor) -> tuple[float, FloatAr
         (0.01, True)
     """
     ours, theirs = estimate.rotor.as_matrix(), reference.rotor.as_matrix()
-    found = []
+    candidates = []
     of_world = theirs @ np.swapaxes(ours, -1, -2)
     of_moving = np.swapaxes(ours, -1, -2) @ theirs
     for apart in (of_world, of_moving):
         left, _, right = np.linalg.svd(apart.sum(axis=0))
         turn = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
         rest = apart @ turn.T
-        found.append((float(_angle(turn)), _angle(rest)))
-    constant, rest_rad = min(found, key=lambda one: float(np.sum(one[1] ** 2)))
+        candidates.append((float(_angle(turn)), _angle(rest)))
+    constant, rest_rad = min(candidates, key=lambda candidate: float(np.sum(candidate[1] ** 2)))
     return constant, rest_rad
 
 

@@ -129,7 +129,7 @@ def test_residual_and_derivatives_are_gtsams(kind, rng):
         values.insert(keys(0).bias, gtsam.imuBias.ConstantBias(bias[3:], bias[:3]))
         ours = KindFactor(given, 0, 0, 0, 1 if relative else None, reading, shared)
         theirs = by_gtsam(kind, given, reading)
-        own = ours.given.residual(0, ours.state(values))
+        own = ours.measurements.residual(0, ours.state(values))
         axes = axes_of(kind)
         np.testing.assert_allclose(axes @ own, -theirs.unwhitenedError(values), atol=1e-9)
         blocks = dict(zip(ours.factor(np.inf).keys(), ours.blocks(values, ours.state(values)),
