@@ -74,10 +74,10 @@ def track_corners(
     """
     if not len(px):
         return np.zeros((0, 2)), np.zeros(0, dtype=np.bool_)
-    one, other = (of if isinstance(of, Pyramid) else Pyramid(of) for of in (before, after))
-    there, found = follow_corners(one, other, px, guess, return_px, threads())
+    first, other = (of if isinstance(of, Pyramid) else Pyramid(of) for of in (before, after))
+    there, tracked = follow_corners(first, other, px, guess, return_px, threads())
     limit = (other.width - 1 - border_px, other.height - 1 - border_px)
-    return there, found & np.all((there >= border_px) & (there <= limit), axis=-1)
+    return there, tracked & np.all((there >= border_px) & (there <= limit), axis=-1)
 
 
 def corner_noise_px(images: Iterable[GrayImage], corners_px: Iterable[FloatArray]) -> float:

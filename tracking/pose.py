@@ -106,21 +106,21 @@ def planar_candidates(corners: BoardCorners, camera: Camera) -> PlanarCandidates
         if seen[:, 2].min() < ASIDE_COSINE:
             raise TrackingError("corners: expected them within one view, got them all around")
         rays = seen / seen[:, 2:]
-    found = _ippe(corners, camera, rays[:, :2], camera_T_view)
+    candidates = _ippe(corners, camera, rays[:, :2], camera_T_view)
     for nudge in _NUDGES:
-        if found.error_px[0] <= _DOUBTFUL_PX:
+        if candidates.error_px[0] <= _DOUBTFUL_PX:
             break
         # Exactly head on, rounding alone decides whether OpenCV's IPPE finds the rotation; corners
         # moved by far less than any noise lead it past that point.
         nudged = rays[:, :2] * (1.0 + nudge * np.linspace(-1.0, 1.0, len(rays))[:, None])
         again = _ippe(corners, camera, nudged, camera_T_view)
-        found = min(found, again, key=lambda one: float(one.error_px[0]))
-    seen = np.isfinite(found.error_px)
+        candidates = min(candidates, again, key=lambda pair: float(pair.error_px[0]))
+    seen = np.isfinite(candidates.error_px)
     if not seen[0]:
         raise TrackingError("corners: expected a pose with every corner before the camera")
     if not seen[1]:  # no picture at all from there: it explains nothing
-        return PlanarCandidates(found.world_T_camera[[0, 0]], found.error_px[[0, 0]])
-    return found
+        return PlanarCandidates(candidates.world_T_camera[[0, 0]], candidates.error_px[[0, 0]])
+    return candidates
 
 
 def _looking_along(ray: FloatArray) -> Motor:
@@ -182,13 +182,13 @@ def refine(corners: BoardCorners, camera: Camera, world_T_camera: Motor) -> Refi
     evaluate = partial(_Reprojection, corners, camera)
     if not np.isfinite(evaluate(world_T_camera).cost):
         raise TrackingError("world_T_camera: expected a pose with every corner before the camera")
-    found = minimise(world_T_camera, evaluate, Motor.retract, _STOP)
-    residuals = found.evaluation.residuals_px
+    minimum = minimise(world_T_camera, evaluate, Motor.retract, _STOP)
+    residuals = minimum.evaluation.residuals_px
     freedom = max(residuals.size - 6, 1)
     sigma = max(float(np.sqrt(np.sum(residuals**2) / freedom)), SIGMA_FLOOR_PX)
     return RefinedPose(
-        world_T_camera=found.state,
-        covariance=found.evaluation.equations.covariance(sigma),
+        world_T_camera=minimum.state,
+        covariance=minimum.evaluation.equations.covariance(sigma),
         error_px=float(np.sqrt(2.0 * np.mean(residuals**2))),
         residuals_px=residuals,
         sigma_px=sigma,

@@ -96,29 +96,29 @@ def unrolled_track(
     """
     path = track.measurements.trajectory
     poses = path.motors
-    made: list[tuple[MarkerObservation, RefinedPose]] = []
+    refined: list[tuple[MarkerObservation, RefinedPose]] = []
     points = [board.points_m[one.ids] for one in track.observations]
     for _ in range(_ROUNDS):
         velocity = velocities(1e-9 * (path.time_ns - path.time_ns[0]), poses)
-        made = []
-        for row, (one, known) in enumerate(zip(track.observations, points, strict=True)):
+        refined = []
+        for row, (seen, known) in enumerate(zip(track.observations, points, strict=True)):
             twist = np.broadcast_to(velocity[row], (len(known), 6))
             in_camera = poses[row].inverse().apply(known)
-            px = one.corners_px - shift_px(camera, in_camera, twist, one.corners_px, shutter_s)
+            px = seen.corners_px - shift_px(camera, in_camera, twist, seen.corners_px, shutter_s)
             try:
-                found = refine(BoardCorners(one.ids, px, known), camera, poses[row])
+                pose = refine(BoardCorners(seen.ids, px, known), camera, poses[row])
             except TrackingError:
-                found = refine(BoardCorners(one.ids, one.corners_px, known), camera, poses[row])
-                px = one.corners_px
-            made.append((replace(one, corners_px=px), found))
-        poses = Motor.stack([found.world_T_camera for _, found in made])
-    covariance = np.stack([found.covariance for _, found in made])
+                pose = refine(BoardCorners(seen.ids, seen.corners_px, known), camera, poses[row])
+                px = seen.corners_px
+            refined.append((replace(seen, corners_px=px), pose))
+        poses = Motor.stack([found.world_T_camera for _, found in refined])
+    covariance = np.stack([found.covariance for _, found in refined])
     trajectory = Trajectory(path.time_ns, poses, path.parent, path.child)
     unrolled = replace(
         track,
-        observations=tuple(one for one, _ in made),
+        observations=tuple(one for one, _ in refined),
         measurements=PoseMeasurements(trajectory, covariance),
-        error_px=np.array([found.error_px for _, found in made]),
+        error_px=np.array([found.error_px for _, found in refined]),
     )
     return with_pooled_noise(unrolled)
 
@@ -190,9 +190,9 @@ def as_read(
         read_ns = stamps + np.rint(1e9 * late_s).astype(np.int64)
         at = path.motors_at(np.clip(read_ns, path.time_ns[0], path.time_ns[-1]))
         px = camera.project(at.inverse().apply(points_m), allow_nan=True)
-    found = poses[with_image]
+    refined = poses[with_image]
     for _ in range(_ROUNDS):
-        pixels, by_twist, _ = reproject(camera, found.inverse()[:, None].apply(points_m))
+        pixels, by_twist, _ = reproject(camera, refined.inverse()[:, None].apply(points_m))
         rows = by_twist.reshape(len(px), -1, 6)
         off = (px - pixels).reshape(len(px), -1, 1)
         both = np.concatenate([rows, off], axis=-1)
@@ -202,7 +202,7 @@ def as_read(
         square = down @ rows
         firm = 1e-9 * np.trace(square, axis1=-2, axis2=-1)[:, None, None] + 1e-12
         step = np.linalg.solve(square + firm * np.eye(6), down @ off)[..., 0]
-        found = found.retract(step)
+        refined = refined.retract(step)
     coefficients = poses.coefficients.copy()
-    coefficients[with_image] = found.coefficients
+    coefficients[with_image] = refined.coefficients
     return Trajectory(path.time_ns, Motor(coefficients), path.parent, path.child)

@@ -100,13 +100,13 @@ class PassingEquations(SparseEquations):
             return super().step(damping)
         kept, blocks = self._apart.step(damping)
         passing, width = self.frame >= 0, self.gradient.shape[1]
-        found = np.empty_like(self.gradient)
-        found[~passing] = kept
+        step = np.empty_like(self.gradient)
+        step[~passing] = kept
         in_block = blocks.reshape(len(blocks), -1, width)
-        found[passing] = in_block[self.frame[passing], self._place[passing]]
-        if not np.isfinite(found).all():
+        step[passing] = in_block[self.frame[passing], self._place[passing]]
+        if not np.isfinite(step).all():
             raise np.linalg.LinAlgError("singular")
-        return found
+        return step
 
     def covariance(self, doubt: FloatArray) -> FloatArray:
         """``(P, w, w)`` of each pose; those that stay and those of other frames as they stand.
@@ -118,7 +118,7 @@ class PassingEquations(SparseEquations):
         own = self.rows == self.columns
         information = np.tile(np.diag(doubt**-2.0), (count, 1, 1))
         information[self.rows[own]] += self.blocks[own]
-        found = np.linalg.inv(information)
+        covariance = np.linalg.inv(information)
         alone = np.bincount(self.frame[self.frame >= 0], minlength=1) < 2
         together = np.flatnonzero((self.frame >= 0) & ~alone[self.frame])
         if len(together):
@@ -126,8 +126,8 @@ class PassingEquations(SparseEquations):
             blocks = self._blocks(np.diag(doubt**-2.0)).reshape(-1, size * width, size * width)
             inverse = np.linalg.inv(blocks).reshape(-1, size, width, size, width)
             place = self._place[together]
-            found[together] = inverse[self.frame[together], place, :, place]
-        return np.asarray(0.5 * (found + found.swapaxes(-1, -2)), np.float64)
+            covariance[together] = inverse[self.frame[together], place, :, place]
+        return np.asarray(0.5 * (covariance + covariance.swapaxes(-1, -2)), np.float64)
 
     @cached_property
     def _eliminates(self) -> bool:

@@ -80,7 +80,7 @@ def _fitted(ground: GroundMap) -> list[CastShadow]:
     """Shadows as posts throw them, which fall about one way."""
     tried = [(thing, *_tried(thing)) for thing in _things(ground)]
     tried = [
-        one for one in tried if one[2][..., 0].min() < (1.0 - EXPLAINED) * one[1] and one[1] > 0.0
+        fit for fit in tried if fit[2][..., 0].min() < (1.0 - EXPLAINED) * fit[1] and fit[1] > 0.0
     ]
     if not tried:
         return []

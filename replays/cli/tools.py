@@ -234,9 +234,9 @@ def doctor(arguments: argparse.Namespace) -> None:
             print(group)
             for member in members:
                 mark = "ok" if member.works else "--"
-                print(f"  {mark} {member.name:30} {member.found}")
+                print(f"  {mark} {member.name:30} {member.detail}")
                 if not member.works:
                     print(f"     {'':30} for {member.enables}: {member.remedy}")
     if broken:
-        text = "; ".join(f"{one.name}: {one.found}; {one.remedy}" for one in broken)
+        text = "; ".join(f"{one.name}: {one.detail}; {one.remedy}" for one in broken)
         raise RuntimeError(f"the install is broken: {text}")

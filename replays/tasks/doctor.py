@@ -31,7 +31,7 @@ class Finding:
         group: "kernels", "compiler", "OpenGL", "video" or "packages".
         name: the thing.
         works: whether it can be used here.
-        found: version, device or count; what went wrong where it does not work.
+        detail: version, device or count; what went wrong where it does not work.
         enables: what it is for.
         remedy: how to get it; empty where it works.
         needed: whether the install is broken without it.
@@ -40,7 +40,7 @@ class Finding:
     group: str
     name: str
     works: bool
-    found: str
+    detail: str
     enables: str
     remedy: str = ""
     needed: bool = False

@@ -121,10 +121,10 @@ class CharucoBoard(SquaresBoard):
         ids = np.ravel(ids)
         order = np.argsort(ids)
         ids, places = ids[order], np.asarray(places, np.float64).reshape(-1, 2)[order]
-        found = BoardCorners(ids, places, self.points_m[ids])
-        if not found.spanning:
+        corners = BoardCorners(ids, places, self.points_m[ids])
+        if not corners.spanning:
             return None
-        sharp = self.refine_corners(image, found)
+        sharp = self.refine_corners(image, corners)
         return sharp if sharp.spanning else None
 
     def _edges(self, count: int) -> FloatArray:

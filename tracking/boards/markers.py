@@ -77,10 +77,11 @@ class _MarkerBoard(Board):
             ValueError: not a grey uint8 picture.
         """
         seen: dict[int, FloatArray] = {}
-        for one in detect_markers(image, self.family, camera):
-            larger = one.marker_id not in seen or _size(one.corners_px) > _size(seen[one.marker_id])
-            if one.sharp and larger:
-                seen[one.marker_id] = one.corners_px
+        for marker in detect_markers(image, self.family, camera):
+            before = seen.get(marker.marker_id)
+            larger = before is None or _size(marker.corners_px) > _size(before)
+            if marker.sharp and larger:
+                seen[marker.marker_id] = marker.corners_px
         present = [row for row, marker in enumerate(self.marker_ids) if marker in seen]
         if not present:
             return None

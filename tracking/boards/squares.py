@@ -63,14 +63,14 @@ def refine_saddles(
     inside = _inside(image, corners_px, window + 1)
     places = corners_px.copy()
     if inside.any():
-        found = cv2.cornerSubPix(
+        refined = cv2.cornerSubPix(
             image,
             corners_px[inside].astype(np.float32).reshape(-1, 1, 2),
             (window, window),
             (-1, -1),
             _STOP,
         )
-        places[inside] = found.reshape(-1, 2)
+        places[inside] = refined.reshape(-1, 2)
     signal = contrast(image, points_m, places, black_up_left, 0.6 * clear_m, homography)
     near = np.linalg.norm(places - corners_px, axis=1) <= window
     least = max(_LEAST_CONTRAST * float(np.median(signal)), 1.0)
@@ -112,8 +112,8 @@ def contrast(
 
 def plane_homography(points_m: FloatArray, corners_px: FloatArray) -> FloatArray | None:
     """Board to pixels; None where the corners lie on one line or on one spot."""
-    found, _ = cv2.findHomography(points_m, corners_px, 0)
-    return cast("FloatArray | None", found)
+    homography, _ = cv2.findHomography(points_m, corners_px, 0)
+    return cast("FloatArray | None", homography)
 
 
 def map_plane(homography: FloatArray, points: FloatArray) -> FloatArray:

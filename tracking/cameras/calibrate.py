@@ -242,7 +242,7 @@ def _view_errors_px(views: Sequence[BoardCorners], used: NDArray[np.bool_], fit:
     squared = np.split((fit.residuals_px**2).sum(axis=-1), ends[:-1])
     errors[used] = [np.sqrt(one.mean()) for one in squared]
     errors[~used] = [
-        view_error_px(view, fit.camera) for view, one in zip(views, used, strict=True) if not one
+        view_error_px(view, fit.camera) for view, kept in zip(views, used, strict=True) if not kept
     ]
     return errors
 

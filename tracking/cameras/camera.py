@@ -96,14 +96,14 @@ class Camera:
             raise ValueError(
                 f"Camera.model: expected {' or '.join(_COEFFICIENT_COUNTS)}, got {self.model!r}"
             )
-        given = tuple(_finite(value, "Camera.distortion") for value in self.distortion)
+        terms = tuple(_finite(value, "Camera.distortion") for value in self.distortion)
         counts = _COEFFICIENT_COUNTS[self.model]
-        if len(given) not in counts:
+        if len(terms) not in counts:
             expected = " or ".join(map(str, counts))
             raise ValueError(
-                f"Camera.distortion: {self.model} expects {expected} coefficients, got {len(given)}"
+                f"Camera.distortion: {self.model} expects {expected} coefficients, got {len(terms)}"
             )
-        object.__setattr__(self, "distortion", given)
+        object.__setattr__(self, "distortion", terms)
 
     @cached_property
     def matrix(self) -> FloatArray:
@@ -156,8 +156,8 @@ class Camera:
         Raises:
             ValueError: not ``(*, 2)`` or not finite.
         """
-        given = checked_floats(pixels, "pixels", (2,))
-        plane = (given - (self.cx, self.cy)) / (self.fx, self.fy)
+        px = checked_floats(pixels, "pixels", (2,))
+        plane = (px - (self.cx, self.cy)) / (self.fx, self.fy)
         ideal = lenses.undistort(self.model, self._coefficients, plane)
         return np.concatenate([ideal, np.ones_like(ideal[..., :1])], axis=-1)
 
@@ -169,8 +169,8 @@ class Camera:
         Raises:
             ValueError: not ``(*, 2)`` or not finite.
         """
-        given = checked_floats(pixels, "pixels", (2,))
-        plane = (given - (self.cx, self.cy)) / (self.fx, self.fy)
+        px = checked_floats(pixels, "pixels", (2,))
+        plane = (px - (self.cx, self.cy)) / (self.fx, self.fy)
         return lenses.bearings(self.model, self._coefficients, plane)
 
     def undistort(self, pixels: ArrayLike) -> FloatArray:
@@ -340,9 +340,9 @@ def by_twist(in_camera: FloatArray, by_point: FloatArray) -> FloatArray:
     """
     x, y, z = (in_camera[..., None, axis] for axis in range(3))
     a, b, c = (by_point[..., axis] for axis in range(3))
-    found = np.empty((*by_point.shape[:-1], 6))
-    found[..., 0] = z * b - y * c
-    found[..., 1] = x * c - z * a
-    found[..., 2] = y * a - x * b
-    np.negative(by_point, out=found[..., 3:])
-    return found
+    jacobian = np.empty((*by_point.shape[:-1], 6))
+    jacobian[..., 0] = z * b - y * c
+    jacobian[..., 1] = x * c - z * a
+    jacobian[..., 2] = y * a - x * b
+    np.negative(by_point, out=jacobian[..., 3:])
+    return jacobian

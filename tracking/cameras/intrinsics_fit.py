@@ -130,11 +130,11 @@ def fit_camera(seen: Observations, camera: Camera, board_T_camera: Motor) -> Fit
     """
     numbers = np.array([camera.fx, camera.fy, camera.cx, camera.cy, *camera.distortion])
     evaluate = partial(_Reprojection, seen, camera)
-    found = minimise(_State(numbers, board_T_camera), evaluate, _State.retract, _STOP)
-    at, equations = found.evaluation, found.evaluation.equations
+    minimum = minimise(_State(numbers, board_T_camera), evaluate, _State.retract, _STOP)
+    at, equations = minimum.evaluation, minimum.evaluation.equations
     return Fit(
         at.camera,
-        found.state.board_T_camera,
+        minimum.state.board_T_camera,
         at.residuals_px,
         equations.reduced_information,
         equations.blocks,
@@ -162,7 +162,7 @@ def _by_camera(camera: Camera, points: FloatArray, pixels: FloatArray) -> FloatA
     plain = lenses.distort(camera.model, np.zeros(length), points)
     fitted = min(len(camera.distortion), 5)
     by_lens = [
-        focal * (lenses.distort(camera.model, one, points) - plain)
-        for one in np.eye(length)[:fitted]
+        focal * (lenses.distort(camera.model, unit, points) - plain)
+        for unit in np.eye(length)[:fitted]
     ]
     return np.concatenate([columns, np.stack(by_lens, axis=-1)], axis=-1)

@@ -59,8 +59,8 @@ def bearings(model: str, coefficients: FloatArray, plane: FloatArray) -> FloatAr
         return np.concatenate([plane * share[..., None], np.cos(angle)[..., None]], axis=-1)
     ideal = undistort(model, coefficients, plane)
     rays = np.concatenate([ideal, np.ones_like(ideal[..., :1])], axis=-1)
-    found: FloatArray = rays / np.linalg.norm(rays, axis=-1, keepdims=True)
-    return found
+    unit: FloatArray = rays / np.linalg.norm(rays, axis=-1, keepdims=True)
+    return unit
 
 
 def reach(model: str, coefficients: FloatArray) -> float:
@@ -145,8 +145,8 @@ def _undistort_radtan(coefficients: FloatArray, plane: FloatArray) -> FloatArray
         error = np.abs(_radtan(coefficients, ideal) - plane).max(axis=-1)
         jacobian = _radtan_jacobian(coefficients, ideal)
         upright = (jacobian[..., 0, 0] > 0.0) & (_determinant(jacobian) > 0.0)
-        found = upright & (error < 1e-9 * (1.0 + np.abs(plane).max(axis=-1)))
-    ideal[~found] = np.nan
+        valid = upright & (error < 1e-9 * (1.0 + np.abs(plane).max(axis=-1)))
+    ideal[~valid] = np.nan
     return ideal
 
 
@@ -239,5 +239,5 @@ def _equidistant_angle(
             if not np.any(np.abs(step) > _CONVERGED):
                 break
         error = np.abs(_distorted_angle(coefficients, angle) - radius)
-        found = (error < 1e-9) & (angle < most_rad) & (_angle_slope(coefficients, angle) > 0.0)
-    return np.where(found, angle, np.nan), radius
+        valid = (error < 1e-9) & (angle < most_rad) & (_angle_slope(coefficients, angle) > 0.0)
+    return np.where(valid, angle, np.nan), radius

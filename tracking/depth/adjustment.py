@@ -112,9 +112,9 @@ def adjust_rgbd(
         free[GLOBALS + 6 * frame : GLOBALS + 6 * frame + 6] = False
     state, problem = start, _Problem(start, surfaces, matches, pairs, prior, free)
     for _ in range(_ROUNDS):
-        found = minimise(state, problem.evaluate, problem.moved, _STOP)
-        settled = found.start_cost - found.evaluation.cost <= 1e-3 * found.start_cost
-        state = found.state
+        minimum = minimise(state, problem.evaluate, problem.moved, _STOP)
+        settled = minimum.start_cost - minimum.evaluation.cost <= 1e-3 * minimum.start_cost
+        state = minimum.state
         problem = _Problem(state, surfaces, matches, pairs, prior, free)
         if settled:
             break

@@ -57,7 +57,7 @@ class RefinedByDepth:
 
 
 def refine_by_depth(
-    found: MapSnapshot,
+    snapshot: MapSnapshot,
     path: Trajectory,
     colour: Camera,
     taken_by: DepthCamera,
@@ -66,7 +66,7 @@ def refine_by_depth(
     """Refine a metric map and the path that was tracked in it.
 
     Args:
-        found: the map.
+        snapshot: the map.
         path: poses of frames, keyframes among them.
         colour: the camera of the map's pixels: a pinhole, or a fisheye as it is.
         taken_by: the depth pictures' camera, a pinhole.
@@ -78,7 +78,7 @@ def refine_by_depth(
         afterwards: then the path is better left as it was tracked.
     """
     between = path.time_ns[:: max(-(-len(path) // _MOST_FRAMES), 1)]
-    seen = RgbdFrames.of(found, path, between, colour, taken_by, depth_at)
+    seen = RgbdFrames.of(snapshot, path, between, colour, taken_by, depth_at)
     fit = None if seen is None else seen.adjusted(np.zeros(GLOBALS))
     if seen is None or fit is None:
         return None
@@ -87,11 +87,11 @@ def refine_by_depth(
     if not after_m < before_m:  # NaN, where no surfaces meet, neither
         return None
     moved = _Moved(seen.time_ns, seen.start.world_T_colour, fit.state.world_T_colour)
-    keyframes = moved.poses(found.time_ns, found.world_T_camera)
+    keyframes = moved.poses(snapshot.time_ns, snapshot.world_T_camera)
     refined = Trajectory(path.time_ns, moved.poses(path.time_ns, path.motors))
     return RefinedByDepth(
         refined,
-        replace(found, world_T_camera=keyframes, points=_points(found, keyframes)),
+        replace(snapshot, world_T_camera=keyframes, points=_points(snapshot, keyframes)),
         before_m,
         after_m,
     )
@@ -106,7 +106,7 @@ class FocalFactor:
 
 
 def focal_factor(
-    found: MapSnapshot,
+    snapshot: MapSnapshot,
     path: Trajectory,
     colour: Camera,
     taken_by: DepthCamera,
@@ -119,7 +119,7 @@ def focal_factor(
     rotation: a camera that only shifts sees the same with longer lenses and farther away.)
 
     Args:
-        found: the map.
+        snapshot: the map.
         path: poses of frames, keyframes among them.
         colour: the camera of the map's pixels.
         taken_by: the depth pictures' camera.
@@ -128,7 +128,7 @@ def focal_factor(
     Returns:
         None where frames see too little of the same.
     """
-    seen = RgbdFrames.of(found, path, found.time_ns[:0], colour, taken_by, depth_at)
+    seen = RgbdFrames.of(snapshot, path, snapshot.time_ns[:0], colour, taken_by, depth_at)
     sigma = np.zeros(GLOBALS)
     sigma[:2] = _FOCAL_SIGMA
     fit = None if seen is None else seen.adjusted(sigma)
@@ -160,7 +160,7 @@ class RgbdFrames:
     @classmethod
     def of(
         cls,
-        found: MapSnapshot,
+        snapshot: MapSnapshot,
         path: Trajectory,
         between: IntArray,
         colour: Camera,
@@ -168,19 +168,19 @@ class RgbdFrames:
         depth_at: Callable[[int], DepthImage | None],
     ) -> RgbdFrames | None:
         """Of a map's keyframes and frames between; None with fewer than two that have depth."""
-        own = np.flatnonzero(np.isin(found.time_ns, path.time_ns))
+        own = np.flatnonzero(np.isin(snapshot.time_ns, path.time_ns))
         own = own[:: max(-(-len(own) // _MOST_FRAMES), 1)]
         pictures = {
             stamp: depth_at(stamp)
-            for stamp in np.union1d(found.time_ns[own], between).astype(np.int64).tolist()
+            for stamp in np.union1d(snapshot.time_ns[own], between).astype(np.int64).tolist()
         }
         stamps = np.array([stamp for stamp, one in pictures.items() if one is not None], np.int64)
         if len(stamps) < 2:
             return None
-        rows = own[np.isin(found.time_ns[own], stamps)]
+        rows = own[np.isin(snapshot.time_ns[own], stamps)]
         surfaces = DepthSurfaces.of([one for one in pictures.values() if one is not None])
         start = RgbdState(path.motors_at(stamps), colour, taken_by)
-        matches = _matches(found, rows, np.searchsorted(stamps, found.time_ns[rows]))
+        matches = _matches(snapshot, rows, np.searchsorted(stamps, snapshot.time_ns[rows]))
         return cls(stamps, start, surfaces, matches, _overlapping(start.world_T_colour, surfaces))
 
     def adjusted(self, sigma: FloatArray) -> RgbdFit | None:
@@ -207,40 +207,40 @@ class _Moved:
         span = self.time_ns[first + 1] - self.time_ns[first]
         share = np.clip((time_ns - self.time_ns[first]) / span, 0.0, 1.0)
         world_T_world = self.after @ self.before.inverse()
-        one, other = world_T_world[first] @ poses, world_T_world[first + 1] @ poses
-        return one.retract(share[:, None] * one.local(other))
+        earlier, other = world_T_world[first] @ poses, world_T_world[first + 1] @ poses
+        return earlier.retract(share[:, None] * earlier.local(other))
 
 
-def _points(found: MapSnapshot, keyframes: Motor) -> FloatArray:
+def _points(snapshot: MapSnapshot, keyframes: Motor) -> FloatArray:
     """Each point where the first keyframe that saw it has taken it."""
-    points, seen = np.array(found.points), np.full(len(found.points), -1)
-    seen[found.point_of[::-1]] = found.keyframe_of[::-1]
+    points, seen = np.array(snapshot.points), np.full(len(snapshot.points), -1)
+    seen[snapshot.point_of[::-1]] = snapshot.keyframe_of[::-1]
     held = np.flatnonzero(seen >= 0)
     owner = seen[held]
-    in_camera = found.world_T_camera[owner].inverse().apply(points[held])
+    in_camera = snapshot.world_T_camera[owner].inverse().apply(points[held])
     points[held] = keyframes[owner].apply(in_camera)
     return points
 
 
-def _matches(found: MapSnapshot, rows: IntArray, frames: IntArray) -> Matches:
+def _matches(snapshot: MapSnapshot, rows: IntArray, frames: IntArray) -> Matches:
     """Corners that keyframes `rows` near each other share, both ways, by numbers of `frames`."""
     first, second, px, second_px = [], [], [], []
-    order = np.lexsort((found.point_of, found.keyframe_of))
-    keyframe_of, point_of = found.keyframe_of[order], found.point_of[order]
-    seen_px = found.px[order]
+    order = np.lexsort((snapshot.point_of, snapshot.keyframe_of))
+    keyframe_of, point_of = snapshot.keyframe_of[order], snapshot.point_of[order]
+    seen_px = snapshot.px[order]
     limits = np.searchsorted(keyframe_of, [rows, rows + 1])
     for a in range(len(rows)):
         mine = slice(limits[0, a], limits[1, a])
         for b in range(a + 1, min(a + 1 + _NEIGHBOURS, len(rows))):
             other = slice(limits[0, b], limits[1, b])
-            _, one, two = np.intersect1d(
+            _, here, away = np.intersect1d(
                 point_of[mine], point_of[other], assume_unique=True, return_indices=True
             )
-            if len(one) < _FEWEST_SHARED:
+            if len(here) < _FEWEST_SHARED:
                 continue
-            there, back = seen_px[mine][one], seen_px[other][two]
-            first += [np.full(len(one), frames[a]), np.full(len(one), frames[b])]
-            second += [np.full(len(one), frames[b]), np.full(len(one), frames[a])]
+            there, back = seen_px[mine][here], seen_px[other][away]
+            first += [np.full(len(here), frames[a]), np.full(len(here), frames[b])]
+            second += [np.full(len(here), frames[b]), np.full(len(here), frames[a])]
             px += [there, back]
             second_px += [back, there]
     none, nowhere = np.zeros(0, dtype=np.int64), np.zeros((0, 2))

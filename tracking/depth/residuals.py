@@ -150,15 +150,15 @@ class CornerLinks:
 
     def residuals(self, frames: FrameMatrices) -> tuple[FloatArray, Link, FloatArray]:
         """Residuals ``(n, 2)``, their derivatives, and depths ``(n,)`` in metres."""
-        one = self.matches
-        origin, along = _rays(frames, one.px)
+        matches = self.matches
+        origin, along = _rays(frames, matches.px)
         ahead = _met(frames.planes(self.planes, self.plane_px), origin, along)
-        point = frames.colour.unproject(one.px) * ahead[:, None]
-        relative = frames.T_world[one.second] @ frames.world_T[one.first]
+        point = frames.colour.unproject(matches.px) * ahead[:, None]
+        relative = frames.T_world[matches.second] @ frames.world_T[matches.first]
         there = _apply(relative, point)
         px, by_point = frames.colour.project_jacobian(np.nan_to_num(there, nan=-1.0))
         lost = ~np.isfinite(px[:, 0])
-        residual = np.where(lost[:, None], 2 * GATE, (px - one.second_px) / CORNER_PX)
+        residual = np.where(lost[:, None], 2 * GATE, (px - matches.second_px) / CORNER_PX)
         by_point = np.where(lost[:, None, None], 0.0, by_point / CORNER_PX)
         return residual, Link.of(point, relative, there, by_point), ahead
 
@@ -225,7 +225,7 @@ class DepthLinks:
 
     def residuals(self, frames: FrameMatrices) -> tuple[FloatArray, Link, FloatArray]:
         """Residuals ``(n, 1)``, their derivatives, and distances ``(n,)`` in metres."""
-        one, relative, other, there = _brought(
+        point, relative, other, there = _brought(
             frames, self.first, self.second, self.px, self.inverse
         )
         facing = frames.planes(self.planes, self.plane_px)
@@ -235,7 +235,7 @@ class DepthLinks:
         sigma = _sigma_m(1.0 / self.inverse)
         turned = facing @ frames.depth_T_colour[:3, :3]
         by_point = (turned / sigma[:, None])[:, None]
-        link = Link.of(one, relative, other, by_point)
+        link = Link.of(point, relative, other, by_point)
         return (distance / sigma)[:, None], link, np.abs(distance)
 
 
@@ -246,8 +246,8 @@ def _sigma_m(depth_m: FloatArray) -> FloatArray:
 
 def _depth_motion(frames: FrameMatrices, first: IntArray, second: IntArray) -> FloatArray:
     relative = frames.T_world[second] @ frames.world_T[first]
-    found: FloatArray = frames.depth_T_colour @ relative @ frames.colour_T_depth
-    return found
+    motion: FloatArray = frames.depth_T_colour @ relative @ frames.colour_T_depth
+    return motion
 
 
 def _brought(
@@ -256,10 +256,10 @@ def _brought(
     """Measured points in the first colour camera, the motion, and in the second's both cameras."""
     ray = (px - frames.centre) / frames.focal
     seen = np.concatenate([ray, np.ones((len(ray), 1))], axis=-1) / inverse[:, None]
-    one = _apply(frames.colour_T_depth, seen)
+    point = _apply(frames.colour_T_depth, seen)
     relative = frames.T_world[second] @ frames.world_T[first]
-    other = _apply(relative, one)
-    return one, relative, other, _apply(frames.depth_T_colour, other)
+    other = _apply(relative, point)
+    return point, relative, other, _apply(frames.depth_T_colour, other)
 
 
 def _zoomed(camera: Camera, logarithm: float) -> Camera:

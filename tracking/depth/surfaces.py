@@ -48,9 +48,9 @@ class DepthSurfaces:
         rows, columns = self.planes.shape[1:3]
         inside = np.all((cell >= 0) & (cell < (columns, rows)), axis=-1)
         cell = np.where(inside[:, None], cell, 0)
-        found = self.planes[picture, cell[:, 1], cell[:, 0]].astype(np.float64)
-        found[~inside] = np.nan
-        return found, (cell * _EVERY).astype(np.float64)
+        planes = self.planes[picture, cell[:, 1], cell[:, 0]].astype(np.float64)
+        planes[~inside] = np.nan
+        return planes, (cell * _EVERY).astype(np.float64)
 
     def grid(self, picture: int, every_px: int) -> tuple[FloatArray, FloatArray]:
         """Pixels ``(n, 2)`` of a grid that have a plane, and their inverse depths ``(n,)``."""
@@ -70,8 +70,8 @@ def _fitted(depth_m: DepthImage) -> NDArray[np.float32]:
     spread = float(np.sum(ramp**2)) * side
 
     def summed(picture: FloatArray, along: FloatArray, down: FloatArray) -> FloatArray:
-        found = cv2.sepFilter2D(picture, cv2.CV_64F, along, down, borderType=cv2.BORDER_CONSTANT)
-        return np.asarray(found, np.float64)
+        sums = cv2.sepFilter2D(picture, cv2.CV_64F, along, down, borderType=cv2.BORDER_CONSTANT)
+        return np.asarray(sums, np.float64)
 
     full = summed(known.astype(np.float64), ones, ones) > side * side - 0.5
     mean = summed(inverse, ones, ones) / side**2

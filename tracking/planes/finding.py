@@ -136,10 +136,10 @@ def find_planes(
         raise ValueError("find_planes(points_m): expected points that do not lie on one line")
     cloud = _Cloud(points, sigma, _checked_normals(normals, len(points)))
     least = max(FEWEST, int(np.ceil(least_share * len(points))))
-    found: list[Plane] = []
+    planes: list[Plane] = []
     members: list[IntArray] = []
     left = np.arange(len(points))
-    while len(found) < most and len(left) >= least:
+    while len(planes) < most and len(left) >= least:
         rest = cloud.part(left)
         plane = _dominant(rest, eye, rng)
         if plane is None:
@@ -147,14 +147,14 @@ def find_planes(
         off = rest.residuals(plane.normal[None], np.array([plane.distance_m]))[0]
         if np.count_nonzero(off < INLIER) < least:
             break
-        found.append(plane)
+        planes.append(plane)
         members.append(left[off < INLIER])
         left = left[off >= _ASIDE]
     order = np.argsort([-len(own) for own in members], kind="stable")
     labels = np.full(len(points), -1, dtype=np.int64)
     for rank, which in enumerate(order):
         labels[members[which]] = rank
-    return FoundPlanes(tuple(found[which] for which in order), labels)
+    return FoundPlanes(tuple(planes[which] for which in order), labels)
 
 
 def _dominant(cloud: _Cloud, eye: FloatArray, rng: np.random.Generator) -> Plane | None:
@@ -235,13 +235,13 @@ def _spanning(points: FloatArray, sigma: FloatArray) -> bool:
 def _checked_normals(normals: ArrayLike | None, count: int) -> FloatArray | None:
     if normals is None:
         return None
-    given = checked_floats(normals, "find_planes(normals)", (3,))
-    length = np.linalg.norm(given, axis=-1)
-    if given.shape != (count, 3) or np.any(np.abs(length - 1.0) > 1e-6):
+    unit = checked_floats(normals, "find_planes(normals)", (3,))
+    length = np.linalg.norm(unit, axis=-1)
+    if unit.shape != (count, 3) or np.any(np.abs(length - 1.0) > 1e-6):
         raise ValueError(
-            f"find_planes(normals): expected {count} unit vectors, got shape {given.shape}"
+            f"find_planes(normals): expected {count} unit vectors, got shape {unit.shape}"
         )
-    return given
+    return unit
 
 
 STRIDE = 4
@@ -291,7 +291,7 @@ def find_planes_in_depth(
             f"depth_m: expected surfaces to see, got {np.count_nonzero(np.isfinite(depth))} "
             f"pixels with depth among {depth.size}"
         )
-    found = find_planes(
+    planes = find_planes(
         points[known],
         depth_sigma_m(depth[known]),
         rng,
@@ -299,8 +299,8 @@ def find_planes_in_depth(
         most=most,
     )
     labels = np.full(depth.shape, -1, dtype=np.int64)
-    labels[known] = found.labels
-    return FoundPlanes(found.planes, labels)
+    labels[known] = planes.labels
+    return FoundPlanes(planes.planes, labels)
 
 
 def depth_sigma_m(depth_m: FloatArray) -> FloatArray:

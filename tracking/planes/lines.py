@@ -43,10 +43,10 @@ def segment_rays(picture: GrayImage, camera: Camera, world_T_camera: Motor) -> F
     """
     shrink = min(1.0, _WIDTH_PX / max(picture.shape))
     small = cv2.resize(picture, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA)
-    found = cv2.createLineSegmentDetector(cv2.LSD_REFINE_STD).detect(small)[0]
-    if found is None:
+    segments = cv2.createLineSegmentDetector(cv2.LSD_REFINE_STD).detect(small)[0]
+    if segments is None:
         return np.zeros((0, 2, 3))
-    ends = (found.reshape(-1, 2, 2).astype(np.float64) + 0.5) / shrink - 0.5
+    ends = (segments.reshape(-1, 2, 2).astype(np.float64) + 0.5) / shrink - 0.5
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=-1)
     order = np.argsort(-length, kind="stable")[:_MOST]
     ends = ends[order[length[order] >= _LONG * max(picture.shape)]]

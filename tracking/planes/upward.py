@@ -134,9 +134,9 @@ def estimate_up(
         raise ValueError("estimate_up(world_T_camera): expected one or more poses, got none")
     up = _sphere()
     density = _held(up, world_T_camera) + _walked(up, world_T_camera.translation_m, depth_m)
-    for one in surfaces:
-        level_or_not = _of_surface(up, one.normal, _head_on(one.normal, world_T_camera))
-        density += np.log(1.0 - one.belief + one.belief * level_or_not)
+    for surface in surfaces:
+        level_or_not = _of_surface(up, surface.normal, _head_on(surface.normal, world_T_camera))
+        density += np.log(1.0 - surface.belief + surface.belief * level_or_not)
     if gravity_up is not None:
         density += _spot(up @ gravity_up, _GRAVITY, log=True)
     if lines is not None and len(lines):
@@ -241,12 +241,12 @@ def _of_lines(up: FloatArray, density: FloatArray, lines: FloatArray) -> FloatAr
     sine = np.abs(up[likely] @ across.T) / np.maximum(beside, _TINY)
     off_deg = np.rad2deg(np.arcsin(np.clip(sine, 0.0, 1.0)))
     ratio = np.where(beside > 0.25, 2.0 * _normal(off_deg, _LINE) * 90.0, 1.0)
-    told = _REPEATED * np.log(1.0 - _UPRIGHT_LINES + _UPRIGHT_LINES * ratio).sum(axis=1)
-    told = np.exp(told - told.max())
+    likelihood = _REPEATED * np.log(1.0 - _UPRIGHT_LINES + _UPRIGHT_LINES * ratio).sum(axis=1)
+    likelihood = np.exp(likelihood - likelihood.max())
     before = np.exp(density[likely] - density[likely].max())
-    told *= before.sum() / (before @ told)
+    likelihood *= before.sum() / (before @ likelihood)
     result = np.full(len(up), np.log(1.0 - _LINES_TELL))
-    result[likely] = np.log(1.0 - _LINES_TELL + _LINES_TELL * told)
+    result[likely] = np.log(1.0 - _LINES_TELL + _LINES_TELL * likelihood)
     return result
 
 

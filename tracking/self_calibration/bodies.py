@@ -110,9 +110,9 @@ class BodyState:
 
 def velocities(time_s: FloatArray, world_T_camera: Motor) -> FloatArray:
     """Twist ``(V, 6)`` per second of each view, in its own frame; 0 without near neighbours."""
-    found = np.zeros((len(time_s), 6))
+    twists = np.zeros((len(time_s), 6))
     if len(time_s) < 2:
-        return found
+        return twists
     every = np.arange(len(time_s))
     before, after = np.maximum(every - 1, 0), np.minimum(every + 1, len(time_s) - 1)
     far = _NEIGHBOUR_S
@@ -120,10 +120,10 @@ def velocities(time_s: FloatArray, world_T_camera: Motor) -> FloatArray:
     after = np.where(time_s[after] - time_s > far, every, after)
     moving = np.flatnonzero(after > before)
     if len(moving):
-        one, other = world_T_camera[before[moving]], world_T_camera[after[moving]]
+        earlier, other = world_T_camera[before[moving]], world_T_camera[after[moving]]
         gap_s = (time_s[after] - time_s[before])[moving]
-        found[moving] = one.local(other) / gap_s[:, None]
-    return found
+        twists[moving] = earlier.local(other) / gap_s[:, None]
+    return twists
 
 
 @dataclass(frozen=True)

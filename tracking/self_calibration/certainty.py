@@ -29,12 +29,12 @@ def stretches(views: int) -> IntArray:
     return np.arange(views) * min(STRETCHES, views) // views
 
 
-def error_inflation(seen: BodySightings, found: BodyFit) -> float:
+def error_inflation(seen: BodySightings, fit: BodyFit) -> float:
     """How many times the error of the focal length is what independent corners would leave it.
 
     One at least. Linearised: each stretch is left out in turn, without a fit of its own.
     """
-    at = found.evaluation
+    at = fit.evaluation
     reduced = _without_views(at, seen)
     _, point = np.unique(
         np.column_stack([seen.body, seen.points.round(6)]), axis=0, return_inverse=True
@@ -48,16 +48,16 @@ def error_inflation(seen: BodySightings, found: BodyFit) -> float:
     data = np.sum(informations, axis=0)
     whole = data + np.diag(at.expected_of(data.shape[0]))
     left_out = [
-        np.linalg.lstsq(whole - information, scores[stretch == one].sum(axis=0), rcond=None)[0][0]
-        for one, information in enumerate(informations)
+        np.linalg.lstsq(whole - information, scores[stretch == k].sum(axis=0), rcond=None)[0][0]
+        for k, information in enumerate(informations)
     ]
     count = len(left_out)
     by_focal = np.linalg.solve(whole, np.eye(len(whole))[0])
     by_point = np.bincount(point.ravel(), scores @ by_focal)
     scatter = (count - 1) / count * float(np.square(left_out).sum())
     scatter += float(np.square(by_point).sum())
-    scatter += _by_place(at, seen, reduced @ by_focal, found.sigma_px)
-    expected = found.sigma_px**2 * float(by_focal @ data @ by_focal)
+    scatter += _by_place(at, seen, reduced @ by_focal, fit.sigma_px)
+    expected = fit.sigma_px**2 * float(by_focal @ data @ by_focal)
     return float(np.sqrt(max(scatter / max(expected, 1e-300), 1.0)))
 
 

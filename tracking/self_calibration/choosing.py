@@ -96,13 +96,13 @@ def choose_lens(seen: BodySightings, start: BodyState, *, readout: bool) -> Chos
             if kind is KINDS[0]:
                 raise
     fit_ones = [one for one in tried if not one.fault]
-    best = min(fit_ones, key=lambda one: float(one.errors.mean()))
+    best = min(fit_ones, key=lambda lens: float(lens.errors.mean()))
     chosen = next(one for one in fit_ones if _predicts_as(one, best))
     rivals = [one.chosen.fit.state.numbers[0] for one in tried if _predicts_as(one, chosen)]
     focal = chosen.chosen.fit.state.numbers[0]
     listed = ", ".join(
-        f"{one.chosen.fit.state.kind.name} {np.exp(one.errors.mean()):.3f}{one.fault}"
-        for one in tried
+        f"{lens.chosen.fit.state.kind.name} {np.exp(lens.errors.mean()):.3f}{lens.fault}"
+        for lens in tried
     )
     name = chosen.chosen.fit.state.kind.name
     return replace(
@@ -117,12 +117,12 @@ def _try_lens(seen: BodySightings, start: BodyState, *, readout: bool) -> _Tried
     state, alike = chosen.fit.state, chosen.alike
     stretch = stretches(len(seen.time_s))
     errors = np.zeros(stretch[-1] + 1)
-    for one in (0, 1):
-        views, others = np.flatnonzero(stretch % 2 == one), np.flatnonzero(stretch % 2 != one)
+    for parity in (0, 1):
+        views, others = np.flatnonzero(stretch % 2 == parity), np.flatnonzero(stretch % 2 != parity)
         near = _of_views(state, others)
         known = fit(seen.only(others), near, readout=readout, alike=alike)
         predicted = _predicted_px(seen.only(views), _of_views(state, views), known)
-        for number in range(one, len(errors), 2):
+        for number in range(parity, len(errors), 2):
             errors[number] = np.log(np.median(predicted[stretch[views] == number]))
     bend = np.pad(state.kind.bend(state.numbers, seen.size), (0, len(chosen.covariance)))
     bend = bend[: len(chosen.covariance)]
@@ -137,16 +137,16 @@ def _try_lens(seen: BodySightings, start: BodyState, *, readout: bool) -> _Tried
 
 def weighed_fit(seen: BodySightings, start: BodyState, *, readout: bool) -> ChosenFit:
     """All views fitted, what is expected of lenses weighed by how much corners tell together."""
-    found, alike = fit(seen, start, readout=readout), 1.0
+    fitted, alike = fit(seen, start, readout=readout), 1.0
     for _ in range(2):
-        alike = error_inflation(seen, found)
-        found = fit(seen, found.state, readout=readout, alike=alike)
-    return ChosenFit(found, "", alike, 0.0)
+        alike = error_inflation(seen, fitted)
+        fitted = fit(seen, fitted.state, readout=readout, alike=alike)
+    return ChosenFit(fitted, "", alike, 0.0)
 
 
-def _predicts_as(one: _Tried, other: _Tried) -> bool:
+def _predicts_as(lens: _Tried, other: _Tried) -> bool:
     """Whether it predicts as well as another, or better, within the scatter over stretches."""
-    worse = one.errors - other.errors
+    worse = lens.errors - other.errors
     scatter = float(worse.std(ddof=1)) / np.sqrt(len(worse))
     return bool(worse.mean() <= max(np.log(_AS_GOOD), _SCATTERS * scatter))
 
@@ -165,8 +165,8 @@ def as_kind(state: BodyState, kind: LensKind) -> BodyState:
 def _predicted_px(seen: BodySightings, near: BodyState, known: BodyFit) -> FloatArray:
     """Median error ``(V,)`` of views with a lens and bodies from others, their poses fitted."""
     start = replace(known.state, world_T_camera=near.world_T_camera)
-    found = fit(seen, start, lens=False, bodies=False)
-    size = np.linalg.norm(found.residuals_px, axis=-1)
+    fitted = fit(seen, start, lens=False, bodies=False)
+    size = np.linalg.norm(fitted.residuals_px, axis=-1)
     return np.array([np.median(part) for part in np.split(size, seen.starts[1:])])
 
 
@@ -178,8 +178,8 @@ def calibration_of(chosen: ChosenFit, seen: BodySightings, basis: Basis) -> Self
     """
     zoom = focal_range(len(seen.time_s), partial(_focal_of, chosen.fit.state, seen))
     chosen, breathing = (chosen, 0.0) if zoom else _with_breathing(chosen, seen)
-    found = chosen.fit
-    focal = float(found.state.numbers[0])
+    fitted = chosen.fit
+    focal = float(fitted.state.numbers[0])
     formal = float(np.sqrt(chosen.covariance[0, 0])) / focal
     zoomed = 0.5 * np.log(zoom[1] / zoom[0]) if zoom else 0.0
     sigma = float(np.linalg.norm([formal, chosen.spread, _SURE_FOCAL, zoomed]))
@@ -188,13 +188,13 @@ def calibration_of(chosen: ChosenFit, seen: BodySightings, basis: Basis) -> Self
             f"{basis}: expected a focal length of {LEAST_FOCAL:g} to {MOST_FOCAL:g} long sides of "
             f"the picture, got {focal / max(seen.size):.2g}: no camera sees it like that"
         )
-    doubts = [zoom_doubt(*zoom)] if zoom else _doubts(found, sigma, breathing, basis)
+    doubts = [zoom_doubt(*zoom)] if zoom else _doubts(fitted, sigma, breathing, basis)
     return SelfCalibration(
-        found.camera(seen.size),
+        fitted.camera(seen.size),
         basis,
         sigma,
         chosen.reason,
-        found.rms_px,
+        fitted.rms_px,
         len(seen.time_s),
         _readout(chosen),
         breathing,
@@ -270,13 +270,13 @@ def _with_breathing(chosen: ChosenFit, seen: BodySightings) -> tuple[ChosenFit, 
 
 
 def _by_bins(
-    found: BodyFit, seen: BodySightings, alike: float
+    fitted: BodyFit, seen: BodySightings, alike: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Times, and mean change of the focal length and its standard deviation, by part of a clip."""
     bins = np.arange(len(seen.time_s)) * _BREATHING_BINS // len(seen.time_s)
-    weight = found.focal_sigma**-2.0
+    weight = fitted.focal_sigma**-2.0
     total, count = np.bincount(bins, weight, _BREATHING_BINS), np.bincount(bins)
-    means = np.bincount(bins, weight * found.focal_by_view, _BREATHING_BINS) / total
+    means = np.bincount(bins, weight * fitted.focal_by_view, _BREATHING_BINS) / total
     sigma = np.asarray(alike / np.sqrt(total), np.float64)
     return np.bincount(bins, seen.time_s, _BREATHING_BINS) / count, means, sigma
 
@@ -294,10 +294,10 @@ def _reach(seen: BodySightings) -> tuple[str, ...]:
     )
 
 
-def _doubts(found: BodyFit, sigma: float, breathing: float, basis: Basis) -> tuple[str, ...]:
+def _doubts(fitted: BodyFit, sigma: float, breathing: float, basis: Basis) -> tuple[str, ...]:
     doubts = []
     if sigma > _DOUBTFUL_FOCAL:
-        tilt_deg = largest_tilt_deg(found.state)
+        tilt_deg = largest_tilt_deg(fitted.state)
         why = "film it nearer, and from more sides"
         if basis == "board" and tilt_deg < _HEAD_ON_DEG:
             why = f"it is seen head on, to {tilt_deg:.0f} degrees: film it from more sides"
@@ -309,9 +309,9 @@ def _doubts(found: BodyFit, sigma: float, breathing: float, basis: Basis) -> tup
             f"the focal length changes by {breathing:.1%} over the clip (autofocus breathing, or "
             "zoom); the camera is their mean: lock the focus for better"
         )
-    if found.rms_px > _POOR_RMS_PX:
+    if fitted.rms_px > _POOR_RMS_PX:
         doubts.append(
-            f"the {basis} fit to {found.rms_px:.1f} px only: blurred pictures, a bent print, or "
+            f"the {basis} fit to {fitted.rms_px:.1f} px only: blurred pictures, a bent print, or "
             "something that moved or is not what it was taken for"
         )
     return tuple(doubts)

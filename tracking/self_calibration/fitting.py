@@ -94,8 +94,8 @@ def fit(
         )
         if not np.isfinite(evaluate(state).cost):
             raise SelfCalibrationError(_NO_IMAGE)
-        found = minimise(state, evaluate, partial(_retract, free), _STOP)
-        before, state, at = noise_px, found.state, found.evaluation
+        minimum = minimise(state, evaluate, partial(_retract, free), _STOP)
+        before, state, at = noise_px, minimum.state, minimum.evaluation
         noise_px = _median_px(at.residuals_px)
         if not readout and abs(noise_px - before) < 0.05 * before:
             break

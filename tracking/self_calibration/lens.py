@@ -90,9 +90,9 @@ class LensKind:
         length = 8 if self.model == "radtan" else 4
         plain = lenses.distort(self.model, np.zeros(length), in_camera)
         for term in range(self.terms):
-            one = np.zeros(length)
-            one[4 if self.model == "radtan" and term == 2 else term] = 1.0
-            bent = lenses.distort(self.model, one, in_camera) - plain
+            unit = np.zeros(length)
+            unit[4 if self.model == "radtan" and term == 2 else term] = 1.0
+            bent = lenses.distort(self.model, unit, in_camera) - plain
             columns[:, :, _PLAIN + term] = camera.fx * bent
         return columns
 

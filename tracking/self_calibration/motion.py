@@ -136,25 +136,25 @@ def self_calibrate_motion(
         seen, start, velocity = _densified(frames, result, camera)
     except SelfCalibrationError as why:
         return _guessed(frames, camera.fx / max(frames.small), np.inf, str(why))
-    straight, found, readout = fit_with_shutter(seen, start, velocity)
-    zoom = focal_range(found.state.world_T_camera.shape[0], partial(_focal_of, straight, found))
-    parallax, focal = parallax_deg(straight, found.state), float(found.state.numbers[0])
-    found = _unfolded(frames, straight, found)
-    sigma = _focal_sigma(straight, found)
+    straight, fit, readout = fit_with_shutter(seen, start, velocity)
+    zoom = focal_range(fit.state.world_T_camera.shape[0], partial(_focal_of, straight, fit))
+    parallax, focal = parallax_deg(straight, fit.state), float(fit.state.numbers[0])
+    fit = _unfolded(frames, straight, fit)
+    sigma = _focal_sigma(straight, fit)
     reason = ""
     if zoom is not None:
         sigma = max(sigma, 0.5 * float(np.log(zoom[1] / zoom[0])))
         reason = zoom_doubt(*(frames.scale * np.array(zoom)))
     elif parallax < _LEAST_PARALLAX_DEG or not sigma <= _TOLD_FOCAL:
         reason = f"things are seen from directions {parallax:.1f} degrees apart in the middle"
-    elif (aside := _aside(found, frames)) > _FARTHEST_ASIDE:
+    elif (aside := _aside(fit, frames)) > _FARTHEST_ASIDE:
         reason = (
             f"its centre came out {aside:.0%} of the picture beside the middle, where no lens has "
             "it; of a clip cut from the side of another, state the camera"
         )
     if reason:
         return _guessed(frames, focal / max(frames.small), max(sigma, _TOLD_FOCAL), reason)
-    return replace(_checked(frames, found, sigma), readout=readout)
+    return replace(_checked(frames, fit, sigma), readout=readout)
 
 
 def _reduced(pictures: Iterable[GrayImage], size: tuple[int, int], time_ns: IntArray) -> _Frames:
@@ -281,11 +281,11 @@ def _often_seen(
     return kept, replace(state, points=state.points[points])
 
 
-def _focal_sigma(seen: PointSightings, found: PointFit) -> float:
+def _focal_sigma(seen: PointSightings, fit: PointFit) -> float:
     """Relative standard deviation of the focal length, by the residuals and by halves."""
-    numbers = found.state.numbers
-    halves = [float(fit_points(*_half(seen, found.state, one)).state.numbers[0]) for one in (0, 1)]
-    formal = float(np.sqrt(found.covariance[0, 0]) / numbers[0])
+    numbers = fit.state.numbers
+    halves = [float(fit_points(*_half(seen, fit.state, one)).state.numbers[0]) for one in (0, 1)]
+    formal = float(np.sqrt(fit.covariance[0, 0]) / numbers[0])
     return max(formal, abs(halves[0] - halves[1]) / (2.0 * float(numbers[0])))
 
 
@@ -330,36 +330,36 @@ def _guessed(frames: _Frames, focal: float, sigma: float, why: str) -> SelfCalib
     return SelfCalibration(camera, "motion", float(spread), reason, 0.0, kept, doubts=doubts)
 
 
-def _aside(found: PointFit, frames: _Frames) -> float:
+def _aside(fit: PointFit, frames: _Frames) -> float:
     """How far the lens's centre is from the picture's, in long sides."""
     middle = 0.5 * (np.array(frames.small) - 1.0)
-    return float(np.linalg.norm(found.state.numbers[1:3] - middle) / max(frames.small))
+    return float(np.linalg.norm(fit.state.numbers[1:3] - middle) / max(frames.small))
 
 
-def _checked(frames: _Frames, found: PointFit, sigma: float) -> SelfCalibration:
+def _checked(frames: _Frames, fit: PointFit, sigma: float) -> SelfCalibration:
     """The camera in the pictures' own pixels."""
-    views = int(found.state.world_T_camera.shape[0])
-    inside = np.linalg.norm(found.residuals_px, axis=-1) < 6.0 * found.noise_px
-    rms = float(np.sqrt((found.residuals_px[inside] ** 2).sum(axis=-1).mean()))
+    views = int(fit.state.world_T_camera.shape[0])
+    inside = np.linalg.norm(fit.residuals_px, axis=-1) < 6.0 * fit.noise_px
+    rms = float(np.sqrt((fit.residuals_px[inside] ** 2).sum(axis=-1).mean()))
     doubts = ["found from the scene's motion alone: a printed board or tag tells the lens better"]
     if sigma > _DOUBTFUL_FOCAL:
         doubts.append(f"the focal length is known to {sigma:.1%} only")
     return SelfCalibration(
-        _full_size(found, frames),
+        _full_size(fit, frames),
         "motion",
         float(sigma),
-        f"{found.state.kind.name}: what a scene without a print can tell",
+        f"{fit.state.kind.name}: what a scene without a print can tell",
         rms * frames.scale,
         views,
         doubts=tuple(doubts),
     )
 
 
-def _focal_of(seen: PointSightings, found: PointFit, views: IntArray) -> tuple[float, float] | None:
+def _focal_of(seen: PointSightings, fit: PointFit, views: IntArray) -> tuple[float, float] | None:
     """What some views alone tell of the focal length, and its deviation, pixels as tracked."""
     rows = np.flatnonzero(np.isin(seen.view, views))
     part = replace(seen.only(rows), view=np.searchsorted(views, seen.view[rows]))
-    state = replace(found.state, world_T_camera=found.state.world_T_camera[views])
+    state = replace(fit.state, world_T_camera=fit.state.world_T_camera[views])
     try:
         alone = fit_points(*_often_seen(part, state))
     except (ValueError, np.linalg.LinAlgError):
@@ -367,26 +367,26 @@ def _focal_of(seen: PointSightings, found: PointFit, views: IntArray) -> tuple[f
     return float(alone.state.numbers[0]), float(np.sqrt(alone.covariance[0, 0]))
 
 
-def _unfolded(frames: _Frames, seen: PointSightings, found: PointFit) -> PointFit:
+def _unfolded(frames: _Frames, seen: PointSightings, fit: PointFit) -> PointFit:
     """The same; where its terms fold back in the picture, the fit with as many as do not."""
     for kind in (_KIND, *_SIMPLER):
-        if kind.terms < found.state.kind.terms:
-            numbers = kind.start(found.state.numbers, kind.terms)
-            found = fit_points(seen, replace(found.state, kind=kind, numbers=numbers))
-        if not _full_size(found, frames).folds():
+        if kind.terms < fit.state.kind.terms:
+            numbers = kind.start(fit.state.numbers, kind.terms)
+            fit = fit_points(seen, replace(fit.state, kind=kind, numbers=numbers))
+        if not _full_size(fit, frames).folds():
             break
-    return found
+    return fit
 
 
-def _half(seen: PointSightings, state: PointState, one: int) -> tuple[PointSightings, PointState]:
+def _half(seen: PointSightings, state: PointState, odd: int) -> tuple[PointSightings, PointState]:
     """Every second point, and the others: what they have in common is not halved."""
-    rows = np.flatnonzero(seen.point % 2 == one)
+    rows = np.flatnonzero(seen.point % 2 == odd)
     return _often_seen(seen.only(rows), state)
 
 
-def _full_size(found: PointFit, frames: _Frames) -> Camera:
+def _full_size(fit: PointFit, frames: _Frames) -> Camera:
     """The camera of the pictures before they were made smaller by whole pixels."""
-    scale, numbers = frames.scale, found.state.numbers.copy()
+    scale, numbers = frames.scale, fit.state.numbers.copy()
     numbers[0] *= scale
     numbers[1:3] = scale * (numbers[1:3] + 0.5) - 0.5
-    return found.state.kind.camera(numbers, frames.size)
+    return fit.state.kind.camera(numbers, frames.size)

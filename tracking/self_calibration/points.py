@@ -183,12 +183,12 @@ def fit_points(seen: PointSightings, start: PointState) -> PointFit:
     state, noise_px = start, _noise_px(_Reprojection(seen, 1.0, start).residuals_px)
     for _ in range(3):
         evaluate = partial(_Reprojection, seen, noise_px)
-        found = minimise(state, evaluate, _retract, _STOP)
-        state, before = found.state, noise_px
-        noise_px = _noise_px(found.evaluation.residuals_px)
+        minimum = minimise(state, evaluate, _retract, _STOP)
+        state, before = minimum.state, noise_px
+        noise_px = _noise_px(minimum.evaluation.residuals_px)
         if abs(noise_px - before) < 0.05 * before:
             break
-    at, count = found.evaluation, len(state.numbers)
+    at, count = minimum.evaluation, len(state.numbers)
     inverse = np.linalg.inv(at.equations.reduced_information)[:count, :count]
     covariance = np.asarray(noise_px**2 * inverse, np.float64)
     return PointFit(state, at.residuals_px, noise_px, covariance)

@@ -42,22 +42,22 @@ def fit_with_shutter(
     Returns:
         the corners as a shutter sees them that reads at once, their fit, and the read-out.
     """
-    straight, found, best = seen, fit_points(seen, start), None
+    straight, fit, best = seen, fit_points(seen, start), None
     for _ in range(_ROUNDS):
-        readouts = [_told(seen, found.state, velocity, axis) for axis in (0, 1)]
+        readouts = [_told(seen, fit.state, velocity, axis) for axis in (0, 1)]
         # The two share what an axis alone explains: the surer one is taken.
         axis = int(np.argmax([abs(r) / max(sigma, 1e-12) for r, sigma in readouts]))
         seconds, sigma = readouts[axis]
         if not _SURE_SIGMAS * sigma < abs(seconds) < _LONGEST_S:
             break
         shutter_s = seconds * np.eye(2)[axis]
-        moved = _unrolled(seen, found.state, velocity, shutter_s)
-        again = fit_points(moved, found.state)
-        if again.noise_px >= found.noise_px:
+        moved = _unrolled(seen, fit.state, velocity, shutter_s)
+        again = fit_points(moved, fit.state)
+        if again.noise_px >= fit.noise_px:
             break
-        straight, found = moved, again
+        straight, fit = moved, again
         best = ShutterReadout(abs(seconds), sigma, _NAMES[axis][int(seconds < 0.0)])
-    return straight, found, best
+    return straight, fit, best
 
 
 def _told(

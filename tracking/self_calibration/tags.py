@@ -103,7 +103,7 @@ def _once(frame: Sequence[Detection]) -> list[Detection]:
     ids = [one.marker_id for one in frame]
     return sorted(
         (one for one in frame if ids.count(one.marker_id) == 1 and one.sharp),
-        key=lambda one: one.marker_id,
+        key=lambda marker: marker.marker_id,
     )
 
 

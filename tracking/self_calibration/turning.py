@@ -51,21 +51,21 @@ def refuse_turning(pictures: Sequence[GrayImage], size: tuple[int, int]) -> None
             "pictures: expected corners that move through the picture, got none: the camera "
             "stands still, or moves too fast to be followed"
         )
-    beyond, moved, told = np.array(least).T
+    beyond, moved, focals = np.array(least).T
     if np.all(beyond < np.maximum(_TURN_PX, _TURN_SHARE * moved)):
-        focal = float(np.median(told)) * max(size)
+        focal = float(np.median(focals)) * max(size)
         raise OnlyTurnsError(
             "pictures: expected a camera that changes its place, got one that only turns (a focal "
             f"length of about {focal:.0f} pixels explains all motion); no path and no depth "
             "follow from that: move sideways past things at different depths",
-            float(np.median(told)),
+            float(np.median(focals)),
         )
 
 
 def _followed(pictures: Sequence[GrayImage]) -> list[tuple[FloatArray, FloatArray]]:
     """Corners of some frames, and where they are when they have moved far."""
     far = 0.12 * max(pictures[0].shape)
-    found = []
+    flows = []
     for first in np.linspace(0, len(pictures) - 2, 6).astype(int):
         start = find_corners(pictures[first], 300).px
         rows, px = np.arange(len(start)), start
@@ -82,5 +82,5 @@ def _followed(pictures: Sequence[GrayImage]) -> list[tuple[FloatArray, FloatArra
         if len(px) >= FEWEST_CORNERS // 2:
             moved = float(np.median(np.linalg.norm(px - start[rows], axis=-1)))
             if moved > 0.25 * far:
-                found.append((start[rows], px))
-    return found
+                flows.append((start[rows], px))
+    return flows

@@ -83,12 +83,12 @@ def find_corners(gray: GrayImage, count: int, taken_px: FloatArray | None = None
     Fewer where the picture has no texture; always in the same order.
     """
     taken = np.zeros((0, 2)) if taken_px is None else taken_px
-    found = _orb(count * _CANDIDATES_A_CORNER).detect(gray, None)
+    keypoints = _orb(count * _CANDIDATES_A_CORNER).detect(gray, None)
     nothing = Corners(np.zeros((0, 2)), np.zeros((0, 32), dtype=np.uint8))
-    if not found or len(taken) >= count:
+    if not keypoints or len(taken) >= count:
         return nothing
-    px = np.asarray(cv2.KeyPoint.convert(found), dtype=np.float64)
-    strength = np.fromiter(map(_RESPONSE, found), np.float64, len(found))
+    px = np.asarray(cv2.KeyPoint.convert(keypoints), dtype=np.float64)
+    strength = np.fromiter(map(_RESPONSE, keypoints), np.float64, len(keypoints))
     order = np.lexsort((px[:, 0], px[:, 1], -strength))
     fine = grid_cells(px, gray.shape, _FINER * count)
     _, first = np.unique(fine[order], return_index=True)
@@ -100,7 +100,7 @@ def find_corners(gray: GrayImage, count: int, taken_px: FloatArray | None = None
     chosen = order[turn][: count - len(taken)]
     if not len(chosen):
         return nothing
-    kept, descriptors = _orb(count).compute(gray, [found[index] for index in chosen])
+    kept, descriptors = _orb(count).compute(gray, [keypoints[index] for index in chosen])
     return Corners(np.asarray(cv2.KeyPoint.convert(kept), dtype=np.float64), descriptors)
 
 
@@ -156,9 +156,9 @@ def stereo_depth(
         px: ``(n, 2)``.
         disparity_px_m: focal length (pixels) times baseline (metres).
     """
-    there, found = track_corners(left, right, px, px)
+    there, tracked = track_corners(left, right, px, px)
     disparity = px[:, 0] - there[:, 0]
     level = np.abs(px[:, 1] - there[:, 1]) <= _ROW_PX
-    usable = found & level & (disparity >= _LEAST_DISPARITY_PX)
+    usable = tracked & level & (disparity >= _LEAST_DISPARITY_PX)
     depth: FloatArray = np.where(usable, disparity_px_m / np.where(usable, disparity, 1.0), np.nan)
     return depth

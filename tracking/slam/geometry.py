@@ -215,7 +215,7 @@ def pose_by_sampling(points: FloatArray, px: FloatArray, camera: Camera) -> Fitt
     if np.count_nonzero(near) < _FEWEST:
         return None
     try:
-        found, turn, shift, _ = cv2.solvePnPRansac(
+        solved, turn, shift, _ = cv2.solvePnPRansac(
             np.ascontiguousarray(points[near]),
             np.ascontiguousarray(flat[near]),
             np.array(camera.matrix),
@@ -227,7 +227,7 @@ def pose_by_sampling(points: FloatArray, px: FloatArray, camera: Camera) -> Fitt
         )
     except cv2.error:
         return None  # samples that allow no pose at all: OpenCV 5 throws where it finds no model
-    if not found or not np.isfinite(turn).all() or not np.isfinite(shift).all():
+    if not solved or not np.isfinite(turn).all() or not np.isfinite(shift).all():
         return None
     return refine_pose(pose_from_opencv(turn, shift).inverse(), points, px, camera)
 

@@ -123,13 +123,13 @@ def two_views(first_px: FloatArray, px: FloatArray, camera: Camera) -> TwoViews 
         return None
     model = "homography" if plane / (plane + deep) > _HOMOGRAPHY_SHARE else "essential"
     poses = _from_homography if model == "homography" else _from_essential
-    given = homography if model == "homography" else essential
+    matrix = homography if model == "homography" else essential
     supported = [
-        (_support(pose, first_px, px, camera), pose) for pose in poses(given, camera.matrix)
+        (_support(pose, first_px, px, camera), pose) for pose in poses(matrix, camera.matrix)
     ]
     if not supported:  # a homography of nothing but a turn
         return None
-    supported.sort(key=lambda one: -int(np.count_nonzero(one[0])))
+    supported.sort(key=lambda support: -int(np.count_nonzero(support[0])))
     good, pose = supported[0]
     count = int(np.count_nonzero(good))
     rival = int(np.count_nonzero(supported[1][0])) if len(supported) > 1 else 0
@@ -169,8 +169,8 @@ def _squared(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def _from_essential(essential: FloatArray, _: FloatArray) -> Iterator[Motor]:
-    one, other, shift = cv2.decomposeEssentialMat(essential)
-    for turn in (one, other):
+    turned, other, shift = cv2.decomposeEssentialMat(essential)
+    for turn in (turned, other):
         for sign in (1.0, -1.0):
             yield pose_from_opencv(turn, sign * np.ravel(shift)).inverse()
 
@@ -187,9 +187,9 @@ def _support(pose: Motor, first_px: FloatArray, px: FloatArray, camera: Camera) 
     """Corners whose point lies before both cameras, reprojects well and has parallax."""
     first = Motor.identity()
     points = triangulate(first, pose, first_px, px, camera)
-    one, _ = project(camera, first, points)  # behind a camera none is seen
+    near, _ = project(camera, first, points)  # behind a camera none is seen
     other, _ = project(camera, pose, points)
-    error = np.sqrt(np.maximum(_squared(one, first_px), _squared(other, px)))
+    error = np.sqrt(np.maximum(_squared(near, first_px), _squared(other, px)))
     good = np.nan_to_num(error, nan=np.inf) < _GOOD_PX
     parallax = parallax_rad(first, pose, points)
     wide = good & (parallax > _PARALLAX_RAD)
@@ -248,7 +248,7 @@ class TwoViewInitialiser:
     def _tracked(self, picture: SlamPicture) -> bool:
         """Track the corners one picture on; False where too few remain."""
         guess = self._px + self._motion
-        px, found = track_corners(self._last.pyramid, picture.pyramid, self._px, guess)
-        self._motion = (px - self._px)[found]
-        self._rows, self._px, self._last = self._rows[found], px[found], picture
+        px, tracked = track_corners(self._last.pyramid, picture.pyramid, self._px, guess)
+        self._motion = (px - self._px)[tracked]
+        self._rows, self._px, self._last = self._rows[tracked], px[tracked], picture
         return len(self._rows) >= max(FEWEST_CORNERS, _KEPT_SHARE * len(self._corners))

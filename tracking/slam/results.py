@@ -186,10 +186,10 @@ class RunLog:
             online: whether the pose was given at the time.
         """
         relative = anchor.world_T_camera.inverse() @ world_T_camera
-        given = world_T_camera if online else None
+        in_world = world_T_camera if online else None
         where = anchor.row, anchor.scale, anchor.map_number
         self._entries_of.setdefault(anchor.row, []).append(len(self._entries))
-        self._entries.append(_Entry(time_ns, *where, relative, covariance, given))
+        self._entries.append(_Entry(time_ns, *where, relative, covariance, in_world))
         return len(self._entries) - 1
 
     def refine(self, slam_map: SlamMap, row: int, refined: Callable[[Motor], FittedPose]) -> None:
@@ -200,13 +200,13 @@ class RunLog:
             row: as `note` gave it.
             refined: gives the pose that the frame's corners ask for, from one that is near.
         """
-        one = self._entries[row]
-        keyframe = slam_map.keyframes[one.keyframe]
-        fit = refined(keyframe.world_T_camera @ _stretched(one, keyframe.scale)[0])
+        entry = self._entries[row]
+        keyframe = slam_map.keyframes[entry.keyframe]
+        fit = refined(keyframe.world_T_camera @ _stretched(entry, keyframe.scale)[0])
         if np.isfinite(fit.covariance).all():
             relative = keyframe.world_T_camera.inverse() @ fit.world_T_camera
             self._entries[row] = replace(
-                one,
+                entry,
                 scale=keyframe.scale,
                 keyframe_T_camera=relative,
                 covariance=fit.covariance,
@@ -216,10 +216,10 @@ class RunLog:
         """Tell the frames of a keyframe that left the map by the one that stands for it."""
         mine = self._entries_of.pop(culled.row, [])
         for row in mine:
-            one = self._entries[row]
-            relative, covariance = _stretched(one, culled.scale)
+            entry = self._entries[row]
+            relative, covariance = _stretched(entry, culled.scale)
             self._entries[row] = replace(
-                one,
+                entry,
                 keyframe=culled.kept,
                 scale=culled.kept_scale,
                 keyframe_T_camera=culled.kept_T_culled @ relative,
@@ -232,35 +232,35 @@ class RunLog:
         scale = float(world_T_map.scale)
         units = np.repeat([1.0, scale], 3)
         taken = set(keyframes.tolist())
-        for row, one in enumerate(self._entries):
-            if one.keyframe not in taken:
+        for row, entry in enumerate(self._entries):
+            if entry.keyframe not in taken:
                 continue
             relative = Motor.from_rotor_translation(
-                one.keyframe_T_camera.rotor, scale * one.keyframe_T_camera.translation_m
+                entry.keyframe_T_camera.rotor, scale * entry.keyframe_T_camera.translation_m
             )
-            online = None if one.online is None else in_world(world_T_map, one.online)
-            spread = units[:, None] * one.covariance * units
+            online = None if entry.online is None else in_world(world_T_map, entry.online)
+            spread = units[:, None] * entry.covariance * units
             self._entries[row] = replace(
-                one, keyframe_T_camera=relative, covariance=spread, online=online
+                entry, keyframe_T_camera=relative, covariance=spread, online=online
             )
 
     def result(
         self, slam_map: SlamMap, *, known: bool, loops: list[ClosedLoop], seconds: dict[str, float]
     ) -> SlamResult:
         """Everything, by the map as it is now; the first keyframe's is the main one if `known`."""
-        kept = sorted(self._entries, key=lambda one: one.time_ns)
+        kept = sorted(self._entries, key=lambda entry: entry.time_ns)
         numbers = [slam_map.keyframes[one.keyframe].map_number for one in kept]
         held = np.bincount(numbers, minlength=len(slam_map.metric))
         main = slam_map.keyframes[0].map_number if known else int(np.argmax(held))
         by_map: dict[int, list[_Entry]] = {main: []}
-        for one, number in zip(kept, numbers, strict=True):
-            by_map.setdefault(number, []).append(one)
+        for entry, number in zip(kept, numbers, strict=True):
+            by_map.setdefault(number, []).append(entry)
         mine = by_map.pop(main)
         poses, covariance = _corrected(slam_map, mine)
         seen = [
-            (one.time_ns, one.online)
-            for one in mine
-            if one.online is not None and one.map_number == main
+            (entry.time_ns, entry.online)
+            for entry in mine
+            if entry.online is not None and entry.map_number == main
         ]
         return SlamResult(
             trajectory=_trajectory([one.time_ns for one in mine], poses),
@@ -293,7 +293,7 @@ def _history(frames: list[_Seen], loops: list[ClosedLoop]) -> SlamHistory:
         map_number,
         inliers,
         keyframes,
-        tuple(sorted(events, key=lambda one: one.time_ns)),
+        tuple(sorted(events, key=lambda event: event.time_ns)),
     )
 
 
@@ -301,15 +301,15 @@ def _turns(frames: list[_Seen]) -> Iterator[SlamEvent]:
     """Maps that were begun, and where the camera was lost and found again."""
     begun: set[int] = set()
     before: SlamState = "initialising"
-    for one in frames:
-        if one.state == "relocalised":
-            yield SlamEvent(one.time_ns, "relocalised", one.map_number)
-        elif one.map_number >= 0 and one.map_number not in begun:
-            yield SlamEvent(one.time_ns, "map begun", one.map_number)
-        elif one.state == "lost" and before not in ("lost", "initialising"):
-            yield SlamEvent(one.time_ns, "lost", None)
-        begun.add(one.map_number)
-        before = one.state
+    for frame in frames:
+        if frame.state == "relocalised":
+            yield SlamEvent(frame.time_ns, "relocalised", frame.map_number)
+        elif frame.map_number >= 0 and frame.map_number not in begun:
+            yield SlamEvent(frame.time_ns, "map begun", frame.map_number)
+        elif frame.state == "lost" and before not in ("lost", "initialising"):
+            yield SlamEvent(frame.time_ns, "lost", None)
+        begun.add(frame.map_number)
+        before = frame.state
 
 
 def _closing(loop: ClosedLoop) -> SlamEvent:
@@ -325,19 +325,19 @@ def _closing(loop: ClosedLoop) -> SlamEvent:
 def _corrected(slam_map: SlamMap, entries: list[_Entry]) -> tuple[list[Motor], FloatArray]:
     """Poses and covariances ``(n, 6, 6)`` by the keyframes as they are now."""
     poses, covariances = [], np.zeros((len(entries), 6, 6))
-    for row, one in enumerate(entries):
-        keyframe = slam_map.keyframes[one.keyframe]
-        relative, covariances[row] = _stretched(one, keyframe.scale)
+    for row, entry in enumerate(entries):
+        keyframe = slam_map.keyframes[entry.keyframe]
+        relative, covariances[row] = _stretched(entry, keyframe.scale)
         poses.append(keyframe.world_T_camera @ relative)
     return poses, covariances
 
 
-def _stretched(one: _Entry, scale: float) -> tuple[Motor, FloatArray]:
+def _stretched(entry: _Entry, scale: float) -> tuple[Motor, FloatArray]:
     """A frame's pose from its keyframe, and its covariance, in the unit that is valid there now."""
-    stretch, pose = scale / one.scale, one.keyframe_T_camera
+    stretch, pose = scale / entry.scale, entry.keyframe_T_camera
     units = np.repeat([1.0, stretch], 3)
     relative = Motor.from_rotor_translation(pose.rotor, stretch * pose.translation_m)
-    return relative, units[:, None] * one.covariance * units
+    return relative, units[:, None] * entry.covariance * units
 
 
 def _trajectory(stamps: list[int], poses: list[Motor]) -> Trajectory | None:

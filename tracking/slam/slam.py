@@ -329,15 +329,15 @@ class VisualSlam:
         """Look for the maps in the picture; what is found is refined, then checked."""
         corners = find_corners(picture.gray, self.settings.features)
         rows = candidates(self._map, corners, _CANDIDATES)
-        found = verified(self._map, corners, rows, self._pinhole)
-        if found is None:
+        recognised = verified(self._map, corners, rows, self._pinhole)
+        if recognised is None:
             return None
-        number = self._map.keyframes[found.keyframe].map_number
-        ids, px = self._mapper.recover(picture, found.fit.world_T_camera, number)
-        if len(ids) < len(found.ids):
-            ids, px = found.ids, found.px
-        fit = self._refined(found.fit.world_T_camera, ids, px)
-        return self._gone_on(picture, fit, ids, px, found.keyframe)
+        number = self._map.keyframes[recognised.keyframe].map_number
+        ids, px = self._mapper.recover(picture, recognised.fit.world_T_camera, number)
+        if len(ids) < len(recognised.ids):
+            ids, px = recognised.ids, recognised.px
+        fit = self._refined(recognised.fit.world_T_camera, ids, px)
+        return self._gone_on(picture, fit, ids, px, recognised.keyframe)
 
     def _gone_on(
         self, picture: SlamPicture, fit: FittedPose, ids: IntArray, px: FloatArray, row: int
@@ -391,9 +391,9 @@ class VisualSlam:
     ) -> SlamPicture:
         """The picture as it is; checked as those are that a lens is taken out of."""
         size = (self.camera.height, self.camera.width)
-        for name, given in (("gray", checked_gray(gray)), ("depth_m", depth_m)):
-            if given is not None and given.shape != size:
-                raise ValueError(f"{name}: expected shape {size}, got {given.shape}")
+        for name, image in (("gray", checked_gray(gray)), ("depth_m", depth_m)):
+            if image is not None and image.shape != size:
+                raise ValueError(f"{name}: expected shape {size}, got {image.shape}")
         if right is not None:
             raise ValueError("right: expected none with a fisheye, whose pairs are not rectified")
         return SlamPicture(int(time_ns), gray, depth_m)

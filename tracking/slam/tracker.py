@@ -145,8 +145,8 @@ class Tracker:
         correction = now @ Similarity.from_motor_scale(before).inverse()
         if stretch is not None or not newest:
             self._moments = [
-                _Moment(one.time_ns, in_world(correction, one.world_T_camera))
-                for one in self._moments
+                _Moment(moment.time_ns, in_world(correction, moment.world_T_camera))
+                for moment in self._moments
             ]
         if newest:
             self._accept(keyframe)
@@ -159,8 +159,8 @@ class Tracker:
         px[rows] = last.px[last_rows]
         new = np.setdiff1d(np.arange(len(px)), rows)
         pictures = keyframe.picture.pyramid, last.picture.pyramid
-        px[new], found = track_corners(*pictures, keyframe.px[new], px[new])
-        kept = np.sort(np.concatenate([rows, new[found]]))
+        px[new], tracked = track_corners(*pictures, keyframe.px[new], px[new])
+        kept = np.sort(np.concatenate([rows, new[tracked]]))
         self._tracked = TrackedPoints(
             last.picture, pose, keyframe.ids[kept], px[kept], keyframe.points[kept]
         )
@@ -168,7 +168,7 @@ class Tracker:
     def rescale(self, world_T_map: Similarity) -> None:
         """Go on in another world, to which the map was taken."""
         self._moments = [
-            _Moment(one.time_ns, in_world(world_T_map, one.world_T_camera)) for one in self._moments
+            _Moment(old.time_ns, in_world(world_T_map, old.world_T_camera)) for old in self._moments
         ]
         for name in ("_tracked", "_reference"):
             held: TrackedPoints | None = getattr(self, name)
@@ -187,8 +187,8 @@ class Tracker:
         located = int(np.count_nonzero(now.located))
         if then is None or located < max(_FEW_POINTS, _KEPT_SHARE * self._located_then):
             return True
-        _, one, other = np.intersect1d(then.ids, now.ids, assume_unique=True, return_indices=True)
-        motion = np.linalg.norm(then.px[one] - now.px[other], axis=1)
+        _, old, new = np.intersect1d(then.ids, now.ids, assume_unique=True, return_indices=True)
+        motion = np.linalg.norm(then.px[old] - now.px[new], axis=1)
         return bool(np.median(motion) > _MOTION_SHARE * now.picture.gray.shape[1])
 
     def step(self, picture: SlamPicture, predicted: Motor | None = None) -> FittedPose | None:
@@ -203,9 +203,9 @@ class Tracker:
         if predicted is None:
             predicted = self._predicted(picture.time_ns)
         guess = self._guess(before, predicted)
-        px, found = track_corners(before.picture.pyramid, picture.pyramid, before.px, guess)
-        ids, points = before.ids[found], before.points[found]
-        px, old_px = px[found], before.px[found]
+        px, tracked = track_corners(before.picture.pyramid, picture.pyramid, before.px, guess)
+        ids, points = before.ids[tracked], before.points[tracked]
+        px, old_px = px[tracked], before.px[tracked]
         located = np.isfinite(points[:, 0])
         fit = self._fitted(predicted, points[located], px[located])
         if not is_reliable(fit, px[located], picture.gray.shape) or fit is None:

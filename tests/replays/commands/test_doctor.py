@@ -73,10 +73,10 @@ def test_other_machines_are_named() -> None:
 def test_what_is_found_here_agrees_with_what_the_rest_of_the_house_uses(
     found: dict[str, Finding],
 ) -> None:
-    assert found["kernels"].found == kernels.backend
-    assert found["threads"].found.startswith(f"{kernels.threads()} of ")
+    assert found["kernels"].detail == kernels.backend
+    assert found["threads"].detail.startswith(f"{kernels.threads()} of ")
     assert found["H.264"].works
-    assert version("av") in found["H.264"].found
+    assert version("av") in found["H.264"].detail
     assert all(one.works or one.remedy for one in found.values())
 
 
@@ -87,7 +87,7 @@ def test_every_optional_package_of_the_project_is_told_of() -> None:
     for extra in set(extras) - {"dev", "docs"}:
         names = {re.split(r"[>=<\[]", entry)[0] for entry in extras[extra]} - {"motorcade"}
         assert names == set(OPTIONAL[extra]), extra
-    assert {one.found for one in examine_packages() if one.name == "scipy"} == {version("scipy")}
+    assert {one.detail for one in examine_packages() if one.name == "scipy"} == {version("scipy")}
 
 
 def test_a_missing_package_names_the_extra_that_brings_it(monkeypatch: pytest.MonkeyPatch) -> None:

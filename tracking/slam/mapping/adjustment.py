@@ -104,9 +104,9 @@ def adjust(bundle: Bundle, iterations: int = 8) -> AdjustedBundle:
     """
     start = bundle.world_T_camera, bundle.points
     stop = Stop(steps=iterations, gain=_GAIN)
-    found = minimise(start, partial(BundleReprojection, bundle), partial(_retract, bundle), stop)
-    end = found.evaluation
-    return AdjustedBundle(*found.state, end.error_px, end.cost, found.start_cost)
+    minimum = minimise(start, partial(BundleReprojection, bundle), partial(_retract, bundle), stop)
+    end = minimum.evaluation
+    return AdjustedBundle(*minimum.state, end.error_px, end.cost, minimum.start_cost)
 
 
 def _retract(bundle: Bundle, state: _State, step: tuple[FloatArray, FloatArray]) -> _State:

@@ -94,26 +94,26 @@ def find_loop(slam_map: SlamMap, features: int, camera: Camera) -> LoopClosure |
         return None
     corners = find_corners(newest.gray, features)
     rows = candidates(slam_map, corners, _CANDIDATES, untied)
-    found = verified(slam_map, corners, rows, camera)
-    if found is None:
+    recognised = verified(slam_map, corners, rows, camera)
+    if recognised is None:
         return None
-    ids, px = _more_matches(slam_map, corners, found, camera)
+    ids, px = _more_matches(slam_map, corners, recognised, camera)
     if len(ids) < _FEWEST_INLIERS:
         return None
-    fit = refine_pose(found.fit.world_T_camera, slam_map.points[ids], px, camera)
+    fit = refine_pose(recognised.fit.world_T_camera, slam_map.points[ids], px, camera)
     inliers = fit.inliers
     reliable = is_reliable(fit, px, newest.gray.shape)
     if np.count_nonzero(inliers) < _FEWEST_INLIERS or not reliable:
         return None
     ids, px, pose = ids[inliers], px[inliers], fit.world_T_camera
     scale = 1.0
-    if not (slam_map.metric[newest.map_number] and slam_map.metric[number[found.keyframe]]):
-        told = _scale_by_depths(slam_map, newest, pose, ids, px)
-        if told is None:
+    if not (slam_map.metric[newest.map_number] and slam_map.metric[number[recognised.keyframe]]):
+        ratio = _scale_by_depths(slam_map, newest, pose, ids, px)
+        if ratio is None:
             return None
-        scale = told
+        scale = ratio
     world_S_new = Similarity.from_motor_scale(pose, scale)
-    return LoopClosure(found.keyframe, new, world_S_new, ids, px)
+    return LoopClosure(recognised.keyframe, new, world_S_new, ids, px)
 
 
 def _scale_by_depths(
@@ -153,11 +153,11 @@ def _tied(slam_map: SlamMap, ids: IntArray) -> BoolArray:
 
 
 def _more_matches(
-    slam_map: SlamMap, corners: Corners, found: RecognisedKeyframe, camera: Camera
+    slam_map: SlamMap, corners: Corners, recognised: RecognisedKeyframe, camera: Camera
 ) -> tuple[IntArray, FloatArray]:
     """Points of a keyframe and its neighbours, with the corners alike that lie near enough."""
-    pose = found.fit.world_T_camera
-    near = _neighbours(slam_map, found.keyframe)
+    pose = recognised.fit.world_T_camera
+    near = _neighbours(slam_map, recognised.keyframe)
     ids, expected = any_in_view(slam_map, near, np.zeros(0, np.int64), pose, camera)
     points, rows = alike_where_expected(expected, slam_map.descriptors[ids], corners, _ALIKE_PX)
     return ids[points], corners.px[rows]

@@ -246,8 +246,8 @@ class SlamMap:
         left, keyframe.map_number, keyframe.gray = keyframe.ids, GONE, None
         keyframe.keep(np.zeros(0, dtype=np.int64))
         seen = np.zeros(self._count, dtype=np.bool_)
-        for one in self.keyframes:
-            seen[one.ids] = True
+        for kept in self.keyframes:
+            seen[kept.ids] = True
         self.alive[left[~seen[left]]] = False
 
     def points_of(self, number: int) -> IntArray:
@@ -309,10 +309,10 @@ class SlamMap:
     @classmethod
     def of(cls, stored: MapSnapshot) -> SlamMap:
         """A map that goes on from a stored one; its keyframes have no pictures any more."""
-        found = cls()
-        found.metric = [stored.metric]
-        ids = found.add_points(stored.descriptors)
-        found.points[:] = stored.points
+        slam_map = cls()
+        slam_map.metric = [stored.metric]
+        ids = slam_map.add_points(stored.descriptors)
+        slam_map.points[:] = stored.points
         stamped = zip(stored.time_ns.tolist(), stored.world_T_camera, strict=True)
         for row, (time_ns, pose) in enumerate(stamped):
             mine = stored.keyframe_of == row
@@ -320,9 +320,9 @@ class SlamMap:
                 time_ns, pose, ids[stored.point_of[mine]], stored.px[mine], stored.depth[mine], None
             )
             keyframe.keep(np.argsort(keyframe.ids))
-            found.keyframes.append(keyframe)
-        found.stored_count = len(found.keyframes)
-        return found
+            slam_map.keyframes.append(keyframe)
+        slam_map.stored_count = len(slam_map.keyframes)
+        return slam_map
 
     def snapshot(self, number: int) -> MapSnapshot:
         """One map's keyframes, located points and their observations, frozen."""

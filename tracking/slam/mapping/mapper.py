@@ -238,16 +238,16 @@ class Mapper:
             rows = np.flatnonzero(usable & ~tracked[keyframe.ids])
             if len(rows) >= _FEWEST_HIDDEN and keyframe.gray is not None:
                 hidden.append((len(rows), keyframe, rows, expected))
-        hidden.sort(key=lambda one: -one[0])
+        hidden.sort(key=lambda view: -view[0])
         for _, keyframe, rows, expected in hidden[:_RECOVERED_FROM]:
             rows = rows[~tracked[keyframe.ids[rows]]]
             gray = keyframe.gray
             if gray is None or not len(rows):
                 continue
-            px, found = track_corners(gray, picture.pyramid, keyframe.px[rows], expected[rows])
-            found &= np.linalg.norm(px - expected[rows], axis=1) < OUTLIER_PX
-            all_ids.append(keyframe.ids[rows[found]])
-            all_px.append(px[found])
+            px, held = track_corners(gray, picture.pyramid, keyframe.px[rows], expected[rows])
+            held &= np.linalg.norm(px - expected[rows], axis=1) < OUTLIER_PX
+            all_ids.append(keyframe.ids[rows[held]])
+            all_px.append(px[held])
             tracked[all_ids[-1]] = True
         return np.concatenate(all_ids), np.concatenate(all_px)
 

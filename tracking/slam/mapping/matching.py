@@ -83,10 +83,10 @@ def alike_where_expected(
     """
     apart = np.abs(expected_px[:, None] - corners.px[None])
     points, rows = np.nonzero(np.all(apart <= radius_px, axis=-1))
-    one, other = (
+    own, other = (
         np.ascontiguousarray(d).view(np.uint64) for d in (descriptors, corners.descriptors)
     )
-    bits = np.bitwise_count(one[points] ^ other[rows]).sum(axis=1)
+    bits = np.bitwise_count(own[points] ^ other[rows]).sum(axis=1)
     alike = bits <= _MOST_BITS
     points, rows, bits = points[alike], rows[alike], bits[alike]
     order = np.lexsort((rows, points, bits))
@@ -166,7 +166,7 @@ def _nearest(
     """For each query its nearest known descriptors: row, their rows, their distances in bits."""
     pairs = cv2.BFMatcher(cv2.NORM_HAMMING).knnMatch(query, known, k=count)
     return [
-        (one[0].queryIdx, [m.trainIdx for m in one], [int(m.distance) for m in one])
-        for one in pairs
-        if len(one) == count
+        (pair[0].queryIdx, [m.trainIdx for m in pair], [int(m.distance) for m in pair])
+        for pair in pairs
+        if len(pair) == count
     ]

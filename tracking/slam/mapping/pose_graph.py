@@ -62,8 +62,8 @@ class PoseGraph:
         >>> graph.relaxed(odometry).translation_m[:, 0].round(6)  # 0.3 spread over three edges
         array([0. , 0.9, 1.8])
         """
-        found = minimise(world_S, partial(_Edges, self), self._retract, _STOP)
-        return found.state
+        minimum = minimise(world_S, partial(_Edges, self), self._retract, _STOP)
+        return minimum.state
 
     def _retract(self, world_S: Similarity, step: FloatArray) -> Similarity:
         twist = np.zeros((len(self.fixed), 7))
@@ -89,8 +89,8 @@ class _Edges:
         by_a = -by_b @ self._between.inverse().adjoint()
         scale = 1.0 / graph.sigma[:, :width, None]
         ends = [
-            (node, ~graph.fixed[node], scale * one[:, :width, :width])
-            for node, one in ((graph.a, by_a), (graph.b, by_b))
+            (node, ~graph.fixed[node], scale * jacobian[:, :width, :width])
+            for node, jacobian in ((graph.a, by_a), (graph.b, by_b))
         ]
         slot = np.cumsum(~graph.fixed) - 1
         gradient = np.zeros((int(np.count_nonzero(~graph.fixed)), width))
