@@ -16,9 +16,13 @@ import numpy as np
 from motorcade.fusion.camera_imu.result import COMMON, CameraImuCalibration
 from motorcade.fusion.filter import FilterSettings
 from motorcade.fusion.graph.calibrate import GraphCalibration, calibrate_by_graph
-from motorcade.fusion.imu.gravity import GRAVITY_SIGMA_M_S2, STANDARD_GRAVITY_M_S2, upright
 from motorcade.fusion.imu.noise import ImuNoise
-from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.imu.stream import (
+    GRAVITY_SIGMA_M_S2,
+    STANDARD_GRAVITY_M_S2,
+    ImuStream,
+    upright,
+)
 from motorcade.fusion.sync.synchronise import Synchronised, covered, synchronise
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import checked_positive

@@ -21,8 +21,8 @@ from motorcade.fusion.health.models import (
 )
 from motorcade.fusion.health.pushing import Pushes
 from motorcade.fusion.health.regression import Prior
-from motorcade.fusion.imu.gravity import GRAVITY_SHARE
 from motorcade.fusion.imu.noise import ACCEL_BIAS_SIGMA_M_S2
+from motorcade.fusion.imu.stream import GRAVITY_SHARE
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 

@@ -42,10 +42,9 @@ from motorcade.fusion.health.wording import (
     unknown_lines,
     unrelated_line,
 )
-from motorcade.fusion.imu.gravity import GRAVITY_SHARE
 from motorcade.fusion.imu.noise import GYRO_BIAS_SIGMA_RAD_S
 from motorcade.fusion.imu.screening import saturated_axes
-from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.imu.stream import GRAVITY_SHARE, ImuStream
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.fusion.imu.gravity import GRAVITY_SHARE, STANDARD_GRAVITY_M_S2
-from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.imu.stream import GRAVITY_SHARE, STANDARD_GRAVITY_M_S2, ImuStream
 from motorcade.ga.arrays import FloatArray
 
 # Windows this long whose readings scatter by less than this share of their mean are quiet.

@@ -6,8 +6,6 @@ into `fuse` and `fuse_by_graph` as `also=[…]`, and into a `PoseFilter` by its 
 """
 
 from motorcade.fusion.measurements.corners import CornerMeasurements
-from motorcade.fusion.measurements.directions import HeadingMeasurements, MagneticFieldMeasurements
-from motorcade.fusion.measurements.geodesy import GeodeticOrigin
 from motorcade.fusion.measurements.interface import (
     Measurements,
     PredictedState,
@@ -18,6 +16,9 @@ from motorcade.fusion.measurements.poses import BodyPoseMeasurements, RelativePo
 from motorcade.fusion.measurements.positions import (
     AltitudeMeasurements,
     BodyVelocityMeasurements,
+    GeodeticOrigin,
+    HeadingMeasurements,
+    MagneticFieldMeasurements,
     PositionMeasurements,
     VelocityMeasurements,
 )

@@ -1,14 +1,14 @@
-"""Kinds that measure where a point of the body is, and how fast it moves."""
+"""Kinds that measure where a point of the body is, how it moves, and how the body is turned."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from functools import cached_property
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.fusion.measurements.geodesy import GeodeticOrigin
 from motorcade.fusion.measurements.interface import (
     ERROR_NUMBERS,
     GYRO_BIAS,
@@ -21,7 +21,7 @@ from motorcade.fusion.measurements.interface import (
 )
 from motorcade.fusion.measurements.values import checked_rows, set_checked
 from motorcade.ga import Rotor
-from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive, frozen
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -302,3 +302,188 @@ class BodyVelocityMeasurements(Measurements):
         jacobian[:, VELOCITY] = -self._body_R_imu
         jacobian[:, GYRO_BIAS] = -self._body_R_imu @ skew(self.arm_m)
         return jacobian
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class HeadingMeasurements(Measurements):
+    """Directions in the world's horizontal plane of an axis of the body: compass, two antennas.
+
+    It breaks down where the axis stands upright, which has no heading.
+
+    Args:
+        time_ns: ``(N,)`` of the IMU's clock.
+        heading_rad: ``(N,)`` from the world's x towards its y. A compass counts from north
+            clockwise: with x east and y north that is ``pi/2 - heading``.
+        covariance: variance (rad²): one, ``(N,)`` or ``(N, 1, 1)``.
+        axis: ``(3,)`` the direction whose heading it is, in the IMU's axes.
+
+    Raises:
+        ValueError: shapes that do not agree, NaN or infinity, an axis of zero.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.measurements import HeadingMeasurements, PredictedState
+        >>> from motorcade.ga import Motor
+        >>> seen = HeadingMeasurements(time_ns=np.array([0]), heading_rad=[3.1], covariance=0.01)
+        >>> world_T_imu = Motor.from_twist([0.0, 0.0, -3.1, 0.0, 0.0, 0.0])
+        >>> seen.residual(0, PredictedState.at(world_T_imu, np.zeros(3))).round(4)  # the short way
+        array([-0.0832])
+    """
+
+    name: ClassVar[str] = "heading"
+    time_ns: IntArray
+    heading_rad: FloatArray
+    covariance: FloatArray
+    axis: FloatArray = field(default_factory=lambda: np.array([1.0, 0.0, 0.0]))
+
+    def __post_init__(self) -> None:
+        set_checked(self, 1, ("axis",), heading_rad=())
+        if not np.any(self.axis):
+            raise ValueError("axis: expected a direction, got zero")
+        object.__setattr__(self, "axis", frozen(self.axis / np.linalg.norm(self.axis)))
+
+    def residual(self, row: int, state: PredictedState) -> FloatArray:
+        """Measured less predicted heading ``(1,)``, within ±π."""
+        x, y, _ = state.world_R_imu @ self.axis
+        return np.array([np.remainder(self.heading_rad[row] - np.arctan2(y, x) + np.pi, 2 * np.pi)
+                         - np.pi])  # fmt: skip
+
+    def jacobian(self, row: int, state: PredictedState) -> FloatArray:
+        """Derivative ``(1, 30)`` of that."""
+        jacobian = np.zeros((1, ERROR_NUMBERS))
+        x, y, _ = state.world_R_imu @ self.axis
+        turned = state.world_R_imu @ skew(self.axis)
+        jacobian[0, ROTATION] = (x * turned[1] - y * turned[0]) / (x * x + y * y)
+        return jacobian
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MagneticFieldMeasurements(Measurements):
+    """The magnetic field by a magnetometer whose own offsets and scales were taken off.
+
+    Args:
+        time_ns: ``(N,)`` of the IMU's clock.
+        measured_field: ``(N, 3)`` in the sensor's axes, in any unit.
+        world_field: ``(3,)`` what it is in the world's axes, in the same unit.
+        covariance: ``(3, 3)`` or ``(N, 3, 3)`` in the sensor's axes.
+        imu_R_sensor: turns the sensor's axes to the IMU's.
+
+    Raises:
+        ValueError: shapes that do not agree, NaN or infinity.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.measurements import MagneticFieldMeasurements, PredictedState
+        >>> from motorcade.ga import Motor
+        >>> seen = MagneticFieldMeasurements(
+        ...     time_ns=np.array([0]), measured_field=[[0.0, 20.0, -43.0]],
+        ...     world_field=[0.0, 20.0, -43.0], covariance=np.eye(3),
+        ... )
+        >>> seen.residual(0, PredictedState.at(Motor.identity(), np.zeros(3)))
+        array([0., 0., 0.])
+    """
+
+    name: ClassVar[str] = "magnetic_field"
+    time_ns: IntArray
+    measured_field: FloatArray
+    world_field: FloatArray
+    covariance: FloatArray
+    imu_R_sensor: Rotor = field(default_factory=Rotor.identity)
+
+    def __post_init__(self) -> None:
+        if self.imu_R_sensor.shape != ():
+            raise ValueError(f"imu_R_sensor: expected one rotor, got {self.imu_R_sensor.shape}")
+        set_checked(self, 3, ("world_field",), measured_field=(3,))
+
+    def residual(self, row: int, state: PredictedState) -> FloatArray:
+        """Measured less predicted field ``(3,)``, in the sensor's axes."""
+        own = self.imu_R_sensor.as_matrix().T @ (self.world_field @ state.world_R_imu)
+        seen: FloatArray = self.measured_field[row] - own
+        return seen
+
+    def jacobian(self, row: int, state: PredictedState) -> FloatArray:
+        """Derivative ``(3, 30)`` of that."""
+        jacobian = np.zeros((3, ERROR_NUMBERS))
+        turned = skew(self.world_field @ state.world_R_imu)
+        jacobian[:, ROTATION] = -self.imu_R_sensor.as_matrix().T @ turned
+        return jacobian
+
+
+@dataclass(frozen=True)
+class GeodeticOrigin:
+    """The place on WGS 84 where a world has its origin; x points east, y north, z up there.
+
+    Args:
+        latitude_deg, longitude_deg: latitude from -90 to 90.
+        height_m: above the ellipsoid, not above the sea.
+
+    Raises:
+        ValueError: a latitude out of its range, NaN or infinity.
+
+    Examples:
+        >>> from motorcade.fusion.measurements import GeodeticOrigin
+        >>> GeodeticOrigin(latitude_deg=47.0, longitude_deg=8.5, height_m=400.0).height_m
+        400.0
+    """
+
+    latitude_deg: float
+    longitude_deg: float
+    height_m: float
+
+    def __post_init__(self) -> None:
+        _checked(self.latitude_deg, self.longitude_deg, self.height_m)
+
+    @cached_property
+    def _pipeline(self) -> Any:
+        from pyproj import Transformer
+
+        return Transformer.from_pipeline(
+            "+proj=pipeline +step +proj=unitconvert +xy_in=deg +xy_out=rad "
+            "+step +proj=cart +ellps=WGS84 +step +proj=topocentric +ellps=WGS84 "
+            f"+lat_0={self.latitude_deg!r} +lon_0={self.longitude_deg!r} +h_0={self.height_m!r}"
+        )
+
+    def local_m(
+        self, latitude_deg: ArrayLike, longitude_deg: ArrayLike, height_m: ArrayLike
+    ) -> FloatArray:
+        """Places ``(N, 3)`` east, north and up of the origin, of N on the ellipsoid.
+
+        Raises:
+            ValueError: latitudes beyond ±90°, shapes that do not agree, NaN or infinity.
+            ModuleNotFoundError: without pyproj.
+        """
+        latitude, longitude, height = _checked(latitude_deg, longitude_deg, height_m)
+        columns = self._pipeline.transform(longitude, latitude, height)
+        return np.stack(columns, axis=-1)
+
+    def geodetic(self, local_m: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Latitudes (deg), longitudes (deg) and heights (m) ``(N,)`` of places ``(N, 3)``.
+
+        Raises:
+            ValueError: another shape, NaN or infinity.
+            ModuleNotFoundError: without pyproj.
+        """
+        east, north, up = np.moveaxis(checked_floats(local_m, "local_m", (3,)), -1, 0)
+        longitude, latitude, height = self._pipeline.transform(east, north, up, direction="INVERSE")
+        return latitude, longitude, height
+
+
+def _checked(
+    latitude_deg: ArrayLike, longitude_deg: ArrayLike, height_m: ArrayLike
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    latitude, longitude, height = (
+        checked_floats(value, name, ())
+        for value, name in (
+            (latitude_deg, "latitude_deg"),
+            (longitude_deg, "longitude_deg"),
+            (height_m, "height_m"),
+        )
+    )
+    if latitude.shape != longitude.shape or latitude.shape != height.shape:
+        raise ValueError(
+            "latitude_deg, longitude_deg, height_m: expected one shape, got "
+            f"{latitude.shape}, {longitude.shape}, {height.shape}"
+        )
+    if np.any(np.abs(latitude) > 90.0):
+        raise ValueError("latitude_deg: expected -90 to 90, got more; is it the longitude?")
+    return latitude, longitude, height

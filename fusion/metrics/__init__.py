@@ -26,8 +26,12 @@ from motorcade.fusion.metrics.consistency import (
     most_by_chance,
     normalised_squared,
 )
-from motorcade.fusion.metrics.cost import seconds_per_pose
-from motorcade.fusion.metrics.evaluation import Evaluation, evaluate, evaluate_matched
+from motorcade.fusion.metrics.evaluation import (
+    Evaluation,
+    evaluate,
+    evaluate_matched,
+    seconds_per_pose,
+)
 from motorcade.fusion.metrics.jitter import (
     EnergyExcess,
     Jitter,
@@ -43,9 +47,12 @@ from motorcade.fusion.metrics.matching import Matched, match
 from motorcade.fusion.metrics.poses.alignment import (
     Align,
     Alignment,
+    Plane,
     align,
     align_heading,
     alignment_of,
+    folded,
+    projected,
 )
 from motorcade.fusion.metrics.poses.association import Pairs, associate, cropped
 from motorcade.fusion.metrics.poses.deltas import Delta
@@ -59,7 +66,6 @@ from motorcade.fusion.metrics.poses.pose_error import (
     tilt_rad,
     without_scale,
 )
-from motorcade.fusion.metrics.poses.projection import Plane, folded, projected
 from motorcade.fusion.metrics.poses.relations import Relation, absolute_errors, relative_errors
 from motorcade.fusion.metrics.smooth_path import NotObservableError
 

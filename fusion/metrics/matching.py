@@ -11,7 +11,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from motorcade.fusion.metrics.poses.alignment import Align, Alignment, alignment_of
+from motorcade.fusion.metrics.poses.alignment import (
+    Align,
+    Alignment,
+    Plane,
+    alignment_of,
+    folded,
+    projected,
+)
 from motorcade.fusion.metrics.poses.association import (
     Pairs,
     associate,
@@ -19,7 +26,6 @@ from motorcade.fusion.metrics.poses.association import (
     cropped,
 )
 from motorcade.fusion.metrics.poses.pose_error import log_scales, without_scale
-from motorcade.fusion.metrics.poses.projection import Plane, folded, projected
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 

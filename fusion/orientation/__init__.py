@@ -6,12 +6,12 @@ magnetometer, whose y points to magnetic north. Units are rad/s and m/s²; a fie
 
 from __future__ import annotations
 
-from motorcade.fusion.orientation.doubts import orientation_doubts
 from motorcade.fusion.orientation.estimate import (
     Orientation,
     OrientationFilter,
     OrientationModel,
     estimate_orientation,
+    orientation_doubts,
 )
 
 __all__ = [

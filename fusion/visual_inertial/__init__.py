@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from motorcade.fusion.visual_inertial.observations import LandmarkObservations
 from motorcade.fusion.visual_inertial.online import (
     InertialFrame,
     InertialSlam,
@@ -11,7 +10,11 @@ from motorcade.fusion.visual_inertial.online import (
 )
 from motorcade.fusion.visual_inertial.sequence import FusedMap, MetricMap, fuse_map, metric_map
 from motorcade.fusion.visual_inertial.start import InertialStart, start_inertial
-from motorcade.fusion.visual_inertial.tight import VisualInertial, adjust_visual_inertial
+from motorcade.fusion.visual_inertial.tight import (
+    LandmarkObservations,
+    VisualInertial,
+    adjust_visual_inertial,
+)
 from motorcade.fusion.visual_inertial.window import InertialAdjuster, KeyframeMotion
 
 __all__ = [

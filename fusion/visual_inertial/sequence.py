@@ -49,10 +49,13 @@ import numpy as np
 from motorcade.fusion.filter import Fused, fuse
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.fusion.visual_inertial.observations import LandmarkObservations
 from motorcade.fusion.visual_inertial.readout import as_recorded
 from motorcade.fusion.visual_inertial.start import InertialStart, start_inertial
-from motorcade.fusion.visual_inertial.tight import VisualInertial, adjust_visual_inertial
+from motorcade.fusion.visual_inertial.tight import (
+    LandmarkObservations,
+    VisualInertial,
+    adjust_visual_inertial,
+)
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera

@@ -8,6 +8,7 @@ heading of the first keyframe are held. Source: T. Qin, P. Li, S. Shen, VINS-Mon
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -24,21 +25,20 @@ from motorcade.fusion.graph.inertial import (
 from motorcade.fusion.graph.shared import SharedUnknowns, keys
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.fusion.visual_inertial.observations import LandmarkObservations
 from motorcade.fusion.visual_inertial.readout import (
     camera_twist_rate,
     checked_readout,
     rows_later_s,
     rows_moved_px,
 )
-from motorcade.fusion.visual_inertial.sightings import add_sightings
-from motorcade.ga import Motor, Trajectory
-from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive, frozen
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.slam.geometry import is_native
 
 if TYPE_CHECKING:
     import gtsam
+
 
 _ITERATIONS = 50
 _RELATIVE = 1e-6
@@ -320,3 +320,121 @@ def _read(
         used,
         error,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class LandmarkObservations:
+    """N sightings of L landmarks in K keyframes.
+
+    Args:
+        keyframe: ``(N,)`` from 0 on, rows of the keyframes.
+        landmark: ``(N,)`` from 0 on, rows of the landmarks.
+        px: ``(N, 2)`` where, in the camera's own (distorted) pixels.
+
+    Raises:
+        ValueError: shapes that do not agree, numbers below 0, pixels that are not finite, or a
+            landmark twice in one keyframe.
+
+    Examples:
+        >>> from motorcade.fusion.visual_inertial import LandmarkObservations
+        >>> seen = LandmarkObservations([0, 1], [0, 0], [[320.0, 240.0], [310.5, 240.2]])
+        >>> len(seen)
+        2
+    """
+
+    keyframe: IntArray
+    landmark: IntArray
+    px: FloatArray
+
+    def __post_init__(self) -> None:
+        px = frozen(checked_floats(self.px, "LandmarkObservations.px", (2,)))
+        for name in ("keyframe", "landmark"):
+            rows = np.array(getattr(self, name))
+            if rows.dtype.kind not in "iu" or rows.shape != px.shape[:1] or np.any(rows < 0):
+                raise ValueError(
+                    f"LandmarkObservations.{name}: expected {px.shape[:1]} whole numbers from 0 "
+                    f"on, got dtype {rows.dtype}, shape {rows.shape}"
+                )
+            rows = rows.astype(np.int64)
+            rows.setflags(write=False)
+            object.__setattr__(self, name, rows)
+        pairs = np.stack([self.keyframe, self.landmark], axis=-1)
+        if len(np.unique(pairs, axis=0)) < len(pairs):
+            raise ValueError(
+                "LandmarkObservations: expected a landmark once in a keyframe, got one twice"
+            )
+        object.__setattr__(self, "px", px)
+
+    def __len__(self) -> int:
+        """Number of sightings."""
+        return len(self.px)
+
+
+_HUBER = 1.5
+
+
+def add_sightings(
+    factors: gtsam.NonlinearFactorGraph,
+    observations: LandmarkObservations,
+    rows: IntArray,
+    camera: Camera,
+    imu_T_camera: Motor,
+    sigma_px: float,
+) -> None:
+    """Add factors between poses and landmarks, with Huber's loss.
+
+    Args:
+        factors: the graph.
+        observations: what was seen.
+        rows: ``(m,)`` which of them.
+        camera: with its distortion.
+        imu_T_camera: pose of the camera on the IMU.
+        sigma_px: noise of a pixel coordinate.
+    """
+    import gtsam
+
+    loss = gtsam.noiseModel.mEstimator.Huber.Create(_HUBER)
+    pinholes = _pinholes(camera, observations.px[rows], imu_T_camera, sigma_px)
+    for row, (seen, noise, lens, extrinsics) in zip(rows.tolist(), pinholes, strict=True):
+        pose = keys(int(observations.keyframe[row])).pose
+        point = gtsam.symbol("l", int(observations.landmark[row]))
+        model = gtsam.noiseModel.Robust.Create(loss, noise)
+        factors.push_back(
+            gtsam.GenericProjectionFactorCal3_S2(
+                seen, model, pose, point, lens, False, False, extrinsics
+            )
+        )
+
+
+def _pinholes(
+    camera: Camera, px: FloatArray, imu_T_camera: Motor, sigma_px: float
+) -> Iterator[tuple[FloatArray, gtsam.noiseModel.Base, gtsam.Cal3_S2, gtsam.Pose3]]:
+    """Pixel, its noise, lens and pose on the IMU of a pinhole that saw each pixel ``(m, 2)``.
+
+    That of a fisheye looks along the pixel's ray, with a focal length of 1: there its picture and
+    the fisheye's differ by a linear map, and the noise goes through that.
+    """
+    import gtsam
+
+    if not is_native(camera):
+        matrix = camera.matrix
+        lens = gtsam.Cal3_S2(matrix[0, 0], matrix[1, 1], 0.0, matrix[0, 2], matrix[1, 2])
+        same = gtsam.noiseModel.Isotropic.Sigma(2, sigma_px), lens, as_pose(imu_T_camera)
+        yield from ((seen, *same) for seen in camera.undistort(px))
+        return
+    rays = camera.bearings(px)
+    camera_T_pinhole = _towards(rays)
+    by_plane = camera.project_jacobian(rays)[1] @ camera_T_pinhole[:, :, :2]
+    spread = sigma_px**2 * np.linalg.inv(by_plane.swapaxes(-1, -2) @ by_plane)
+    turned = Motor.from_rotor_translation(Rotor.from_matrix(camera_T_pinhole), np.zeros(3))
+    middle, lens = np.zeros(2), gtsam.Cal3_S2(1.0, 1.0, 0.0, 0.0, 0.0)
+    for covariance, extrinsics in zip(spread, as_poses(imu_T_camera @ turned), strict=True):
+        yield middle, gtsam.noiseModel.Gaussian.Covariance(covariance), lens, extrinsics
+
+
+def _towards(rays: FloatArray) -> FloatArray:
+    """Rotations ``(m, 3, 3)`` that take z to unit vectors ``(m, 3)``."""
+    steep = np.abs(rays[:, 2:]) > np.sqrt(0.5)
+    aside = np.cross(np.where(steep, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]), rays)
+    aside /= np.linalg.norm(aside, axis=-1, keepdims=True)
+    return np.stack([aside, np.cross(rays, aside), rays], axis=-1)

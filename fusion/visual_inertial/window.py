@@ -13,22 +13,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
 from motorcade.fusion.filter.extended_pose import extended_pose
 from motorcade.fusion.filter.settings import VELOCITY_SIGMA_M_S
 from motorcade.fusion.imu.noise import ACCEL_BIAS_SIGMA_M_S2, GYRO_BIAS_SIGMA_RAD_S, ImuNoise
-from motorcade.fusion.preintegration import preintegrate
-from motorcade.fusion.visual_inertial.links import bridged, summed_links
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.preintegration import Preintegrated, preintegrate
 from motorcade.fusion.visual_inertial.readout import (
     Readout,
     camera_twist_rate,
     rows_moved_px,
 )
-from motorcade.fusion.visual_inertial.samples import GrowingImu
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.stamps import LONGEST_BRIDGE_S
 from motorcade.tracking.optimise import BlockEquations, Stop, minimise
 from motorcade.tracking.slam.mapping.adjustment import AdjustedBundle, Bundle, BundleReprojection
 
@@ -388,3 +389,122 @@ def _cross(vectors: FloatArray) -> FloatArray:
     x, y, z = np.moveaxis(vectors, -1, 0)
     matrix[..., 0, 1], matrix[..., 0, 2], matrix[..., 1, 2] = -z, y, -x
     return matrix - np.swapaxes(matrix, -1, -2)
+
+
+_NO_LINKS = Preintegrated(
+    np.zeros(0),
+    Motor.identity((0, 2)),
+    np.zeros((0, 3)),
+    np.zeros((0, 3)),
+    np.zeros((0, 15, 15)),
+    np.zeros((0, 15, 15)),
+)
+
+
+def bridged(samples_ns: IntArray, keys_ns: IntArray) -> list[slice]:
+    """Runs of keyframes between which samples are nowhere too far apart to be summed up."""
+    wide = np.flatnonzero(np.diff(samples_ns) > LONGEST_BRIDGE_S * 1e9)
+    spans = np.stack([samples_ns[wide], samples_ns[wide + 1]], axis=-1)
+    # A link is broken by a gap that begins before its end and ends after its start.
+    broken = (spans[:, :1] < keys_ns[1:]) & (spans[:, 1:] > keys_ns[:-1])
+    edges = [0, *(np.flatnonzero(broken.any(axis=0)) + 1).tolist(), len(keys_ns)]
+    return [slice(*edge) for edge in pairwise(edges)]
+
+
+def summed_links(
+    imu: ImuStream, noise: ImuNoise, stamps_ns: list[IntArray], biases: list[FloatArray]
+) -> Preintegrated:
+    """All links, about the mean of the biases at both ends."""
+    parts = [_NO_LINKS]
+    for keys_ns, bias in zip(stamps_ns, biases, strict=True):
+        if len(keys_ns) > 1:
+            mean = 0.5 * (bias[1:] + bias[:-1])
+            parts.append(preintegrate(imu, keys_ns, noise, mean[:, :3], mean[:, 3:]))
+    motion = np.concatenate([part.motion.coefficients for part in parts])
+    rest = ("gyro_bias_rad_s", "accel_bias_m_s2", "transition", "covariance")
+    return Preintegrated(
+        np.concatenate([part.duration_s for part in parts]),
+        Motor(motion),
+        *(np.concatenate([getattr(part, name) for part in parts]) for name in rest),
+    )
+
+
+class GrowingImu:
+    """Samples in chunks; chunks of like length are joined, so that each is copied few times.
+
+    >>> import numpy as np
+    >>> from motorcade.fusion import ImuStream
+    >>> from motorcade.fusion.visual_inertial.window import GrowingImu
+    >>> still, samples = np.zeros((4, 3)), GrowingImu()
+    >>> for start in (0, 4):
+    ...     samples.add(ImuStream(5_000_000 * np.arange(start, start + 4), still, still))
+    >>> samples.last_ns, len(samples.between(0, 25_000_000))
+    (35000000, 8)
+    """
+
+    def __init__(self) -> None:
+        self._chunks: list[ImuStream] = []
+
+    def add(self, samples: ImuStream) -> None:
+        """Take samples after those before.
+
+        Raises:
+            ValueError: samples that do not come after those before.
+        """
+        if self._chunks and samples.time_ns[0] <= self.last_ns:
+            raise ValueError(
+                f"samples: expected stamps after {self.last_ns}, got {samples.time_ns[0]}"
+            )
+        self._chunks.append(samples)
+        while len(self._chunks) > 1 and len(self._chunks[-2]) <= 2 * len(self._chunks[-1]):
+            self._chunks[-2:] = [_joined(self._chunks[-2:])]
+
+    @property
+    def first_ns(self) -> int:
+        """Stamp of the first sample.
+
+        Raises:
+            ValueError: no samples so far. So `all` and `between`.
+        """
+        return int(self._some()[0].time_ns[0])
+
+    @property
+    def last_ns(self) -> int:
+        """Stamp of the last sample; -1 without any."""
+        return int(self._chunks[-1].time_ns[-1]) if self._chunks else -1
+
+    def all(self) -> ImuStream:
+        """Everything so far."""
+        self._chunks = [_joined(self._some())]
+        return self._chunks[0]
+
+    def between(self, first_ns: int, last_ns: int) -> ImuStream:
+        """Samples that cover a span, and more."""
+        starts = [int(chunk.time_ns[0]) for chunk in self._some()]
+        first = max(int(np.searchsorted(starts, first_ns, side="right")) - 1, 0)
+        last = int(np.searchsorted(starts, last_ns, side="right"))
+        return _joined(self._chunks[first : last + 1])
+
+    def rates_at(self, time_ns: IntArray) -> FloatArray:
+        """Angular rates ``(k, 3)``, rad/s, at two stamps ``(k,)`` or more in any order."""
+        rising, place = np.unique(time_ns, return_inverse=True)
+        return self.around(rising).at(rising).angular_rate_rad_s[place]
+
+    def around(self, time_ns: IntArray) -> ImuStream:
+        """Samples that cover stamps ``(k,)``, and more."""
+        return self.between(int(time_ns.min()), int(time_ns.max()))
+
+    def _some(self) -> list[ImuStream]:
+        if not self._chunks:
+            raise ValueError("GrowingImu: expected samples, got none")
+        return self._chunks
+
+
+def _joined(chunks: list[ImuStream]) -> ImuStream:
+    if len(chunks) == 1:
+        return chunks[0]
+    return ImuStream(
+        np.concatenate([one.time_ns for one in chunks]),
+        np.concatenate([one.angular_rate_rad_s for one in chunks]),
+        np.concatenate([one.specific_force_m_s2 for one in chunks]),
+    )

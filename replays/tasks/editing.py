@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from motorcade.fusion.metrics import Align, Plane, alignment_of, associate, cropped
+from motorcade.fusion.metrics.poses.alignment import folded, projected
 from motorcade.fusion.metrics.poses.association import checked_offset_ns
-from motorcade.fusion.metrics.poses.projection import folded, projected
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.stamps import GAP_STEPS, inside_gaps, near_steps
 from motorcade.ga.trajectory_edits import (

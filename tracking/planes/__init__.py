@@ -1,10 +1,15 @@
 """Planes of a scene for placement: found in map points or depth; up is weighed by them."""
 
-from motorcade.tracking.planes.believed import belief_in, foot_level
 from motorcade.tracking.planes.finding import FoundPlanes, find_planes, find_planes_in_depth
-from motorcade.tracking.planes.lines import segment_rays
 from motorcade.tracking.planes.plane import Plane, fit_plane
-from motorcade.tracking.planes.upward import FlatSurface, UpEstimate, estimate_up
+from motorcade.tracking.planes.upward import (
+    FlatSurface,
+    UpEstimate,
+    belief_in,
+    estimate_up,
+    foot_level,
+    segment_rays,
+)
 
 __all__ = [
     "FlatSurface",

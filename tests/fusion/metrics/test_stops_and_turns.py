@@ -176,12 +176,12 @@ def test_a_path_there_and_back_is_as_long_as_both_ways():
 def test_a_pose_costs_its_share_of_the_fastest_run(monkeypatch):
     """Three runs by a clock of ours: 5, 2 and 3 s over 31 poses."""
     ticks = iter([0.0, 5.0, 10.0, 12.0, 20.0, 23.0])
-    monkeypatch.setattr("motorcade.fusion.metrics.cost.perf_counter", lambda: next(ticks))
+    monkeypatch.setattr("motorcade.fusion.metrics.evaluation.perf_counter", lambda: next(ticks))
     trajectory = MOTIONS["handheld"].sampled(30.0, 1.0)
     assert seconds_per_pose(lambda path: path, trajectory) == pytest.approx(2.0 / len(trajectory))
     with pytest.raises(StopIteration):  # three runs, and no more
         next(ticks)
     once = iter([1.0, 5.0])
-    monkeypatch.setattr("motorcade.fusion.metrics.cost.perf_counter", lambda: next(once))
+    monkeypatch.setattr("motorcade.fusion.metrics.evaluation.perf_counter", lambda: next(once))
     found = seconds_per_pose(lambda path: path, trajectory, repeats=1)
     assert found == pytest.approx(4.0 / len(trajectory))

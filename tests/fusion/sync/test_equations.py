@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from motorcade.fusion.chains import ChainFactor
-from motorcade.fusion.sync.normal_equations import Bordered
-from motorcade.fusion.sync.residuals import interval_residuals, pose_residuals
+from motorcade.fusion.sync.alignment import interval_residuals, pose_residuals
+from motorcade.fusion.sync.normal_equations import Bordered, ChainFactor
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 

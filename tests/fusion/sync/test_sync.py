@@ -14,9 +14,8 @@ from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream, simulate_imu
 from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.fusion.sync import Synchronised, synchronise
-from motorcade.fusion.sync.gating import plausible
 from motorcade.fusion.sync.rates import match_rates
-from motorcade.fusion.sync.synchronise import covered
+from motorcade.fusion.sync.synchronise import covered, plausible
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.cli import main

@@ -18,8 +18,7 @@ from motorcade.fusion.visual_inertial import (
     KeyframeMotion,
     online,
 )
-from motorcade.fusion.visual_inertial.samples import GrowingImu
-from motorcade.fusion.visual_inertial.window import _chained, _Problem, _State
+from motorcade.fusion.visual_inertial.window import GrowingImu, _chained, _Problem, _State
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.slam import SlamFrame, SlamSettings, VisualSlam

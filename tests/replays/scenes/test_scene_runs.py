@@ -226,7 +226,7 @@ def test_more_than_can_be_played_is_refused(
     crowd = [{**BOX, "name": f"box {k}", "parent": "ground"} for k in range(101)]
     with pytest.raises(ValueError, match="expected at most 100 characters and props, got 101"):
         bound(scene(tmp_path, *crowd))
-    monkeypatch.setattr("motorcade.replays.stages.view.bound.MOST_POSES", 300)
+    monkeypatch.setattr("motorcade.replays.stages.view.placed.MOST_POSES", 300)
     with pytest.raises(ValueError, match=r"scene, 'box 1': expected at most 300 poses"):
         bound(scene(tmp_path, *crowd[:2]))
     monkeypatch.setattr("motorcade.replays.stages.characters.acted.MOST_POSES", 5000)

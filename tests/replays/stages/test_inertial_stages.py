@@ -16,8 +16,8 @@ from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.io.recording import Odometry, Recording
-from motorcade.replays.stages.camera import metres
-from motorcade.replays.stages.camera.metres import NoMetres, in_metres
+from motorcade.replays.stages.camera import slam_poses
+from motorcade.replays.stages.camera.slam_poses import NoMetres, in_metres
 from motorcade.replays.stages.inertial.convergence import convergence
 from motorcade.replays.stages.inertial.fused import fused
 from motorcade.replays.stages.inertial.imu import imu
@@ -335,7 +335,7 @@ def test_metres_that_the_imu_contradicts_are_none(
     grown = Motor.from_rotor_translation(told.trajectory.motors.rotor, places)
     wrong = PoseMeasurements(Trajectory(told.trajectory.time_ns, grown), told.covariance)
     made = replace(found.made, measurements=wrong)
-    monkeypatch.setattr(metres, "metric_map", lambda *given: made)
+    monkeypatch.setattr(slam_poses, "metric_map", lambda *given: made)
     with pytest.raises(NoMetres, match=r"poses of the path .* contradict it"):
         in_metres(one, mapped(path()))
 

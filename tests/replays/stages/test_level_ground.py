@@ -5,7 +5,7 @@ import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.stages.values.camera_poses import HELD_HEIGHT
-from motorcade.replays.stages.view.level_ground import level_ground
+from motorcade.replays.stages.view.anchored import level_ground
 from motorcade.tracking.cameras.camera import Camera
 
 LEVEL = Motor.from_rotor_translation(

@@ -10,7 +10,7 @@ import pytest
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.render.plots import plot_series
-from motorcade.replays.pipeline.report import viewer
+from motorcade.replays.pipeline.report import page
 from motorcade.replays.pipeline.report.page import _rows
 from motorcade.replays.pipeline.report.summary import (
     LEFT_AS_IT_WAS,
@@ -94,11 +94,11 @@ def test_what_json_cannot_say_becomes_null() -> None:
 def test_films_too_large_together_for_a_page_lie_beside_it(
     limit: int, inside: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(viewer, "FILMS_INSIDE_BYTES", limit)
+    monkeypatch.setattr(page, "FILMS_INSIDE_BYTES", limit)
     paths = {name: tmp_path / f"some-{name}.mp4" for name in ("overlay", "footage")}
     for path in paths.values():
         path.write_bytes(b"not long.")
-    found = viewer._films(paths)
+    found = page._films(paths)
     assert [one.data for one in found.values()] == ["bm90IGxvbmcu" if inside else ""] * 2
     beside = [one.beside for one in found.values()]
     assert beside == (["", ""] if inside else ["overlay.mp4", "footage.mp4"])

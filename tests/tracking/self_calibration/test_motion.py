@@ -7,8 +7,12 @@ import pytest
 from motorcade.ga import Motor, Rotor
 from motorcade.tracking import Camera, SelfCalibrationError, self_calibrate_motion
 from motorcade.tracking.self_calibration.lens import KINDS
-from motorcade.tracking.self_calibration.points import PointSightings, PointState, fit_points
-from motorcade.tracking.self_calibration.shutter import fit_with_shutter
+from motorcade.tracking.self_calibration.points import (
+    PointSightings,
+    PointState,
+    fit_points,
+    fit_with_shutter,
+)
 from tests.end_to_end.phones.sensor import PhoneCamera
 
 RADIAL = KINDS[2]

@@ -6,7 +6,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from motorcade.ga import Similarity
-from motorcade.tracking.slam.mapping.pose_graph import PoseGraph
+from motorcade.tracking.slam.mapping.loops import PoseGraph
 
 COUNT = 8
 
