@@ -11,13 +11,13 @@ from motorcade.fusion.filter.fused import by_stretch, camera_covariance, covered
 from motorcade.fusion.filter.settings import MOST_NOISE
 from motorcade.fusion.filter.unjudged import fuse_unjudged
 from motorcade.fusion.graph.inertial import InertialGraph
-from motorcade.fusion.graph.smoothers import determined, smooth_all, smooth_with_lag
+from motorcade.fusion.graph.smoothers import determined, smooth_all
 from motorcade.fusion.graph.states import GraphStates
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.measurements.interface import Measurements, checked_measurements
 from motorcade.ga import Motor, Trajectory
-from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.stamps import checked_span_ns
 from motorcade.tracking.measurements import PoseMeasurements
 
@@ -32,9 +32,8 @@ def fuse_by_graph(
     also: Sequence[Measurements] = (),
     settings: FilterSettings | None = None,
     time_offset_s: float = 0.0,
-    lag_s: float | None = None,
 ) -> Fused:
-    """Fuse measured camera poses with an IMU by gtsam: all at once, or with a lag.
+    """Fuse measured camera poses with an IMU by gtsam, all at once; `fuse` also does so with a lag.
 
     Every stamp, measured or wanted, is a node of 15 unknowns with its own covariance: the graph is
     for frames, not for the IMU's own rate. Of `settings` it takes gravity, what else to estimate
@@ -51,17 +50,13 @@ def fuse_by_graph(
         noise: the IMU's densities and bias walks.
         imu_T_camera: pose of the camera on the IMU.
         stamps_ns: as for `fuse`.
-        also: as for `fuse`; steps may overlap, but with a lag not be longer than that.
+        also: as for `fuse`; steps may overlap.
         settings: as for `fuse`.
         time_offset_s: as for `fuse`.
-        lag_s: None: every estimate knows all the data. Otherwise it knows those up to so many
-            seconds later, as a tracker that may wait; `state_covariance` then lacks what pose,
-            velocity and biases have in common.
 
     Raises:
-        ValueError: as `fuse`; settings that look for rest, or with a lag estimate more than the
-            motion; a lag that is not above zero, or shorter than a step; gaps in the stream that
-            leave the graph singular.
+        ValueError: as `fuse`; settings that look for rest; gaps in the stream that leave the
+            graph singular.
 
     Examples:
         >>> import numpy as np
@@ -80,13 +75,17 @@ def fuse_by_graph(
         Trajectory(world_T_imu, 61 poses, 3.000 s)
     """
     chosen, kinds, shift_ns = checked_graph_input(also, settings, time_offset_s)
-    if lag_s is not None:
-        _check_lag(checked_positive(lag_s, "lag_s", "seconds"), chosen, kinds)
 
     def fuse_part(part: PoseMeasurements, stream: ImuStream, stamps: IntArray | None) -> Fused:
-        return _fused(
-            part, stream, noise, imu_T_camera, stamps, kinds, chosen, time_offset_s, lag_s
+        used = covered(part, stream, shift_ns)
+        wanted = wanted_stamps(used.trajectory.time_ns + shift_ns, stream, stamps)
+        graph = InertialGraph.of(
+            used, stream, noise, imu_T_camera, wanted, chosen, kinds, time_offset_s
         )
+        start = filtered_start(used, stream, noise, graph) if kinds else None
+        with determined():
+            states = smooth_all(graph, start)
+        return as_fused(graph, states, part.trajectory, wanted, chosen)
 
     return by_stretch(fuse_part, measurements, imu, stamps_ns, shift_ns)
 
@@ -106,40 +105,6 @@ def checked_graph_input(
             "settings: expected no detection of rest, got some; zero velocities can be measured"
         )
     return chosen, kinds, checked_span_ns(time_offset_s, "time_offset_s")
-
-
-def _check_lag(lag_s: float, settings: FilterSettings, also: Sequence[Measurements]) -> None:
-    lag_ns = checked_span_ns(lag_s, "lag_s")
-    if settings.error_size != 15:
-        raise ValueError(
-            "settings: expected only motion and biases to estimate with a lag, got more"
-        )
-    for kind in also:
-        since = kind.since_ns
-        if since is not None and np.any(kind.time_ns - since > lag_ns):
-            raise ValueError(f"lag_s: expected no {kind.name} step longer than the lag, got one")
-
-
-def _fused(
-    measurements: PoseMeasurements,
-    imu: ImuStream,
-    noise: ImuNoise,
-    imu_T_camera: Motor,
-    stamps_ns: IntArray | None,
-    also: Sequence[Measurements],
-    chosen: FilterSettings,
-    time_offset_s: float,
-    lag_s: float | None,
-) -> Fused:
-    """Fuse along one stretch of the stream."""
-    shift_ns = round(time_offset_s * 1e9)
-    used = covered(measurements, imu, shift_ns)
-    wanted = wanted_stamps(used.trajectory.time_ns + shift_ns, imu, stamps_ns)
-    graph = InertialGraph.of(used, imu, noise, imu_T_camera, wanted, chosen, also, time_offset_s)
-    start = filtered_start(used, imu, noise, graph) if also and lag_s is None else None
-    with determined():
-        states = smooth_all(graph, start) if lag_s is None else smooth_with_lag(graph, lag_s)
-    return as_fused(graph, states, measurements.trajectory, wanted, chosen)
 
 
 def as_fused(

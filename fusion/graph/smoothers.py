@@ -1,15 +1,10 @@
-"""States by a factor graph: all at once, or node after node with a lag.
-
-With a lag, each node is revised while it is younger than that. What leaves the window is summed up
-in its neighbours (marginalised) by gtsam's incremental smoother (M. Kaess et al., iSAM2, IJRR
-31(2), 2012).
-"""
+"""States by a factor graph, all at once."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -135,94 +130,3 @@ def read_all(
     spread = np.array(covariance) if covariances else np.zeros((len(poses), size, size))
     states = np.array(velocity), np.array(bias), spread
     return GraphStates.of(as_motor(poses), *states, graph.shared, values), marginals
-
-
-# Steps of Gauss and Newton at each node: the loss is not quadratic, and a prediction after long
-# darkness is far off.
-_STEPS = 3
-
-
-def smooth_with_lag(graph: InertialGraph, lag_s: float) -> GraphStates:
-    """States that each know the data up to `lag_s` later.
-
-    Covariances between pose, velocity and biases are left zero: gtsam's smoother gives one variable
-    at a time.
-    """
-    import gtsam
-
-    params = gtsam.ISAM2Params()
-    # Walks are so slow beside the first uncertainty that squares lose digits.
-    params.setFactorization("QR")
-    params.relinearizeSkip = 1
-    params.setRelinearizeThreshold(1e-3)
-    smoother = gtsam.IncrementalFixedLagSmoother(lag_s, params)
-    time_s = (graph.time_ns - graph.time_ns[0]) * 1e-9
-    rows, unread = [], 0
-    for index in range(len(time_s)):
-        _add(smoother, graph, index, float(time_s[index]))
-        following = time_s[index + 1] if index + 1 < len(time_s) else np.inf
-        while unread <= index and time_s[unread] < following - lag_s:
-            rows.append(_read_node(smoother, unread))
-            unread += 1
-    poses, velocity, bias, covariance = zip(*rows, strict=True)
-    return GraphStates.of(
-        as_motor(poses),
-        np.array(velocity),
-        np.array(bias),
-        np.array(covariance),
-        graph.shared,
-        gtsam.Values(),
-    )
-
-
-def _add(
-    smoother: gtsam.IncrementalFixedLagSmoother, graph: InertialGraph, index: int, time_s: float
-) -> None:
-    """One node with its factors, started where the samples propagate the one before."""
-    import gtsam
-
-    factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
-    node = keys(index)
-    for factor in graph.seen(index):
-        factors.push_back(factor)
-    if index == 0:
-        for prior in graph.priors():
-            factors.push_back(prior)
-        values.insert(node.pose, graph.poses[int(graph.measured[0])])
-        values.insert(node.velocity, np.zeros(3))
-        values.insert(node.bias, gtsam.imuBias.ConstantBias())
-    else:
-        last = keys(index - 1)
-        bias = smoother.calculateEstimateConstantBias(last.bias)
-        summed = graph.summed(index, bias)
-        factors.push_back(graph.motion(index, summed))
-        state = gtsam.NavState(
-            smoother.calculateEstimatePose3(last.pose),
-            smoother.calculateEstimateVector(last.velocity),
-        )
-        there = summed.predict(state, bias)
-        values.insert(node.pose, there.pose())
-        values.insert(node.velocity, there.velocity())
-        values.insert(node.bias, bias)
-    stamps: Any = dict.fromkeys((node.pose, node.velocity, node.bias), time_s)
-    smoother.update(factors, values, stamps)
-    for _ in range(_STEPS - 1):
-        smoother.update()
-
-
-def _read_node(smoother: gtsam.IncrementalFixedLagSmoother, index: int) -> tuple[Any, ...]:
-    node = keys(index)
-    covariance: FloatArray = np.zeros((15, 15))
-    for key, part in (
-        (node.pose, slice(6)),
-        (node.velocity, slice(6, 9)),
-        (node.bias, slice(9, 15)),
-    ):
-        covariance[part, part] = smoother.marginalCovariance(key)
-    bias = smoother.calculateEstimateConstantBias(node.bias)
-    return (
-        smoother.calculateEstimatePose3(node.pose),
-        smoother.calculateEstimateVector(node.velocity),
-        np.concatenate([bias.gyroscope(), bias.accelerometer()]),
-        covariance,
-    )

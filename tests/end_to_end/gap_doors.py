@@ -151,16 +151,13 @@ def _drawn(case: Case) -> None:
 
 
 def _as_gltf(case: Case) -> None:
-    from motorcade.animation.formats import CameraPath, write_gltf
+    from motorcade.animation.formats import CameraPath, CharacterOnPath, write_cast_gltf
     from motorcade.animation.mannequin import mannequin
 
-    write_gltf(
-        case.folder / "path.glb",
-        mannequin(),
-        [],
-        world_T_character=case.truth,
-        camera=CameraPath(case.truth, 1.0, 1.5),
-    )
+    figure = mannequin()
+    member = CharacterOnPath("figure", figure, figure.clip("walk"), case.truth)
+    camera = CameraPath(case.truth, 1.0, 1.5)
+    write_cast_gltf(case.folder / "path.glb", [member], camera=camera)
 
 
 _RUN = ("run", _recording, "--set", "tracked.by=simulated")
@@ -267,7 +264,7 @@ FUNCTIONS: dict[str, Callable[[Case], object]] = {
     "trajectory as kitti": partial(_rewritten, name="path.kitti"),
     "imu as euroc": _imu_rewritten,
     "plots of trajectories": _drawn,
-    "write_gltf": _as_gltf,
+    "write_cast_gltf": _as_gltf,
 }  # fmt: skip
 
 COMMANDS: dict[str, Callable[[Case], object]] = {

@@ -100,29 +100,18 @@ def write_gltf(
     path: Path | str,
     character: Character,
     clips: Sequence[Clip] | None = None,
-    *,
-    world_T_character: Trajectory | None = None,
-    camera: CameraPath | None = None,
-    points_m: FloatArray | None = None,
 ) -> None:
     """Write a character with its skeleton, skin, materials, morph targets and clips.
 
-    On a path every animation also carries the character, and the camera if there is one: time
-    zero is the path's first stamp, and a looped clip is repeated until the path ends. The world
-    of the path has z up.
+    `write_cast_gltf` writes characters on their ways, with a camera and points.
 
     Args:
         path: of the `.glb` to write; an existing file is replaced.
         character: what to write.
         clips: motions of its skeleton; by default its own.
-        world_T_character: where the character goes, and how large it is on the way.
-        camera: a camera that moves with the path's clock; only with `world_T_character`.
-        points_m: (N, 3) a cloud of points in the path's world; only with `world_T_character`.
 
     Raises:
-        ValueError: another suffix, clips for another skeleton or of one name, a camera or points
-            without a path, points of another shape, or a path so long that a looped clip has
-            more than 200,000 keys along it.
+        ValueError: another suffix, or clips for another skeleton or of one name.
         OSError: the file cannot be written.
 
     >>> import tempfile
@@ -148,24 +137,18 @@ def write_gltf(
     """
     target = Path(path)
     chosen = tuple(character.clips if clips is None else clips)
-    _check(target, character, chosen, world_T_character, camera)
-    _check_points(points_m, world_T_character)
+    _check_suffix(target)
+    names = [clip.name for clip in chosen]
+    if len(set(names)) < len(names):
+        raise ValueError(f"write_gltf(clips): expected different names, got {names}")
+    for clip in chosen:
+        _check_joints(character, clip, "write_gltf(clips)")
     scene = SceneWriter()
-    numbers = scene.add(character, on_path=world_T_character is not None)
-    lens = None if camera is None else scene.add_camera(camera.vertical_field_rad, camera.aspect)
-    for clip in chosen or _still(character, world_T_character):
+    numbers = scene.add(character, on_path=False)
+    for clip in chosen:
         animation_writer = AnimationWriter(scene.buffer)
-        _carry(animation_writer, character, clip, numbers, world_T_character)
-        if camera is not None and lens is not None and world_T_character is not None:
-            start_ns = int(world_T_character.time_ns[0])
-            animation_writer.path(
-                camera.world_T_camera, lens, start_ns, LOOKING, character.height_m
-            )
-        scene.animate(
-            animation_writer.document(clip.name, looped=clip.looped and world_T_character is None)
-        )
-    if points_m is not None:
-        scene.add_points(points_m)
+        animation_writer.clip(clip, numbers.first, character, None)
+        scene.animate(animation_writer.document(clip.name, looped=clip.looped))
     scene.write(target)
 
 
@@ -217,14 +200,17 @@ def write_cast_gltf(
         raise ValueError(
             f"write_cast_gltf(cast): expected paths from one stamp on, got {sorted(starts)}"
         )
-    _check_points(points_m, cast[0].world_T_character)
+    if points_m is not None:
+        _check_points(points_m)
     scene, start_ns = SceneWriter(), starts.pop()
     animation_writer = AnimationWriter(scene.buffer)
     for member in cast:
         numbers = scene.add(
             member.character, on_path=True, name=member.name if len(cast) > 1 else ""
         )
-        _carry(animation_writer, member.character, member.clip, numbers, member.world_T_character)
+        way, height_m = member.world_T_character, member.character.height_m
+        animation_writer.clip(member.clip, numbers.first, member.character, way)
+        animation_writer.path(way, numbers.path, start_ns, Rotor.identity(), height_m)
     if camera is not None:
         lens = scene.add_camera(camera.vertical_field_rad, camera.aspect)
         reach_m = max(one.character.height_m for one in cast)
@@ -233,37 +219,6 @@ def write_cast_gltf(
     if points_m is not None:
         scene.add_points(points_m)
     scene.write(target)
-
-
-def _carry(
-    animation_writer: AnimationWriter,
-    character: Character,
-    clip: Clip,
-    numbers: NodeNumbers,
-    path: Trajectory | None,
-) -> None:
-    """Channels of a character: its joints, its morph targets, and what its path carries."""
-    animation_writer.clip(clip, numbers.first, character, path)
-    if path is not None:
-        start_ns = int(path.time_ns[0])
-        animation_writer.path(path, numbers.path, start_ns, Rotor.identity(), character.height_m)
-
-
-def _check(
-    path: Path,
-    character: Character,
-    clips: tuple[Clip, ...],
-    world_T_character: Trajectory | None,
-    camera: CameraPath | None,
-) -> None:
-    _check_suffix(path)
-    if camera is not None and world_T_character is None:
-        raise ValueError("write_gltf(camera): expected a path of the character too, got none")
-    names = [clip.name for clip in clips]
-    if len(set(names)) < len(names):
-        raise ValueError(f"write_gltf(clips): expected different names, got {names}")
-    for clip in clips:
-        _check_joints(character, clip, "write_gltf(clips)")
 
 
 def _check_suffix(path: Path) -> None:
@@ -279,21 +234,10 @@ def _check_joints(character: Character, clip: Clip, field: str) -> None:
         )
 
 
-def _check_points(points_m: FloatArray | None, world_T_character: Trajectory | None) -> None:
-    if points_m is None:
-        return
-    if world_T_character is None:
-        raise ValueError("write_gltf(points_m): expected a path of the character too, got none")
+def _check_points(points_m: FloatArray) -> None:
     shape = points_m.shape
     if len(shape) != 2 or shape[1] != 3 or shape[0] == 0 or not np.all(np.isfinite(points_m)):
-        raise ValueError(f"write_gltf(points_m): expected finite points (N, 3), got {shape}")
-
-
-def _still(character: Character, path: Trajectory | None) -> tuple[Clip, ...]:
-    """The rest pose as a clip, for a path without any."""
-    if path is None:
-        return ()
-    return (Clip("path", np.zeros(1), character.skeleton.rest.reshape(1, -1)),)
+        raise ValueError(f"write_cast_gltf(points_m): expected finite points (N, 3), got {shape}")
 
 
 UPRIGHT_XYZW = [-0.5, -0.5, -0.5, 0.5]

@@ -10,7 +10,14 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Character, Clip, Skeleton, mannequin
-from motorcade.animation.formats import CameraPath, FormatError, read_character, write_gltf
+from motorcade.animation.formats import (
+    CameraPath,
+    CharacterOnPath,
+    FormatError,
+    read_character,
+    write_cast_gltf,
+    write_gltf,
+)
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from tests.animation.formats import samples
 from tests.animation.formats.samples import Write
@@ -93,9 +100,8 @@ def test_a_path_carries_the_character_and_the_camera(
     back = Motor.from_rotor_translation(Rotor.identity((40,)), rng.standard_normal((40, 3)))
     camera = CameraPath(Trajectory(stamps, back), 0.8, 4.0 / 3.0)
     path = tmp_path / "path.glb"
-    write_gltf(
-        path, figure, [figure.clip("walk")], world_T_character=world_T_character, camera=camera
-    )
+    member = CharacterOnPath("figure", figure, figure.clip("walk"), world_T_character)
+    write_cast_gltf(path, [member], camera=camera)
     witness = Witness(path)
     assert witness.span()[1] >= 3.9
     axes = np.array([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
@@ -116,13 +122,14 @@ def test_a_path_carries_the_character_and_the_camera(
 def test_points_lie_where_they_are_in_the_world_and_a_still_figure_is_carried(
     figure: Character, tmp_path: Path, rng: np.random.Generator
 ) -> None:
-    """Without any clip the figure stands in its rest pose, all along the path."""
+    """A clip of the rest pose alone lasts all along the path."""
     stamps = np.array([0, 500_000_000, 1_000_000_000])
     steps = Motor.from_twist(0.3 * rng.standard_normal((3, 6)))
     points = rng.standard_normal((5, 3))
     path = tmp_path / "points.glb"
     way = Trajectory(stamps, steps, "world", "character")
-    write_gltf(path, figure, [], world_T_character=way, points_m=points)
+    rest = Clip("rest", np.zeros(1), figure.skeleton.rest.reshape(1, -1))
+    write_cast_gltf(path, [CharacterOnPath("figure", figure, rest, way)], points_m=points)
     witness = Witness(path)
     axes = np.array([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
     world = witness.world(0.5)
@@ -142,7 +149,7 @@ def test_a_path_may_change_the_size_of_what_it_carries(figure: Character, tmp_pa
     sizes = Similarity.from_motor_scale(Motor.identity((2,)), np.array([1.0, 4.0]))
     once = Clip("once", np.array([0.0, 0.1]), figure.clip("walk").at([0.0, 0.1]))
     path = tmp_path / "grown.glb"
-    write_gltf(path, figure, [once], world_T_character=Trajectory(stamps, sizes))
+    write_cast_gltf(path, [CharacterOnPath("figure", figure, once, Trajectory(stamps, sizes))])
     witness = Witness(path)
     for time_s, size in ((0.0, 1.0), (1.0, 2.0), (2.0, 4.0)):
         world = witness.world(time_s)
@@ -229,19 +236,16 @@ def test_wrong_requests_are_refused(figure: Character, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=f"poses of {len(figure.skeleton)} joints, got 3"):
         write_gltf(tmp_path / "figure.glb", figure, [other])
     still = Trajectory(np.array([0]), Motor.identity((1,)))
-    with pytest.raises(ValueError, match="a path of the character too"):
-        write_gltf(tmp_path / "figure.glb", figure, camera=CameraPath(still, 0.8, 1.0))
     with pytest.raises(ValueError, match="between 0 and pi"):
         CameraPath(still, 4.0, 1.0)
     for aspect in (0.0, -1.0, np.nan, np.inf):
         with pytest.raises(ValueError, match=r"CameraPath\.aspect: expected a number above 0"):
             CameraPath(still, 0.8, aspect)
     points = np.zeros((4, 3))
-    with pytest.raises(ValueError, match=r"points_m\): expected a path of the character too"):
-        write_gltf(tmp_path / "figure.glb", figure, points_m=points)
+    member = CharacterOnPath("figure", figure, figure.clip("walk"), still)
     for wrong in (points[:0], points[:, :2], points[0], points * np.nan):
         with pytest.raises(ValueError, match=r"points_m\): expected finite points \(N, 3\)"):
-            write_gltf(tmp_path / "figure.glb", figure, points_m=wrong, world_T_character=still)
+            write_cast_gltf(tmp_path / "figure.glb", [member], points_m=wrong)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -76,42 +76,17 @@ def test_the_batch_is_what_filter_and_backward_pass_come_to(record: Record, rng)
     assert np.max(np.abs(batch.velocity_m_s - by_filter.velocity_m_s)) < np.max(sigma[:, 6:9])
 
 
-def test_a_lag_lies_between_living_online_and_knowing_all(record: Record, rng):
-    run = record(rng)
-    errors = {
-        "online": rms_errors(run.fuse(smoothed=False), run.camera),
-        "short": rms_errors(by_graph(run, lag_s=0.25), run.camera),
-        "long": rms_errors(by_graph(run, lag_s=3.0), run.camera),
-        "batch": rms_errors(by_graph(run), run.camera),
-    }
-    assert errors["short"][0] < 0.7 * errors["online"][0]
-    assert errors["long"][0] < errors["short"][0]
-    for axis in (0, 1):
-        assert errors["long"][axis] == pytest.approx(errors["batch"][axis], rel=0.1)
-
-
-def test_a_lag_longer_than_the_recording_is_the_batch(record: Record, rng):
-    run = record(rng, 4.0)
-    batch, lagging = by_graph(run), by_graph(run, lag_s=100.0)
-    assert np.max(in_deviations(batch, lagging)) < 0.05
-    ratio = np.einsum("kii->ki", lagging.covariance) / np.einsum("kii->ki", batch.covariance)
-    np.testing.assert_allclose(ratio, 1.0, atol=0.05)
-
-
-@pytest.mark.parametrize("lag_s", [None, 1.0])
-def test_wrong_poses_leave_next_to_no_trace(record: Record, rng, lag_s):
+def test_wrong_poses_leave_next_to_no_trace(record: Record, rng):
     run = record(rng, 5.0)
     wrong = np.arange(len(run.measurements)) % 10 == 7
     degraded = replace(run, measurements=with_wrong_poses(run.measurements, wrong))
     kept = run.measurements
     without = PoseMeasurements(kept.trajectory[~wrong], kept.covariance[~wrong])
-    clean = by_graph(
-        replace(run, measurements=without), stamps_ns=kept.trajectory.time_ns, lag_s=lag_s
-    )
-    found = by_graph(degraded, lag_s=lag_s)
+    clean = by_graph(replace(run, measurements=without), stamps_ns=kept.trajectory.time_ns)
+    found = by_graph(degraded)
     np.testing.assert_array_equal(found.accepted, ~wrong)
     assert np.max(in_deviations(clean, found)) < 0.3
-    trusting = by_graph(degraded, lag_s=lag_s, settings=FilterSettings(gate=1.0))
+    trusting = by_graph(degraded, settings=FilterSettings(gate=1.0))
     assert np.max(in_deviations(clean, trusting)) > 3.0
 
 
@@ -149,10 +124,8 @@ def test_it_returns_what_the_filter_returns(record: Record, rng):
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        ({"lag_s": 0.0}, "lag_s"),
         ({"stamps_ns": np.array([1.0])}, "stamps_ns: expected rising"),
         ({"stamps_ns": np.array([5])}, "stamps_ns: expected some"),
-        ({"settings": FilterSettings(gravity_sigma_rad=0.1), "lag_s": 1.0}, "settings"),
         ({"settings": FilterSettings(rest=RestDetection())}, "settings"),
     ],
 )
