@@ -11,6 +11,7 @@ from __future__ import annotations
 import hashlib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
+from copy import copy
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path
@@ -32,6 +33,7 @@ from motorcade.tracking.markers.marker_map import MarkerMap
 if TYPE_CHECKING:
     from motorcade.fusion.imu.noise import ImuNoise
     from motorcade.fusion.imu.stream import ImuStream
+    from motorcade.replays.io.readers.frames.masks import FrameMasks
     from motorcade.tracking.boards import Board
     from motorcade.tracking.cameras.camera import Camera
     from motorcade.tracking.slam import MapSnapshot
@@ -86,7 +88,8 @@ class Frame:
     Fields:
         time_ns: stamp.
         name: file name, or "frame 12" of a video; opens error messages.
-        read_image, read_depth, read_right: what `image`, `depth_m` and `right` call.
+        read_image, read_depth, read_right, read_mask: what `image`, `depth_m`, `right` and `mask`
+            call.
 
     >>> import numpy as np
     >>> from motorcade.replays import Frame
@@ -100,6 +103,7 @@ class Frame:
     read_image: Callable[[], ImageArray] = field(repr=False)
     read_depth: Callable[[], DepthArray] | None = field(default=None, repr=False)
     read_right: Callable[[], ImageArray] | None = field(default=None, repr=False)
+    read_mask: Callable[[], ImageArray] | None = field(default=None, repr=False)
 
     def image(self) -> ImageArray:
         """Read the picture: uint8 ``(height, width, 3)`` RGB, or ``(height, width)`` if it is grey.
@@ -111,18 +115,34 @@ class Frame:
             return self.read_image()
 
     def gray(self) -> ImageArray:
-        """Read the picture as luma (ITU-R BT.601), uint8 ``(height, width)``; raises as `image`."""
+        """Read the picture as luma (ITU-R BT.601), uint8 ``(height, width)``; raises as `image`.
+
+        What a mask says to move is filled smoothly from around, so that nothing is tracked on it.
+        """
         import cv2
 
-        picture = self.image()
+        from motorcade.tracking.masks import fill_masked
+
+        picture, mask = self.image(), self.mask()
+        picture = picture if mask is None else fill_masked(picture, mask)
         if picture.ndim == 2:
             return picture
         return np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), dtype=np.uint8)
 
-    def depth_m(self) -> DepthArray | None:
-        """Read the depth, metres ``(height, width)``, NaN where unknown; None without depth."""
+    def depth_m(self, *, whole: bool = False) -> DepthArray | None:
+        """Read the depth, metres ``(height, width)``, NaN where unknown; None without depth.
+
+        Unknown is also what a mask says to move, unless the `whole` depth is asked for.
+        """
         with off_record():
-            return None if self.read_depth is None else self.read_depth()
+            depth_m = None if self.read_depth is None else self.read_depth()
+        mask = None if whole or depth_m is None else self.mask()
+        return depth_m if mask is None else np.where(mask > 0, np.float32(np.nan), depth_m)
+
+    def mask(self) -> ImageArray | None:
+        """Read what moves before the scene, 0 to 255 ``(height, width)``; None without masks."""
+        with off_record():
+            return None if self.read_mask is None else self.read_mask()
 
     def right(self) -> ImageArray | None:
         """Read the right picture of a rectified pair, grey ``(height, width)``; None without."""
@@ -268,6 +288,11 @@ class Recording:
                 raise refusal(self.root, f"expected one motor, got {motor.shape}", field=name)
 
     @property
+    def masks(self) -> FrameMasks | None:
+        """Masks of what moves before the scene, by the frames' stamps; None without."""
+        return getattr(self.frames, "masks", None)
+
+    @property
     def rows_run(self) -> IntArray:
         """Which way ``(2,)``, right and down, stored rows follow one another in upright pictures.
 
@@ -317,6 +342,8 @@ class Recording:
         """
         self.frames.check(self.camera)
         self._check_overlap()
+        if self.masks is not None:
+            self.masks.check()
 
     def intact(self) -> Recording:
         """Check everything, but leave damaged pictures out and name them in `damaged`.
@@ -328,6 +355,9 @@ class Recording:
         """
         frames, faults = self.frames.intact(self.camera)
         self._check_overlap()
+        if self.masks is not None:
+            self.masks.check()
+            frames = with_masks(frames, self.masks)
         return replace(self, frames=frames, damaged=(*self.damaged, *faults))
 
     def _check_overlap(self) -> None:
@@ -377,6 +407,8 @@ class Recording:
         if not self.metric:
             yield "metric", b"false"
         yield "frame stamps", _bytes(self.frames.time_ns)
+        if self.masks is not None:
+            yield "masks", b"".join(self.masks.content())
         if self.readout_s:
             yield "readout", repr(self.readout_s).encode()
         if self.focal_sigma:
@@ -400,10 +432,18 @@ def _bytes(array: NDArray[Any]) -> memoryview:
     return np.ascontiguousarray(array).reshape(-1).view(np.uint8).data
 
 
+def with_masks(frames: FrameSequence, masks: FrameMasks) -> FrameSequence:
+    """The same frames, with masks."""
+    masked = copy(frames)
+    object.__setattr__(masked, "masks", masks)  # also of a frozen value, which is a copy
+    return masked
+
+
 class DecodedFrames(ABC):
     """A sequence of frames by their number; `_time_ns` holds their stamps."""
 
     _time_ns: IntArray
+    masks: FrameMasks | None = None
 
     @property
     def time_ns(self) -> IntArray:
@@ -415,7 +455,10 @@ class DecodedFrames(ABC):
 
     def __getitem__(self, index: int) -> Frame:
         index = range(len(self))[index]
-        return Frame(int(self._time_ns[index]), f"frame {index}", partial(self._image, index))
+        time_ns = int(self._time_ns[index])
+        read_mask = None if self.masks is None else self.masks.reader(time_ns)
+        read_image = partial(self._image, index)
+        return Frame(time_ns, f"frame {index}", read_image, read_mask=read_mask)
 
     def __iter__(self) -> Iterator[Frame]:
         return (self[index] for index in range(len(self)))

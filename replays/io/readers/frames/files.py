@@ -27,6 +27,7 @@ from motorcade.replays.io.recording import DepthArray, Frame
 from motorcade.tracking.cameras.orientation import AS_STORED, PictureOrientation
 
 if TYPE_CHECKING:
+    from motorcade.replays.io.readers.frames.masks import FrameMasks
     from motorcade.tracking import Camera
     from motorcade.tracking.depth.cameras import DepthCamera
 
@@ -50,6 +51,7 @@ class PictureFrames:
         orientation: how every picture says that it is to be shown.
         shown_size: width and height of the first as shown, where `first_look` found them.
         digests: size in bytes and SHA-256 of files that were read whole, when they were checked.
+        masks: of what moves before the scene; None without.
     """
 
     files: tuple[Path, ...]
@@ -63,6 +65,7 @@ class PictureFrames:
     orientation: PictureOrientation = AS_STORED
     shown_size: tuple[int, int] | None = None
     digests: Mapping[Path, tuple[int, bytes]] = field(default_factory=dict, repr=False)
+    masks: FrameMasks | None = None
 
     def __post_init__(self) -> None:
         own = np.array(self.time_ns, dtype=np.int64)
@@ -85,7 +88,9 @@ class PictureFrames:
         read_right = None
         if self.right_files:
             read_right = partial(pictures.read_gray, self.right_files[index], name, self.size)
-        return Frame(int(self.time_ns[index]), path.name, read_image, read_depth, read_right)
+        time_ns = int(self.time_ns[index])
+        read_mask = None if self.masks is None else self.masks.reader(time_ns)
+        return Frame(time_ns, path.name, read_image, read_depth, read_right, read_mask)
 
     def __iter__(self) -> Iterator[Frame]:
         return (self[index] for index in range(len(self)))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -63,8 +64,8 @@ class _VideoSpan(VideoFrames):
         later = whole.time_ns[rows[-1] + 1 :]
         self.followed_ns = int(later[0]) if len(later) else None
 
-    def __reduce__(self) -> tuple[type[_VideoSpan], tuple[VideoFrames, IntArray]]:  # type: ignore[override]
-        return _VideoSpan, (self._whole, self._rows)
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _VideoSpan, (self._whole, self._rows), {"masks": self.masks}
 
     def intact(self, camera: Camera | None) -> tuple[VideoFrames, tuple[str, ...]]:
         """As the whole's, of the same time."""

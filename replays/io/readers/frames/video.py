@@ -122,9 +122,9 @@ class VideoFrames(DecodedFrames):
         self._decoder: _Decoder | None = None
         self._lock = threading.Lock()
 
-    def __reduce__(self) -> tuple[type[VideoFrames], tuple[Path, ShownPictures]]:
+    def __reduce__(self) -> tuple[Any, ...]:
         """Reopen the file in another process: a decoder cannot be sent."""
-        return VideoFrames, (self._path, self._pictures)
+        return VideoFrames, (self._path, self._pictures), {"masks": self.masks}
 
     @property
     def path(self) -> Path:

@@ -29,6 +29,7 @@ from motorcade.replays.io.readers.frames.files import (
     refuse_gaps,
 )
 from motorcade.replays.io.readers.frames.held import upright_camera
+from motorcade.replays.io.readers.frames.masks import paired_masks
 from motorcade.replays.io.readers.frames.span import frames_between
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.readers.gpmf import read_telemetry
@@ -50,7 +51,7 @@ from motorcade.replays.io.readers.manifest.truth import TRUTH_KEYS, read_truth
 from motorcade.replays.io.readers.ros import recording as ros
 from motorcade.replays.io.readers.ros.frames import BagFrames
 from motorcade.replays.io.readers.tables import UNITS
-from motorcade.replays.io.recording import FrameSequence, Recording
+from motorcade.replays.io.recording import FrameSequence, Recording, with_masks
 from motorcade.replays.io.trajectories import even_stamps, read_times
 from motorcade.replays.io.transforms import transform
 from motorcade.tracking.audit import centre_finding
@@ -80,7 +81,7 @@ _TOP = (
 _SPAN_KEYS = ("start_s", "end_s")
 FRAMES_KEYS = (
     *("images", "video", "topic", "rate_hz", "stamps", "stamps_unit", "depth", "depth_units_per_m"),
-    *_SPAN_KEYS,
+    *("masks", *_SPAN_KEYS),
 )
 _FARTHEST_S = 9e9
 STEREO_KEYS = ("right", "baseline_m")
@@ -197,13 +198,18 @@ class _Manifest:
         if "frames" in self.top:
             section = self._section("frames", FRAMES_KEYS)
             if "topic" in section:
-                return self._of_topic(section)
-            frames = _within(section, self._frames(section))
-            name = self.root.resolve().stem
-            if isinstance(frames, VideoFrames):
-                telemetry = read_telemetry(frames.path)
-                return Recording(name, self.root, "video", frames, imu=telemetry)
-            return Recording(name, self.root, "images", frames)
+                return self._masked(section, self._of_topic(section))
+            others = [key for key in FRAMES_KEYS if key in section and key not in _SPAN_KEYS]
+            if others == ["masks"] and find_layout(self.root) is not None:
+                base = read_layout(self.root, own_truth="truth" not in self.top)
+            else:
+                frames, name = self._frames(section), self.root.resolve().stem
+                telemetry, layout = None, "images"
+                if isinstance(frames, VideoFrames):
+                    telemetry, layout = read_telemetry(frames.path), "video"
+                base = Recording(name, self.root, layout, frames, imu=telemetry)
+            base = self._masked(section, base)
+            return replace(base, frames=_within(section, base.frames))
         if find_layout(self.root) is None:
             raise self.top.fault(
                 "frames",
@@ -214,7 +220,7 @@ class _Manifest:
 
     def _of_topic(self, section: Section) -> Recording:
         """What a bag holds, with the pictures of the topic that the table names."""
-        for key in set(FRAMES_KEYS) - {"topic"}:
+        for key in set(FRAMES_KEYS) - {"topic", "masks"}:
             if key in section:
                 raise section.fault(key, "not for a bag, which brings its own stamps and depth")
         if not ros.recognise(self.root):
@@ -224,7 +230,7 @@ class _Manifest:
     def _frames(self, section: Section) -> FrameSequence:
         section.only_one("images", "video")
         if "video" in section or ("images" not in section and self.root.is_file()):
-            for key in set(FRAMES_KEYS) - {"video", *_SPAN_KEYS}:
+            for key in set(FRAMES_KEYS) - {"video", "masks", *_SPAN_KEYS}:
                 if key in section:
                     raise section.fault(key, "not for a video, which brings its own stamps")
             return VideoFrames(self._file(section, "video") if "video" in section else self.root)
@@ -260,6 +266,19 @@ class _Manifest:
             raise section.fault("depth", f"expected {len(files)} pictures, got {len(depth)}")
         units = section.number("depth_units_per_m", 1e-3, 1e6)
         return replace(frames, depth_files=depth, depth_units_per_m=units)
+
+    def _masked(self, section: Section, recording: Recording) -> Recording:
+        """Add masks of what moves before the scene, where the table names any."""
+        if "masks" not in section:
+            return recording
+        folder, frames = self._file(section, "masks"), recording.frames
+        if not isinstance(frames, VideoFrames | PictureFrames | BagFrames):
+            raise section.fault("masks", "expected pictures, got markers alone")
+        if not folder.is_dir():
+            raise section.fault("masks", f"expected a folder of masks, got {one_line(folder)}")
+        names = [path.name for path in frames.files] if isinstance(frames, PictureFrames) else []
+        masks = paired_masks(pictures_in(folder), names, frames.time_ns, _size(frames))
+        return replace(recording, frames=with_masks(frames, masks))
 
     def _with_camera(self, recording: Recording) -> Recording:
         """Replace the camera, and ask the frames for its size; or say how it reads its rows."""

@@ -249,9 +249,10 @@ class BagFrames(DecodedFrames):
             if near[frame]
         }
 
-    def __reduce__(self) -> tuple[type[BagFrames], tuple[Any, ...]]:
+    def __reduce__(self) -> tuple[Any, ...]:
         """Reopen the file in another process."""
-        return BagFrames, (self._path, self._topic, self._size, self.depth_topic)
+        about = self._path, self._topic, self._size, self.depth_topic
+        return BagFrames, about, {"masks": self.masks}
 
     def __getitem__(self, index: int) -> Frame:
         frame, index = super().__getitem__(index), range(len(self))[index]

@@ -1,0 +1,152 @@
+"""Masks of what moves before the scene, one image a frame, as any model for people leaves them.
+
+White (255) is what moves, black the scene, grey between them a soft edge. Labels are taken too: of
+colours every one that is not black, of a cut-out its alpha, and 0 and 1 as 0 and 255.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from motorcade.ga.arrays import IntArray
+from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.readers.frames import pictures
+from motorcade.replays.io.readers.frames.files import numbered
+from motorcade.replays.io.recording import ImageArray
+from motorcade.tracking.masks import COUNTS
+
+_LOG = logging.getLogger("motorcade.replays")
+_WHITE_BACKGROUND = 0.6
+_NAMED = 3
+_FIELD = "[frames] masks"
+
+
+@dataclass(frozen=True, eq=False)
+class FrameMasks:
+    """A mask for each of some frames, found by the frame's stamp.
+
+    Fields:
+        files: `N` image files.
+        time_ns: ``(N,)`` stamps of the frames that they belong to.
+        size: width and height that each must have: the frames', as shown.
+    """
+
+    files: tuple[Path, ...]
+    time_ns: IntArray
+    size: tuple[int, int]
+
+    def reader(self, time_ns: int) -> Callable[[], ImageArray] | None:
+        """What reads the mask of the frame with a stamp; None where there is none."""
+        row = int(np.searchsorted(self.time_ns, time_ns))
+        if row == len(self.time_ns) or self.time_ns[row] != time_ns:
+            return None
+        return partial(read_mask, self.files[row], self.size)
+
+    def check(self) -> None:
+        """Read every file and look at its header, end and size, without decoding most of them.
+
+        Masks that are white over more than half of what they show are said to be inverted ones.
+
+        Raises:
+            RecordingError: the first that is missing, truncated or of another size.
+        """
+        for path in self.files:
+            pictures.read_picture_bytes(path, _FIELD, self.size, _advice(self.size))
+        some = self.files[:: 1 + len(self.files) // 8]
+        share = float(np.mean([np.mean(read_mask(path, self.size) >= COUNTS) for path in some]))
+        if share > _WHITE_BACKGROUND:
+            _LOG.warning(
+                "%s: masks cover %.0f %% of the images: white must be what moves; invert them if "
+                "it is the background",
+                self.files[0].parent,
+                100.0 * share,
+            )
+
+    def content(self) -> Iterator[bytes]:
+        """Digest of every file, after the stamps, which all of it depends on."""
+        yield self.time_ns.tobytes()
+        for path in self.files:
+            data = pictures.read_picture_bytes(path, _FIELD, self.size, _advice(self.size))
+            yield hashlib.sha256(data).digest()
+
+
+def read_mask(path: Path, size: tuple[int, int]) -> ImageArray:
+    """Decode a mask: uint8 ``(height, width)``, 255 for what moves.
+
+    Raises:
+        RecordingError: missing, truncated, another size, or nothing that can be decoded.
+    """
+    data = pictures.read_picture_bytes(path, _FIELD, size, _advice(size))
+    stored = pictures.decode_as_stored(path, data, _FIELD)
+    if stored.ndim == 3 and stored.shape[2] == 4:
+        stored = stored[..., 3]
+    elif stored.ndim == 3:
+        highest = stored.max(axis=2)
+        grey = np.array_equal(highest, stored.min(axis=2))
+        stored = highest if grey else np.where(highest >= COUNTS, 255, 0)
+    if stored.dtype == np.uint16:
+        stored = stored if stored.max() == 1 else stored >> 8
+    if stored.max() == 1:
+        stored = stored * 255
+    return np.asarray(stored, dtype=np.uint8)
+
+
+def _advice(size: tuple[int, int]) -> str:
+    return f"make masks of the images as they are shown, {size[0]} x {size[1]}"
+
+
+def paired_masks(
+    files: Sequence[Path], names: Sequence[str], time_ns: IntArray, size: tuple[int, int]
+) -> FrameMasks:
+    """Give each frame its mask: by its name where the masks are called as the images, else by order.
+
+    Args:
+        files: of masks, in natural order.
+        names: of the frames' image files; empty where they are in one file.
+        time_ns: ``(N,)`` stamps of the frames.
+        size: of the frames as shown.
+
+    Raises:
+        RecordingError: a frame without a mask, or masks of which one is missing (by name or
+            number), or more or fewer than frames.
+    """
+    folder, stems = files[0].parent, {Path(name).stem: row for row, name in enumerate(names)}
+    rows = {name: row for row, name in enumerate(names)} | stems
+    own = {rows[path.stem]: path for path in files if path.stem in rows}
+    if 2 * len(own) > len(files):
+        missing = [name for row, name in enumerate(names) if row not in own]
+        if missing:
+            raise _incomplete(folder, len(names), len(own), missing)
+        return FrameMasks(tuple(own[row] for row in range(len(names))), time_ns, size)
+    numbers = numbered(files)
+    if numbers is not None and len(files) > 1:
+        steps = np.diff(np.array(numbers))
+        usual = int(np.median(steps))
+        jumps = np.flatnonzero(steps != usual)
+        if jumps.size:
+            after = [f"the one after {files[row].name}" for row in jumps.tolist()]
+            raise _incomplete(folder, len(time_ns), len(files), after)
+    if len(files) != len(time_ns):
+        problem = f"expected {len(time_ns)} masks, one for each frame, got {len(files)}"
+        advice = "call them as the images are called, or leave a black one for an empty frame"
+        raise refusal(folder, problem, field=_FIELD, advice=advice)
+    return FrameMasks(tuple(files), time_ns, size)
+
+
+def _incomplete(folder: Path, frames: int, masks: int, missing: Sequence[str]) -> Exception:
+    listed = ", ".join(missing[:_NAMED])
+    more = f" and {len(missing) - _NAMED} more" if len(missing) > _NAMED else ""
+    return refusal(
+        folder,
+        f"expected a mask for each of {frames} frames, got {masks}; missing: {listed}{more}",
+        field=_FIELD,
+        advice="a frame in which nothing moves needs a black one",
+    )

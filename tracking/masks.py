@@ -1,0 +1,114 @@
+"""What moves before a scene, by masks of each image: edges refined, and the image without it.
+
+A mask ``(height, width)`` uint8 says how much of each pixel shows somebody or something that moves:
+255 all of it, 0 nothing. Whatever made it, its edge is known to a few pixels; the image knows it
+better wherever the two sides differ in colour.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.tracking.checks import GrayImage
+
+COUNTS = 32
+"""Of 255: what is masked by less is a mask's noise."""
+_BAND = 0.008
+"""Half the width of the band about an edge in which the image decides, in image widths."""
+_FADE_PX = 6
+"""Over so many pixels the image goes over into what fills a mask."""
+_APART = 4.0
+"""Standard deviations by which two colours must differ for a pixel to tell them apart."""
+
+
+def fill_masked(image: NDArray[np.uint8], mask: GrayImage) -> NDArray[np.uint8]:
+    """An image ``(h, w)`` or ``(h, w, 3)`` whose masked parts are filled smoothly from around.
+
+    What fills them has no corners and no edges, and moves with nothing. It is a guess of the mean
+    colour there, made from coarser and coarser images of what is seen (Gortler et al. 1996,
+    "pull-push"), and meant for what looks for corners, motion or light, not for people.
+
+    >>> import numpy as np
+    >>> from motorcade.tracking.masks import fill_masked
+    >>> image, mask = np.full((40, 40), 90, np.uint8), np.zeros((40, 40), np.uint8)
+    >>> image[10:20, 10:20], mask[10:20, 10:20] = 255, 255
+    >>> int(fill_masked(image, mask)[15, 15])
+    90
+    """
+    hidden = (mask >= COUNTS).astype(np.uint8)
+    if not hidden.any():
+        return image
+    hidden = cv2.dilate(hidden, np.ones((5, 5), np.uint8))
+    away_px = cv2.distanceTransform(1 - hidden, cv2.DIST_L2, 3)
+    kept = np.minimum(away_px / _FADE_PX, 1.0)
+    if image.ndim == 3:
+        kept = kept[..., None]
+    filled = _pulled(image.astype(np.float32), 1.0 - hidden.astype(np.float32))
+    return np.asarray(np.rint(kept * image + (1.0 - kept) * filled), np.uint8)
+
+
+def _pulled(image: NDArray[np.float32], known: NDArray[np.float32]) -> NDArray[np.float32]:
+    """An image with all that is not known (0 of 0 to 1) taken from an image of half its size."""
+    height, width = known.shape
+    if min(height, width) < 4 or known.min() > 0.0:
+        return image
+    spread = (lambda values: values) if image.ndim == 2 else (lambda values: values[..., None])
+    coarse = cv2.pyrDown(known)
+    seen = coarse > 0.05
+    half = cv2.pyrDown(image * spread(known)) / spread(np.maximum(coarse, 0.05))
+    below = _pulled(half, seen.astype(np.float32))
+    return np.where(spread(known > 0.0), image, cv2.pyrUp(below, dstsize=(width, height)))
+
+
+def refine_mask(mask: GrayImage, image: NDArray[np.uint8]) -> GrayImage:
+    """A mask whose edge lies where the image's colours change.
+
+    In a band of about 1 % of the image's width on both sides of the given edge each pixel is put
+    between the mean colour of what is surely masked and of what surely is not, both taken from
+    close by; where these are no further apart than the texture of either (four standard
+    deviations), the given mask stays.
+
+    Args:
+        mask: ``(h, w)`` uint8, 0 to 255.
+        image: ``(h, w)`` or ``(h, w, 3)`` uint8.
+    """
+    inside = (mask >= 128).astype(np.uint8)
+    rows, columns = (np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0))
+    if not len(rows) or inside.all():
+        return mask
+    band = max(2, round(_BAND * mask.shape[1]))
+    part = tuple(slice(max(at[0] - 4 * band, 0), at[-1] + 4 * band + 1) for at in (rows, columns))
+    inside, given = inside[part], mask[part].astype(np.float32) / 255.0
+    shown = image[part].astype(np.float32).reshape(*inside.shape, -1)
+    depth_px = cv2.distanceTransform(inside, cv2.DIST_L2, 5)
+    away_px = cv2.distanceTransform(1 - inside, cv2.DIST_L2, 5)
+    (own, own_var, own_far), (other, other_var, other_far) = (
+        _around(shown, (distance > band).astype(np.float32), float(band))
+        for distance in (depth_px, away_px)
+    )
+    between = own - other
+    square = np.sum(between**2, axis=2)
+    share = np.sum((shown - other) * between, axis=2) / np.maximum(square, 1.0)
+    apart = np.sqrt(square / (own_var + other_var + 1.0))
+    told = (depth_px + away_px <= band + 1.0) & (apart > _APART) & own_far & other_far
+    refined = mask.copy()
+    refined[part] = np.rint(255.0 * np.where(told, np.clip(share, 0.0, 1.0), given))
+    return refined
+
+
+def _around(
+    shown: NDArray[np.float32], sure: NDArray[np.float32], sigma_px: float
+) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_]]:
+    """Mean ``(h, w, c)`` and variance ``(h, w)`` of sure pixels close by, and where there are any."""
+
+    def spread(values: NDArray[np.float32]) -> NDArray[np.float32]:
+        return np.asarray(cv2.GaussianBlur(values, (0, 0), sigma_px), np.float32)
+
+    weight = spread(sure)
+    enough = np.maximum(weight, 1e-3)
+    mean = spread(shown * sure[..., None]).reshape(shown.shape) / enough[..., None]
+    square = spread(np.sum(shown**2, axis=2) * sure) / enough
+    variance = np.maximum(square - np.sum(mean**2, axis=2), 0.0)
+    return mean, np.asarray(variance, np.float32), weight > 1e-2
