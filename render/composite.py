@@ -167,7 +167,12 @@ def as_rgb(frame: ImageArray) -> ImageArray:
     return frame.copy()
 
 
-def over(frame: ImageArray, layer: Layer, depth_m: DepthArray | None = None) -> ImageArray:
+def over(
+    frame: ImageArray,
+    layer: Layer,
+    depth_m: DepthArray | None = None,
+    visible: NDArray[np.floating[Any]] | None = None,
+) -> ImageArray:
     """Lay a rendered layer over a photograph.
 
     Where alpha is 0 the photograph stays as it is, where it is 255 the layer replaces it, exactly.
@@ -178,6 +183,7 @@ def over(frame: ImageArray, layer: Layer, depth_m: DepthArray | None = None) -> 
         depth_m: (h, w) depth of the photograph along the optical axis, metres; where it is nearer
             than the layer by more than a sensor's noise, the layer is hidden, with an edge as soft
             as a pixel. NaN and 0 mean unknown and hide nothing.
+        visible: (h, w) share of the layer, 0 to 1, that nothing else hides; None for all of it.
 
     Returns:
         (h, w, 3) uint8, a new array.
@@ -207,6 +213,7 @@ def over(frame: ImageArray, layer: Layer, depth_m: DepthArray | None = None) -> 
     alpha = rgba[..., 3] / 255.0
     if depth_m is not None and rgba.size:
         alpha = alpha * seen_share(layer.depth_m[part], depth_m[part]) / 256.0
+    alpha = alpha if visible is None else alpha * visible[part]
     whole, rim = alpha == 1.0, (alpha > 0.0) & (alpha < 1.0)
     np.copyto(result[part], rgba[..., :3], where=whole[..., None])
     own = rgba[rim][:, :3] / np.maximum(rgba[rim][:, 3:], 1.0)

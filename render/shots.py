@@ -32,6 +32,7 @@ from motorcade.render.composite import (
     is_grey,
     noisy,
     over,
+    seen_share,
 )
 from motorcade.render.figures import DrawnFigure, Performer, lit_together
 from motorcade.render.lens import WHOLE, Extent, LensWarp, Window, plane_homography, seen_extent
@@ -48,12 +49,17 @@ from motorcade.render.shadow import (
 )
 from motorcade.render.visibility import FigureSeen, figures_seen
 from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.masks import fill_masked, standing_depth
 
 # In heights of the character: what is farther than this from the ground, above or below, takes no
 # shadow; what is lower than this is the ground, as a sensor has it, and hides no foot.
 LOW, SOLE = 0.1, 0.05
 
-StampedFrame = tuple[int, ImageArray] | tuple[int, ImageArray, DepthArray | None]
+StampedFrame = (
+    tuple[int, ImageArray]
+    | tuple[int, ImageArray, DepthArray | None]
+    | tuple[int, ImageArray, DepthArray | None, ImageArray | None]
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +120,7 @@ class Shot:
     window: Window = WHOLE
     depth_m: DepthArray | None = None
     gain: float = 1.0
+    masked: tuple[ImageArray, DepthArray] | None = None
 
 
 class FilmStage:
@@ -167,7 +174,7 @@ class FilmStage:
             if not span_ns[0] <= time_ns <= span_ns[1]:
                 yield Shot(picture)
                 continue
-            depth_m = rest[0] if rest else None
+            depth_m, mask = (*rest, None, None)[:2]
             moments = [
                 self._posed(int(stamp_ns), world_T_camera.motors_at(stamp_ns))
                 for stamp_ns in np.clip(matching.moments_ns(time_ns), *span_ns)
@@ -175,9 +182,17 @@ class FilmStage:
             window = self._window(moments)
             drawn = [self._draw(renderer, one, window, depth_m is not None) for one in moments]
             gain = matching.gain
+            pose = world_T_camera.motors_at(time_ns)
             if meter is not None:
-                gain *= meter.gain(picture, camera, world_T_camera.motors_at(time_ns))
-            yield Shot(picture, drawn, window, None if depth_m is None else depth_m[window], gain)
+                still = picture if mask is None else fill_masked(picture, mask)
+                gain *= meter.gain(still, camera, pose)
+            measured = None if depth_m is None else depth_m[window]
+            if mask is None:
+                yield Shot(picture, drawn, window, measured, gain)
+                continue
+            camera_T_ground = pose.inverse() @ self.ground.world_T_ground(time_ns)
+            masked_m = standing_depth(mask, camera, camera_T_ground, depth_m)[window]
+            yield Shot(picture, drawn, window, measured, gain, (mask[window], masked_m))
 
     def _posed(self, time_ns: int, world_T_camera: Motor) -> _Moment:
         """The figures, and what they take from their grounds."""
@@ -280,14 +295,16 @@ class FilmStage:
         sigma = frame_noise(shot.picture) if sigma is None else sigma
         layer = exposed(blended([one.layer for one in shot.drawn]), shot.gain)
         layer = greyed(layer) if is_grey(frame) else layer
-        part, hiding_m = self._laid_over(frame[shot.window], layer, shot.drawn, shot.depth_m)
-        frame[shot.window] = noisy(part, layer.rgba[..., 3] / 255.0, sigma, rng)
+        part, visible = self._laid_over(frame[shot.window], layer, shot)
+        alpha = layer.rgba[..., 3] / 255.0
+        grained = alpha if visible is None else alpha * visible
+        frame[shot.window] = noisy(part, grained, sigma, rng)
         middle = shot.drawn[len(shot.drawn) // 2]
         seen = figures_seen(
             self.lens,
             shot.window,
             layer,
-            hiding_m,
+            visible,
             [one.own_m for one in middle.figures],
             [middle.world_T_camera.inverse() @ one.world_T_ground for one in middle.figures],
             [figure.height_m for figure in self.figures],
@@ -295,17 +312,25 @@ class FilmStage:
         return frame, seen
 
     def _laid_over(
-        self, frame: ImageArray, layer: Layer, drawn: list[_Drawn], depth_m: DepthArray | None
-    ) -> tuple[ImageArray, DepthArray | None]:
-        """A window of a frame: the shade on the ground, then the character over it; what hides."""
+        self, frame: ImageArray, layer: Layer, shot: Shot
+    ) -> tuple[ImageArray, FloatArray | None]:
+        """A window of a frame: the shade on the ground, then the character over it; the share of
+        that which nothing hides.
+        """
+        drawn, depth_m = shot.drawn or [], shot.depth_m
         middle = drawn[len(drawn) // 2]
         hiding_m = middle.known_m if depth_m is None else depth_m
         raised_m = None
         if depth_m is not None and middle.ground_m is not None:
             raised_m = raised(depth_m, middle.ground_m, middle.eye_m)
             hiding_m = np.where(raised_m < SOLE * self.height_m, np.float32(0.0), depth_m)
+        visible, on_ground = None, 1.0
         if hiding_m is not None:
-            layer = Layer(layer.rgba, _depth_to_the_rim(layer))
+            visible = seen_share(_depth_to_the_rim(layer), hiding_m) / 256.0
+        if shot.masked is not None:
+            on_ground, masked_m = 1.0 - shot.masked[0] / 255.0, shot.masked[1]
+            before = np.where(masked_m < _depth_to_the_rim(layer), on_ground, 1.0)
+            visible = before if visible is None else visible * before
         shades = [one.shade for one in drawn if one.shade is not None]
         if shades:
             shade = shades[0] if len(shades) == 1 else np.mean(shades, axis=0)
@@ -313,8 +338,8 @@ class FilmStage:
                 shade = shade * share_on_ground(raised_m, LOW * self.height_m)
             elif middle.known_m is not None and middle.ground_m is not None:
                 shade = shade * share_beyond(middle.known_m, middle.ground_m)
-            frame = darken(frame, shade)
-        return over(frame, layer, hiding_m), hiding_m
+            frame = darken(frame, shade * on_ground)
+        return over(frame, layer, visible=visible), visible
 
 
 def _depth_to_the_rim(layer: Layer) -> DepthArray:

@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.composite import seen_share
 from motorcade.render.lens import LensWarp, Window
-from motorcade.render.scene import DepthArray, Layer
+from motorcade.render.scene import Layer
 
 # So many vertices of a figure tell how large it is.
 VERTICES = 2000
@@ -50,7 +49,7 @@ def figures_seen(
     lens: LensWarp,
     window: Window,
     layer: Layer,
-    hiding_m: DepthArray | None,
+    visible: FloatArray | None,
     own_m: list[FloatArray],
     camera_T_ground: list[Motor],
     heights_m: list[float],
@@ -61,13 +60,13 @@ def figures_seen(
         lens: of the footage.
         window: the part of the picture that the layer fills.
         layer: (h, w) of all figures.
-        hiding_m: (h, w) depth of what may hide them, or None.
+        visible: (h, w) share of the layer that nothing hides; None for all of it.
         own_m: (V, 3) of each figure its vertices in metres, in the frame of its ground.
         camera_T_ground: of each.
         heights_m: of each.
     """
     alpha = layer.rgba[..., 3] / 255.0
-    seen = alpha if hiding_m is None else alpha * seen_share(layer.depth_m, hiding_m) / 256.0
+    seen = alpha if visible is None else alpha * visible
     camera = lens.camera
     pixels, depths = [], []
     for vertices, pose in zip(own_m, camera_T_ground, strict=True):

@@ -36,6 +36,7 @@ from motorcade.render.light import (
 )
 from motorcade.render.original import OriginalVideo
 from motorcade.render.scene import DepthArray, ImageArray, Lighting
+from motorcade.render.shots import StampedFrame
 from motorcade.render.video import read_original
 from motorcade.render.visibility import FigureSeen
 from motorcade.replays.engine.artifacts import new_file
@@ -51,6 +52,7 @@ from motorcade.replays.stages.values.paths import SmoothedPaths
 from motorcade.replays.stages.values.view import FigureCheck, OverlayVideo, PlacedCharacter
 from motorcade.replays.stages.view.figure_checks import check_figure
 from motorcade.replays.stages.view.ground import prints_of
+from motorcade.tracking.masks import fill_masked, refine_mask
 from motorcade.tracking.rolling import as_read
 
 # Frames, spread over the recording, from which light is estimated.
@@ -96,9 +98,9 @@ def overlay(
     The path is extrapolated to measured poses within 0.1 s of its ends, as fusion may
     end before them; frames without a pose (before the first, after the last) are shown as they
     are. Where the recording has depth, what is nearer hides the character; where it has none,
-    the board, markers and the ground do. Raises `Unavailable` without OpenGL and for recordings
-    of corners, which hold no pictures, and ValueError without a camera or for a representation
-    that was not smoothed.
+    the board, markers and the ground do; masks of who walks in front hide it in any. Raises
+    `Unavailable` without OpenGL and for recordings of corners, which hold no pictures, and
+    ValueError without a camera or for a representation that was not smoothed.
     """
     if recording.camera is None:
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
@@ -198,7 +200,7 @@ def _estimated(
     frames = footage.recording.frames
     some = np.unique(np.linspace(0, len(frames) - 1, LIT_FRAMES).round())
     straight = _Footage(footage.recording, distorted=False)
-    seen = list(straight.frames(frames[int(k)] for k in some))
+    seen = [straight.still(frames[int(k)]) for k in some]
     camera, stand = straight.camera, placed.placement
     ground = None
     if placed.ground_motion is None:  # else it is at one place in one picture only
@@ -231,19 +233,30 @@ class _Footage:
         self._turn = taken, shown
         return shown
 
-    def frames(
-        self, frames: Iterable[Frame]
-    ) -> Iterator[tuple[int, ImageArray, DepthArray | None]]:
-        """Stamp, picture and depth of frames."""
-        for time_ns, picture, depth_m in ahead(self._prepared, frames):
-            self._given.append(picture)
-            yield time_ns, picture, depth_m
+    def frames(self, frames: Iterable[Frame]) -> Iterator[StampedFrame]:
+        """Stamp, picture, depth and mask of frames."""
+        for prepared in ahead(self._prepared, frames):
+            self._given.append(prepared[1])
+            yield prepared
 
-    def _prepared(self, frame: Frame) -> tuple[int, ImageArray, DepthArray | None]:
-        picture, depth_m = frame.image(), frame.depth_m()
+    def still(self, frame: Frame) -> tuple[int, ImageArray, DepthArray | None]:
+        """Stamp, picture and depth of a frame without what moves before the scene."""
+        time_ns, picture, depth_m, mask = self._prepared(frame)
+        if mask is None:
+            return time_ns, picture, depth_m
+        if depth_m is not None:
+            depth_m = np.where(mask > 0, np.float32(np.nan), depth_m)
+        return time_ns, fill_masked(picture, mask), depth_m
+
+    def _prepared(
+        self, frame: Frame
+    ) -> tuple[int, ImageArray, DepthArray | None, ImageArray | None]:
+        picture, depth_m, mask = frame.image(), frame.depth_m(whole=True), frame.mask()
+        mask = None if mask is None else refine_mask(mask, picture)
         if not self._distorted:
             picture = self._taken_by.undistort_image(picture)
             depth_m = None if depth_m is None else self._taken_by.undistort_depth(depth_m)
+            mask = None if mask is None else self._taken_by.undistort_image(mask)
         if self._turn is not None:
             taken, shown = self._turn
             if taken.time_ns[0] <= frame.time_ns <= taken.time_ns[-1]:
@@ -251,7 +264,8 @@ class _Footage:
                 turn = turned_homography(self.camera.matrix, *rotors)
                 picture = warped(picture, turn)
                 depth_m = None if depth_m is None else warped(depth_m, turn)
-        return frame.time_ns, picture, depth_m
+                mask = None if mask is None else warped(mask, turn)
+        return frame.time_ns, picture, depth_m, mask
 
     def counted(self, pictures: Iterable[ImageArray]) -> Iterator[ImageArray]:
         """The drawn frames as they are."""

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from motorcade.ga.arrays import IntArray
@@ -106,7 +105,7 @@ def _advice(size: tuple[int, int]) -> str:
 def paired_masks(
     files: Sequence[Path], names: Sequence[str], time_ns: IntArray, size: tuple[int, int]
 ) -> FrameMasks:
-    """Give each frame its mask: by its name where the masks are called as the images, else by order.
+    """Give each frame its mask: by name where masks are called as the images are, else by order.
 
     Args:
         files: of masks, in natural order.
