@@ -21,8 +21,9 @@ _BAND = 0.008
 """Half the width of the band about an edge in which the image decides, in image widths."""
 _FADE_PX = 6
 """Over so many pixels the image goes over into what fills a mask."""
-_APART = 4.0
-"""Standard deviations by which two colours must differ for a pixel to tell them apart."""
+_SPREAD, _APART = 2.5, 12.0
+"""Standard deviations of its texture that a side's colours reach from their mean, and how far apart,
+of 255, both sides' must then still lie for a pixel to tell which it is."""
 
 
 def fill_masked(image: NDArray[np.uint8], mask: GrayImage) -> NDArray[np.uint8]:
@@ -69,8 +70,8 @@ def refine_mask(mask: GrayImage, image: NDArray[np.uint8]) -> GrayImage:
 
     In a band of about 1 % of the image's width on both sides of the given edge each pixel is put
     between the mean colour of what is surely masked and of what surely is not, both taken from
-    close by; where these are no further apart than the texture of either (four standard
-    deviations), the given mask stays.
+    close by, and is wholly a side's that it differs from by no more than its texture does; where
+    textures meet, the given mask stays.
 
     Args:
         mask: ``(h, w)`` uint8, 0 to 255.
@@ -91,12 +92,14 @@ def refine_mask(mask: GrayImage, image: NDArray[np.uint8]) -> GrayImage:
         for distance in (depth_px, away_px)
     )
     between = own - other
-    square = np.sum(between**2, axis=2)
-    share = np.sum((shown - other) * between, axis=2) / np.maximum(square, 1.0)
-    apart = np.sqrt(square / (own_var + other_var + 1.0))
-    told = (depth_px + away_px <= band + 1.0) & (apart > _APART) & own_far & other_far
+    length = np.maximum(np.sqrt(np.sum(between**2, axis=2)), 1.0)
+    along = np.sum((shown - other) * between, axis=2) / length
+    # What is as far from a side's mean as its texture is that side's.
+    low, high = _SPREAD * np.sqrt(other_var), length - _SPREAD * np.sqrt(own_var)
+    told = (depth_px + away_px <= band + 1.0) & (high - low > _APART) & own_far & other_far
+    share = np.clip((along - low) / np.maximum(high - low, 1.0), 0.0, 1.0)
     refined = mask.copy()
-    refined[part] = np.rint(255.0 * np.where(told, np.clip(share, 0.0, 1.0), given))
+    refined[part] = np.rint(255.0 * np.where(told, share, given))
     return refined
 
 

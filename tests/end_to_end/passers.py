@@ -138,22 +138,20 @@ def edge_within(room: PassedRoom, masks: list[Image] | None) -> tuple[float, lis
     bare, ours = film(room, room.empty, None), film(room, room.passed, masks)
     near, count, shown = 0, 0, []
     for row, (alone, picture) in enumerate(zip(bare, ours, strict=True)):
-        # Where the figure and its shade are, in the empty room; of those what nobody hides.
-        drawn = np.any(np.abs(alone[..., 0].astype(int) - room.empty[row]) > 6, axis=None)
-        there = np.abs(alone[..., 0].astype(int) - room.empty[row]) > 6
-        there = cv2.morphologyEx(there.astype(np.uint8), cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
-        share = room.masks[row] / 255.0
-        expected = np.rint(share * room.passed[row] + (1.0 - share) * alone[..., 0])
-        hidden = (room.masks[row] >= 128) & (there > 0)
-        edge = there.astype(bool) & _rim(room.masks[row] >= 128)
         shown.append(picture)
-        if not drawn or not hidden.any() or not edge.any():
-            continue
-        differs = np.abs(picture[..., 0].astype(float) - expected) > 12
-        # An edge that is more than a pixel off shows the wrong one of the two for longer than that.
-        wrong = cv2.erode(differs.astype(np.uint8), np.ones((2, 2), np.uint8)) > 0
-        off = cv2.dilate(wrong.astype(np.uint8), np.ones((7, 7), np.uint8)) > 0
-        near += int(np.count_nonzero(edge & ~off))
+        figure, passer, inside = alone[..., 0].astype(int), room.passed[row], room.masks[row] >= 128
+        drawn = np.abs(figure - room.empty[row]) > 6
+        # Where it is the figure or its shade, and looks other than the passer before it.
+        told = drawn & (np.abs(figure - passer) > 40)
+        hidden = np.abs(picture[..., 0].astype(int) - passer) < np.abs(picture[..., 0] - figure)
+        away = [
+            cv2.distanceTransform(part.astype(np.uint8), cv2.DIST_L2, 5)
+            for part in (inside, ~inside)
+        ]
+        off = told & (hidden != inside) & (away[0] + away[1] > 1.5)  # the first pixel is 1 away
+        edge = _rim(inside) & (cv2.dilate(told.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0)
+        wrong = cv2.dilate(off.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
+        near += int(np.count_nonzero(edge & ~wrong))
         count += int(np.count_nonzero(edge))
     return near / max(count, 1), shown
 
@@ -163,7 +161,9 @@ def _rim(inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return np.asarray(inside & (cv2.erode(inside.astype(np.uint8), cross) == 0))
 
 
-def path_error_m(room: PassedRoom, images: list[Image], masks: list[Image] | None, kind: str) -> float:
+def path_error_m(
+    room: PassedRoom, images: list[Image], masks: list[Image] | None, kind: str
+) -> float:
     """Error (RMS, metres) of SLAM's path, by one camera after alignment with scale, or with depth.
 
     What a frame gives with a mask is what a recording's frame gives.
