@@ -49,17 +49,14 @@ from motorcade.render.shadow import (
 )
 from motorcade.render.visibility import FigureSeen, figures_seen
 from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.masks import fill_masked, standing_depth
+from motorcade.tracking.masks import COUNTS, fill_masked
 
 # In heights of the character: what is farther than this from the ground, above or below, takes no
 # shadow; what is lower than this is the ground, as a sensor has it, and hides no foot.
 LOW, SOLE = 0.1, 0.05
 
-StampedFrame = (
-    tuple[int, ImageArray]
-    | tuple[int, ImageArray, DepthArray | None]
-    | tuple[int, ImageArray, DepthArray | None, ImageArray | None]
-)
+MaskedFrame = tuple[int, ImageArray, DepthArray | None, ImageArray | None]
+StampedFrame = tuple[int, ImageArray] | tuple[int, ImageArray, DepthArray | None] | MaskedFrame
 
 
 @dataclass(frozen=True, eq=False)
@@ -429,6 +426,45 @@ def _lay(
     depth_m = (1.0 / inverse_depth[inside]).astype(np.float32)
     region = nearest[first[1] : last[1] + 1, first[0] : last[0] + 1]
     region[inside] = np.minimum(region[inside], depth_m)
+
+
+def standing_depth(
+    mask: ImageArray, camera: Camera, camera_T_ground: Motor, depth_m: DepthArray | None
+) -> DepthArray:
+    """How far off each masked thing is, metres along the optical axis ``(h, w)``; 0 before all.
+
+    Each thing that hangs together has one depth: the middle of what is measured, else of the place
+    where it stands, the nearest at which a ray through its outline meets the ground. What reaches
+    the image's left, right or lower edge may stand anywhere and counts as before all else, and so
+    does what meets no ground. Somebody who jumps, or a hand over a table, seems farther.
+
+    Args:
+        mask: ``(h, w)`` uint8, 0 to 255.
+        camera: that took it.
+        camera_T_ground: z = 0 is the ground.
+        depth_m: ``(h, w)`` measured, NaN or 0 where unknown; None without.
+    """
+    count, label, boxes, _ = cv2.connectedComponentsWithStats((mask >= COUNTS).astype(np.uint8))
+    own_m = np.zeros(count, np.float32)
+    normal, origin_m = camera_T_ground.rotor.apply([0.0, 0.0, 1.0]), camera_T_ground.translation_m
+    for k in range(1, count):
+        x, y, width, height = boxes[k][:4]
+        part = label[y : y + height, x : x + width] == k
+        if depth_m is not None:
+            measured = depth_m[y : y + height, x : x + width][part]
+            measured = measured[np.isfinite(measured) & (measured > 0.0)]
+            if len(measured):
+                own_m[k] = np.median(measured)
+                continue
+        if x <= 1 or x + width >= mask.shape[1] - 1 or y + height >= mask.shape[0] - 1:
+            continue
+        outline = cv2.findContours(part.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+        towards = camera.bearings(np.concatenate(outline[0])[:, 0] + np.array([x, y]))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            away_m = towards[:, 2] * (normal @ origin_m) / (towards @ normal)
+        ahead = away_m[np.isfinite(away_m) & (away_m > 0.0)]
+        own_m[k] = ahead.min() if len(ahead) else 0.0
+    return np.asarray(own_m[label], np.float32)
 
 
 def raised(depth_m: DepthArray, ground_m: DepthArray, eye_m: float) -> DepthArray:

@@ -11,8 +11,6 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import Motor
-from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 
 COUNTS = 32
@@ -22,8 +20,9 @@ _BAND = 0.008
 _FADE_PX = 6
 """Over so many pixels the image goes over into what fills a mask."""
 _SPREAD, _APART = 2.5, 12.0
-"""Standard deviations of its texture that a side's colours reach from their mean, and how far apart,
-of 255, both sides' must then still lie for a pixel to tell which it is."""
+"""Standard deviations of its texture that a side's colours reach from their mean, and how far apart
+(of 255) both sides' must then still lie for a pixel to tell which it is.
+"""
 
 
 def fill_masked(image: NDArray[np.uint8], mask: GrayImage) -> NDArray[np.uint8]:
@@ -117,42 +116,3 @@ def _around(
     square = spread(np.sum(shown**2, axis=2) * sure) / enough
     variance = np.maximum(square - np.sum(mean**2, axis=2), 0.0)
     return mean, np.asarray(variance, np.float32), weight > 1e-2
-
-
-def standing_depth(
-    mask: GrayImage, camera: Camera, camera_T_ground: Motor, depth_m: NDArray[np.float32] | None
-) -> NDArray[np.float32]:
-    """How far off each masked thing is, metres along the optical axis ``(h, w)``; 0 before all.
-
-    Each thing that hangs together has one depth: the middle of what is measured, else of the place
-    where it stands, the nearest at which a ray through its outline meets the ground. What reaches
-    the image's left, right or lower edge may stand anywhere and counts as before all else, and so
-    does what meets no ground. Somebody who jumps, or a hand over a table, seems farther.
-
-    Args:
-        mask: ``(h, w)`` uint8, 0 to 255.
-        camera: that took it.
-        camera_T_ground: z = 0 is the ground.
-        depth_m: ``(h, w)`` measured, NaN or 0 where unknown; None without.
-    """
-    count, label, boxes, _ = cv2.connectedComponentsWithStats((mask >= COUNTS).astype(np.uint8))
-    own_m = np.zeros(count, np.float32)
-    normal, origin_m = camera_T_ground.rotor.apply([0.0, 0.0, 1.0]), camera_T_ground.translation_m
-    for k in range(1, count):
-        x, y, width, height = boxes[k][:4]
-        part = label[y : y + height, x : x + width] == k
-        if depth_m is not None:
-            measured = depth_m[y : y + height, x : x + width][part]
-            measured = measured[np.isfinite(measured) & (measured > 0.0)]
-            if len(measured):
-                own_m[k] = np.median(measured)
-                continue
-        if x <= 1 or x + width >= mask.shape[1] - 1 or y + height >= mask.shape[0] - 1:
-            continue
-        outline = cv2.findContours(part.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-        towards = camera.bearings(np.concatenate(outline[0])[:, 0] + np.array([x, y]))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            away_m = towards[:, 2] * (normal @ origin_m) / (towards @ normal)
-        ahead = away_m[np.isfinite(away_m) & (away_m > 0.0)]
-        own_m[k] = ahead.min() if len(ahead) else 0.0
-    return np.asarray(own_m[label], np.float32)

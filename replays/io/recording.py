@@ -121,28 +121,38 @@ class Frame:
         """
         import cv2
 
-        from motorcade.tracking.masks import fill_masked
-
-        picture, mask = self.image(), self.mask()
-        picture = picture if mask is None else fill_masked(picture, mask)
+        picture = self.still().image()
         if picture.ndim == 2:
             return picture
         return np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), dtype=np.uint8)
 
-    def depth_m(self, *, whole: bool = False) -> DepthArray | None:
-        """Read the depth, metres ``(height, width)``, NaN where unknown; None without depth.
-
-        Unknown is also what a mask says to move, unless the `whole` depth is asked for.
-        """
+    def depth_m(self) -> DepthArray | None:
+        """Read the depth, metres ``(height, width)``, NaN where unknown; None without depth."""
         with off_record():
-            depth_m = None if self.read_depth is None else self.read_depth()
-        mask = None if whole or depth_m is None else self.mask()
-        return depth_m if mask is None else np.where(mask > 0, np.float32(np.nan), depth_m)
+            return None if self.read_depth is None else self.read_depth()
 
     def mask(self) -> ImageArray | None:
         """Read what moves before the scene, 0 to 255 ``(height, width)``; None without masks."""
         with off_record():
             return None if self.read_mask is None else self.read_mask()
+
+    def still(self) -> Frame:
+        """The frame without what a mask says to move: filled from around, its depth unknown."""
+        mask, read_depth = self.mask(), self.read_depth
+        if mask is None:
+            return self
+        from motorcade.tracking.masks import fill_masked
+
+        def depth_m() -> DepthArray:
+            measured = read_depth() if read_depth is not None else np.zeros(mask.shape, np.float32)
+            return np.where(mask > 0, np.float32(np.nan), measured)
+
+        return replace(
+            self,
+            read_image=lambda: fill_masked(self.read_image(), mask),
+            read_depth=None if read_depth is None else depth_m,
+            read_mask=None,
+        )
 
     def right(self) -> ImageArray | None:
         """Read the right picture of a rectified pair, grey ``(height, width)``; None without."""

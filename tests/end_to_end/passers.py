@@ -2,10 +2,10 @@
 
 The textured room, in which somebody walks before a standing figure and through the view, drawn by
 projecting a body and laying it over the room's picture. Masks are as drawn, at an eighth of the
-size, and, which no bound holds for, three pixels too small or too large. Against the empty room's own film, with the passer
-laid over it: the share of the edge between passer and figure that lies within a pixel; against
-SLAM's path of the empty room: the path with the passer, with masks and without. A row a room; ends
-with 1 where a bound does not hold.
+size, and three pixels too small or too large, for which there is no bound. Against the empty room's
+own film: the share of the edge between passer and figure that lies within a pixel; against SLAM's
+path of the empty room: the path with the passer, with masks and without. A row a room; ends with 1
+where a bound does not hold.
 """
 
 from __future__ import annotations
@@ -22,9 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation import mannequin, place_on_plane, skin
-from motorcade.animation.vectors import box_corners
 from motorcade.fusion.metrics import evaluate
-from motorcade.ga import Motor, Trajectory
+from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import render_overlay
 from motorcade.replays.io.recording import Frame
@@ -178,7 +177,7 @@ def path_error_m(
             partial(lambda depth_m: depth_m, room.depth_m[row]),
             read_mask=read_mask,
         )
-        slam.track(stamp, frame.gray(), frame.depth_m() if kind == "depth" else None)
+        slam.track(stamp, frame.gray(), frame.still().depth_m() if kind == "depth" else None)
     path = slam.finish().trajectory
     if path is None:
         return float("inf")

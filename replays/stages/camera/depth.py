@@ -34,7 +34,7 @@ def measured_depth(recording: Recording) -> tuple[DepthCamera, MeasuredDepth]:
         lens, colour_T_depth = camera_of(recording), Motor.identity()
 
         def read(index: int) -> DepthArray | None:
-            return frames[index].depth_m()
+            return frames[index].still().depth_m()
 
     def undistorted(index: int) -> DepthArray | None:
         depth_m = read(index)

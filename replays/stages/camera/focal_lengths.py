@@ -71,7 +71,7 @@ def _factor(recording: Recording) -> FocalFactor | None:
     count = int(np.searchsorted(frames.time_ns - frames.time_ns[0], 1e9 * _FIRST_S))
     for number in track(range(count), "finding focal lengths", count):
         frame = frames[number]
-        slam.track(frame.time_ns, frame.gray(), frame.depth_m(), None)
+        slam.track(frame.time_ns, frame.gray(), frame.still().depth_m(), None)
     found = slam.finish()
     if found.trajectory is None or not found.metric:
         return None

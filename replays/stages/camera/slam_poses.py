@@ -123,7 +123,7 @@ def _by_vision(recording: Recording, settings: SlamSettings) -> SlamResult:
     slam = VisualSlam(camera_of(recording), settings, known=known, extend=known is not None)
     for frame in track(recording.frames, "mapping", len(recording.frames)):
         right = None if settings.baseline_m is None else frame.right()
-        slam.track(frame.time_ns, frame.gray(), frame.depth_m(), right)
+        slam.track(frame.time_ns, frame.gray(), frame.still().depth_m(), right)
     found = slam.finish()
     if found.trajectory is None:
         raise TrackingError(

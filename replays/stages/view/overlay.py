@@ -35,8 +35,8 @@ from motorcade.render.light import (
     lighting_without_depth,
 )
 from motorcade.render.original import OriginalVideo
-from motorcade.render.scene import DepthArray, ImageArray, Lighting
-from motorcade.render.shots import StampedFrame
+from motorcade.render.scene import ImageArray, Lighting
+from motorcade.render.shots import MaskedFrame
 from motorcade.render.video import read_original
 from motorcade.render.visibility import FigureSeen
 from motorcade.replays.engine.artifacts import new_file
@@ -52,7 +52,7 @@ from motorcade.replays.stages.values.paths import SmoothedPaths
 from motorcade.replays.stages.values.view import FigureCheck, OverlayVideo, PlacedCharacter
 from motorcade.replays.stages.view.figure_checks import check_figure
 from motorcade.replays.stages.view.ground import prints_of
-from motorcade.tracking.masks import fill_masked, refine_mask
+from motorcade.tracking.masks import refine_mask
 from motorcade.tracking.rolling import as_read
 
 # Frames, spread over the recording, from which light is estimated.
@@ -200,7 +200,7 @@ def _estimated(
     frames = footage.recording.frames
     some = np.unique(np.linspace(0, len(frames) - 1, LIT_FRAMES).round())
     straight = _Footage(footage.recording, distorted=False)
-    seen = [straight.still(frames[int(k)]) for k in some]
+    seen = [one[:3] for one in straight.frames(frames[int(k)].still() for k in some)]
     camera, stand = straight.camera, placed.placement
     ground = None
     if placed.ground_motion is None:  # else it is at one place in one picture only
@@ -233,25 +233,14 @@ class _Footage:
         self._turn = taken, shown
         return shown
 
-    def frames(self, frames: Iterable[Frame]) -> Iterator[StampedFrame]:
+    def frames(self, frames: Iterable[Frame]) -> Iterator[MaskedFrame]:
         """Stamp, picture, depth and mask of frames."""
         for prepared in ahead(self._prepared, frames):
             self._given.append(prepared[1])
             yield prepared
 
-    def still(self, frame: Frame) -> tuple[int, ImageArray, DepthArray | None]:
-        """Stamp, picture and depth of a frame without what moves before the scene."""
-        time_ns, picture, depth_m, mask = self._prepared(frame)
-        if mask is None:
-            return time_ns, picture, depth_m
-        if depth_m is not None:
-            depth_m = np.where(mask > 0, np.float32(np.nan), depth_m)
-        return time_ns, fill_masked(picture, mask), depth_m
-
-    def _prepared(
-        self, frame: Frame
-    ) -> tuple[int, ImageArray, DepthArray | None, ImageArray | None]:
-        picture, depth_m, mask = frame.image(), frame.depth_m(whole=True), frame.mask()
+    def _prepared(self, frame: Frame) -> MaskedFrame:
+        picture, depth_m, mask = frame.image(), frame.depth_m(), frame.mask()
         mask = None if mask is None else refine_mask(mask, picture)
         if not self._distorted:
             picture = self._taken_by.undistort_image(picture)

@@ -39,7 +39,7 @@ NAMES = [f"{7 + row:04d}.png" for row in range(COUNT)]
 @pytest.mark.parametrize(
     "masks",
     [
-        {name: HERE for name in NAMES},
+        dict.fromkeys(NAMES, HERE),
         {f"{name}.png": HERE for name in NAMES},
         {f"mask_{row}.png": HERE // 255 for row in range(COUNT)},
         {f"{row}.png": np.dstack([HERE // 2, 0 * HERE, 0 * HERE]) for row in range(1, COUNT + 1)},
@@ -63,7 +63,7 @@ def test_masks_of_every_kind_are_the_same(tmp_path: Path, masks: dict[str, np.nd
     [
         ({name: HERE for name in NAMES if name != "0009.png"}, ["got 4", "missing: 0009.png"]),
         ({f"{row}.png": HERE for row in range(COUNT - 1)}, ["expected 5 masks", "got 4"]),
-        ({f"m{row}.png": HERE for row in (0, 1, 3, 4, 5)}, ["missing", "after m1.png"]),
+        ({f"m{row}.png": HERE for row in (0, 1, 3, 4, 5)}, ["missing", "what follows m1.png"]),
         (
             {name: HERE if name != "0010.png" else HERE[:40] for name in NAMES},
             ["0010.png", "64 x 48", "64 x 40"],
@@ -82,7 +82,7 @@ def test_bad_masks_are_refused_by_name(
 
 
 def test_a_truncated_mask_is_refused_by_name(tmp_path: Path) -> None:
-    read = recorded(tmp_path, NAMES, {name: HERE for name in NAMES})
+    read = recorded(tmp_path, NAMES, dict.fromkeys(NAMES, HERE))
     path = tmp_path / "masks" / "0008.png"
     path.write_bytes(path.read_bytes()[:-20])
     with pytest.raises(RecordingError, match=r"0008\.png.*truncated"):
@@ -101,5 +101,5 @@ def test_masks_follow_their_frames_into_a_part_and_into_the_digest(tmp_path: Pat
 
 
 def test_inverted_masks_are_said(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    recorded(tmp_path, NAMES, {name: 255 - HERE for name in NAMES})()
+    recorded(tmp_path, NAMES, dict.fromkeys(NAMES, 255 - HERE))()
     assert "white must be what moves" in caplog.text

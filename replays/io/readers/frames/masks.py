@@ -50,17 +50,15 @@ class FrameMasks:
         return partial(read_mask, self.files[row], self.size)
 
     def check(self) -> None:
-        """Read every file and look at its header, end and size, without decoding most of them.
-
-        Masks that are white over more than half of what they show are said to be inverted ones.
+        """Read every file and look at its header, end and size; say where masks seem inverted.
 
         Raises:
             RecordingError: the first that is missing, truncated or of another size.
         """
-        for path in self.files:
-            pictures.read_picture_bytes(path, _FIELD, self.size, _advice(self.size))
+        for _ in self.content():
+            pass
         some = self.files[:: 1 + len(self.files) // 8]
-        share = float(np.mean([np.mean(read_mask(path, self.size) >= COUNTS) for path in some]))
+        share = float(np.mean([read_mask(path, self.size) >= COUNTS for path in some]))
         if share > _WHITE_BACKGROUND:
             _LOG.warning(
                 "%s: masks cover %.0f %% of the images: white must be what moves; invert them if "
@@ -70,11 +68,15 @@ class FrameMasks:
             )
 
     def content(self) -> Iterator[bytes]:
-        """Digest of every file, after the stamps, which all of it depends on."""
+        """The stamps, and a digest of every file; raises as `check`."""
         yield self.time_ns.tobytes()
         for path in self.files:
-            data = pictures.read_picture_bytes(path, _FIELD, self.size, _advice(self.size))
-            yield hashlib.sha256(data).digest()
+            yield hashlib.sha256(_read(path, self.size)).digest()
+
+
+def _read(path: Path, size: tuple[int, int]) -> bytes:
+    advice = f"make masks of the images as they are shown, {size[0]} x {size[1]}"
+    return pictures.read_picture_bytes(path, _FIELD, size, advice)
 
 
 def read_mask(path: Path, size: tuple[int, int]) -> ImageArray:
@@ -83,8 +85,7 @@ def read_mask(path: Path, size: tuple[int, int]) -> ImageArray:
     Raises:
         RecordingError: missing, truncated, another size, or nothing that can be decoded.
     """
-    data = pictures.read_picture_bytes(path, _FIELD, size, _advice(size))
-    stored = pictures.decode_as_stored(path, data, _FIELD)
+    stored = pictures.decode_as_stored(path, _read(path, size), _FIELD)
     if stored.ndim == 3 and stored.shape[2] == 4:
         stored = stored[..., 3]
     elif stored.ndim == 3:
@@ -96,10 +97,6 @@ def read_mask(path: Path, size: tuple[int, int]) -> ImageArray:
     if stored.max() == 1:
         stored = stored * 255
     return np.asarray(stored, dtype=np.uint8)
-
-
-def _advice(size: tuple[int, int]) -> str:
-    return f"make masks of the images as they are shown, {size[0]} x {size[1]}"
 
 
 def paired_masks(
@@ -120,32 +117,22 @@ def paired_masks(
     folder, stems = files[0].parent, {Path(name).stem: row for row, name in enumerate(names)}
     rows = {name: row for row, name in enumerate(names)} | stems
     own = {rows[path.stem]: path for path in files if path.stem in rows}
+    missing: list[str] = []
     if 2 * len(own) > len(files):
         missing = [name for row, name in enumerate(names) if row not in own]
-        if missing:
-            raise _incomplete(folder, len(names), len(own), missing)
-        return FrameMasks(tuple(own[row] for row in range(len(names))), time_ns, size)
-    numbers = numbered(files)
-    if numbers is not None and len(files) > 1:
-        steps = np.diff(np.array(numbers))
-        usual = int(np.median(steps))
-        jumps = np.flatnonzero(steps != usual)
-        if jumps.size:
-            after = [f"the one after {files[row].name}" for row in jumps.tolist()]
-            raise _incomplete(folder, len(time_ns), len(files), after)
-    if len(files) != len(time_ns):
-        problem = f"expected {len(time_ns)} masks, one for each frame, got {len(files)}"
-        advice = "call them as the images are called, or leave a black one for an empty frame"
-        raise refusal(folder, problem, field=_FIELD, advice=advice)
+        files = [own[row] for row in sorted(own)]
+    else:
+        steps = np.diff(np.array(numbered(files) or range(len(files))))
+        jumps = np.flatnonzero(steps != np.median(steps)) if len(steps) else np.zeros(0, np.int64)
+        missing = [f"what follows {files[row].name}" for row in jumps.tolist()]
+    if missing or len(files) != len(time_ns):
+        listed = f"; missing: {', '.join(missing[:_NAMED])}" if missing else ""
+        more = f" and {len(missing) - _NAMED} more" if len(missing) > _NAMED else ""
+        raise refusal(
+            folder,
+            f"expected {len(time_ns)} masks, one for each frame, got {len(files)}{listed}{more}",
+            field=_FIELD,
+            advice="call them as the images are called; a frame in which nothing moves needs a "
+            "black one",
+        )
     return FrameMasks(tuple(files), time_ns, size)
-
-
-def _incomplete(folder: Path, frames: int, masks: int, missing: Sequence[str]) -> Exception:
-    listed = ", ".join(missing[:_NAMED])
-    more = f" and {len(missing) - _NAMED} more" if len(missing) > _NAMED else ""
-    return refusal(
-        folder,
-        f"expected a mask for each of {frames} frames, got {masks}; missing: {listed}{more}",
-        field=_FIELD,
-        advice="a frame in which nothing moves needs a black one",
-    )
