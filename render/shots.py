@@ -431,40 +431,31 @@ def _lay(
 def standing_depth(
     mask: ImageArray, camera: Camera, camera_T_ground: Motor, depth_m: DepthArray | None
 ) -> DepthArray:
-    """How far off each masked thing is, metres along the optical axis ``(h, w)``; 0 before all.
+    """How far off each masked thing is, metres (h, w) along the axis; 0 before all else.
 
-    Each thing that hangs together has one depth: the middle of what is measured, else of the place
-    where it stands, the nearest at which a ray through its outline meets the ground. What reaches
-    the image's left, right or lower edge may stand anywhere and counts as before all else, and so
-    does what meets no ground. Somebody who jumps, or a hand over a table, seems farther.
-
-    Args:
-        mask: ``(h, w)`` uint8, 0 to 255.
-        camera: that took it.
-        camera_T_ground: z = 0 is the ground.
-        depth_m: ``(h, w)`` measured, NaN or 0 where unknown; None without.
+    A thing that hangs together has one depth: the middle of what is measured, else of where it
+    stands, the nearest at which a ray through its outline meets the ground. What reaches the
+    image's left, right or lower edge may stand anywhere, and is before all else. Somebody who
+    jumps, or a hand over a table, seems farther.
     """
-    count, label, boxes, _ = cv2.connectedComponentsWithStats((mask >= COUNTS).astype(np.uint8))
-    own_m = np.zeros(count, np.float32)
+    away_m = np.full(mask.shape, np.inf, np.float32)
     normal, origin_m = camera_T_ground.rotor.apply([0.0, 0.0, 1.0]), camera_T_ground.translation_m
-    for k in range(1, count):
-        x, y, width, height = boxes[k][:4]
-        part = label[y : y + height, x : x + width] == k
+    inside = (mask >= COUNTS).astype(np.uint8)
+    for outline in cv2.findContours(inside, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0]:
+        x, y, width, height = cv2.boundingRect(outline)
+        own_m = np.zeros(0)
         if depth_m is not None:
-            measured = depth_m[y : y + height, x : x + width][part]
-            measured = measured[np.isfinite(measured) & (measured > 0.0)]
-            if len(measured):
-                own_m[k] = np.median(measured)
-                continue
-        if x <= 1 or x + width >= mask.shape[1] - 1 or y + height >= mask.shape[0] - 1:
-            continue
-        outline = cv2.findContours(part.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-        towards = camera.bearings(np.concatenate(outline[0])[:, 0] + np.array([x, y]))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            away_m = towards[:, 2] * (normal @ origin_m) / (towards @ normal)
-        ahead = away_m[np.isfinite(away_m) & (away_m > 0.0)]
-        own_m[k] = ahead.min() if len(ahead) else 0.0
-    return np.asarray(own_m[label], np.float32)
+            within = inside & cv2.drawContours(np.zeros_like(inside), [outline], 0, 1, cv2.FILLED)
+            own_m = np.median(depth_m[(within > 0) & (depth_m > 0.0)], keepdims=True)
+        elif x > 1 and x + width < mask.shape[1] - 1 and y + height < mask.shape[0] - 1:
+            towards = camera.bearings(outline[:, 0].astype(np.float64))
+            with np.errstate(divide="ignore"):
+                own_m = towards[:, 2] * (normal @ origin_m) / (towards @ normal)
+        nearest_m = np.min(own_m[own_m > 0.0], initial=np.inf)
+        nearest_m = nearest_m if np.isfinite(nearest_m) else 0.0
+        for how in (cv2.FILLED, 5):  # and its soft rim
+            cv2.drawContours(away_m, [outline], 0, float(nearest_m), how)
+    return away_m
 
 
 def raised(depth_m: DepthArray, ground_m: DepthArray, eye_m: float) -> DepthArray:

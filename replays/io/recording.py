@@ -443,9 +443,9 @@ def _bytes(array: NDArray[Any]) -> memoryview:
 
 
 def with_masks(frames: FrameSequence, masks: FrameMasks) -> FrameSequence:
-    """The same frames, with masks."""
+    """A copy of frames, with masks."""
     masked = copy(frames)
-    object.__setattr__(masked, "masks", masks)  # also of a frozen value, which is a copy
+    object.__setattr__(masked, "masks", masks)
     return masked
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from motorcade.ga.arrays import IntArray
@@ -82,21 +83,20 @@ def _read(path: Path, size: tuple[int, int]) -> bytes:
 def read_mask(path: Path, size: tuple[int, int]) -> ImageArray:
     """Decode a mask: uint8 ``(height, width)``, 255 for what moves.
 
-    Raises:
-        RecordingError: missing, truncated, another size, or nothing that can be decoded.
+    Raises RecordingError: missing, truncated, another size, or nothing that can be decoded.
     """
-    stored = pictures.decode_as_stored(path, _read(path, size), _FIELD)
-    if stored.ndim == 3 and stored.shape[2] == 4:
+    stored = cv2.imdecode(np.frombuffer(_read(path, size), np.uint8), cv2.IMREAD_UNCHANGED)
+    if stored is None or stored.shape[1::-1] != size:
+        raise refusal(path, "the mask cannot be decoded", field=_FIELD, advice="write it as PNG")
+    if stored.ndim == 3 and stored.shape[2] == 4 and stored[..., 3].min() < 255:
         stored = stored[..., 3]
     elif stored.ndim == 3:
-        highest = stored.max(axis=2)
-        grey = np.array_equal(highest, stored.min(axis=2))
-        stored = highest if grey else np.where(highest >= COUNTS, 255, 0)
-    if stored.dtype == np.uint16:
-        stored = stored if stored.max() == 1 else stored >> 8
-    if stored.max() == 1:
-        stored = stored * 255
-    return np.asarray(stored, dtype=np.uint8)
+        highest, lowest = stored[..., :3].max(axis=2), stored[..., :3].min(axis=2)
+        labels = np.where(highest >= COUNTS, 255, 0)
+        stored = highest if np.array_equal(highest, lowest) else labels
+    if stored.dtype == np.uint16 and stored.max() > 1:
+        stored = stored >> 8
+    return np.asarray(stored * 255 if stored.max() == 1 else stored, dtype=np.uint8)
 
 
 def paired_masks(

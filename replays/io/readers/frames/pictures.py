@@ -166,16 +166,6 @@ def picture_size(data: bytes) -> tuple[int, int]:
     return size
 
 
-def decode_as_stored(path: Path, data: bytes, field: str | None) -> NDArray[np.generic]:
-    """Decode a picture file that was read, upright, with its own channels and bits.
-
-    Raises:
-        RecordingError: what cannot be decoded.
-    """
-    stored = _decode(path, data, field, cv2.IMREAD_UNCHANGED | cv2.IMREAD_IGNORE_ORIENTATION)
-    return picture_orientation(data).upright(stored)
-
-
 def _decode(path: Path, data: bytes, field: str | None, flags: int) -> NDArray[np.generic]:
     problem = "the picture cannot be decoded"
     try:
