@@ -8,8 +8,10 @@ from __future__ import annotations
 import argparse
 import logging
 import os
+import re
 import sys
 from collections.abc import Callable, Collection, Iterable, Sequence
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
@@ -63,7 +65,7 @@ NAMES = {command.__name__.removeprefix("add_").replace("_", "-"): command for co
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
-    words = sys.argv[1:] if argv is None else list(argv)
+    words = _command_first(sys.argv[1:] if argv is None else list(argv))
     named = NAMES.get(words[0]) if words else None
     parser = command_parser(COMMANDS if named is None else (named,))
     if named is None and words and not words[0].startswith("-"):
@@ -84,9 +86,29 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 0
     except Exception as error:  # whatever fails, a user is told in one line
         logging.getLogger("motorcade").debug("traceback", exc_info=True)
-        print(f"motorcade: {_error_text(error)}", file=sys.stderr)
+        print(f"motorcade: {_with_addresses(_error_text(error), words)}", file=sys.stderr)
         return 1
     return 0
+
+
+def _command_first(words: list[str]) -> list[str]:
+    """The words with options that all commands share behind the command, where they may stand.
+
+    >>> _command_first(["-q", "view", "out/run"])
+    ['view', '-q', 'out/run']
+    """
+    before = takewhile(re.compile(r"-[vq]+|--verbose|--quiet").fullmatch, words)
+    at = len(list(before))
+    return [*words[at : at + 1], *words[:at], *words[at + 1 :]]
+
+
+def _with_addresses(text: str, words: Iterable[str]) -> str:
+    """A message in which addresses stand as they were typed; as paths they lose a slash."""
+    for word in words:
+        scheme, address, _ = word.partition("://")
+        if address and scheme.isalnum():
+            text = re.sub(rf"\b{scheme}:/(?!/)", f"{scheme}://", text)
+    return text
 
 
 def _run(parser: argparse.ArgumentParser, values: Sequence[str]) -> None:

@@ -114,7 +114,7 @@ class Job:
             said = tuple(f"placed.{name}=" for name in SCENE_SAYS)
             own = tuple(one for one in own if not one.replace(" ", "").startswith(said))
             words = (*words, f"placed.scene={self.scene}")
-        return (*own, *(setting_from(one, lambda file: Path(file).absolute()) for one in words))
+        return tuple(setting_from(one, lambda file: Path(file).absolute()) for one in (*own, *words))
 
 
 def pipeline_graph() -> Graph:
@@ -211,6 +211,9 @@ def _about(job: Job, opened: OpenedRecording, settings: tuple[str, ...]) -> dict
         "content": opened.recording.digest(),
         "until": job.until,
         "settings": list(settings),
+        "settings_from_here": [
+            setting_from(one, lambda file: Path(relpath(file, job.out))) for one in settings
+        ],
         "motorcade": __version__,
         "python": platform.python_version(),
         **summary(opened),

@@ -11,7 +11,7 @@ import logging
 import shlex
 import tempfile
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from os.path import normpath
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,7 @@ from motorcade.ga.stamps import GAP_STEPS, inside_gaps
 from motorcade.render import Performer
 from motorcade.replays.engine.graph import GraphRun
 from motorcade.replays.engine.knobs import parse_knobs
+from motorcade.replays.io.readers.manifest.section import setting_from
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.pipeline.job import pipeline_graph
@@ -177,7 +178,7 @@ class RunOrigin:
     def words(self, recording: Recording) -> list[str]:
         """Of a command line that does it again, but for where to and who stands in it."""
         manifest = [] if self.manifest is None else ["--manifest", str(self.manifest)]
-        told = self.settings[len(recording.settings) :]
+        told = [one for one in self.settings if one not in recording.settings]
         kept = [one for one in told if not one.startswith("placed.")]
         settings = [word for one in kept for word in ("--set", one)]
         return ["motorcade", "run", str(self.recording), *manifest, *settings]
@@ -198,11 +199,10 @@ def read_origin(folder: Path) -> RunOrigin:
         )
     try:
         document = json.loads(read_bounded(file, MAX_LOG_BYTES))
-        recording, manifest = (_found(folder, document, one) for one in ("recording", "manifest"))
+        recording, manifest = (_stated(folder, document, one) for one in ("recording", "manifest"))
         if recording is None:
             raise ValueError("recording: expected a path, got none")
-        settings = tuple(map(str, document["settings"]))
-        return RunOrigin(recording, manifest, str(document["content"]), settings)
+        return RunOrigin(recording, manifest, str(document["content"]), _settings(folder, document))
     except FileError:
         raise
     except (ValueError, KeyError, TypeError, RecursionError) as fault:
@@ -212,11 +212,26 @@ def read_origin(folder: Path) -> RunOrigin:
         ) from fault
 
 
-def _found(folder: Path, stated: dict[str, Any], name: str) -> Path | None:
-    """Where a file of a run lies: where it lay, or where it was moved together with the run."""
-    if stated[name] is None:
+def _stated(folder: Path, document: dict[str, Any], name: str) -> Path | None:
+    """Where a file that a run log names lies now; None where it names none."""
+    if document[name] is None:
         return None
-    there, moved = Path(stated[name]), stated.get(f"{name}_from_here")
+    return _lies(folder, document[name], document.get(f"{name}_from_here"))
+
+
+def _settings(folder: Path, document: dict[str, Any]) -> tuple[str, ...]:
+    """The settings of a run log, those that name files with where these lie now."""
+    settings = tuple(map(str, document["settings"]))
+    relative = tuple(map(str, document.get("settings_from_here", settings)))
+    return tuple(
+        setting_from(one, partial(_lies, folder, moved=from_here.partition("=")[2].strip()))
+        for one, from_here in zip(settings, relative, strict=True)
+    )
+
+
+def _lies(folder: Path, stated: str, moved: str | None) -> Path:
+    """Where a file of a run lies: where it lay, or where it was moved together with the run."""
+    there = Path(stated)
     return there if there.exists() or moved is None else Path(normpath(folder.absolute() / moved))
 
 

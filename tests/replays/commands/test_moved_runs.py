@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 
 from motorcade.replays.cli.main import main
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.pipeline.job import Job
 from motorcade.replays.pipeline.runs import read_origin
 
 ROWS = """\
@@ -40,6 +42,33 @@ def test_a_run_that_was_moved_with_its_recording_finds_it(tmp_path, monkeypatch)
         found = read_origin(folder)
         assert found.recording == tmp_path / "after" / "clip.mp4"
         assert found.manifest == tmp_path / "after" / "fov90.toml"
+
+
+def test_settings_that_name_files_are_found_from_anywhere(tmp_path, monkeypatch):
+    run = written(tmp_path, "../../clip.mp4", "../../fov90.toml")
+    cast = tmp_path / "before" / "cast.toml"
+    cast.write_bytes(b"")
+    log = json.loads((run / "run.json").read_text())
+    log["settings"] = ["fused.gate=0.99", f"placed.cast={cast}", "placed.scene=none"]
+    log["settings_from_here"] = ["fused.gate=0.99", "placed.cast=../../cast.toml", "placed.scene=none"]  # fmt: skip
+    (run / "run.json").write_text(json.dumps(log))
+    assert read_origin(run).knobs["placed"]["cast"] == cast
+    (tmp_path / "before").rename(tmp_path / "after")
+    monkeypatch.chdir(tmp_path / "after" / "out")
+    for folder in (tmp_path / "after" / "out" / "run", Path("run")):
+        assert read_origin(folder).settings == (
+            "fused.gate=0.99",
+            f"placed.cast={tmp_path / 'after' / 'cast.toml'}",
+            "placed.scene=none",
+        )
+
+
+def test_settings_of_a_recording_are_stored_whole(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    own = ("placed.cast=clip/cast.toml", "placed.on=floor")
+    recording = Recording("clip", Path("clip"), "made", frames=(None,), settings=own)
+    settings = Job(Path("clip"), Path("out")).all_settings(recording)
+    assert settings == (f"placed.cast={tmp_path / 'clip/cast.toml'}", "placed.on=floor")
 
 
 @pytest.mark.parametrize("command", ["smooth", "evaluate"])

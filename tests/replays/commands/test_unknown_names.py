@@ -61,3 +61,23 @@ def test_seeds_are_whole_numbers(
         main([*command, f"--seed={seed}"])
     assert ended.value.code == 2
     assert "expected a whole number from 0 on, got" in capsys.readouterr().err
+
+
+def test_options_of_all_commands_may_stand_before_the_command(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["-q", "view", str(tmp_path)]) == 1
+    assert "run.json is not there" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main(["-v", "--quiet", "vew"])
+    assert "no command 'vew'; did you mean view?" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["run", "inspect", "view", "author"])
+def test_addresses_are_told_as_they_were_typed(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([command, "http://example.org/a/b.mp4"]) == 1
+    message = capsys.readouterr().err
+    assert "http://example.org/a" in message
+    assert "http:/e" not in message
