@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
@@ -166,6 +167,8 @@ class Scene:
             ValueError: no such object.
         """
         self.pose(name)
+        if name not in self.parents.values():
+            return [name]
         names = {name}
         for child, parent in self.parents.items():
             if parent in names:
@@ -200,12 +203,30 @@ class Scene:
             ValueError: no such object.
         """
         self.pose(name)
-        return self.but(parts={**self.parts, name: part})
+        changed = self.but(parts={**self.parts, name: part})
+        more = part.keyframe_count - self.part(name).keyframe_count
+        changed.__dict__["keyframe_count"] = self.keyframe_count + more
+        return changed
+
+    @cached_property
+    def keyframe_count(self) -> int:
+        """Of poses and of joints, of all objects."""
+        return sum(part.keyframe_count for part in self.parts.values())
+
+    def check_depth(self, name: str) -> None:
+        """Refuse an object that hangs deeper than 64. Raises ValueError: it does."""
+        above, depth = self.parents[name], 1
+        while above is not None and above not in self.anchors:
+            above, depth = self.parents[above], depth + 1
+        if depth > DEEPEST:
+            raise ValueError(f"Scene.parents: expected at most {DEEPEST} deep, got '{name}'")
 
     def but(self, **fields: Mapping[str, Any]) -> Scene:
         """The same with fields that need no check: a drag of a large scene has no time for it."""
         scene: Scene = object.__new__(Scene)
         scene.__dict__.update(self.__dict__ | fields)
+        if "parts" in fields:
+            scene.__dict__.pop("keyframe_count", None)
         return scene
 
     def on_euler_angles(self) -> Scene:

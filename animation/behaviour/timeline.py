@@ -66,11 +66,17 @@ class Timeline:
 
     def __init__(self, actor: Actor, errand: Errand) -> None:
         self.actor, self.errand = actor, errand
+        if len(errand.path_m):  # the way is no shorter than this, and dear to curve
+            straight_m = np.linalg.norm(np.diff(errand.path_m, axis=0), axis=1).sum()
+            self._check_lasts(actor.pace(float(straight_m)).done_s)
         self.segments: tuple[Segment, ...] = self._led_through()
-        if not self.done_s <= LONGEST_S:
+        self._check_lasts(self.done_s)
+
+    def _check_lasts(self, done_s: float) -> None:
+        if not done_s <= LONGEST_S:
             raise ValueError(
-                f"Errand: expected '{actor.name}' done within {LONGEST_S:g} s, got "
-                f"{self.done_s:.0f} s; wait and do less, or go a shorter way at that height"
+                f"Errand: expected '{self.actor.name}' done within {LONGEST_S:g} s, got "
+                f"{done_s:.0f} s; wait and do less, or go a shorter way at that height"
             )
 
     @property

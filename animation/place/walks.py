@@ -80,6 +80,10 @@ class GroundPath:
         steps = np.linalg.norm(np.diff(self._curve, axis=0), axis=1)
         return np.concatenate([[0.0], np.cumsum(steps)])
 
+    @cached_property
+    def _slope(self) -> FloatArray:
+        return np.asarray(np.gradient(self._curve, self._along, axis=0))
+
     @property
     def length_m(self) -> float:
         """Length of the curve."""
@@ -93,8 +97,7 @@ class GroundPath:
         wanted = checked_floats(along_m, "GroundPath.at(along_m)", ())
         inside = np.clip(wanted, 0.0, self.length_m)
         position = np.stack([np.interp(inside, self._along, axis) for axis in self._curve.T], -1)
-        slope = np.gradient(self._curve, self._along, axis=0)
-        ahead = np.stack([np.interp(inside, self._along, axis) for axis in slope.T], -1)
+        ahead = np.stack([np.interp(inside, self._along, axis) for axis in self._slope.T], -1)
         ahead /= np.linalg.norm(ahead, axis=-1, keepdims=True)
         beyond = (wanted - inside)[..., None]
         return position + beyond * ahead, np.arctan2(ahead[..., 1], ahead[..., 0])

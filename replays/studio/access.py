@@ -159,6 +159,7 @@ FIRST_REQUEST_WITHIN_S = 10.0
 MAX_EDITORS = 8
 MESSAGES_A_SECOND = 250.0
 MESSAGES_AT_ONCE = 500.0
+WORK_FREE_S, WORK_SHARE = 1.0, 0.5
 
 
 class BoundedProtocol(H11Protocol):
@@ -225,3 +226,36 @@ class MessageRate:
             return False
         self._left -= 1.0
         return True
+
+
+@dataclass
+class WorkBudget:
+    """How long one connection's next message waits, so that its work leaves room for others'.
+
+    A second of work is free; what goes beyond is worked off at `WORK_SHARE` seconds a second.
+
+    Args:
+        clock: seconds that only grow.
+
+    >>> from motorcade.replays.studio.access import WorkBudget
+    >>> still = WorkBudget(clock=lambda: 0.0)
+    >>> still.spend(1.5)
+    >>> still.owed_s()
+    1.0
+    """
+
+    clock: Callable[[], float] = time.monotonic
+
+    def __post_init__(self) -> None:
+        self._spent_s, self._seen_s = 0.0, self.clock()
+
+    def spend(self, seconds: float) -> None:
+        """Put work on the account."""
+        now = self.clock()
+        self._spent_s = max(0.0, self._spent_s - WORK_SHARE * (now - self._seen_s)) + seconds
+        self._seen_s = now
+
+    def owed_s(self) -> float:
+        """Seconds until the next message is looked at."""
+        self.spend(0.0)
+        return max(0.0, self._spent_s - WORK_FREE_S) / WORK_SHARE

@@ -88,6 +88,8 @@ class _Site:
     async def lifespan(self, _: Starlette) -> AsyncIterator[None]:
         """While the server runs; at its end what was opened is closed."""
         yield
+        for visitors in self._visitors:
+            await run_in_threadpool(visitors.close)
         await self._opened.close()
 
     async def start(self, request: Request) -> Response:

@@ -28,7 +28,7 @@ class Answer:
 
 
 class Desk(Protocol):
-    """A run whose scene is being edited. `answer` and `left` are called by one thread only."""
+    """A run whose scene is being edited: `joined`, `answer` and `left` by one thread at a time."""
 
     @property
     def frames(self) -> int:

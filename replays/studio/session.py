@@ -125,7 +125,7 @@ class EditingSession:
 
     def joined(self, visitor: int) -> Message:
         """What a browser is told when it comes."""
-        return {"scene": self._scene(None), "version": self._version}
+        return {**self._scene(None), "version": self._version}
 
     def left(self, visitor: int) -> Message | None:
         """A browser is gone: what it held goes back to where it was."""
@@ -237,9 +237,10 @@ class EditingSession:
         drag = self._drag_of(visitor)
         news = self._dropped(visitor)
         gesture, before = drag.gesture(), self.history.scene
-        if gesture is None:
+        if gesture is not None:
+            self.history.do(gesture, {} if isinstance(drag, LimbDrag) else drag.anchors)
+        if self.history.scene is before:
             return Answer(dict(news or {}), news)
-        self.history.do(gesture, {} if isinstance(drag, LimbDrag) else drag.anchors)
         return self._changed(before)
 
     def _cancel(self, visitor: int, message: Message) -> Answer:
@@ -399,17 +400,22 @@ class EditingSession:
 
     def _changed(self, before: Scene) -> Answer:
         self._version += 1
-        changes = {"scene": self._scene(before), "version": self._version}
+        changes = {**self._scene(before), "version": self._version}
         return Answer(changes, changes)
 
     def _scene(self, before: Scene | None) -> dict[str, Any]:
-        scene, held = self.history.scene, set(self._locks.held.values())
-        objects = [self.view.about(scene, name, before) for name in scene.parents]
-        return {
-            "undo": self.history.can_undo,
-            "redo": self.history.can_redo,
-            "objects": [{**one, "held": one["name"] in held} for one in objects],
-        }
+        """The scene as far as it is not as before; the names, where others or in another order."""
+        scene = self.history.scene
+        told: dict[str, Any] = {"undo": self.history.can_undo, "redo": self.history.can_redo}
+        names = list(scene.parents)
+        if before is None or names != list(before.parents):
+            told["names"] = names
+        told["objects"] = [
+            self.view.about(scene, name, before)
+            for name in names
+            if before is None or not self.view.as_before(scene, name, before)
+        ]
+        return {"scene": told, "holds": sorted(self._locks.held.values())}
 
     def _poses(self, scene: Scene, drag: ObjectDrag) -> dict[str, list[float]]:
         """Where what is dragged, and all that hangs on it, is in the image on show."""
@@ -460,6 +466,16 @@ class SceneView:
     filmed: Filmed
     played: PlayedScene
     props: Props
+    _held_by: dict[int, dict[str, list[Any]]] = field(default_factory=dict)
+
+    def as_before(self, scene: Scene, name: str, before: Scene) -> bool:
+        """Whether there is surely nothing to tell of an object that a page does not know."""
+        return (
+            name in before.parents
+            and scene.parts.get(name) is before.parts.get(name)
+            and scene.poses[name] is before.poses[name]
+            and self.played.stands_alike(before, scene, name)
+        )
 
     def about(self, scene: Scene, name: str, before: Scene | None) -> dict[str, Any]:
         """An object; where it stands is left out for one that stands as it did before.
@@ -485,12 +501,14 @@ class SceneView:
         }
         if part.kind != "group":
             number, acted = self.played.acted(scene, name)
-            about |= {"motion": number, "figure": self.played.figure(acted)}
+            figure = self.played.figure(acted)
+            about |= {"motion": number, "figure": figure}
             if part.kind == "character":
-                about["held_by"] = {
-                    body: [number, acted.character.skeleton.names[number]]
-                    for body, number in joints_held_by(acted.character.skeleton).items()
-                }
+                if figure not in self._held_by:
+                    names = acted.character.skeleton.names
+                    held = joints_held_by(acted.character.skeleton)
+                    self._held_by[figure] = {body: [k, names[k]] for body, k in held.items()}
+                about["held_by"] = self._held_by[figure]
         if before is None or not self.played.stands_alike(before, scene, name):
             track = self.played.world_T_object(scene, name)
             about["track"] = packed(rows(track), "f64")

@@ -9,22 +9,26 @@ import asyncio
 import itertools
 import json
 import logging
-from collections.abc import Mapping
-from typing import Any, get_args
+import time
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import Any, TypeVar, get_args
 
 import numpy as np
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from motorcade.animation.authoring.poses import Frame
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.studio.access import MessageRate
-from motorcade.replays.studio.offers import Desk
+from motorcade.replays.studio.access import MessageRate, WorkBudget
+from motorcade.replays.studio.offers import Answer, Desk
 
 log = logging.getLogger("motorcade.studio")
 
 MAX_UNSENT = 256
 """A browser that lets so many messages lie is taken for gone, and can come back."""
 _END = ""
+Result = TypeVar("Result")
 
 
 def parsed(text: str) -> Mapping[str, Any]:
@@ -51,32 +55,46 @@ def _no_number(text: str) -> float:
 
 
 class Visitors:
-    """The browsers that have one scene open."""
+    """The browsers that have one scene open; a thread of its own does what they ask for.
+
+    So the event loop, which hears all runs' browsers, waits for nobody's edit.
+    """
 
     def __init__(self) -> None:
         self._unsent: dict[int, asyncio.Queue[str]] = {}
         self._numbers = itertools.count(1)
+        self._present = 0
+        self._worker = ThreadPoolExecutor(1, "edits")
 
     def __len__(self) -> int:
-        return len(self._unsent)
+        return self._present
+
+    def close(self) -> None:
+        """Wait for what is under way."""
+        self._worker.shutdown()
 
     async def serve(self, socket: WebSocket, desk: Desk) -> None:
         """Take one browser's messages until it goes, or asks for too much."""
-        visitor = next(self._numbers)
-        unsent = self._unsent[visitor] = asyncio.Queue(MAX_UNSENT)
+        visitor, unsent = next(self._numbers), asyncio.Queue[str](MAX_UNSENT)
+        self._present += 1
         sending = asyncio.create_task(_send(socket, unsent))
         try:
-            self._put(visitor, desk.joined(visitor))
+            hello = await self._work(lambda: _text(desk.joined(visitor)))
+            # Others' news from here on: what they did before is in the scene already.
+            self._unsent[visitor] = unsent
+            self._put(visitor, hello)
             await self._listen(socket, desk, visitor)
         except WebSocketDisconnect:
             log.debug("browser %d went", visitor)
         finally:
+            self._present -= 1
             self._unsent.pop(visitor, None)
             sending.cancel()
-            self._tell_others(visitor, desk.left(visitor))
+            leaving = self._work(lambda: _text(desk.left(visitor)))
+            leaving.add_done_callback(lambda done: self._tell_others(visitor, done.result()))
 
     async def _listen(self, socket: WebSocket, desk: Desk, visitor: int) -> None:
-        rate = MessageRate()
+        rate, budget = MessageRate(), WorkBudget()
         while visitor in self._unsent:
             message = await socket.receive()
             if message["type"] == "websocket.disconnect":
@@ -85,35 +103,49 @@ class Visitors:
             if text is None:
                 await socket.close(1003, "expected text")
                 return
-            await asyncio.sleep(0)  # others are heard between two messages that wait
+            await asyncio.sleep(budget.owed_s())  # others are heard between two that wait
             if not rate.takes():
                 await socket.close(1008, "too many messages")
                 return
-            try:
-                request = parsed(text)
-                answer = desk.answer(visitor, request)
-            except ValueError as fault:
-                self._put(visitor, {"n": None, "ok": False, "error": str(fault)})
-                continue
-            self._put(visitor, answer.reply)
-            self._tell_others(visitor, answer.news)
+            reply, news, seconds = await self._work(partial(_answered, desk, visitor, text))
+            budget.spend(seconds)
+            self._put(visitor, reply)
+            self._tell_others(visitor, news)
 
-    def _tell_others(self, visitor: int, news: Mapping[str, Any] | None) -> None:
-        if news is not None:
-            for other in [one for one in self._unsent if one != visitor]:
+    def _work(self, act: Callable[[], Result]) -> asyncio.Future[Result]:
+        """Do something in the thread of this scene, after what was asked for before."""
+        return asyncio.get_running_loop().run_in_executor(self._worker, act)
+
+    def _tell_others(self, visitor: int, news: str) -> None:
+        if news:
+            for other in [number for number in self._unsent if number != visitor]:
                 self._put(other, news)
 
-    def _put(self, visitor: int, message: Mapping[str, Any]) -> None:
+    def _put(self, visitor: int, text: str) -> None:
         unsent = self._unsent.get(visitor)
         if unsent is None:
             return
         try:
-            unsent.put_nowait(json.dumps(message, separators=(",", ":")))
+            unsent.put_nowait(text)
         except asyncio.QueueFull:
             log.debug("browser %d does not read", visitor)
             while not unsent.empty():
                 unsent.get_nowait()
             unsent.put_nowait(_END)
+
+
+def _answered(desk: Desk, visitor: int, text: str) -> tuple[str, str, float]:
+    """The reply to a message, the news to others, and the seconds that both took."""
+    began = time.thread_time()
+    try:
+        answer = desk.answer(visitor, parsed(text))
+    except ValueError as fault:
+        answer = Answer({"n": None, "ok": False, "error": str(fault)})
+    return _text(answer.reply), _text(answer.news), time.thread_time() - began
+
+
+def _text(message: Mapping[str, Any] | None) -> str:
+    return "" if message is None else json.dumps(message, separators=(",", ":"))
 
 
 async def _send(socket: WebSocket, unsent: asyncio.Queue[str]) -> None:

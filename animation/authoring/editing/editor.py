@@ -5,8 +5,10 @@ The history of a scene: steps that hold what they changed, not whole scenes.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
+from operator import is_
 from typing import Any
 
 import numpy as np
@@ -176,7 +178,7 @@ class SceneEditor:
             raise
         finally:
             self._drag = None
-        return self._step_to(start, self._scene)
+        return self._step_to(start, self._scene, _touched(gesture))
 
     def undo(self) -> Scene:
         """The scene before the last step; without one, the scene as it is."""
@@ -230,9 +232,9 @@ class SceneEditor:
         if self._drag is not None:
             raise RuntimeError("SceneEditor: end or cancel the drag that is going on first")
 
-    def _step_to(self, start: Scene, scene: Scene) -> Scene:
+    def _step_to(self, start: Scene, scene: Scene, names: Iterable[str] | None = None) -> Scene:
         """Where a gesture ends, put on record unless nothing has changed."""
-        step = SceneStep.between(start, scene)
+        step = SceneStep.between(start, scene, names)
         self._scene = start if step is None else scene
         if step is not None:
             self._past.append(step)
@@ -260,42 +262,106 @@ def replay(editor: SceneEditor, gestures: Iterable[Gesture]) -> Scene:
 
 
 _FIELDS = ("parents", "poses", "parts", "anchors")
+_ABSENT = object()
+"""What stands for an entry on the side of a step on which it is not there."""
+Item = tuple[str, Any]
 
 
 @dataclass(frozen=True, eq=False)
 class SceneStep:
-    """What lies between two scenes: by field, entries by name, or all of it where order changed."""
+    """What lies between two scenes, by field.
+
+    Fields:
+        entries: by name, the entry before and after; a new one stands at the end of its field.
+        spans: where entries went or changed their order: the place of the first that differs, and
+            all up to the last that does, before and after.
+    """
 
     entries: Mapping[str, Mapping[str, tuple[Any, Any]]]
-    whole: Mapping[str, tuple[Mapping[str, Any], Mapping[str, Any]]]
+    spans: Mapping[str, tuple[int, tuple[Item, ...], tuple[Item, ...]]]
 
     @classmethod
-    def between(cls, before: Scene, after: Scene) -> SceneStep | None:
-        """The step from one scene to another; None where a scene file of both is the same."""
-        entries, whole = {}, {}
-        for field in _FIELDS:
+    def between(
+        cls, before: Scene, after: Scene, names: Iterable[str] | None = None
+    ) -> SceneStep | None:
+        """The step from one scene to another; None where a scene file of both is the same.
+
+        Args:
+            before, after: both scenes.
+            names: of the objects and anchors that can differ; None looks at all.
+        """
+        entries, spans = {}, {}
+        touched: set[str] = set()
+        in_place = True
+        for field in _FIELDS if after is not before else ():
             old, new = getattr(before, field), getattr(after, field)
             if old is new:
                 continue
-            if len(old) != len(new) or list(old) != list(new):
-                whole[field] = (old, new)
+            if names is None:
+                span = _span(list(old.items()), list(new.items()))
+                if span[1] or span[2]:
+                    spans[field] = span
+                    keys = [[name for name, _ in items] for items in span[1:]]
+                    in_place &= keys[0] == keys[1]
+                    touched.update(*keys)
                 continue
-            other = {name: (old[name], one) for name, one in new.items() if one is not old[name]}
-            if other:
-                entries[field] = other
-        names = {name for field in entries.values() for name in field}
-        if not whole and all(_alike(before, after, name) for name in names):
+            pairs = {name: (old.get(name, _ABSENT), new.get(name, _ABSENT)) for name in names}
+            changed = {name: pair for name, pair in pairs.items() if pair[0] is not pair[1]}
+            if changed:
+                entries[field] = changed
+                in_place &= not any(_ABSENT in pair for pair in changed.values())
+                touched.update(changed)
+        if in_place and all(_alike(before, after, name) for name in touched):
             return None
-        return cls(entries, whole)
+        return cls(entries, spans)
 
     def taken(self, scene: Scene, back: bool) -> Scene:
         """The scene on the other side of the step."""
-        side = 0 if back else 1
-        fields = {field: pair[side] for field, pair in self.whole.items()}
+        fields: dict[str, Mapping[str, Any]] = {}
+        for field, (start, old_items, new_items) in self.spans.items():
+            items = list(getattr(scene, field).items())
+            gone, come = (new_items, old_items) if back else (old_items, new_items)
+            items[start : start + len(gone)] = come
+            fields[field] = dict(items)
         for field, entries in self.entries.items():
-            own = {name: pair[side] for name, pair in entries.items()}
-            fields[field] = {**getattr(scene, field), **own}
+            changed = dict(getattr(scene, field))
+            for name, pair in entries.items():
+                if pair[0 if back else 1] is _ABSENT:
+                    del changed[name]
+                else:
+                    changed[name] = pair[0 if back else 1]
+            fields[field] = changed
         return scene.but(**fields)
+
+
+def _span(old: list[Item], new: list[Item]) -> tuple[int, tuple[Item, ...], tuple[Item, ...]]:
+    """From where two lists differ, and up to where, as they have it; the rest is theirs alike."""
+    shorter = min(len(old), len(new))
+    start = shorter
+    if not _all_same(old[:shorter], new[:shorter]):
+        start = next(k for k in range(shorter) if not _all_same(old[k : k + 1], new[k : k + 1]))
+    end = 0
+    while end < shorter - start and _all_same([old[-1 - end]], [new[-1 - end]]):
+        end += 1
+    return start, tuple(old[start : len(old) - end]), tuple(new[start : len(new) - end])
+
+
+def _all_same(old: Sequence[Item], new: Sequence[Item]) -> bool:
+    """Whether two lists of a length have the same names with the very same values."""
+    return all(map(is_, chain(*old), chain(*new))) or (
+        [name for name, _ in old] == [name for name, _ in new]
+        and all(map(is_, (value for _, value in old), (value for _, value in new)))
+    )
+
+
+def _touched(gesture: Gesture) -> set[str] | None:
+    """Names of all that a gesture can change; None where that is not told by its line."""
+    if isinstance(gesture, Together):
+        sets = [_touched(part) for part in gesture.gestures]
+        return None if None in sets else set().union(*filter(None, sets))
+    if isinstance(gesture, Dragged):
+        return {gesture.drag.object_name}
+    return gesture.touched if isinstance(gesture, Edit) else None
 
 
 def _alike(before: Scene, after: Scene, name: str) -> bool:

@@ -306,6 +306,7 @@ _KINDS: dict[str, tuple[tuple[str, ...], Callable[[Mapping[str, Any]], Change]]]
     "remove_anchor": (("name",), trees.anchor_removed),
 }
 EDITS = tuple(_KINDS)
+_OF_THE_TREE = ("remove", "copy", "rename", "group", "ungroup", "reparent", "remove_anchor")
 
 
 @dataclass(frozen=True, eq=False)
@@ -345,6 +346,16 @@ class Edit:
         table(own, kind, ("do", *keys))
         object.__setattr__(self, "line", own)
         object.__setattr__(self, "_change", make_change(own))
+
+    @property
+    def touched(self) -> set[str] | None:
+        """Names of all that it can change; None where the scene decides that."""
+        kind = self.line["do"]
+        if kind == "add":
+            return {self.line["object"]["name"]}
+        if kind == "anchor":
+            return {self.line["name"]}
+        return None if kind in _OF_THE_TREE else {self.line["object"]}
 
     def applied(self, scene: Scene, world_T_anchor: Anchors = trees.NOWHERE) -> Scene:
         """The scene after it.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import count
 from types import MappingProxyType
@@ -43,9 +43,7 @@ def removed(line: Mapping[str, Any]) -> Change:
     name = _name(line, "object")
 
     def made(scene: Scene, _: Mapping[str, Similarity]) -> Scene:
-        gone = set(scene.branch(name))
-        kept = [one for one in scene.parents if one not in gone]
-        return _only(scene, kept)
+        return _without(scene, scene.branch(name))
 
     return made
 
@@ -136,7 +134,7 @@ def ungrouped(line: Mapping[str, Any]) -> Change:
         for child, above in scene.parents.items():
             if above == name:
                 scene = hung(scene, child, scene.parents[name], time_s, world_T_anchor)
-        return _only(scene, [one for one in scene.parents if one != name])
+        return _without(scene, [name])
 
     return made
 
@@ -257,17 +255,18 @@ def _with(scene: Scene, rows: Sequence[tuple[str, str | None, ObjectPose, SceneP
     parents = {**scene.parents, **{name: parent for name, parent, _, _ in rows}}
     poses = {**scene.poses, **{name: pose for name, _, pose, _ in rows}}
     parts = {**scene.parts, **{name: part for name, _, _, part in rows}}
-    return Scene(parents, poses, parts, scene.anchors)
+    grown = scene.but(parents=parents, poses=poses, parts=parts)
+    for name, *_ in rows:  # all else of a scene was checked when it was made
+        grown.check_depth(name)
+    return grown
 
 
-def _only(scene: Scene, names: Sequence[str]) -> Scene:
-    parts = {name: scene.parts[name] for name in names if name in scene.parts}
-    return Scene(
-        {name: scene.parents[name] for name in names},
-        {name: scene.poses[name] for name in names},
-        parts,
-        scene.anchors,
-    )
+def _without(scene: Scene, names: Iterable[str]) -> Scene:
+    fields = {field: dict(getattr(scene, field)) for field in ("parents", "poses", "parts")}
+    for name in names:
+        for entries in fields.values():
+            entries.pop(name, None)
+    return scene.but(**fields)
 
 
 def _check_new(scene: Scene, name: str) -> None:

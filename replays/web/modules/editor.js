@@ -151,9 +151,16 @@ export class Editor {
     this.redraw();
   }
 
+  /** Take what changed in the scene: objects as they are now, names where others or in another order. */
   #take(scene) {
-    this.state = scene;
-    const names = new Set(scene.objects.map((one) => one.name));
+    const known = new Map(this.state.objects.map((one) => [one.name, one]));
+    for (const about of scene.objects) {
+      const { track, ground, way } = known.get(about.name) ?? {};
+      known.set(about.name, { track, ground, way, ...about });
+    }
+    const order = scene.names ?? this.state.objects.map((one) => one.name);
+    this.state = { ...scene, objects: order.map((name) => known.get(name)).filter(Boolean) };
+    const names = new Set(order);
     for (const [name, actor] of this.actors) {
       if (names.has(name)) continue;
       this.stage.figures.remove(actor.object, actor.shadow);

@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
+import time
+from contextlib import suppress
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from motorcade.animation.authoring import Drag, Scene, SceneEditor, Snapping, VersorObjectPose
+from motorcade.animation.authoring import (
+    Drag,
+    Scene,
+    SceneAnchor,
+    SceneEditor,
+    Snapping,
+    VersorObjectPose,
+    gesture_of,
+    scene_text,
+)
 from motorcade.animation.authoring.poses import EulerObjectPose
 from motorcade.ga import Motor, Rotor, Similarity
 
@@ -258,3 +270,43 @@ def test_scenes_that_are_no_trees_are_refused(scene):
         Scene({"cup": "table", "table": "cup"}, {"table": table, "cup": cup})
     with pytest.raises(ValueError, match=r"one similarity, got a batch of shape \(2,\)"):
         VersorObjectPose(Similarity.identity((2,)))
+
+
+def test_additions_cost_the_history_what_they_add() -> None:
+    editor, began = SceneEditor(Scene({}, {})), time.process_time()
+    for number in range(4000):
+        editor.do(gesture_of({"do": "add", "object": {"name": f"cup {number}"}}))
+    assert time.process_time() - began < 2.0  # 5 s where each step held the scenes on both sides
+    assert list(editor.undo().parents)[-1] == "cup 3998"
+    assert list(editor.redo().parents)[-1] == "cup 3999"
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_edits_of_the_tree_go_back_and_forth_exactly(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    editor = SceneEditor(Scene({}, {}, {}, {"ground": SceneAnchor()}))
+    texts = [scene_text(editor.scene)]
+    for number in range(120):
+        names = list(editor.scene.parents)
+        line = {"do": "add", "object": {"name": f"new {number}", "parent": "ground"}}
+        if len(names) > 2:
+            name, other = (str(one) for one in rng.choice(names, 2, replace=False))
+            line = [
+                line,
+                {"do": "remove", "object": name},
+                {"do": "copy", "object": name, "name": f"copy {number}"},
+                {"do": "rename", "object": name, "name": f"name {number}"},
+                {"do": "group", "objects": [name], "name": f"group {number}"},
+                {"do": "reparent", "object": name, "parent": other},
+                {"do": "set", "object": name, "position_m": rng.normal(size=3).tolist()},
+                {"do": "anchor", "name": f"floor {number}", "on": "floor"},
+            ][int(rng.integers(8))]
+        with suppress(ValueError):
+            editor.do(gesture_of(line))
+        if scene_text(editor.scene) != texts[-1]:
+            texts.append(scene_text(editor.scene))
+    for text in texts[-2::-1]:
+        assert scene_text(editor.undo()) == text
+    assert not editor.can_undo
+    for text in texts[1:]:
+        assert scene_text(editor.redo()) == text
