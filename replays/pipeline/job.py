@@ -114,7 +114,9 @@ class Job:
             said = tuple(f"placed.{name}=" for name in SCENE_SAYS)
             own = tuple(one for one in own if not one.replace(" ", "").startswith(said))
             words = (*words, f"placed.scene={self.scene}")
-        return tuple(setting_from(one, lambda file: Path(file).absolute()) for one in (*own, *words))
+        return tuple(
+            setting_from(one, lambda file: Path(file).absolute()) for one in (*own, *words)
+        )
 
 
 def pipeline_graph() -> Graph:

@@ -22,14 +22,15 @@ from typing import Any
 import cv2
 import numpy as np
 
-from motorcade.animation.authoring import Scene, scene_text
+from motorcade.animation.authoring import scene_text
 from motorcade.replays.io.recording import FrameSequence
 from motorcade.replays.pipeline.look.document import shown_camera
 from motorcade.replays.pipeline.look.packing import packed
 from motorcade.replays.studio.filmed import Filmed, open_filmed, spoken
+from motorcade.replays.studio.first_scene import first_scene
 from motorcade.replays.studio.offers import Answer, Offer
 from motorcade.replays.studio.played import PlayedScene, rows
-from motorcade.replays.studio.props import GROUND, Props, files_beside
+from motorcade.replays.studio.props import Props, files_beside
 from motorcade.replays.studio.session import EditingSession, SceneView
 from motorcade.replays.studio.write_ahead import SceneHistory, WriteAheadLog
 
@@ -71,6 +72,7 @@ class RunDesk:
             "name": filmed.recording.name,
             "frames": filmed.frames,
             "camera": shown_camera(filmed.camera),
+            "grey": filmed.grey,
             "time_s": packed(filmed.time_s, "f64"),
             "world_T_camera": packed(poses, "f64"),
             "up": filmed.up.tolist(),
@@ -130,8 +132,8 @@ def open_desk(run: Path, scene: Path | None = None) -> RunDesk:
     """
     filmed = open_filmed(run)
     file = run / SCENE_NAME if scene is None else scene
-    empty = Scene({}, {}, {}, {GROUND: filmed.first})
-    write_log = WriteAheadLog(file, scene_text(empty).encode())
+    scene_begun = first_scene(filmed, file.absolute().parent)
+    write_log = WriteAheadLog(file, scene_text(scene_begun).encode())
     return desk_of(filmed, write_log)
 
 

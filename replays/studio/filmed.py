@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,11 +14,13 @@ from numpy.typing import ArrayLike
 from motorcade.animation.authoring import SceneAnchor
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
+from motorcade.render.composite import is_grey
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.pipeline.runs import read_origin, read_run
 from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.camera.offered import camera_of
 from motorcade.replays.stages.characters.acting import performers
+from motorcade.replays.stages.values.view import PlacedCharacter
 from motorcade.replays.stages.view.anchored import Grounds
 from motorcade.replays.stages.view.ground import Ground
 from motorcade.replays.stages.view.overlay import extrapolated
@@ -37,6 +41,8 @@ class Filmed:
         height_m: and how tall.
         words: of the command line that made the run, but for where to and who stands in it.
         moving: numbers of markers that the run was told do not stand still.
+        placed: whom the run itself put into the footage; None for nobody.
+        knobs: of the stage that did.
     """
 
     recording: Recording
@@ -46,6 +52,8 @@ class Filmed:
     height_m: float
     words: tuple[str, ...]
     moving: tuple[int, ...] = ()
+    placed: PlacedCharacter | None = None
+    knobs: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._found: dict[SceneAnchor, tuple[Ground, Similarity]]
@@ -60,6 +68,11 @@ class Filmed:
     def frames(self) -> int:
         """How many images there are."""
         return len(self.recording.frames)
+
+    @cached_property
+    def grey(self) -> bool:
+        """Whether the images have no colour, so that what is drawn into them has none either."""
+        return is_grey(self.recording.frames[0].image())
 
     @cached_property
     def time_s(self) -> FloatArray:
@@ -164,6 +177,5 @@ def open_filmed(folder: Path) -> Filmed:
     height_m = who.placement.scale * who.character.height_m
     place_m = placed.plane_T_character.translation_m[:2]
     moving = tuple(origin.knobs.get("marker_poses", {}).get("moving", ()))
-    return Filmed(
-        recording, grounds, SceneAnchor(**anchor_fields), place_m, height_m, words, moving
-    )
+    first = SceneAnchor(**anchor_fields)
+    return Filmed(recording, grounds, first, place_m, height_m, words, moving, placed, knobs)

@@ -287,7 +287,8 @@ class SceneStep:
         """The step from one scene to another; None where a scene file of both is the same.
 
         Args:
-            before, after: both scenes.
+            before: the scene on one side.
+            after: the scene on the other.
             names: of the objects and anchors that can differ; None looks at all.
         """
         entries, spans = {}, {}

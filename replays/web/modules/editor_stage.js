@@ -36,7 +36,8 @@ export class EditorStage {
     [this.ground.width, this.ground.height] = [about.camera.width, about.camera.height];
     this.renderer = new WebGLRenderer({ antialias: drawnBy() === "card", alpha: true });
     this.canvas = this.renderer.domElement;
-    this.canvas.className = "drawn";
+    // As the film does: into images without colour nothing is drawn that has any.
+    this.canvas.className = about.grey ? "drawn grey" : "drawn";
     this.sketched = document.createElementNS("http://www.w3.org/2000/svg", "svg");
     this.sketched.setAttribute("class", "sketch");
     element.prepend(this.ground, this.canvas, this.sketched);

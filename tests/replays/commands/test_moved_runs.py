@@ -50,7 +50,11 @@ def test_settings_that_name_files_are_found_from_anywhere(tmp_path, monkeypatch)
     cast.write_bytes(b"")
     log = json.loads((run / "run.json").read_text())
     log["settings"] = ["fused.gate=0.99", f"placed.cast={cast}", "placed.scene=none"]
-    log["settings_from_here"] = ["fused.gate=0.99", "placed.cast=../../cast.toml", "placed.scene=none"]  # fmt: skip
+    log["settings_from_here"] = [
+        log["settings"][0],
+        "placed.cast=../../cast.toml",
+        "placed.scene=none",
+    ]
     (run / "run.json").write_text(json.dumps(log))
     assert read_origin(run).knobs["placed"]["cast"] == cast
     (tmp_path / "before").rename(tmp_path / "after")
