@@ -210,6 +210,7 @@ def _about(job: Job, opened: OpenedRecording, settings: tuple[str, ...]) -> dict
         "recording_from_here": relpath(job.recording, job.out),
         "manifest": None if manifest is None else str(manifest.absolute()),
         "manifest_from_here": None if manifest is None else relpath(manifest, job.out),
+        "cache_from_here": relpath(job.cache or job.out / ".cache", job.out),
         "content": opened.recording.digest(),
         "until": job.until,
         "settings": list(settings),

@@ -151,8 +151,8 @@ def read_run(folder: Path, stage: str) -> tuple[Recording, GraphRun]:
         raise ValueError(f"{folder}: its recording has changed since; run it again: {again}")
     if recording.camera is None:
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
-    cache = folder / ".cache"
-    return recording, pipeline_graph().run(stage, {"recording": recording}, cache, origin.knobs)
+    run = pipeline_graph().run(stage, {"recording": recording}, origin.cache, origin.knobs)
+    return recording, run
 
 
 @dataclass(frozen=True)
@@ -163,12 +163,14 @@ class RunOrigin:
         recording, manifest: files, the latter None where none was given.
         content: digest of the recording.
         settings: knobs as `stage.knob=value`, the manifest's before those of the command line.
+        cache: folder of the stages' outputs.
     """
 
     recording: Path
     manifest: Path | None
     content: str
     settings: tuple[str, ...]
+    cache: Path
 
     @property
     def knobs(self) -> dict[str, dict[str, Any]]:
@@ -202,7 +204,9 @@ def read_origin(folder: Path) -> RunOrigin:
         recording, manifest = (_stated(folder, document, one) for one in ("recording", "manifest"))
         if recording is None:
             raise ValueError("recording: expected a path, got none")
-        return RunOrigin(recording, manifest, str(document["content"]), _settings(folder, document))
+        cache = folder / normpath(str(document.get("cache_from_here", ".cache")))
+        content, settings = str(document["content"]), _settings(folder, document)
+        return RunOrigin(recording, manifest, content, settings, cache)
     except FileError:
         raise
     except (ValueError, KeyError, TypeError, RecursionError) as fault:

@@ -36,7 +36,8 @@ TOKEN_BYTES = 16
 HEADERS = {
     "content-security-policy": (
         "default-src 'none'; script-src 'self' 'nonce-{nonce}'; style-src 'self'; "
-        "img-src 'self' data: blob:; connect-src 'self' blob: {sockets}; manifest-src 'self'; "
+        "img-src 'self' data: blob:; media-src 'self'; connect-src 'self' blob: {sockets}; "
+        "manifest-src 'self'; "
         "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
     ),
     "x-content-type-options": "nosniff",

@@ -20,7 +20,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.convertors import Convertor, register_url_convertor
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
-from starlette.responses import JSONResponse, Response
+from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
@@ -58,6 +58,8 @@ def studio_app(offers: Sequence[Offer], access: Access) -> ASGIApp:
         Route("/run/{run:number}/frame/{frame:number}.jpg", site.frame),
         Route("/run/{run:number}/figure/{figure:number}.glb", site.figure),
         Route("/run/{run:number}/motion/{motion:number}.json", site.motion),
+        Route("/run/{run:number}/film.json", site.film_state),
+        Route("/run/{run:number}/film.mp4", site.film),
         WebSocketRoute("/run/{run:number}/edit", site.edit),
     ]
     return Doorkeeper(Starlette(routes=routes, lifespan=site.lifespan), access)
@@ -148,6 +150,19 @@ class _Site:
         if motion is None:
             raise HTTPException(404)
         return JSONResponse(motion, headers=KEPT)
+
+    async def film_state(self, request: Request) -> Response:
+        """How far the film of the scene is."""
+        desk = await self._opened.desk(request.path_params["run"])
+        return JSONResponse(await run_in_threadpool(desk.film_state))
+
+    async def film(self, request: Request) -> Response:
+        """The film of the scene that was drawn last."""
+        desk = await self._opened.desk(request.path_params["run"])
+        path = await run_in_threadpool(desk.film)
+        if path is None:
+            raise HTTPException(404)
+        return FileResponse(path, media_type="video/mp4", headers={"cache-control": "no-store"})
 
     async def edit(self, socket: WebSocket) -> None:
         """One browser's messages, from when it comes until it goes."""

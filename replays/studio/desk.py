@@ -26,6 +26,7 @@ from motorcade.animation.authoring import scene_text
 from motorcade.replays.io.recording import FrameSequence
 from motorcade.replays.pipeline.look.document import shown_camera
 from motorcade.replays.pipeline.look.packing import packed
+from motorcade.replays.studio.drawing import FilmDrawing
 from motorcade.replays.studio.filmed import Filmed, open_filmed, spoken
 from motorcade.replays.studio.first_scene import first_scene
 from motorcade.replays.studio.offers import Answer, Offer
@@ -43,6 +44,17 @@ class RunDesk:
 
     filmed: Filmed
     session: EditingSession
+
+    @cached_property
+    def drawing(self) -> FilmDrawing:
+        """The film of the scene."""
+        words = [*shlex.split(self.film_command()), "--until", "overlay"]
+        return FilmDrawing(words, self._film_folder)
+
+    @property
+    def _film_folder(self) -> Path:
+        scene = self.session.history.write_log.scene.absolute()
+        return scene.with_name(f"{scene.stem}-film")
 
     @property
     def frames(self) -> int:
@@ -85,9 +97,16 @@ class RunDesk:
 
     def film_command(self) -> str:
         """What draws the scene into the footage, to be typed where the server runs."""
-        scene = self.session.history.write_log.scene.absolute()
-        out = scene.with_name(f"{scene.stem}-film")
+        scene, out = self.session.history.write_log.scene.absolute(), self._film_folder
         return shlex.join([*self.filmed.words, "--scene", str(scene), "--out", str(out)])
+
+    def film_state(self) -> dict[str, Any]:
+        """How far the film is that is being drawn."""
+        return self.drawing.state(self.session.history.scene)
+
+    def film(self) -> Path | None:
+        """The film that was drawn last."""
+        return self.drawing.film
 
     def frame(self, index: int) -> bytes:
         """An image as JPEG."""
@@ -107,7 +126,23 @@ class RunDesk:
 
     def answer(self, visitor: int, message: Mapping[str, Any]) -> Answer:
         """Do what a browser asks for."""
+        if message.get("do") in ("film", "stop film"):
+            return self._film(message)
         return self.session.answer(visitor, message)
+
+    def _film(self, message: Mapping[str, Any]) -> Answer:
+        """Begin to draw the film, or end it."""
+        number, history = message.get("n"), self.session.history
+        reply: dict[str, Any] = {"n": number if type(number) is int else None, "ok": True}
+        try:
+            if message["do"] == "film":
+                history.saved()
+                self.drawing.start(history.scene)
+            else:
+                self.drawing.stop()
+        except (ValueError, OSError) as fault:
+            return Answer({**reply, "ok": False, "error": " ".join(str(fault).split())})
+        return Answer({**reply, "film": self.film_state()})
 
     def left(self, visitor: int) -> Mapping[str, Any] | None:
         """A browser is gone."""
@@ -115,6 +150,7 @@ class RunDesk:
 
     def close(self) -> None:
         """Write the scene as it is, and let others edit it; raises `OSError` where it cannot be."""
+        self.drawing.close()
         self.session.history.close()
 
 

@@ -165,7 +165,7 @@ def open_filmed(folder: Path) -> Filmed:
     """
     origin = read_origin(folder)
     recording, run = read_run(folder, "placed")
-    words = tuple(origin.words(recording))
+    words = *origin.words(recording), "--cache", str(origin.cache.absolute())
     poses, integrity = run.outputs["camera_poses"], run.outputs["integrity"]
     recording = as_found(recording, poses.camera, poses.depth_camera)
     path: Trajectory = extrapolated(integrity.drawn, poses.measurements.trajectory)

@@ -6,6 +6,7 @@ import asyncio
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Protocol
 
 from starlette.concurrency import run_in_threadpool
@@ -45,6 +46,12 @@ class Desk(Protocol):
 
     def motion(self, number: int) -> dict[str, Any] | None:
         """What the joints of an object do, as JSON; None where there is no such number."""
+
+    def film_state(self) -> Mapping[str, Any]:
+        """How far the film is that is being drawn, as JSON."""
+
+    def film(self) -> Path | None:
+        """The film that was drawn last; None without."""
 
     def joined(self, visitor: int) -> Mapping[str, Any]:
         """What a browser is told when it comes."""

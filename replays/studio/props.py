@@ -20,9 +20,13 @@ from numpy.typing import ArrayLike
 
 from motorcade.animation import Character, mannequin
 from motorcade.animation.authoring import Scene, SceneAnchor, ScenePart
+from motorcade.animation.behaviour import gait_between
+from motorcade.animation.ik import fitted_legs
+from motorcade.animation.retarget import legs_of
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.stages.characters.acting import MANNEQUIN, character_named
+from motorcade.replays.stages.characters.casting import rigid_clip
 from motorcade.replays.studio.filmed import Filmed
 
 log = logging.getLogger("motorcade.studio")
@@ -225,6 +229,39 @@ def _in_view(
         inside = (pixels > 0.0) & (pixels < [camera.width - 1, camera.height - 1])
         seen &= inside.all(axis=-1) & (points[:, 2] > 0.0)
     return seen
+
+
+GAITS = ("walk", "jog", "run")
+
+
+def pace_at(character: Character, speed_m_s: float, scale: float) -> dict[str, Any]:
+    """The fields of a walk at a speed: a gait, or the two between whose speeds it lies.
+
+    Args:
+        character: who walks; the mannequin's gaits fit it, or it has its own by these names.
+        speed_m_s: in the world.
+        scale: of the walker: a small one goes by the gait by which a tall one goes as many of its
+            own heights a second.
+
+    Raises:
+        ValueError: slower than a walk or faster than a run of its size, or a character without legs
+            or gaits.
+    """
+    skeleton = character.skeleton
+    legs = tuple(fitted_legs(legs_of(skeleton), character))
+    speeds = {
+        name: gait_between([rigid_clip(character, name)], skeleton, legs)[1] for name in GAITS
+    }
+    order = sorted(speeds, key=lambda name: speeds[name])
+    own = speed_m_s / scale
+    slowest, fastest = speeds[order[0]], speeds[order[-1]]
+    if not 0.99 * slowest <= own <= 1.01 * fastest:
+        low, high = scale * slowest, scale * fastest
+        raise ValueError(f"Somebody of this size goes at {low:.3g} to {high:.3g} m/s.")
+    own = min(max(own, slowest), fastest)
+    above = next(k for k, name in enumerate(order) if own <= speeds[name])
+    gaits = [order[0]] if above == 0 else order[above - 1 : above + 1]
+    return {"gaits": gaits, "speed_m_s": own}
 
 
 STEP, SHORTEST, BENT = 0.15, 0.5, 0.04

@@ -27,15 +27,16 @@ from motorcade.animation.authoring import (
     Together,
     gesture_of,
 )
-from motorcade.animation.authoring.fields import anchor_json, layer_json
+from motorcade.animation.authoring.fields import anchor_json, layer_json, part_json
 from motorcade.animation.authoring.pointing import DragPlane, OutOfReach, Ray
 from motorcade.ga import Similarity
 from motorcade.replays.pipeline.look.packing import packed
+from motorcade.replays.stages.characters.acted import Acted
 from motorcade.replays.studio.dragging import Grab, LimbDrag, ObjectDrag, joints_held_by
 from motorcade.replays.studio.filmed import Filmed, spoken
 from motorcade.replays.studio.offers import Answer
 from motorcade.replays.studio.played import PlayedScene, rows
-from motorcade.replays.studio.props import GROUND, Props, free_name, room_m, thinned
+from motorcade.replays.studio.props import GROUND, Props, free_name, pace_at, room_m, thinned
 from motorcade.replays.studio.visitors import (
     frame_number,
     frame_of_axes,
@@ -362,8 +363,13 @@ class EditingSession:
         return self._edited(visitor, message, *lines)
 
     def _walk(self, visitor: int, message: Message) -> Answer:
-        """A way drawn on the image, as points of the plane that the walker stands on."""
+        """A way drawn on the image, as points of the plane that the walker stands on.
+
+        Without one, what is said of when it sets out and how fast it goes.
+        """
         name = name_of(message, "object")
+        if "pixels" not in message:
+            return self._pace(visitor, message, name)
         frame = frame_number(message, self.filmed.frames)
         scene, time_s = self.history.scene, float(self.filmed.time_s[frame])
         plane = scene.world_T_parent(name, time_s, self.anchors(scene, frame))
@@ -377,9 +383,24 @@ class EditingSession:
         acted = self.played.acted(scene, name)[1]
         tall = acted.size * acted.character.height_m
         path = thinned(np.array(points).reshape(-1, 2), tall)
-        walk = {"path_m": path.tolist()}
+        walk = part_json(scene.part(name)).get("walk", {}) | {"path_m": path.tolist()}
         line = {"do": "set", "object": name, "keyframes": [], "walk": walk}
         return self._edited(visitor, message, line)
+
+    def _pace(self, visitor: int, message: Message, name: str) -> Answer:
+        """When a walker sets out and how fast it goes, by the gait that it has for that."""
+        scene = self.history.scene
+        part = scene.part(name)
+        if part.walk is None:
+            raise ValueError("object: expected one that walks")
+        walk = part_json(part)["walk"]
+        if "start_s" in message:
+            walk["start_s"] = max(0.0, number_of(message, "start_s"))
+        if "speed_m_s" in message:
+            walker = self.played.acted(scene, name)[1]
+            scale = walker.size * float(scene.pose(name).as_similarity().scale)
+            walk |= pace_at(walker.character, number_of(message, "speed_m_s"), scale)
+        return self._edited(visitor, message, {"do": "set", "object": name, "walk": walk})
 
     def _numbers(self, visitor: int, message: Message) -> Answer:
         """Where an object is in its parent at the moment on show, as numbers."""
@@ -493,6 +514,7 @@ class SceneView:
             "clip": part.clip,
             "clips": self.props.clips(part),
             "walk": part.walk is not None,
+            "walks": None,
             "turns": [[one.time_s, one.end_s] for one in part.joint_keyframes],
             "layers": [layer_json(one) for one in part.layers],
             "keys": [one.time_s for one in part.keyframes],
@@ -503,6 +525,8 @@ class SceneView:
             number, acted = self.played.acted(scene, name)
             figure = self.played.figure(acted)
             about |= {"motion": number, "figure": figure}
+            if part.walk is not None:
+                about["walks"] = walked_about(acted, float(scene.poses[name].as_similarity().scale))
             if part.kind == "character":
                 if figure not in self._held_by:
                     names = acted.character.skeleton.names
@@ -523,3 +547,19 @@ class SceneView:
             return "the world"
         anchor = scene.anchors.get(parent)
         return parent if anchor is None else spoken(anchor).lower()
+
+
+def walked_about(acted: Acted, scale: float) -> dict[str, Any]:
+    """From when to when one walks, how fast in the world of its parent, and by which gait."""
+    going = [state for state in acted.states if state.state in ("walk", "arrive")]
+    if not going:  # it sets out after the recording
+        return {"start_s": acted.states[-1].end_s, "end_s": acted.states[-1].end_s}
+    assert acted.parent_T_character is not None  # of one that walks
+    steps_m = np.diff(acted.parent_T_character.translation_m, axis=0)
+    fastest = np.linalg.norm(steps_m, axis=1).max(initial=0.0) / np.diff(acted.time_s).max()
+    return {
+        "start_s": going[0].start_s,
+        "end_s": going[-1].end_s,
+        "speed_m_s": float(fastest),
+        "gait": going[0].clip,
+    }

@@ -281,6 +281,12 @@ class SceneHistory:
         trial.stand(world_T_anchor)
         return trial.do(gesture) is not self.scene
 
+    def saved(self) -> None:
+        """Have the scene's file as the scene is now. Raises OSError: it cannot be written."""
+        if not is_there(self.write_log.scene):  # nothing was done to the scene that it began with
+            self._saved = None
+        self._save().result()
+
     def close(self) -> None:
         """Write the scene as it is, and let others have its session.
 

@@ -2,6 +2,7 @@
 
 import { Vector3 } from "studio/vendor.js";
 import { Actor, Wardrobe, wayLine } from "studio/editor_actors.js";
+import { Film } from "studio/editor_film.js";
 import { Gestures } from "studio/editor_gestures.js";
 import { Handles } from "studio/editor_handles.js";
 import { icon } from "studio/editor_icons.js";
@@ -69,7 +70,7 @@ export class Editor {
     Object.assign(home, { href: body.dataset.home, title: "All footage", ariaLabel: "All footage", hidden: !body.dataset.home });
     this.undo = button("Undo", () => this.ask({ do: "undo" }), { sign: "undo", className: "round" });
     this.redo = button("Redo", () => this.ask({ do: "redo" }), { sign: "redo", className: "round" });
-    const film = button("Film", () => this.panel.film(), { title: "How the film is drawn", className: "film" });
+    const film = button("Film", () => this.panel.film(), { title: "Draw and play the film", className: "film" });
     this.title = made("strong", "title", this.about.name);
     const bar = made("header", "bar", home, this.title, film, this.undo, this.redo);
     const view = made("div", "stage");
@@ -93,7 +94,8 @@ export class Editor {
       },
     });
     this.timeline = new EditorTimeline(this.about.time_s.data, { seek: (frame) => this.seek(frame) }, this.lanes.element);
-    this.panel = new Panel(this.about, actions(this));
+    this.film = new Film(this.base, this.about.film, (message) => this.ask(message));
+    this.panel = new Panel(this.about, actions(this), this.film);
     body.append(bar, view, made("footer", "below", this.timeline.element, this.panel.element));
   }
 

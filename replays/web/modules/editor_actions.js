@@ -24,6 +24,7 @@ export function actions(editor) {
     },
     remove: () => named({ do: "remove" }),
     clip: (clip) => named({ do: "set", clip, ...(editor.one.walk && { walk: null }) }),
+    pace: (what) => editor.ask({ do: "walk", object: editor.chosen, frame: editor.frame, ...what }),
     stay: () => named({ do: "set", walk: null }),
     key: () => named({ do: "keyframe", time_s: editor.seconds }),
     unkey: () => named({ do: "set", keyframes: [] }),
@@ -90,6 +91,7 @@ function marking(editor, named) {
     },
     /** A mark from and until other times; what is not said stays. */
     async mark({ kind, number, start_s, layer: was }, to) {
+      if (kind === "walk") return renewed(editor, "walk", to.start_s, await editor.ask({ do: "walk", object: editor.chosen, frame: editor.frame, start_s: to.start_s }));
       if (kind === "layer") return layer(number, { ...was, ...to });
       if (kind === "key") return renewed(editor, "key", to.start_s, await named({ do: "move_keyframe", time_s: start_s, to_s: to.start_s }));
       if (!("start_s" in to)) return named({ do: "end_joints", time_s: start_s, end_s: to.end_s });

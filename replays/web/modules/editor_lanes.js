@@ -1,4 +1,4 @@
-// Below the time bar: when what is chosen has keyframes, poses and layers. Dragged, they come at
+// Below the time bar: when what is chosen walks, and its keyframes, poses and layers. Dragged, they come at
 // another time or last longer; touched, they tell what can be done with them.
 
 import { spoken } from "studio/editor_fields.js";
@@ -9,7 +9,7 @@ const SLIPS_PX = 4;
 
 /**
  * @typedef {object} Mark
- * @property {"key"|"pose"|"layer"} kind
+ * @property {"walk"|"key"|"pose"|"layer"} kind
  * @property {number} number of its kind
  * @property {number} start_s
  * @property {number|null} end_s null where it is held for ever
@@ -32,7 +32,10 @@ export function marksOf(one, length) {
     const until_s = Math.min(end_s ?? Infinity, Math.max(length, start_s));
     return [{ kind: "layer", number, start_s, end_s, until_s, label: spoken(layer.clip), layer }];
   });
-  return [keys, poses, ...layers].filter((lane) => lane.length);
+  const walks = (one.walks ? [one.walks] : []).map(({ start_s, end_s }) => {
+    return { kind: "walk", number: 0, start_s, end_s, until_s: Math.min(end_s, Math.max(length, start_s)), label: "Walk" };
+  });
+  return [walks, keys, poses, ...layers].filter((lane) => lane.length);
 }
 
 /** A mark with one of its times dragged elsewhere. @returns {{start_s?: number, end_s?: number|null}} */
@@ -71,7 +74,7 @@ export class Lanes {
     this.waits = false;
     const lanes = marksOf(one, this.length);
     const rows = lanes.map((lane) => made("div", "lane", ...lane.map((mark) => this.#made(mark))));
-    this.element.replaceChildren(...(rows.length || !one ? rows : [made("p", "", `Keyframes, poses and layers of ${one.name} stand here.`)]));
+    this.element.replaceChildren(...rows);
   }
 
   #made(mark) {
@@ -84,7 +87,7 @@ export class Lanes {
     element.classList.toggle("open", mark.end_s === null);
     if (mark.kind === "layer") element.prepend(this.#weight(mark));
     if (mark.kind === "layer") element.append(made("i", "grip start"));
-    if (!still) element.append(made("i", "grip end"));
+    if (!still && mark.kind !== "walk") element.append(made("i", "grip end"));
     this.#put(element, mark);
     element.addEventListener("pointerdown", (event) => this.#down(event, element, mark));
     element.addEventListener("pointermove", (event) => this.#move(event));

@@ -17,6 +17,18 @@ const span = (...fields) => made("div", "numbers", ...fields);
 
 /** @param {object} mark of `Lanes` @param {object} chosen whose it is @param {object} act */
 export function markForm(mark, chosen, act) {
+  if (mark.kind === "walk") {
+    const { speed_m_s, gait } = chosen.walks;
+    return [
+      made("h2", "", `The walk of ${chosen.name}`),
+      span(
+        numberField("From", mark.start_s, "s", (to) => act.pace({ start_s: to })),
+        ...(speed_m_s ? [numberField("Speed", speed_m_s, "m/s", (to) => act.pace({ speed_m_s: to }))] : []),
+      ),
+      ...(gait ? [made("p", "", `Its gait follows from its size and speed: ${spoken(gait).toLowerCase()}.`)] : []),
+      wide("Stop walking", () => act.stay()),
+    ];
+  }
   if (mark.kind === "key") {
     return [
       made("h2", "", `A keyframe of ${chosen.name}`),

@@ -20,9 +20,14 @@ const AXES = { parent: "Ground's axes", local: "Own axes", global: "World's axes
 
 /** The row of tools below the timeline; what it offers follows what is chosen. */
 export class Panel {
-  /** @param {object} about the run @param {object} act what the buttons do */
-  constructor(about, act) {
+  /**
+   * @param {object} about the run
+   * @param {object} act what the buttons do
+   * @param {import("./editor_film.js").Film} drawn its film
+   */
+  constructor(about, act, drawn) {
     this.about = about;
+    this.drawn = drawn;
     this.act = act;
     this.names = made("div", "names");
     this.names.setAttribute("role", "group");
@@ -82,7 +87,7 @@ export class Panel {
     return [add, ...all.filter(Boolean)];
   }
 
-  /** How the film is drawn, or no longer that. */
+  /** The film and how it is drawn, or no longer that. */
   film() {
     this.#toggle("film");
   }
@@ -96,7 +101,7 @@ export class Panel {
 
   #mark() {
     const { kind, start_s, number } = this.marked;
-    const same = (one) => one.kind === kind && (kind === "layer" ? one.number === number : Math.abs(one.start_s - start_s) < 1e-6);
+    const same = (one) => one.kind === kind && (kind === "walk" || kind === "layer" ? one.number === number : Math.abs(one.start_s - start_s) < 1e-6);
     const now = this.act.marks().find(same);
     return now ? markForm(now, this.chosen, this.act) : null;
   }
@@ -154,12 +159,8 @@ export class Panel {
   }
 
   #film() {
-    const command = made("code", "command", this.about.film);
-    return [
-      made("h2", "", "Draw the film"),
-      made("p", "", "The scene is kept as you go. To draw it into the footage, type this into another terminal of the computer that serves this page; the film is overlay.mp4 in the last folder it names."),
-      command,
-    ];
+    this.drawn.look();
+    return [made("h2", "", "The film"), this.drawn.element];
   }
 
   #clips() {

@@ -19,6 +19,14 @@ test("each kind has a lane, each layer its own", () => {
   assert.deepEqual(marksOf(null, 4), []);
 });
 
+test("a walk has a lane of its own, as long as it lasts in the film", () => {
+  const walks = { start_s: 0.5, end_s: 9, speed_m_s: 0.1, gait: "walk" };
+  const [[walk], keys] = marksOf({ ...ONE, walks }, 4);
+  assert.deepEqual([walk.kind, walk.start_s, walk.until_s], ["walk", 0.5, 4]);
+  assert.equal(keys[0].kind, "key");
+  assert.equal(draggedTo(walk, "body", 1, 4).start_s, 1);
+});
+
 test("a pose that is held for ever is drawn to the next", () => {
   const [, poses] = marksOf({ ...ONE, turns: [[1, null], [2, 9]] }, 4);
   assert.deepEqual(poses.map((mark) => mark.until_s), [2, 4]);

@@ -5,6 +5,7 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -38,6 +39,12 @@ class EchoDesk:
 
     def motion(self, number: int) -> dict[str, Any] | None:
         return {"joints": 1} if number == 0 else None
+
+    def film_state(self) -> dict[str, Any]:
+        return {"drawing": False}
+
+    def film(self) -> Path | None:
+        return None
 
     def joined(self, visitor: int) -> Mapping[str, Any]:
         return {"hello": True}

@@ -314,3 +314,26 @@ def test_two_that_are_hung_on_a_marker_stand_apart(one: Visitor) -> None:
 def test_a_scene_without_a_run_says_how_to_get_one(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"holds no run\. .*`motorcade author .*scene.json --run"):
         offered(tmp_path / "scene.json")
+
+
+def test_a_walk_has_a_start_a_speed_and_the_gait_for_its_size(one: Visitor) -> None:
+    name = one.put()
+    line = {"do": "set", "object": name, "walk": {"path_m": [[0.0, 0.0], [0.3, 0.1]]}}
+    about = one.done("edit", edit=line)["scene"]["objects"][0]
+    walks = about["walks"]
+    assert walks["start_s"] == 0.0
+    assert 0.02 < walks["speed_m_s"] < 0.4  # at 20 cm height, a tenth of a person's
+    assert walks["gait"] == "walk"
+    one.done("walk", object=name, start_s=0.1)
+    refused = one.ask("walk", object=name, speed_m_s=5.0)
+    assert "goes at" in str(refused["error"])
+    low, high = (float(word) for word in str(refused["error"]).split() if word[0].isdigit())
+    gaits = []
+    for speed in (0.995 * low, 0.5 * (low + high), high):
+        one.done("walk", object=name, speed_m_s=speed)
+        walk = one.at.session.history.scene.part(name).walk
+        assert walk.start_s == 0.1, "the rest of a walk stays"
+        gaits.append(walk.gaits)
+    assert gaits[0] == ("walk",)
+    assert "run" in gaits[2]
+    assert gaits[1] != gaits[2]
