@@ -13,6 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from motorcade.ga.unfinished import unfinished
 from motorcade.replays.cli.arguments import (
     Commands,
     add_executor,
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from motorcade.replays.pipeline.job import Job
 
 
+STDIN = "/dev/stdin"
 UNSMOOTHED = ("measured", "fused")
 """Paths in the table of errors that come before the smoothed ones."""
 
@@ -119,7 +121,8 @@ def run_recordings(arguments: argparse.Namespace) -> None:
     check_executor(arguments.executor)
     if arguments.strict:
         require_integrity(arguments.until)
-    recordings = [_with_topic(path, arguments.topic) for path in arguments.recordings]
+    named = [_kept(path, arguments.out) for path in arguments.recordings]
+    recordings = [_with_topic(path, arguments.topic) for path in named]
     _refuse_equal_names(recordings)
     board = () if arguments.board is None else (f"described.board={_board_name(arguments.board)}",)
     floor = () if arguments.floor is None else (f"placed.floor={arguments.floor}",)
@@ -191,6 +194,41 @@ def _run_one_of_several(job: Job, *, quiet: bool) -> dict[str, Any]:
         summary = run_job(job)
         lines.info(result(summary, job.out))
     return summary
+
+
+MOST_PIPED = 64 << 30
+_BEGINS = {".mp4": (4, b"ftyp"), ".mkv": (0, b"\x1aE\xdf\xa3"), ".avi": (0, b"RIFF")}
+"""By the suffix of a video's file, where in it which bytes stand."""
+
+
+def _kept(recording: Path, out: Path) -> Path:
+    """A recording that comes through a pipe, `/dev/stdin`, as a file beside its results.
+
+    Raises ValueError: what comes is no video that is known by its first bytes, or has no end.
+    """
+    if not (recording.is_fifo() or recording.is_char_device() or str(recording) == STDIN):
+        return recording
+    with recording.open("rb") as source:
+        head = source.read(16)
+        known = (end for end, (at, what) in _BEGINS.items() if head[at:].startswith(what))
+        suffix = next(known, None)
+        if suffix is None:
+            raise ValueError(
+                f"{recording}: expected a video (mp4, mov, mkv, webm, avi), got something else; "
+                "recordings of other kinds are read from files and folders"
+            )
+        out.mkdir(parents=True, exist_ok=True)
+        left = MOST_PIPED
+        with unfinished(out) as place:
+            part = place / "recording"
+            with part.open("wb") as file:
+                while head:
+                    file.write(head)
+                    left -= len(head)
+                    if left < 0:
+                        raise ValueError(f"{recording}: expected at most {MOST_PIPED} bytes")
+                    head = source.read(1 << 20)
+            return part.replace(out / f"recording{suffix}")
 
 
 def _with_topic(recording: Path, topic: str | None) -> Path:

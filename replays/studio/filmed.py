@@ -15,6 +15,7 @@ from motorcade.animation.authoring import SceneAnchor
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.composite import is_grey
+from motorcade.replays.io.readers.frames.corners import CornerFrames
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.pipeline.runs import read_origin, read_run
 from motorcade.replays.stages.camera.as_found import as_found
@@ -72,7 +73,8 @@ class Filmed:
     @cached_property
     def grey(self) -> bool:
         """Whether the images have no colour, so that what is drawn into them has none either."""
-        return is_grey(self.recording.frames[0].image())
+        frames = self.recording.frames
+        return not isinstance(frames, CornerFrames) and is_grey(frames[0].image())
 
     @cached_property
     def time_s(self) -> FloatArray:

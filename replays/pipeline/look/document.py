@@ -22,6 +22,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import off_record, read_bounded
 from motorcade.ga.stamps import LONGEST_BRIDGE_S
 from motorcade.render import Performer
+from motorcade.render.composite import is_grey
 from motorcade.render.plots.style import thinned
 from motorcade.replays.io.readers.frames.corners import CornerFrames
 from motorcade.replays.io.recording import Recording
@@ -108,6 +109,7 @@ def look_of(run: LookedAt, clips: list[dict[str, str]]) -> dict[str, Any]:
             "clips": clips,
         },
         "camera": shown_camera(recording.camera),
+        "grey": run.has_pictures and is_grey(recording.frames[0].image()),
         "drawn": drawn_name(findings),
         "paths": shown_paths(findings, stamps),
         "boards": shown_boards(recording, findings.camera_poses),

@@ -12,7 +12,7 @@ import {
   WebGLRenderer,
 } from "studio/vendor.js";
 import { project, projectionMatrix, unproject } from "studio/camera.js";
-import { setPose } from "studio/figure.js";
+import { drawGrey, setPose } from "studio/figure.js";
 import { lookThrough } from "studio/lens.js";
 import { row } from "studio/look.js";
 import { drawnBy } from "studio/panes.js";
@@ -36,8 +36,7 @@ export class EditorStage {
     [this.ground.width, this.ground.height] = [about.camera.width, about.camera.height];
     this.renderer = new WebGLRenderer({ antialias: drawnBy() === "card", alpha: true });
     this.canvas = this.renderer.domElement;
-    // As the film does: into images without colour nothing is drawn that has any.
-    this.canvas.className = about.grey ? "drawn grey" : "drawn";
+    this.canvas.className = "drawn";
     this.sketched = document.createElementNS("http://www.w3.org/2000/svg", "svg");
     this.sketched.setAttribute("class", "sketch");
     element.prepend(this.ground, this.canvas, this.sketched);
@@ -56,6 +55,7 @@ export class EditorStage {
     this.hasPose = false;
     this.box = { x: 0, y: 0, width: 1, height: 1 };
     lookThrough(about.camera);
+    drawGrey(about.grey);
   }
 
   #light() {

@@ -33,11 +33,33 @@ const KEPT = [
   ...["vertexColors", "depthWrite", "flatShading"],
 ];
 
+const footage = { greyFootage: { value: false } };
+const GREY = `#include <colorspace_fragment>
+  // Luma of Rec. 709 on the stored values, as the film has it.
+  if (greyFootage) gl_FragColor.rgb = vec3(dot(gl_FragColor.rgb, vec3(0.2126, 0.7152, 0.0722)));`;
+
+/** Draw figures as the footage is. @param {boolean} grey whether it has no colour */
+export function drawGrey(grey) {
+  footage.greyFootage.value = grey;
+}
+
+/** Take the footage's colours on, or its lack of them. */
+function likeFootage(material) {
+  const before = material.onBeforeCompile;
+  material.onBeforeCompile = (shader, renderer) => {
+    before.call(material, shader, renderer);
+    Object.assign(shader.uniforms, footage);
+    shader.fragmentShader = `uniform bool greyFootage;\n${shader.fragmentShader.replace("#include <colorspace_fragment>", GREY)}`;
+  };
+  material.customProgramCacheKey = () => "figure";
+  return material;
+}
+
 /** A matt material in place of a glossy one: half as dear to draw, and the film shows the gloss. */
 function matt(material) {
-  if (!material.isMeshStandardMaterial) return behindThings(behindLens(material));
+  if (!material.isMeshStandardMaterial) return likeFootage(behindThings(behindLens(material)));
   const kept = Object.fromEntries(KEPT.map((name) => [name, material[name]]));
-  return behindThings(behindLens(new MeshLambertMaterial(kept)));
+  return likeFootage(behindThings(behindLens(new MeshLambertMaterial(kept))));
 }
 
 export class Figure {

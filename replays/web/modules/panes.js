@@ -4,6 +4,7 @@
 
 import { Matrix4, OrbitControls, PerspectiveCamera, Vector3, WebGLRenderer } from "studio/vendor.js";
 import { projectionMatrix } from "studio/camera.js";
+import { drawGrey } from "studio/figure.js";
 import { lookThrough } from "studio/lens.js";
 
 /** What a pane can show, as people call it. */
@@ -185,6 +186,7 @@ export class Pane {
       part.visible = drawn && !hidden.has(name);
     }
     lookThrough(outside ? null : this.world.look.camera);
+    drawGrey(!outside && Boolean(this.world.look.grey));
     this.world.hiding.prepare(this.frame, outside ? null : this.camera);
   }
 

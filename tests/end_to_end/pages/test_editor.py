@@ -83,6 +83,33 @@ def test_what_is_grabbed_stays_under_mouse_and_finger(
     assert small == [], "fingers need 44 pixels"
 
 
+COLOURED = """(() => {
+  editor.choose(null);
+  editor.draw();
+  const { width, height } = editor.stage.canvas;
+  const gl = editor.stage.renderer.getContext(), bytes = new Uint8Array(4 * width * height);
+  gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+  let [drawn, coloured] = [0, 0];
+  for (let k = 0; k < bytes.length; k += 4) {
+    drawn += bytes[k + 3] > 200;
+    coloured += bytes[k + 3] > 200 && Math.abs(bytes[k] - bytes[k + 2]) > 8;
+  }
+  return [drawn, coloured];
+})()"""
+
+
+@pytest.mark.parametrize("grey", [True, False])
+def test_figures_have_colour_where_the_footage_has(
+    tab: Callable[..., Tab], at: RunDesk, grey: bool
+) -> None:
+    at.filmed.__dict__["grey"] = grey
+    one = tab()
+    one.somebody()
+    drawn, coloured = one.evaluate(COLOURED)
+    assert drawn > 1000
+    assert coloured == 0 if grey else coloured > 0.2 * drawn
+
+
 def test_two_fingers_turn_and_grow(tab: Callable[..., Tab], at: RunDesk) -> None:
     one = tab(390, 844)
     one.somebody()

@@ -1,5 +1,7 @@
 """Names that do not exist are told of at once, with the nearest that does; lists stay short."""
 
+import os
+import threading
 from pathlib import Path
 
 import cv2
@@ -8,6 +10,7 @@ import pytest
 
 from motorcade.ga.names import did_you_mean
 from motorcade.replays.cli import main
+from motorcade.replays.cli.runs import _kept
 from motorcade.replays.pipeline.job import Job, run_job
 
 
@@ -81,3 +84,28 @@ def test_addresses_are_told_as_they_were_typed(
     message = capsys.readouterr().err
     assert "http://example.org/a" in message
     assert "http:/e" not in message
+
+
+def test_a_video_through_a_pipe_becomes_a_file_beside_its_results(tmp_path: Path) -> None:
+    pipe, out = tmp_path / "pipe", tmp_path / "out"
+    for head, suffix in ((b"\0\0\0 ftypisom", ".mp4"), (b"RIFF\0\0\0\0AVI ", ".avi")):
+        os.mkfifo(pipe)
+        data = head + bytes(range(256)) * 9000
+        writer = threading.Thread(target=pipe.write_bytes, args=(data,))
+        writer.start()
+        file = _kept(pipe, out)
+        writer.join()
+        assert file == out / f"recording{suffix}"
+        assert file.read_bytes() == data
+        pipe.unlink()
+    assert _kept(out, tmp_path) == out
+
+
+def test_what_comes_through_a_pipe_and_is_no_video_is_told(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    writer = threading.Thread(target=(tmp_path / "pipe").write_bytes, args=(b"time,x,y\n",))
+    writer.start()
+    with pytest.raises(ValueError, match=r"pipe: expected a video \(mp4"):
+        _kept(tmp_path / "pipe", tmp_path / "out")
+    writer.join()
+    assert not (tmp_path / "out").exists()
