@@ -58,25 +58,27 @@ class Occluders:
 
     def hide(self, start: Points, step: Points) -> NDArray[np.bool_]:
         """Whether a box stands between `start` and `start + step`, for rays (N, 3)."""
-        hidden = np.zeros(len(start), dtype=bool)
-        for k in range(len(self.center_m)):
-            local = start - self.center_m[k]
-            c, s = self.cos[k], self.sin[k]
-            near = np.full(len(start), 1e-4, dtype=np.float32)
-            far = np.full(len(start), 1.0, dtype=np.float32)
-            for axis, (origin, way) in enumerate(
-                (
-                    (c * local[:, 0] + s * local[:, 1], c * step[:, 0] + s * step[:, 1]),
-                    (c * local[:, 1] - s * local[:, 0], c * step[:, 1] - s * step[:, 0]),
-                    (local[:, 2], step[:, 2]),
-                )
-            ):
-                inverse = 1.0 / np.where(np.abs(way) < 1e-9, np.float32(1e-9), way)
-                low = (-self.half_m[k, axis] - origin) * inverse
-                two = (self.half_m[k, axis] - origin) * inverse
-                near = np.maximum(near, np.minimum(low, two))
-                far = np.minimum(far, np.maximum(low, two))
-            hidden |= near < far
+        reach = np.minimum(start, start + step), np.maximum(start, start + step)
+        if not len(start):
+            return np.zeros(0, dtype=bool)
+        boxes = self.near(reach[0].min(axis=0), reach[1].max(axis=0))
+        # A row a box, all rays at once: (K, N).
+        x, y, z = (start[:, k] - boxes.center_m[:, k, None] for k in range(3))
+        c, s = boxes.cos[:, None], boxes.sin[:, None]
+        near, far = np.float32(1e-4), np.float32(1.0)
+        for axis, (origin, way) in enumerate(
+            (
+                (c * x + s * y, c * step[:, 0] + s * step[:, 1]),
+                (c * y - s * x, c * step[:, 1] - s * step[:, 0]),
+                (z, step[None, :, 2]),
+            )
+        ):
+            inverse = 1.0 / np.where(np.abs(way) < 1e-9, np.float32(1e-9), way)
+            half = boxes.half_m[:, axis, None]
+            low, two = (-half - origin) * inverse, (half - origin) * inverse
+            near = np.maximum(near, np.minimum(low, two))
+            far = np.minimum(far, np.maximum(low, two))
+        hidden: NDArray[np.bool_] = np.any(near < far, axis=0)
         return hidden
 
 

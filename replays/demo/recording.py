@@ -8,6 +8,7 @@ exact, four poses a frame. The same seed writes the same bytes on the same machi
 from __future__ import annotations
 
 import errno
+from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,9 +23,10 @@ from motorcade.fusion.imu.simulate import simulate_imu
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import read_bounded
+from motorcade.ga.lookahead import ahead
 from motorcade.ga.progress import track
 from motorcade.ga.unfinished import unfinished
-from motorcade.render import Renderer, Surface, new_renderer
+from motorcade.render import Layer, Renderer, Surface, new_renderer
 from motorcade.replays.demo.furniture import BOARD, CHARACTER_HEIGHT_M, world_T_board
 from motorcade.replays.demo.scene import room
 from motorcade.replays.engine.provenance import code_digest
@@ -202,13 +204,16 @@ def _write_pictures(
     """Render, expose and save every frame."""
     folder.mkdir()
     renderer.show([_as_light(surface) for surface in room()], None)
-    for number in numbers:
-        stamp_ns = even_stamps(number + 1, RATE_HZ)[-1]
-        layer = renderer.render(CAMERA, path.at(stamp_ns * 1e-9))
-        picture = exposed(_AS_LEVELS[layer.rgba[..., :3]], rng)
+
+    def write(drawn: tuple[int, Layer]) -> None:
+        number, layer = drawn
+        picture = exposed(cv2.LUT(layer.rgba, _AS_LEVELS)[..., :3], rng)
         file = folder / f"{number:06d}.jpg"
         if not cv2.imwrite(str(file), picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]):
             raise OSError(f"{file}: cannot be written")
+
+    poses = path.at(even_stamps(FRAMES, RATE_HZ) * 1e-9)
+    deque(ahead(write, ((k, renderer.render(CAMERA, poses[k])) for k in numbers)), maxlen=0)
 
 
 # The room's textures are levels of a camera, and its pictures mix them as such: in a mean of light,
@@ -240,10 +245,13 @@ def exposed(picture: NDArray[np.uint8], rng: np.random.Generator) -> NDArray[np.
     x = (np.arange(width, dtype=np.float32) - 0.5 * (width - 1)) / (0.5 * width)
     y = (np.arange(height, dtype=np.float32) - 0.5 * (height - 1)) / (0.5 * width)
     gain = 1.0 - VIGNETTING * (x[None, :] ** 2 + y[:, None] ** 2) / (1.0 + (height / width) ** 2)
-    seen = picture * gain[..., None]
-    noise = rng.standard_normal((height, width), dtype=np.float32)[..., None]
-    noisy = seen + noise * (NOISE_FLOOR + NOISE_SLOPE * seen)
-    return np.asarray(np.clip(np.rint(noisy), 0, 255), dtype=np.uint8)
+    noise = rng.standard_normal((height, width), dtype=np.float32)
+    taken = np.empty_like(picture)
+    for k in range(picture.shape[2]):  # a channel at once: three numbers a row are slow
+        seen = picture[..., k] * gain
+        noisy = seen + noise * (NOISE_FLOOR + NOISE_SLOPE * seen)
+        taken[..., k] = np.clip(np.rint(noisy, out=noisy), 0, 255, out=noisy)
+    return taken
 
 
 def _write_inertial(

@@ -77,9 +77,9 @@ class Canvas:
         """Have some framebuffer in use: without one OpenGL refuses what draws nothing, too."""
         self._covered.use()
 
-    def cover(self, box: Box | None) -> None:
+    def cover(self, box: Box) -> None:
         """Draw numbers of triangles from now on, after clearing; nothing lies outside a box."""
-        self._box, self._blended = (0, 0, *self._size) if box is None else box, False
+        self._box, self._blended = box, False
         self._covered.scissor = self._box
         self._covered.use()
         self._gl.enable_only(self._gl.DEPTH_TEST)
@@ -115,7 +115,7 @@ class Canvas:
 
     def shade(self) -> None:
         """Draw light from now on, by `light`."""
-        self._lit.scissor = self._marked.scissor = self._box
+        self._lit.scissor = self._box
         self._lit.depth_mask = True
         self._lit.use()
         self._lit.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
@@ -124,8 +124,12 @@ class Canvas:
         self._numbers.use(NUMBER_UNIT)
         self._parts = 0
 
-    def light(self, program: Any, first: int, stop: int) -> None:
-        """Add the light of triangles from `first` to before `stop`, which a program draws."""
+    def light(self, program: Any, first: int, stop: int, box: Box) -> None:
+        """Add the light of triangles from `first` to before `stop`, which a program draws.
+
+        None of them lies outside of the box.
+        """
+        self._lit.scissor = self._marked.scissor = box
         self._parts += 1
         mark = self._parts / MOST_PARTS
         marked = self._programs.marked()
@@ -194,27 +198,30 @@ def draw_materials(
     bare: BareFunctions,
     canvas: Canvas,
     pictures: Pictures,
-    scene: Sequence[MeshParts],
+    scene: Sequence[tuple[MeshParts, Box | None]],
     clip_from_world: bytes,
     camera: Camera,
     world_T_camera: Motor,
-    box: Box | None,
 ) -> None:
-    """Draw which triangles are seen, over them what one sees through, then the light."""
+    """Draw which triangles are seen, over them what one sees through, then the light.
+
+    Each mesh comes with the part of the image that can show it, or with None where none can.
+    """
     eye = tuple(world_T_camera.translation_m)
-    canvas.cover(box)
-    for mesh in scene:
+    in_view = [(mesh, box) for mesh, box in scene if box is not None]
+    canvas.cover(_around([box for _, box in in_view]))
+    for mesh, _ in in_view:
         for part in mesh.covering:
             tell(part.covering, "clip_from_world", clip_from_world)
             part.use_covering()
             _cull(gl, part)
             _cover(gl, bare, canvas, part)
     pictures.use_table()
-    _blend(gl, canvas, scene, clip_from_world, world_T_camera)
+    _blend(gl, canvas, [mesh for mesh, _ in in_view], clip_from_world, world_T_camera)
     canvas.shade()
     rays = _rays(camera, world_T_camera)
     places = canvas.sample_places.astype(np.float32).tobytes()
-    for mesh in scene:
+    for mesh, box in in_view:
         for part in mesh.covering:
             mesh.use(part)
             program = part.program
@@ -226,7 +233,16 @@ def draw_materials(
             ):
                 tell(program, name, value)
             first = part.first_number
-            canvas.light(program, first, first + part.part.stop - part.part.first)
+            canvas.light(program, first, first + part.part.stop - part.part.first, box)
+
+
+def _around(boxes: Sequence[Box]) -> Box:
+    """The smallest box that holds all of them, of one pixel without any."""
+    if not boxes:
+        return 0, 0, 1, 1
+    left, bottom = min(box[0] for box in boxes), min(box[1] for box in boxes)
+    right = max(box[0] + box[2] for box in boxes)
+    return left, bottom, right - left, max(box[1] + box[3] for box in boxes) - bottom
 
 
 def _cover(gl: Any, bare: BareFunctions, canvas: Canvas, part: DrawnPart) -> None:

@@ -31,7 +31,6 @@ from motorcade.render.backends.renderer import (
     projection,
     shadow_camera,
 )
-from motorcade.render.lens import seen_extent
 from motorcade.render.scene import Layer, Lighting, Surface
 from motorcade.tracking.cameras.camera import Camera
 
@@ -218,17 +217,16 @@ class FastRenderer(Renderer):
         opengl_T_world = (world_T_camera @ OPENCV_T_OPENGL).inverse()
         depths = _depths(self._meshes, world_T_camera)
         seen = column_major(projection(camera, *depths) @ opengl_T_world.as_matrix())
-        box = _seen_box(self._meshes, camera, world_T_camera, depths[0])
+        boxes = [_seen_box(mesh, camera, world_T_camera, depths[0]) for mesh in self._meshes]
         draw_materials(
             self._gl,
             self._bare,
             self._canvas,
             self._pictures,
-            [mesh.parts for mesh in self._meshes],
+            [(mesh.parts, box) for mesh, box in zip(self._meshes, boxes, strict=True)],
             seen,
             camera,
             world_T_camera,
-            box,
         )
         return self._canvas.read(depths)
 
@@ -283,18 +281,30 @@ def _depths(meshes: Sequence[RenderMesh], world_T_camera: Motor) -> tuple[float,
     return clip_range(world_T_camera.inverse().apply(np.concatenate(corners))[:, 2])
 
 
-def _seen_box(
-    meshes: Sequence[RenderMesh], camera: Camera, world_T_camera: Motor, near: float
-) -> Box | None:
-    """The part of the image that can hold anything, or None where all of it can."""
-    corners = [mesh.corners_m for mesh in meshes if mesh.corners_m is not None]
-    if len(corners) < len(meshes) or not corners:
+def _seen_box(mesh: RenderMesh, camera: Camera, world_T_camera: Motor, near: float) -> Box | None:
+    """The part of the image that can hold any of a mesh: None of one that is not in view.
+
+    All of the image where a shader carries the mesh, so that nobody knows where it is.
+    """
+    if mesh.corners_m is None:
+        return None if len(mesh.reach_m) == 0 else (0, 0, camera.width, camera.height)
+    seen = world_T_camera.inverse().apply(mesh.corners_m)
+    before, behind = seen[seen[:, 2] >= near], seen[seen[:, 2] < near]
+    # Where edges and diagonals of its box come through the plane from which on things are drawn.
+    share = (before[:, None, 2:] - near) / (before[:, None, 2:] - behind[None, :, 2:])
+    cut = before[:, None] + share * (behind[None] - before[:, None])
+    hull = np.concatenate([before, cut.reshape(-1, 3)])
+    if not len(hull):
         return None
-    seen = world_T_camera.inverse().apply(np.concatenate(corners))
-    # A pixel's samples lie up to half a pixel about its centre.
-    first, last = seen_extent(camera, seen, near, 0.5)
-    wide, high = last - first + 1
-    return int(first[0]), int(camera.height - 1 - last[1]), int(wide), int(high)
+    # A pixel's samples lie up to half a pixel about its centre, and half of one is for rounding.
+    pixels = camera.project(hull)
+    low, high = pixels.min(axis=0) - 1.0, pixels.max(axis=0) + 1.0
+    last = np.array([camera.width, camera.height]) - 1
+    if np.any(high < 0.0) or np.any(low > last):
+        return None
+    first, last = np.maximum(np.floor(low), 0), np.minimum(np.ceil(high), last)
+    wide, tall = last - first + 1
+    return int(first[0]), int(camera.height - 1 - last[1]), int(wide), int(tall)
 
 
 def _light_from_world(lighting: Lighting) -> FloatArray:
