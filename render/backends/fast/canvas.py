@@ -60,7 +60,6 @@ class Canvas:
             self._covered = self._hold(gl.framebuffer([self._numbers], self._depth))
             self._light = self._hold(gl.texture(size, 4, dtype="f2"))
             marks = self._hold(gl.depth_renderbuffer(size))
-            self._marked = self._hold(gl.framebuffer([], marks))
             self._lit = self._hold(gl.framebuffer([self._light], marks))
             picture = self._hold(gl.texture(size, 4))
             metres = self._hold(gl.texture(size, 1, dtype="f4"))
@@ -129,11 +128,14 @@ class Canvas:
 
         None of them lies outside of the box.
         """
-        self._lit.scissor = self._marked.scissor = box
+        self._lit.scissor = box
         self._parts += 1
         mark = self._parts / MOST_PARTS
         marked = self._programs.marked()
-        self._marked.use()
+        # One framebuffer for both: drivers that draw on the processor empty it into memory at every
+        # change.
+        self._lit.color_mask, self._lit.depth_mask = (False,) * 4, True
+        self._lit.use()
         self._gl.depth_func = "1"
         self._gl.enable_only(self._gl.DEPTH_TEST)
         for shader in (marked, program):
@@ -142,6 +144,7 @@ class Canvas:
             tell(shader, "first", first)
             tell(shader, "stop", stop)
         self._fill(marked)
+        self._lit.color_mask, self._lit.depth_mask = (True,) * 4, False
         self._lit.use()
         self._gl.depth_func = "=="
         self._gl.enable_only(self._gl.DEPTH_TEST | self._gl.BLEND)
