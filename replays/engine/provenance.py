@@ -35,6 +35,8 @@ _A_PACKAGE = re.compile(rf"({OURS}(\.\w+)*)\.")
 # Source that may hold the start of a template of module names, be it joined of several strings.
 _A_TEMPLATE = re.compile(rf"""["']{OURS}(\.\w+)*\.["'{{]""")
 _STATEMENTS = (ast.stmt, ast.excepthandler, ast.match_case)
+_BODIES = ("body", "handlers", "orelse", "finalbody", "cases")
+"""Where statements stand within others."""
 
 
 @dataclass(frozen=True)
@@ -164,7 +166,11 @@ def _running(tree: ast.AST, parts: tuple[type[ast.AST], ...] = _STATEMENTS) -> I
             waiting.extend(node.orelse)
             continue
         yield node
-        waiting.extend(one for one in ast.iter_child_nodes(node) if isinstance(one, parts))
+        if parts is not _STATEMENTS:
+            waiting.extend(ast.iter_child_nodes(node))
+            continue
+        for name in _BODIES:
+            waiting.extend(getattr(node, name, ()))
 
 
 def _source(node: ast.ImportFrom, module: str) -> str:
@@ -248,6 +254,7 @@ def _is_package(name: str) -> bool:
     return origin is not None and origin.name == "__init__.py"
 
 
+@functools.cache
 def _find(name: str) -> Path | None:
     try:
         spec = importlib.util.find_spec(name)

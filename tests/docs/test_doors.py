@@ -11,6 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.house.sources import SOURCES, tree_of
+
+pytestmark = SOURCES
 REPOSITORY = Path(__file__).resolve().parents[2]
 PAGE = REPOSITORY / "SECURITY.md"
 ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
@@ -115,7 +118,7 @@ def opened(tree: ast.AST) -> Iterator[str]:
 @cache
 def sources() -> dict[str, ast.Module]:
     found = [path for room in ROOMS for path in sorted((REPOSITORY / room).rglob("*.py"))]
-    return {str(path.relative_to(REPOSITORY)): ast.parse(path.read_text()) for path in found}
+    return {str(path.relative_to(REPOSITORY)): tree_of(path) for path in found}
 
 
 def test_files_are_opened_at_the_door_alone() -> None:
@@ -185,8 +188,10 @@ def used_limits() -> set[tuple[str, str]]:
     found = set()
     for file, tree in sources().items():
         for node in ast.walk(tree):
+            if not isinstance(node, ast.Call):
+                continue
             name = called(node).rpartition(".")[2]
-            if name in DOOR and isinstance(node, ast.Call):
+            if name in DOOR:
                 given = [word.value for word in node.keywords if word.arg == "limit_bytes"]
                 given += [] if name == "read_arrays" else node.args[1:2]
                 text = ast.unparse(given[0]) if given else ""

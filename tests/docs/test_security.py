@@ -6,6 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.house.sources import SOURCES, tree_of
+
+pytestmark = SOURCES
 REPOSITORY = Path(__file__).resolve().parents[2]
 PAGE = REPOSITORY / "SECURITY.md"
 ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
@@ -51,7 +54,7 @@ def faults(tree: ast.AST) -> list[str]:
 @pytest.mark.parametrize("room", ROOMS)
 def test_no_file_runs_what_it_reads(room: str) -> None:
     for path in sorted((REPOSITORY / room).rglob("*.py")):
-        found = faults(ast.parse(path.read_text(encoding="utf-8")))
+        found = faults(tree_of(path))
         if path == REPOSITORY / PORT:
             assert len(found) == 1
             assert found.pop().endswith("imports socket")

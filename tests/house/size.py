@@ -18,6 +18,8 @@ import sys
 import tarfile
 from pathlib import Path, PurePosixPath
 
+from tests.house.sources import parsed
+
 REPOSITORY = Path(__file__).resolve().parents[2]
 ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
 PYTHON, NATIVE = {".py", ".pyi"}, {".c", ".cpp", ".h"}
@@ -49,7 +51,7 @@ def example_lines(text: str) -> int:
     documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
     docstrings = [
         ast.get_docstring(node) or ""
-        for node in ast.walk(ast.parse(text))
+        for node in ast.walk(parsed(text))
         if isinstance(node, documented)
     ]
     examples = [one for text in docstrings for one in doctest.DocTestParser().get_examples(text)]
@@ -71,7 +73,7 @@ def vague_bindings(texts: dict[str, str]) -> int:
     """Variables and arguments that are called by one of the `VAGUE` names."""
     count = 0
     comprehensions = (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
-    for tree in (ast.parse(text) for name, text in texts.items() if name.endswith(".py")):
+    for tree in (parsed(text) for name, text in texts.items() if name.endswith(".py")):
         short = {
             id(part)
             for node in ast.walk(tree)
@@ -99,7 +101,7 @@ def modules(texts: dict[str, str]) -> dict[str, int]:
     }
     importers: dict[str, set[str]] = {module: set() for module in dotted}
     for module, text in dotted.items():
-        for node in ast.walk(ast.parse(text)):
+        for node in ast.walk(parsed(text)):
             if isinstance(node, ast.ImportFrom):
                 names = {f"{node.module}.{alias.name}" for alias in node.names}
                 for used in names & set(dotted) or {str(node.module)} & set(dotted):

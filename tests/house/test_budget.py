@@ -5,7 +5,9 @@ from pathlib import Path
 import pytest
 
 from tests.house.size import ROOMS, counts
+from tests.house.sources import SOURCES
 
+pytestmark = SOURCES
 CONTRIBUTING = Path(__file__).resolve().parents[2] / "CONTRIBUTING.md"
 SLACK = 200
 """One line in so many may be added: what a repair takes without a commit of its own."""

@@ -12,7 +12,9 @@ from pathlib import Path
 import pytest
 
 from motorcade.replays.engine import provenance
+from tests.house.sources import SOURCES
 
+pytestmark = SOURCES
 REPOSITORY = Path(__file__).resolve().parents[2]
 ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
 BELOW = {

@@ -5,6 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.house.sources import SOURCES, tree_of
+
+pytestmark = SOURCES
 REPOSITORY = Path(__file__).resolve().parents[2]
 MAY_IMPORT = {
     "ga": set(),
@@ -43,13 +46,13 @@ def imported_rooms(tree: ast.Module) -> set[str]:
 @pytest.mark.parametrize("room", MAY_IMPORT)
 def test_imports_point_one_way(room: str) -> None:
     for path in (REPOSITORY / room).rglob("*.py"):
-        foreign = imported_rooms(ast.parse(path.read_text())) - {room}
+        foreign = imported_rooms(tree_of(path)) - {room}
         assert foreign <= MAY_IMPORT[room], f"{path}: {room} must not import {foreign}"
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(REPOSITORY)))
-def test_files_say_what_they_are_for(path: Path) -> None:
-    assert ast.get_docstring(ast.parse(path.read_text())), "a file opens with what it is for"
+def test_files_say_what_they_are_for() -> None:
+    silent = [str(path) for path in FILES if not ast.get_docstring(tree_of(path))]
+    assert not silent, f"a file opens with what it is for: {silent}"
 
 
 def test_files_are_small() -> None:
@@ -58,11 +61,12 @@ def test_files_are_small() -> None:
     assert not large, f"expected at most {MOST_LINES} lines a file: {large}"
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(REPOSITORY)))
-def test_no_caller_is_answered_with_an_assertion_or_silence(path: Path) -> None:
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.ExceptHandler):
-            assert node.type is not None, f"line {node.lineno}: names no exception"
-            assert not all(isinstance(step, ast.Pass) for step in node.body), (
-                f"line {node.lineno}: swallows an error"
-            )
+def test_no_caller_is_answered_with_an_assertion_or_silence() -> None:
+    for path in FILES:
+        for node in ast.walk(tree_of(path)):
+            if isinstance(node, ast.ExceptHandler):
+                place = f"{path}:{node.lineno}"
+                assert node.type is not None, f"{place}: names no exception"
+                assert not all(isinstance(step, ast.Pass) for step in node.body), (
+                    f"{place}: swallows an error"
+                )

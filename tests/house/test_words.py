@@ -13,6 +13,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.house.sources import SOURCES, parsed
+
+pytestmark = SOURCES
 REPOSITORY = Path(__file__).resolve().parents[2]
 ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
 FOREIGN = {"plumb_bob"}
@@ -62,7 +65,7 @@ def comes_back(name: str) -> str | None:
 
 def names_of_python(text: str) -> Iterator[tuple[int, str]]:
     """Lines, and the names that stand there."""
-    for node in ast.walk(ast.parse(text)):
+    for node in ast.walk(parsed(text)):
         match node:
             case ast.FunctionDef() | ast.AsyncFunctionDef() | ast.ClassDef():
                 yield node.lineno, node.name

@@ -13,6 +13,8 @@ from motorcade.ga import Motor, kernels
 from motorcade.ga.kernels import numpy_backend
 from motorcade.ga.kernels.generated.python import KERNELS
 from motorcade.ga.versors.euler_angles import SEQUENCES, sequence_operands
+from tests.ga.cases import over
+from tests.ga.conftest import SAMPLES
 
 # Where the blades of a similarity's logarithm stand in it; twists have the scale last.
 LOG_PLACES = (1, 2, 3, 4, 8, 9, 10)
@@ -96,8 +98,8 @@ def results(
     return ours, witness
 
 
-@pytest.mark.parametrize("dtype", DTYPES)
 @pytest.mark.parametrize("name", KERNELS)
+@over(motors=SAMPLES, dtype=DTYPES)
 def test_backends_agree_on_hard_motors(
     name: str, dtype: Any, compiled: Callable[..., Any], motors: Motor, rng: np.random.Generator
 ) -> None:
@@ -108,9 +110,8 @@ def test_backends_agree_on_hard_motors(
     assert_close(*results(name, compiled, inputs, len(inputs[0]), dtype), reach)
 
 
-@pytest.mark.parametrize("dtype", DTYPES)
-@pytest.mark.parametrize("count", [0, 1, 15, 16, 17, 31, 33, 54, 1000, 5000])
 @pytest.mark.parametrize("name", KERNELS)
+@over(count=[0, 1, 15, 16, 17, 31, 33, 54, 1000, 5000], dtype=DTYPES)
 def test_backends_agree_at_every_block_boundary(
     name: str, count: int, dtype: Any, compiled: Callable[..., Any], rng: np.random.Generator
 ) -> None:
@@ -129,8 +130,8 @@ def test_backends_agree_on_the_exponential_of_any_angle(
     assert_close(*results("exp", compiled, inputs, 100, dtype), max(1.0, half_angle))
 
 
-@pytest.mark.parametrize("dtype", DTYPES)
 @pytest.mark.parametrize("name", KERNELS)
+@over(dtype=DTYPES)
 def test_kernels_read_and_write_any_layout_rightly(
     name: str, dtype: Any, compiled: Callable[..., Any], rng: np.random.Generator
 ) -> None:

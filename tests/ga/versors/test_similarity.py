@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor, Rotor, Similarity, kernels
+from tests.ga.cases import over
 
 SCALES = (1e-12, 1e-3, 0.01, 0.25, 1 - 1e-7, 1.0, 1 + 1e-12, 2.0, 4.0, 30.0, 1e3, 1e12)
 EPS = float(np.finfo(float).eps)
@@ -24,17 +25,14 @@ def bound(scale: float) -> float:
     return 16 * EPS * max(scale, 1 / scale)
 
 
-@pytest.fixture(params=SCALES)
-def scale(request: pytest.FixtureRequest) -> float:
-    return request.param
-
-
+@over(scale=SCALES)
 def test_exp_undoes_log_at_every_scale(scale: float, motors: Motor) -> None:
     grown = Similarity.from_motor_scale(motors, scale)
     signs = np.where(grown.coefficients[..., :1] < 0, -1.0, 1.0)
     assert off(Similarity.exp(grown.log()).coefficients, signs * grown.coefficients) < bound(4)
 
 
+@over(scale=SCALES)
 def test_inverse_cancels_at_every_scale(scale: float, motors: Motor) -> None:
     grown = Similarity.from_motor_scale(motors, scale)
     size = max(1.0, float(np.max(np.abs(grown.translation_m)))) / min(1.0, scale)
@@ -43,6 +41,7 @@ def test_inverse_cancels_at_every_scale(scale: float, motors: Motor) -> None:
         assert np.max(np.abs(difference)) < bound(scale) * size
 
 
+@over(scale=SCALES)
 def test_parts_come_back_at_every_scale(scale: float, motors: Motor) -> None:
     grown = Similarity.from_motor_scale(motors, scale)
     motor, back = grown.as_motor_scale()
@@ -53,6 +52,7 @@ def test_parts_come_back_at_every_scale(scale: float, motors: Motor) -> None:
     Similarity(grown.coefficients)
 
 
+@over(scale=SCALES)
 def test_matrices_come_back_at_every_scale(scale: float, motors: Motor) -> None:
     grown = Similarity.from_motor_scale(motors, scale)
     again = Similarity.from_matrix(grown.as_matrix())
@@ -61,6 +61,7 @@ def test_matrices_come_back_at_every_scale(scale: float, motors: Motor) -> None:
     np.testing.assert_allclose(again.translation_m, grown.translation_m, rtol=1e-13, atol=1e-14)
 
 
+@over(scale=SCALES)
 def test_action_is_the_matrix(scale: float, motors: Motor, rng: np.random.Generator) -> None:
     grown = Similarity.from_motor_scale(motors, scale)
     points = rng.standard_normal((*motors.shape, 3))
@@ -99,6 +100,7 @@ def test_tiny_growth_keeps_its_relative_precision() -> None:
         assert made.log()[3] == pytest.approx(0.5 * log_scale, rel=1e-15, abs=0.0)
 
 
+@over(scale=SCALES)
 def test_products_are_associative_at_every_scale(
     scale: float, motors: Motor, rng: np.random.Generator
 ) -> None:
@@ -107,6 +109,7 @@ def test_products_are_associative_at_every_scale(
     assert off(((a @ b) @ c).as_matrix(), (a @ (b @ c)).as_matrix()) < 32 * bound(scale)
 
 
+@over(scale=SCALES)
 def test_paths_have_even_speed_and_meet_their_ends_at_every_scale(
     scale: float, motors: Motor
 ) -> None:
@@ -126,6 +129,7 @@ def test_growth_along_the_path_is_even(rng: np.random.Generator) -> None:
     np.testing.assert_allclose(ratios, np.broadcast_to(ratios[0], ratios.shape), rtol=1e-13)
 
 
+@over(scale=SCALES)
 def test_projection_restores_what_was_scaled_and_rounded(
     scale: float, motors: Motor, rng: np.random.Generator
 ) -> None:

@@ -11,6 +11,7 @@ import pytest
 from scipy.linalg import expm
 
 from motorcade.ga import Motor, Similarity
+from tests.ga.cases import over
 
 EPS = float(np.finfo(float).eps)
 SCALES = (1e-3, 0.01, 0.25, 1 - 1e-7, 1.0, 1 + 1e-12, 2.0, 4.0, 30.0, 1e3)
@@ -284,6 +285,7 @@ def error(found: np.ndarray, exact: Iterable[Any]) -> float:
     return float(np.max(np.abs(found - rounded)) / max(1.0, float(np.max(np.abs(rounded)))))
 
 
+@over(scale=SCALES)
 def test_products_are_exact_to_rounding(scale: float, motors: Motor) -> None:
     flat = Similarity.from_motor_scale(motors, scale).reshape(-1)[:2]
     other = Similarity.random(np.random.default_rng(1), flat.shape)
@@ -297,6 +299,7 @@ def test_products_are_exact_to_rounding(scale: float, motors: Motor) -> None:
         assert worst <= 1e-14
 
 
+@over(scale=SCALES)
 def test_interpolation_is_exact_to_rounding(scale: float, motors: Motor) -> None:
     end = Similarity.from_motor_scale(motors, scale).reshape(-1)[:2]
     start = Similarity.from_motor_scale(Motor.random(np.random.default_rng(1), end.shape), 0.5)
@@ -309,6 +312,7 @@ def test_interpolation_is_exact_to_rounding(scale: float, motors: Motor) -> None
     assert worst <= bound(max(2 * scale, 0.5 / scale))
 
 
+@over(scale=SCALES)
 def test_logarithm_is_exact_to_rounding(scale: float, motors: Motor) -> None:
     flat = Similarity.from_motor_scale(motors, scale).reshape(-1)[:2]
     with mpmath.workdps(50):
@@ -316,6 +320,7 @@ def test_logarithm_is_exact_to_rounding(scale: float, motors: Motor) -> None:
     assert worst <= bound(scale)
 
 
+@over(scale=SCALES)
 def test_exponential_is_exact_to_rounding(scale: float, motors: Motor) -> None:
     logs = Similarity.from_motor_scale(motors, scale).log().reshape(-1, 7)[:2]
     with mpmath.workdps(50):
@@ -337,6 +342,7 @@ def test_series_and_closed_form_meet(
         assert error(made.log(), exact_log(made.coefficients)) <= 1e-15
 
 
+@over(scale=SCALES)
 def test_projection_is_exact_to_rounding(
     scale: float, motors: Motor, rng: np.random.Generator
 ) -> None:

@@ -71,8 +71,9 @@ def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 
 def forget() -> None:
-    for cached in (provenance.reach, provenance._uses, provenance._trees, provenance._definers):
-        cached.cache_clear()
+    cached = ("reach", "_uses", "_trees", "_definers", "_find")
+    for name in cached:
+        getattr(provenance, name).cache_clear()
 
 
 def followed(name: str) -> set[str]:
