@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga.arrays import IntArray
+from motorcade.ga.lookahead import ahead
 from motorcade.ga.unfinished import unfinished
 from motorcade.render.scene import ImageArray
 
@@ -88,15 +89,21 @@ def _encode(path: Path, pictures: Iterable[ImageArray], rate: Fraction) -> int:
     with av.open(str(path), "w", options={"movflags": "+faststart", "fflags": "+bitexact"}) as file:
         stream: Any = file.add_stream("libx264", rate=rate)
         _set_up(stream, apart)
-        for count, picture in enumerate(pictures, 1):
+
+        def packets(numbered: tuple[int, ImageArray]) -> Any:
+            number, picture = numbered
             rgb = picture if picture.ndim == 3 else np.repeat(picture[..., None], 3, axis=2)
-            even = np.pad(rgb, ((0, rgb.shape[0] % 2), (0, rgb.shape[1] % 2), (0, 0)), "edge")
+            odd = rgb.shape[0] % 2, rgb.shape[1] % 2
+            even = np.pad(rgb, ((0, odd[0]), (0, odd[1]), (0, 0)), "edge") if any(odd) else rgb
             frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(even), format="rgb24")
             frame = frame.reformat(format="yuv420p", dst_colorspace=Colorspace.ITU709)
-            if count == 1:
+            if number == 0:
                 stream.height, stream.width = even.shape[:2]
-            frame.pts, frame.time_base = round((count - 1) / rate * _TICKS), Fraction(1, _TICKS)
-            file.mux(stream.encode(frame))
+            frame.pts, frame.time_base = round(number / rate * _TICKS), Fraction(1, _TICKS)
+            return stream.encode(frame)
+
+        for count, some in enumerate(ahead(packets, enumerate(pictures)), 1):
+            file.mux(some)
         file.mux(stream.encode(None))
     return count
 
