@@ -14,7 +14,7 @@ coefficients (Boyle, "How should spin-weighted spherical functions be defined?",
 from __future__ import annotations
 
 from functools import cache
-from math import comb, factorial, pi, sqrt
+from math import comb, factorial, pi, prod, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -53,7 +53,7 @@ def harmonics(directions: ArrayLike, band: int) -> FloatArray:
     values = np.empty((*x.shape, (band + 1) ** 2))
     for m in range(band + 1):
         # sin(θ)^m times the Legendre factor in z alone, upwards in l at fixed m.
-        before, now = np.zeros_like(z), np.full_like(z, _double_factorial(2 * m - 1))
+        before, now = np.zeros_like(z), np.full_like(z, prod(range(2 * m - 1, 1, -2)))
         for degree in range(m, band + 1):
             if degree > m:
                 now, before = (
@@ -202,14 +202,6 @@ def _powers(base: Complex, count: int) -> list[Complex]:
     for _ in range(count):
         powers.append(powers[-1] * base)
     return powers
-
-
-def _double_factorial(n: int) -> float:
-    value = 1.0
-    while n > 1:
-        value *= n
-        n -= 2
-    return value
 
 
 def _check_band(band: int) -> None:

@@ -10,9 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.appearance import Appearance
-from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.render.harmonics import rotate_harmonics
 
 ImageArray = NDArray[np.uint8]
 DepthArray = NDArray[np.float32]
@@ -169,22 +167,6 @@ class Lighting:
         )
         center_m = _translated(self.shadow_center_m, offset_m)
         return replace(self, lamps=lamps, shadow_center_m=center_m)
-
-    def rotated_by(self, rotor: Rotor, about_m: FloatArray) -> "Lighting":
-        """The same light turned about a place (3,), world; shadows are made for the same ball."""
-
-        def turned(place_m: Triple) -> Triple:
-            x, y, z = (rotor.apply(np.subtract(place_m, about_m)) + about_m).tolist()
-            return x, y, z
-
-        x, y, z = rotor.apply(np.array(self.sun.direction)).tolist()
-        lamps = tuple(replace(lamp, position_m=turned(lamp.position_m)) for lamp in self.lamps)
-        around = self.surroundings
-        if around:
-            rows = rotate_harmonics(np.array(around).T, rotor).T
-            around = tuple((float(r), float(g), float(b)) for r, g, b in rows)
-        sun = replace(self.sun, direction=(x, y, z))
-        return replace(self, sun=sun, lamps=lamps, surroundings=around)
 
 
 def _translated(place_m: Triple, by_m: FloatArray) -> Triple:

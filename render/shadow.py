@@ -139,16 +139,11 @@ def _parts(
     vertices: FloatArray, triangles: IntArray, width_m: float
 ) -> tuple[FloatArray, FloatArray]:
     """Middles (P, 3) and areas with their normals (P, 3) of triangles, wide ones cut into parts."""
-    # Coordinate by coordinate: rows of three are slow.
-    rows = np.ascontiguousarray(vertices.T)
-    a, b, c = (np.take(rows, triangles[:, k], axis=1) for k in range(3))
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
     ab, ac = b - a, c - a
-    (ux, uy, uz), (vx, vy, vz) = ab, ac
-    area = 0.5 * np.stack([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx], axis=1)
-    middle = (a + (ab + ac) / 3.0).T
-    squares = ((x * x + y * y) + z * z for x, y, z in (ab, ac, ac - ab))
-    longest = np.sqrt(np.maximum.reduce(list(squares)))
-    a, ab, ac = a.T, ab.T, ac.T
+    area = 0.5 * np.cross(ab, ac)
+    middle = a + (ab + ac) / 3.0
+    longest = np.sqrt(np.max(np.sum(np.stack([ab, ac, ac - ab]) ** 2, axis=2), axis=0))
     wide = longest > width_m
     if not wide.any():
         return middle, area
@@ -177,16 +172,12 @@ def _hidden_sky(middle: FloatArray, area: FloatArray, half_width_m: float) -> Sh
     cell = 2.0 * SKY_SHARE * half_width_m / SKY_GRID
     wide = SKY_GRID + 2  # what falls outside is gathered in a rim
     at, height = (middle[:, :2] / cell).T.astype(np.float32), middle[:, 2].astype(np.float32) / cell
-    amount = np.ascontiguousarray(area.T, np.float32) / np.float32(cell**2)
+    amount = area.astype(np.float32) / np.float32(cell**2)
     total = np.zeros((SKY_GRID, SKY_GRID), np.float32)
     for slope in _sky_slopes():
-        facing = -(amount[0] * slope[0] + amount[1] * slope[1] + amount[2])
-        held = np.flatnonzero(facing > 0.0)
-        facing, high = facing[held], height[held]
+        facing = np.maximum(-(amount[:, 0] * slope[0] + amount[:, 1] * slope[1] + amount[:, 2]), 0)
         column, row = (
-            np.clip(at[k, held] - slope[k] * high + (0.5 * SKY_GRID + 1), 0, wide - 1).astype(
-                np.intp
-            )
+            np.clip(at[k] - slope[k] * height + (0.5 * SKY_GRID + 1), 0, wide - 1).astype(np.intp)
             for k in range(2)
         )
         dropped = np.bincount(row * wide + column, weights=facing, minlength=wide * wide)

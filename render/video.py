@@ -351,7 +351,7 @@ def encode(
 
         def packets(numbered: tuple[int, ImageArray]) -> Any:
             number, picture = numbered
-            frame = _frame(picture, lossless, form, coding)
+            frame = coded_frame(picture, lossless, form, coding)
             if number == 0:
                 stream.height, stream.width = frame.height, frame.width
             frame.pts, frame.time_base = int(ticks[number]), clock
@@ -401,7 +401,7 @@ def _set_up(stream: Any, lossless: bool, clock: Fraction, coding: ColourCoding) 
     context.color_primaries, context.color_trc = coding.primaries, coding.transfer
 
 
-def _frame(
+def coded_frame(
     picture: ImageArray, lossless: bool, form: VideoReformatter, coding: ColourCoding
 ) -> Any:
     """An image in the codec's own form."""

@@ -35,8 +35,6 @@ _A_PACKAGE = re.compile(rf"({OURS}(\.\w+)*)\.")
 # Source that may hold the start of a template of module names, be it joined of several strings.
 _A_TEMPLATE = re.compile(rf"""["']{OURS}(\.\w+)*\.["'{{]""")
 _STATEMENTS = (ast.stmt, ast.excepthandler, ast.match_case)
-_BODIES = ("body", "handlers", "orelse", "finalbody", "cases")
-"""Where statements stand within others."""
 
 
 @dataclass(frozen=True)
@@ -166,11 +164,7 @@ def _running(tree: ast.AST, parts: tuple[type[ast.AST], ...] = _STATEMENTS) -> I
             waiting.extend(node.orelse)
             continue
         yield node
-        if parts is not _STATEMENTS:
-            waiting.extend(ast.iter_child_nodes(node))
-            continue
-        for name in _BODIES:
-            waiting.extend(getattr(node, name, ()))
+        waiting.extend(one for one in ast.iter_child_nodes(node) if isinstance(one, parts))
 
 
 def _source(node: ast.ImportFrom, module: str) -> str:

@@ -82,7 +82,10 @@ def _sized(pictures: Iterable[ImageArray], size: tuple[int, int] | None) -> Iter
 def _encode(path: Path, pictures: Iterable[ImageArray], rate: Fraction) -> int:
     """Encode and mux; returns how many images came."""
     import av
-    from av.video.reformatter import Colorspace
+    from av.video.reformatter import VideoReformatter
+
+    from motorcade.render.original import ColourCoding
+    from motorcade.render.video import coded_frame
 
     apart = max(1, min(KEYFRAME_FRAMES, int(KEYFRAME_S * rate)))
     count = 0
@@ -90,20 +93,20 @@ def _encode(path: Path, pictures: Iterable[ImageArray], rate: Fraction) -> int:
         stream: Any = file.add_stream("libx264", rate=rate)
         _set_up(stream, apart)
 
+        coding, form = ColourCoding(), VideoReformatter()
+
         def packets(numbered: tuple[int, ImageArray]) -> Any:
             number, picture = numbered
             rgb = picture if picture.ndim == 3 else np.repeat(picture[..., None], 3, axis=2)
-            odd = rgb.shape[0] % 2, rgb.shape[1] % 2
-            even = np.pad(rgb, ((0, odd[0]), (0, odd[1]), (0, 0)), "edge") if any(odd) else rgb
-            frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(even), format="rgb24")
-            frame = frame.reformat(format="yuv420p", dst_colorspace=Colorspace.ITU709)
+            frame = coded_frame(rgb, False, form, coding)
             if number == 0:
-                stream.height, stream.width = even.shape[:2]
+                stream.height, stream.width = frame.height, frame.width
             frame.pts, frame.time_base = round(number / rate * _TICKS), Fraction(1, _TICKS)
             return stream.encode(frame)
 
-        for count, some in enumerate(ahead(packets, enumerate(pictures)), 1):
+        for some in ahead(packets, enumerate(pictures)):
             file.mux(some)
+            count += 1
         file.mux(stream.encode(None))
     return count
 

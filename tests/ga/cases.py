@@ -1,4 +1,4 @@
-"""A law over many cases in one test: what a runner does about a test takes longer than most cases."""
+"""A law over many cases in one test: what a runner does about each takes longer."""
 
 from __future__ import annotations
 

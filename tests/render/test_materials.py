@@ -11,7 +11,7 @@ from motorcade.ga import Motor, Rotor
 from motorcade.render import Layer, Lighting, OffscreenRenderer, Sun, Surface
 from motorcade.render.backends.fast.materials import Pictures, mirrored_table
 from motorcade.render.backends.fast.renderer import FastRenderer
-from motorcade.render.light import harmonics
+from motorcade.render.light import harmonics, rotate_harmonics
 from motorcade.tracking.cameras.camera import Camera
 
 pytestmark = pytest.mark.usefixtures("opengl")
@@ -159,7 +159,8 @@ def test_surroundings_turn_with_the_scene(rng: np.random.Generator) -> None:
     )
     expected = drawn(shape, lighting=lighting).rgba
     with FastRenderer(CAMERA.width, CAMERA.height) as renderer:
-        renderer.show([turned], lighting.rotated_by(rotor, np.zeros(3)))
+        rows = rotate_harmonics(around.T, rotor).T.tolist()
+        renderer.show([turned], replace(lighting, surroundings=tuple(map(tuple, rows))))
         place = Motor.from_rotor_translation(rotor, np.zeros(3))
         seen = renderer.render(CAMERA, place).rgba
     assert expected[..., :3].std() > 1.0

@@ -31,6 +31,7 @@ from motorcade.render.backends.renderer import (
     projection,
     shadow_camera,
 )
+from motorcade.render.lens import seen_extent
 from motorcade.render.scene import Layer, Lighting, Surface
 from motorcade.tracking.cameras.camera import Camera
 
@@ -297,14 +298,9 @@ def _seen_box(mesh: RenderMesh, camera: Camera, world_T_camera: Motor, near: flo
     if not len(hull):
         return None
     # A pixel's samples lie up to half a pixel about its centre, and half of one is for rounding.
-    pixels = camera.project(hull)
-    low, high = pixels.min(axis=0) - 1.0, pixels.max(axis=0) + 1.0
-    last = np.array([camera.width, camera.height]) - 1
-    if np.any(high < 0.0) or np.any(low > last):
-        return None
-    first, last = np.maximum(np.floor(low), 0), np.minimum(np.ceil(high), last)
-    wide, tall = last - first + 1
-    return int(first[0]), int(camera.height - 1 - last[1]), int(wide), int(tall)
+    first, last = seen_extent(camera, hull, -np.inf, 1.0)
+    wide, high = last - first + 1
+    return int(first[0]), int(camera.height - 1 - last[1]), int(wide), int(high)
 
 
 def _light_from_world(lighting: Lighting) -> FloatArray:
