@@ -345,7 +345,7 @@ def encode(
         stream: Any = file.add_stream(
             "ffv1" if lossless else "libx264", rate=_usual_rate(ticks, clock)
         )
-        _set_up(stream, lossless, clock, coding)
+        set_up_codec(stream, lossless, clock, coding)
         sound = None if original is None else CopiedSound(original[1], file, original[2])
         form = VideoReformatter()
 
@@ -379,7 +379,7 @@ def _checked(frames: Iterable[ImageArray], expected: int) -> Iterator[tuple[int,
         raise ValueError(f"write_video(frames): expected {expected} frames, got {count}")
 
 
-def _set_up(stream: Any, lossless: bool, clock: Fraction, coding: ColourCoding) -> None:
+def set_up_codec(stream: Any, lossless: bool, clock: Fraction, coding: ColourCoding) -> None:
     """The codec's settings."""
     from av.codec.context import Flags
 

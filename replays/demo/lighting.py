@@ -58,10 +58,10 @@ class Occluders:
 
     def hide(self, start: Points, step: Points) -> NDArray[np.bool_]:
         """Whether a box stands between `start` and `start + step`, for rays (N, 3)."""
-        reach = np.minimum(start, start + step), np.maximum(start, start + step)
         if not len(start):
             return np.zeros(0, dtype=bool)
-        boxes = self.near(reach[0].min(axis=0), reach[1].max(axis=0))
+        ends = np.concatenate([start, start + step])
+        boxes = self.near(ends.min(axis=0), ends.max(axis=0))
         # A row a box, all rays at once: (K, N).
         x, y, z = (start[:, k] - boxes.center_m[:, k, None] for k in range(3))
         c, s = boxes.cos[:, None], boxes.sin[:, None]
@@ -78,8 +78,7 @@ class Occluders:
             low, two = (-half - origin) * inverse, (half - origin) * inverse
             near = np.maximum(near, np.minimum(low, two))
             far = np.minimum(far, np.maximum(low, two))
-        hidden: NDArray[np.bool_] = np.any(near < far, axis=0)
-        return hidden
+        return np.asarray(np.any(near < far, axis=0))
 
 
 def irradiance(points: FloatArray, normals: FloatArray, occluders: Occluders) -> FloatArray:

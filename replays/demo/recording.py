@@ -212,8 +212,9 @@ def _write_pictures(
         if not cv2.imwrite(str(file), picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]):
             raise OSError(f"{file}: cannot be written")
 
-    poses = path.at(even_stamps(FRAMES, RATE_HZ) * 1e-9)
-    deque(ahead(write, ((k, renderer.render(CAMERA, poses[k])) for k in numbers)), maxlen=0)
+    stamps_ns = ((number, even_stamps(number + 1, RATE_HZ)[-1]) for number in numbers)
+    drawn = ((k, renderer.render(CAMERA, path.at(time_ns * 1e-9))) for k, time_ns in stamps_ns)
+    deque(ahead(write, drawn), maxlen=0)
 
 
 # The room's textures are levels of a camera, and its pictures mix them as such: in a mean of light,

@@ -85,15 +85,17 @@ def _encode(path: Path, pictures: Iterable[ImageArray], rate: Fraction) -> int:
     from av.video.reformatter import VideoReformatter
 
     from motorcade.render.original import ColourCoding
-    from motorcade.render.video import coded_frame
+    from motorcade.render.video import coded_frame, set_up_codec
 
     apart = max(1, min(KEYFRAME_FRAMES, int(KEYFRAME_S * rate)))
-    count = 0
+    coding, form, clock, count = ColourCoding(), VideoReformatter(), Fraction(1, _TICKS), 0
     with av.open(str(path), "w", options={"movflags": "+faststart", "fflags": "+bitexact"}) as file:
         stream: Any = file.add_stream("libx264", rate=rate)
-        _set_up(stream, apart)
-
-        coding, form = ColourCoding(), VideoReformatter()
+        set_up_codec(stream, False, clock, coding)
+        stream.codec_context.thread_count = 0  # as many as there are processors
+        # No frames that wait for later ones, as seeking through those takes twice as long.
+        text = f"keyint={apart}:min-keyint={apart}:scenecut=0:bframes=0:mbtree=0:subme=2"
+        stream.options = {**stream.options, "crf": str(QUALITY), "x264-params": text}
 
         def packets(numbered: tuple[int, ImageArray]) -> Any:
             number, picture = numbered
@@ -101,7 +103,7 @@ def _encode(path: Path, pictures: Iterable[ImageArray], rate: Fraction) -> int:
             frame = coded_frame(rgb, False, form, coding)
             if number == 0:
                 stream.height, stream.width = frame.height, frame.width
-            frame.pts, frame.time_base = round(number / rate * _TICKS), Fraction(1, _TICKS)
+            frame.pts, frame.time_base = round(number / rate * _TICKS), clock
             return stream.encode(frame)
 
         for some in ahead(packets, enumerate(pictures)):
@@ -109,19 +111,3 @@ def _encode(path: Path, pictures: Iterable[ImageArray], rate: Fraction) -> int:
             count += 1
         file.mux(stream.encode(None))
     return count
-
-
-def _set_up(stream: Any, apart: int) -> None:
-    """No frames that wait for later ones, as seeking through those takes twice as long."""
-    from av.codec.context import Flags
-    from av.video.reformatter import ColorRange, Colorspace
-
-    context = stream.codec_context
-    context.flags |= Flags.bitexact.value
-    context.time_base = Fraction(1, _TICKS)
-    stream.pix_fmt = "yuv420p"
-    text = f"keyint={apart}:min-keyint={apart}:scenecut=0:bframes=0:mbtree=0:subme=2"
-    stream.options = {"crf": str(QUALITY), "preset": "superfast", "x264-params": text}
-    context.color_range = ColorRange.MPEG.value
-    context.colorspace = Colorspace.ITU709.value
-    context.color_primaries = context.color_trc = 1
