@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.tracking.audit import scatter_px
 from motorcade.tracking.board_tracking.tracker import PoseChoice, choose_pose
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.calibrate import Calibration, calibrate, spread_views
@@ -33,7 +34,8 @@ from motorcade.tracking.pose import (
 )
 
 _MOST_VIEWS = 60  # that a camera is found from; with all others it is then refined
-# Corners of a view are wrong where it fits worse than this, and than so many times a typical view.
+# Corners of a view are wrong where it fits worse than this and than so many times a typical view, or
+# than any corner can scatter (`scatter_px`), however the others fit.
 _OUTLIER_FACTOR = 3.0
 _OUTLIER_FLOOR_PX = 0.3
 _CONTINUITY_NS = 500_000_000  # how long an earlier pose helps to choose between two
@@ -110,7 +112,8 @@ def measure_board(
 
     Raises:
         CalibrationError: what `calibrate` refuses.
-        TrackingError: no view from which a pose follows.
+        TrackingError: no view from which a pose follows, or none that a pose fits as well as
+            corners can scatter in images of this size.
         ValueError: neither a camera nor a size.
     """
     found = None
@@ -122,16 +125,23 @@ def measure_board(
     rows, poses = _posed(time_ns, views, camera)
     if not poses:
         raise TrackingError(f"views: expected some that give a pose, got none of {len(views)}")
-    errors = np.array([one.error_px for one in poses])
-    fits = errors <= max(_OUTLIER_FLOOR_PX, _OUTLIER_FACTOR * float(np.median(errors)))
+    errors = np.array([pose.error_px for pose in poses])
+    usual_px = max(_OUTLIER_FLOOR_PX, _OUTLIER_FACTOR * float(np.median(errors)))
+    limit_px = scatter_px(camera)
+    fits = errors <= min(usual_px, limit_px)
+    if not fits.any():
+        raise TrackingError(
+            f"views: expected some that a pose fits to {limit_px:.2g} px, got {errors.min():.2g} px "
+            "at best; look at the camera and the board as stated"
+        )
     kept = [views[row] for row in rows[fits]]
-    chosen = [one for one, fit in zip(poses, fits, strict=True) if fit]
-    stamps, motors = time_ns[rows[fits]], Motor.stack([one.world_T_camera for one in chosen])
+    chosen = [pose for pose, fit in zip(poses, fits, strict=True) if fit]
+    stamps, motors = time_ns[rows[fits]], Motor.stack([pose.world_T_camera for pose in chosen])
     if found is None:
         freedom = sum(max(2 * len(view) - 6, 0) for view in kept)
-        squares = sum(float(np.sum(one.residuals_px**2)) for one in chosen)
+        squares = sum(float(np.sum(pose.residuals_px**2)) for pose in chosen)
         sigma_px = _sigma(squares, freedom)
-        covariance = np.stack([(sigma_px / one.sigma_px) ** 2 * one.covariance for one in chosen])
+        covariance = np.stack([(sigma_px / pose.sigma_px) ** 2 * pose.covariance for pose in chosen])
         measured = PoseMeasurements(Trajectory(stamps, motors), covariance)
         nothing = np.zeros((len(kept), 6, 0))
         return BoardMeasurements(

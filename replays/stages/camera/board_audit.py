@@ -11,7 +11,7 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.recording import Recording
 from motorcade.tracking import Board, BoardTrack, Camera, SelfCalibrationError
-from motorcade.tracking.audit import AuditFinding, Verdict, centre_finding, said_camera
+from motorcade.tracking.audit import AuditFinding, Verdict, centre_finding, said_camera, scatter_px
 from motorcade.tracking.board_tracking.witness import pixel_offsets
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.calibrate import view_error_px
@@ -29,6 +29,8 @@ _TERMS = next(kind for kind in KINDS if kind.name == "radtan with k1 k2")
 _FOCAL_SHARE = 0.02
 """A focal length wrong by so much puts a corner of the picture several pixels off."""
 _SIGMAS, _SHUTTER_SIGMAS = 3.0, 4.0
+_SEPARABLE = 0.1
+"""Views that would not deny a focal length off by so much do not confirm one either."""
 _SHUTTER_S = 0.002
 """A read-out that is off by less moves nobody's corner by what it can scatter."""
 _WORSE_PX, _TIMES = 0.2, 1.5
@@ -155,7 +157,9 @@ def _camera(
     if (off > _FOCAL_SHARE and off > _SIGMAS * np.hypot(sigma, found_sigma)) or worse:
         advice = _mend(camera, board, some)
         return AuditFinding(name, "contradicted", off, "share", summary, advice), best
-    return AuditFinding(name, "consistent", off, "share", summary), best
+    told = best_px <= scatter_px(camera) and _SIGMAS * sigma <= _SEPARABLE
+    verdict: Verdict = "consistent" if told else "unknown"
+    return AuditFinding(name, verdict, off, "share", summary), best
 
 
 def _mend(camera: Camera, board: Board, seen: Sequence[MarkerObservation]) -> str:

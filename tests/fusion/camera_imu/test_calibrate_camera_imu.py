@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
 from motorcade.fusion.camera_imu import CameraImuCalibration, calibrate_camera_imu
-from motorcade.tracking import BoardMeasurements, measure_board
+from motorcade.tracking import BoardMeasurements, TrackingError, measure_board
 from tests.fusion.camera_imu.board_recordings import CAMERA, BoardRecording, recording
 from tests.fusion.camera_imu.consistency import consistency, errors
 
@@ -81,6 +82,13 @@ def test_motion_without_rotation_is_refused():
     true = recording(2, 4.0, rate_hz=10.0, imu_hz=100.0, turning=0.0)
     with pytest.raises(ValueError, match="rotation about two axes"):
         calibrated(true, known=True)
+
+
+def test_views_that_a_wrong_camera_explains_nowhere_are_refused():
+    views, far = short()[0].views, replace(CAMERA, fx=2.0 * CAMERA.fx, fy=2.0 * CAMERA.fy)
+    stamps = np.arange(len(views))
+    with pytest.raises(TrackingError, match="expected some that a pose fits to 1.2 px, got"):
+        measure_board(stamps, views, replace(far, distortion=(0.0,) * len(far.distortion)))
 
 
 def test_what_the_motion_does_not_tell_is_named():

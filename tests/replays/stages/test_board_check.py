@@ -1,14 +1,21 @@
 """A board described wrongly is told of: too few or too many corners, lengths not in metres."""
 
 import logging
+from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.replays.io.recording import Recording
+from motorcade.replays.stages.camera.board_audit import audited_board
 from motorcade.replays.stages.camera.board_poses import warn_of_size
-from motorcade.tracking import Checkerboard
+from motorcade.tracking import BoardTrack, Camera, Checkerboard, PoseMeasurements
+from motorcade.tracking.audit import AuditFinding
+from motorcade.tracking.measurements import MarkerObservation
 from motorcade.tracking.targets import compare_layout
+from tests.replays.stages.stamps import Stamps
 
 PRINTED = Checkerboard(9, 6, 0.03)
 WARP = np.array([[0.9, 0.15, 40.0], [-0.1, 0.85, 60.0], [2e-4, 3e-4, 1.0]])
@@ -51,3 +58,43 @@ def test_lengths_that_are_hardly_metres_are_told_of(caplog: pytest.LogCaptureFix
         warn_of_size(Checkerboard(9, 6, 40.0))
     (message,) = caplog.messages
     assert "400 x 280 m large; are its lengths in metres?" in message
+
+
+def camera_on_board(tilt_rad: float, bent_px: float = 0.0) -> AuditFinding:
+    """What thirty views of a board that leans so far say of the camera that took them."""
+    rng, count = np.random.default_rng(3), 30
+    camera, stamps = Camera(640, 480, 500.0, 500.0, 319.5, 239.5), np.arange(count) * 33_000_000
+    k = np.arange(count)
+    tilt = tilt_rad * np.stack([np.sin(k), np.cos(1.7 * k), 0.0 * k], axis=-1)
+    place = np.stack([0.12 + 0.03 * np.sin(k), 0.07 + 0.02 * np.cos(k), 0.5 + 0.05 * np.sin(3 * k)])
+    face_down = Rotor.from_rotation_vector([np.pi, 0.0, 0.0])
+    poses = Motor.from_rotor_translation(face_down @ Rotor.from_rotation_vector(tilt), place.T)
+    px = camera.project(poses.inverse()[:, None].apply(PRINTED.points_m))
+    px += bent_px * np.sin(px / 30.0)[..., ::-1] + 0.1 * rng.standard_normal(px.shape)
+    ids, both = np.arange(len(PRINTED.points_m)), np.full(2, 0.1)
+    seen = tuple(
+        MarkerObservation(int(stamps[row]), ids, px[row], Motor.stack([poses[row]] * 2), both)
+        for row in range(count)
+    )
+    covariance = np.tile(1e-6 * np.eye(6), (count, 1, 1))
+    measured = PoseMeasurements(Trajectory(stamps, poses), covariance)
+    track = BoardTrack(stamps, np.full(count, "tracked"), seen, measured, np.full(count, 0.1))
+    frames = Stamps(stamps)
+    recording = Recording("drawn", Path(), "images", frames, camera)  # type: ignore[arg-type]
+    (of_camera, *_), _ = audited_board(recording, PRINTED, track)
+    return of_camera
+
+
+@pytest.mark.parametrize(
+    ("tilt_rad", "bent_px", "verdict"),
+    [
+        (0.4, 0.0, "consistent"),
+        (0.0, 0.0, "unknown"),  # a board seen face on tells no focal length
+        (0.4, 3.0, "unknown"),  # no lens explains the views: that of the manifest neither
+    ],
+)
+def test_a_camera_is_consistent_only_where_views_could_deny_it(
+    tilt_rad: float, bent_px: float, verdict: str
+) -> None:
+    finding = camera_on_board(tilt_rad, bent_px)
+    assert finding.verdict == verdict, finding.summary

@@ -353,3 +353,19 @@ def test_a_frame_whose_only_sighting_misfits_has_no_pose(
         assert told[0].verdict == "doubtful"  # of one such frame, one
         assert told[0].summary.startswith("1 of 1 frames that one sighting alone places")
         assert np.isinf(found.error_px[found.seen.frame == frame]).all()
+
+
+def test_corners_that_lie_off_are_counted_by_what_was_stated_of_them(
+    rng: np.random.Generator,
+) -> None:
+    truth = rig_path(rng)
+    stream = seen_by(truth, rng)
+    rough = rng.random(len(stream)) < 0.4  # four pixels of noise, where one is stated
+    noise_px = np.where(rough, 4.0, 1.3)[:, None, None] * rng.standard_normal((len(stream), 4, 2))
+    found = map_scene(
+        {"camera": replace(stream, corners_px=stream.corners_px + noise_px)},
+        replace(scene(), sigma_px=1.0),
+    )
+    (corners,) = (finding for finding in found.audit if finding.name == "marker_corners")
+    assert corners.verdict == "doubtful", corners.summary
+    assert "more than 3.2 px" in corners.summary

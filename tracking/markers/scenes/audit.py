@@ -229,7 +229,7 @@ def _never_fits(mapped: MappedScene) -> NDArray[np.bool_]:
     """``(P,)``: cameras and markers most of whose sightings lie far off: stated too surely."""
     seen = mapped.seen
     good = np.isfinite(mapped.error_px)
-    far = mapped.error_px[good] > _limit_px(mapped)
+    far = (mapped.error_px > seen.limits_px(mapped.scene.sigma_px))[good]
     rows = np.zeros(seen.rows, bool)
     cameras, markers = len(seen.names), len(seen.marker_ids)
     for first, size, owner in ((0, cameras, seen.camera), (cameras, markers, seen.marker)):
@@ -237,13 +237,6 @@ def _never_fits(mapped: MappedScene) -> NDArray[np.bool_]:
         off = np.bincount(owner[good], far, minlength=size)
         rows[first : first + size] = (2.0 * off > sightings) & (sightings >= _FEWEST_FRAMES)
     return rows
-
-
-def _limit_px(mapped: MappedScene) -> float:
-    """Beyond this a sighting lies far off."""
-    errors = mapped.error_px[np.isfinite(mapped.error_px)]
-    usual = float(np.median(errors)) if len(errors) else 0.0
-    return _SIGMAS * max(usual, mapped.scene.sigma_px)
 
 
 def _called(seen: SceneSightings, scene: MarkerScene, row: int) -> str:
@@ -305,18 +298,16 @@ def _in_company(seen: SceneSightings) -> NDArray[np.bool_]:
 
 def _corners(mapped: MappedScene) -> AuditFinding:
     """Sightings whose corners lie far from where everything else puts them."""
-    errors = mapped.error_px[np.isfinite(mapped.error_px)]
+    good = np.isfinite(mapped.error_px)
+    errors, limits = mapped.error_px[good], mapped.seen.limits_px(mapped.scene.sigma_px)[good]
     if not len(errors):
         return AuditFinding("marker_corners", "unknown", None, "px", "no marker hangs together")
     usual = float(np.median(errors))
-    limit = _limit_px(mapped)
-    off = int(np.count_nonzero(errors > limit))
+    off = int(np.count_nonzero(errors > limits))
     summary = (
-        f"corners of {off} of {len(errors)} sightings lie more than {limit:.2g} px off, of all "
+        f"corners of {off} of {len(errors)} sightings lie more than {limits.max():.2g} px off, of all "
         f"{usual:.2g} px in the median"
     )
-    verdict: Verdict = "consistent"
-    if off > _CONTAMINATION * len(errors) or usual > _SIGMAS * mapped.scene.sigma_px:
-        verdict = "doubtful"
+    verdict: Verdict = "doubtful" if off > _CONTAMINATION * len(errors) else "consistent"
     advice = "check the camera's focal length and distortion, and whether some marker moved"
     return AuditFinding("marker_corners", verdict, usual, "px", summary, advice)

@@ -27,9 +27,6 @@ from motorcade.tracking.pose import TrackingError
 
 _SYNC_S = 0.05
 _ROUNDS = 2
-_MISFIT = 13.8
-"""χ² with two degrees of freedom, of eight residuals less six of the pose, exceeds it once in a
-thousand: a wrong pose costs more than one frame of a thousand does."""
 
 
 def map_scene(
@@ -97,11 +94,8 @@ def map_scene(
 def _misfits(
     seen: SceneSightings, scene: MarkerScene, poses: Motor, known: NDArray[np.bool_]
 ) -> tuple[IntArray, int, float]:
-    """Rows of frames whose only sighting misfits, how many have but one, and the limit.
-
-    Noise is what the adjustment weighed corners by, or what they show where that is more.
-    """
-    limit_px = float(np.sqrt(_MISFIT / 4.0)) * max(scene.sigma_px, seen.noise_px)
+    """Rows of frames whose only sighting misfits, how many have but one, and the largest limit."""
+    limits_px = seen.limits_px(scene.sigma_px)
     free = np.array(
         [one.moves and one.odometry is None and one.still is None for one in scene.bodies]
     )
@@ -110,8 +104,8 @@ def _misfits(
     single = np.bincount(rows.ravel(), minlength=seen.rows)[rows] == 1
     owner = np.searchsorted(seen.first_row, rows, side="right") - 1
     single &= (seen.frame_of[rows] >= 0) & free[owner]
-    off = seen.errors_px(poses)[used] > limit_px
-    return rows[single & off[:, None]], int(np.count_nonzero(single)), limit_px
+    off = seen.errors_px(poses)[used] > limits_px[used]
+    return rows[single & off[:, None]], int(np.count_nonzero(single)), float(limits_px.max())
 
 
 def _with_good_odometry(

@@ -28,8 +28,6 @@ _ANOTHER_RAD = np.radians(10.0)
 _AMBIGUOUS = 16.0
 """Beyond this many χ² a pose is not the other one: 1 of 3,000 by chance. Where a frame's best pose
 fits worse than noise allows, noise is taken to be as large as the misfit."""
-_OFF, _OFF_PX = 4.0, 1.0
-"""A sighting is off beyond so many times the median error, and pixels; a frame with half of its."""
 _NEAR_NS = 1_000_000_000
 _AGREE_SHARE = 0.1
 _SUPPORT = 0.5
@@ -87,13 +85,13 @@ class Start:
         known = self.known[self._seen.chain].all(axis=1)
         if not known.any():
             return
-        limit_px = max(_OFF * float(np.median(errors[known])), _OFF_PX)
+        beyond = errors > self._seen.limits_px(self._scene.sigma_px)
         for column in (CARRIER, BODY):
             rows = self._seen.chain[:, column]
             usable = known & ~self._staying[rows]
             if not usable.any():
                 continue
-            rows, off = rows[usable], errors[usable] > limit_px
+            rows, off = rows[usable], beyond[usable]
             seen = np.bincount(rows, minlength=len(self.known))
             bad = np.bincount(rows, off, minlength=len(self.known))
             self.known[(2.0 * bad >= seen) & (seen > 0)] = False

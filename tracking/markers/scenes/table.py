@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.tracking.audit import scatter_px
 from motorcade.tracking.cameras.camera import Camera, reproject
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate.resolving import corner_noise_or
@@ -137,6 +138,11 @@ class SceneSightings:
         )
         errors = np.sqrt(np.sum(found**2, axis=(-1, -2)) / 4.0)
         return np.where(np.isfinite(errors), errors, np.inf)
+
+    def limits_px(self, sigma_px: float) -> FloatArray:
+        """``(N,)`` most that a sighting may be off, whatever the others are (`scatter_px`)."""
+        by_camera = np.array([scatter_px(camera, sigma_px) for camera in self.cameras])
+        return np.asarray(by_camera[self.camera], np.float64)
 
 
 def gather_scene(
