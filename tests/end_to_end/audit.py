@@ -29,6 +29,7 @@ from motorcade.replays.io.readers.tagslam.corners import read as read_tagslam
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.board_audit import audited_board
 from motorcade.replays.stages.camera.offered import sampled_images
+from motorcade.replays.stages.camera.offered import camera_of
 from motorcade.replays.stages.camera.sensor_audit import audited_depth, audited_pair
 from motorcade.tracking import AuditFinding, Checkerboard, track_board
 from motorcade.tracking.depth import DepthCamera
@@ -101,6 +102,11 @@ def pairs(scratch: Path) -> Iterator[Planted]:
     )
     yield Planted("drawn pair", "left for right", "left_and_right", lambda: audited_pair(swapped))
     yield Planted("drawn pair", "", "", lambda: audited_pair(recording))
+    camera = camera_of(recording)
+    bent = replace(
+        recording, camera=replace(camera, model="radtan", distortion=(-0.2, 0.05, 0.0, 0.0))
+    )
+    yield Planted("drawn pair", "distortion stated", "distortion", lambda: audited_pair(bent))
 
 
 def flights(data: Path) -> Iterator[Planted]:

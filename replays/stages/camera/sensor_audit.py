@@ -18,6 +18,7 @@ from motorcade.replays.io.recording import DepthArray, ImageArray, Recording
 from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.camera.depth import measured_depth
 from motorcade.replays.stages.camera.offered import camera_of
+from motorcade.tracking import Camera
 from motorcade.tracking.audit import DEPTH_ON_COLOUR_PX, AuditFinding, Verdict, centre_finding
 from motorcade.tracking.depth.cameras import DepthCamera, inverse_depth_step
 from motorcade.tracking.depth.edges import EdgeOffset, edge_offset
@@ -35,7 +36,8 @@ _PAIRS = 6
 _CORNERS = 400
 _LEVEL_PX = 2.0
 _FEWEST_MATCHES = 60
-_SAME_PX = 0.05
+_SAME_PX, _CLEARLY = 0.05, 2.0
+"""Rows that are so near are the same; another hypothesis must be so many times nearer."""
 _AGREE = 0.1
 """Of a logarithm: so well pairs and depth sensors agree where both are calibrated roughly."""
 
@@ -87,7 +89,7 @@ def audited_pair(recording: Recording) -> tuple[AuditFinding, ...]:
         a finding on the images, and where there is depth one on the baseline.
     """
     count = len(recording.frames)
-    apart, depths_m = [np.empty((0, 2))], [np.empty(0)]
+    lefts, rights, depths_m = [np.empty((0, 2))], [np.empty((0, 2))], [np.empty(0)]
     for number in np.unique(np.linspace(0, count - 1, _PAIRS).astype(int)).tolist():
         frame = recording.frames[number]
         left, right = frame.gray(), frame.right()
@@ -95,11 +97,13 @@ def audited_pair(recording: Recording) -> tuple[AuditFinding, ...]:
             continue
         px = find_corners(left, _CORNERS).px
         there, tracked = track_corners(left, right, px, px)
-        apart.append((px - there)[tracked])
+        lefts.append(px[tracked])
+        rights.append(there[tracked])
         columns, rows = np.rint(px[tracked]).astype(int).T
         depth_m = frame.depth_m()
         depths_m.append(np.full(len(rows), np.nan) if depth_m is None else depth_m[rows, columns])
-    matches, depths = np.concatenate(apart), np.concatenate(depths_m)
+    left_px, right_px, depths = map(np.concatenate, (lefts, rights, depths_m))
+    matches = left_px - right_px
     same_row = np.abs(matches[:, 1]) <= _LEVEL_PX
     right_of, level = np.count_nonzero(matches[same_row, 0] > 0.0), np.count_nonzero(same_row)
     name, matched = "left_and_right", len(matches)
@@ -122,7 +126,31 @@ def audited_pair(recording: Recording) -> tuple[AuditFinding, ...]:
     images = AuditFinding(name, verdict, share, "share", summary, advice)
     if not images.passed:
         return (images,)
-    return (images, *_baseline(recording, matches[same_row, 0], depths[same_row]))
+    lens = _lens_of_pair(camera_of(recording), left_px[same_row], right_px[same_row])
+    return (images, *lens, *_baseline(recording, matches[same_row, 0], depths[same_row]))
+
+
+def _lens_of_pair(
+    camera: Camera, left_px: FloatArray, right_px: FloatArray
+) -> tuple[AuditFinding, ...]:
+    """Contradict a distortion without which points stand in the same rows, and with which not."""
+    if not any(camera.distortion):
+        return ()
+    apart_px, undistorted_px = (
+        float(np.nanmedian(np.abs((left - right)[:, 1])))
+        for left, right in (
+            (left_px, right_px),
+            (camera.undistort(left_px), camera.undistort(right_px)),
+        )
+    )
+    if not undistorted_px > _CLEARLY * max(apart_px, _SAME_PX):
+        return ()
+    summary = (
+        f"the pair is rectified: its points stand in the same rows to {apart_px:.2f} px, and to "
+        f"{undistorted_px:.2f} px once the stated distortion is taken out"
+    )
+    advice = 'say model = "pinhole", distortion = []'
+    return (AuditFinding("distortion", "contradicted", undistorted_px, "px", summary, advice),)
 
 
 def _baseline(

@@ -532,7 +532,6 @@ def _rooms() -> Iterator[Kind]:
         "rectified, distortion stated",
         lambda drawn, rng: replace(drawn, manifest=bent(drawn.manifest)),
         'model = "pinhole"',
-        open="nothing judges a lens by SLAM's own tracks yet",
     )
 
 
