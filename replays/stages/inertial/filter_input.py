@@ -47,6 +47,44 @@ def inertial_health(recording: Recording, camera_poses: CameraPoses, imu: UsedIm
     return check_health(path, stream, imu.imu_T_camera, up=camera_poses.origin == "simulated")
 
 
+_RATES_HZ = (5.0, 10.0, 12.5, 15.0, 20.0, 24.0, 25.0, 30.0, 48.0, 50.0, 60.0, 90.0, 100.0, 120.0)
+_STEP_RAD, _CLIPPED, _SEPARABLE = 0.01, 9.0, 9.2
+"""By how much angles between poses and those of a gyroscope may differ; bound on its square, in
+deviations; log likelihood ratio of 10,000 to 1."""
+
+
+def other_rate_hz(camera_poses: CameraPoses, stream: ImuStream) -> tuple[float, float] | None:
+    """The rate of the frames and another one, at which the images turn as the gyroscope does.
+
+    By how much a camera turns does not depend on where it sits. None where frames have stamps of
+    their own, where the stated rate explains the angles, or where no other one does.
+    """
+    frames_ns, path = camera_poses.frame_times_ns, camera_poses.measurements.trajectory
+    intervals_ns = np.diff(frames_ns)
+    if len(path) < 2 or np.ptp(intervals_ns) > 1:
+        return None
+    stated_hz = float(1e9 / np.mean(intervals_ns))
+    turned_rad = (path.motors[:-1].inverse() @ path.motors[1:]).rotor.angle()
+    time_s, read_s = 1e-9 * (path.time_ns - frames_ns[0]), 1e-9 * (stream.time_ns - frames_ns[0])
+    rate_rad_s = stream.angular_rate_rad_s
+    means_rad = 0.5 * (rate_rad_s[1:] + rate_rad_s[:-1]) * np.diff(read_s)[:, None]
+    read_rad = np.concatenate([np.zeros((1, 3)), np.cumsum(means_rad, axis=0)])
+
+    def missed(rate_hz: float) -> float:
+        at_s = time_s * stated_hz / rate_hz
+        covered = at_s[1:] <= read_s[-1]
+        if 2 * np.count_nonzero(covered) < len(covered):
+            return np.inf
+        read = np.diff([np.interp(at_s, read_s, axis) for axis in read_rad.T], axis=1)
+        squares = ((np.linalg.norm(read, axis=0) - turned_rad) / _STEP_RAD)[covered] ** 2
+        return float(np.mean(np.minimum(squares, _CLIPPED)))
+
+    misses = [missed(rate_hz) for rate_hz in _RATES_HZ]
+    best = int(np.argmin(misses))
+    clearly = 0.5 * len(turned_rad) * (missed(stated_hz) - misses[best]) > _SEPARABLE
+    return (stated_hz, _RATES_HZ[best]) if clearly and misses[best] < 1.0 else None
+
+
 _UPRIGHT_DEG = 3.0
 _MOST_SAMPLES = 20_000
 

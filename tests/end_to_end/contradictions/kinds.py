@@ -325,7 +325,6 @@ def _inertial() -> Iterator[Kind]:
         "images' rate 30 for 20",
         line("rate_hz = 20.0", "rate_hz = 30.0"),
         "rate_hz = 20",
-        open="the run is doubted, but no hypothesis stretches the frames' clock",
     )
     pose = IMU_T_CAMERA.as_matrix()
     old = f"imu_T_camera = {pose.tolist()!r}"

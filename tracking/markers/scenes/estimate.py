@@ -27,6 +27,9 @@ from motorcade.tracking.pose import TrackingError
 
 _SYNC_S = 0.05
 _ROUNDS = 2
+_MISFIT = 13.8
+"""χ² with two degrees of freedom, of eight residuals less six of the pose, exceeds it once in a
+thousand: a wrong pose costs more than one frame of a thousand does."""
 
 
 def map_scene(
@@ -94,8 +97,8 @@ def map_scene(
 def _misfits(
     seen: SceneSightings, scene: MarkerScene, poses: Motor, known: NDArray[np.bool_]
 ) -> tuple[IntArray, int, float]:
-    """Rows of frames whose only sighting misfits, how many have but one, and the largest limit."""
-    limits_px = seen.limits_px(scene.sigma_px)
+    """Rows of frames whose only sighting misfits, how many have but one, and the limit."""
+    limit_px = float(np.sqrt(_MISFIT / 4.0)) * scene.sigma_px
     free = np.array(
         [one.moves and one.odometry is None and one.still is None for one in scene.bodies]
     )
@@ -104,8 +107,8 @@ def _misfits(
     single = np.bincount(rows.ravel(), minlength=seen.rows)[rows] == 1
     owner = np.searchsorted(seen.first_row, rows, side="right") - 1
     single &= (seen.frame_of[rows] >= 0) & free[owner]
-    off = seen.errors_px(poses)[used] > limits_px[used]
-    return rows[single & off[:, None]], int(np.count_nonzero(single)), float(limits_px.max())
+    off = seen.errors_px(poses)[used] > limit_px
+    return rows[single & off[:, None]], int(np.count_nonzero(single)), limit_px
 
 
 def _with_good_odometry(
