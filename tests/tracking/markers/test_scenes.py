@@ -115,6 +115,10 @@ def verdicts(found: MappedScene) -> dict[str, str]:
     return {one.name: one.verdict for one in found.audit}
 
 
+def disagreed(found: MappedScene) -> dict[str, str]:
+    return {name: verdict for name, verdict in verdicts(found).items() if verdict != "consistent"}
+
+
 def test_two_bodies_that_move_are_both_found(rng: np.random.Generator) -> None:
     truth = rig_path(rng)
     found = map_scene({"camera": seen_by(truth, rng)}, scene())
@@ -125,7 +129,7 @@ def test_two_bodies_that_move_are_both_found(rng: np.random.Generator) -> None:
     assert len(path.marker_map) == 6
     place = path.marker_map.world_T_marker.translation_m - [ROOM[k].translation_m for k in range(6)]
     assert np.abs(place).max() < 0.005
-    assert set(verdicts(found).values()) == {"consistent"}
+    assert disagreed(found) == {"stated_poses": "unknown"}  # one on each body: it is its frame
 
 
 def test_a_camera_that_wiggles_pulls_no_frame_off(rng: np.random.Generator) -> None:
@@ -142,7 +146,7 @@ def test_a_camera_that_wiggles_pulls_no_frame_off(rng: np.random.Generator) -> N
     off = [float(np.median(off_m(one, "rig", truth))) for one in (found, alone)]
     assert off[0] < 1.1 * off[1]
     assert found.camera("loose").isclose(Motor.identity(), atol=1e-3).all()
-    assert set(verdicts(found).values()) == {"consistent"}
+    assert not disagreed(found)
     spread = [one.body("rig").covariance.diagonal(axis1=1, axis2=2) for one in (found, alone)]
     assert np.median(spread[0]) > 0.6 * np.median(spread[1])  # half, were both cameras sure
 
@@ -209,8 +213,25 @@ def test_a_wrong_size_and_a_wrong_place_are_named(rng: np.random.Generator) -> N
     room = replace(room, markers={**room.markers, 4: FixedMarker(SIDE_M, StatedPose(moved, SURE))})
     stated = replace(stated, bodies=(room, *stated.bodies[1:]))
     found = map_scene({"camera": seen_by(truth, rng)}, stated)
-    (told,) = (one for one in found.audit if one.name == "stated_poses")
-    assert told.verdict == "contradicted"
+    (poses,) = (finding for finding in found.audit if finding.name == "stated_poses")
+    assert poses.verdict == "contradicted"
+
+
+def test_stated_poses_are_consistent_only_where_something_speaks_of_them(
+    rng: np.random.Generator,
+) -> None:
+    seen, stated = {"camera": seen_by(rig_path(rng), rng)}, scene()
+    room = stated.bodies[0]
+    second = FixedMarker(SIDE_M, StatedPose(ROOM[4], 1e4 * SURE))
+    two = replace(room, markers={**room.markers, 4: second})
+    for bodies, verdict, alone in (
+        (stated.bodies, "unknown", 4),
+        ((two, *stated.bodies[1:]), "consistent", 3),
+    ):
+        found = map_scene(seen, replace(stated, bodies=bodies))
+        (poses,) = (finding for finding in found.audit if finding.name == "stated_poses")
+        assert poses.verdict == verdict, poses.summary
+        assert f"of {alone} of them nothing that was seen speaks" in poses.summary
 
 
 def test_a_marker_that_nothing_connects_is_told(rng: np.random.Generator) -> None:

@@ -22,6 +22,8 @@ from motorcade.tracking.markers.scenes.table import BODY, CAMERA, CARRIER, MARKE
 
 _GATE = 37.7
 """χ² with six degrees of freedom exceeds it once in a million: there are thousands of markers."""
+_UNMOVED = 1e-6
+"""χ² up to which nothing that was seen pulls at a stated pose: it only says where the world is."""
 _MOST_NAMED = 3
 _LONGEST_NS = 1_000_000_000
 _MISSTATED_RAD, _MISSTATED_SHARE = np.radians(2.0), 0.02
@@ -197,8 +199,8 @@ def _stated(mapped: MappedScene) -> AuditFinding:
     if not rows:
         return AuditFinding(name, "unknown", None, "poses", "no pose was stated")
     at = np.array([row for row, _ in rows])
-    apart = Motor.stack([one.pose for _, one in rows]).local(mapped.poses[at])
-    information = np.linalg.inv(np.stack([one.covariance for _, one in rows]))
+    apart = Motor.stack([pose.pose for _, pose in rows]).local(mapped.poses[at])
+    information = np.linalg.inv(np.stack([pose.covariance for _, pose in rows]))
     chi2 = np.einsum("ni,nij,nj->n", apart, information, apart)
     far_m = float(np.median(np.linalg.norm(mapped.seen.camera_T_marker.translation_m, axis=-1)))
     turned = np.linalg.norm(apart[:, :3], axis=-1)
@@ -208,17 +210,21 @@ def _stated(mapped: MappedScene) -> AuditFinding:
         | (chi2 > _GATE) & ((turned > _MISSTATED_RAD) | (moved_m > _MISSTATED_SHARE * far_m))
     )
     summary = f"{len(beyond)} of {len(rows)} stated poses are denied by what was seen"
+    alone = int(np.count_nonzero(chi2 <= _UNMOVED))
+    if alone:
+        summary += f", of {alone} of them nothing that was seen speaks"
     if not len(beyond):
-        return AuditFinding(name, "consistent", 0.0, "poses", summary)
+        verdict: Verdict = "consistent" if alone < len(rows) else "unknown"
+        return AuditFinding(name, verdict, 0.0, "poses", summary)
     first = beyond[np.argsort(-chi2[beyond])][:_MOST_NAMED]
     named = "; ".join(
-        f"{_called(mapped.seen, mapped.scene, int(at[one]))}"
+        f"{_called(mapped.seen, mapped.scene, int(at[row]))}"
         + (
-            f" by {1e3 * moved_m[one]:.0f} mm and {np.rad2deg(turned[one]):.1f}°"
-            if chi2[one] > _GATE
+            f" by {1e3 * moved_m[row]:.0f} mm and {np.rad2deg(turned[row]):.1f}°"
+            if chi2[row] > _GATE
             else ", where its corners never fit"
         )
-        for one in first
+        for row in first
     )
     advice = "measure them again, or state as much noise"
     figure = float(len(beyond))
