@@ -32,7 +32,7 @@ from motorcade.tracking.targets.layouts import (
 NAME = "board_layout"
 _PITCH_SHARE, _EDGE_PX = 0.02, 1.0
 """What printing, and bright or blurred edges, take off a side: a share of it, and pixels."""
-_MOST = 0.5
+_MANY, _MOST = 7, 0.5
 """Of the pictures: so many must deny a layout."""
 
 
@@ -134,7 +134,9 @@ def _same_circles(looks: CircleGrid, board: CircleGrid) -> bool:
 
 def _charuco_seen(pictures: Sequence[GrayImage]) -> CharucoBoard | None:
     """The ChArUco board whose markers images show, its squares of length 1."""
-    for family in families_seen(pictures)[:1]:
+    some = pictures[::3] if len(pictures) >= _MANY else pictures  # markers in squares are in all
+    families = families_seen(some) and families_seen(pictures)
+    for family in families[:1]:
         seen = seen_markers(family.family, pictures, set(family.marker_ids))
         board = board_of_markers(family.family, seen.markers)
         return board if isinstance(board, CharucoBoard) else None
