@@ -24,7 +24,11 @@ from motorcade.ga.codegen.precision import DOUBLE, PRECISIONS, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.targets.c import c_dialect, c_files
-from motorcade.ga.codegen.targets.c_elementary import functions_called, vector_dialect
+from motorcade.ga.codegen.targets.c_elementary import (
+    FUNCTION_NAMES,
+    functions_called,
+    vector_dialect,
+)
 from motorcade.ga.codegen.targets.names import C_NAMES, check_names
 from motorcade.ga.codegen.targets.shared.c_family import (
     close_comment,
@@ -38,7 +42,8 @@ from motorcade.ga.codegen.targets.shared.expressions import statements
 from motorcade.ga.codegen.targets.shared.text import description, unread, variables
 
 BLOCK = 16
-_NAMES = replace(C_NAMES, words=C_NAMES.words | {"blocks", "last", "padded", "row", "rows"})
+_OWN_NAMES = FUNCTION_NAMES | {"blocks", "last", "padded", "row", "rows"}
+_NAMES = replace(C_NAMES, words=C_NAMES.words | _OWN_NAMES)
 _LIBRARY_FUNCTIONS = {
     "min": "smaller",
     "max": "larger",

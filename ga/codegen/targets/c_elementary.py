@@ -19,7 +19,7 @@ from motorcade.ga.codegen.targets.shared.c_family import close_comment, declarat
 from motorcade.ga.codegen.targets.shared.expressions import statements
 from motorcade.ga.codegen.targets.shared.text import C_LOGIC, Templates
 
-__all__ = ["PREFIX", "elementary_header", "functions_called", "vector_dialect"]
+__all__ = ["FUNCTION_NAMES", "PREFIX", "elementary_header", "functions_called", "vector_dialect"]
 
 PREFIX = "motorcade_"
 _KERNELS = Path(__file__).resolve().parents[2] / "kernels"
@@ -29,6 +29,13 @@ _FUNCTIONS = (
     "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "exp", "log",
     "min", "max", "exp2_of_integer", "exponent",
 )  # fmt: skip
+# Of the functions, and of the guards around them.
+FUNCTION_NAMES = frozenset(
+    spelled
+    for name in _FUNCTIONS
+    for kind in ("", "f")
+    for spelled in (f"{PREFIX}{name}{kind}", f"{PREFIX}{name}{kind}".upper())
+)
 _CALLED = re.compile(rf"\b{PREFIX}\w+(?=\()")
 _DEFINED = re.compile(rf"^static inline \w+ ({PREFIX}\w+)\(", re.MULTILINE)
 # What the bits of numbers are taken by, in the header of the library's kernels.
