@@ -16,6 +16,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
+from motorcade.ga.codegen.passes.rows import with_unlike_rows
 from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.names import C_FUNCTIONS, C_NAMES, check_names
@@ -49,11 +50,12 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     parameters = [f"{real.c} {name}" for name in variables(program)]
     parameters += c_family.array_parameters(program, real.c)
     reserved = C_NAMES.words | {slot for _, slot in slots}
-    written = statements(program.tape, c_dialect(real), reserved)
+    tape = with_unlike_rows(program.tape)
+    written = statements(tape, c_dialect(real), reserved)
     body = [
         *(f"(void){name};" for name in unread(program)),
         *c_family.declarations(written.body, f"const {real.c}", "const _Bool"),
-        *c_family.array_stores(program.tape.outputs, written.results),
+        *c_family.array_stores(tape.outputs, written.results),
     ]
     described = [*description(program, f"c --precision {real.numpy}"), *_CALLING]
     head = c_family.function(program.name, parameters, "void")

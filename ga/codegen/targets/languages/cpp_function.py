@@ -7,6 +7,7 @@ single array is returned as it is. Outside a function's domain the results are N
 
 from __future__ import annotations
 
+from motorcade.ga.codegen.passes.rows import with_unlike_rows
 from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.languages.words import CPP_NAMES
@@ -35,7 +36,8 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     real = precision or DOUBLE
     suffix = "f" if real.c == "float" else ""
     dialect = text.Templates(_TEMPLATES, {}, real, suffix=suffix)
-    written = statements(program.tape, dialect, CPP_NAMES.words)
+    tape = with_unlike_rows(program.tape)
+    written = statements(tape, dialect, CPP_NAMES.words)
     arrays = [f"std::array<{real.c}, {o.width}>" for o in program.tape.outputs if o.width]
     array = arrays[0] if len(arrays) == 1 else f"std::tuple<{', '.join(arrays)}>"
     body = [
