@@ -1,4 +1,4 @@
-"""Videos in and out: H.264, lossless FFV1, numbered images, contact sheets.
+"""Videos in and out: H.264, lossless FFV1, contact sheets.
 
 Images into the streams of a film: codecs, their settings, and how colours are coded.
 """
@@ -36,7 +36,6 @@ __all__ = [
     "read_frames",
     "read_original",
     "read_stamps_s",
-    "write_pictures",
     "write_video",
 ]
 
@@ -268,33 +267,6 @@ def contact_sheet(
         top, left = GAP_PX + (k // columns) * step[0], GAP_PX + (k % columns) * step[1]
         sheet[top : top + height, left : left + width] = small
     return sheet
-
-
-def write_pictures(folder: Path, frames: Iterable[tuple[int, ImageArray]]) -> int:
-    """Write frames as PNG files named by their stamps in ns, which sort as they follow.
-
-    Args:
-        folder: made where it is missing.
-        frames: (stamp in ns, 0 or more; uint8 (h, w, 3) RGB).
-
-    Returns:
-        how many were written.
-
-    Raises:
-        ValueError: a stamp below 0.
-        OSError: a file cannot be written.
-    """
-    folder.mkdir(parents=True, exist_ok=True)
-    count = 0
-    for time_ns, frame in frames:
-        if time_ns < 0:
-            raise ValueError(f"write_pictures(frames): expected stamps from 0, got {time_ns}")
-        done, data = cv2.imencode(".png", frame[..., ::-1])
-        if not done:
-            raise OSError(f"{folder}: the frame at {time_ns} ns cannot be written as PNG")
-        (folder / f"{time_ns:019d}.png").write_bytes(data.tobytes())
-        count += 1
-    return count
 
 
 def _write(picture: ImageArray, text: str) -> None:

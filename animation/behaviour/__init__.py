@@ -1,7 +1,7 @@
 """Behaviour: characters that idle, turn, walk, arrive and act, and keep out of each other's way."""
 
 from motorcade.animation.behaviour.actor import Act, Actor, ClipLayer, gait_between
-from motorcade.animation.behaviour.crowd import Crowd, closest_m, keep_apart, least_distance_m
+from motorcade.animation.behaviour.crowd import Crowd, closest_m, keep_apart
 from motorcade.animation.behaviour.gaze import Gaze, LookTarget
 from motorcade.animation.behaviour.performance import Performance, foot_slides_m, perform
 from motorcade.animation.behaviour.timeline import FOLLOWS, Errand, Segment, State, Timeline
@@ -23,6 +23,5 @@ __all__ = [
     "foot_slides_m",
     "gait_between",
     "keep_apart",
-    "least_distance_m",
     "perform",
 ]

@@ -86,24 +86,11 @@ def keep_apart(cast: Sequence[tuple[Actor, Errand]], gap_m: float = 0.0) -> Crow
     return Crowd(tuple(timelines), tuple(notes), tuple(stays), _least_gap(timelines))
 
 
-def least_distance_m(
-    first: tuple[Actor, Performance], second: tuple[Actor, Performance]
-) -> FloatArray:
-    """Distances ``(F,)`` between two bodies, frame by frame, in the plane's metres.
-
-    Between points of their skins (see `Actor.skin_m`), some 700 each: skins may be nearer by as
-    much as points are apart, 3 % of the height. Who is done first stays as it is.
-    """
-    frames = max(len(first[1].time_s), len(second[1].time_s))
-    points = [_skin_m(*one) for one in (first, second)]
-    return np.array(
-        [_nearest_m(*(at[min(k, len(at) - 1)] for at in points)) for k in range(frames)]
-    )
-
-
 def closest_m(performances: Sequence[tuple[Actor, Performance]]) -> float:
-    """The least distance between any two bodies at any time, as `least_distance_m` measures it.
+    """The least distance between any two bodies at any time, in the plane's metres.
 
+    It is measured between points of their skins (see `Actor.skin_m`), some 700 each: skins may be
+    nearer by as much as points are apart, 3 % of the height. Who is done first stays as it is.
     Infinite for one alone. Frames in which boxes about two bodies are farther apart than others
     have come are not looked into.
     """

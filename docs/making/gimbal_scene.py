@@ -17,6 +17,7 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from docs.making.traces import ErrorTraces, beside
@@ -34,7 +35,7 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.render import Performer, render_performers
 from motorcade.render.backends.choice import new_renderer
 from motorcade.render.scene import ImageArray
-from motorcade.render.video import contact_sheet, write_pictures, write_video
+from motorcade.render.video import contact_sheet, write_video
 from motorcade.replays.demo.recording import CAMERA
 from motorcade.replays.demo.scene import room
 
@@ -119,7 +120,7 @@ def main() -> None:
     chosen = range(0, len(frames), max(1, len(frames) // 12))
     labels = [f"{1e-9 * stamps[k]:.2f} s" for k in chosen]
     sheet = contact_sheet([frames[k] for k in chosen], 3, 640, labels)
-    write_pictures(given.out.with_suffix(""), [(0, sheet)])
+    cv2.imwrite(str(given.out.with_suffix(".png")), sheet[..., ::-1])
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ import argparse
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from docs.making.traces import ErrorTraces, beside
@@ -26,7 +27,7 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.render import render_overlay
 from motorcade.render.backends.choice import new_renderer
 from motorcade.render.scene import ImageArray
-from motorcade.render.video import contact_sheet, write_pictures, write_video
+from motorcade.render.video import contact_sheet, write_video
 from motorcade.replays.demo.furniture import CHARACTER_HEIGHT_M
 from motorcade.replays.demo.recording import CAMERA
 from motorcade.replays.demo.scene import room
@@ -122,7 +123,7 @@ def write_side_by_side(out: Path) -> dict[str, Path]:
         chosen = range(0, len(frames), max(1, len(frames) // 24))
         labels = [f"{1e-9 * truth.time_ns[k]:.2f} s" for k in chosen]
         sheet = contact_sheet([frames[k] for k in chosen], 3, 640, labels)
-        write_pictures(out / f"{name}_sheet", [(0, sheet)])
+        cv2.imwrite(str(out / f"{name}_sheet.png"), sheet[..., ::-1])
     return written
 
 

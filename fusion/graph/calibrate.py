@@ -18,11 +18,18 @@ import numpy as np
 
 from motorcade.fusion.filter import FilterSettings, Fused
 from motorcade.fusion.filter.fused import covered
-from motorcade.fusion.graph.fuse import as_fused, checked_graph_input, filtered_start
+from motorcade.fusion.graph.fuse import (
+    as_fused,
+    checked_graph_input,
+    determined,
+    factors_of,
+    filtered_start,
+    first_values,
+    read_all,
+)
 from motorcade.fusion.graph.inertial import InertialGraph, optimised
 from motorcade.fusion.graph.kinds import parameter_key
 from motorcade.fusion.graph.shared import keys
-from motorcade.fusion.graph.smoothers import determined, factors_of, first_values, read_all
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import MOST_CORRECTION, ImuStream
 from motorcade.fusion.measurements.interface import Measurements

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.health.integral import RunningIntegral
-from motorcade.fusion.health.turning import LONGEST_STEP_S
+from motorcade.fusion.health.turning import LONGEST_STEP_S, RunningIntegral
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray

@@ -16,9 +16,9 @@ from motorcade.fusion.measurements.interface import (
     VELOCITY,
     Measurements,
     PredictedState,
+    set_checked,
     skew,
 )
-from motorcade.fusion.measurements.values import set_checked
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 from motorcade.tracking.cameras.camera import Camera, by_twist

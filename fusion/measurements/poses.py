@@ -13,8 +13,10 @@ from motorcade.fusion.measurements.interface import (
     ERROR_NUMBERS,
     Measurements,
     PredictedState,
+    checked_stamps,
+    set_checked,
+    spread,
 )
-from motorcade.fusion.measurements.values import checked_stamps, set_checked, spread
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 

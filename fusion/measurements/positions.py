@@ -17,9 +17,10 @@ from motorcade.fusion.measurements.interface import (
     VELOCITY,
     Measurements,
     PredictedState,
+    checked_rows,
+    set_checked,
     skew,
 )
-from motorcade.fusion.measurements.values import checked_rows, set_checked
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive, frozen
 

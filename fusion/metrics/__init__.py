@@ -55,7 +55,6 @@ from motorcade.fusion.metrics.poses.alignment import (
     projected,
 )
 from motorcade.fusion.metrics.poses.association import Pairs, associate, cropped
-from motorcade.fusion.metrics.poses.deltas import Delta
 from motorcade.fusion.metrics.poses.drift import KITTI_LENGTHS_M, Drift, drift_by_length
 from motorcade.fusion.metrics.poses.pose_error import (
     Statistics,
@@ -66,7 +65,12 @@ from motorcade.fusion.metrics.poses.pose_error import (
     tilt_rad,
     without_scale,
 )
-from motorcade.fusion.metrics.poses.relations import Relation, absolute_errors, relative_errors
+from motorcade.fusion.metrics.poses.relations import (
+    Delta,
+    Relation,
+    absolute_errors,
+    relative_errors,
+)
 from motorcade.fusion.metrics.smooth_path import NotObservableError
 
 __all__ = [

@@ -31,10 +31,14 @@ from motorcade.fusion.metrics.jitter import (
 from motorcade.fusion.metrics.lag import angular_rate_lag_s, position_lag_s
 from motorcade.fusion.metrics.matching import Matched, match
 from motorcade.fusion.metrics.poses.alignment import Align
-from motorcade.fusion.metrics.poses.deltas import Delta
 from motorcade.fusion.metrics.poses.drift import Drift, drift_by_length
 from motorcade.fusion.metrics.poses.pose_error import Statistics, constant_rotation, tilt_rad
-from motorcade.fusion.metrics.poses.relations import Relation, absolute_errors, relative_errors
+from motorcade.fusion.metrics.poses.relations import (
+    Delta,
+    Relation,
+    absolute_errors,
+    relative_errors,
+)
 from motorcade.fusion.metrics.smooth_path import NotObservableError
 from motorcade.ga import Motor, Trajectory
 

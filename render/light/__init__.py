@@ -22,7 +22,6 @@ from motorcade.render.light.lamps import (
 )
 from motorcade.render.light.monocular import (
     LightDirection,
-    found_direction,
     ground_of_footage,
     light_direction,
     lighting_without_depth,
@@ -44,7 +43,6 @@ __all__ = [
     "character_lighting",
     "estimate_light",
     "estimated_lighting",
-    "found_direction",
     "ground_map",
     "ground_of_footage",
     "harmonics",

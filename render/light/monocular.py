@@ -115,27 +115,6 @@ def lighting_without_depth(
     return _brightened(shaped, np.clip(gain, *GAINS)), summary
 
 
-def found_direction(
-    frames: Iterable[tuple[int, ImageArray, DepthArray | None]],
-    camera: Camera,
-    world_T_camera: Trajectory,
-    placement: Placement,
-    prints: Prints | None = None,
-) -> LightDirection:
-    """Where the light comes from by images alone, as `lighting_without_depth` takes it.
-
-    Args:
-        frames: stamp in ns, image, and a depth that is not looked at.
-        camera: pinhole, of the frames' size.
-        world_T_camera: its path; frames outside its span are passed over.
-        placement: whose ground is looked at.
-        prints: that are known in the world.
-    """
-    seen = _posed(frames, world_T_camera)
-    ground = ground_map(seen, camera, placement.world_T_character, prints)
-    return _direction(ground, placement, prints, _on_prints(seen, camera, prints))
-
-
 def ground_of_footage(
     frames: Iterable[tuple[int, ImageArray, DepthArray | None]],
     camera: Camera,
@@ -143,7 +122,7 @@ def ground_of_footage(
     placement: Placement,
     prints: Prints | None = None,
 ) -> GroundMap | None:
-    """The ground about a placement as footage shows it; arguments as `found_direction` has them."""
+    """The ground about a placement as footage shows it; frames outside the path are ignored."""
     seen = _posed(frames, world_T_camera)
     return ground_map(seen, camera, placement.world_T_character, prints)
 

@@ -19,9 +19,14 @@ from motorcade.replays.io.readers.manifest.section import camera_toml
 from motorcade.replays.io.recording import Frame, ImageArray
 from motorcade.tracking import Board, Calibration, CalibrationError
 from motorcade.tracking.boards.corners import BoardCorners
-from motorcade.tracking.cameras.calibrate import spread_views
+from motorcade.tracking.cameras.calibrate import (
+    LensTrial,
+    better_lens,
+    choose_lens,
+    spread_views,
+    try_lenses,
+)
 from motorcade.tracking.cameras.camera import CameraModel
-from motorcade.tracking.cameras.lens_choice import LensTrial, better_lens, choose_lens, try_lenses
 from motorcade.tracking.cameras.orientation import AS_STORED, PictureOrientation
 
 # Frames of a video that are searched, and views that are fitted: more hardly change the result.

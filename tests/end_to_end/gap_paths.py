@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from motorcade.fusion import (
     ImuStream,
 )
-from motorcade.fusion.imu.sensor import specific_force_m_s2
+from motorcade.fusion.imu.simulate import specific_force_m_s2
 from motorcade.fusion.motions import handheld
 from motorcade.fusion.motions.degradations import (
     Gaussian,

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import av
-import cv2
 import numpy as np
 import pytest
 
@@ -19,7 +18,6 @@ from motorcade.render.video import (
     KEYFRAME_FRAMES,
     contact_sheet,
     read_stamps_s,
-    write_pictures,
 )
 
 UNEVEN_NS = np.array([0, 33_333_333, 66_666_667, 166_666_667, 200_000_000, 233_333_333])
@@ -166,16 +164,6 @@ def test_lossless_video_gives_back_every_byte(tmp_path: Path, rng: np.random.Gen
         np.testing.assert_array_equal(seen, one)
     write_video(tmp_path / "again.mkv", given, UNEVEN_NS)
     assert (tmp_path / "v.mkv").read_bytes() == (tmp_path / "again.mkv").read_bytes()
-
-
-def test_numbered_pictures_carry_their_stamps(tmp_path: Path) -> None:
-    frames = list(zip(UNEVEN_NS.tolist(), pictures(6), strict=True))
-    assert write_pictures(tmp_path / "png", frames) == 6
-    files = sorted((tmp_path / "png").iterdir())
-    assert [int(file.stem) for file in files] == UNEVEN_NS.tolist()
-    np.testing.assert_array_equal(cv2.imread(str(files[3]))[..., ::-1], frames[3][1])
-    with pytest.raises(ValueError, match="from 0"):
-        write_pictures(tmp_path / "png", [(-1, frames[0][1])])
 
 
 def test_a_contact_sheet_holds_every_frame_in_order() -> None:

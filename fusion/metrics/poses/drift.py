@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.fusion.metrics.poses.deltas import steps_m
-from motorcade.fusion.metrics.poses.relations import errors_between
+from motorcade.fusion.metrics.poses.relations import errors_between, steps_m
 from motorcade.fusion.metrics.smooth_path import NotObservableError
 from motorcade.ga import Motor
 

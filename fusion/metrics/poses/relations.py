@@ -10,18 +10,21 @@ relation                        of the error pose E with rotation R and translat
 ``point_distance``              relative: difference of the two distances travelled    m
 ``point_distance_error_ratio``  relative: the same, as a share of the true distance    %
 ==============================  =====================================================  ====
+
+The choices are those of ``evo_rpe``: from end to end, or from every pose on.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
 
-from motorcade.fusion.metrics.poses.deltas import Delta
 from motorcade.fusion.metrics.poses.pose_error import absolute_translation_m
-from motorcade.ga import Motor
+from motorcade.fusion.metrics.smooth_path import NotObservableError
+from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 
 Relation = Literal[
@@ -169,3 +172,183 @@ def _measured(error: Motor, relation: Relation) -> FloatArray:
         return rotation
     full: FloatArray = np.hypot(rotation, np.linalg.norm(error.translation_m, axis=-1))
     return full
+
+
+DeltaUnit = Literal["frames", "m", "deg", "rad"]
+PairsFrom = Literal["reference", "estimate"]
+
+MOST_PAIRS = 20_000_000
+MOST_POSES = 100_000
+"""All pairs by angle grow with the square of the poses: so many take half a gigabyte, a minute."""
+
+_CELLS = 1 << 22
+
+
+@dataclass(frozen=True)
+class Delta:
+    """How far apart two poses are whose relative motion is compared.
+
+    Fields:
+        value: above zero; of frames a whole number, of angles at most half a turn.
+        unit: "frames", "m" of path, "deg" or "rad".
+        all_pairs: from every pose on, rather than each from where the one before ended.
+        tolerance: of all pairs in metres or angles, by what share of `value` they may miss it.
+        pairs_from: whose motion is measured. The reference's, unless said otherwise, as the noise
+            of an estimate would shorten its own yardstick; evo measures the estimate's unless
+            ``--pairs_from_reference`` is given. Frames are the same for both.
+
+    Consecutive pairs in metres and angles end at the first pose at which `value` or more has been
+    accumulated; all pairs take the nearest end by length of path, and every end by the direct angle
+    between the two poses.
+
+    Raises:
+        ValueError: a value, unit, tolerance or side other than these.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.metrics import Delta
+        >>> from motorcade.ga import Motor
+        >>> walk = Motor.from_translation(np.arange(6.0)[:, None] * [1.0, 0.0, 0.0])
+        >>> Delta(2.0, "m").ends(walk, walk)
+        (array([0, 2]), array([2, 4]))
+        >>> Delta(2, all_pairs=True).ends(walk, walk)
+        (array([0, 1, 2, 3]), array([2, 3, 4, 5]))
+    """
+
+    value: float = 1.0
+    unit: DeltaUnit = "frames"
+    all_pairs: bool = False
+    tolerance: float = 0.1
+    pairs_from: PairsFrom = "reference"
+
+    def __post_init__(self) -> None:
+        if self.unit not in get_args(DeltaUnit):
+            known = ", ".join(get_args(DeltaUnit))
+            raise ValueError(f"delta unit: expected one of {known}, got {self.unit!r}")
+        if self.pairs_from not in get_args(PairsFrom):
+            known = ", ".join(get_args(PairsFrom))
+            raise ValueError(f"pairs_from: expected one of {known}, got {self.pairs_from!r}")
+        most = {"deg": 180.0, "rad": np.pi}.get(self.unit, np.inf)
+        if not 0.0 < self.value <= most or not np.isfinite(self.value):
+            range_ = "above 0" if most == np.inf else f"above 0 and at most {most:.6g}"
+            raise ValueError(f"delta: expected {range_} {self.unit}, got {self.value}")
+        if self.unit == "frames" and self.value != int(self.value):
+            raise ValueError(f"delta: expected a whole number of frames, got {self.value}")
+        if not 0.0 <= self.tolerance < np.inf:
+            raise ValueError(f"delta tolerance: expected 0 or more, got {self.tolerance}")
+
+    def __str__(self) -> str:
+        return f"{self.value:g} {self.unit}, {'all' if self.all_pairs else 'consecutive'} pairs"
+
+    def ends(self, estimate: Motor, reference: Motor) -> tuple[IntArray, IntArray]:
+        """Indices of the first and of the last pose of each pair, ``(S,)`` both.
+
+        Args:
+            estimate: poses ``(P,)``.
+            reference: the true poses that belong to them ``(P,)``.
+
+        Raises:
+            NotObservableError: no pair is so far apart.
+            ValueError: all pairs by angle of more than `MOST_POSES` poses, or more than
+                `MOST_PAIRS` of them.
+        """
+        poses = reference if self.pairs_from == "reference" else estimate
+        if self.unit == "frames":
+            first, last = self._by_frames(poses.shape[0])
+        elif self.unit == "m":
+            first, last = self._by_path(poses)
+        else:
+            first, last = self._by_angle(poses)
+        if first.size == 0:
+            count = poses.shape[0]
+            raise NotObservableError(
+                f"relative error: expected {self.value + 1:g} or more pairs, got {count}"
+                if self.unit == "frames"
+                else f"relative error: expected poses {self.value:g} {self.unit} apart, got none "
+                f"among {count}"
+            )
+        return first, last
+
+    def _by_frames(self, count: int) -> tuple[IntArray, IntArray]:
+        step = int(min(self.value, count))
+        if self.all_pairs:
+            first = np.arange(count - step)
+            return first, first + step
+        return _end_to_end(np.arange(0, count, step))
+
+    def _by_path(self, poses: Motor) -> tuple[IntArray, IntArray]:
+        steps = steps_m(poses)
+        if not self.all_pairs:
+            return _end_to_end(_reached(steps, self.value))
+        along = np.concatenate([[0.0], np.cumsum(steps)])
+        first = np.arange(along.size - 1)
+        beyond = np.searchsorted(along, along[:-1] + self.value, side="left")
+        # Of poses that stand still between them, the earliest; but never the first pose itself.
+        before = np.searchsorted(along, along[beyond - 1], side="left")
+        ends = np.stack([before, np.minimum(beyond, along.size - 1)])
+        ends = np.maximum(ends, first + 1)
+        missed = np.abs(along[ends] - along[first] - self.value)
+        nearest = np.argmin(missed, axis=0)
+        kept = missed[nearest, first] <= self.value * self.tolerance
+        return first[kept], ends[nearest, first][kept]
+
+    def _by_angle(self, poses: Motor) -> tuple[IntArray, IntArray]:
+        turn_rad = float(np.deg2rad(self.value)) if self.unit == "deg" else self.value
+        if self.all_pairs:
+            missed_rad = turn_rad * self.tolerance
+            return _all_turned(poses.rotor, turn_rad - missed_rad, turn_rad + missed_rad)
+        steps = (poses.rotor[:-1].inverse() @ poses.rotor[1:]).angle()
+        return _end_to_end(_reached(steps, turn_rad))
+
+
+def steps_m(poses: Motor) -> FloatArray:
+    """Distances ``(P-1,)`` between neighbouring positions."""
+    steps: FloatArray = np.linalg.norm(np.diff(poses.translation_m, axis=0), axis=-1)
+    return steps
+
+
+def _end_to_end(ends: IntArray) -> tuple[IntArray, IntArray]:
+    return ends[:-1], ends[1:]
+
+
+def _reached(steps: FloatArray, amount: float) -> IntArray:
+    """Where `amount` or more has been covered since the place before, beginning with 0."""
+    ends = [0]
+    covered = 0.0
+    for i, step in enumerate(steps.tolist(), start=1):
+        covered += step
+        if covered >= amount:
+            ends.append(i)
+            covered = 0.0
+    return np.array(ends, dtype=np.int64)
+
+
+def _all_turned(rotors: Rotor, least_rad: float, most_rad: float) -> tuple[IntArray, IntArray]:
+    """All pairs ``i < j`` whose orientations are so far apart, by blocks of rows."""
+    wxyz = rotors.as_quaternion()
+    if len(wxyz) > MOST_POSES:
+        raise ValueError(
+            f"delta: expected at most {MOST_POSES} poses for all pairs by angle, got {len(wxyz)}; "
+            "use consecutive pairs or fewer poses"
+        )
+    high = np.cos(0.5 * max(least_rad, 0.0))
+    low = np.cos(0.5 * min(most_rad, np.pi))
+    first, last, total = [], [], 0
+    height = max(1, _CELLS // len(wxyz))
+    for start in range(0, len(wxyz) - 1, height):
+        rows = wxyz[start : start + height]
+        cosine = np.minimum(np.abs(rows @ wxyz[start:].T), 1.0)
+        i, j = np.nonzero((cosine >= low) & (cosine <= high))
+        later = j > i
+        first.append(i[later] + start)
+        last.append(j[later] + start)
+        total += int(np.count_nonzero(later))
+        if total > MOST_PAIRS:
+            raise ValueError(
+                f"delta: expected at most {MOST_PAIRS} pairs, got more among {len(wxyz)} poses; "
+                "use consecutive pairs, a smaller tolerance or fewer poses"
+            )
+    return np.concatenate([*first, _NONE]), np.concatenate([*last, _NONE])
+
+
+_NONE: IntArray = np.zeros(0, dtype=np.int64)

@@ -14,8 +14,7 @@ from motorcade.tracking import Board, BoardTrack, Camera, SelfCalibrationError
 from motorcade.tracking.audit import AuditFinding, Verdict, centre_finding, said_camera, scatter_px
 from motorcade.tracking.board_tracking.witness import pixel_offsets
 from motorcade.tracking.boards.corners import BoardCorners
-from motorcade.tracking.cameras.calibrate import view_error_px
-from motorcade.tracking.cameras.lens_choice import choose_lens, try_lenses
+from motorcade.tracking.cameras.calibrate import choose_lens, try_lenses, view_error_px
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.measurements import MarkerObservation
 from motorcade.tracking.self_calibration.boards import board_sightings

@@ -12,16 +12,29 @@ from motorcade.animation.behaviour import (
     Actor,
     ClipLayer,
     Errand,
+    Performance,
     Timeline,
     closest_m,
+    crowd,
     gait_between,
     keep_apart,
-    least_distance_m,
     perform,
 )
 from motorcade.animation.skin import skin
+from motorcade.ga.arrays import FloatArray
 
 GAP_M = 0.05
+
+
+def least_distance_m(
+    first: tuple[Actor, Performance], second: tuple[Actor, Performance]
+) -> FloatArray:
+    """Distances ``(F,)`` between two bodies' skins, frame by frame; who is done first stays."""
+    frames = max(len(first[1].time_s), len(second[1].time_s))
+    points = [crowd._skin_m(*member) for member in (first, second)]
+    return np.array(
+        [crowd._nearest_m(*(at[min(k, len(at) - 1)] for at in points)) for k in range(frames)]
+    )
 
 
 @pytest.fixture(scope="module")

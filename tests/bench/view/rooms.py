@@ -28,10 +28,11 @@ from motorcade.render.backends.choice import new_renderer
 from motorcade.render.light import (
     LightDirection,
     Prints,
-    found_direction,
     lighting_without_depth,
+    monocular,
     sun_share,
 )
+from motorcade.render.light.ground import ground_map
 from motorcade.render.scene import ImageArray
 from motorcade.tracking.boards import Checkerboard
 from motorcade.tracking.cameras.camera import Camera
@@ -118,7 +119,10 @@ def off_deg(room: Room, found: LightDirection) -> float:
 
 def found_in(made: RoomPictures) -> LightDirection:
     """The direction of light that the pictures tell."""
-    return found_direction(made.frames, CAMERA, made.path, made.placement, made.prints)
+    seen = monocular._posed(made.frames, made.path)
+    ground = ground_map(seen, CAMERA, made.placement.world_T_character, made.prints)
+    on_prints = monocular._on_prints(seen, CAMERA, made.prints)
+    return monocular._direction(ground, made.placement, made.prints, on_prints)
 
 
 def draw_room(room: Room) -> RoomPictures:
