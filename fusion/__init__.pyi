@@ -38,7 +38,7 @@ from .orientation.estimate import OrientationModel as OrientationModel
 from .orientation.estimate import estimate_orientation as estimate_orientation
 from .preintegration import Preintegrated as Preintegrated
 from .preintegration import preintegrate as preintegrate
-from .simulate_poses import simulate_camera_poses as simulate_camera_poses
+from .imu.simulate import simulate_camera_poses as simulate_camera_poses
 from .smoothing.live import LiveSmoother as LiveSmoother
 from .smoothing.methods import METHODS as METHODS
 from .smoothing.methods import smooth as smooth

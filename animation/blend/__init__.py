@@ -9,7 +9,12 @@ from motorcade.animation.blend.alignment import (
 )
 from motorcade.animation.blend.clips import blend_clips, differences_m
 from motorcade.animation.blend.layers import PoseLayer, added, additive, blend_layers, closed
-from motorcade.animation.blend.locomotion import BlendSpace, phase_between
+from motorcade.animation.blend.locomotion import (
+    BlendSpace,
+    RootMotion,
+    phase_between,
+    split_root_motion,
+)
 from motorcade.animation.blend.methods import (
     BLEND_METHODS,
     BlendMethod,
@@ -17,7 +22,6 @@ from motorcade.animation.blend.methods import (
     blend_poses,
     stacked,
 )
-from motorcade.animation.blend.root_motion import RootMotion, split_root_motion
 from motorcade.animation.blend.transitions import CrossFade, Inertialized, PoseSource, Shifted
 
 __all__ = [

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from motorcade.animation.blend.clips import blend_clips
 from motorcade.animation.blend.layers import additive
-from motorcade.animation.blend.locomotion import phase_between
+from motorcade.animation.blend.locomotion import RootMotion, heading_of, phase_between, without_way
 from motorcade.animation.blend.methods import BlendMethod
-from motorcade.animation.blend.root_motion import RootMotion, heading_of, without_way
 from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Leg, find_stances, plant_feet
 from motorcade.animation.ik.feet import stretches

@@ -29,7 +29,6 @@ from docs.making.guide_tables import (
 from docs.making.in_short import in_short, shares
 from motorcade.fusion.motions import MOTIONS
 from motorcade.replays.comparison.plan import SEEDS
-from motorcade.replays.comparison.report.findings import findings
 from motorcade.replays.comparison.report.matrix import best_of_each, exact_ties
 from motorcade.replays.comparison.report.names import (
     CAUSAL,
@@ -38,6 +37,7 @@ from motorcade.replays.comparison.report.names import (
     REPRESENTATIONS,
     listed,
 )
+from motorcade.replays.comparison.report.page import findings
 from motorcade.replays.comparison.report.results import REFERENCE, Results, range_ends
 
 __all__ = ["figures", "kept", "main", "page", "readme_line", "with_line"]

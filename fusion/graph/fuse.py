@@ -12,9 +12,14 @@ from motorcade.fusion.filter import FilterSettings, Fused
 from motorcade.fusion.filter.fused import by_stretch, camera_covariance, covered, wanted_stamps
 from motorcade.fusion.filter.settings import MOST_NOISE
 from motorcade.fusion.filter.unjudged import fuse_unjudged
-from motorcade.fusion.graph.inertial import InertialGraph, as_motor, as_poses, optimised
+from motorcade.fusion.graph.inertial import (
+    GraphStates,
+    InertialGraph,
+    as_motor,
+    as_poses,
+    optimised,
+)
 from motorcade.fusion.graph.shared import keys
-from motorcade.fusion.graph.states import GraphStates
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.measurements.interface import Measurements, checked_measurements

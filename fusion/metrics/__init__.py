@@ -55,7 +55,6 @@ from motorcade.fusion.metrics.poses.alignment import (
     projected,
 )
 from motorcade.fusion.metrics.poses.association import Pairs, associate, cropped
-from motorcade.fusion.metrics.poses.drift import KITTI_LENGTHS_M, Drift, drift_by_length
 from motorcade.fusion.metrics.poses.pose_error import (
     Statistics,
     absolute_translation_m,
@@ -66,9 +65,12 @@ from motorcade.fusion.metrics.poses.pose_error import (
     without_scale,
 )
 from motorcade.fusion.metrics.poses.relations import (
+    KITTI_LENGTHS_M,
     Delta,
+    Drift,
     Relation,
     absolute_errors,
+    drift_by_length,
     relative_errors,
 )
 from motorcade.fusion.metrics.smooth_path import NotObservableError

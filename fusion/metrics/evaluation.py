@@ -31,12 +31,13 @@ from motorcade.fusion.metrics.jitter import (
 from motorcade.fusion.metrics.lag import angular_rate_lag_s, position_lag_s
 from motorcade.fusion.metrics.matching import Matched, match
 from motorcade.fusion.metrics.poses.alignment import Align
-from motorcade.fusion.metrics.poses.drift import Drift, drift_by_length
 from motorcade.fusion.metrics.poses.pose_error import Statistics, constant_rotation, tilt_rad
 from motorcade.fusion.metrics.poses.relations import (
     Delta,
+    Drift,
     Relation,
     absolute_errors,
+    drift_by_length,
     relative_errors,
 )
 from motorcade.fusion.metrics.smooth_path import NotObservableError

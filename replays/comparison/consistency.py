@@ -34,9 +34,9 @@ from motorcade.fusion.filter.comparison import (
     filter_runs,
 )
 from motorcade.fusion.imu import ContinuousPath, ImuFaults, ImuNoise, ImuStream, simulate_imu
+from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.metrics.consistency import Consistency, normalised_squared
 from motorcade.fusion.motions import MOTIONS, Motion
-from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import nearest_name

@@ -16,7 +16,7 @@ Keys of ``results.json``:
   it is ``better``, ``tie``, ``equal`` or ``worse`` than the same method on motors, and where it is
   better;
 - ``rankings`` and ``ratios_to_motor``: see `motorcade.replays.comparison.statistics`;
-- ``exact_ties``: see `motorcade.replays.comparison.traits`.
+- ``exact_ties``: see `motorcade.replays.comparison.run`.
 
 ``groups.csv`` has a row a motion, degradation, method, representation and metric: ``seeds`` that
 told it, ``mean``, ``low``, ``high``; ``ratio_to_raw``; ``versus_motor`` with its interval (of

@@ -15,7 +15,7 @@ import pytest
 
 from motorcade.fusion.filter import Fused, fuse
 from motorcade.fusion.imu import ImuNoise, ImuStream, simulate_imu
-from motorcade.fusion.simulate_poses import simulate_camera_poses
+from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.measurements import PoseMeasurements

@@ -27,7 +27,7 @@ from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.native._flow import Pyramid
 from motorcade.tracking.pictures import track_corners
 from motorcade.tracking.shots.camera_motion import CameraMotion, TrackedCorners, motion_of
-from motorcade.tracking.shots.linking import FEWEST_CORNERS, corners_in, rest_of, shows_same_scene
+from motorcade.tracking.shots.rotation import FEWEST_CORNERS, corners_in, rest_of, shows_same_scene
 
 _LONG_SIDE = 320
 _DARK, _FAINT, _PLAIN = 40.0, 3.0, 2.0

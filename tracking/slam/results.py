@@ -16,9 +16,9 @@ from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.frame_history import SlamEvent, SlamHistory, SlamState
 from motorcade.tracking.slam.geometry import FittedPose, in_world
-from motorcade.tracking.slam.mapping.culling import CulledKeyframe
 from motorcade.tracking.slam.mapping.loops import ClosedLoop
 from motorcade.tracking.slam.mapping.map import MapSnapshot, SlamMap
+from motorcade.tracking.slam.mapping.mapper import CulledKeyframe
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.fusion.simulate_poses import simulate_camera_poses
+from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.replays.engine.stage import NotOffered
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.values.camera_poses import CameraPoses

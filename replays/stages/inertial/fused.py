@@ -17,14 +17,13 @@ from motorcade.fusion.graph.odometry import fuse_odometry
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import checked_positive
 from motorcade.replays.io.recording import Odometry, Recording
-from motorcade.replays.stages.held_out import without_held_out
 from motorcade.replays.stages.inertial.filter_input import (
     Levelled,
     assumed_noise,
     inertial_health,
     levelled,
 )
-from motorcade.replays.stages.stage_comparison import compared_by_held_out
+from motorcade.replays.stages.stage_comparison import compared_by_held_out, without_held_out
 from motorcade.replays.stages.values.camera_poses import CameraPoses
 from motorcade.replays.stages.values.inertial import UsedImu
 from motorcade.replays.stages.values.paths import FusedPath, FusedWith

@@ -11,8 +11,8 @@ import numpy as np
 
 from motorcade.fusion.filter import PoseFilter, fuse
 from motorcade.fusion.imu import ADIS16448, ContinuousPath, ImuStream, simulate_imu
+from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.motions import gimbal_crossing
-from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.measurements import PoseMeasurements

@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 
 from motorcade.fusion.imu import ADIS16448, ContinuousPath, simulate_imu
+from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.motions import gimbal_crossing
-from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render.video import write_video
 from motorcade.replays.io.imu import write_imu

@@ -10,8 +10,8 @@ from scipy.stats import chi2
 
 from motorcade.fusion.filter import FilterSettings, fuse
 from motorcade.fusion.imu import ADIS16448, ContinuousPath, simulate_imu
+from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.motions.standard import MOTIONS
-from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
 from motorcade.tracking.measurements import PoseMeasurements
 

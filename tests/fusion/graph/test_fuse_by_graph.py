@@ -14,8 +14,8 @@ from motorcade.fusion.filter import FilterSettings, Fused, RestDetection, fuse
 from motorcade.fusion.graph import fuse_by_graph
 from motorcade.fusion.graph.inertial import InertialGraph, as_pose
 from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
+from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.metrics import absolute_translation_m, rotation_rad
-from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.imu import read_imu

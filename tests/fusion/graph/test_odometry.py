@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.graph.odometry import OdometryNoise, fuse_odometry
+from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.metrics import absolute_translation_m
 from motorcade.fusion.motions.standard import MOTIONS
-from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.io.readers.tagslam import corners as tagslam
 from motorcade.tracking.measurements import PoseMeasurements

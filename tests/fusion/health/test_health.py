@@ -16,9 +16,9 @@ from motorcade.fusion.health.regression import Prior, fit
 from motorcade.fusion.health.stamps import check_stamps
 from motorcade.fusion.health.turning import TurnedAngle
 from motorcade.fusion.imu import ADIS16448, ContinuousPath, ImuStream, simulate_imu
+from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Outliers
-from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
 from tests.fusion.health.cases import (
     EXTRINSICS,

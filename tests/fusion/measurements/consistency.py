@@ -22,8 +22,8 @@ from motorcade.fusion.filter import FilterSettings, Fused, fuse
 from motorcade.fusion.filter.extended_pose import extended_pose
 from motorcade.fusion.graph import fuse_by_graph
 from motorcade.fusion.imu import ImuStream, simulate_imu
+from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.metrics import Consistency, chi2_bounds, normalised_squared
-from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.measurements import PoseMeasurements
 from tests.fusion.conftest import IMU_T_CAMERA, NOISE, SIGMA_M, SIGMA_RAD, Handheld

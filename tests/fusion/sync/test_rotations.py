@@ -7,8 +7,8 @@ import pytest
 from scipy.stats import chi2
 
 from motorcade.fusion.imu import ADIS16448, ContinuousPath, ImuStream, simulate_imu
+from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.motions.standard import MOTIONS
-from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.fusion.sync.rotations import RotationOffset, offset_by_rotations
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray

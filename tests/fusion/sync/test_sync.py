@@ -11,11 +11,10 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
 from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream, simulate_imu
+from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.motions.standard import MOTIONS
-from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.fusion.sync import Synchronised, synchronise
-from motorcade.fusion.sync.rates import match_rates
-from motorcade.fusion.sync.synchronise import covered, plausible
+from motorcade.fusion.sync.synchronise import covered, match_rates, plausible
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.cli import main
@@ -150,7 +149,7 @@ def test_rates_alone_give_a_start(rng):
     # The same problem for scipy, from rates over the same spans without any noise.
     vectors = rng.standard_normal((30, 3))
     turned = IMU_T_CAMERA.rotor.apply(vectors) + 0.01 * rng.standard_normal((30, 3))
-    from motorcade.fusion.sync.rates import _wahba
+    from motorcade.fusion.sync.synchronise import _wahba
 
     own = _wahba(vectors, turned)
     centred = turned - turned.mean(axis=0), vectors - vectors.mean(axis=0)

@@ -12,9 +12,9 @@ import pytest
 
 from motorcade.fusion import fuse_by_graph
 from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
+from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.metrics import evaluate
 from motorcade.fusion.motions import MOTIONS
-from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.cli import main
 from motorcade.replays.io.imu import write_imu

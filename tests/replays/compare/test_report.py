@@ -24,12 +24,12 @@ from motorcade.replays.comparison.cells import (
 )
 from motorcade.replays.comparison.plan import ComparisonPlan
 from motorcade.replays.comparison.report import Results, write_report
-from motorcade.replays.comparison.report.findings import findings
 from motorcade.replays.comparison.report.names import METRICS, shown
+from motorcade.replays.comparison.report.page import findings
 from motorcade.replays.comparison.report.results import range_ends
+from motorcade.replays.comparison.run import Trait, run_trait
 from motorcade.replays.comparison.statistics import Sample
 from motorcade.replays.comparison.tables import Outcome, write_tables
-from motorcade.replays.comparison.traits import Trait, run_trait
 from motorcade.replays.comparison.tuning import Tuned
 
 PLAN = ComparisonPlan(

@@ -26,8 +26,7 @@ from motorcade.replays.comparison.plan import (
     quick,
     standard,
 )
-from motorcade.replays.comparison.run import compare_recorded, run_comparison
-from motorcade.replays.comparison.traits import exact_ties
+from motorcade.replays.comparison.run import compare_recorded, exact_ties, run_comparison
 from motorcade.replays.comparison.truth import RecordedMotion
 from motorcade.replays.comparison.tuning import RANGES, SearchPlace, Tuned, tuned
 from motorcade.replays.io.trajectories import write_trajectory

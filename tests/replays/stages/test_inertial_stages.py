@@ -11,9 +11,9 @@ import pytest
 
 from motorcade.fusion.filter.learning import LearntNoise
 from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
+from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.metrics import absolute_translation_m, evaluate
 from motorcade.fusion.motions.standard import MOTIONS
-from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.io.recording import Odometry, Recording
 from motorcade.replays.stages.camera import slam_poses

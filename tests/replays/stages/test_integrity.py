@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
-from motorcade.fusion.simulate_poses import simulate_camera_poses
+from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.demo.furniture import BOARD, world_T_board
 from motorcade.replays.demo.recording import CAMERA, IMU_T_CAMERA, HandheldPath

@@ -9,18 +9,22 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
+from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.motions.standard import MOTIONS
-from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.cli.runs import result
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.errors import errors
-from motorcade.replays.stages.held_out import at_stamps, held_out, judged_stamps
 from motorcade.replays.stages.inertial.fused import fused
 from motorcade.replays.stages.inertial.imu import imu
 from motorcade.replays.stages.integrity import integrity
 from motorcade.replays.stages.smoothed import smoothed
-from motorcade.replays.stages.stage_comparison import _beyond_chance
+from motorcade.replays.stages.stage_comparison import (
+    _beyond_chance,
+    at_stamps,
+    held_out,
+    judged_stamps,
+)
 from motorcade.replays.stages.values.camera_poses import CameraPoses
 from motorcade.replays.stages.values.errors import PathErrors
 from tests.replays.stages.stamps import Stamps

@@ -9,8 +9,8 @@ from motorcade.ga import Motor, Similarity
 from motorcade.tracking import Camera
 from motorcade.tracking.slam.features import Corners
 from motorcade.tracking.slam.geometry import in_world
-from motorcade.tracking.slam.mapping.culling import cull, is_redundant
 from motorcade.tracking.slam.mapping.map import GONE, Keyframe, SlamMap
+from motorcade.tracking.slam.mapping.mapper import cull, is_redundant
 from motorcade.tracking.slam.mapping.matching import candidates
 from motorcade.tracking.slam.results import KeyframeAnchor, RunLog
 

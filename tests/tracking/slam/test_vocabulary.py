@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from motorcade.tracking.slam.mapping.vocabulary import KeyframeIndex, Vocabulary
+from motorcade.tracking.slam.mapping.map import KeyframeIndex, Vocabulary
 
 SEEN, COUNT = 200, 50
 

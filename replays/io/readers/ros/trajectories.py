@@ -18,8 +18,7 @@ import numpy as np
 from motorcade.ga import Trajectory
 from motorcade.ga.names import one_line
 from motorcade.replays.io.errors import refusal
-from motorcade.replays.io.readers.ros.frame_tree import TRANSFORM_TYPES, FrameTree
-from motorcade.replays.io.readers.ros.poses import StampedPoses
+from motorcade.replays.io.readers.ros.frame_tree import TRANSFORM_TYPES, FrameTree, StampedPoses
 from motorcade.replays.io.readers.ros.reader import Bag
 
 _LOG = logging.getLogger("motorcade.replays")
