@@ -27,6 +27,7 @@ from .imu.continuous_path import ContinuousPath as ContinuousPath
 from .imu.noise import ADIS16448 as ADIS16448
 from .imu.noise import ImuNoise as ImuNoise
 from .imu.screening import screen_imu as screen_imu
+from .imu.simulate import simulate_camera_poses as simulate_camera_poses
 from .imu.simulate import simulate_imu as simulate_imu
 from .imu.stream import ImuStream as ImuStream
 from .metrics.evaluation import Evaluation as Evaluation
@@ -38,7 +39,6 @@ from .orientation.estimate import OrientationModel as OrientationModel
 from .orientation.estimate import estimate_orientation as estimate_orientation
 from .preintegration import Preintegrated as Preintegrated
 from .preintegration import preintegrate as preintegrate
-from .imu.simulate import simulate_camera_poses as simulate_camera_poses
 from .smoothing.live import LiveSmoother as LiveSmoother
 from .smoothing.methods import METHODS as METHODS
 from .smoothing.methods import smooth as smooth

@@ -5,14 +5,17 @@ into `fuse` and `fuse_by_graph` as `also=[…]`, and into a `PoseFilter` by its 
 `Measurements` says how to write a kind of one's own; `jacobian_error` checks its derivative.
 """
 
-from motorcade.fusion.measurements.corners import CornerMeasurements
 from motorcade.fusion.measurements.interface import (
     Measurements,
     PredictedState,
     jacobian_error,
     numerical_jacobian,
 )
-from motorcade.fusion.measurements.poses import BodyPoseMeasurements, RelativePoseMeasurements
+from motorcade.fusion.measurements.poses import (
+    BodyPoseMeasurements,
+    CornerMeasurements,
+    RelativePoseMeasurements,
+)
 from motorcade.fusion.measurements.positions import (
     AltitudeMeasurements,
     BodyVelocityMeasurements,

@@ -61,7 +61,7 @@ ALLOWED = {
     ("replays/engine/provenance.py", "path.read_bytes"): "our own source",
     ("replays/engine/provenance.py", "file.read_text"): "our own source",
     ("replays/io/files.py", "building.open"): "what was just written",
-    ("replays/io/readers/broad.py", "h5py.File"): "admitted",
+    ("replays/io/readers/readings.py", "h5py.File"): "admitted",
     ("replays/io/readers/ros/admission.py", "sqlite3.connect"): "admitted",
     ("replays/io/readers/ros/cut.py", "self.path.open"): "a bag that was admitted",
     ("replays/io/readers/ros/cut.py", "super().open"): "a bag that was admitted",

@@ -15,7 +15,7 @@ from motorcade.fusion.graph import GraphCalibration, calibrate_by_graph, fuse_by
 from motorcade.fusion.graph.calibrate import corrected, corrections
 from motorcade.fusion.imu import ADIS16448, ImuStream
 from motorcade.fusion.measurements import CornerMeasurements, PredictedState, numerical_jacobian
-from motorcade.fusion.measurements.corners import with_intrinsics
+from motorcade.fusion.measurements.poses import with_intrinsics
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera

@@ -19,8 +19,7 @@ from motorcade.ga import Rotor
 from motorcade.replays.cli import main
 from motorcade.replays.io.errors import RecordingError
 from motorcade.replays.io.imu import write_imu
-from motorcade.replays.io.readers.broad import read_broad
-from motorcade.replays.io.readers.readings import at_samples
+from motorcade.replays.io.readers.readings import at_samples, read_broad
 from motorcade.replays.io.trajectories import read_trajectory
 
 FIELD_UT = np.array([0.0, 17.0, -42.0])
