@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from motorcade.animation.character import Character
 from motorcade.animation.easing import smootherstep, smoothstep
-from motorcade.animation.ik.two_bone import bend_limb
+from motorcade.animation.ik.chain import bend_limb
 from motorcade.animation.skeleton import Skeleton, turned_joint, with_joint
 from motorcade.animation.vectors import UP, shortest_turn, turn_z
 from motorcade.ga import Motor, Rotor

@@ -32,11 +32,11 @@ from motorcade.tracking.depth.residuals import (
     GLOBALS,
     CornerLinks,
     DepthLinks,
+    DepthSurfaces,
     FrameMatrices,
     Matches,
     RgbdState,
 )
-from motorcade.tracking.depth.surfaces import DepthSurfaces
 from motorcade.tracking.optimise import NormalEquations, Stop, huber_cauchy, minimise
 
 _HUBER, _OUTLIER = 1.5, 3.0

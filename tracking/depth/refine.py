@@ -23,8 +23,7 @@ from motorcade.tracking.depth.adjustment import (
     plane_distance_m,
 )
 from motorcade.tracking.depth.cameras import DepthCamera, DepthImage
-from motorcade.tracking.depth.residuals import GLOBALS, Matches, RgbdState
-from motorcade.tracking.depth.surfaces import DepthSurfaces
+from motorcade.tracking.depth.residuals import GLOBALS, DepthSurfaces, Matches, RgbdState
 from motorcade.tracking.slam.mapping.map import MapSnapshot
 
 _MOST_FRAMES = 60

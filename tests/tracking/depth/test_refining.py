@@ -17,8 +17,7 @@ from motorcade.tracking.depth.adjustment import (
     adjust_rgbd,
     plane_distance_m,
 )
-from motorcade.tracking.depth.residuals import GLOBALS, Matches, RgbdState
-from motorcade.tracking.depth.surfaces import DepthSurfaces
+from motorcade.tracking.depth.residuals import GLOBALS, DepthSurfaces, Matches, RgbdState
 from motorcade.tracking.slam.geometry import parallax_rad
 from tests.textured_room.scenarios import scenario
 from tests.tracking.depth.test_registration import COLOUR, COLOUR_T_DEPTH, TAKEN_BY, seen
