@@ -202,9 +202,7 @@ def _agreement(camera_poses: CameraPoses, path: Trajectory) -> AuditFinding:
         f"the smoothed path misses {beyond} of {len(apart)} measured poses (up to {allowed} may): "
         f"by {_shown(shifted)} {unit} and {_shown(turned)}° in the median"
     )
-    advice = (
-        "smooth less (smoothed.window_s, smoothed.parameters), or state the poses' noise as it is"
-    )
+    advice = f"{_SMOOTH_LESS}, or state the poses' noise as it is"
     return _counted("agreement", beyond, len(apart), allowed, summary, advice)
 
 

@@ -28,8 +28,7 @@ from motorcade.replays.io.readers.tagslam.corners import TagSlamRecording
 from motorcade.replays.io.readers.tagslam.corners import read as read_tagslam
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.board_audit import audited_board
-from motorcade.replays.stages.camera.offered import sampled_images
-from motorcade.replays.stages.camera.offered import camera_of
+from motorcade.replays.stages.camera.offered import camera_of, sampled_images
 from motorcade.replays.stages.camera.sensor_audit import audited_depth, audited_pair
 from motorcade.tracking import AuditFinding, Checkerboard, track_board
 from motorcade.tracking.depth import DepthCamera

@@ -141,7 +141,9 @@ def measure_board(
         freedom = sum(max(2 * len(view) - 6, 0) for view in kept)
         squares = sum(float(np.sum(pose.residuals_px**2)) for pose in chosen)
         sigma_px = _sigma(squares, freedom)
-        covariance = np.stack([(sigma_px / pose.sigma_px) ** 2 * pose.covariance for pose in chosen])
+        covariance = np.stack(
+            [(sigma_px / pose.sigma_px) ** 2 * pose.covariance for pose in chosen]
+        )
         measured = PoseMeasurements(Trajectory(stamps, motors), covariance)
         nothing = np.zeros((len(kept), 6, 0))
         return BoardMeasurements(

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.tracking.cameras.camera import Camera
@@ -51,6 +52,11 @@ class CornerStream:
     def __len__(self) -> int:
         """Number of detections."""
         return len(self.marker_ids)
+
+    def where(self, kept: NDArray[np.bool_]) -> CornerStream:
+        """The detections ``(N,)`` that are kept; all frames still count."""
+        shown = self.frame[kept], self.marker_ids[kept], self.corners_px[kept]
+        return CornerStream(self.camera, self.time_ns, *shown)
 
 
 def checked_stamps(given: IntArray, field: str) -> IntArray:

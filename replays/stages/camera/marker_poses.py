@@ -81,7 +81,7 @@ def marker_poses(
     if isinstance(frames, CornerFrames) and frames.scene is not None and refine == "none":
         return _by_scene(frames, frames.scene, moving, start)
     seen = _seen_markers(recording, refine)
-    streams = {name: _standing(stream, moving) for name, stream in seen.streams.items()}
+    streams = without(seen.streams, moving)
     if not any(len(stream) for stream in streams.values()):
         raise TrackingError(
             f"frames: expected some that show a marker, got none{_instead(recording)}"
@@ -195,7 +195,7 @@ def _by_scene(
     frames: CornerFrames, scene: MarkerScene, moving: tuple[int, ...], start: float
 ) -> MarkerPoses:
     """All that was stated of bodies, markers, cameras and lengths, and all corners, together."""
-    streams = {name: _standing(stream, moving) for name, stream in frames.streams.items()}
+    streams = without(frames.streams, moving)
     mapped = map_scene(streams, scene)
     first = next(iter(streams))
     path = mapped.seen_from(first)
@@ -301,18 +301,6 @@ def _refined(*arguments: Any) -> RefinedFrame:
         return refine_frame(*arguments)
     except PhotometricUnavailable as missing:
         raise Unavailable(str(missing)) from missing
-
-
-def _standing(stream: CornerStream, moving: tuple[int, ...]) -> CornerStream:
-    """What was seen of markers that stand still."""
-    still = ~np.isin(stream.marker_ids, np.array(moving, dtype=np.int64))
-    return CornerStream(
-        stream.camera,
-        stream.time_ns,
-        stream.frame[still],
-        stream.marker_ids[still],
-        stream.corners_px[still],
-    )
 
 
 def _sighted(seen: CornerStream, known: MarkerMap) -> SightedPoints:

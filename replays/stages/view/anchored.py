@@ -263,13 +263,7 @@ def find_marker(
     inside = (stream.time_ns[stream.frame] >= world_T_camera.time_ns[0]) & (
         stream.time_ns[stream.frame] <= world_T_camera.time_ns[-1]
     )
-    seen = CornerStream(
-        stream.camera,
-        stream.time_ns,
-        stream.frame[inside],
-        stream.marker_ids[inside],
-        stream.corners_px[inside],
-    )
+    seen = stream.where(inside)
     posed = pose_stream(seen, {marker_id: side_m})
     if not len(posed):
         raise ValueError(
@@ -302,14 +296,7 @@ def _sightings_of(recording: Recording, marker_id: int) -> tuple[CornerStream, f
     else:
         loose = _looked_for(recording, marker_id)
         stream, side_m = markers_found(recording, loose)[0], loose.side_m
-    own = stream.marker_ids == marker_id
-    return CornerStream(
-        stream.camera,
-        stream.time_ns,
-        stream.frame[own],
-        stream.marker_ids[own],
-        stream.corners_px[own],
-    ), side_m
+    return stream.where(stream.marker_ids == marker_id), side_m
 
 
 def _looked_for(recording: Recording, marker_id: int) -> LooseMarkers:

@@ -25,12 +25,12 @@ from motorcade.replays.io.readers.tagslam import corners as tagslam
 from motorcade.replays.io.readers.tagslam.recording import TagSlamReference, read_reference
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import (
+    FixedLagResolver,
     Resolution,
     Sightings,
     best_single,
     pose_stream,
     resolve,
-    resolve_online,
 )
 from tests.bench.data import data_folder
 
@@ -40,6 +40,7 @@ __all__ = [
     "count_flips",
     "flips_table",
     "reference_rotors",
+    "resolve_online",
     "tagslam_folder",
 ]
 
@@ -153,6 +154,25 @@ def _normals(stream: CornerStream, answer: Resolution) -> FloatArray:
     rows = [place[key] for key in zip(seen.frame.tolist(), seen.marker_ids.tolist(), strict=True)]
     normals[rows] = answer.camera_T_marker.rotor.apply(_Z)
     return normals
+
+
+def resolve_online(
+    sightings: Sightings, lag_frames: int, sigma_px: float | None = None
+) -> Resolution:
+    """A recording resolved as `FixedLagResolver` would have done while it was taken.
+
+    Raises:
+        ValueError: a lag below 0, or a noise that is not above zero.
+    """
+    resolver = FixedLagResolver(lag_frames, sigma_px)
+    frames = range(len(sightings.time_ns))
+    answers = [resolver.update(sightings.of_frames(np.array([row]))) for row in frames]
+    done = [answer for answer in answers if answer is not None] + list(resolver.finish())
+    return Resolution(
+        sightings,
+        np.concatenate([answer.choice for answer in done]) if done else np.zeros(0, np.int64),
+        np.concatenate([answer.probability for answer in done]) if done else np.zeros(0),
+    )
 
 
 def _methods() -> Iterator[tuple[str, Callable[[Sightings], Resolution]]]:

@@ -87,7 +87,7 @@ def test_motion_without_rotation_is_refused():
 def test_views_that_a_wrong_camera_explains_nowhere_are_refused():
     views, far = short()[0].views, replace(CAMERA, fx=2.0 * CAMERA.fx, fy=2.0 * CAMERA.fy)
     stamps = np.arange(len(views))
-    with pytest.raises(TrackingError, match="expected some that a pose fits to 1.2 px, got"):
+    with pytest.raises(TrackingError, match=r"expected some that a pose fits to 1\.2 px, got"):
         measure_board(stamps, views, replace(far, distortion=(0.0,) * len(far.distortion)))
 
 

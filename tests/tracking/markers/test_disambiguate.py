@@ -18,8 +18,8 @@ from motorcade.tracking.markers.disambiguate import (
     most_probable,
     pose_stream,
     resolve,
-    resolve_online,
 )
+from tests.bench.tracking.tag_flips import resolve_online
 
 
 def right_choice(scene, sightings: Sightings) -> np.ndarray:

@@ -11,7 +11,6 @@ from motorcade.tracking.markers.disambiguate.resolving import (
     Resolution,
     best_single,
     resolve,
-    resolve_online,
 )
 from motorcade.tracking.markers.disambiguate.sightings import Sightings, pose_stream
 from motorcade.tracking.markers.disambiguate.states import (
@@ -30,5 +29,4 @@ __all__ = [
     "most_probable",
     "pose_stream",
     "resolve",
-    "resolve_online",
 ]

@@ -258,22 +258,3 @@ def _answer(frame: Sightings, solution: Solution | None, row: int) -> Resolution
     own = solution.window.sightings.of_frame(row)
     choice = np.argmax(solution.candidates[own], axis=-1)
     return Resolution(frame, choice, solution.candidates[own, choice])
-
-
-def resolve_online(
-    sightings: Sightings, lag_frames: int, sigma_px: float | None = None
-) -> Resolution:
-    """A recording resolved as `FixedLagResolver` would have done while it was taken.
-
-    Raises:
-        ValueError: a lag below 0, or a noise that is not above zero.
-    """
-    resolver = FixedLagResolver(lag_frames, sigma_px)
-    frames = range(len(sightings.time_ns))
-    answers = [resolver.update(sightings.of_frames(np.array([row]))) for row in frames]
-    done = [one for one in answers if one is not None] + list(resolver.finish())
-    return Resolution(
-        sightings,
-        np.concatenate([one.choice for one in done]) if done else np.zeros(0, np.int64),
-        np.concatenate([one.probability for one in done]) if done else np.zeros(0),
-    )

@@ -9,10 +9,8 @@ the rest do agree. Where no such rest is left, nothing is said.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.markers.corner_stream import CornerStream
@@ -67,25 +65,16 @@ def moving_markers(
 def without(streams: Streams, markers: Sequence[int]) -> dict[str, CornerStream]:
     """What was seen of other markers."""
     return {
-        name: _kept(stream, ~np.isin(stream.marker_ids, np.array(markers, dtype=np.int64)))
+        name: stream.where(~np.isin(stream.marker_ids, np.array(markers, dtype=np.int64)))
         for name, stream in streams.items()
     }
-
-
-def _kept(stream: CornerStream, rows: NDArray[np.bool_]) -> CornerStream:
-    return replace(
-        stream,
-        frame=stream.frame[rows],
-        marker_ids=stream.marker_ids[rows],
-        corners_px=stream.corners_px[rows],
-    )
 
 
 def _thinned(stream: CornerStream) -> CornerStream:
     """Of the frames that show markers, some, evenly spread."""
     frames = np.unique(stream.frame)
     chosen = frames[np.unique(np.linspace(0, len(frames) - 1, _FRAMES).astype(int))]
-    return _kept(stream, np.isin(stream.frame, chosen)) if len(frames) else stream
+    return stream.where(np.isin(stream.frame, chosen)) if len(frames) else stream
 
 
 def _worst(seen: Streams, remap: Remap) -> list[int]:
