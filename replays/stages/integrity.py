@@ -14,13 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.filter import FilterSettings
-from motorcade.fusion.imu import ImuStream
 from motorcade.fusion.metrics import most_by_chance, normalised_squared
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.offered import camera_of
-from motorcade.replays.stages.inertial.filter_input import inertial_health, other_rate_hz
+from motorcade.replays.stages.inertial.filter_input import inertial_health, other_rate
 from motorcade.replays.stages.values.camera_poses import BoardPoses, CameraPoses
 from motorcade.replays.stages.values.errors import Integrity
 from motorcade.replays.stages.values.inertial import UsedImu
@@ -87,7 +86,7 @@ def integrity(
         kept = (checks[-1].figure or 0.0) > UNCOVERED
     kept = kept and not checks[-1].passed
     if imu.origin == "recorded" and not all(check.passed for check in checks):
-        checks += _frame_rate(camera_poses, imu.stream(recording))
+        checks += other_rate(camera_poses, imu.stream(recording))
     centre = None if recording.camera is None else centre_finding(recording.camera)
     checks += [] if centre is None else [centre]
     checks += _unseen(recording, camera_poses)
@@ -137,21 +136,6 @@ def _inertial(recording: Recording, camera_poses: CameraPoses, imu: UsedImu) -> 
     if health.findings:
         verdict = "contradicted"
     return AuditFinding("inertial", verdict, float(len(health.findings)), "faults", health.summary)
-
-
-def _frame_rate(camera_poses: CameraPoses, stream: ImuStream) -> list[AuditFinding]:
-    """Another rate of the frames, where it explains what the IMU contradicts."""
-    rates_hz = other_rate_hz(camera_poses, stream)
-    if rates_hz is None:
-        return []
-    stated_hz, other_hz = rates_hz
-    summary = (
-        f"the images turn as the gyroscope does where {other_hz:g} of them are a second, and not "
-        f"at {stated_hz:.4g}"
-    )
-    advice = f"say rate_hz = {other_hz:g}"
-    ratio = other_hz / stated_hz
-    return [AuditFinding("frame_rate", "contradicted", ratio, "times", summary, advice)]
 
 
 def _innovations(fused: FusedPath) -> AuditFinding:

@@ -34,8 +34,8 @@ from motorcade.tracking.pose import (
 )
 
 _MOST_VIEWS = 60  # that a camera is found from; with all others it is then refined
-# Corners of a view are wrong where it fits worse than this and than so many times a typical view, or
-# than any corner can scatter (`scatter_px`), however the others fit.
+# Corners of a view are wrong where it fits worse than this and than so many times a typical view,
+# or than any corner can scatter (`scatter_px`), however the others fit.
 _OUTLIER_FACTOR = 3.0
 _OUTLIER_FLOOR_PX = 0.3
 _CONTINUITY_NS = 500_000_000  # how long an earlier pose helps to choose between two
@@ -131,7 +131,7 @@ def measure_board(
     fits = errors <= min(usual_px, limit_px)
     if not fits.any():
         raise TrackingError(
-            f"views: expected some that a pose fits to {limit_px:.2g} px, got {errors.min():.2g} px "
+            f"views: expected some that a pose fits to {limit_px:.2g} px, got {errors.min():.2g} "
             "at best; look at the camera and the board as stated"
         )
     kept = [views[row] for row in rows[fits]]

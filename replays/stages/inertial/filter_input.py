@@ -14,6 +14,7 @@ from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.values.camera_poses import CameraPoses
 from motorcade.replays.stages.values.inertial import ImuOrigin, UsedImu
 from motorcade.tracking import PoseMeasurements
+from motorcade.tracking.audit import AuditFinding
 
 NOISE_FACTORS: dict[ImuOrigin, tuple[float, float]] = {
     "recorded": (10.0, 1.0),
@@ -53,16 +54,16 @@ _STEP_RAD, _CLIPPED, _SEPARABLE = 0.01, 9.0, 9.2
 deviations; log likelihood ratio of 10,000 to 1."""
 
 
-def other_rate_hz(camera_poses: CameraPoses, stream: ImuStream) -> tuple[float, float] | None:
-    """The rate of the frames and another one, at which the images turn as the gyroscope does.
+def other_rate(camera_poses: CameraPoses, stream: ImuStream) -> list[AuditFinding]:
+    """Another rate of frames than stated, at which the images turn as the gyroscope does.
 
-    By how much a camera turns does not depend on where it sits. None where frames have stamps of
+    By how much a camera turns does not depend on where it sits. Nothing where frames have stamps of
     their own, where the stated rate explains the angles, or where no other one does.
     """
     frames_ns, path = camera_poses.frame_times_ns, camera_poses.measurements.trajectory
     intervals_ns = np.diff(frames_ns)
     if len(path) < 2 or np.ptp(intervals_ns) > 1:
-        return None
+        return []
     stated_hz = float(1e9 / np.mean(intervals_ns))
     turned_rad = (path.motors[:-1].inverse() @ path.motors[1:]).rotor.angle()
     time_s, read_s = 1e-9 * (path.time_ns - frames_ns[0]), 1e-9 * (stream.time_ns - frames_ns[0])
@@ -82,7 +83,15 @@ def other_rate_hz(camera_poses: CameraPoses, stream: ImuStream) -> tuple[float, 
     misses = [missed(rate_hz) for rate_hz in _RATES_HZ]
     best = int(np.argmin(misses))
     clearly = 0.5 * len(turned_rad) * (missed(stated_hz) - misses[best]) > _SEPARABLE
-    return (stated_hz, _RATES_HZ[best]) if clearly and misses[best] < 1.0 else None
+    if not clearly or misses[best] >= 1.0:
+        return []
+    other_hz = _RATES_HZ[best]
+    summary = (
+        f"the images turn as the gyroscope does where {other_hz:g} of them are a second, and not "
+        f"at {stated_hz:.4g}"
+    )
+    advice, ratio = f"say rate_hz = {other_hz:g}", other_hz / stated_hz
+    return [AuditFinding("frame_rate", "contradicted", ratio, "times", summary, advice)]
 
 
 _UPRIGHT_DEG = 3.0

@@ -199,14 +199,6 @@ def test_probabilities_come_true_as_often_as_they_say(make_scene) -> None:
         assert abs(came[part].mean() - said[part].mean()) < 3.0 * doubt + 0.05
 
 
-def test_ambiguity_of_a_frame_is_that_of_its_least_sure_choice(make_scene) -> None:
-    scene = make_scene(3, 5, 8)
-    answer = resolve(pose_stream(scene.stream, scene.side_m))
-    for frame, ambiguity in enumerate(answer.frame_ambiguity):
-        own = answer.probability[answer.sightings.frame == frame]
-        assert ambiguity == 1.0 - own.min()
-
-
 def test_frames_without_markers_count_as_frames(make_scene) -> None:
     scene = make_scene(8, 6, 9)
     sightings = pose_stream(scene.stream, scene.side_m)
@@ -221,7 +213,6 @@ def test_frames_without_markers_count_as_frames(make_scene) -> None:
     )
     for answer in (resolve(thinned), resolve_online(thinned, 0), resolve_online(thinned, 2)):
         assert len(answer.choice) == np.count_nonzero(kept)
-        assert np.all(answer.frame_ambiguity[3:6] == 0.0)
     nothing = thinned.of_frames(np.arange(3, 6))
     assert len(resolve(nothing).choice) == len(resolve_online(nothing, 1).choice) == 0
 

@@ -47,8 +47,8 @@ class Resolution:
     >>> seen = Sightings([0, 50_000_000], [0, 1], [7, 7], Motor.stack([two, two]),
     ...     [[0.2, 0.9], [0.3, 0.4]], np.broadcast_to(1e-4 * np.eye(3), (2, 2, 3, 3)))
     >>> chosen = Resolution(seen, [0, 1], [0.99, 0.75])
-    >>> chosen.camera_T_marker.shape, chosen.frame_ambiguity.round(2)
-    ((2,), array([0.01, 0.25]))
+    >>> chosen.camera_T_marker.shape
+    (2,)
     """
 
     sightings: Sightings
@@ -72,13 +72,6 @@ class Resolution:
     def camera_T_marker(self) -> Motor:
         """Motor ``(N,)``: the chosen poses."""
         return self.sightings.camera_T_marker[np.arange(len(self.choice)), self.choice]
-
-    @property
-    def frame_ambiguity(self) -> FloatArray:
-        """``(F,)`` how probably the least sure choice of each frame is false; 0 without markers."""
-        worst = np.zeros(len(self.sightings.time_ns))
-        np.maximum.at(worst, self.sightings.frame, 1.0 - self.probability)
-        return worst
 
 
 def resolve(sightings: Sightings, sigma_px: float | None = None) -> Resolution:
