@@ -82,7 +82,7 @@ def refine_mask(mask: GrayImage, image: NDArray[np.uint8]) -> GrayImage:
         return mask
     band = max(2, round(_BAND * mask.shape[1]))
     part = tuple(slice(max(at[0] - 4 * band, 0), at[-1] + 4 * band + 1) for at in (rows, columns))
-    inside, given = inside[part], mask[part].astype(np.float32) / 255.0
+    inside, stated = inside[part], mask[part].astype(np.float32) / 255.0
     shown = image[part].astype(np.float32).reshape(*inside.shape, -1)
     depth_px = cv2.distanceTransform(inside, cv2.DIST_L2, 5)
     away_px = cv2.distanceTransform(1 - inside, cv2.DIST_L2, 5)
@@ -95,10 +95,10 @@ def refine_mask(mask: GrayImage, image: NDArray[np.uint8]) -> GrayImage:
     along = np.sum((shown - other) * between, axis=2) / length
     # What is as far from a side's mean as its texture is that side's.
     low, high = _SPREAD * np.sqrt(other_var), length - _SPREAD * np.sqrt(own_var)
-    told = (depth_px + away_px <= band + 1.0) & (high - low > _APART) & own_far & other_far
+    decided = (depth_px + away_px <= band + 1.0) & (high - low > _APART) & own_far & other_far
     share = np.clip((along - low) / np.maximum(high - low, 1.0), 0.0, 1.0)
     refined = mask.copy()
-    refined[part] = np.rint(255.0 * np.where(told, share, given))
+    refined[part] = np.rint(255.0 * np.where(decided, share, stated))
     return refined
 
 

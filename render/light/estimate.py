@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from motorcade.animation.appearance import to_linear
-from motorcade.ga import Motor, Rotor
+from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, checked_floats
-from motorcade.render.harmonics import harmonics, rotate_harmonics
+from motorcade.render.harmonics import harmonics
 from motorcade.render.scene import DepthArray, ImageArray
 from motorcade.tracking.cameras.camera import Camera
 
@@ -112,10 +112,6 @@ class LightEstimate:
         mean = float(self.irradiance[0] / np.sqrt(4.0 * np.pi))
         change = min(self.contrast if contrast is None else contrast, 1.9) * mean
         return 2.0 * change, mean - 0.5 * change
-
-    def turned(self, rotor: Rotor) -> LightEstimate:
-        """The same light in a frame that `rotor` leads to, without a new fit."""
-        return LightEstimate(rotate_harmonics(self.irradiance, rotor), self.color)
 
 
 def shaded_points(

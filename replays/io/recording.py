@@ -143,16 +143,11 @@ class Frame:
             return self
         from motorcade.tracking.masks import fill_masked
 
-        def depth_m() -> DepthArray:
-            measured = read_depth() if read_depth is not None else np.zeros(mask.shape, np.float32)
-            return np.where(mask > 0, np.float32(np.nan), measured)
-
-        return replace(
-            self,
-            read_image=lambda: fill_masked(self.read_image(), mask),
-            read_depth=None if read_depth is None else depth_m,
-            read_mask=None,
-        )
+        still = replace(self, read_image=lambda: fill_masked(self.read_image(), mask))
+        if read_depth is not None:
+            unknown = np.where(mask > 0, np.float32(np.nan), np.float32(0.0))
+            still = replace(still, read_depth=lambda: read_depth() + unknown)
+        return replace(still, read_mask=None)
 
     def right(self) -> ImageArray | None:
         """Read the right picture of a rectified pair, grey ``(height, width)``; None without."""

@@ -56,17 +56,6 @@ def test_one_wall_alone_tells_no_direction(rng: np.random.Generator) -> None:
     assert found.contrast < 0.6
 
 
-def test_an_estimate_turns_with_its_frame(rng: np.random.Generator) -> None:
-    found = estimate_light(painted_balls(rng), [0.0, 0.0, 0.0], 1.0)
-    rotor = Rotor.random(rng)
-    turned = found.turned(rotor)
-    np.testing.assert_allclose(turned.towards_light, rotor.apply(found.towards_light), atol=1e-12)
-    v = painted_balls(rng).normals[:50]
-    np.testing.assert_allclose(
-        harmonics(rotor.apply(v), 2) @ turned.irradiance, harmonics(v, 2) @ found.irradiance
-    )
-
-
 def test_sun_and_ambient_have_the_estimates_mean_and_first_band(rng: np.random.Generator) -> None:
     found = estimate_light(painted_balls(rng), [0.0, 0.0, 0.0], 1.0)
     sun, ambient = found.sun_and_ambient()

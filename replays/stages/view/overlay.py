@@ -92,14 +92,12 @@ def overlay(
     `view=steady` turns each picture, footage and all, so that the figure moves evenly in it, and
     `view=live` does so by the past alone: what is drawn shakes less and slides no more (the footage
     is then undistorted, and its edge repeated where the picture reaches beyond it).
-    `gain` brightens what is drawn, `exposure_s` blurs it by
-    the motion in that time, `noise` (of 255; none: each frame's own) grains it. In footage without
-    colour the character has none.
-    The path is extrapolated to measured poses within 0.1 s of its ends, as fusion may
-    end before them; frames without a pose (before the first, after the last) are shown as they
-    are. Where the recording has depth, what is nearer hides the character; where it has none,
-    the board, markers and the ground do; masks of who walks in front hide it in any. Raises
-    `Unavailable` without OpenGL and for recordings of corners, which hold no pictures, and
+    `gain` brightens what is drawn, `exposure_s` blurs it by the motion in that time, `noise` (of
+    255; none: each frame's own) grains it. In footage without colour the character has none.
+    The path is extrapolated to measured poses within 0.1 s of its ends, as fusion may end before
+    them; frames without a pose are shown as they are. Where the recording has depth, what is nearer
+    hides the character; where it has none, the board, markers and the ground do; masks of who walks
+    in front hide it in any. Raises `Unavailable` without OpenGL and for recordings of corners, and
     ValueError without a camera or for a representation that was not smoothed.
     """
     if recording.camera is None:

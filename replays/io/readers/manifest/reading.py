@@ -272,10 +272,9 @@ class _Manifest:
         if "masks" not in section:
             return recording
         folder, frames = self._file(section, "masks"), recording.frames
-        if not isinstance(frames, VideoFrames | PictureFrames | BagFrames):
-            raise section.fault("masks", "expected pictures, got markers alone")
-        if not folder.is_dir():
-            raise section.fault("masks", f"expected a folder of masks, got {one_line(folder)}")
+        if not isinstance(frames, VideoFrames | PictureFrames | BagFrames) or not folder.is_dir():
+            problem = f"expected a folder of masks for images, got {one_line(folder)}"
+            raise section.fault("masks", problem)
         names = [path.name for path in frames.files] if isinstance(frames, PictureFrames) else []
         masks = paired_masks(pictures_in(folder), names, frames.time_ns, _size(frames))
         return replace(recording, frames=with_masks(frames, masks))
