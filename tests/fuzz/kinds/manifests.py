@@ -64,6 +64,7 @@ RIGHT: dict[str, list[Any]] = {
     "stamps_unit": ["s", "ms", "us", "ns"],
     "depth": ["depth/*.png"],
     "depth_units_per_m": [1000, 5000.0],
+    "masks": ["images", "depth", "."],
     "model": ["pinhole", "radtan", "equidistant"],
     "width": [layouts.WIDTH],
     "height": [layouts.HEIGHT],
