@@ -49,7 +49,7 @@ from motorcade.render.shadow import (
 )
 from motorcade.render.visibility import FigureSeen, figures_seen
 from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.masks import COUNTS, fill_masked
+from motorcade.tracking.masks import fill_masked, standing_depth
 
 # In heights of the character: what is farther than this from the ground, above or below, takes no
 # shadow; what is lower than this is the ground, as a sensor has it, and hides no foot.
@@ -426,36 +426,6 @@ def _lay(
     depth_m = (1.0 / inverse_depth[inside]).astype(np.float32)
     region = nearest[first[1] : last[1] + 1, first[0] : last[0] + 1]
     region[inside] = np.minimum(region[inside], depth_m)
-
-
-def standing_depth(
-    mask: ImageArray, camera: Camera, camera_T_ground: Motor, depth_m: DepthArray | None
-) -> DepthArray:
-    """How far off each masked thing is, metres (h, w) along the axis; 0 before all else.
-
-    A thing that hangs together has one depth: the middle of what is measured, else of where it
-    stands, the nearest at which a ray through its outline meets the ground. What reaches the
-    image's left, right or lower edge may stand anywhere, and is before all else. Somebody who
-    jumps, or a hand over a table, seems farther.
-    """
-    away_m = np.full(mask.shape, np.inf, np.float32)
-    normal, origin_m = camera_T_ground.rotor.apply([0.0, 0.0, 1.0]), camera_T_ground.translation_m
-    inside = (mask >= COUNTS).astype(np.uint8)
-    for outline in cv2.findContours(inside, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0]:
-        x, y, width, height = cv2.boundingRect(outline)
-        own_m = np.zeros(0)
-        if depth_m is not None:
-            within = inside & cv2.drawContours(np.zeros_like(inside), [outline], 0, 1, cv2.FILLED)
-            own_m = np.median(depth_m[(within > 0) & (depth_m > 0.0)], keepdims=True)
-        elif x > 1 and x + width < mask.shape[1] - 1 and y + height < mask.shape[0] - 1:
-            towards = camera.bearings(outline[:, 0].astype(np.float64))
-            with np.errstate(divide="ignore"):
-                own_m = towards[:, 2] * (normal @ origin_m) / (towards @ normal)
-        nearest_m = np.min(own_m[own_m > 0.0], initial=np.inf)
-        nearest_m = nearest_m if np.isfinite(nearest_m) else 0.0
-        for how in (cv2.FILLED, 5):  # and its soft rim
-            cv2.drawContours(away_m, [outline], 0, float(nearest_m), how)
-    return away_m
 
 
 def raised(depth_m: DepthArray, ground_m: DepthArray, eye_m: float) -> DepthArray:

@@ -39,6 +39,8 @@ CLEAR, CLEAR_OF_WAY = 0.014, 0.05
 # Toe-off and landing: how long a swing takes to come to its clearance, and to give it up; and how
 # far a lift reaches before and after where it is needed.
 ROLL_S, SPREAD_S = 0.1, 0.1
+# A foot that is so far from where it stands, in lengths of the leg, goes through the air.
+GONE = 0.02
 
 
 def swing_lift_m(
@@ -52,7 +54,8 @@ def swing_lift_m(
 
     A swing is lifted by a smooth curve over what its clearance lacks: the most lacking within
     `SPREAD_S` of each moment, averaged over as much by a kernel that falls to 0. Within `ROLL_S`
-    of a stance the lift fades, so that toes leave the ground and heels meet it as they did.
+    of a stance the lift fades, so that toes leave the ground and heels meet it as they did, but for
+    feet that go along the ground there.
 
     Args:
         at: ``(F, 3)`` of the foot in the world.
@@ -68,10 +71,11 @@ def swing_lift_m(
         way = float(np.linalg.norm(np.ptp(at[rows, :2], axis=0)))
         share = np.ones(len(when))
         roll = max(min(ROLL_S, 0.4 * (when[-1] - when[0])), 1e-9)
-        if start > 0:
-            share *= smootherstep((when - when[0]) / roll)
-        if end < len(at):
-            share *= smootherstep((when[-1] - when) / roll)
+        for held, end_s, edge in ((start > 0, when[0], 0), (end < len(at), when[-1], -1)):
+            if held:
+                gone = np.linalg.norm(at[rows, :2] - at[rows, :2][edge], axis=1) / (GONE * leg_m)
+                near = (1.0 - smootherstep(part) for part in (np.abs(when - end_s) / roll, gone))
+                share *= 1.0 - np.prod(list(near), axis=0)
         lacking = np.maximum(min(CLEAR * leg_m, CLEAR_OF_WAY * way) - low_m[rows], 0.0)
         lift[rows] = share * smooth_over(lacking, when)
     return lift

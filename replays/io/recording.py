@@ -33,7 +33,6 @@ from motorcade.tracking.markers.marker_map import MarkerMap
 if TYPE_CHECKING:
     from motorcade.fusion.imu.noise import ImuNoise
     from motorcade.fusion.imu.stream import ImuStream
-    from motorcade.replays.io.readers.frames.masks import FrameMasks
     from motorcade.tracking.boards import Board
     from motorcade.tracking.cameras.camera import Camera
     from motorcade.tracking.slam import MapSnapshot
@@ -153,6 +152,22 @@ class Frame:
         """Read the right picture of a rectified pair, grey ``(height, width)``; None without."""
         with off_record():
             return None if self.read_right is None else self.read_right()
+
+
+class FrameMasks(Protocol):
+    """Masks of what moves before the scene, by the frames' stamps."""
+
+    def reader(self, time_ns: int) -> Callable[[], ImageArray] | None:
+        """What reads the mask of the frame with a stamp; None where there is none."""
+        ...
+
+    def check(self) -> None:
+        """Look at every mask; raises RecordingError for one that does not fit."""
+        ...
+
+    def content(self) -> Iterator[bytes]:
+        """All that they hold, in blocks and a stable order, for a digest."""
+        ...
 
 
 class FrameSequence(Protocol):

@@ -6,10 +6,9 @@ import pytest
 from motorcade.animation import mannequin, place_on_plane
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import render_overlay
-from motorcade.render.shots import standing_depth
 from motorcade.replays.io.recording import ImageArray
 from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.masks import fill_masked, refine_mask
+from motorcade.tracking.masks import fill_masked, refine_mask, standing_depth
 
 CAMERA = Camera(160, 120, 150.0, 150.0, 79.5, 59.5)
 POSE = Motor.from_rotor_translation(

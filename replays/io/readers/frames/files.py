@@ -23,11 +23,10 @@ from motorcade.replays.io.errors import DamagedError, refusal
 from motorcade.replays.io.files import read_bounded
 from motorcade.replays.io.readers.frames import pictures
 from motorcade.replays.io.readers.frames.exif import picture_orientation
-from motorcade.replays.io.recording import DepthArray, Frame
+from motorcade.replays.io.recording import DepthArray, Frame, FrameMasks
 from motorcade.tracking.cameras.orientation import AS_STORED, PictureOrientation
 
 if TYPE_CHECKING:
-    from motorcade.replays.io.readers.frames.masks import FrameMasks
     from motorcade.tracking import Camera
     from motorcade.tracking.depth.cameras import DepthCamera
 

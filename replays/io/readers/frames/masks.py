@@ -30,7 +30,7 @@ _FIELD = "[frames] masks"
 
 
 @dataclass(frozen=True, eq=False)
-class FrameMasks:
+class MaskFiles:
     """A mask for each of some frames, found by the frame's stamp.
 
     Fields:
@@ -101,7 +101,7 @@ def read_mask(path: Path, size: tuple[int, int]) -> ImageArray:
 
 def paired_masks(
     files: Sequence[Path], names: Sequence[str], time_ns: IntArray, size: tuple[int, int]
-) -> FrameMasks:
+) -> MaskFiles:
     """Give each frame its mask: by name where masks are called as the images are, else by order.
 
     Args:
@@ -135,4 +135,4 @@ def paired_masks(
             advice="call them as the images are called; a frame in which nothing moves needs a "
             "black one",
         )
-    return FrameMasks(tuple(files), time_ns, size)
+    return MaskFiles(tuple(files), time_ns, size)
