@@ -76,8 +76,8 @@ def fast_path(
         name: the kernel, without the prefix of the versor's type where it has one.
         operands: a letter an argument: ``i`` the versor that is constructed, ``c`` its class, ``v``
             a versor of the type, ``r`` a rotor, ``m`` a motor,
-            ``x`` numbers, ``s`` a square matrix, ``f`` one
-            number, ``p`` one above 0.
+            ``x`` numbers, ``s`` a square matrix, ``f`` one number, ``p`` one above 0; last, and
+            "xyz" where it is left out, ``e`` a sequence of Euler angles, ``o`` one of three axes.
         result: ``i`` or ``v`` a versor, ``x`` numbers, ``z`` numbers without -0, ``s`` a square
             matrix.
         within: the most that the number which follows the result may be, in float64.

@@ -151,6 +151,7 @@ class Rotor(Versor):
         return parts.rotor_matrix(self.coefficients)
 
     @classmethod
+    @fast_path("of_euler", "cxe", "v")
     def from_euler(cls, angles_rad: ArrayLike, sequence: str = "xyz") -> Rotor:
         """Rotors from intrinsic Euler angles ``(*, 3)`` in the order of `sequence`.
 
@@ -161,6 +162,7 @@ class Rotor(Versor):
         """
         return cls._trusted(coefficients_of_euler(angles_rad, sequence))
 
+    @fast_path("tait_bryan", "vo", "x")
     def as_euler(self, sequence: str = "xyz") -> FloatArray:
         """Intrinsic Euler angles ``(*, 3)`` in radians, first and third in [-π, π].
 

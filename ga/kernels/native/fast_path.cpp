@@ -26,6 +26,7 @@ namespace {
 constexpr std::size_t LANES = MOTORCADE_LANES;
 constexpr npy_intp SHORT = 512;  // rows: more are worth threads and a place of their own in memory
 constexpr std::size_t WIDEST = 16;  // numbers that a list may hold
+constexpr char SEQUENCE = 'e', FRAME = 'o';  // of Euler angles: the last argument, which has a default
 
 // The types of versors, by the number of their coefficients.
 struct Kind {
@@ -36,7 +37,7 @@ struct Kind {
 Kind kinds[] = {{"rotor_", 4, nullptr}, {"", 8, nullptr}, {"similarity_", 12, nullptr}};
 constexpr std::size_t KINDS = std::size(kinds);
 
-PyObject *coefficients_name = nullptr, *method_type = nullptr;
+PyObject *coefficients_name = nullptr, *method_type = nullptr, *usual_sequence = nullptr;
 
 struct FastPath {
     PyObject_HEAD vectorcallfunc call;
@@ -111,7 +112,27 @@ struct Inputs {
         return listed[count] = true;
     }
 
+    // The letters of intrinsic Euler angles, as the kernels take them: three unit vectors, or with
+    // `frame` the first, second and remaining axis and their handedness, of three different axes.
+    bool take_sequence(PyObject *given, bool frame) {
+        Py_ssize_t length = 0;
+        const char *letters =
+            PyUnicode_CheckExact(given) ? PyUnicode_AsUTF8AndSize(given, &length) : nullptr;
+        if (length != 3) return PyErr_Clear(), false;
+        int axes[3];
+        for (int k = 0; k < 3; ++k) {
+            axes[k] = letters[k] - 'x';
+            if (axes[k] < 0 || axes[k] > 2 || (k > 0 && axes[k] == axes[k - 1])) return false;
+        }
+        if (frame && axes[0] == axes[2]) return false;
+        std::fill_n(numbers[count], WIDEST, 0.0);
+        for (int k = 0; k < 3; ++k) numbers[count][3 * k + axes[k]] = 1.0;
+        if (frame) numbers[count][9] = (axes[1] - axes[0] + 3) % 3 == 1 ? 1.0 : -1.0;
+        return listed[count] = true;
+    }
+
     bool take(PyObject *given, char operand, std::size_t width, const Kind &own) {
+        if (operand == SEQUENCE || operand == FRAME) return take_sequence(given, operand == FRAME);
         if (operand == 'v' || operand == 'r' || operand == 'm') {
             const Kind &kind = operand == 'v' ? own : kinds[operand == 'r' ? 0 : 1];
             if (Py_TYPE(given) != kind.type) return false;
@@ -226,7 +247,7 @@ PyObject *versor_of(PyTypeObject *type, PyObject *array, PyObject *into) {
 }
 
 // Null without an error where the method is to be called.
-PyObject *call_kernel(const FastPath &path, PyObject *const *given) {
+PyObject *call_kernel(const FastPath &path, PyObject *const *given, std::size_t count) {
     const bool of_class = path.operands[0] == 'c';
     const auto *type = of_class ? reinterpret_cast<PyTypeObject *>(given[0]) : Py_TYPE(given[0]);
     const auto own =
@@ -237,7 +258,8 @@ PyObject *call_kernel(const FastPath &path, PyObject *const *given) {
     for (std::size_t k = 0; path.operands[k]; ++k) {
         if (path.operands[k] == 'c' || path.operands[k] == 'i') continue;
         const auto width = static_cast<std::size_t>(kernel->widths[inputs.count]);
-        if (!inputs.take(given[k], path.operands[k], width, *own)) return nullptr;
+        PyObject *argument = k < count ? given[k] : usual_sequence;
+        if (!inputs.take(argument, path.operands[k], width, *own)) return nullptr;
         ++inputs.count;
     }
     inputs.settle();
@@ -265,9 +287,12 @@ PyObject *call_kernel(const FastPath &path, PyObject *const *given) {
 
 PyObject *call(PyObject *self, PyObject *const *given, std::size_t flagged, PyObject *names) {
     const auto &path = *reinterpret_cast<FastPath *>(self);
-    if (!names &&
-        PyVectorcall_NARGS(flagged) == static_cast<Py_ssize_t>(std::strlen(path.operands))) {
-        PyObject *result = call_kernel(path, given);
+    const auto count = static_cast<std::size_t>(PyVectorcall_NARGS(flagged)),
+               most = std::strlen(path.operands);
+    const char last = path.operands[most - 1];
+    const bool shorter = count + 1 == most && (last == SEQUENCE || last == FRAME);
+    if (!names && (count == most || shorter)) {
+        PyObject *result = call_kernel(path, given, count);
         if (result || PyErr_Occurred()) return result;
     }
     return PyObject_Vectorcall(path.method, given, flagged, names);
@@ -324,6 +349,7 @@ namespace motorcade {
 void add_fast_paths(nb::module_ &module) {
     if (_import_array() < 0) throw nb::python_error();
     coefficients_name = PyUnicode_InternFromString("coefficients");
+    usual_sequence = PyUnicode_InternFromString("xyz");
     method_type = nb::module_::import_("types").attr("MethodType").inc_ref().ptr();
     fast_path_type = reinterpret_cast<PyTypeObject *>(PyType_FromSpec(&spec));
     if (!fast_path_type) throw nb::python_error();

@@ -47,6 +47,8 @@ VERBS: dict[str, Arguments] = {
     "as_quaternion": lambda m, s, d: (),
     "from_rotation_vector": lambda m, s, d: (_numbers(s, d, 3),),
     "as_rotation_vector": lambda m, s, d: (),
+    "from_euler": lambda m, s, d: (_numbers(s, d, 3), "zyx"),
+    "as_euler": lambda m, s, d: ("yxz",),
     "from_translation": lambda m, s, d: (_numbers(s, d, 3),),
     "from_rotor_translation": lambda m, s, d: (m.rotor, _numbers(s, d, 3)),
     "from_quaternion_translation": lambda m, s, d: (m.rotor.as_quaternion(), _numbers(s, d, 3)),
@@ -139,6 +141,26 @@ def test_the_same_is_refused_and_taken(verb: str) -> None:
                 assert a == b
             elif a is not NotImplemented:
                 _same(a, b)
+
+
+@pytest.mark.parametrize(
+    "sequence", [(), *((s,) for s in ("xyz", "zyx", "xzy", "zxz", "xxz", "XYZ", "xy", "xyw", ""))]
+)
+def test_angles_in_every_sequence_are_those_of_the_method(sequence: tuple[str, ...]) -> None:
+    """Left out, of three axes or two, and what is no sequence."""
+    made, bound = _ways(Rotor, "from_euler") or (None, None)
+    read, bound_read = _ways(Rotor, "as_euler") or (None, None)
+    rotor = Rotor.random(np.random.default_rng(8))
+    for pair in (
+        (_outcome(made, Rotor, [0.3, -0.2, 0.1], *sequence),
+         _outcome(bound(Rotor), [0.3, -0.2, 0.1], *sequence)),
+        (_outcome(read, rotor, *sequence), _outcome(bound_read(rotor), *sequence)),
+    ):  # fmt: skip
+        if isinstance(pair[1], tuple):
+            assert pair[0] == pair[1]
+        else:
+            _same(*pair)
+    assert _outcome(read, rotor, None) == _outcome(bound_read(rotor), None)
 
 
 def test_a_type_of_the_users_stays_itself() -> None:

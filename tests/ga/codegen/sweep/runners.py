@@ -110,9 +110,12 @@ def read_by(read: Callable[[Program, Mapping[str, float]], dict[str, list[Any]]]
     def run(programs: list[Prepared], folder: Path) -> Results:
         results: Results = {}
         for entry in programs:
-            with np.errstate(all="ignore"):
-                rows = read(entry.program, entry.case.given)
-            results[entry.case.name] = named(entry.program, rows)
+            try:
+                with np.errstate(all="ignore"):
+                    rows = read(entry.program, entry.case.given)
+                results[entry.case.name] = named(entry.program, rows)
+            except Exception as fault:
+                results[entry.case.name] = f"not read: {type(fault).__name__}: {fault}"
         return results
 
     return run

@@ -62,7 +62,7 @@ def read_julia(text: str, inputs: dict[str, Any]) -> dict[str, list[Any]]:
         else:
             assert not line.strip() or line.strip().startswith(("(", "real_")), line
     fields = re.findall(
-        r'\n        (?:var"(\w+)"|(\w+)) = \((.*?)\),(?=\n {8}\w|\n    \))', returned, re.S
+        r'\n        (?:var"(\w+)"|(\w+)) =\s*\((.*?)\),(?=\n {8}\w|\n    \))', returned, re.S
     )
     return {a or b: reader.values(row, names) for a, b, row in fields}
 
