@@ -20,12 +20,25 @@ from motorcade.ga.codegen.targets.languages import (
     rust,
     wgsl,
 )
+from motorcade.ga.codegen.targets.shared.reader import check_text
 
 __all__ = ["TARGETS", "Write"]
 
 Write = Callable[[Program, Precision | None], dict[str, str]]
 
-TARGETS: dict[str, Write] = {
+
+def _read_back(language: str, write: Write) -> Write:
+    def written(program: Program, precision: Precision | None) -> dict[str, str]:
+        files = write(program, precision)
+        for name, text in files.items():
+            check_text(language, name, text)
+        return files
+
+    return written
+
+
+_BY_PYTHON = ("numpy", "casadi", "torch")  # which parses them where they are put together
+_WRITERS: dict[str, Write] = {
     "c": c.write,
     "c-batch": c_batch.write,
     "numpy": numpy.write,
@@ -38,4 +51,8 @@ TARGETS: dict[str, Write] = {
     "wgsl": wgsl.write,
     "julia": julia.write,
     "latex": latex.write,
+}
+TARGETS: dict[str, Write] = {
+    language: write if language in _BY_PYTHON else _read_back(language, write)
+    for language, write in _WRITERS.items()
 }

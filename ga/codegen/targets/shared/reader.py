@@ -32,7 +32,7 @@ _BEFORE_NAMES = frozenset(
 )
 _PREPROCESSED = re.compile(r"^[ \t]*#[^\n]*$", re.M)
 _ATTRIBUTES = re.compile(r"__attribute__\(\(.*\)\)|\((?:void|float|double|int|unsigned)\)")
-_OWN_TYPE = re.compile(r"\} ?(\w+);")
+_OWN_TYPE = re.compile(r"(?:\} |struct )(\w+)")
 _ENVIRONMENT = re.compile(r"\\(begin|end)\{([^}]*)\}|\\(left|right)(?![a-z])|\\[{}]|([{}])|%[^\n]*")
 
 
@@ -88,7 +88,7 @@ def _neighbours(before: str, kind: str, word: str, now: str, types: AbstractSet[
     if now == "between" and word not in _SIGNS:
         return kind != "between" and not (kind == "end" or before in ("(", "["))
     if kind == "between" and (now == "end" or word in (")", "]", "}")):
-        return before[-1] in "*>&"
+        return before[-1] == ">"  # of a template
     return not (word == "," and (before in ("(", "[", "{", ",")))
 
 
