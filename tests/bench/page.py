@@ -145,7 +145,12 @@ def headlines(figures: Mapping[str, Any]) -> Iterator[Headline]:
 
 def _blend(found: Mapping[str, Any]) -> Iterator[Headline]:
     ns = {(row["method"], row["scalar"], row["joints"]): row["ns"] for row in found["rows"]}
-    for ours, other in (("motor linear", "GLM nlerp + mix"), ("motor screw", "GLM slerp + mix")):
+    for ours, other in (
+        ("motor linear", "quaternion nlerp + mix in arrays"),
+        ("motor linear", "GLM nlerp + mix"),
+        ("motor screw", "quaternion slerp + mix in arrays"),
+        ("motor screw", "GLM slerp + mix"),
+    ):
         for scalar in ("float32", "float64"):
             mine, theirs = (ns.get((method, scalar, JOINTS)) for method in (ours, other))
             if mine is not None and theirs is not None:

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from statistics import median
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 from motorcade.ga import kernels
@@ -17,16 +17,20 @@ ROUNDS = 25
 
 
 def seconds_a_call(name: str, seconds: float, *operands: Any) -> float:
-    """Median seconds of one call of a kernel, over rounds that fill about `seconds`."""
+    """Median processor seconds of one call of a kernel, over rounds that fill about `seconds`."""
     kernel = kernels.function(name)
     kernel(*operands)
     if kernels.backend == "numpy":
         return median_seconds(lambda: kernel(*operands), seconds)
     from motorcade.ga.kernels._compiled import repeat
 
-    once = repeat(name, 1, *operands)
-    times = max(1, int(seconds / ROUNDS / max(once, 1e-8)))
-    return median(repeat(name, times, *operands) / times for _ in range(ROUNDS))
+    def spent(times: int) -> float:
+        start = process_time()
+        repeat(name, times, *operands)
+        return (process_time() - start) / times
+
+    times = max(1, int(seconds / ROUNDS / max(repeat(name, 1, *operands), 1e-8)))
+    return median(spent(times) for _ in range(ROUNDS))
 
 
 def median_seconds(call: Callable[[], object], seconds: float) -> float:

@@ -1,6 +1,7 @@
 """`make bench SUITE=blend`: two poses a joint, blended, as 3x4 matrices; beside GLM on one core.
 
-Both sides blend the same poses by the same fraction and are timed in turns in one run, pinned to
+GLM keeps a pose after the other; quaternions written for arrays of one component each, as motors
+are kept here, show what the layout does and what the motors do. All sides blend the same poses by the same fraction and are timed in turns in one run, pinned to
 one core; figures are medians. The rotations must agree: screw motion turns as slerp does, the
 linear motor blend as normalised lerp (the translations differ, since GLM mixes them apart).
 """
@@ -22,7 +23,9 @@ from tests.bench.algebra.glm import (
     GlmFigures,
     NotMeasured,
     Scalar,
+    compile_arrays,
     compile_glm,
+    measure_arrays,
     measure_glm,
 )
 from tests.bench.algebra.peers import python_peers
@@ -35,6 +38,10 @@ SCALARS: tuple[Scalar, ...] = ("float32", "float64")
 FRACTION = 0.3
 OURS = {"blend_matrix": "motor linear", "screw_blend_matrix": "motor screw"}
 SAME_ROTATION = {"blend_matrix": "nlerp_mix", "screw_blend_matrix": "slerp_mix"}
+ARRAYS = {
+    "slerp_arrays": "quaternion slerp + mix in arrays",
+    "nlerp_arrays": "quaternion nlerp + mix in arrays",
+}
 GLM = {
     "slerp_mix": "GLM slerp + mix",
     "nlerp_mix": "GLM nlerp + mix",
@@ -65,14 +72,16 @@ def bench_blend(seconds: float = 0.2, rounds: int = 3) -> dict[str, Any]:
     rows: list[BlendRow] = []
     floors: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as folder, on_one_core():
-        try:
-            program = compile_glm(Path(folder))
-        except NotMeasured as missing:
-            program = None
-            left_out.append(str(missing))
+        programs: list[Path | None] = []
+        for compiled in (compile_glm, compile_arrays):
+            try:
+                programs.append(compiled(Path(folder)))
+            except NotMeasured as missing:
+                programs.append(None)
+                left_out.append(str(missing))
         for scalar in SCALARS:
             for joints in SIZES:
-                measured, floor = _one_size(program, scalar, joints, seconds, rounds)
+                measured, floor = _one_size(*programs, scalar, joints, seconds, rounds)
                 rows += measured
                 floors += floor
         peers = python_peers(FRACTION)
@@ -86,12 +95,21 @@ def bench_blend(seconds: float = 0.2, rounds: int = 3) -> dict[str, Any]:
 
 
 def _one_size(
-    program: Path | None, scalar: Scalar, joints: int, seconds: float, rounds: int
+    program: Path | None,
+    arrays: Path | None,
+    scalar: Scalar,
+    joints: int,
+    seconds: float,
+    rounds: int,
 ) -> tuple[list[BlendRow], list[dict[str, Any]]]:
     poses = random_poses(joints)
     ours: dict[str, list[float]] = {name: [] for name in OURS}
     theirs: list[GlmFigures] = []
+    in_arrays: dict[str, list[float]] = {name: [] for name in ARRAYS if arrays}
     for _ in range(rounds):
+        if arrays is not None:
+            for name, figures in measure_arrays(arrays, poses, scalar, seconds).items():
+                in_arrays[name].append(figures["ns"])
         if program is not None:
             theirs.append(measure_glm(program, poses, scalar, seconds))
         for name in OURS:
@@ -101,6 +119,7 @@ def _one_size(
                 _check_same(name, checksum, theirs[-1].checksum[SAME_ROTATION[name]], scalar)
     found = {OURS[name]: median(times) for name, times in ours.items()}
     glm = {name: median(one.ns[name] for one in theirs) for name in GLM} if theirs else {}
+    found |= {ARRAYS[name]: median(times) for name, times in in_arrays.items()}
     found |= {GLM[name]: ns for name, ns in glm.items()}
     rows = [
         BlendRow(

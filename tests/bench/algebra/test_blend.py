@@ -20,10 +20,27 @@ def test_glm_and_the_kernels_turn_alike(joints: int, scalar: glm.Scalar, tmp_pat
         program = glm.compile_glm(tmp_path)
     except glm.NotMeasured as missing:
         pytest.skip(str(missing))
-    rows, (floor,) = blend._one_size(program, scalar, joints, 0.002, 1)
+    rows, (floor,) = blend._one_size(program, None, scalar, joints, 0.002, 1)
     assert {row.method for row in rows} == {*blend.OURS.values(), *blend.GLM.values()}
     assert all(row.ns > 0 for row in rows)
     assert floor["memory_ns"] > 0
+
+
+@pytest.mark.parametrize("scalar", ["float32", "float64"])
+def test_quaternions_in_arrays_turn_as_the_kernels_do(scalar: glm.Scalar, tmp_path: Path) -> None:
+    try:
+        program = glm.compile_arrays(tmp_path)
+    except glm.NotMeasured as missing:
+        pytest.skip(str(missing))
+    poses = blend.random_poses(64)
+    figures = glm.measure_arrays(program, poses, scalar, 0.002)
+    for ours, other in (("blend_matrix", "nlerp_arrays"), ("screw_blend_matrix", "slerp_arrays")):
+        _, checksum = blend._ours(ours, poses, scalar, 0.001)
+        blend._check_same(ours, checksum, figures[other]["checksum"], scalar)
+        assert figures[other]["ns"] > 0
+    rows, floors = blend._one_size(None, program, scalar, 54, 0.002, 1)
+    assert {row.method for row in rows} == {*blend.OURS.values(), *blend.ARRAYS.values()}
+    assert floors == []
 
 
 def test_other_work_is_found_out() -> None:
