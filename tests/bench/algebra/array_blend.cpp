@@ -29,6 +29,7 @@ __attribute__((noinline)) void blend(Arrays<T> &a, Arrays<T> &b, T f, Arrays<T> 
             *__restrict btz = b.at(6);
     T *__restrict m = out.numbers.data();
     const size_t n = a.count;
+#pragma GCC ivdep
     for (size_t i = 0; i < n; ++i) {
         const T cosine = aw[i] * bw[i] + ax[i] * bx[i] + ay[i] * by[i] + az[i] * bz[i];
         const T sign = cosine < T(0) ? T(-1) : T(1);
