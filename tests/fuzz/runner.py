@@ -46,6 +46,7 @@ KINDS = (
     "archives",
     "commands",
     "kernels",
+    "generated",
 )
 """What is fed: modules of `tests.fuzz.kinds`, each with a `prepare(folder)` that gives a `Feed`."""
 
