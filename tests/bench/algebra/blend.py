@@ -1,9 +1,11 @@
 """`make bench SUITE=blend`: two poses a joint, blended, as 3x4 matrices; beside GLM on one core.
 
 GLM keeps a pose after the other; quaternions written for arrays of one component each, as motors
-are kept here, show what the layout does and what the motors do. All sides blend the same poses by the same fraction and are timed in turns in one run, pinned to
-one core; figures are medians. The rotations must agree: screw motion turns as slerp does, the
-linear motor blend as normalised lerp (the translations differ, since GLM mixes them apart).
+are kept here, show what the layout does and what the motors do. All sides blend the same poses by
+the same fraction, compiled with the same flags, and are timed in turns in one run, pinned to one
+core, by the processor's clock; figures are medians. The rotations must agree: screw motion turns as
+slerp does, the linear motor blend as normalised lerp (the translations differ, since quaternions
+leave them to be mixed apart).
 """
 
 from __future__ import annotations

@@ -148,11 +148,12 @@ def test_the_same_is_refused_and_taken(verb: str) -> None:
 )
 def test_angles_in_every_sequence_are_those_of_the_method(sequence: tuple[str, ...]) -> None:
     """Left out, of three axes or two, and what is no sequence."""
-    made, bound = _ways(Rotor, "from_euler") or (None, None)
+    write, bound = _ways(Rotor, "from_euler") or (None, None)
     read, bound_read = _ways(Rotor, "as_euler") or (None, None)
+    assert None not in (write, bound, read, bound_read)
     rotor = Rotor.random(np.random.default_rng(8))
     for pair in (
-        (_outcome(made, Rotor, [0.3, -0.2, 0.1], *sequence),
+        (_outcome(write, Rotor, [0.3, -0.2, 0.1], *sequence),
          _outcome(bound(Rotor), [0.3, -0.2, 0.1], *sequence)),
         (_outcome(read, rotor, *sequence), _outcome(bound_read(rotor), *sequence)),
     ):  # fmt: skip

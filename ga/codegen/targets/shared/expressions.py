@@ -2,7 +2,7 @@
 
 A node that is used once is written into the expression that uses it, while the line stays short;
 the others get a name. Terms are never regrouped, so every language computes the same roundings,
-but for products that a compiler fuses with sums.
+but for products that a compiler fuses with sums, and rows of C and C++ (`passes.rows`).
 
 Choices of a tape as branches: what only one side of a choice needs is computed on that side.
 

@@ -23,13 +23,12 @@ _CLOSING = {"(": ")", "[": "]", "{": "}"}
 # Before an operand, these are signs of it; types of pointers and references are written with them.
 _SIGNS = frozenset("-+!*&~")
 # After these words another word may follow: types, and what begins a statement.
-_BEFORE_NAMES = frozenset(
-    """
+_WORDS = """
     _Bool array bool char const double else end export extern f32 f64 float fn for function if
-    inline inout int int64_t let mut out pub ptr restrict return short signed size_t sizeof static struct
-    typedef uint32_t uint64_t union unsigned using var void while
-    """.split()
-)
+    inline inout int int64_t let mut out pub ptr restrict return short signed size_t sizeof static
+    struct typedef uint32_t uint64_t union unsigned using var void while
+"""
+_BEFORE_NAMES = frozenset(_WORDS.split())
 _PREPROCESSED = re.compile(r"^[ \t]*#[^\n]*$", re.M)
 _ATTRIBUTES = re.compile(r"__attribute__\(\(.*\)\)|\((?:void|float|double|int|unsigned)\)")
 _OWN_TYPE = re.compile(r"(?:\} |struct )(\w+)")

@@ -119,13 +119,13 @@ def main(arguments: list[str] | None = None) -> int:
             print("\n".join(text_of(way, entry).values()))
         sweep(range(options.only, options.only + 1), options.seed, ways, swept)
     else:
-        told, number = 0, 0
+        printed, number = 0, 0
         while swept.texts < options.count:
             sweep(range(number, number + TOGETHER), options.seed, ways, swept)
             number += TOGETHER
-            for fault in swept.faults[told:]:
+            for fault in swept.faults[printed:]:
                 print(fault[:2000], flush=True)
-            told = len(swept.faults)
+            printed = len(swept.faults)
     print(f"{'written as':<26}{'agree':>8}{'refused':>9}")
     for way in [*ways, "evaluation", "programs"]:
         print(f"{way:<26}{swept.agree[way]:>8}{swept.refused[way]:>9}")

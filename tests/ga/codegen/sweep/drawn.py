@@ -21,10 +21,12 @@ _LETTERS = "abcdghkmnpqruvwxyzABCDFGHJKLMNOPQRSTUVWXYZ_"
 # Names that code writes for itself, and words that single languages keep.
 _CLOSE = (
     "t0", "t1", "t2", "x0", "x1", "out_r0", "in_x", "row", "rows", "padded", "blocks", "_given",
-    "_value", "_full", "np", "torch", "ca", "fn", "let", "def", "lambda", "type", "end", "made",
-    "result", "v", "E", "Inf", "NaN", "f32", "motorcade_sin", "MOTORCADE_SIN", "uint64_t", "_", "__", "_0", "self", "var",
+    "_value", "_full", "np", "torch", "ca", "fn", "let", "def", "lambda", "type", "end",
+    "result", "v", "E", "Inf", "NaN", "f32", "motorcade_sin", "MOTORCADE_SIN", "uint64_t",
+    "_", "__", "_0", "self", "var",
     "async", "main", "i", "j", "N", "alpha", "left_arm", "__proto__", "arguments", "real_sin", "M",
 )  # fmt: skip
+_NUMBERS = ("0.5", "2", "0.125", "3")
 _CALLS = (
     "sin({x})", "cos({x})", "atan({x})", "sqrt(2 + {x}*{x})", "exp({x}/8)", "abs({x})",
     "log(3 + {x}*{x})", "atan2({x}, 2 + {y}*{y})", "min({x}, {y})", "max({x}, 0.125)",
@@ -135,4 +137,6 @@ class _Writer:
         return self._left.pop() if self._left else str(self._rng.choice(self._names))
 
     def _number(self) -> str:
-        return self._variable() if self._names else str(self._rng.choice(["0.5", "2", "0.125", "3"]))
+        return (
+            self._variable() if self._names else str(self._rng.choice(["0.5", "2", "0.125", "3"]))
+        )

@@ -79,7 +79,7 @@ def in_glsl(programs: list[Prepared], folder: Path) -> Results:
     calls = []
     for entry in programs:
         (text,) = TARGETS["glsl"](entry.program, None).values()
-        lines.append(f"static {text[text.index('void '):]}")
+        lines.append(f"static {text[text.index('void ') :]}")
         outputs = [o for o in entry.program.tape.outputs if o.width]
         calls += ["{", *(f"double out_{o.name}[{o.width}];" for o in outputs)]
         values = [repr(entry.case.given[o.name]) for o in entry.program.tape.inputs]
