@@ -124,16 +124,12 @@ class Canvas:
         self._parts = 0
 
     def light(self, program: Any, first: int, stop: int, box: Box) -> None:
-        """Add the light of triangles from `first` to before `stop`, which a program draws.
-
-        None of them lies outside of the box.
-        """
+        """Add the light of triangles from `first` to before `stop`, which lie in a box."""
         self._lit.scissor = box
         self._parts += 1
         mark = self._parts / MOST_PARTS
         marked = self._programs.marked()
-        # One framebuffer for both: drivers that draw on the processor empty it into memory at every
-        # change.
+        # One framebuffer for both: to change it costs a flush.
         self._lit.color_mask, self._lit.depth_mask = (False,) * 4, True
         self._lit.use()
         self._gl.depth_func = "1"
@@ -241,11 +237,9 @@ def draw_materials(
 
 def _around(boxes: Sequence[Box]) -> Box:
     """The smallest box that holds all of them, of one pixel without any."""
-    if not boxes:
-        return 0, 0, 1, 1
-    left, bottom = min(box[0] for box in boxes), min(box[1] for box in boxes)
-    right = max(box[0] + box[2] for box in boxes)
-    return left, bottom, right - left, max(box[1] + box[3] for box in boxes) - bottom
+    corners = np.array(boxes or [(0, 0, 1, 1)])
+    low, high = corners[:, :2].min(axis=0), (corners[:, :2] + corners[:, 2:]).max(axis=0)
+    return int(low[0]), int(low[1]), int(high[0] - low[0]), int(high[1] - low[1])
 
 
 def _cover(gl: Any, bare: BareFunctions, canvas: Canvas, part: DrawnPart) -> None:
