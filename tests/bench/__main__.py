@@ -18,8 +18,9 @@ from typing import Any
 
 from motorcade.render.plots import standing_alone
 from motorcade.replays.io.files import write_bytes
-from tests.bench.page import MACHINE, RUNS, machine, page
+from tests.bench.page import MACHINE, PICTURES, RUNS, machine, page
 from tests.bench.pictures import animation_picture
+from tests.bench.stages import stages_picture
 from tests.bench.tables import SUITES, run_suite
 from tests.bench.whole.jobs import JOBS, MINUTES
 from tests.bench.whole.quoted import with_figures_of
@@ -75,6 +76,9 @@ def _whole(arguments: argparse.Namespace) -> int:
     write_bytes(kept, (json.dumps(figures, indent=2) + "\n").encode())
     text = page(figures)
     write_bytes(arguments.into / "docs" / "benchmarks.md", text.encode())
+    if "stages" in figures:
+        picture = standing_alone(stages_picture(figures["stages"]))
+        write_bytes(arguments.into / "docs" / PICTURES["stages"][0], picture.encode())
     readme = arguments.into / "README.md"
     write_bytes(readme, with_figures_of(readme.read_text(encoding="utf-8"), text).encode())
     left_out = [name for name, run in figures[RUNS].items() if "left_out" in run]

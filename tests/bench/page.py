@@ -94,6 +94,12 @@ def _versions() -> Iterator[str]:
             continue
 
 
+PICTURES = {
+    "stages": ("pictures/where_time_goes.svg", "Seconds of each stage of the demo, by threads")
+}
+"""By suite: what is drawn of it, beside the page, and what it shows."""
+
+
 def page(figures: Mapping[str, Any]) -> str:
     """The page, in Markdown, from figures by suite.
 
@@ -112,6 +118,8 @@ def page(figures: Mapping[str, Any]) -> str:
         if name in figures:
             parts += [f"## {name}\n", f"{_about(name)}\n", _block(f"make bench SUITE={name}", "sh")]
             parts.append(_block(_table(name, figures[name]), "text"))
+            if name in PICTURES:
+                parts.append(f"![{PICTURES[name][1]}]({PICTURES[name][0]})\n")
             parts += _of_the_run(name, runs)
     missing = [f"`make bench SUITE={name}`" for name in SUITES if name not in figures]
     if missing:

@@ -1,13 +1,13 @@
 """Where the time of a run goes: by stage, thread and function, of the processor and of the clock.
 
-    python -m tests.bench.stages demo                              the demo, from an empty folder
-    python -m tests.bench.stages run clip.mp4 --svg stages.svg     any command, and its picture
-
 The command runs in this process. Every few milliseconds each of Python's threads is asked for its
 own processor's clock and for what it is doing; what its clock went on by since then belongs to that
 function. What all of them do not account for was spent by threads that Python does not know:
 OpenGL's, codecs' and linear algebra's. Clock less processor of the main thread is waiting, for
 other threads or for other work of the machine.
+
+    python -m tests.bench.stages                                  the demo, from an empty folder
+    python -m tests.bench.stages --svg picture.svg run clip.mp4   any command, and its picture
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -154,7 +156,7 @@ def bench_stages(command: Sequence[str] = ("demo",)) -> dict[str, Any]:
 
     Raises RuntimeError: the command failed.
     """
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, redirect_stdout(StringIO()):
         words = [*command] if "--out" in command else [*command, "--out", folder]
         statuses: list[int] = []
         found = profiled(lambda: statuses.append(motorcade([*words, "--quiet"])))
@@ -173,7 +175,7 @@ def _by_thread(found: Mapping[str, Any]) -> dict[str, Counter[str]]:
 
 def stages_table(found: Mapping[str, Any]) -> str:
     """A row a stage with its threads, and the functions that take most."""
-    lines = [f"{'seconds of ' + ' '.join(found['command'])[:20]:<32}{'clock':>8}{'processor':>11}"]
+    lines = [f"{'seconds of ' + found['command'][0]:<32}{'clock':>8}{'processor':>11}"]
     lines[0] += "".join(f"{name:>19}" for name in (MAIN, WORKERS, NATIVE))
     for stage, threads in _by_thread(found).items():
         spent_s = sum(threads.values())
@@ -188,34 +190,33 @@ def stages_table(found: Mapping[str, Any]) -> str:
     return "\n".join(lines)
 
 
-WIDE, BAR, LABEL = 520, 18, 110
+WIDE, BAR, LABEL = 420, 18, 110
 SHADES = {MAIN: "#31688e", WORKERS: "#35b779", NATIVE: "#bbbbbb"}
+LEAST_S = 0.05
+"""Stages that take less are left out of the picture."""
 
 
 def stages_picture(found: Mapping[str, Any]) -> str:
-    """Bars as SVG: of each stage the processor by threads, and below it the clock."""
-    stages = {name: of for name, of in _by_thread(found).items() if sum(of.values()) > 0.05}
-    longest_s = max(max(sum(of.values()), found["clock_s"][name]) for name, of in stages.items())
-    high, parts = (2 * BAR + 8) * len(stages) + 40, []
+    """Bars as SVG: of each stage the processor's time by threads; the clock's stands beside it."""
+    stages = {name: of for name, of in _by_thread(found).items() if sum(of.values()) > LEAST_S}
+    longest_s = max(sum(threads.values()) for threads in stages.values())
+    step, parts = BAR + 10, []
     for name, x in zip(SHADES, (LABEL, LABEL + 90, LABEL + 200), strict=True):
         parts.append(f'<rect x="{x}" y="6" width="12" height="12" fill="{SHADES[name]}"/>')
         parts.append(f'<text x="{x + 16}" y="16">{name}</text>')
-    parts.append(f'<text x="{LABEL + 340}" y="16">thin: the clock, s</text>')
     for row, (name, threads) in enumerate(stages.items()):
-        x, y = float(LABEL), 30 + row * (2 * BAR + 8)
+        x, y = float(LABEL), 30 + row * step
         parts.append(f'<text x="{LABEL - 8}" y="{y + 13}" text-anchor="end">{name}</text>')
         for thread, shade in SHADES.items():
             wide = WIDE * threads[thread] / longest_s
             parts.append(f'<rect x="{x:.1f}" y="{y}" width="{wide:.1f}" height="{BAR}" ')
             parts[-1] += f'fill="{shade}"/>'
             x += wide
-        parts.append(f'<text x="{x + 4:.1f}" y="{y + 13}">{sum(threads.values()):.1f}</text>')
-        clock_s = found["clock_s"][name]
-        wide = WIDE * clock_s / longest_s
-        parts.append(f'<rect x="{LABEL}" y="{y + BAR + 2}" width="{wide:.1f}" height="4"/>')
-        parts.append(f'<text x="{LABEL + wide + 4:.1f}" y="{y + BAR + 14}">{clock_s:.1f}</text>')
-    style = 'font-family="sans-serif" font-size="12"'
-    return f'<svg viewBox="0 0 {LABEL + WIDE + 50} {high}" {style}>{"".join(parts)}</svg>'
+        spent = f"{sum(threads.values()):.1f} s; clock {found['clock_s'][name]:.1f} s"
+        parts.append(f'<text x="{x + 6:.1f}" y="{y + 13}">{spent}</text>')
+    style = 'xmlns="http://www.w3.org/2000/svg" font-family="sans-serif" font-size="12"'
+    size = f"0 0 {LABEL + WIDE + 150} {30 + step * len(stages)}"
+    return f'<svg viewBox="{size}" {style}>{"".join(parts)}</svg>'
 
 
 def main(words: Sequence[str] | None = None) -> None:

@@ -10,6 +10,7 @@ __all__ = ["SUITES", "run_suite"]
 
 SUITES: Mapping[str, tuple[str, str, str]] = {
     "demo": ("demo", "bench_demo", "demo_table"),
+    "stages": ("stages", "bench_stages", "stages_table"),
     "blend": ("algebra.blend", "bench_blend", "blend_table"),
     "accuracy": ("algebra.accuracy", "bench_accuracy", "accuracy_table"),
     "conversions": ("algebra.conversions", "bench_conversions", "conversions_table"),

@@ -44,6 +44,7 @@ _WAYS = ("auto", "scipy", "Savitzky", "1€", "filterpy")
 
 JOBS: tuple[Job, ...] = (
     Job("demo", 240.0),
+    Job("stages", 240.0),
     Job("accuracy", 240.0),
     Job("blend", 150.0),
     Job("render", 120.0),
