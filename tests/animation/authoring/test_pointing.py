@@ -21,6 +21,7 @@ from motorcade.animation.authoring.pointing import (
 )
 from motorcade.animation.skeleton import turned_joint
 from motorcade.ga import Motor, Rotor, Similarity
+from tests.ga.cases import over
 
 UP = np.array([0.0, 0.0, 1.0])
 FIGURE = mannequin()
@@ -46,7 +47,7 @@ def off_ray(ray: Ray, point: np.ndarray) -> float:
     return float(np.linalg.norm(np.cross(away, ray.direction)) / np.linalg.norm(away))
 
 
-@pytest.mark.parametrize("seed", range(200))
+@over(seed=range(200))
 def test_what_was_grabbed_stays_under_one_and_two_fingers(seed: int) -> None:
     rng = np.random.default_rng(seed)
     eye, plane, (a0, b0, a1, b1) = eye_and_points(rng, 4)
@@ -68,7 +69,7 @@ def test_what_was_grabbed_stays_under_one_and_two_fingers(seed: int) -> None:
     )
 
 
-@pytest.mark.parametrize("seed", range(50))
+@over(seed=range(50))
 def test_in_a_parents_frame_a_drag_is_the_same_drag(seed: int) -> None:
     rng = np.random.default_rng(seed)
     eye, plane, points = eye_and_points(rng, 4)
@@ -84,7 +85,7 @@ def test_in_a_parents_frame_a_drag_is_the_same_drag(seed: int) -> None:
     np.testing.assert_allclose(in_parent.as_matrix(), expected.as_matrix(), atol=1e-8 * size)
 
 
-@pytest.mark.parametrize("seed", range(100))
+@over(seed=range(100))
 def test_axes_and_rings_give_back_the_slide_and_the_turn(seed: int) -> None:
     rng = np.random.default_rng(seed)
     point, axis = rng.normal(size=3), rng.normal(size=3)

@@ -11,6 +11,7 @@ import scipy.linalg
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra, Multivector
 from motorcade.ga.algebra.functions import exp, log, normalize, sqrt, versor
 from motorcade.ga.algebra.functions.elementary import apply, sign, step, where
+from tests.ga.cases import over
 
 Generator = np.random.Generator
 SMALL = Algebra(1, 1)
@@ -163,9 +164,8 @@ def mirrored(x: Multivector) -> Multivector:
     return sphere * x * sphere.inverse()
 
 
-@pytest.mark.parametrize("angle", ANGLES)
-@pytest.mark.parametrize("scale", [1.0, 1 + 1e-7, 2.0, 0.3])
 @pytest.mark.parametrize("kind", VERSORS)
+@over(angle=ANGLES, scale=[1.0, 1 + 1e-7, 2.0, 0.3])
 def test_versors_come_back_from_log_and_from_sqrt(kind: str, angle: float, scale: float) -> None:
     if kind == "any" and angle > 6:
         pytest.skip("the angle of this one is another")

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from motorcade.ga import Motor, Rotor, Versor
 from motorcade.ga.versors.euler_angles import SEQUENCES
+from tests.ga.cases import over
 
 Distance = Callable[[Versor, Versor], float]
 ROUNDING = 2e-14
@@ -45,7 +46,7 @@ def test_twist_is_minus_twice_the_logarithm(motors: Motor) -> None:
     np.testing.assert_array_equal(motors.as_twist(), -2 * motors.log())
 
 
-@pytest.mark.parametrize("sequence", SEQUENCES)
+@over(sequence=SEQUENCES)
 def test_euler_angles_return(sequence: str, motors: Motor, distance: Distance) -> None:
     again = Motor.from_euler_translation(*motors.as_euler_translation(sequence), sequence)
     assert distance(again, motors) < ROUNDING
