@@ -115,7 +115,7 @@ class Job:
             own = tuple(one for one in own if not one.replace(" ", "").startswith(said))
             words = (*words, f"placed.scene={self.scene}")
         return tuple(
-            setting_from(one, lambda file: Path(file).absolute()) for one in (*own, *words)
+            setting_from(text, lambda file: Path(file).absolute()) for text in (*own, *words)
         )
 
 
@@ -215,7 +215,7 @@ def _about(job: Job, opened: OpenedRecording, settings: tuple[str, ...]) -> dict
         "until": job.until,
         "settings": list(settings),
         "settings_from_here": [
-            setting_from(one, lambda file: Path(relpath(file, job.out))) for one in settings
+            setting_from(text, lambda file: Path(relpath(file, job.out))) for text in settings
         ],
         "motorcade": __version__,
         "python": platform.python_version(),

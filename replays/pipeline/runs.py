@@ -180,9 +180,9 @@ class RunOrigin:
     def words(self, recording: Recording) -> list[str]:
         """Of a command line that does it again, but for where to and who stands in it."""
         manifest = [] if self.manifest is None else ["--manifest", str(self.manifest)]
-        told = [one for one in self.settings if one not in recording.settings]
-        kept = [one for one in told if not one.startswith("placed.")]
-        settings = [word for one in kept for word in ("--set", one)]
+        own = [text for text in self.settings if text not in recording.settings]
+        kept = [text for text in own if not text.startswith("placed.")]
+        settings = [word for text in kept for word in ("--set", text)]
         return ["motorcade", "run", str(self.recording), *manifest, *settings]
 
 
@@ -201,7 +201,7 @@ def read_origin(folder: Path) -> RunOrigin:
         )
     try:
         document = json.loads(read_bounded(file, MAX_LOG_BYTES))
-        recording, manifest = (_stated(folder, document, one) for one in ("recording", "manifest"))
+        recording, manifest = (_stated(folder, document, key) for key in ("recording", "manifest"))
         if recording is None:
             raise ValueError("recording: expected a path, got none")
         cache = folder / normpath(str(document.get("cache_from_here", ".cache")))
@@ -228,8 +228,8 @@ def _settings(folder: Path, document: dict[str, Any]) -> tuple[str, ...]:
     settings = tuple(map(str, document["settings"]))
     relative = tuple(map(str, document.get("settings_from_here", settings)))
     return tuple(
-        setting_from(one, partial(_lies, folder, moved=from_here.partition("=")[2].strip()))
-        for one, from_here in zip(settings, relative, strict=True)
+        setting_from(text, partial(_lies, folder, moved=from_here.partition("=")[2].strip()))
+        for text, from_here in zip(settings, relative, strict=True)
     )
 
 

@@ -427,16 +427,16 @@ class EditingSession:
     def _scene(self, before: Scene | None) -> dict[str, Any]:
         """The scene as far as it is not as before; the names, where others or in another order."""
         scene = self.history.scene
-        told: dict[str, Any] = {"undo": self.history.can_undo, "redo": self.history.can_redo}
+        changes: dict[str, Any] = {"undo": self.history.can_undo, "redo": self.history.can_redo}
         names = list(scene.parents)
         if before is None or names != list(before.parents):
-            told["names"] = names
-        told["objects"] = [
+            changes["names"] = names
+        changes["objects"] = [
             self.view.about(scene, name, before)
             for name in names
             if before is None or not self.view.as_before(scene, name, before)
         ]
-        return {"scene": told, "holds": sorted(self._locks.held.values())}
+        return {"scene": changes, "holds": sorted(self._locks.held.values())}
 
     def _poses(self, scene: Scene, drag: ObjectDrag) -> dict[str, list[float]]:
         """Where what is dragged, and all that hangs on it, is in the image on show."""
