@@ -7,16 +7,16 @@ or once for one that stays.
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from motorcade.animation import Character, Clip
-from motorcade.animation.authoring import Scene, between_keyframes
+from motorcade.animation.authoring import Scene, SceneWalk, between_keyframes
 from motorcade.animation.authoring.fields import part_json
-from motorcade.ga import Motor, Similarity
+from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.files import off_record
 from motorcade.replays.pipeline.look.document import gltf_bytes
@@ -40,14 +40,18 @@ class PlayedScene:
     def acted(self, scene: Scene, name: str) -> tuple[int, Acted]:
         """What a character or prop does, and the number by which `motion` knows it.
 
+        One that walks does so from the origin along x: its way moved elsewhere is no other walk.
+
         Raises ValueError: a file, clip, gait or joint that is not there.
         """
+        if scene.part(name).walk is not None:
+            scene = _from_the_origin(scene, name)
         part = scene.part(name)
         fields = part_json(part)
         for key in ("keyframes", "interpolation", "visible"):
             fields.pop(key, None)
         size = float(scene.pose(name).as_similarity().scale) if part.walk is not None else 1.0
-        key = json.dumps([part.kind, part.file, fields, size])
+        key = json.dumps([part.kind, part.file, fields, f"{size:.9g}"])
         if key not in self._acted:
             performance = acted(scene, name, self.folder, float(self.filmed.time_s[-1]))
             self._numbers.append(key)
@@ -104,7 +108,7 @@ class PlayedScene:
             acted = self.acted(scene, name)[1]
             assert acted.parent_T_character is not None  # of one that walks
             way = Clip("way", acted.time_s, acted.parent_T_character.reshape(-1, 1))
-            steps = way.at(self.filmed.time_s).rigid[:, 0]
+            steps = _parent_T_way(part.walk) @ way.at(self.filmed.time_s).rigid[:, 0]
             return Similarity.from_motor_scale(steps, pose.scale)
         return pose.reshape(1)
 
@@ -132,6 +136,22 @@ class PlayedScene:
         if not 0 <= number < len(self._figures):
             return None
         return gltf_bytes(self._figures[number][1])
+
+
+def _parent_T_way(walk: SceneWalk) -> Motor:
+    """Where a way begins, and where to it sets out."""
+    x, y = walk.path_m[1] - walk.path_m[0]
+    turn = Rotor.from_rotation_vector([0.0, 0.0, float(np.arctan2(y, x))])
+    return Motor.from_rotor_translation(turn, np.append(walk.path_m[0], 0.0))
+
+
+def _from_the_origin(scene: Scene, name: str) -> Scene:
+    """The scene with somebody's way begun at the origin along x, to a nanometre."""
+    part = scene.part(name)
+    assert part.walk is not None  # asked of those that walk
+    flat = np.column_stack([part.walk.path_m, np.zeros(len(part.walk.path_m))])
+    way = _parent_T_way(part.walk).inverse().apply(flat)[:, :2].round(9) + 0.0
+    return scene.with_part(name, replace(part, walk=replace(part.walk, path_m=way)))
 
 
 def rows(poses: Motor | Similarity) -> FloatArray:

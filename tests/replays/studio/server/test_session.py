@@ -6,9 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from motorcade.animation import Clip
 from motorcade.ga import Rotor
 from motorcade.replays.cli import runs
 from motorcade.replays.cli.main import command_parser
+from motorcade.replays.stages.characters.acted import acted
 from motorcade.replays.studio.desk import offered
 from motorcade.tracking import Camera
 from tests.replays.studio.server.stage import FRAMES, STRAIGHT, Visitor, desk, seen, stands
@@ -336,4 +338,28 @@ def test_a_walk_has_a_start_a_speed_and_the_gait_for_its_size(one: Visitor) -> N
         gaits.append(walk.gaits)
     assert gaits[0] == ("walk",)
     assert "run" in gaits[2]
-    assert gaits[1] != gaits[2]
+    assert "jog" in gaits[1]
+
+
+def test_a_way_that_is_moved_is_not_walked_anew(one: Visitor) -> None:
+    rng, name = np.random.default_rng(6), one.put()
+    path = np.cumsum(rng.uniform(0.05, 0.1, (5, 2)), axis=0)
+    line = {"do": "set", "object": name, "walk": {"path_m": path.tolist(), "start_s": 0.05}}
+    about = one.done("edit", edit=line)["scene"]["objects"][0]
+    played, folder = one.at.session.played, one.at.session.played.folder
+    for turn in (0.0, 2.0):
+        moved = {
+            "position_m": [*rng.uniform(-0.5, 0.5, 2).tolist(), 0.0],
+            "euler_deg": [0, 0, turn],
+        }
+        again = one.done("edit", edit={"do": "set", "object": name, **moved})["scene"]["objects"][0]
+        assert again["motion"] == about["motion"]
+        scene = one.at.session.history.scene
+        drawn = acted(scene, name, folder, float(one.at.filmed.time_s[-1]))
+        way = Clip("way", drawn.time_s, drawn.parent_T_character.reshape(-1, 1))
+        expected = way.at(one.at.filmed.time_s).rigid[:, 0]
+        shown = played.parent_T_object(scene, name)
+        np.testing.assert_allclose(shown.translation_m, expected.translation_m, atol=1e-7)
+        np.testing.assert_allclose(
+            shown.rotor.apply([1.0, 0, 0]), expected.rotor.apply([1.0, 0, 0]), atol=1e-6
+        )
