@@ -55,6 +55,7 @@ ALLOWED = {
     ("render/backends/fast/programs.py", "_CARRYING.read_text"): "our own source",
     ("render/video.py", "av.open"): "admitted",
     ("replays/cli/inspection.py", "webbrowser.open"): "a page, in the browser",
+    ("replays/cli/runs.py", "recording.open"): "a pipe, to a bounded copy that the door admits",
     ("replays/tasks/doctor.py", "cpuinfo.read_text"): "the system's",
     ("replays/engine/artifacts.py", "path.open"): "what was just written, to have it on the disk",
     ("replays/engine/provenance.py", "_origin(name).read_bytes"): "our own source",
