@@ -125,12 +125,12 @@ class FilmDrawing:
                     self._share = 0.01 * int(share.group(1)) if share else self._share
             process.stderr.close()
             code = process.wait()
-        finally:
             late.cancel()
+            with self._lock:
+                self._process = None
+                if code < 0:
+                    self._failed = "It was stopped."
+                elif code:
+                    self._failed = last.removeprefix("motorcade: ") or "It could not be drawn."
+        finally:
             _drawn_now.release()
-        with self._lock:
-            self._process = None
-            if code < 0:
-                self._failed = "It was stopped."
-            elif code:
-                self._failed = last.removeprefix("motorcade: ") or "It could not be drawn."

@@ -12,6 +12,7 @@ import logging
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from functools import partial
 from typing import Any, TypeVar, get_args
 
@@ -90,8 +91,9 @@ class Visitors:
             self._present -= 1
             self._unsent.pop(visitor, None)
             sending.cancel()
-            leaving = self._work(lambda: _text(desk.left(visitor)))
-            leaving.add_done_callback(lambda done: self._tell_others(visitor, done.result()))
+            with suppress(RuntimeError):  # the server ends, and has nobody left to tell
+                leaving = self._work(lambda: _text(desk.left(visitor)))
+                leaving.add_done_callback(lambda done: self._tell_others(visitor, done.result()))
 
     async def _listen(self, socket: WebSocket, desk: Desk, visitor: int) -> None:
         rate, budget = MessageRate(), WorkBudget()

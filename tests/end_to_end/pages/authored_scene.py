@@ -91,7 +91,14 @@ def authored(
 
 
 def put_together(tab: Tab, anchor: str | None) -> None:
-    """One walks, one waves, one is posed; a box stands there, and a ball goes by keyframes."""
+    """One walks, one waves, one is posed; a box stands there, and a ball goes by keyframes.
+
+    Whom the run itself put there goes first.
+    """
+    tab.until("editor.state.objects.length === 1")
+    tab.evaluate("editor.choose('character')")
+    tab.press("Delete")
+    tab.until("editor.state.objects.length === 0")
     for name in PEOPLE:
         add(tab, "Person", name)
         if anchor is not None and name != PEOPLE[2]:
