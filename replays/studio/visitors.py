@@ -146,8 +146,12 @@ def _answered(desk: Desk, visitor: int, text: str) -> tuple[str, str, float]:
     return _text(answer.reply), _text(answer.news), time.thread_time() - began
 
 
+_ENCODER = json.JSONEncoder(separators=(",", ":"))
+
+
 def _text(message: Mapping[str, Any] | None) -> str:
-    return "" if message is None else json.dumps(message, separators=(",", ":"))
+    """A message as JSON, piece by piece: at once it keeps the interpreter from the event loop."""
+    return "" if message is None else "".join(_ENCODER.iterencode(message))
 
 
 async def _send(socket: WebSocket, unsent: asyncio.Queue[str]) -> None:
