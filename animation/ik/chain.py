@@ -10,9 +10,9 @@ the joints' swings go on from the best chain found (`IkSolver` does the same on 
 Source: Aristidou and Lasenby, "FABRIK: a fast, iterative solver for the inverse kinematics problem"
 (2011), and "Inverse kinematics solutions using conformal geometric algebra" (2011).
 
-The middle joint lies on two spheres, around the limb's root and around its target, hence on a
-circle; of that the point is taken that lies towards the pole. The same meet of spheres stands as a
-CLUScript in ``docs/scripts/two_link_arm.clu``.
+Limbs of two bones are solved in closed form: the middle joint lies on two spheres, around the
+limb's root and around its target, hence on a circle; of that the point is taken that lies towards
+the pole. The same meet of spheres stands as a CLUScript in ``docs/scripts/two_link_arm.clu``.
 """
 
 from __future__ import annotations

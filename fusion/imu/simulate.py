@@ -10,8 +10,8 @@ rounds, and the wire loses samples and blurs their stamps.
 Angular rate and acceleration are exact derivatives of the path, so there is no error of
 differencing. The world has z up; an accelerometer at rest reads +g upward.
 
-They stand in for a tracker where a recording has ground truth but no images. What goes wrong
-beyond noise is a degradation: outliers, blackouts, stamps that are late, or several in turn.
+Simulated camera poses stand in for a tracker where there is ground truth but no images. What goes
+wrong beyond noise is a degradation: outliers, blackouts, stamps that are late, or several in turn.
 """
 
 from __future__ import annotations

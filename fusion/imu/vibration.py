@@ -1,7 +1,8 @@
 """Vibration of what carries an IMU: its spectrum, given or learnt, and noise that has it.
 
-A term keeps between blocks what it needs, so that blocks one after another are what one long block
-would be. Each draws from a generator of its own, so that no term's numbers depend on another's.
+A term of the noise keeps between blocks what it needs, so that blocks one after another are what
+one long block would be. Each draws from a generator of its own, so that no term's numbers depend on
+another's.
 """
 
 from __future__ import annotations

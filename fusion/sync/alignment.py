@@ -10,7 +10,8 @@ Sources: T. Qin and S. Shen, Online temporal calibration for monocular visual-in
 IROS 2018; C. Campos, J. Montiel, J. Tardós, Inertial-only optimization for visual-inertial
 initialization, ICRA 2020.
 
-That code is imported where it is called, so that it can be written again whatever state it is in.
+Residuals and derivatives come from the code that `model` generated. It is imported where it is
+called, so that it can be written again whatever state it is in.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """`synchronise`: the time offset between a camera and an IMU, and how one sits on the other.
 
-Each of its neighbours foretells a pose: its orientation by theirs and by what the gyroscope turned
-between, its place by the lines through pairs of them. Medians of what each of them misses outvote
-neighbours that are wrong themselves.
+Poses that contradict their neighbours are left out first. Each neighbour foretells a pose: its
+orientation by its own and by what the gyroscope turned between, its place by the lines through
+pairs of them. Medians of what each misses outvote neighbours that are wrong themselves.
 
 How fast a rigid body turns is the same number in every one of its frames, so the norms of both
 angular rates match before anything is known of the extrinsics. Sources: E. Mair et al.,

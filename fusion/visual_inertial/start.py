@@ -4,9 +4,10 @@ Linear alignment gives a start, then everything is estimated together: C. Campos
 J. Tardós, Inertial-only optimization for visual-inertial initialization, ICRA 2020; here the poses
 are unknowns as well, so that their noise does not enter the scale.
 
-With the rotations known, position and velocity at the end of an interval are linear in velocities,
-gravity and scale. Biases of the gyroscope are taken from the rotations first. Source: T. Qin,
-P. Li, S. Shen, VINS-Mono, IEEE TRO 34(4), 2018, V-B; gravity's size is left to what comes after.
+The linear start: with the rotations known, position and velocity at the end of an interval are
+linear in velocities, gravity and scale. Biases of the gyroscope are taken from the rotations first.
+Source: T. Qin, P. Li, S. Shen, VINS-Mono, IEEE TRO 34(4), 2018, V-B; gravity's size is left to what
+comes after.
 """
 
 from __future__ import annotations

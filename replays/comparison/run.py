@@ -15,10 +15,10 @@ Searches and blocks are jobs too, named after the poses that they depend on.
 
 Ties that theory predicts, shown in figures: the largest difference over a path, and its bound.
 
-They hold for every path; all other ties depend on chance and on the data. Kalman filters on motors
-and similarities have no such ties in rotation: they propagate the errors of rotation, translation
-and scale together, so that each affects the others. Splines fitted to motors weigh rotations and
-translations in one sum of squares.
+These ties hold for every path; all other ties depend on chance and on the data. Kalman filters on
+motors and similarities have no such ties in rotation: they propagate the errors of rotation,
+translation and scale together, so that each affects the others. Splines fitted to motors weigh
+rotations and translations in one sum of squares.
 """
 
 from __future__ import annotations

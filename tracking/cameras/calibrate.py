@@ -5,8 +5,8 @@ out. What the views cannot tell (too few, all at one angle) is refused, not gues
 
 Source: Zhang 2000 for what views are needed; Triggs et al. 2000 for the fit.
 
-A model with terms to spare fits what it saw as well as the right one; it does not predict what it
-has not seen. The simplest model wins whose errors on held-out views are no larger than the best
+A lens model with terms to spare fits what it saw as well as the right one; it does not predict what
+it has not seen. The simplest model wins whose errors on held-out views are no larger than the best
 one's, within what they scatter over views.
 """
 

@@ -1,8 +1,8 @@
 """The camera that a depth picture was taken by, and depth seen from another camera.
 
-Such a sensor measures disparities in eighths of a pixel, so that the inverse depths it can give lie
-apart by one step, ``1 / (8 f b)`` for focal length f and baseline b. The step shows in the values
-that occur in a picture, and tells a wrong unit or scale of the depth.
+A structured-light sensor measures disparities in eighths of a pixel, so that the inverse depths it
+can give lie apart by one step, ``1 / (8 f b)`` for focal length f and baseline b. The step shows in
+the values that occur in a picture, and tells a wrong unit or scale of the depth.
 
 Source: Khoshelham & Elberink 2012 (the first Kinect).
 """

@@ -15,7 +15,7 @@ each is a mixture with "tells nothing", so that none can rule out what the other
 The answer is the direction with the most probability around it; what lies elsewhere is its doubt.
 Slopes, and pictures that are turned on purpose, mislead it.
 
-Source of the detector: LSD, Grompone von Gioi et al. 2010.
+Source of the detector of line segments: LSD, Grompone von Gioi et al. 2010.
 
 Random samples find planes in leaves as well: any band through a cloud of points holds some. Five
 shares tell a surface, and multiply: its points keep to the middle of the band that was searched

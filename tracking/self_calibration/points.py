@@ -5,9 +5,9 @@ with the cube of the poses. Nothing fixes the unit of length; the damping leaves
 
 Sources: Triggs et al. 2000; Hartley & Zisserman 2003, ch. 19 (a moving camera).
 
-How fast the camera moved is known from its path; corners are moved to where a shutter sees them
-that reads at once (`tracking.rolling`), for a few read-outs along either axis, and all is fitted.
-The squared noise that is left is a parabola in the read-out.
+The read-out of a rolling shutter: how fast the camera moved is known from its path; corners are
+moved to where a shutter sees them that reads at once (`tracking.rolling`), for a few read-outs
+along either axis, and all is fitted. The squared noise that is left is a parabola in the read-out.
 """
 
 from __future__ import annotations

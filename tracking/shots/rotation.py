@@ -8,10 +8,11 @@ over it too, near their place: things that move before it leave that.
 
 Source: Kabsch 1976; Holland & Welsch 1977 (reweighting, Cauchy's weight).
 
-Corners of one are looked for in the other, from the shift that correlation of the whole pictures
-suggests, and count where a homography or the neighbourhood agrees; or the pictures, laid on each
-other by that shift, correlate by themselves (blur of a fast pan leaves no corners). Grey levels are
-made comparable first: a flash or a fade changes level and contrast, not structure.
+Pictures far apart are linked: corners of one are looked for in the other, from the shift that
+correlation of the whole pictures suggests, and count where a homography or the neighbourhood
+agrees; or the pictures, laid on each other by that shift, correlate by themselves (blur of a fast
+pan leaves no corners). Grey levels are made comparable first: a flash or a fade changes level and
+contrast, not structure.
 
 Sources: Lucas & Kanade 1981; Kuglin & Hines 1975 (phase correlation).
 """

@@ -4,8 +4,6 @@ World: the camera of the first keyframe (OpenCV axes). Lengths are metres with d
 pair; with one camera alone their unit is free (the median depth of the first map is 1), and only a
 comparison that frees the scale makes sense. Where the camera stays lost a new map begins, with a
 world of its own, until both are seen to show the same.
-
-The first map starts so, and each further one where the camera stays lost.
 """
 
 from __future__ import annotations

@@ -11,7 +11,8 @@ relation                        of the error pose E with rotation R and translat
 ``point_distance_error_ratio``  relative: the same, as a share of the true distance    %
 ==============================  =====================================================  ====
 
-The choices are those of ``evo_rpe``: from end to end, or from every pose on.
+Between which poses a relative error is taken is chosen as by ``evo_rpe``: from end to end, or from
+every pose on.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """The optimiser: all passes in their order, each measured.
 
-For every sum, the sums among its factors are multiplied out, those made last first, a level at a
-time. The level at which it takes the fewest operations is kept; what nothing uses any more is
-gone. Equal or worse levels are not taken, so that numbers which are factored well stay so.
+Sums are expanded: for every sum, the sums among its factors are multiplied out, those made last
+first, a level at a time. The level at which it takes the fewest operations is kept; what nothing
+uses any more is gone. Equal or worse levels are not taken, so that numbers which are factored well
+stay so.
 
 Where that saves divisions, reciprocals of products become products of reciprocals: 1/s and
 1/(s s) need one division together, 1/√n and 1/n too.

@@ -4,8 +4,9 @@ A bag (`BAG:/topic` names one of its topics), a video with a GoPro's telemetry, 
 log of PX4, a folder or zip of a phone's logger, KITTI's `oxts`, a recording with an IMU, or a table
 of text. Some hold a magnetometer's readings besides.
 
-D. Laidig, M. Caruso, A. Cereatti and T. Seel, "BROAD: A benchmark for robust inertial orientation
-estimation", Data 6(7), 2021. Samples are evenly spaced, so that stamps are counted from 0.
+Trials of BROAD: D. Laidig, M. Caruso, A. Cereatti and T. Seel, "BROAD: A benchmark for robust
+inertial orientation estimation", Data 6(7), 2021; samples are evenly spaced, so that stamps are
+counted from 0.
 """
 
 from __future__ import annotations

@@ -9,8 +9,8 @@ well. Where the old keyframe belongs to another map, this makes one map of the t
 Sources: pose graph over keyframes that share points, Mur-Artal & Tardos 2017; of similarities,
 Strasdat et al. 2010; maps that meet, Campos et al. 2021 (ORB-SLAM3).
 
-With one camera the unit drifts along with the pose, so nodes are similarities: 7 numbers each.
-Where lengths are metres the scale stays and 6 remain.
+In the pose graph of one camera the unit drifts along with the pose, so nodes are similarities: 7
+numbers each. Where lengths are metres the scale stays and 6 remain.
 
 Source: Strasdat, Montiel & Davison 2010 (scale drift-aware loop closing).
 """

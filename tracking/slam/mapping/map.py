@@ -3,10 +3,11 @@
 Points live in tables that get longer; a point's number never changes. A point that is not located
 yet is NaN. `SlamMap.snapshot` gives frozen arrays, which are what is saved and handed out.
 
-Descriptors are sorted into a tree whose nodes are the bitwise majority of what lies below them
-(k-medians under Hamming's distance); a leaf is a word. The tree is learnt from the first keyframes
-and once more, larger, when there are enough of them; nothing is downloaded. For each word an
-inverted index holds the keyframes that show it. Words that many keyframes show count little.
+The vocabulary finds keyframes that look alike: descriptors are sorted into a tree whose nodes are
+the bitwise majority of what lies below them (k-medians under Hamming's distance); a leaf is a word.
+The tree is learnt from the first keyframes and once more, larger, when there are enough of them;
+nothing is downloaded. For each word an inverted index holds the keyframes that show it. Words that
+many keyframes show count little.
 
 Sources: Nister & Stewenius 2006 (the tree, the index); Galvez-Lopez & Tardos 2012 (binary words);
 Garcia-Fidalgo & Ortiz 2018 (learnt online).

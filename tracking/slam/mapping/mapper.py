@@ -2,8 +2,9 @@
 
 Sources: keyframes and culling after Mur-Artal & Tardos 2017; tracks as in Qin et al. 2018.
 
-A map then grows with what the camera has seen, not with how long it has looked. Frames that were
-told by such a keyframe hang on its neighbour from then on.
+Keyframes that show nothing which others do not show as well leave the map, so it grows with what
+the camera has seen, not with how long it has looked. Frames that hung on such a keyframe hang on
+its neighbour from then on.
 
 Source: Mur-Artal & Tardos 2017 (ORB-SLAM2): 90 % of the points seen by three others at the same or
 a finer scale.
