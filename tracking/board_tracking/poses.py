@@ -88,8 +88,8 @@ class BoardMeasurements:
         if not len(self.intrinsics_root):
             return self.camera
         own = self.camera
-        given = np.array([own.fx, own.fy, own.cx, own.cy, *own.distortion])
-        fx, fy, cx, cy, *distortion = (given + self.intrinsics_root @ common).tolist()
+        stated = np.array([own.fx, own.fy, own.cx, own.cy, *own.distortion])
+        fx, fy, cx, cy, *distortion = (stated + self.intrinsics_root @ common).tolist()
         return replace(own, fx=fx, fy=fy, cx=cx, cy=cy, distortion=tuple(distortion))
 
 
@@ -116,12 +116,12 @@ def measure_board(
             corners can scatter in images of this size.
         ValueError: neither a camera nor a size.
     """
-    found = None
+    calibrated = None
     if camera is None:
         if size is None:
             raise ValueError("size: expected width and height where no camera is given, got none")
-        found = calibrate([views[k] for k in spread_views(views, _MOST_VIEWS)], size, model)
-        camera = found.camera
+        calibrated = calibrate([views[k] for k in spread_views(views, _MOST_VIEWS)], size, model)
+        camera = calibrated.camera
     rows, poses = _posed(time_ns, views, camera)
     if not poses:
         raise TrackingError(f"views: expected some that give a pose, got none of {len(views)}")
@@ -137,7 +137,7 @@ def measure_board(
     kept = [views[row] for row in rows[fits]]
     chosen = [pose for pose, fit in zip(poses, fits, strict=True) if fit]
     stamps, motors = time_ns[rows[fits]], Motor.stack([pose.world_T_camera for pose in chosen])
-    if found is None:
+    if calibrated is None:
         freedom = sum(max(2 * len(view) - 6, 0) for view in kept)
         squares = sum(float(np.sum(pose.residuals_px**2)) for pose in chosen)
         sigma_px = _sigma(squares, freedom)
@@ -150,7 +150,7 @@ def measure_board(
             camera, None, len(views), measured, np.zeros((0, 0)), nothing, sigma_px, errors[fits]
         )
     fit = fit_camera(Observations.of(kept), camera, motors)
-    return _fitted(fit, found, stamps, kept, len(views))
+    return _fitted(fit, calibrated, stamps, kept, len(views))
 
 
 def _posed(
@@ -178,7 +178,7 @@ def _posed(
 
 
 def _fitted(
-    fit: Fit, found: Calibration, stamps: IntArray, kept: list[BoardCorners], views: int
+    fit: Fit, calibration: Calibration, stamps: IntArray, kept: list[BoardCorners], views: int
 ) -> BoardMeasurements:
     """Poses, and how what is left open of the intrinsics moves them."""
     counts = np.array([len(view) for view in kept])
@@ -194,7 +194,7 @@ def _fitted(
     )
     return BoardMeasurements(
         camera=fit.camera,
-        calibration=found,
+        calibration=calibration,
         views=views,
         measurements=measured,
         intrinsics_root=root,

@@ -68,15 +68,15 @@ class BoardTrack:
             raise ValueError(f"BoardTrack.states: expected {', '.join(FRAME_STATES)} only")
         errors = frozen(checked_floats(self.error_px, "BoardTrack.error_px", ()))
         seen = stamps[states != "lost"]
-        observed = np.array([one.time_ns for one in self.observations], np.int64)
-        for name, given in (
+        observed = np.array([observation.time_ns for observation in self.observations], np.int64)
+        for name, stamps_ns in (
             ("observations", observed),
             ("measurements", self.measurements.trajectory.time_ns),
         ):
-            if not np.array_equal(given, seen):
+            if not np.array_equal(stamps_ns, seen):
                 raise ValueError(
                     f"BoardTrack.{name}: expected the {len(seen)} stamps that are not lost, "
-                    f"got {len(given)}"
+                    f"got {len(stamps_ns)}"
                 )
         if errors.shape != seen.shape:
             raise ValueError(f"BoardTrack.error_px: expected {seen.shape}, got {errors.shape}")
@@ -164,7 +164,7 @@ def with_pooled_noise(board_track: BoardTrack) -> BoardTrack:
     Args:
         board_track: with covariances as `refine` gives them.
     """
-    count = np.array([len(one.ids) for one in board_track.observations])
+    count = np.array([len(observation.ids) for observation in board_track.observations])
     squares, freedom = count * board_track.error_px**2, np.maximum(2 * count - 6, 1)
     usual = float(squares.sum() / freedom.sum())
     least = SIGMA_FLOOR_PX**2
@@ -185,8 +185,8 @@ def guessed_turns(board: Board, board_track: BoardTrack) -> int:
     if len(board.turns) == 1:
         return 0
     whole = np.full((len(shown), len(board.points_m), 2), np.nan)
-    for row, one in enumerate(shown):
-        whole[row, one.ids] = one.corners_px
+    for row, observation in enumerate(shown):
+        whole[row, observation.ids] = observation.corners_px
     steps = [np.linalg.norm(whole[1:, turn] - whole[:-1], axis=-1) for turn in board.turns]
     both = np.isfinite(steps).all(axis=0)
     apart = [np.where(both, step, 0.0).sum(axis=-1) for step in steps]
@@ -219,11 +219,11 @@ def registration_px(
     >>> bool(errors_px.max() < 0.2)
     True
     """
-    found = []
+    errors_px = []
     for seen in board_track.observations:
         if not path.time_ns[0] <= seen.time_ns <= path.time_ns[-1]:
             continue
         camera_T_board = path.motors_at(np.int64(seen.time_ns)).inverse() @ world_T_board
         expected = camera.project(camera_T_board.apply(board.points_m[seen.ids]))
-        found.append(np.sqrt(np.mean(np.sum((expected - seen.corners_px) ** 2, axis=-1))))
-    return np.array(found, dtype=np.float64)
+        errors_px.append(np.sqrt(np.mean(np.sum((expected - seen.corners_px) ** 2, axis=-1))))
+    return np.array(errors_px, dtype=np.float64)

@@ -102,9 +102,9 @@ def board_poses(recording: Recording) -> BoardPoses:
     audit, off_s = audited_board(recording, board, tracked)
     if off_s is not None:
         tracked = unrolled_track(rolled, board, camera, shutter_s + off_s)
-    seen = {one.time_ns: one for one in rolled.observations if one.time_ns in shown}
+    seen = {sighted.time_ns: sighted for sighted in rolled.observations if sighted.time_ns in shown}
     noise_px = corner_noise_px(
-        [shown[stamp] for stamp in seen], [one.corners_px for one in seen.values()]
+        [shown[stamp] for stamp in seen], [sighted.corners_px for sighted in seen.values()]
     )
     path = tracked.measurements.trajectory
     drawn = ((shown[stamp], board, path.motors_at(np.int64(stamp))) for stamp in seen)

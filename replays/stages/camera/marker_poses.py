@@ -282,14 +282,14 @@ def markers_found(
         if markers.marker_map is not None:
             seen = refind_markers(gray, family, camera, markers.marker_map, seen)
         usable = _usable(seen)
-        ids.append(np.array([one.marker_id for one in usable], np.int64))
-        corners.append(np.array([one.corners_px for one in usable]).reshape(-1, 4, 2))
+        ids.append(np.array([detection.marker_id for detection in usable], np.int64))
+        corners.append(np.array([detection.corners_px for detection in usable]).reshape(-1, 4, 2))
         if refine == "photometric":
             sides = np.full(len(usable), markers.side_m)
             refined.append(_refined(gray, camera, family, ids[-1], corners[-1], sides))
     if refine == "photometric":
         return joined_frames(camera, frames.time_ns, refined)
-    rows = np.repeat(np.arange(len(ids)), [len(one) for one in ids])
+    rows = np.repeat(np.arange(len(ids)), [len(in_frame) for in_frame in ids])
     stream = CornerStream(
         camera, frames.time_ns, rows, np.concatenate(ids), np.concatenate(corners)
     )
@@ -316,7 +316,7 @@ def _sighted(seen: CornerStream, known: MarkerMap) -> SightedPoints:
     )
 
 
-def _usable(found: tuple[Detection, ...]) -> list[Detection]:
-    ids = [one.marker_id for one in found]
-    once = [one for one in found if ids.count(one.marker_id) == 1]
-    return [one for one in once if one.sharp] or once
+def _usable(detections: tuple[Detection, ...]) -> list[Detection]:
+    ids = [detection.marker_id for detection in detections]
+    once = [detection for detection in detections if ids.count(detection.marker_id) == 1]
+    return [detection for detection in once if detection.sharp] or once

@@ -50,13 +50,15 @@ def moving_markers(
     most = min(len(left) // 2, len(left) - 2)
     while len(moving) < most:
         others = without(few, moving)
-        errors = {one: _error_px(without(others, [one]), remap) for one in _worst(others, remap)}
-        best = min(errors, key=lambda one: errors[one], default=None)
+        errors = {
+            tried: _error_px(without(others, [tried]), remap) for tried in _worst(others, remap)
+        }
+        best = min(errors, key=lambda tried: errors[tried], default=None)
         if best is None:
             return ()
         moving.append(best)
         if errors[best] <= limit_px:
-            aside = without(few, [one for one in left if one not in moving])
+            aside = without(few, [marker for marker in left if marker not in moving])
             half = 2 * len(moving) == len(left)
             return () if half and _error_px(aside, remap) <= limit_px else tuple(sorted(moving))
     return ()
@@ -84,7 +86,7 @@ def _worst(seen: Streams, remap: Remap) -> list[int]:
     except TrackingError:
         return []
     known, path = mapped.marker_map, mapped.trajectory
-    missed: dict[int, list[float]] = {one: [] for one in known.marker_ids.tolist()}
+    missed: dict[int, list[float]] = {marker: [] for marker in known.marker_ids.tolist()}
     if len(missed) <= _CANDIDATES:
         return sorted(missed)
     for name, stream in seen.items():
@@ -98,7 +100,7 @@ def _worst(seen: Streams, remap: Remap) -> list[int]:
         for marker, error in zip(stream.marker_ids.tolist(), off.tolist(), strict=True):
             if marker in missed and np.isfinite(error):
                 missed[marker].append(error)
-    order = sorted(missed, key=lambda one: -float(np.median(missed[one] or [0.0])))
+    order = sorted(missed, key=lambda marker: -float(np.median(missed[marker] or [0.0])))
     return order[:_CANDIDATES]
 
 

@@ -287,7 +287,7 @@ def _sizes(mapped: MappedScene) -> AuditFinding:
         summary = f"the sides of {np.count_nonzero(judged)} markers fit to {most:.1%}"
         return AuditFinding(name, "consistent", most, "share", summary)
     worst = off[np.argsort(-np.abs(share[off]))][:_MOST_NAMED]
-    named = ", ".join(f"{seen.marker_ids[one]} ({share[one]:+.1%})" for one in worst)
+    named = ", ".join(f"{seen.marker_ids[row]} ({share[row]:+.1%})" for row in worst)
     summary = f"{len(off)} markers look larger or smaller than stated: {named}"
     return AuditFinding(name, "contradicted", most, "share", summary, "measure their black squares")
 

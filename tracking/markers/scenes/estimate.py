@@ -75,7 +75,7 @@ def map_scene(
     seen = gather_scene(streams, scene, sync_s)
     if len(seen) == 0:
         raise TrackingError("streams: expected markers of the scene, got none")
-    scene, told = _with_good_odometry(seen, scene)
+    scene, findings = _with_good_odometry(seen, scene)
     start = Start(seen, scene)
     start.fill()
     poses, _ = adjust_scene(seen, scene, Motor(start.poses), start.known, bounded=False, last=False)
@@ -88,10 +88,10 @@ def map_scene(
     misfit, alone, limit_px = _misfits(seen, scene, poses, start.known)
     start.known[misfit] = False
     if len(misfit):
-        told.append(misfit_finding(len(misfit), alone, limit_px))
+        findings.append(misfit_finding(len(misfit), alone, limit_px))
     errors = np.where(start.known[seen.chain].all(axis=1), seen.errors_px(poses), np.inf)
-    found = MappedScene(scene, seen, poses, start.known, errors, covariance)
-    return replace(found, audit=(*told, *scene_audit(found)))
+    mapped = MappedScene(scene, seen, poses, start.known, errors, covariance)
+    return replace(mapped, audit=(*findings, *scene_audit(mapped)))
 
 
 def _misfits(
@@ -100,7 +100,7 @@ def _misfits(
     """Rows of frames whose only sighting misfits, how many have but one, and the limit."""
     limit_px = float(np.sqrt(_MISFIT / 4.0)) * scene.sigma_px
     free = np.array(
-        [one.moves and one.odometry is None and one.still is None for one in scene.bodies]
+        [body.moves and body.odometry is None and body.still is None for body in scene.bodies]
     )
     used = np.flatnonzero(known[seen.chain].all(axis=1))
     rows = seen.chain[used][:, [CARRIER, BODY]]
@@ -120,15 +120,15 @@ def _with_good_odometry(
     bare = replace(scene, bodies=tuple(replace(body, odometry=None) for body in scene.bodies))
     start = Start(seen, bare)
     start.fill()
-    told, bodies = [], []
+    findings, bodies = [], []
     for first, body in zip(seen.first_row.tolist(), scene.bodies, strict=True):
         if body.odometry is not None and body.moves:
             frames = np.flatnonzero(start.known[first : first + len(seen.time_ns)])
             poses = Motor(start.poses)[first + frames]
-            told.append(
+            findings.append(
                 odometry_finding(body.name, hand_eye(body.odometry, seen.time_ns[frames], poses))
             )
-            if not told[-1].passed:
+            if not findings[-1].passed:
                 body = replace(body, odometry=None)
         bodies.append(body)
-    return replace(scene, bodies=tuple(bodies)), told
+    return replace(scene, bodies=tuple(bodies)), findings

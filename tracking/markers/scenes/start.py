@@ -132,23 +132,23 @@ class Start:
     def _see(self) -> bool:
         """Poses that sightings propose; whether any was found."""
         missing = ~self.known[self._chain]
-        one = np.flatnonzero(np.count_nonzero(missing, axis=1) == 1)
-        if not len(one):
+        single = np.flatnonzero(np.count_nonzero(missing, axis=1) == 1)
+        if not len(single):
             return False
-        slot = np.argmax(missing[one], axis=1)
-        target = self._chain[one, slot]
+        slot = np.argmax(missing[single], axis=1)
+        target = self._chain[single, slot]
         passing = ~self._staying[target]
         if passing.any():
-            self._place(one[passing], target[passing], slot[passing])
+            self._place(single[passing], target[passing], slot[passing])
             return True
-        return self._vote(one, target, slot)
+        return self._vote(single, target, slot)
 
     def _proposed(self, rows: IntArray, which: IntArray, slot: IntArray) -> Motor:
         """Missing poses by sightings ``(n,)``, of each by one of its planar poses."""
         chain, table = self._chain[rows], Motor(self.poses)
         camera, carrier, body, marker = (table[chain[:, k]] for k in range(4))
         seen = self._seen.camera_T_marker[rows, which]
-        found = np.empty((len(rows), 8))
+        proposed = np.empty((len(rows), 8))
         ways: tuple[tuple[int, Callable[[IntArray], Motor]], ...] = (
             (CAMERA, lambda k: carrier[k].inverse() @ body[k] @ marker[k] @ seen[k].inverse()),
             (CARRIER, lambda k: body[k] @ marker[k] @ (camera[k] @ seen[k]).inverse()),
@@ -158,8 +158,8 @@ class Start:
         for column, make in ways:
             mine = np.flatnonzero(slot == column)
             if len(mine):
-                found[mine] = make(mine).coefficients
-        return Motor(found)
+                proposed[mine] = make(mine).coefficients
+        return Motor(proposed)
 
     def _place(self, rows: IntArray, target: IntArray, slot: IntArray) -> None:
         """Each pose of a frame: of its proposals the one that all its sightings fit best.
@@ -213,8 +213,8 @@ class Start:
         """Those with a known neighbour in time come first."""
         nearest = [self._neighbour(int(row)) for row in rows]
         off = [
-            np.inf if one is None else abs(one - row)
-            for row, one in zip(rows, nearest, strict=True)
+            np.inf if known_row is None else abs(known_row - row)
+            for row, known_row in zip(rows, nearest, strict=True)
         ]
         return rows[np.argsort(off, kind="stable")]
 
@@ -232,7 +232,7 @@ class Start:
     def _cost(self, rows: IntArray, target: IntArray, proposed: Motor) -> FloatArray:
         """Squared errors (px²), bounded, of sightings whose missing pose is as proposed."""
         chain, table = self._chain[rows], Motor(self.poses)
-        given = [
+        posed = [
             Motor(
                 np.where(
                     (chain[:, k] == target)[:, None],
@@ -242,16 +242,16 @@ class Start:
             )
             for k in range(4)
         ]
-        camera_T_marker = (given[CARRIER] @ given[CAMERA]).inverse() @ given[BODY] @ given[MARKER]
-        found = self._seen.residuals_px(
+        camera_T_marker = (posed[CARRIER] @ posed[CAMERA]).inverse() @ posed[BODY] @ posed[MARKER]
+        residuals = self._seen.residuals_px(
             rows, camera_T_marker[:, None].apply(self._seen.points_m[rows])
         )
-        squares: FloatArray = np.sum(found**2, axis=(-1, -2)) / 4.0
+        squares: FloatArray = np.sum(residuals**2, axis=(-1, -2)) / 4.0
         return np.asarray(np.minimum(np.nan_to_num(squares, nan=np.inf), _FAR_PX**2), np.float64)
 
     def _vote(self, rows: IntArray, target: IntArray, slot: IntArray) -> bool:
         """Poses that stay: those that most frames agree on."""
-        found: dict[int, tuple[Motor, float]] = {}
+        votes: dict[int, tuple[Motor, float]] = {}
         for row in np.unique(target).tolist():
             mine = np.flatnonzero(target == row)
             mine = mine[np.linspace(0, len(mine) - 1, min(len(mine), _MOST_VOTES)).astype(np.int64)]
@@ -261,9 +261,9 @@ class Start:
             poses = self._seen.camera_T_marker[seen, which]
             far_m = np.linalg.norm(poses.translation_m, axis=-1)
             reach_m = _AGREE_SHARE * np.maximum(far_m, side_m)
-            found[row] = agreed(proposed, self._seen.probability[seen, which], reach_m)
-        most = max(support for _, support in found.values())
-        for row, (pose, support) in found.items():
+            votes[row] = agreed(proposed, self._seen.probability[seen, which], reach_m)
+        most = max(support for _, support in votes.values())
+        for row, (pose, support) in votes.items():
             if support >= _SUPPORT * most:
                 self._set(row, pose)
         return True
@@ -294,7 +294,7 @@ class Start:
 
 def stated_rows(seen: SceneSightings, scene: MarkerScene) -> list[tuple[int, StatedPose]]:
     """Row of the table and pose of all that was stated."""
-    found = [
+    rows = [
         (row, scene.cameras[name]) for row, name in enumerate(seen.names) if name in scene.cameras
     ]
     for k, (marker, body) in enumerate(
@@ -302,11 +302,11 @@ def stated_rows(seen: SceneSightings, scene: MarkerScene) -> list[tuple[int, Sta
     ):
         fixed = scene.bodies[body].markers.get(marker)
         if fixed is not None and fixed.stated is not None:
-            found.append((len(seen.names) + k, fixed.stated))
-    for row, one in zip(seen.first_row.tolist(), scene.bodies, strict=True):
-        if one.stated is not None and not one.moves:
-            found.append((row, one.stated))
-    return found
+            rows.append((len(seen.names) + k, fixed.stated))
+    for row, owner in zip(seen.first_row.tolist(), scene.bodies, strict=True):
+        if owner.stated is not None and not owner.moves:
+            rows.append((row, owner.stated))
+    return rows
 
 
 def _nearest(sorted_ns: IntArray, time_ns: IntArray) -> NDArray[np.int64]:

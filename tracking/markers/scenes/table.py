@@ -94,11 +94,11 @@ class SceneSightings:
 
     def residuals_px(self, which: IntArray, in_camera: FloatArray) -> FloatArray:
         """Reprojection of points ``(n, 4, 3)`` minus the corners of sightings ``(n,)``."""
-        found = np.full((len(which), 4, 2), np.nan)
+        residuals = np.full((len(which), 4, 2), np.nan)
         for row, camera in enumerate(self.cameras):
             mine = self.camera[which] == row
-            found[mine] = camera.project(in_camera[mine]) - self.corners_px[which[mine]]
-        return found
+            residuals[mine] = camera.project(in_camera[mine]) - self.corners_px[which[mine]]
+        return residuals
 
     def linearised(
         self, poses: Motor, rows: NDArray[np.int64] | slice = slice(None)
@@ -133,10 +133,10 @@ class SceneSightings:
         chain = self.chain
         camera_T_world = (poses[chain[:, CARRIER]] @ poses[chain[:, CAMERA]]).inverse()
         camera_T_marker = camera_T_world @ poses[chain[:, BODY]] @ poses[chain[:, MARKER]]
-        found = self.residuals_px(
+        residuals = self.residuals_px(
             np.arange(len(self)), camera_T_marker[:, None].apply(self.points_m)
         )
-        errors = np.sqrt(np.sum(found**2, axis=(-1, -2)) / 4.0)
+        errors = np.sqrt(np.sum(residuals**2, axis=(-1, -2)) / 4.0)
         return np.where(np.isfinite(errors), errors, np.inf)
 
     def limits_px(self, sigma_px: float) -> FloatArray:
@@ -167,8 +167,8 @@ def gather_scene(
     body_at = {body.name: row for row, body in enumerate(scene.bodies)}
     carriers = np.array([body_at[scene.camera_body[name]] for name in names])
     seen_ids = np.unique(np.concatenate([streams[name].marker_ids for name in names]))
-    known = {int(one): row for one in seen_ids if (row := scene.body_of(int(one))) is not None}
-    sides = {one: float(scene.side_m(one) or 0.0) for one in known}
+    known = {int(tag): row for tag in seen_ids if (row := scene.body_of(int(tag))) is not None}
+    sides = {tag: float(scene.side_m(tag) or 0.0) for tag in known}
     parts = [
         _posed(streams[name], which, int(carriers[which]), frames[which], known, sides)
         for which, name in enumerate(names)
@@ -177,7 +177,7 @@ def gather_scene(
         np.concatenate([part[column] for part in parts]) for column in range(6)
     )
     marker_ids = np.array(sorted(known), np.int64)
-    marker_body = np.array([known[int(one)] for one in marker_ids], np.int64)
+    marker_body = np.array([known[int(tag)] for tag in marker_ids], np.int64)
     marker = np.searchsorted(marker_ids, ids)
     order = np.lexsort((marker, camera, frame))
     frame, camera, marker = frame[order], camera[order], marker[order]
@@ -195,7 +195,7 @@ def gather_scene(
         names,
         tuple(streams[name].camera for name in names),
         marker_ids,
-        np.array([sides[int(one)] for one in marker_ids], np.float64),
+        np.array([sides[int(tag)] for tag in marker_ids], np.float64),
         marker_body,
         first_row,
         frame_of,
@@ -220,9 +220,9 @@ def _posed(
     sides: Mapping[int, float],
 ) -> tuple[NDArray[Any], ...]:
     """Camera, frame, id, corners, planar poses and their errors of what can be posed."""
-    owner = np.array([known.get(int(one), carrier) for one in stream.marker_ids], np.int64)
+    owner = np.array([known.get(int(tag), carrier) for tag in stream.marker_ids], np.int64)
     mine = np.flatnonzero(owner != carrier)
-    side_m = np.array([sides[int(one)] for one in stream.marker_ids[mine]], np.float64)
+    side_m = np.array([sides[int(tag)] for tag in stream.marker_ids[mine]], np.float64)
     rows, both, error_px = planar_poses(stream.camera, stream.corners_px[mine], side_m)
     mine = mine[rows]
     return (
