@@ -321,7 +321,7 @@ class FilmStage:
         if depth_m is not None and middle.ground_m is not None:
             raised_m = raised(depth_m, middle.ground_m, middle.eye_m)
             hiding_m = np.where(raised_m < SOLE * self.height_m, np.float32(0.0), depth_m)
-        visible, on_ground = None, 1.0
+        visible, on_ground = None, np.ones(layer.depth_m.shape)
         if hiding_m is not None:
             visible = seen_share(_depth_to_the_rim(layer), hiding_m) / 256.0
         if shot.masked is not None:

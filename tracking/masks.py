@@ -58,12 +58,11 @@ def _pulled(image: NDArray[np.float32], known: NDArray[np.float32]) -> NDArray[n
     height, width = known.shape
     if min(height, width) < 4 or known.min() > 0.0:
         return image
-    spread = (lambda values: values) if image.ndim == 2 else (lambda values: values[..., None])
+    spread = known if image.ndim == 2 else known[..., None]
     coarse = cv2.pyrDown(known)
-    seen = coarse > 0.05
-    half = cv2.pyrDown(image * spread(known)) / spread(np.maximum(coarse, 0.05))
-    below = _pulled(half, seen.astype(np.float32))
-    return np.where(spread(known > 0.0), image, cv2.pyrUp(below, dstsize=(width, height)))
+    weight = np.maximum(coarse, 0.05).reshape(*coarse.shape, *(1,) * (image.ndim - 2))
+    below = _pulled(cv2.pyrDown(image * spread) / weight, (coarse > 0.05).astype(np.float32))
+    return np.where(spread > 0.0, image, cv2.pyrUp(below, dstsize=(width, height)))
 
 
 def refine_mask(mask: GrayImage, image: NDArray[np.uint8]) -> GrayImage:
@@ -117,7 +116,7 @@ def _around(
     mean = spread(shown * sure[..., None]).reshape(shown.shape) / enough[..., None]
     square = spread(np.sum(shown**2, axis=2) * sure) / enough
     variance = np.maximum(square - np.sum(mean**2, axis=2), 0.0)
-    return mean, np.asarray(variance, np.float32), weight > 1e-2
+    return mean.astype(np.float32), variance.astype(np.float32), weight > 1e-2
 
 
 def standing_depth(
@@ -143,8 +142,8 @@ def standing_depth(
             towards = camera.bearings(outline[:, 0].astype(np.float64))
             with np.errstate(divide="ignore"):
                 own_m = towards[:, 2] * (normal @ origin_m) / (towards @ normal)
-        nearest_m = np.min(own_m[own_m > 0.0], initial=np.inf)
-        nearest_m = nearest_m if np.isfinite(nearest_m) else 0.0
+        ahead_m = own_m[own_m > 0.0]
+        nearest_m = float(ahead_m.min()) if len(ahead_m) else 0.0
         for how in (cv2.FILLED, 5):  # and its soft rim
-            cv2.drawContours(away_m, [outline], 0, float(nearest_m), how)
+            cv2.drawContours(away_m, [outline], 0, nearest_m, how)
     return away_m

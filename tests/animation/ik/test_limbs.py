@@ -7,7 +7,7 @@ import pytest
 
 from motorcade.animation import Skeleton
 from motorcade.animation.ik import Chain, GroundHeights, Leg, aim, bend_limb, plant_feet, reach_with
-from motorcade.animation.ik.feet import find_stances
+from motorcade.animation.ik.feet import find_stances, swing_lift_m
 from motorcade.ga import Motor, Rotor
 
 NAMES = ("hips", "thigh", "calf", "foot", "toes", "head")
@@ -288,3 +288,14 @@ def test_the_end_of_a_limb_keeps_its_turn_in_the_world_or_follows_the_limb(skele
     else:
         found, wanted = made[number], skeleton.rest[number]
     assert float((found.rotor.inverse() @ wanted.rotor).angle()) < 1e-9
+
+
+def test_a_foot_that_goes_along_the_ground_is_lifted_off_it_at_once() -> None:
+    time_s = np.arange(60) / 60.0
+    standing = (time_s < 0.3) | (time_s > 0.7)
+    at = np.zeros((60, 3))
+    at[:, 0] = np.clip(3.0 * (time_s - time_s[standing][0] - 0.3), 0.0, 1.2)  # 50 mm a frame
+    lift = swing_lift_m(at, np.zeros(60), time_s, standing, 0.8)
+    moved = np.abs(at[:, 0] - np.where(time_s < 0.5, 0.0, at[-1, 0])) > 0.02
+    assert lift[~standing & moved].min() > 0.005  # 0.3 % of a height of 1.7 m
+    assert np.all(lift[standing] == 0.0)
