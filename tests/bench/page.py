@@ -153,15 +153,13 @@ def headlines(figures: Mapping[str, Any]) -> Iterator[Headline]:
 
 def _blend(found: Mapping[str, Any]) -> Iterator[Headline]:
     ns = {(row["method"], row["scalar"], row["joints"]): row["ns"] for row in found["rows"]}
-    for ours, other in (
-        ("motor linear", "quaternion nlerp + mix in arrays"),
-        ("motor linear", "GLM nlerp + mix"),
-        ("motor screw", "quaternion slerp + mix in arrays"),
-        ("motor screw", "GLM slerp + mix"),
-    ):
+    for ours, way in (("motor linear", "nlerp"), ("motor screw", "slerp")):
         for scalar in ("float32", "float64"):
-            mine, theirs = (ns.get((method, scalar, JOINTS)) for method in (ours, other))
-            if mine is not None and theirs is not None:
+            mine = ns.get((ours, scalar, JOINTS))
+            fairest = (f"quaternion {way} + mix in arrays", f"GLM {way} + mix")
+            other = next((name for name in fairest if (name, scalar, JOINTS) in ns), None)
+            if mine is not None and other is not None:
+                theirs = ns[other, scalar, JOINTS]
                 yield Headline(
                     f"two poses blended, {ours}, {scalar}, {JOINTS} joints",
                     f"{mine:.1f} ns a joint",
