@@ -18,12 +18,12 @@ import sys
 import tempfile
 import threading
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import redirect_stdout
 from io import StringIO
 from pathlib import Path
-from types import FrameType
+from types import CodeType, FrameType
 from typing import Any
 
 from motorcade.render.plots import standing_alone
@@ -51,8 +51,8 @@ class Sampler(threading.Thread):
         super().__init__(daemon=True)
         self._stages, self._stopped = frozenset(stages), threading.Event()
         self._main = threading.main_thread().ident
-        self.clock_s: Counter[str] = Counter()
-        self.processor_s: Counter[tuple[str, str, str]] = Counter()
+        self.clock_s: defaultdict[str, float] = defaultdict(float)
+        self.processor_s: defaultdict[tuple[str, str, str], float] = defaultdict(float)
 
     def run(self) -> None:
         """Sample until `stop`."""
@@ -107,7 +107,7 @@ def _clocks(own: int) -> dict[int, float]:
     return clocks_s
 
 
-def _codes(frame: FrameType | None) -> Iterator[Any]:
+def _codes(frame: FrameType | None) -> Iterator[CodeType]:
     """Code of the functions on a stack, the innermost first."""
     while frame is not None:
         yield frame.f_code
@@ -140,7 +140,9 @@ def profiled(work: Callable[[], object]) -> dict[str, Any]:
         sampler.stop()
     rows = [
         {"stage": stage, "thread": thread, "function": function, "processor_s": spent_s}
-        for (stage, thread, function), spent_s in sampler.processor_s.most_common()
+        for (stage, thread, function), spent_s in sorted(
+            sampler.processor_s.items(), key=lambda item: -item[1]
+        )
         if spent_s > 0.0
     ]
     return {
@@ -201,9 +203,9 @@ def stages_picture(found: Mapping[str, Any]) -> str:
     stages = {name: of for name, of in _by_thread(found).items() if sum(of.values()) > LEAST_S}
     longest_s = max(sum(threads.values()) for threads in stages.values())
     step, parts = BAR + 10, []
-    for name, x in zip(SHADES, (LABEL, LABEL + 90, LABEL + 200), strict=True):
-        parts.append(f'<rect x="{x}" y="6" width="12" height="12" fill="{SHADES[name]}"/>')
-        parts.append(f'<text x="{x + 16}" y="16">{name}</text>')
+    for name, left in zip(SHADES, (LABEL, LABEL + 90, LABEL + 200), strict=True):
+        parts.append(f'<rect x="{left}" y="6" width="12" height="12" fill="{SHADES[name]}"/>')
+        parts.append(f'<text x="{left + 16}" y="16">{name}</text>')
     for row, (name, threads) in enumerate(stages.items()):
         x, y = float(LABEL), 30 + row * step
         parts.append(f'<text x="{LABEL - 8}" y="{y + 13}" text-anchor="end">{name}</text>')
