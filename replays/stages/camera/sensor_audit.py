@@ -102,7 +102,7 @@ def audited_pair(recording: Recording) -> tuple[AuditFinding, ...]:
         columns, rows = np.rint(px[tracked]).astype(int).T
         depth_m = frame.depth_m()
         depths_m.append(np.full(len(rows), np.nan) if depth_m is None else depth_m[rows, columns])
-    left_px, right_px, depths = map(np.concatenate, (lefts, rights, depths_m))
+    left_px, right_px, depths = (np.concatenate(part) for part in (lefts, rights, depths_m))
     matches = left_px - right_px
     same_row = np.abs(matches[:, 1]) <= _LEVEL_PX
     right_of, level = np.count_nonzero(matches[same_row, 0] > 0.0), np.count_nonzero(same_row)
