@@ -123,8 +123,8 @@ class Start:
     def _free(self, body: int) -> bool:
         """Whether the frame of a body is nowhere fixed: it moves, or no pose of it was stated."""
         carriers = {self._scene.camera_body[name] for name in self._seen.names}
-        carried = self._scene.bodies[body]
-        return not carried.moves or carried.name not in carriers
+        own = self._scene.bodies[body]
+        return not own.moves or own.name not in carriers
 
     def _set(self, row: int, pose: Motor) -> None:
         self.poses[row], self.known[row] = pose.coefficients, True
