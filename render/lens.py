@@ -10,6 +10,8 @@ would blur all of it and cut its border off.
 from __future__ import annotations
 
 import math
+from copy import copy
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, TypeVar
 
@@ -133,6 +135,34 @@ class LensWarp:
         self._reach = 2.0 * max(np.nanmax(step, initial=STEP) for step in steps) + 1.0
         self._source = np.nan_to_num(source, nan=_NOWHERE)
         self._whole, self._fraction = cv2.convertMaps(self._source, None, cv2.CV_16SC2)
+
+    def zoomed(self, ratio: float) -> LensWarp:
+        """The same of a focal length so many times as long, for a pinhole of the same size.
+
+        Zooming out, what the pinhole does not reach stays undrawn.
+        """
+        if ratio == 1.0:
+            return self
+        longer = copy(self)
+        longer.camera, pinhole = (
+            replace(one, fx=ratio * one.fx, fy=ratio * one.fy)
+            for one in (self.camera, self.pinhole)
+        )
+        longer.pinhole = longer.camera if self.camera is self.pinhole else pinhole
+        if self.camera is self.pinhole:
+            return longer
+        shift = (1.0 - 1.0 / ratio) * np.array([self.camera.cx, self.camera.cy])
+        back = np.column_stack([np.eye(2) / ratio, shift])
+        size, centre = self._source.shape[1::-1], np.array([pinhole.cx, pinhole.cy], np.float32)
+        how = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        source = cv2.warpAffine(self._source, back, size, flags=how, borderValue=(_NOWHERE,) * 4)
+        near = source.min(axis=-1, keepdims=True) > 0.0
+        source = np.where(near, centre + np.float32(ratio) * (source - centre), _NOWHERE)
+        longer._source = source.astype(np.float32)
+        longer._some = np.where(source > _NOWHERE, source, np.nan)[::STEP, ::STEP]
+        longer._reach = ratio * self._reach
+        longer._whole, longer._fraction = cv2.convertMaps(longer._source, None, cv2.CV_16SC2)
+        return longer
 
     def shown(self, drawn: Extent) -> Window:
         """Where `camera`'s image can show a part of `pinhole`'s, and a little around it.

@@ -56,7 +56,10 @@ from motorcade.tracking.masks import fill_masked, standing_depth
 LOW, SOLE = 0.1, 0.05
 
 MaskedFrame = tuple[int, ImageArray, DepthArray | None, ImageArray | None]
-StampedFrame = tuple[int, ImageArray] | tuple[int, ImageArray, DepthArray | None] | MaskedFrame
+ZoomedFrame = tuple[int, ImageArray, DepthArray | None, ImageArray | None, float]
+StampedFrame = (
+    tuple[int, ImageArray] | tuple[int, ImageArray, DepthArray | None] | MaskedFrame | ZoomedFrame
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +116,7 @@ class Shot:
     """A frame, and what is to be laid over a window of it: nothing where there is no pose."""
 
     picture: ImageArray
+    lens: LensWarp
     drawn: list[_Drawn] | None = None
     window: Window = WHOLE
     depth_m: DepthArray | None = None
@@ -160,8 +164,10 @@ class FilmStage:
         Raises ValueError: a frame of another size.
         """
         span_ns = int(world_T_camera.time_ns[0]), int(world_T_camera.time_ns[-1])
-        camera, matching = self.lens.camera, self._matching
+        unzoomed, matching = self.lens, self._matching
         for time_ns, picture, *rest in frames:
+            self.lens = unzoomed.zoomed(float(rest[2])) if len(rest) > 2 else unzoomed
+            camera = self.lens.camera
             self.start_ns = time_ns if self.start_ns is None else self.start_ns
             if picture.shape[:2] != (camera.height, camera.width):
                 raise ValueError(
@@ -169,7 +175,7 @@ class FilmStage:
                     f"{picture.shape[1]} x {picture.shape[0]} at {time_ns} ns"
                 )
             if not span_ns[0] <= time_ns <= span_ns[1]:
-                yield Shot(picture)
+                yield Shot(picture, self.lens)
                 continue
             depth_m, mask = (*rest, None, None)[:2]
             moments = [
@@ -185,11 +191,11 @@ class FilmStage:
                 gain *= meter.gain(still, camera, pose)
             measured = None if depth_m is None else depth_m[window]
             if mask is None:
-                yield Shot(picture, drawn, window, measured, gain)
+                yield Shot(picture, self.lens, drawn, window, measured, gain)
                 continue
             camera_T_ground = pose.inverse() @ self.ground.world_T_ground(time_ns)
             masked_m = standing_depth(mask, camera, camera_T_ground, depth_m)[window]
-            yield Shot(picture, drawn, window, measured, gain, (mask[window], masked_m))
+            yield Shot(picture, self.lens, drawn, window, measured, gain, (mask[window], masked_m))
 
     def _posed(self, time_ns: int, world_T_camera: Motor) -> _Moment:
         """The figures, and what they take from their grounds."""
@@ -298,7 +304,7 @@ class FilmStage:
         frame[shot.window] = noisy(part, grained, sigma, rng)
         middle = shot.drawn[len(shot.drawn) // 2]
         seen = figures_seen(
-            self.lens,
+            shot.lens,
             shot.window,
             layer,
             visible,

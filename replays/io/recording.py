@@ -89,6 +89,8 @@ class Frame:
         name: file name, or "frame 12" of a video; opens error messages.
         read_image, read_depth, read_right, read_mask: what `image`, `depth_m`, `right` and `mask`
             call.
+        taken: the frame as it was taken, where `image` shows it in another focal length.
+        zoom: that with which it was taken, over the one of `image`.
 
     >>> import numpy as np
     >>> from motorcade.replays import Frame
@@ -103,6 +105,8 @@ class Frame:
     read_depth: Callable[[], DepthArray] | None = field(default=None, repr=False)
     read_right: Callable[[], ImageArray] | None = field(default=None, repr=False)
     read_mask: Callable[[], ImageArray] | None = field(default=None, repr=False)
+    taken: Frame | None = field(default=None, repr=False)
+    zoom: float = 1.0
 
     def image(self) -> ImageArray:
         """Read the picture: uint8 ``(height, width, 3)`` RGB, or ``(height, width)`` if it is grey.

@@ -6,6 +6,7 @@ Sources: Zhang 2000 (views of a plane fix the lens), Hartley & Zisserman 2003, c
 from __future__ import annotations
 
 from collections.abc import Sequence
+from operator import itemgetter
 
 import numpy as np
 
@@ -25,9 +26,11 @@ from motorcade.tracking.self_calibration.choosing import calibration_of, choose_
 from motorcade.tracking.self_calibration.homographies import focal_from_planes
 from motorcade.tracking.self_calibration.lens import PINHOLE, start_numbers
 from motorcade.tracking.self_calibration.result import SelfCalibration, SelfCalibrationError
+from motorcade.tracking.self_calibration.zooming import follow_zoom
 
 _MOST_CORNERS = 6_000
 _MOST_VIEWS = 300
+_ZOOMED = np.geomspace(0.35, 2.83, 7)
 _BAD_VIEW = 4.0  # times the median error of a view's own best pose
 
 
@@ -77,7 +80,12 @@ def self_calibrate_board(
     kept = [(int(k), view) for k in few if (view := views[int(k)]) is not None]
     focal = focal_from_planes([(view.points_m, view.corners_px) for _, view in kept], size)
     seen, start = board_sightings(kept, stamps, size, focal)
-    return calibration_of(choose_lens(seen, start, readout=True), seen, "board")
+    if len(kept) - len(seen.time_s) >= LEAST_VIEWS:  # which a zoom may explain
+        zoomed = board_sightings(kept, stamps, size, focal, zoom=True)
+        if len(zoomed[0].time_s) > len(seen.time_s) and follow_zoom(*zoomed) is not None:
+            seen, start = zoomed
+    chosen = choose_lens(seen, start, readout=True)
+    return calibration_of(chosen, seen, "board", int(stamps[0]))
 
 
 def board_sightings(
@@ -85,6 +93,8 @@ def board_sightings(
     time_ns: IntArray,
     size: tuple[int, int],
     focal: float,
+    *,
+    zoom: bool = False,
 ) -> tuple[BodySightings, BodyState]:
     """A board in the views that some pose explains, and where a fit of them begins.
 
@@ -93,12 +103,17 @@ def board_sightings(
         time_ns: stamps of all frames.
         size: width and height of the pictures.
         focal: of a camera without distortion, pixels, near the right one.
+        zoom: whether a view may have another focal length, by up to 2.8 times.
 
     Raises:
         SelfCalibrationError: fewer views than a fit takes.
     """
-    camera = PINHOLE.camera(start_numbers(focal, size), size)
-    posed = [(row, view, *_posed(view, camera)) for row, view in views]
+    focals = focal * (_ZOOMED if zoom else np.ones(1))
+    cameras = [PINHOLE.camera(start_numbers(float(tried), size), size) for tried in focals]
+    posed = [
+        (row, view, *min((_posed(view, camera) for camera in cameras), key=itemgetter(1)))
+        for row, view in views
+    ]
     errors = np.array([error for *_, error in posed])
     good = errors <= _BAD_VIEW * np.median(errors)
     kept_views = [one for one, fine in zip(posed, good, strict=True) if fine]

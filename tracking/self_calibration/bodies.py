@@ -41,6 +41,7 @@ class BodySightings:
         view, body: ``(N,)`` of each corner; every view and every body has some.
         points: ``(N, 3)`` in the body's frame, in any unit of length.
         px: ``(N, 2)``.
+        shown_px: ``(N, 2)`` where the shutter's lines saw them, if that is elsewhere.
     """
 
     size: tuple[int, int]
@@ -49,6 +50,7 @@ class BodySightings:
     body: IntArray
     points: FloatArray
     px: FloatArray
+    shown_px: FloatArray | None = None
 
     def only(self, views: IntArray) -> BodySightings:
         """Some views ``(v,)``, rising; bodies keep their numbers."""
@@ -60,6 +62,7 @@ class BodySightings:
             self.body[rows],
             self.points[rows],
             self.px[rows],
+            None if self.shown_px is None else self.shown_px[rows],
         )
 
     @cached_property
@@ -78,7 +81,8 @@ class BodySightings:
     @cached_property
     def line(self) -> FloatArray:
         """``(N, 2)`` where in the picture a corner lies, across and down: -1/2 to 1/2."""
-        return (self.px + 0.5) / self.size - 0.5
+        px = self.px if self.shown_px is None else self.shown_px
+        return (px + 0.5) / self.size - 0.5
 
 
 @dataclass(frozen=True, eq=False)

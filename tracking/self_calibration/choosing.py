@@ -9,7 +9,6 @@ picture's corners. How sure the focal length is follows from errors that corners
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -26,7 +25,7 @@ from motorcade.tracking.self_calibration.result import (
     SelfCalibrationError,
     ShutterReadout,
 )
-from motorcade.tracking.self_calibration.zooming import focal_range, zoom_doubt
+from motorcade.tracking.self_calibration.zooming import FollowedZoom, follow_zoom, may_zoom
 
 _DOUBTFUL_FOCAL = 0.01
 _SURE_FOCAL = 0.001
@@ -43,6 +42,7 @@ _BREATHING_BINS, _BREATHING_LEAST, _BREATHING_SIGMAS = 8, 0.01, 4.0
 _BREATHING_ROUNDS = 3
 _LEFT_ALIKE = 0.5  # of the errors in common: what breathing explains leaves no more
 _BREATHING_SPREAD = 0.03  # of the focal length: what autofocus does to lenses
+_ZOOM_LEAVES = 0.8  # of the noise of one focal length: a curve that explains more is no accident
 _POOR_RMS_PX = 1.5
 _FAR_ENOUGH = 0.55  # of the way from the middle to a corner: beyond the short side
 
@@ -170,25 +170,37 @@ def _predicted_px(seen: BodySightings, near: BodyState, known: BodyFit) -> Float
     return np.array([np.median(part) for part in np.split(size, seen.starts[1:])])
 
 
-def calibration_of(chosen: ChosenFit, seen: BodySightings, basis: Basis) -> SelfCalibration:
+def calibration_of(
+    chosen: ChosenFit, seen: BodySightings, basis: Basis, start_ns: int
+) -> SelfCalibration:
     """What is given: camera, its doubts and what else the fit tells.
+
+    `start_ns` is the stamp of the sightings' zero.
 
     Raises:
         SelfCalibrationError: views from which no camera's focal length follows.
     """
-    zoom = focal_range(len(seen.time_s), partial(_focal_of, chosen.fit.state, seen))
-    chosen, breathing = (chosen, 0.0) if zoom else _with_breathing(chosen, seen)
+    zoomed = _followed(chosen, seen)
+    if zoomed is None:
+        (chosen, breathing), zoom, unsure = _with_breathing(chosen, seen), None, 0.0
+    else:
+        (chosen, curve), breathing = zoomed, 0.0
+        seen, unsure = curve.seen, curve.sigma
+        zoom = replace(curve.zoom, time_s=curve.zoom.time_s + 1e-9 * start_ns)
     fitted = chosen.fit
     focal = float(fitted.state.numbers[0])
     formal = float(np.sqrt(chosen.covariance[0, 0])) / focal
-    zoomed = 0.5 * np.log(zoom[1] / zoom[0]) if zoom else 0.0
-    sigma = float(np.linalg.norm([formal, chosen.spread, _SURE_FOCAL, zoomed]))
+    sigma = float(np.linalg.norm([formal, chosen.spread, _SURE_FOCAL, unsure]))
     if not LEAST_FOCAL <= focal / max(seen.size) <= MOST_FOCAL:
         raise SelfCalibrationError(
             f"{basis}: expected a focal length of {LEAST_FOCAL:g} to {MOST_FOCAL:g} long sides of "
             f"the picture, got {focal / max(seen.size):.2g}: no camera sees it like that"
         )
-    doubts = [zoom_doubt(*zoom)] if zoom else _doubts(fitted, sigma, breathing, basis)
+    doubts = _doubts(fitted, sigma, breathing, basis)
+    if zoom is not None:
+        longest = focal * float(zoom.ratio.max())
+        said = f"the lens zooms from {focal:.0f} to {longest:.0f} px and is followed to {sigma:.1%}"
+        doubts = (f"{said}; how it distorts is taken to stay", *doubts)
     return SelfCalibration(
         fitted.camera(seen.size),
         basis,
@@ -199,16 +211,31 @@ def calibration_of(chosen: ChosenFit, seen: BodySightings, basis: Basis) -> Self
         _readout(chosen),
         breathing,
         (*doubts, *_reach(seen)),
+        zoom,
     )
 
 
-def _focal_of(state: BodyState, seen: BodySightings, views: IntArray) -> tuple[float, float] | None:
-    """What some views alone tell of the focal length, and its deviation, for a lens like all."""
+def _followed(chosen: ChosenFit, seen: BodySightings) -> tuple[ChosenFit, FollowedZoom] | None:
+    """The lens chosen anew where its zoom is undone, and that zoom; None where there is none."""
+    if not may_zoom(seen, chosen.fit):
+        return None
+    state = chosen.fit.state
+    plain = replace(as_kind(state, KINDS[0]), readout_s=np.zeros(2), bent=np.zeros(len(state.bent)))
     try:
-        alone = fit(seen.only(views), _of_views(state, views), bodies=False)
+        followed = follow_zoom(seen, plain)
+        if followed is None:
+            return None
+        again = choose_lens(followed.seen, followed.state, readout=True)
+        followed = follow_zoom(seen, again.fit.state, followed.log_focal)
+        if followed is None:
+            return None
+        last = weighed_fit(followed.seen, followed.state, readout=True)
     except SelfCalibrationError:
         return None
-    return float(alone.state.numbers[0]), float(np.sqrt(alone.covariance[0, 0]))
+    one_noise, noise = (fit.sigma_px / fit.state.numbers[0] for fit in (chosen.fit, last.fit))
+    if noise > _ZOOM_LEAVES * one_noise:
+        return None
+    return replace(again, fit=last.fit, alike=last.alike), followed
 
 
 def largest_tilt_deg(state: BodyState) -> float:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.cameras.zoom import Zoom
 
 Basis = Literal["board", "tags", "motion"]
 ReadoutAxis = Literal["down", "up", "right", "left"]
@@ -72,6 +73,8 @@ class SelfCalibration:
         breathing: relative change of the focal length over the clip (largest less smallest), where
             it is more than its noise, else 0.
         doubts: sentences for people: what may be wrong with the camera.
+        zoom: where the lens zooms, its focal length at each moment over the camera's, which is the
+            shortest.
 
     Raises:
         ValueError: a sigma or an error that is not a finite number of zero or more.
@@ -92,6 +95,7 @@ class SelfCalibration:
     readout: ShutterReadout | None = None
     breathing: float = 0.0
     doubts: tuple[str, ...] = ()
+    zoom: Zoom | None = None
 
     def __post_init__(self) -> None:
         for name in ("sigma_focal", "rms_px"):

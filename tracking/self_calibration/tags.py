@@ -95,7 +95,8 @@ def self_calibrate_tags(
     except TrackingError as error:
         raise SelfCalibrationError(f"markers: {error}") from error
     seen, start = _started(stream, mapped, focal)
-    return calibration_of(choose_lens(seen, start, readout=True), seen, "tags")
+    chosen = choose_lens(seen, start, readout=True)
+    return calibration_of(chosen, seen, "tags", int(stream.time_ns[0]))
 
 
 def _once(frame: Sequence[Detection]) -> list[Detection]:

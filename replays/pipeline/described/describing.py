@@ -343,6 +343,9 @@ class _Describing:
             self._assume("rolling shutter", said, source, "readout_s under [camera]")
         if camera_of_footage.sigma:
             readout += f"focal_sigma = {camera_of_footage.sigma!r}\n"
+        if (zoom := camera_of_footage.zoom) is not None:
+            for key, values in (("zoom_s", zoom.time_s), ("zoom", zoom.ratio)):
+                readout += f"{key} = {values.round(6).tolist()}\n"
         self._tables.append(camera_toml(camera_of_footage.camera, self._turned_deg()) + readout)
         return camera_of_footage
 

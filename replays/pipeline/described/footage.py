@@ -40,6 +40,7 @@ from motorcade.tracking import (
     self_calibrate_tags,
 )
 from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.cameras.zoom import Zoom
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.self_calibration.lens import USUAL_FOCAL
 from motorcade.tracking.self_calibration.usual import doubt_of, view_deg, with_prior
@@ -68,6 +69,7 @@ class FoundCamera:
             nothing is known of it.
         doubts: what may be wrong with it.
         sigma: relative standard deviation of its focal length; 0 where it was told.
+        zoom: focal lengths over the camera's, where the lens zooms.
     """
 
     camera: Camera
@@ -77,6 +79,7 @@ class FoundCamera:
     shutter_s: tuple[float, float] = (0.0, 0.0)
     doubts: tuple[str, ...] = ()
     sigma: float = 0.0
+    zoom: Zoom | None = None
 
 
 def camera_by_view(size: tuple[int, int], fov_deg: float) -> Camera:
@@ -162,6 +165,7 @@ def _said(
         shutter_s,
         self_calibration.doubts,
         self_calibration.sigma_focal,
+        self_calibration.zoom,
     )
 
 

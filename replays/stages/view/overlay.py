@@ -36,7 +36,7 @@ from motorcade.render.light import (
 )
 from motorcade.render.original import OriginalVideo
 from motorcade.render.scene import ImageArray, Lighting
-from motorcade.render.shots import MaskedFrame
+from motorcade.render.shots import ZoomedFrame
 from motorcade.render.video import read_original
 from motorcade.render.visibility import FigureSeen
 from motorcade.replays.engine.artifacts import new_file
@@ -180,6 +180,7 @@ def _checks(
 
 def _original(frames: FrameSequence) -> OriginalVideo | None:
     """The video that the frames come from, where they do."""
+    frames = getattr(frames, "taken", frames)  # of a lens that zooms
     if not isinstance(frames, VideoFrames):
         return None
     return replace(read_original(frames.path), until_ns=frames.followed_ns)
@@ -198,7 +199,7 @@ def _estimated(
     frames = footage.recording.frames
     some = np.unique(np.linspace(0, len(frames) - 1, LIT_FRAMES).round())
     straight = _Footage(footage.recording, distorted=False)
-    seen = [one[:3] for one in straight.frames(frames[int(k)].still() for k in some)]
+    seen = [frame[:3] for frame in straight.frames(frames[int(k)].still() for k in some)]
     camera, stand = straight.camera, placed.placement
     ground = None
     if placed.ground_motion is None:  # else it is at one place in one picture only
@@ -231,13 +232,15 @@ class _Footage:
         self._turn = taken, shown
         return shown
 
-    def frames(self, frames: Iterable[Frame]) -> Iterator[MaskedFrame]:
-        """Stamp, picture, depth and mask of frames."""
+    def frames(self, frames: Iterable[Frame]) -> Iterator[ZoomedFrame]:
+        """Stamp, picture, depth and mask of frames, and their focal length over the camera's."""
         for prepared in ahead(self._prepared, frames):
             self._given.append(prepared[1])
             yield prepared
 
-    def _prepared(self, frame: Frame) -> MaskedFrame:
+    def _prepared(self, frame: Frame) -> ZoomedFrame:
+        zoom = frame.zoom if self._distorted else 1.0
+        frame = (frame.taken or frame) if self._distorted else frame
         picture, depth_m, mask = frame.image(), frame.depth_m(), frame.mask()
         mask = None if mask is None else refine_mask(mask, picture)
         if not self._distorted:
@@ -252,7 +255,7 @@ class _Footage:
                 picture = warped(picture, turn)
                 depth_m = None if depth_m is None else warped(depth_m, turn)
                 mask = None if mask is None else warped(mask, turn)
-        return frame.time_ns, picture, depth_m, mask
+        return frame.time_ns, picture, depth_m, mask, zoom
 
     def counted(self, pictures: Iterable[ImageArray]) -> Iterator[ImageArray]:
         """The drawn frames as they are."""

@@ -15,6 +15,8 @@ from dataclasses import replace
 from os.path import realpath
 from pathlib import Path
 
+import numpy as np
+
 from motorcade.ga import Motor
 from motorcade.ga.names import one_line
 from motorcade.ga.stamps import LONGEST_READOUT_S
@@ -32,6 +34,7 @@ from motorcade.replays.io.readers.frames.held import upright_camera
 from motorcade.replays.io.readers.frames.masks import paired_masks
 from motorcade.replays.io.readers.frames.span import frames_between
 from motorcade.replays.io.readers.frames.video import VideoFrames
+from motorcade.replays.io.readers.frames.zoomed import ZoomedFrames
 from motorcade.replays.io.readers.gpmf import read_telemetry
 from motorcade.replays.io.readers.layouts.detect import find_layout, read_layout
 from motorcade.replays.io.readers.manifest.cast import files_of_scene, read_cast
@@ -58,6 +61,7 @@ from motorcade.tracking.audit import centre_finding
 from motorcade.tracking.boards import Board
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.cameras.orientation import AS_STORED, camera_T_turned
+from motorcade.tracking.cameras.zoom import Zoom
 from motorcade.tracking.depth.cameras import FINEST, DepthCamera
 from motorcade.tracking.slam import MapSnapshot
 
@@ -151,6 +155,8 @@ class _Manifest:
             section = self._section("truth", TRUTH_KEYS)
             truth = read_truth(section, recording, self._file, self.stated_T_upright)
             recording = replace(recording, truth=truth)
+        if "camera" in self.top and "zoom" in self._section("camera", CAMERA_KEYS):
+            recording = self._with_zoom(recording)
         if recording.imu is not None and recording.imu_T_camera is None:
             _LOG.warning(
                 "%s: its IMU is left aside: give imu_T_camera in [imu] to use it", self.root
@@ -309,6 +315,20 @@ class _Manifest:
         registered_to = None if frames.depth_camera is None else camera
         frames = replace(frames, size=(camera.width, camera.height), colour_camera=registered_to)
         return replace(recording, camera=camera, frames=frames)
+
+    def _with_zoom(self, recording: Recording) -> Recording:
+        """Bring pictures of a lens that zooms to the camera's focal length, as they are read."""
+        section, camera = self._section("camera", CAMERA_KEYS), recording.camera
+        frames = recording.frames
+        if "depth_camera" in self.top or "stereo" in self.top or frames[0].read_depth is not None:
+            raise section.fault("zoom", "expected pictures alone, got depth or pairs with them")
+        if camera is None or "zoom_s" not in section:
+            raise section.fault("zoom_s", "the key is missing", "give the time of each zoom")
+        try:
+            zoom = Zoom(np.array(section.numbers("zoom_s")), np.array(section.numbers("zoom")))
+        except ValueError as fault:
+            raise section.fault("zoom", str(fault)) from fault
+        return replace(recording, frames=ZoomedFrames(frames, zoom, camera))
 
     def _upright(
         self, section: Section, stated: Camera, frames: VideoFrames | PictureFrames | BagFrames

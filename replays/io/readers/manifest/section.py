@@ -264,6 +264,8 @@ CAMERA_KEYS = (
     "rotation_deg",
     "readout_s",
     "focal_sigma",
+    "zoom_s",
+    "zoom",
 )
 
 
