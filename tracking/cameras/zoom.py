@@ -19,6 +19,8 @@ from motorcade.tracking.cameras.camera import Camera
 
 Pixels = TypeVar("Pixels", NDArray[np.uint8], NDArray[np.float32])
 _ALIASED = 0.5
+MOST_KNOTS = 500
+"""A curve is written with no more times than this."""
 
 
 @dataclass(frozen=True, eq=False)

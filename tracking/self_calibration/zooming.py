@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.cameras.zoom import Zoom
+from motorcade.tracking.cameras.zoom import MOST_KNOTS, Zoom
 from motorcade.tracking.self_calibration.bodies import BodySightings, BodyState
 from motorcade.tracking.self_calibration.fitting import BodyFit, fit
 
@@ -28,7 +28,7 @@ _SIGMAS, _LEAST, _WORSE = 5.0, 0.15, 3.0
 a lens; fits' deviations are taken so many times, since corners of a part err alike."""
 
 _ROUNDS, _SETTLED, _FARTHEST = 16, 1e-3, 0.3
-_KNOTS = 100
+_KNOTS_HZ = 25.0
 _LEFT = 0.25
 """A curve through half of the views leaves less than this of what one focal length leaves of what
 the others ask for."""
@@ -94,7 +94,8 @@ def follow_zoom(
         _LEAST, _SIGMAS * sigma
     ):
         return None
-    time_s = np.linspace(seen.time_s[0], seen.time_s[-1], _KNOTS)
+    knots = 2 + min(int(_KNOTS_HZ * np.ptp(seen.time_s)), MOST_KNOTS - 2)
+    time_s = np.linspace(seen.time_s[0], seen.time_s[-1], knots)
     shortest = float(np.min(spline(time_s)))
     brought = _brought(seen, state, curve, shortest)
     numbers = np.append(np.exp(shortest), state.numbers[1:])

@@ -310,7 +310,9 @@ class _Describing:
             )
         elif target is not None:
             try:
-                camera_of_footage = self._checked(camera_by_target(target, sample))
+                camera_of_footage = self._checked(
+                    camera_by_target(target, sample, self.recording.frames)
+                )
             except ValueError as why:
                 if len(target.pictures) < _ENOUGH_SHARE * target.searched:
                     problem = (

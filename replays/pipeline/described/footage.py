@@ -54,6 +54,7 @@ from motorcade.tracking.targets import (
 )
 
 _SURE_SIGMAS = 4.0
+_ZOOM_GAP_S, _ZOOM_VIEWS = 0.25, 300
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,8 +113,12 @@ def explained_by_rotation(recording: Recording, size: tuple[int, int]) -> bool:
     return False
 
 
-def camera_by_target(target: FoundTarget, sample: SampledPictures) -> FoundCamera:
+def camera_by_target(
+    target: FoundTarget, sample: SampledPictures, frames: FrameSequence
+) -> FoundCamera:
     """The camera that saw a target, whose size does not matter.
+
+    Of `frames` more are looked at where the lens zooms, and the sample is too thin to follow it.
 
     Raises:
         SelfCalibrationError: pictures that show it too seldom, or always from one side.
@@ -134,6 +139,11 @@ def camera_by_target(target: FoundTarget, sample: SampledPictures) -> FoundCamer
             # A whole board's neighbours tell of the shutter; a part of one only of the lens.
             views[row] = views[row] or corners_in_view(board, sample.pictures[row])
     calibrated = self_calibrate_board(views, sample.size, sample.time_ns)
+    gap_s = 1e-9 * float(np.ptp(sample.time_ns)) / len(sample.places)
+    if calibrated.zoom is not None and gap_s > _ZOOM_GAP_S:
+        rows = np.unique(np.linspace(0, len(frames) - 1, _ZOOM_VIEWS).astype(np.int64))
+        views = [board.detect(frames[row].gray()) for row in rows.tolist()]
+        calibrated = self_calibrate_board(views, sample.size, frames.time_ns[rows])
     return _said(calibrated, "the board in view", target)
 
 

@@ -12,6 +12,7 @@ from motorcade.ga.unfinished import unfinished
 from motorcade.render.scene import ImageArray
 from motorcade.render.video import read_frames
 from motorcade.replays.io.files import copy_file, write_bytes
+from motorcade.replays.io.readers.frames.zoomed import ZoomedFrames
 from motorcade.replays.pipeline.look.document import LookedAt, look_of
 from motorcade.replays.pipeline.report.findings import Findings
 from motorcade.replays.pipeline.report.words import headline
@@ -116,7 +117,8 @@ def _films(run: LookedAt, number: int, place: Path) -> dict[str, Path]:
         return {}
     stamps = run.recording.frames.time_ns
     films = {"footage": _footage(run)}
-    if run.findings.overlay is not None:
+    zooms = isinstance(run.recording.frames, ZoomedFrames)  # the film has another focal length
+    if run.findings.overlay is not None and not zooms:
         films["overlay"] = _overlay(run)
     paths = {}
     for name, pictures in films.items():

@@ -51,6 +51,11 @@ MISTAKES = {
     "view": (FRAMES + "[camera]\nfov_deg = 180\n", "fov_deg: expected a number from 1 to 170"),
     "readout": (FRAMES + CAMERA + "readout_s = 15\n", "readout_s: expected a number from 0 to 0.2"),
     "focal sigma": (FRAMES + CAMERA + "focal_sigma = 2\n", "focal_sigma: expected a number from 0"),
+    "zoom without times": (FRAMES + CAMERA + "zoom = [1.0]\n", "zoom_s: the key is missing"),
+    "zoom of another length": (
+        FRAMES + CAMERA + "zoom_s = [0.0, 1.0]\nzoom = [1.0]\n",
+        "expected 2 numbers above 0",
+    ),
     "readout alone": (FRAMES + "[camera]\nreadout_s = 0.01\n", "fx: the key is missing"),
     "no fx": (FRAMES + CAMERA.replace("fx", "cx", 1), "expected TOML|fx"),
     "model": (

@@ -55,6 +55,22 @@ def test_any_folder_of_pictures_opens(make: Make) -> None:
     assert same_poses(recording.truth.poses, made.poses)
 
 
+def test_pictures_of_a_lens_that_zooms_come_as_one_focal_length_shows_them(make: Make) -> None:
+    made = make("folder")
+    plain = described(made.root, FRAMES, CAMERA)
+    zoomed = described(made.root, FRAMES, CAMERA, "zoom_s = [0.0, 0.4]\nzoom = [1.0, 4.0]\n")
+    zoomed.check()
+    frame, taken = zoomed.frames[5], plain.frames[5].image()
+    assert frame.zoom == pytest.approx(2.0)
+    assert np.array_equal(frame.taken(), taken)
+    assert not frame.gray()[0].any()  # half as large, with black around it
+    centre = frame.image()[8, 12].astype(float)
+    assert np.abs(centre - taken[6:11, 10:15].mean(axis=(0, 1))).max() < 40.0
+    assert np.array_equal(zoomed.frames[0].image(), taken_first := plain.frames[0].image())
+    assert taken_first.shape == frame.image().shape
+    assert zoomed.digest() != plain.digest()
+
+
 def test_a_manifest_inside_the_recording_is_found(make: Make) -> None:
     made = make("folder")
     (made.root / "motorcade.toml").write_text(FRAMES + CAMERA)

@@ -61,7 +61,7 @@ from motorcade.tracking.audit import centre_finding
 from motorcade.tracking.boards import Board
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.cameras.orientation import AS_STORED, camera_T_turned
-from motorcade.tracking.cameras.zoom import Zoom
+from motorcade.tracking.cameras.zoom import MOST_KNOTS, Zoom
 from motorcade.tracking.depth.cameras import FINEST, DepthCamera
 from motorcade.tracking.slam import MapSnapshot
 
@@ -325,7 +325,8 @@ class _Manifest:
         if camera is None or "zoom_s" not in section:
             raise section.fault("zoom_s", "the key is missing", "give the time of each zoom")
         try:
-            zoom = Zoom(np.array(section.numbers("zoom_s")), np.array(section.numbers("zoom")))
+            zoom_s, ratio = (section.numbers(key, MOST_KNOTS) for key in ("zoom_s", "zoom"))
+            zoom = Zoom(np.array(zoom_s), np.array(ratio))
         except ValueError as fault:
             raise section.fault("zoom", str(fault)) from fault
         return replace(recording, frames=ZoomedFrames(frames, zoom, camera))
