@@ -24,6 +24,7 @@ from motorcade.render.scene import ImageArray
 from motorcade.render.video import read_stamps_s
 from motorcade.replays.engine.artifacts import new_file
 from motorcade.replays.io.readers.frames.corners import CornerFrames
+from motorcade.replays.io.readers.frames.zoomed import ZoomedFrames
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.pipeline.look.document import LookedAt, look_of
 from motorcade.replays.pipeline.look.packing import packed
@@ -283,7 +284,9 @@ def embedded(run: LookedAt, kept: Kept) -> Viewer:
     if run.has_pictures:
         paths["footage"] = new_file(FOOTAGE)
         clips.append(_copy_footage(run, paths["footage"], kept))
-    if overlay is not None and overlay.frames == len(run.recording.frames.time_ns):
+    frames = run.recording.frames
+    zooms = isinstance(frames, ZoomedFrames)  # the film then has another focal length
+    if overlay is not None and overlay.frames == len(frames.time_ns) and not zooms:
         with off_record():  # it lies in the cache
             stamps_s = read_stamps_s(overlay.path)
         clips.append({"name": "overlay", "src": "#film-overlay", "time_s": packed(stamps_s, "f64")})
