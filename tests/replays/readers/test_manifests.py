@@ -62,7 +62,8 @@ def test_pictures_of_a_lens_that_zooms_come_as_one_focal_length_shows_them(make:
     zoomed.check()
     frame, taken = zoomed.frames[5], plain.frames[5].image()
     assert frame.zoom == pytest.approx(2.0)
-    assert np.array_equal(frame.taken(), taken)
+    assert frame.taken is not None
+    assert np.array_equal(frame.taken.image(), taken)
     assert not frame.gray()[0].any()  # half as large, with black around it
     centre = frame.image()[8, 12].astype(float)
     assert np.abs(centre - taken[6:11, 10:15].mean(axis=(0, 1))).max() < 40.0
