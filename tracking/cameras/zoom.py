@@ -7,7 +7,7 @@ all that asks a recording for one camera stays as it is.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TypeVar
 
 import cv2
@@ -79,8 +79,3 @@ class Zoom:
         outside = np.nan if depth else 0.0
         moved = cv2.warpAffine(picture, shown, size, flags=how, borderValue=(outside,) * 4)
         return np.asarray(moved, picture.dtype)
-
-    def camera(self, camera: Camera, time_ns: int) -> Camera:
-        """The camera at a moment."""
-        ratio = float(self.at(time_ns))
-        return replace(camera, fx=ratio * camera.fx, fy=ratio * camera.fy)
