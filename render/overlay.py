@@ -76,8 +76,8 @@ def render_performers(
         frames: (stamp in ns, uint8 image (h, w) or (h, w, 3) RGB) and, where it is known, the
             depth (h, w) in metres of what the camera saw: it hides figures where it is nearer;
             the mask (h, w) of what moves: it hides figures unless that is seen to stand behind them
-            (`tracking.masks.standing_depth`); and the focal length over the camera's, where the lens
-            zooms.
+            (`tracking.masks.standing_depth`); and the focal length over the camera's, where
+            the lens zooms.
         camera: of the frames' size. The frames of a camera with distortion stay as they are: what
             is drawn is distorted as by its lens (see `LensWarp`).
         world_T_camera: the camera's path, in the world of the placements.
