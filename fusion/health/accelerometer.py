@@ -36,6 +36,8 @@ _FEWEST = 20
 _SIZE_SIGMA_M_S2 = 0.2
 _LEVER_SIGMA_M = 0.1
 _ANY_GRAVITY_M_S2 = 20.0
+# As good as none beside what is usual.
+_NO_BIAS_M_S2 = 1e-3
 # A scale is told where it is known to so much of itself.
 _SCALE_SHARE = 0.2
 
@@ -143,6 +145,22 @@ class ForceTrial:
         alike = abs(gravity_m_s2 / (scale * self.gravity_m_s2) - 1.0) < GRAVITY_SHARE
         gain = fitted.score - free.nothing().score
         return scale if off and alike and gain > NEEDED else None
+
+    def size_share(self) -> float | None:
+        """What the readings show of gravity's size, were they without a bias; None as stated.
+
+        Turned into the path's world they leave gravity beside the path's accelerations. Who keeps
+        level cannot tell a scale from a bias along gravity, but that it is either.
+        """
+        stated = self._with_any_gravity(self._bases()["stated"])
+        sigma = stated.prior.sigma.copy()
+        sigma[3:6] = _NO_BIAS_M_S2
+        unbiased = replace(stated, prior=Prior(stated.prior.mean, sigma)).along(np.eye(3))
+        gravity, part = unbiased.values[:3], unbiased.covariance[:3, :3]
+        size = float(np.linalg.norm(gravity))
+        share = size / self.gravity_m_s2
+        deviation = float(np.sqrt(gravity @ part @ gravity)) / max(size * self.gravity_m_s2, 1e-9)
+        return share if abs(share - 1.0) > SCALE_TOLERANCE + SIGMAS * deviation else None
 
     def _shared(
         self, bases: dict[Base, AxesEvidence], of_rates: AxesVerdict | None

@@ -37,6 +37,7 @@ from motorcade.fusion.health.wording import (
     position_line,
     scale_line,
     shared_axes_line,
+    size_line,
     tell_both,
     unit_line,
     unknown_lines,
@@ -157,6 +158,9 @@ def check_health(
     estimated_rad = SIGMAS * extrinsics_sigma_rad if extrinsics_known else np.pi
     findings += tell_both([_axes(one.rates, one.forces, estimated_rad) for one in stories])
     findings += [*_gravity(forces, gravity_m_s2), *bias_lines(rates, forces)]
+    share = trial.size_share() if forces.state == "sound" else None
+    if share is not None:
+        findings.append(HealthFinding("force_scale", size_line(share, gravity_m_s2)))
     saturated = saturated_axes(imu)
     if saturated:
         findings.append(HealthFinding("saturated", "; ".join(saturated)))

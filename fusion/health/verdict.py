@@ -15,6 +15,7 @@ FaultName = Literal[
     "position_unit",
     "force_unit",
     "rate_scale",
+    "force_scale",
     "extrinsics_inverted",
     "extrinsics_turned",
     "rate_axes",

@@ -78,6 +78,15 @@ def scale_line(sensor: str, scales: tuple[float, float, float]) -> str:
     return "; ".join(lines)
 
 
+def size_line(share: float, gravity_m_s2: float) -> str:
+    """Of an accelerometer that reads another gravity, by its scale or a bias."""
+    return (
+        f"the accelerometer reads {share:.3g} times gravity throughout: multiply it by "
+        f"{1.0 / share:.3g}, or subtract the bias of {(share - 1.0) * gravity_m_s2:.2g} m/s² along "
+        "gravity that looks the same here; at rest on all six sides it tells which"
+    )
+
+
 def mirrored_line(of_rates: AxesVerdict, of_forces: AxesVerdict) -> HealthFinding:
     """Of a left-handed frame, in which rates turn the other way round."""
     line = (

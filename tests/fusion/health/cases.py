@@ -289,7 +289,7 @@ FAULTS: Mapping[str, tuple[Fault, str]] = {
     "gyroscope frozen at half": (_columns(_frozen, "gyroscope"), "stuck"),
     "accelerometer reads 0": (_readings(force=0.0), "stuck"),
     "gyroscope's z by 1.3": (_readings(rate=np.diag([1.0, 1.0, 1.3])), "rate_scale"),
-    "accelerometer by 1.2": (_readings(force=1.2), "gravity|force_unit"),
+    "accelerometer by 1.2": (_readings(force=1.2), "gravity|force_unit|force_scale"),
     "gyroscope clipped": (_columns(_clipped, "gyroscope"), "saturated"),
     "accelerometer clipped": (_columns(_clipped, "accelerometer"), "saturated"),
     "gyroscope off by 0.5 rad/s": (_columns(lambda x: x + 0.5, "gyroscope"), "rate_bias"),
