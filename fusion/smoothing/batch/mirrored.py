@@ -59,8 +59,8 @@ def mirrored_back(
     """The path with the runs that a marker explains mirrored back, and which of its rows they are.
 
     A right run between two wrong ones, mirrored, may join these as well. So of all runs between
-    leaps that one goes first which a marker explains by most, and those beside it are read anew
-    then; no more than half of the poses are mirrored.
+    leaps, and of those that the chain leaves out, the shortest goes first that leaves no leap, and
+    those beside it are read anew then; no more than half of the poses are mirrored.
 
     Args:
         time_s: ``(N,)`` increasing.
@@ -80,7 +80,7 @@ def mirrored_back(
             if open_end and run[1] - run[0] > _LONGEST_OPEN:
                 continue
             own = mirrored_run(time_s, poses, kept, slice(*run), sizes, width)
-            read[run] = own and own.judged(time_s, poses, kept, run, most)
+            read[run] = own and own.judged(time_s, poses, run, most)
         tried = {run: own for run, own in read.items() if own is not None and run in runs}
         allowed = [
             (own.joined, -int(np.count_nonzero(own.explained)), run)
@@ -89,7 +89,7 @@ def mirrored_back(
         ]
         if not allowed:
             return poses, mirrored
-        first, last = run = max(allowed)[2]
+        first, last = run = max(allowed)[-1]
         rows = tried[run].rows(run, count)
         coefficients = np.array(poses.coefficients)
         coefficients[rows] = tried[run].poses.coefficients[rows[first:last]]
@@ -99,11 +99,11 @@ def mirrored_back(
 
 
 class MirroredRun(NamedTuple):
-    """The poses ``(K,)`` of a run mirrored, which of them that explains, and leaps it takes away."""
+    """The poses ``(K,)`` of a run mirrored, which of them that explains, and whether no leap is left."""
 
     poses: Motor
     explained: NDArray[np.bool_]
-    joined: int = 0
+    joined: bool = False
 
     def rows(self, run: tuple[int, int], count: int) -> NDArray[np.bool_]:
         """Which rows ``(count,)`` of the path are mirrored."""
@@ -113,20 +113,19 @@ class MirroredRun(NamedTuple):
         self,
         time_s: FloatArray,
         poses: Motor,
-        kept: NDArray[np.bool_],
         run: tuple[int, int],
         most: FloatArray,
     ) -> MirroredRun | None:
-        """The same with the leaps that it takes away among kept poses; None where it takes none."""
+        """The same, told whether it joins the poses around; None where it takes no leap away."""
         near = slice(max(run[0] - _AROUND, 0), run[1] + _AROUND)
         rows = self.rows(run, len(poses))
         coefficients = np.array(poses.coefficients)
         coefficients[rows] = self.poses.coefficients[self.explained]
-        among = np.flatnonzero((kept | rows)[near]) + near.start
         before, after = (
-            len(leaps_of(time_s[among], path[among], most)) for path in (poses, Motor(coefficients))
+            len(leaps_of(time_s[near], path[near], most)) for path in (poses, Motor(coefficients))
         )
-        return self._replace(joined=before - after) if before > after else None
+        edges = int(run[0] > 0) + int(run[1] < len(poses))
+        return self._replace(joined=before - after >= edges) if before > after else None
 
 
 def mirrored_run(
