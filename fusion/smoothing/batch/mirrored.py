@@ -99,7 +99,7 @@ def mirrored_back(
 
 
 class MirroredRun(NamedTuple):
-    """The poses ``(K,)`` of a run mirrored, which of them that explains, and whether no leap is left."""
+    """The poses ``(K,)`` of a run mirrored, which of them that explains, and whether it joins."""
 
     poses: Motor
     explained: NDArray[np.bool_]

@@ -36,7 +36,7 @@ from motorcade.fusion.smoothing.representations import (
     restored,
 )
 from motorcade.fusion.smoothing.window import gaussian
-from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga import Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
 FIRST_STEPS = 3
