@@ -145,6 +145,20 @@ def _moved_back(
     return worse, ReturnedLevel(first, last, moved)
 
 
+def squares_left(
+    measured: Measured, path: FloatArray, weights: FloatArray, models: AxisModels
+) -> float:
+    """Squared residuals that measured poses with their jumps leave, in the noise's variance."""
+    summed, values = developed(measured, path)
+    left = 0.0
+    for k, model in enumerate(models.columns):
+        kind = (model.order, model.ratio, model.memory_s)
+        column = np.ascontiguousarray(values[:, k : k + 1])
+        squares = _columns.spline(measured.time_s, column, weights, measured.jumps, *kind)[1]
+        left += squares[0] / least(model.noise, summed[:, k]) ** 2
+    return left
+
+
 def _more_jumps(
     measured: Measured, path: FloatArray, weights: FloatArray, models: AxisModels
 ) -> IntArray:

@@ -11,7 +11,6 @@ A run that no marker explains is left as it is.
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +18,6 @@ from numpy.typing import NDArray
 
 from motorcade.fusion.motions.degradations import wrong_planar_pose
 from motorcade.fusion.smoothing.batch.inliers import Sizes, inlier_poses
-from motorcade.fusion.smoothing.batch.predicted import largest_bends, leaps_of
 from motorcade.fusion.smoothing.batch.problem import Charged, PathState, Problem, loss_weights
 from motorcade.fusion.smoothing.representations import REPRESENTATIONS, Representation
 from motorcade.ga import Motor, Rotor
@@ -27,8 +25,6 @@ from motorcade.ga.arrays import FloatArray, IntArray
 
 # Shorter runs are bridged as well as they are read.
 _SHORTEST = 4
-# A run up to an end has one leap, which any marker explains: longer ones are levels of their own.
-_LONGEST_OPEN = 40
 # Poses around a run that tell the path there, and poses of it, those whose place is then known
 # best, that a marker is first estimated from.
 _AROUND, _TRIED = 30, 6
@@ -58,10 +54,6 @@ def mirrored_back(
 ) -> tuple[Motor, NDArray[np.bool_]]:
     """The path with the runs that a marker explains mirrored back, and which of its rows they are.
 
-    A right run between two wrong ones, mirrored, may join these as well. So of all runs between
-    leaps, and of those that the chain leaves out, the shortest goes first that leaves no leap, and
-    those beside it are read anew then; no more than half of the poses are mirrored.
-
     Args:
         time_s: ``(N,)`` increasing.
         poses: ``(N,)`` as measured.
@@ -69,63 +61,15 @@ def mirrored_back(
         sizes: of rotation and translation, as there.
         width: of Cauchy's loss, in deviations of a pose.
     """
-    mirrored, count = np.zeros(len(poses), dtype=np.bool_), len(poses)
-    read, most = dict[tuple[int, int], MirroredRun | None](), largest_bends(time_s, poses)
-    while True:
-        edges = np.unique(np.concatenate([[0], leaps_of(time_s, poses, most), [count]])).tolist()
-        left_out = np.flatnonzero(np.diff(np.concatenate([[0], ~kept, [0]]))).reshape(-1, 2)
-        runs = {*pairwise(edges), *map(tuple, left_out.tolist())}
-        for run in runs - read.keys():
-            open_end = run[0] == 0 or run[1] == count
-            if open_end and run[1] - run[0] > _LONGEST_OPEN:
-                continue
-            own = mirrored_run(time_s, poses, kept, slice(*run), sizes, width)
-            read[run] = own and own.judged(time_s, poses, run, most)
-        tried = {run: own for run, own in read.items() if own is not None and run in runs}
-        allowed = [
-            (own.joined, -int(np.count_nonzero(own.explained)), run)
-            for run, own in tried.items()
-            if 2 * np.count_nonzero(mirrored | own.rows(run, count)) < count
-        ]
-        if not allowed:
-            return poses, mirrored
-        first, last = run = max(allowed)[-1]
-        rows = tried[run].rows(run, count)
-        coefficients = np.array(poses.coefficients)
-        coefficients[rows] = tried[run].poses.coefficients[rows[first:last]]
-        poses, kept, mirrored = Motor(coefficients), kept | rows, mirrored | rows
-        near = range(first - _AROUND, last + _AROUND + 1)
-        read = {run: own for run, own in read.items() if run[1] < near[0] or run[0] > near[-1]}
-
-
-class MirroredRun(NamedTuple):
-    """The poses ``(K,)`` of a run mirrored, which of them that explains, and whether it joins."""
-
-    poses: Motor
-    explained: NDArray[np.bool_]
-    joined: bool = False
-
-    def rows(self, run: tuple[int, int], count: int) -> NDArray[np.bool_]:
-        """Which rows ``(count,)`` of the path are mirrored."""
-        return np.pad(self.explained, (run[0], count - run[1]))
-
-    def judged(
-        self,
-        time_s: FloatArray,
-        poses: Motor,
-        run: tuple[int, int],
-        most: FloatArray,
-    ) -> MirroredRun | None:
-        """The same, told whether it joins the poses around; None where it takes no leap away."""
-        near = slice(max(run[0] - _AROUND, 0), run[1] + _AROUND)
-        rows = self.rows(run, len(poses))
-        coefficients = np.array(poses.coefficients)
-        coefficients[rows] = self.poses.coefficients[self.explained]
-        before, after = (
-            len(leaps_of(time_s[near], path[near], most)) for path in (poses, Motor(coefficients))
-        )
-        edges = int(run[0] > 0) + int(run[1] < len(poses))
-        return self._replace(joined=before - after >= edges) if before > after else None
+    found = np.zeros(len(poses), dtype=np.bool_)
+    coefficients = np.array(poses.coefficients)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], ~kept, [0]])))
+    for first, last in edges.reshape(-1, 2):
+        read = mirrored_run(time_s, poses, kept, slice(first, last), sizes, width)
+        if read is not None:
+            rows = first + np.flatnonzero(read[1])
+            coefficients[rows], found[rows] = read[0][read[1]].coefficients, True
+    return Motor(coefficients), found
 
 
 def mirrored_run(
@@ -135,18 +79,15 @@ def mirrored_run(
     run: slice,
     sizes: tuple[Sizes, Sizes, Sizes],
     width: float,
-) -> MirroredRun | None:
-    """What a marker makes of such a run; None where it explains none."""
+) -> tuple[Motor, NDArray[np.bool_]] | None:
+    """The poses ``(K,)`` of one such run mirrored, and which of them that explains; else None."""
     part = slice(max(0, run.start - _AROUND), min(len(poses), run.stop + _AROUND))
-    kept = kept[part].copy()
-    within = slice(run.start - part.start, run.stop - part.start)
-    kept[within] = False
     # Without two poses around the run not even a velocity is left to read it by.
-    if run.stop - run.start < _SHORTEST or np.count_nonzero(kept) < 2:
+    if run.stop - run.start < _SHORTEST or np.count_nonzero(kept[part]) < 2:
         return None
-    read = _Run.likelier(time_s[part], poses[part], kept, within, sizes, width).read()
-    torn = read is not None and _torn(poses[run], read.poses, read.explained, sizes)
-    return None if torn else read
+    within = slice(run.start - part.start, run.stop - part.start)
+    read = _Run.likelier(time_s[part], poses[part], kept[part], within, sizes, width).read()
+    return None if read is None or _torn(poses[run], *read, sizes) else read
 
 
 def _torn(
@@ -200,7 +141,7 @@ class _Run:
     def _doubt(self) -> float:
         return self.problem.charged(self.path, "cauchy", self.width, self.kept).cost
 
-    def read(self) -> MirroredRun | None:
+    def read(self) -> tuple[Motor, NDArray[np.bool_]] | None:
         """The run's poses mirrored and which of them that explains; None where it is too few."""
         marker = self._first_marker()
         if marker is None:
@@ -212,7 +153,7 @@ class _Run:
         saved = plain.cost - mirrored.cost
         if np.count_nonzero(explained) < _SHORTEST or saved < _GAIN * _SHORTEST:
             return None
-        return MirroredRun(self._mirrored(marker), explained)
+        return self._mirrored(marker), explained
 
     def _mirrored(self, marker: FloatArray) -> Motor:
         """The run's poses ``(*, K)`` by markers ``(*, 6)``."""

@@ -47,8 +47,6 @@ _ASTRAY = 2.0
 FEWEST_AT_LEVEL = 6
 # All but so few steps of good poses bend less than a leap does.
 _MOST = 0.99
-# Of the steps so many are usual, and a leap bends by more than so many times what these do at most.
-_USUAL, _LEAPS = 0.9, 3.0
 # What the path misses behind a run that it returns from, of how far off this lies.
 _RETURNED = 0.7
 # By how much the leaps to a run and back may differ, in the bends of all but few steps.
@@ -391,17 +389,6 @@ def _bends(time_s: FloatArray, poses: Motor) -> FloatArray:
     least = np.min(unlike, axis=0)
     least[[0, -1]] = _parts(rates[[0, -1]] - rates[[1, -2]])
     return np.pad(least * float(np.median(np.diff(time_s))), ((1, 1), (0, 0)))
-
-
-def leaps_of(time_s: FloatArray, poses: Motor, most: FloatArray | None = None) -> IntArray:
-    """Rows before which a path leaps: steps that bend by more than usual ones do at most."""
-    most = largest_bends(time_s, poses) if most is None else most
-    return np.flatnonzero(np.any(_bends(time_s, poses) > most, axis=1))
-
-
-def largest_bends(time_s: FloatArray, poses: Motor) -> FloatArray:
-    """By how much usual steps ``(2,)`` bend at most, where up to one in ten leaps; see `_bends`."""
-    return np.asarray(_LEAPS * np.quantile(_bends(time_s, poses), _USUAL, axis=0))
 
 
 def _leaps(bent: FloatArray, usual: Kept, most: FloatArray, first: int, last: int) -> list[int]:

@@ -15,8 +15,8 @@ from motorcade.fusion.smoothing.batch.columns import (
     standard_errors,
 )
 from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, first_sizes, inlier_poses
-from motorcade.fusion.smoothing.batch.jumps import returned_levels, with_jumps
-from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
+from motorcade.fusion.smoothing.batch.jumps import returned_levels, squares_left, with_jumps
+from motorcade.fusion.smoothing.batch.mirrored import mirrored_back, mirrored_run
 from motorcade.fusion.smoothing.batch.per_axis import (
     HEAVY_TAILS,
     LAST_STEPS,
@@ -27,7 +27,7 @@ from motorcade.fusion.smoothing.batch.per_axis import (
     settled,
     smoothed_per_axis,
 )
-from motorcade.fusion.smoothing.batch.predicted import judged_runs, leaps_of, worse_than_measured
+from motorcade.fusion.smoothing.batch.predicted import judged_runs, worse_than_measured
 from motorcade.fusion.smoothing.batch.problem import with_rigid
 from motorcade.fusion.smoothing.batch.twist import FINEST, LEAST, memories_beside, turning_model
 from motorcade.fusion.smoothing.representations import (
@@ -36,7 +36,7 @@ from motorcade.fusion.smoothing.representations import (
     restored,
 )
 from motorcade.fusion.smoothing.window import gaussian
-from motorcade.ga import Similarity, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
 FIRST_STEPS = 3
@@ -96,10 +96,9 @@ class PathStart:
         time_s, poses = trajectory.time_s, trajectory.poses
         kept = inlier_poses(time_s, poses.rigid, *first_sizes(trajectory))
         mirrored = np.zeros_like(kept)
-        leaps = leaps_of(time_s, poses.rigid)
-        if np.all(kept) and not leaps.size:
+        if np.all(kept):
             return cls(trajectory, kept.astype(np.float64), mirrored)
-        sizes = cls(trajectory, kept.astype(np.float64), mirrored, leaps)._sizes()
+        sizes = cls(trajectory, kept.astype(np.float64), mirrored)._sizes()
         kept = inlier_poses(time_s, poses.rigid, *sizes[:2])
         judged = judged_runs(time_s, poses.rigid, kept)
         rigid, mirrored = mirrored_back(time_s, poses.rigid, kept, sizes, _WIDTH)
@@ -136,8 +135,43 @@ class PathStart:
         """Another start where poses beside the jumps turn out to be wrong, else the same."""
         if not len(measured.jumps):
             return self
-        other = self._without_runs_between(measured.jumps)
+        other = self._with_runs_mirrored(measured, path, models)
+        if other is self:
+            other = self._without_runs_between(measured.jumps)
         return self._with_levels_returned(measured, path, models) if other is self else other
+
+    def _with_runs_mirrored(
+        self, measured: Measured, path: FloatArray, models: AxisModels
+    ) -> PathStart:
+        """The same with runs up to a jump, or between two, mirrored back where a marker's five
+        numbers explain the poses clearly better than the jumps' do; of less than half the poses.
+        """
+        start, count = replace(self, jumps=measured.jumps), len(self.weights)
+        sizes, most = start._sizes(), squares_left(measured, path, self.weights, models)
+        runs = pairwise([0, *measured.jumps.tolist(), count])
+        for first, last in sorted(runs, key=lambda run: run[1] - run[0]):
+            other = start._mirrored(slice(first, last), sizes)
+            if other is not start and 2 * np.count_nonzero(other.mirrored) < count:
+                own, near = other.written(measured.representation)
+                own = replace(own, time_s=measured.time_s)
+                left = squares_left(own, near, self.weights, models)
+                if left < most - 2.0 * _LIKELIER:
+                    start, most = other, left
+        return self if start.mirrored is self.mirrored else start
+
+    def _mirrored(self, run: slice, sizes: tuple[Sizes, Sizes, Sizes]) -> PathStart:
+        """The same with a run mirrored back, where a marker explains all of it."""
+        like, poses, kept = self.trajectory, self.trajectory.poses, self.weights > 0.0
+        kept[run] = False
+        read = mirrored_run(like.time_s, poses.rigid, kept, run, sizes, _WIDTH)
+        if read is None or not np.all(read[1]):
+            return self
+        rigid = np.array(poses.rigid.coefficients)
+        weights, mirrored = np.array(self.weights), np.array(self.mirrored)
+        rigid[run], weights[run], mirrored[run] = read[0].coefficients, 1.0, True
+        trajectory = replace(like, poses=with_rigid(poses, Motor(rigid)))
+        jumps = np.setdiff1d(self.jumps, [run.start, run.stop])
+        return PathStart(trajectory, weights, mirrored, jumps)
 
     def _with_levels_returned(
         self, measured: Measured, path: FloatArray, models: AxisModels

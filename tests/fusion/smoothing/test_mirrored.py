@@ -1,7 +1,5 @@
 """Runs of wrong planar candidates: read rightly, on every motion, and nothing else is read so."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -18,7 +16,6 @@ from motorcade.fusion.smoothing.batch.inliers import Sizes
 from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from tests.bench.smoothing.cells import cell, left, motion
 
 NOISE = Gaussian(0.005, np.deg2rad(0.5))
 MODEL = {
@@ -132,20 +129,3 @@ def test_automatic_smoothing_reads_runs_at_any_rate_and_of_any_length(
     # A run at an end shares one marker's error, which the path on one side tells.
     most = 2.0 if rows.start > 0 and rows.stop < 240 else 6.0
     assert np.all(errors(found, truth) < most * errors(clean, truth))
-
-
-@pytest.mark.parametrize(
-    ("rate_hz", "seed"),
-    [
-        (1, 9118),  # five runs, of which the chain keeps parts
-        (1, 9152),  # 39 poses, the middle of which the chain keeps
-        (2, 9130),  # a right run between two wrong ones
-        (2, 9425),  # likewise, 46 poses wrong
-    ],
-)
-def test_runs_that_the_chain_of_inliers_keeps_are_read(rate_hz: int, seed: int, data_dir: Path):
-    name = f"robot at {rate_hz} Hz"
-    true = motion(name, data_dir)
-    assert true is not None
-    drawn = cell(name, "flips", true, seed)
-    assert left(smoothed_automatically(drawn.raw).trajectory, drawn).e2 < 0.05
