@@ -136,7 +136,7 @@ def _chance(family: str) -> float:
     return float(8.0 * len(shape.words) / 2.0 ** len(shape.bit_rows))
 
 
-def _exact(gray: GrayImage, picture: int, families: Sequence[str]) -> list[_Sighting]:
+def _exact(gray: GrayImage, number: int, families: Sequence[str]) -> list[_Sighting]:
     """Markers in a picture, read without a wrong cell; each place is one's.
 
     Families come with the least likely by chance first.
@@ -151,13 +151,13 @@ def _exact(gray: GrayImage, picture: int, families: Sequence[str]) -> list[_Sigh
     found: list[_Sighting] = []
     for family in families:
         read = decode_quads(image, quads[layout(family).white_inside], family)
-        for one in _legible(image, read, family, picture):
+        for one in _legible(image, read, family, number):
             if not any(_same_place(one, other) for other in found):
                 found.append(one)
     return found
 
 
-def _legible(image: GrayImage, read: Quads, family: str, picture: int) -> list[_Sighting]:
+def _legible(image: GrayImage, read: Quads, family: str, number: int) -> list[_Sighting]:
     reading = read_markers(image, read.corners_px, family, read.ids)
     good = (reading.wrong_cells == 0) & (reading.agreement >= _LEGIBLE)
     rows = np.flatnonzero(good & (reading.contrast >= LEAST_CONTRAST))
@@ -166,7 +166,7 @@ def _legible(image: GrayImage, read: Quads, family: str, picture: int) -> list[_
         _Sighting(
             family,
             int(read.ids[row]),
-            picture,
+            number,
             (float(centres[row, 0]), float(centres[row, 1])),
             float(sides[row]),
             float(reading.agreement[row]),
