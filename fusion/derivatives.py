@@ -28,7 +28,7 @@ from motorcade.ga.stamps import checked_span_ns
 
 _LEAST_ORDER, _LARGEST_ORDER = 3, 8
 _ROUNDS = 3
-_STRETCH = 2048
+_SEGMENT = 2048
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,8 +146,8 @@ def differentiated(
 
     derived = np.empty((4, len(trajectory), 7 if scaled else 6))
     fitted = coordinates.copy()
-    for start in range(0, len(trajectory), _STRETCH):
-        part = slice(start, min(start + _STRETCH, len(trajectory)))
+    for start in range(0, len(trajectory), _SEGMENT):
+        part = slice(start, min(start + _SEGMENT, len(trajectory)))
         windows = Windows.of(trajectory.time_ns, part, first, last, weights)
         for _ in range(_ROUNDS):
             derived[:, part] = weighted_vectors(coordinates, fitted[part], representation, windows)

@@ -11,7 +11,7 @@ from typing import TypeVar
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-# Enough to bridge a slow item; each waiting one holds a picture in memory.
+# Enough to bridge a slow item; each waiting one holds an image in memory.
 ITEMS = 4
 
 

@@ -29,7 +29,7 @@ LONGEST_BRIDGE_S = 10.0
 LONGEST_SPAN_S = 1e9
 """No window, shift or offset is longer than this, thirty years."""
 LONGEST_READOUT_S = 0.2
-"""No rolling shutter takes longer from the first row of a picture to the last."""
+"""No rolling shutter takes longer from the first row of an image to the last."""
 _MOST, _MOST_A_POSE, _MOST_OF_A_FORMULA = 50_000, 500, 10_000_000
 
 
@@ -106,11 +106,11 @@ def near_steps(steps: FloatArray | IntArray) -> NDArray[np.bool_]:
     return np.asarray(steps <= GAP_STEPS * np.median(steps))
 
 
-def stretches(time_ns: IntArray) -> list[slice]:
+def segments(time_ns: IntArray) -> list[slice]:
     """The segments of stamps ``(N,)`` that no gap of more than ten seconds splits, in order.
 
     >>> import numpy as np
-    >>> stretches(10**9 * np.array([0, 1, 2, 3, 86_400, 86_401]))
+    >>> segments(10**9 * np.array([0, 1, 2, 3, 86_400, 86_401]))
     [slice(0, 4, None), slice(4, 6, None)]
     """
     steps = np.diff(time_ns)
@@ -136,7 +136,7 @@ def stamps_at_rate(time_ns: IntArray, rate_hz: float, name: str) -> IntArray:
            8.64010e+04])
     """
     checked_rate(rate_hz, name)
-    spans = [(int(time_ns[part.start]), int(time_ns[part.stop - 1])) for part in stretches(time_ns)]
+    spans = [(int(time_ns[part.start]), int(time_ns[part.stop - 1])) for part in segments(time_ns)]
     counts = [int((last - first) * 1e-9 * rate_hz + 1e-6) + 1 for first, last in spans]
     check_count(sum(counts), f"{name} of {rate_hz:g}", len(time_ns))
     return np.concatenate(

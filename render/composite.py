@@ -140,16 +140,16 @@ def _median(counts: NDArray[np.int16]) -> float:
 
 
 def noisy(
-    picture: ImageArray, alpha: FloatArray, sigma: float, rng: np.random.Generator
+    image: ImageArray, alpha: FloatArray, sigma: float, rng: np.random.Generator
 ) -> ImageArray:
     """Noise on what was drawn, as strong as its alpha (h, w) from 0 to 1; a new image."""
     if sigma == 0.0:
-        return picture
-    result = picture.copy()
+        return image
+    result = image.copy()
     part = _extent(alpha > 0.0)
     covered = alpha[part].astype(np.float32)
     grain = rng.standard_normal(covered.shape, dtype=np.float32) * (sigma * covered)
-    result[part] = np.clip(np.rint(picture[part] + grain[..., None]), 0, 255)
+    result[part] = np.clip(np.rint(image[part] + grain[..., None]), 0, 255)
     return result
 
 

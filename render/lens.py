@@ -60,13 +60,13 @@ def seen_extent(
     return low.astype(np.int64), high.astype(np.int64)
 
 
-def warped(picture: Pixels, homography: FloatArray) -> Pixels:
+def warped(image: Pixels, homography: FloatArray) -> Pixels:
     """An image moved by a homography (3, 3), its edge repeated; depths are never mixed."""
-    how = cv2.INTER_CUBIC if picture.dtype == np.uint8 else cv2.INTER_NEAREST
-    size = picture.shape[1], picture.shape[0]
+    how = cv2.INTER_CUBIC if image.dtype == np.uint8 else cv2.INTER_NEAREST
+    size = image.shape[1], image.shape[0]
     edge = cv2.BORDER_REPLICATE
-    moved = cv2.warpPerspective(picture, homography, size, flags=how, borderMode=edge)
-    return np.asarray(moved, picture.dtype)
+    moved = cv2.warpPerspective(image, homography, size, flags=how, borderMode=edge)
+    return np.asarray(moved, image.dtype)
 
 
 WHOLE = slice(None), slice(None)
@@ -215,9 +215,9 @@ class LensWarp:
         """An image (h, w) of numbers that may be mixed, such as shade, likewise."""
         return values[window] if self.camera is self.pinhole else self._mixed(values, window)
 
-    def _mixed(self, picture: NDArray[Any], window: Window) -> NDArray[Any]:
+    def _mixed(self, image: NDArray[Any], window: Window) -> NDArray[Any]:
         maps = self._whole[window], self._fraction[window]
-        return np.asarray(cv2.remap(picture, *maps, cv2.INTER_LINEAR))
+        return np.asarray(cv2.remap(image, *maps, cv2.INTER_LINEAR))
 
 
 @lru_cache(maxsize=4)

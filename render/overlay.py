@@ -118,12 +118,12 @@ def render_performers(
     with new_renderer(renderer, pinhole.width, pinhole.height) as drawing:
         drawing.show([figure.surface for figure in stage.figures], stage.lighting)
         shots = stage.shots(drawing, frames, world_T_camera, meter)
-        for picture, shows in ahead(partial(stage.composed, rng), shots):
+        for image, shows in ahead(partial(stage.composed, rng), shots):
             posed += shows is not None
             seen |= any(figure.drawn_px > 0.0 for figure in shows or ())
             if visibility is not None:
                 visibility.append(shows)
-            yield picture
+            yield image
     if posed and not seen:
         log.warning(
             "overlay: no figure shows a pixel in %d frames with poses; the first stands at %s m, "

@@ -217,7 +217,7 @@ def shade_extent(
 ) -> Extent | None:
     """The part of a camera's image that shade darkens, or None where it darkens no byte.
 
-    The arguments are those of `shade_in_picture`.
+    The arguments are those of `shade_in_image`.
     """
     dark = shade > DARKENS
     columns, rows = (np.flatnonzero(dark.any(axis=axis)) for axis in (0, 1))
@@ -232,7 +232,7 @@ def shade_extent(
     return seen_extent(camera, camera_T_ground.apply(corners), NEAREST_M, 1.0)
 
 
-def shade_in_picture(
+def shade_in_image(
     shade: ShadeArray,
     half_width_m: float,
     camera: Camera,
@@ -260,11 +260,11 @@ def shade_in_picture(
     cell = 2.0 * half_width_m / GRID
     corner = 0.5 * cell - half_width_m
     grid_to_ground = np.array([[cell, 0.0, corner], [0.0, cell, corner], [0.0, 0.0, 1.0]])
-    ground_to_picture = plane_homography(camera, camera_T_ground)
-    part_to_picture = np.array([[1.0, 0.0, first[0]], [0.0, 1.0, first[1]], [0.0, 0.0, 1.0]])
+    ground_to_image = plane_homography(camera, camera_T_ground)
+    part_to_image = np.array([[1.0, 0.0, first[0]], [0.0, 1.0, first[1]], [0.0, 0.0, 1.0]])
     seen = cv2.warpPerspective(
         shade,
-        np.linalg.inv(ground_to_picture @ grid_to_ground) @ part_to_picture,
+        np.linalg.inv(ground_to_image @ grid_to_ground) @ part_to_image,
         (int(last[0] - first[0]) + 1, int(last[1] - first[1]) + 1),
         flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
         borderMode=cv2.BORDER_CONSTANT,

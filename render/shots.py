@@ -45,7 +45,7 @@ from motorcade.render.shadow import (
     ground_depth,
     ground_shade,
     shade_extent,
-    shade_in_picture,
+    shade_in_image,
 )
 from motorcade.render.visibility import FigureSeen, figures_seen
 from motorcade.tracking.cameras.camera import Camera
@@ -115,7 +115,7 @@ class _Drawn:
 class Shot:
     """A frame, and what is to be laid over a window of it: nothing where there is no pose."""
 
-    picture: ImageArray
+    image: ImageArray
     lens: LensWarp
     drawn: list[_Drawn] | None = None
     window: Window = WHOLE
@@ -165,17 +165,17 @@ class FilmStage:
         """
         span_ns = int(world_T_camera.time_ns[0]), int(world_T_camera.time_ns[-1])
         unzoomed, matching = self.lens, self._matching
-        for time_ns, picture, *rest in frames:
+        for time_ns, image, *rest in frames:
             self.lens = unzoomed.zoomed(float(rest[2])) if len(rest) > 2 else unzoomed
             camera = self.lens.camera
             self.start_ns = time_ns if self.start_ns is None else self.start_ns
-            if picture.shape[:2] != (camera.height, camera.width):
+            if image.shape[:2] != (camera.height, camera.width):
                 raise ValueError(
                     f"frames: expected {camera.width} x {camera.height} pixels, got "
-                    f"{picture.shape[1]} x {picture.shape[0]} at {time_ns} ns"
+                    f"{image.shape[1]} x {image.shape[0]} at {time_ns} ns"
                 )
             if not span_ns[0] <= time_ns <= span_ns[1]:
-                yield Shot(picture, self.lens)
+                yield Shot(image, self.lens)
                 continue
             depth_m, mask = (*rest, None, None)[:2]
             moments = [
@@ -187,15 +187,15 @@ class FilmStage:
             gain = matching.gain
             pose = world_T_camera.motors_at(time_ns)
             if meter is not None:
-                still = picture if mask is None else fill_masked(picture, mask)
+                still = image if mask is None else fill_masked(image, mask)
                 gain *= meter.gain(still, camera, pose)
             measured = None if depth_m is None else depth_m[window]
             if mask is None:
-                yield Shot(picture, self.lens, drawn, window, measured, gain)
+                yield Shot(image, self.lens, drawn, window, measured, gain)
                 continue
             camera_T_ground = pose.inverse() @ self.ground.world_T_ground(time_ns)
             masked_m = standing_depth(mask, camera, camera_T_ground, depth_m)[window]
-            yield Shot(picture, self.lens, drawn, window, measured, gain, (mask[window], masked_m))
+            yield Shot(image, self.lens, drawn, window, measured, gain, (mask[window], masked_m))
 
     def _posed(self, time_ns: int, world_T_camera: Motor) -> _Moment:
         """The figures, and what they take from their grounds."""
@@ -248,7 +248,7 @@ class FilmStage:
         layer = self.lens.layer(renderer.render(pinhole, pose), window)
         part = self.lens.drawn(window)
         shades = [
-            shade_in_picture(
+            shade_in_image(
                 figure.shade, figure.figure.half_width_m, pinhole, figure.camera_T_shade(pose), part
             )
             for figure in moment.figures
@@ -291,11 +291,11 @@ class FilmStage:
 
         None without a pose.
         """
-        frame = as_rgb(shot.picture)
+        frame = as_rgb(shot.image)
         if shot.drawn is None:
             return frame, None
         sigma = self._matching.noise
-        sigma = frame_noise(shot.picture) if sigma is None else sigma
+        sigma = frame_noise(shot.image) if sigma is None else sigma
         layer = exposed(blended([one.layer for one in shot.drawn]), shot.gain)
         layer = greyed(layer) if is_grey(frame) else layer
         part, visible = self._laid_over(frame[shot.window], layer, shot)
@@ -416,15 +416,15 @@ def _lay(
     nearest: DepthArray, camera: Camera, camera_T_print: Motor, low: FloatArray, high: FloatArray
 ) -> None:
     """Take the depth of one rectangle wherever it is nearer than what was there."""
-    to_picture = plane_homography(camera, camera_T_print)
-    if np.linalg.cond(to_picture) > EDGE_ON:
+    to_image = plane_homography(camera, camera_T_print)
+    if np.linalg.cond(to_image) > EDGE_ON:
         return
     corners = [[x, y, 0.0] for x in (low[0], high[0]) for y in (low[1], high[1])]
     first, last = seen_extent(camera, camera_T_print.apply(corners), NEAREST_M)
     rows, columns = np.arange(first[1], last[1] + 1), np.arange(first[0], last[0] + 1)
-    from_picture = np.linalg.inv(to_picture)
+    from_image = np.linalg.inv(to_image)
     x, y, inverse_depth = (
-        row[0] * columns[None, :] + row[1] * rows[:, None] + row[2] for row in from_picture
+        row[0] * columns[None, :] + row[1] * rows[:, None] + row[2] for row in from_image
     )
     # Over a positive inverse depth, low < x / inverse depth < high needs no division.
     inside = (inverse_depth > 0.0) & (x > low[0] * inverse_depth) & (x < high[0] * inverse_depth)

@@ -76,15 +76,15 @@ def _stage(camera: Camera, world_T_camera: Motor, height_m: float) -> ImageArray
     pixels = np.stack(np.meshgrid(np.arange(camera.width), np.arange(camera.height)), axis=-1)
     rays = world_T_camera.rotor.apply(camera.unproject(pixels.reshape(-1, 2).astype(np.float64)))
     down = rays[:, 2].reshape(camera.height, camera.width) < 0.0
-    picture = np.where(down[..., None], FLOOR, WALL).astype(np.uint8)
+    image = np.where(down[..., None], FLOOR, WALL).astype(np.uint8)
     reach = TILE * TILES * height_m
     for k in range(-TILES, TILES + 1):
         at = k * TILE * height_m
         for ends in ([[at, -reach, 0.0], [at, reach, 0.0]], [[-reach, at, 0.0], [reach, at, 0.0]]):
             line = _seen(camera, world_T_camera, np.array(ends))
             if line is not None:
-                cv2.polylines(picture, [line], False, LINE, 1, cv2.LINE_AA, shift=4)
-    return picture
+                cv2.polylines(image, [line], False, LINE, 1, cv2.LINE_AA, shift=4)
+    return image
 
 
 def _seen(camera: Camera, world_T_camera: Motor, ends_m: FloatArray) -> FloatArray | None:

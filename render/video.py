@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import admit_file
 from motorcade.ga.lookahead import ahead
-from motorcade.ga.stamps import LONGEST_BRIDGE_S, stretches
+from motorcade.ga.stamps import LONGEST_BRIDGE_S, segments
 from motorcade.ga.unfinished import unfinished
 from motorcade.render.scene import ImageArray
 
@@ -168,11 +168,11 @@ def read_frames(path: Path, every: int = 1) -> Iterator[tuple[int, ImageArray]]:
     >>> import numpy as np
     >>> from pathlib import Path
     >>> from motorcade.render import read_frames, write_video
-    >>> pictures = [np.full((48, 64, 3), grey, np.uint8) for grey in (0, 128)]
+    >>> images = [np.full((48, 64, 3), grey, np.uint8) for grey in (0, 128)]
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = Path(folder, "grey.mkv")  # lossless; .mp4 is H.264
-    ...     write_video(path, pictures, np.array([0, 40_000_000]))
-    ...     again = [(time_ns, int(picture[0, 0, 0])) for time_ns, picture in read_frames(path)]
+    ...     write_video(path, images, np.array([0, 40_000_000]))
+    ...     again = [(time_ns, int(image[0, 0, 0])) for time_ns, image in read_frames(path)]
     >>> again
     [(0, 0), (40000000, 128)]
     """
@@ -209,7 +209,7 @@ def _ticks(stamps: IntArray, clock: Fraction, *, bridged: bool) -> IntArray:
 def _without_long_gaps(time_ns: IntArray) -> IntArray:
     """Stamps whose splitting gaps are ten seconds long."""
     steps = np.diff(time_ns)
-    for part in stretches(time_ns)[1:]:
+    for part in segments(time_ns)[1:]:
         steps[part.start - 1] = round(LONGEST_BRIDGE_S * 1e9)
     longest_s = 1e-9 * float(steps.max(initial=0))
     if longest_s > MOST_APART_S:
@@ -269,15 +269,15 @@ def contact_sheet(
     return sheet
 
 
-def _write(picture: ImageArray, text: str) -> None:
+def _write(image: ImageArray, text: str) -> None:
     """A label in the upper left corner, light with a dark rim."""
-    size = max(0.35, min(1.0, picture.shape[1] / 420.0))
+    size = max(0.35, min(1.0, image.shape[1] / 420.0))
     x, y = int(8 * size), int(22 * size)
     # The rim is made of shifted copies: thicker strokes would be spaced wider.
     rim = [(dx, dy) for dx in (-1, 0, 1) for dy in (-1, 0, 1) if dx or dy]
     for dx, dy, color in [(*step, (0, 0, 0)) for step in rim] + [(0, 0, (255, 255, 255))]:
         cv2.putText(
-            picture,
+            image,
             text,
             (x + dx, y + dy),
             cv2.FONT_HERSHEY_SIMPLEX,
@@ -322,8 +322,8 @@ def encode(
         form = VideoReformatter()
 
         def packets(numbered: tuple[int, ImageArray]) -> Any:
-            number, picture = numbered
-            frame = coded_frame(picture, lossless, form, coding)
+            number, image = numbered
+            frame = coded_frame(image, lossless, form, coding)
             if number == 0:
                 stream.height, stream.width = frame.height, frame.width
             frame.pts, frame.time_base = int(ticks[number]), clock
@@ -344,9 +344,9 @@ def _checked(frames: Iterable[ImageArray], expected: int) -> Iterator[tuple[int,
     """Frames with their numbers: as many as expected, all of the first one's shape."""
     count = 0
     shape: tuple[int, ...] = ()
-    for count, picture in enumerate(frames, 1):
-        shape = _checked_shape(picture, shape, count - 1, expected)
-        yield count - 1, picture
+    for count, image in enumerate(frames, 1):
+        shape = _checked_shape(image, shape, count - 1, expected)
+        yield count - 1, image
     if count != expected:
         raise ValueError(f"write_video(frames): expected {expected} frames, got {count}")
 
@@ -374,40 +374,40 @@ def set_up_codec(stream: Any, lossless: bool, clock: Fraction, coding: ColourCod
 
 
 def coded_frame(
-    picture: ImageArray, lossless: bool, form: VideoReformatter, coding: ColourCoding
+    image: ImageArray, lossless: bool, form: VideoReformatter, coding: ColourCoding
 ) -> Any:
     """An image in the codec's own form."""
     import av
 
     if lossless:
         # Copied by hand: the library's conversion to the padded form may round.
-        padded = np.zeros((*picture.shape[:2], 4), dtype=np.uint8)
-        padded[..., :3] = picture[..., ::-1]
+        padded = np.zeros((*image.shape[:2], 4), dtype=np.uint8)
+        padded[..., :3] = image[..., ::-1]
         return av.VideoFrame.from_ndarray(padded, format="bgra").reformat(format="bgr0")
-    odd = picture.shape[0] % 2, picture.shape[1] % 2
-    even = np.pad(picture, ((0, odd[0]), (0, odd[1]), (0, 0)), "edge") if any(odd) else picture
+    odd = image.shape[0] % 2, image.shape[1] % 2
+    even = np.pad(image, ((0, odd[0]), (0, odd[1]), (0, 0)), "edge") if any(odd) else image
     matrix, levels = coding.converted_as
     rgb = av.VideoFrame.from_ndarray(even, format="rgb24")
     return form.reformat(rgb, format="yuv420p", dst_colorspace=matrix, dst_color_range=levels)
 
 
 def _checked_shape(
-    picture: ImageArray, before: tuple[int, ...], count: int, expected: int
+    image: ImageArray, before: tuple[int, ...], count: int, expected: int
 ) -> tuple[int, ...]:
     """The shape of a frame that fits those before it."""
     if count >= expected:
         raise ValueError(f"write_video(frames): expected {expected} frames, got more")
-    shape = picture.shape
+    shape = image.shape
     if (
-        picture.dtype != np.uint8
-        or picture.ndim != 3
+        image.dtype != np.uint8
+        or image.ndim != 3
         or shape[2] != 3
         or 0 in shape
         or (before and shape != before)
     ):
         raise ValueError(
             f"write_video(frames): expected uint8 RGB images of shape {before or '(h, w, 3)'}, "
-            f"got {picture.dtype} {shape} as number {count}"
+            f"got {image.dtype} {shape} as number {count}"
         )
     return shape
 

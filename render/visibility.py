@@ -26,10 +26,10 @@ class FigureSeen:
     """A figure in a frame.
 
     Fields:
-        drawn_px: its pixels in the picture, were nothing before it; parts of pixels at its edges.
+        drawn_px: its pixels in the image, were nothing before it; parts of pixels at its edges.
         visible_px: those that are seen.
-        inside: the share of its vertices that lies within the picture.
-        height_px: from its lowest to its highest vertex in the picture; 0 out of view.
+        inside: the share of its vertices that lies within the image.
+        height_px: from its lowest to its highest vertex in the image; 0 out of view.
         bottom: how high its lowest point lies over its ground, in its heights.
     """
 
@@ -41,7 +41,7 @@ class FigureSeen:
 
     @property
     def hidden(self) -> float:
-        """The share of its pixels in the picture that something hides."""
+        """The share of its pixels in the image that something hides."""
         return 1.0 - self.visible_px / self.drawn_px if self.drawn_px > 0.0 else 0.0
 
 
@@ -58,7 +58,7 @@ def figures_seen(
 
     Args:
         lens: of the footage.
-        window: the part of the picture that the layer fills.
+        window: the part of the image that the layer fills.
         layer: (h, w) of all figures.
         visible: (h, w) share of the layer that nothing hides; None for all of it.
         own_m: (V, 3) of each figure its vertices in metres, in the frame of its ground.

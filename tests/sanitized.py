@@ -59,7 +59,7 @@ TESTS = (
     "tests/animation/skin",
     "tests/tracking/markers/test_detection.py",
     "tests/tracking/optimise",
-    "tests/tracking/test_pictures.py",
+    "tests/tracking/test_images.py",
     # Thousands of samples for the accuracy, and an hour of them, on paths that the others take.
     "--deselect=tests/ga/kernels/test_kernels.py::test_backends_agree_on_hard_motors",
     "--deselect=tests/fusion/orientation/test_orientation.py::test_it_stays_sound_over_an_hour",

@@ -1,4 +1,4 @@
-"""Cameras, printed boards and markers, and visual SLAM: pictures in, pose measurements out.
+"""Cameras, printed boards and markers, and visual SLAM: images in, pose measurements out.
 
 Conventions:
 
@@ -19,10 +19,10 @@ Draw a marker, look at it straight on from 0.6 m, and find it again:
 >>> from motorcade.tracking import Camera, SingleMarker, detect_markers, pose_marker
 >>> camera = Camera(width=640, height=480, fx=500.0, fy=500.0, cx=319.5, cy=239.5)
 >>> drawing, origin_px = SingleMarker("tag36h11", 7, side_m=0.12).draw(pixels_per_m=1000.0)
->>> picture = np.full((480, 640), 255, np.uint8)
+>>> image = np.full((480, 640), 255, np.uint8)
 >>> small = cv2.resize(drawing, None, fx=0.8, fy=0.8, interpolation=cv2.INTER_AREA)
->>> picture[100 : 100 + len(small), 200 : 200 + small.shape[1]] = small
->>> [found] = detect_markers(picture, "tag36h11", camera)
+>>> image[100 : 100 + len(small), 200 : 200 + small.shape[1]] = small
+>>> [found] = detect_markers(image, "tag36h11", camera)
 >>> found.marker_id
 7
 >>> marker = pose_marker(found, camera, side_m=0.12)

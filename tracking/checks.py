@@ -1,4 +1,4 @@
-"""The checks that every board makes of its numbers and of the pictures it is given."""
+"""The checks that every board makes of its numbers and of the images it is given."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ def check_length(value: Any, field: str) -> None:
 
 
 def checked_gray(image: object) -> GrayImage:
-    """Refuse anything but a picture ``(height, width)`` of uint8.
+    """Refuse anything but an image ``(height, width)`` of uint8.
 
     Raises:
         ValueError: another type or shape, or no pixels.
     """
     if not isinstance(image, np.ndarray):
-        raise ValueError(f"image: expected a grey uint8 picture, got {type(image).__name__}")
+        raise ValueError(f"image: expected a grey uint8 image, got {type(image).__name__}")
     if image.dtype != np.uint8 or image.ndim != 2 or image.size == 0:
         raise ValueError(
-            f"image: expected a grey uint8 picture (height, width), "
+            f"image: expected a grey uint8 image (height, width), "
             f"got {image.dtype} of shape {image.shape}"
         )
     return image

@@ -18,10 +18,10 @@ _ASYMMETRY = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class MarkerObservation:
-    """Corners of a board in one picture, with both planar poses that they allow.
+    """Corners of a board in one image, with both planar poses that they allow.
 
     Args:
-        time_ns: stamp of the picture.
+        time_ns: stamp of the image.
         ids: ``(n,)`` rising; each is the corner's row in its board's ``points_m``.
         corners_px: ``(n, 2)`` pixels.
         candidates: Motor ``(2,)``, ``world_T_camera`` of both planar solutions, better one first.

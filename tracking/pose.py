@@ -26,7 +26,7 @@ from motorcade.tracking.optimise import NormalEquations, Stop, minimise
 if TYPE_CHECKING:
     from motorcade.tracking.boards.corners import BoardCorners  # whose package imports this module
 
-# No corner finder is better than this on real pictures, however small the residuals are.
+# No corner finder is better than this on real images, however small the residuals are.
 SIGMA_FLOOR_PX = 0.1
 _STOP = Stop(steps=50, gain=1e-12, damping=1e-6, most_damping=1e6)
 # Beyond this reprojection error IPPE is asked again, with rays moved by so much of themselves.
@@ -51,7 +51,7 @@ class TrackingError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class PlanarCandidates:
-    """The two poses that explain a flat board's picture locally best, the better one first.
+    """The two poses that explain a flat board's image locally best, the better one first.
 
     A flat board seen from afar or nearly head on looks almost the same tilted either way; the
     pixels then cannot tell, and the second pose may be the true one.
@@ -118,7 +118,7 @@ def planar_candidates(corners: BoardCorners, camera: Camera) -> PlanarCandidates
     seen = np.isfinite(candidates.error_px)
     if not seen[0]:
         raise TrackingError("corners: expected a pose with every corner before the camera")
-    if not seen[1]:  # no picture at all from there: it explains nothing
+    if not seen[1]:  # no image at all from there: it explains nothing
         return PlanarCandidates(candidates.world_T_camera[[0, 0]], candidates.error_px[[0, 0]])
     return candidates
 

@@ -1,6 +1,6 @@
 """A rolling shutter taken out of what was seen: corners as a shutter sees them that reads at once.
 
-Lines of a picture are read one after another, so a camera that moves bends what it sees. How long a
+Lines of an image are read one after another, so a camera that moves bends what it sees. How long a
 line is read before or after the stamp follows from where it lies; how far a corner moves in that
 time, from the velocity that the frames beside it give. The poses are then those at the stamp, when
 the middle line is read.
@@ -34,7 +34,7 @@ def lateness_s(camera: Camera, px: FloatArray, shutter_s: FloatArray) -> FloatAr
 
     Args:
         camera: its size.
-        px: in the upright picture.
+        px: in the upright image.
         shutter_s: ``(2,)`` from the left edge to the right one and from the upper to the lower.
 
     >>> import numpy as np

@@ -21,7 +21,7 @@ from motorcade.animation.blend import Inertialized, PoseSource, Shifted
 from motorcade.animation.clip import Clip
 from motorcade.animation.easing import FADE_S, smootherstep
 from motorcade.animation.ik import find_stances, plant_feet
-from motorcade.animation.ik.feet import stretches
+from motorcade.animation.ik.feet import segments
 from motorcade.animation.place.walks import played, rigid, stances_along
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, checked_positive
@@ -111,7 +111,7 @@ def foot_slides_m(actor: Actor, performance: Performance) -> list[tuple[float, f
         ball = skeleton.index(leg.ball)
         at = world[:, ball].translation_m
         low = at[:, 2] <= skeleton.rest_world.translation_m[ball, 2] + touches_m
-        for start, end in stretches(low):
+        for start, end in segments(low):
             places = at[start:end, :2]
             off = np.linalg.norm(places - np.median(places, axis=0), axis=1).max()
             slides.append(

@@ -19,7 +19,7 @@ from motorcade.animation.blend.locomotion import RootMotion, heading_of, phase_b
 from motorcade.animation.blend.methods import BlendMethod
 from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Leg, find_stances, plant_feet
-from motorcade.animation.ik.feet import stretches
+from motorcade.animation.ik.feet import segments
 from motorcade.animation.retarget import body_of, facing_rad
 from motorcade.animation.retarget.roles import ancestors
 from motorcade.animation.skeleton import Skeleton
@@ -406,7 +406,7 @@ def _touching(
     """Stances ``(F,)``, from when a foot comes as low as it stands to when it leaves that."""
     standing = find_stances(at, time_s)
     longer = standing.copy()
-    for start, end in stretches(standing):
+    for start, end in segments(standing):
         low = at[:, 2] <= max(rest_m, np.max(at[start:end, 2])) + TOUCHES * tall_m
         longer[start - np.argmin([*low[:start][::-1], False]) : start] = True
         longer[end : end + np.argmin([*low[end:], False])] = True

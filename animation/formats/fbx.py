@@ -58,7 +58,7 @@ def read_fbx(path: Path) -> Rig:
         source.write_bytes(data)
         _export(program, source, target)
         with off_record():
-            rig = read_gltf(target, pictures=path.parent)
+            rig = read_gltf(target, images=path.parent)
     rig = replace(rig, surfaces=tuple(_linear(one) for one in rig.surfaces))
     unit_m = _unit_m(data)
     if unit_m is not None:

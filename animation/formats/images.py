@@ -36,7 +36,7 @@ STRIP_PIXELS = 1 << 20
 """Converted at once: an image's copies would fill the memory."""
 SMALLER_PIXELS = 1 << 20
 """What images have at most that are kept smaller."""
-NAMED_PICTURES = 4
+NAMED_IMAGES = 4
 WITH_ALPHA = ("RGBA", "LA", "PA", "P")
 """Modes of Pillow that may hold alpha."""
 
@@ -132,16 +132,16 @@ class Textures:
     @property
     def notices(self) -> list[str]:
         """Those that could not be read or were reduced: the first few by name, others by number."""
-        more = len(self._problems) - NAMED_PICTURES
+        more = len(self._problems) - NAMED_IMAGES
         notes = [f"and {more} more textures were not read"] if more > 0 else []
         if self._smaller:
-            rest = len(self._smaller) - NAMED_PICTURES
-            named = ", ".join(self._smaller[:NAMED_PICTURES])
+            rest = len(self._smaller) - NAMED_IMAGES
+            named = ", ".join(self._smaller[:NAMED_IMAGES])
             notes.append(
                 f"textures of more than {MAX_IMAGE_PIXELS} pixels in all: kept smaller are {named}"
                 + (f" and {rest} more" if rest > 0 else "")
             )
-        return [*self._problems[:NAMED_PICTURES], *notes]
+        return [*self._problems[:NAMED_IMAGES], *notes]
 
     def read(self, name: str, data: Callable[[], bytes], key: str = "") -> Texture | None:
         """A decoded image; None, with a notice, where it is missing, broken or too large.

@@ -75,7 +75,7 @@ def beside(folder: Path, uri: str, field: str) -> Path:
     return named
 
 
-def picture_beside(folder: Path, uri: str, field: str) -> Path:
+def image_beside(folder: Path, uri: str, field: str) -> Path:
     """The image that an address names, inside `folder` or below.
 
     Programs write paths of the machine they ran on: where an address leads elsewhere, or to

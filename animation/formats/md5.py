@@ -21,7 +21,7 @@ from motorcade.animation.formats.limits import (
     MAX_TEXT_BYTES,
     FormatError,
     expected,
-    picture_beside,
+    image_beside,
     read_bounded,
     shown,
 )
@@ -123,7 +123,7 @@ def opened(path: Path) -> Words:
 MOST = 1 << 21
 MOST_INFLUENCES = 64
 PLAIN = (0.8, 0.8, 0.8)
-PICTURES = (".tga", ".png", ".jpg")
+IMAGES = (".tga", ".png", ".jpg")
 
 
 def read_md5_mesh(path: Path) -> Rig:
@@ -237,15 +237,15 @@ def _material(shader: str, folder: Path, textures: Textures) -> Material:
     """
     name = shader
     if shader and not Path(shader).suffix:
-        names = (f"{shader}{one}" for one in PICTURES)
+        names = (f"{shader}{one}" for one in IMAGES)
         name = next((one for one in names if is_there(folder / Path(one).name)), shader)
     texture = None
     if name:
-        texture = textures.read(name, lambda: read_bounded(picture_beside(folder, name, "shader")))
+        texture = textures.read(name, lambda: read_bounded(image_beside(folder, name, "shader")))
     if texture is None:
         return Material(shader[:100], (*to_linear(np.array(PLAIN)).tolist(), 1.0), 0.0)
-    picture = TextureMap(texture.pixels, encoded=texture.encoded)
-    return Material(shader[:100], metallic=0.0, base_map=picture)
+    image = TextureMap(texture.pixels, encoded=texture.encoded)
+    return Material(shader[:100], metallic=0.0, base_map=image)
 
 
 def _influences(

@@ -65,7 +65,7 @@ def swing_lift_m(
         leg_m: length of the leg, to which the clearance is in proportion.
     """
     lift = np.zeros(len(at))
-    for start, end in stretches(~standing):
+    for start, end in segments(~standing):
         rows = slice(max(start - 1, 0), min(end + 1, len(at)))
         when = time_s[rows]
         way = float(np.linalg.norm(np.ptp(at[rows, :2], axis=0)))
@@ -94,7 +94,7 @@ def smooth_over(values: FloatArray, time_s: FloatArray) -> FloatArray:
     return smoothed
 
 
-def stretches(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def segments(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """Starts and ends of segments that are true."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
@@ -189,7 +189,7 @@ def find_stances(positions_m: FloatArray, time_s: FloatArray) -> NDArray[np.bool
     speed = np.linalg.norm(np.gradient(positions_m, time_s, axis=0), axis=1)
     low = height <= height.min() + LOW * np.ptp(height) + 1e-9
     standing: NDArray[np.bool_] = low & (speed <= SLOW * speed.max() + 1e-9)
-    for start, end in stretches(standing):
+    for start, end in segments(standing):
         if time_s[end - 1] - time_s[start] < SHORTEST_STANCE_S:
             standing[start:end] = False
     return standing
@@ -311,7 +311,7 @@ def _holding(
     its last moment would drag the swings down with it.
     """
     shift, known = np.zeros_like(at), np.zeros(len(at), dtype=bool)
-    for start, end in stretches(standing):
+    for start, end in segments(standing):
         anchor = np.median(at[start:end], axis=0)
         anchor[2] = ground.height_m(anchor[None, :2])[0] + sole_m
         shift[start:end, :2] = (anchor - at[start:end])[:, :2]
@@ -350,7 +350,7 @@ def _facing(
         across = rest[ball].rotor.inverse().apply(np.array([-along[1], along[0], 0.0]))
         side = world[:, ball].rotor.apply(across)
         heading = np.unwrap(np.arctan2(side[:, 1], side[:, 0]))
-        for start, end in stretches(standing):
+        for start, end in segments(standing):
             turn[start:end] = np.median(heading[start:end]) - heading[start:end]
         turn = _faded(time_s, turn, standing)
     return turn_z(turn)

@@ -131,7 +131,7 @@ def compared() -> tuple[Character, dict[str, Way], dict[str, dict[str, float]]]:
 
 
 def main(out: Path) -> None:
-    """Write the picture and print the measures."""
+    """Write the image and print the measures."""
     import cv2
 
     figure, ways, found = compared()
@@ -145,9 +145,9 @@ def main(out: Path) -> None:
             for number, k in enumerate(shown)
         ]
         rows.append(drawn(parts, size=(1500, 480)))
-    picture = np.ascontiguousarray(np.vstack(rows)[..., ::-1])
+    image = np.ascontiguousarray(np.vstack(rows)[..., ::-1])
     out.mkdir(parents=True, exist_ok=True)
-    cv2.imwrite(str(out / "gallery_between.jpg"), picture, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    cv2.imwrite(str(out / "gallery_between.jpg"), image, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
 
 
 if __name__ == "__main__":

@@ -4,8 +4,8 @@ Both without the arrows that go beside others: what is also reached through anot
 
     python docs/making/drawings.py
 
-writes `docs/pictures/rooms.svg`, `docs/pictures/replays.svg` (the parts of that room) and
-`docs/pictures/stages.svg`; a test holds them current.
+writes `docs/images/rooms.svg`, `docs/images/replays.svg` (the parts of that room) and
+`docs/images/stages.svg`; a test holds them current.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ REPLAYS = (
 
 
 def drawings() -> dict[str, str]:
-    """The pictures by name, as they ought to be now."""
+    """The images by name, as they ought to be now."""
     graph = pipeline_graph()
     stages = {name: set(stage.inputs) for name, stage in graph.stages.items()}
     return {
@@ -93,9 +93,9 @@ def without_detours(imports: Mapping[str, set[str]]) -> dict[str, set[str]]:
 
 
 def main() -> None:
-    """Write all pictures."""
+    """Write all images."""
     for name, text in drawings().items():
-        (REPOSITORY / "docs" / "pictures" / name).write_text(text, encoding="utf-8")
+        (REPOSITORY / "docs" / "images" / name).write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

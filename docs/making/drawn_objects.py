@@ -1,8 +1,8 @@
-"""Draws the pictures of `docs/drawing.md`, from the code and the scripts that the page shows.
+"""Draws the images of `docs/drawing.md`, from the code and the scripts that the page shows.
 
     python docs/making/drawn_objects.py
 
-writes `docs/pictures/drawn_*.svg`; a test holds them current.
+writes `docs/images/drawn_*.svg`; a test holds them current.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ _FENCE = re.compile(r'^```(python|clu title="(\w+)\.clu")\n(.*?)^```$', re.MULTI
 _DRAWN = re.compile(r"^motorcade draw (\w+)\.clu(.*?) -o (\w+)\.svg$", re.MULTILINE)
 
 
-def pictures() -> dict[str, str]:
-    """The pictures by their files' names: each ``drawn_…`` of the page's Python, each script."""
+def images() -> dict[str, str]:
+    """The images by their files' names: each ``drawn_…`` of the page's Python, each script."""
     text = (DOCS / "drawing.md").read_text(encoding="utf-8")
     names: dict[str, Any] = {}
     scripts = {}
@@ -34,7 +34,7 @@ def pictures() -> dict[str, str]:
         given = dict(pair.split("=") for pair in values.split())
         numbers = {key: _numbers(value) for key, value in given.items()}
         made[output] = draw_script(parse(scripts[name]), title=name, **numbers)
-    return {f"{name}.svg": picture.svg() for name, picture in made.items() if "drawn_" in name}
+    return {f"{name}.svg": image.svg() for name, image in made.items() if "drawn_" in name}
 
 
 def _numbers(text: str) -> Any:
@@ -45,9 +45,9 @@ def _numbers(text: str) -> Any:
 
 
 def main() -> None:
-    """Write the pictures."""
-    for name, text in pictures().items():
-        (DOCS / "pictures" / name).write_text(text, encoding="utf-8")
+    """Write the images."""
+    for name, text in images().items():
+        (DOCS / "images" / name).write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Pictures of what characters can do, drawn of the mannequin: `docs/gallery.md` shows them.
+"""Images of what characters can do, drawn of the mannequin: `docs/gallery.md` shows them.
 
 ``python -m docs.making.gallery OUT`` writes them all into a folder, and prints the
 figures that stand beneath them.
@@ -36,7 +36,7 @@ from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.scene import ImageArray
 
-__all__ = ["ELBOW", "QUALITY", "SHOULDER", "PosedPart", "bent", "drawn", "pictures", "volumes_l"]
+__all__ = ["ELBOW", "QUALITY", "SHOULDER", "PosedPart", "bent", "drawn", "images", "volumes_l"]
 
 T = TypeVar("T")
 
@@ -68,8 +68,8 @@ def _volume_l(figure: Character, vertices: FloatArray) -> float:
     return float(1e3 * np.sum(a * np.cross(b, c)) / 6.0)
 
 
-def pictures() -> dict[str, ImageArray]:
-    """All pictures by name; figures are printed on the way."""
+def images() -> dict[str, ImageArray]:
+    """All images by name; figures are printed on the way."""
     figure = mannequin()
     return {
         "blend": _blends(figure),
@@ -265,26 +265,26 @@ def drawn(
 
 
 def _near(part: PosedPart, at_m: FloatArray, size: int = 360, whole: int = 1500) -> ImageArray:
-    """The part of a large picture around a point, seen from the front."""
-    picture = drawn([part], (whole, whole), azimuth_rad=0.0)
-    # What `show_clip` looks at lies in the middle; a figure's height is about 0.56 of the picture.
+    """The part of a large image around a point, seen from the front."""
+    image = drawn([part], (whole, whole), azimuth_rad=0.0)
+    # What `show_clip` looks at lies in the middle; a figure's height is about 0.56 of the image.
     tall = float(part.vertices[:, 2].max())
     scale = 1.35 * whole / (2.3 * tall)
     column = int(0.5 * whole + scale * at_m[1])
     row = int(0.5 * whole - scale * (at_m[2] - 0.48 * tall))
     row, column = (int(np.clip(x, size // 2, whole - size // 2)) for x in (row, column))
     half = size // 2
-    return picture[row - half : row + half, column - half : column + half]
+    return image[row - half : row + half, column - half : column + half]
 
 
 def main(out: Path) -> None:
-    """Write all pictures as ``gallery_NAME.jpg``."""
+    """Write all images as ``gallery_NAME.jpg``."""
     import cv2
 
     out.mkdir(parents=True, exist_ok=True)
-    for name, picture in pictures().items():
+    for name, image in images().items():
         file = out / f"gallery_{name}.jpg"
-        bgr = np.ascontiguousarray(picture[..., ::-1])
+        bgr = np.ascontiguousarray(image[..., ::-1])
         if not cv2.imwrite(str(file), bgr, [cv2.IMWRITE_JPEG_QUALITY, QUALITY]):
             raise OSError(f"{file}: could not be written")
 

@@ -65,7 +65,7 @@ def rates_deg_s(motion: Trajectory) -> FloatArray:
 
 
 def spins(scene: Scene, name: str, rate_hz: float = RATE_HZ) -> Iterator[tuple[int, ImageArray]]:
-    """Stamps and pictures of the three ways beside each other.
+    """Stamps and images of the three ways beside each other.
 
     Raises:
         RenderUnavailable: this machine has no OpenGL.
@@ -79,11 +79,11 @@ def spins(scene: Scene, name: str, rate_hz: float = RATE_HZ) -> Iterator[tuple[i
     traces = ErrorTraces(1e-9 * stamps, rates, "deg/s", size)
     eye = _eye()
     path = Trajectory(stamps[[0, -1]], Motor.stack([eye, eye]))
-    picture = _room(eye)
-    footage = [(int(stamp), picture) for stamp in stamps]
+    image = _room(eye)
+    footage = [(int(stamp), image) for stamp in stamps]
     drawn = [render_performers(footage, CAMERA, path, [one]) for one in shown.values()]
-    for stamp, pictures in zip(stamps.tolist(), zip(*drawn, strict=True), strict=True):
-        row = dict(zip(WAYS, pictures, strict=True))
+    for stamp, images in zip(stamps.tolist(), zip(*drawn, strict=True), strict=True):
+        row = dict(zip(WAYS, images, strict=True))
         yield stamp, beside(row, traces.strip(1e-9 * stamp))
 
 

@@ -3,8 +3,8 @@
     make demo
     python -m docs.making.page_films out/demo
 
-writes `docs/pictures/editor.webp`, a phone on which somebody is put in, walks a drawn way and
-waves, and `docs/pictures/viewer.webp`: two paths beside each other, and the world from the side.
+writes `docs/images/editor.webp`, a phone on which somebody is put in, walks a drawn way and
+waves, and `docs/images/viewer.webp`: two paths beside each other, and the world from the side.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from tests.end_to_end.pages.conftest import Browser, Page
 from tests.end_to_end.pages.editor_tab import Tab
 from tests.replays.studio.server.conftest import running
 
-PICTURES = Path(__file__).resolve().parents[1] / "pictures"
+IMAGES = Path(__file__).resolve().parents[1] / "images"
 STEP_MS, PAUSE_MS = 90, 900
 # Where a finger is, shown on the page for the film alone.
 FINGER = """(() => {
@@ -52,20 +52,20 @@ class Filmable(Protocol):
 
 @dataclass
 class PageFilm:
-    """Pictures of a page, and how long each stays."""
+    """Images of a page, and how long each stays."""
 
     page: Filmable
     width: int
-    pictures: list[Image.Image] = field(default_factory=list)
+    images: list[Image.Image] = field(default_factory=list)
     lasts_ms: list[int] = field(default_factory=list)
 
     def take(self, lasts_ms: int = STEP_MS) -> None:
-        """A picture of the page as it is once it was drawn."""
+        """An image of the page as it is once it was drawn."""
         self.page.evaluate("new Promise((seen) => requestAnimationFrame(() => setTimeout(seen)))")
         told = self.page.ask("Page.captureScreenshot", format="png")["data"]
-        picture = Image.open(io.BytesIO(base64.b64decode(told))).convert("RGB")
-        height = round(picture.height * self.width / picture.width)
-        self.pictures.append(picture.resize((self.width, height), Image.Resampling.LANCZOS))
+        image = Image.open(io.BytesIO(base64.b64decode(told))).convert("RGB")
+        height = round(image.height * self.width / image.width)
+        self.images.append(image.resize((self.width, height), Image.Resampling.LANCZOS))
         self.lasts_ms.append(lasts_ms)
 
     def finger(self, place: FloatArray | None) -> None:
@@ -79,16 +79,16 @@ class PageFilm:
 
     def write(self, path: Path, quality: int) -> None:
         """As an animated WebP that goes round."""
-        self.pictures[0].save(
+        self.images[0].save(
             path,
             save_all=True,
-            append_images=self.pictures[1:],
+            append_images=self.images[1:],
             duration=self.lasts_ms,
             loop=0,
             quality=quality,
             method=6,
         )
-        print(f"{path.name}: {len(self.pictures)} pictures, {path.stat().st_size / 1e3:.0f} kB")
+        print(f"{path.name}: {len(self.images)} images, {path.stat().st_size / 1e3:.0f} kB")
 
 
 def film_editor(browser: Browser, run: Path) -> None:
@@ -120,7 +120,7 @@ def film_editor(browser: Browser, run: Path) -> None:
             play(tab, film, at.frames)
             film.lasts_ms[-1] = PAUSE_MS
             tab.close()
-    film.write(PICTURES / "editor.webp", 45)
+    film.write(IMAGES / "editor.webp", 45)
 
 
 def tapped(tab: Tab, film: PageFilm, word: str) -> None:
@@ -194,7 +194,7 @@ def film_viewer(browser: Browser, run: Path) -> None:
         page.ask("Input.dispatchMouseEvent", type="mouseReleased", **about)
         film.lasts_ms[-1] = PAUSE_MS
         page.close()
-    film.write(PICTURES / "viewer.webp", 40)
+    film.write(IMAGES / "viewer.webp", 40)
 
 
 _BOX = """(({ left, top, width, height }) => [left, top, width, height])(

@@ -1,7 +1,7 @@
 """Videos that set representations and smoothing side by side, in one room, frame by frame.
 
 The camera of the synthetic room swings through the pole of Euler angles, its poses are disturbed,
-and smoothed alike as Euler angles, quaternions and motors. Into the true pictures the character is
+and smoothed alike as Euler angles, quaternions and motors. Into the true images the character is
 drawn along each of these paths: what slides over the table is the path's error. Below, the errors
 of rotation run along.
 
@@ -71,7 +71,7 @@ def paths_side_by_side(
     """The synthetic room as the ground truth sees it, and the character drawn along each path.
 
     Args:
-        truth: `world_T_camera` of the pictures.
+        truth: `world_T_camera` of the images.
         paths: by names of `plots.style.COLOURS`; each covers the ground truth's stamps.
         highest_deg: upper end of the axis of errors.
 
@@ -93,8 +93,8 @@ def paths_side_by_side(
         render_overlay(footage, CAMERA, path, figure, figure.clip("idle"), placement)
         for path in paths.values()
     ]
-    for now_s, pictures in zip(time_s, zip(*drawn, strict=True), strict=True):
-        row = dict(zip(paths, pictures, strict=True))
+    for now_s, images in zip(time_s, zip(*drawn, strict=True), strict=True):
+        row = dict(zip(paths, images, strict=True))
         yield beside(row, traces.strip(float(now_s)))
 
 

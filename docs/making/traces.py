@@ -1,4 +1,4 @@
-"""Pictures of several runs side by side, with their errors drawn below as they arise."""
+"""Images of several runs side by side, with their errors drawn below as they arise."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ PAPER, DARK, RULE = (250, 250, 250), (34, 34, 34), (215, 215, 215)
 LEFT_PX, MARGIN_PX = 64, 12
 
 
-def beside(pictures: Mapping[str, ImageArray], strip: ImageArray | None = None) -> ImageArray:
-    """Pictures in one row, each with its name, and a strip below.
+def beside(images: Mapping[str, ImageArray], strip: ImageArray | None = None) -> ImageArray:
+    """Images in one row, each with its name, and a strip below.
 
     Args:
-        pictures: uint8 (h, w, 3) of one size, by name in plain ASCII.
+        images: uint8 (h, w, 3) of one size, by name in plain ASCII.
         strip: (s, W, 3) as wide as the row, such as `ErrorTraces.strip` draws.
 
     Returns:
         (h + s, W, 3) uint8, W the sum of widths.
 
     Raises:
-        ValueError: no pictures, sizes that differ, or a strip of another width.
+        ValueError: no images, sizes that differ, or a strip of another width.
     """
-    shapes = {picture.shape for picture in pictures.values()}
+    shapes = {image.shape for image in images.values()}
     if len(shapes) != 1:
-        raise ValueError(f"beside(pictures): expected one or more of one size, got {shapes}")
-    row = np.concatenate([_named(one, name) for name, one in pictures.items()], axis=1)
+        raise ValueError(f"beside(images): expected one or more of one size, got {shapes}")
+    row = np.concatenate([_named(one, name) for name, one in images.items()], axis=1)
     if strip is None:
         return row
     if strip.shape[1:] != row.shape[1:]:
@@ -80,17 +80,17 @@ class ErrorTraces:
 
     def strip(self, now_s: float) -> ImageArray:
         """The traces up to a time, (height, width, 3) uint8, with the values they have then."""
-        picture = self._ground.copy()
+        image = self._ground.copy()
         passed = self._time_s <= now_s
         if not passed.any():
-            return picture
+            return image
         for k, (name, values) in enumerate(self._errors.items()):
             points = self._place(self._time_s[passed], values[passed])
             color = _color(name)
-            cv2.polylines(picture, [points], False, color, 2, cv2.LINE_AA, shift=4)
+            cv2.polylines(image, [points], False, color, 2, cv2.LINE_AA, shift=4)
             text = f"{name} {values[passed][-1]:.2f}"
-            _write(picture, text, (LEFT_PX + 8 + 190 * k, MARGIN_PX + 8), color)
-        return picture
+            _write(image, text, (LEFT_PX + 8 + 190 * k, MARGIN_PX + 8), color)
+        return image
 
     def _place(self, time_s: FloatArray, values: FloatArray) -> FloatArray:
         """Sixteenths of pixels, as OpenCV draws them."""
@@ -114,10 +114,10 @@ class ErrorTraces:
         return ground
 
 
-def _named(picture: ImageArray, name: str) -> ImageArray:
-    """A picture with its name in a bar of its colour on top."""
-    shown = picture.copy()
-    height = min(22, picture.shape[0])
+def _named(image: ImageArray, name: str) -> ImageArray:
+    """An image with its name in a bar of its colour on top."""
+    shown = image.copy()
+    height = min(22, image.shape[0])
     shown[:height] = _color(name)
     _write(shown, name, (8, min(16, height)), (255, 255, 255))
     return shown
@@ -130,7 +130,7 @@ def _color(name: str) -> tuple[int, int, int]:
     return int(code[1:3], 16), int(code[3:5], 16), int(code[5:7], 16)
 
 
-def _write(picture: ImageArray, text: str, at: Sequence[int], color: Sequence[int]) -> None:
+def _write(image: ImageArray, text: str, at: Sequence[int], color: Sequence[int]) -> None:
     cv2.putText(
-        picture, text, tuple(at), cv2.FONT_HERSHEY_SIMPLEX, 0.42, tuple(color), 1, cv2.LINE_AA
+        image, text, tuple(at), cv2.FONT_HERSHEY_SIMPLEX, 0.42, tuple(color), 1, cv2.LINE_AA
     )

@@ -1,7 +1,7 @@
 """Camera and IMU calibrated together from a recording of a board, as Kalibr does it.
 
 Unlike `motorcade.fusion.sync`, which takes poses as they are, this uses what is known of a board's
-pictures: how sure each pose is, and how the camera's intrinsics move them all.
+images: how sure each pose is, and how the camera's intrinsics move them all.
 """
 
 from __future__ import annotations

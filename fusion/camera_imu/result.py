@@ -72,9 +72,9 @@ class CameraImuCalibration:
             1 something is wrong that the model does not know: a board that is bent or of another
             size, a rolling shutter, a sensor on a spring.
         noise: of the IMU as found, never below what was stated.
-        poses, refused: how many pictures were used; in how many of them the pose was refused.
+        poses, refused: how many images were used; in how many of them the pose was refused.
         span_s: from the first of them to the last.
-        sigma_px, error_px: noise of a corner's coordinate, and the pictures' root mean square
+        sigma_px, error_px: noise of a corner's coordinate, and the images' root mean square
             reprojection error.
         correction_sigma: deviation that corrections were believed to have beforehand.
         health: what is wrong with the recording, and what cannot be told of it.

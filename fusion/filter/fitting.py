@@ -52,7 +52,7 @@ def fit_noise(
     for some time (R. K. Mehra, On the identification of variances and adaptive Kalman filtering,
     IEEE TAC 15(2), 1970). Only then larger ones are looked for, by the likelihood of poses 0.2 s
     apart in half a minute from the middle of the recording (of a stream that gaps split, of the
-    stretch with most poses), every other turn of two seconds; the others must agree. Densities are
+    segment with most poses), every other turn of two seconds; the others must agree. Densities are
     never lowered, so that poses whose noise is stated too small change nothing; nor is anything
     fitted where extrinsics or offset are to be estimated, whose errors look alike. It takes as long
     as fusing a minute or two; `learn_noise` finds walks too.
@@ -134,9 +134,9 @@ def fit_noise(
 
 
 def _most_measured(measurements: PoseMeasurements, imu: ImuStream, shift_ns: int) -> ImuStream:
-    """The stretch between gaps of the stream within which most poses were measured."""
+    """The segment between gaps of the stream within which most poses were measured."""
     stamps = measurements.trajectory.time_ns + shift_ns
-    parts = imu.stretches()
+    parts = imu.segments()
     counts = [np.ptp(np.searchsorted(stamps, part.time_ns[[0, -1]])) for part in parts]
     return parts[int(np.argmax(counts))] if any(counts) else imu
 

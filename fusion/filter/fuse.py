@@ -48,7 +48,7 @@ def fuse(
         imu: must cover the measurements that are to be used: the others are left out. A gap in
             it is bridged by the line between the samples on both sides, with the uncertainty that
             `FilterSettings` states; a gap of more than ten seconds splits the stream, and each
-            stretch is fused for itself: stamps between them are left out.
+            segment is fused for itself: stamps between them are left out.
         noise: the IMU's densities and bias walks. Those of a data sheet are too small for a
             sensor in the hand or in flight: where the recording shows that, densities that fit it
             take their place (`fit_noise`); `learn_noise` finds walks besides, in longer time.

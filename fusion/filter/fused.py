@@ -1,4 +1,4 @@
-"""`Fused`, a fused path with what was known along it, and what is fused: stretches of it."""
+"""`Fused`, a fused path with what was known along it, and what is fused: segments of it."""
 
 from __future__ import annotations
 
@@ -63,19 +63,19 @@ def wanted_stamps(
     return wanted
 
 
-def by_stretch(
+def by_segment(
     fused: Callable[[PoseMeasurements, ImuStream, IntArray | None], Fused],
     measurements: PoseMeasurements,
     imu: ImuStream,
     stamps_ns: IntArray | None,
     shift_ns: int = 0,
 ) -> Fused:
-    """Fuse each stretch of a stream that gaps split for itself, and join the results.
+    """Fuse each segment of a stream that gaps split for itself, and join the results.
 
     Raises:
-        ValueError: what `fused` refuses, or no measurement in any stretch.
+        ValueError: what `fused` refuses, or no measurement in any segment.
     """
-    parts = imu.stretches()
+    parts = imu.segments()
     if len(parts) == 1:
         return fused(measurements, parts[0], stamps_ns)
     measured_ns = measurements.trajectory.time_ns + shift_ns
@@ -92,7 +92,7 @@ def by_stretch(
             made.append(fused(own, part, here))
     if not made:
         raise ValueError(
-            f"measurements and imu: expected stamps in one of the {len(parts)} stretches between "
+            f"measurements and imu: expected stamps in one of the {len(parts)} segments between "
             "gaps of the imu, got none"
         )
     return made[0] if len(made) == 1 else Fused.joined(made)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.filter.fused import Fused, by_stretch, covered, wanted_stamps
+from motorcade.fusion.filter.fused import Fused, by_segment, covered, wanted_stamps
 from motorcade.fusion.filter.native._filter import Engine
 from motorcade.fusion.filter.pose_filter import KINDS
 from motorcade.fusion.filter.settings import FilterSettings, engine
@@ -45,7 +45,7 @@ def fuse_unjudged(
             state_covariances,
         )  # fmt: skip
 
-    return by_stretch(one, measurements, imu, stamps_ns, shift_ns)
+    return by_segment(one, measurements, imu, stamps_ns, shift_ns)
 
 
 def _fused(
@@ -60,7 +60,7 @@ def _fused(
     time_offset_s: float,
     state_covariances: bool,
 ) -> Fused:
-    """Fuse along one stretch of the stream."""
+    """Fuse along one segment of the stream."""
     shift_ns = round(time_offset_s * 1e9)
     used = covered(measurements, imu, shift_ns)
     wanted = wanted_stamps(used.trajectory.time_ns + shift_ns, imu, stamps_ns)

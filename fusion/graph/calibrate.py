@@ -163,9 +163,9 @@ def calibrate_by_graph(
         raise ValueError(
             f"gravity_size_sigma_m_s2: expected a number from 0 on, got {gravity_size_sigma_m_s2}"
         )
-    parts = imu.stretches()
+    parts = imu.segments()
     if len(parts) > 1:
-        raise ValueError("imu: expected one stretch, got gaps of more than ten seconds")
+        raise ValueError("imu: expected one segment, got gaps of more than ten seconds")
     (imu,) = parts
     used, effect = _covered(measurements, imu, shift_ns, pose_effect)
     wanted = used.trajectory.time_ns + shift_ns

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from motorcade.fusion.filter import FilterSettings, Fused
-from motorcade.fusion.filter.fused import by_stretch, camera_covariance, covered, wanted_stamps
+from motorcade.fusion.filter.fused import by_segment, camera_covariance, covered, wanted_stamps
 from motorcade.fusion.filter.settings import MOST_NOISE
 from motorcade.fusion.filter.unjudged import fuse_unjudged
 from motorcade.fusion.graph.inertial import (
@@ -97,7 +97,7 @@ def fuse_by_graph(
             states = smooth_all(graph, start)
         return as_fused(graph, states, part.trajectory, wanted, chosen)
 
-    return by_stretch(fuse_part, measurements, imu, stamps_ns, shift_ns)
+    return by_segment(fuse_part, measurements, imu, stamps_ns, shift_ns)
 
 
 def checked_graph_input(

@@ -99,7 +99,7 @@ def _windows(camera: Trajectory) -> IntArray:
 
 
 def _covered(imu: ImuStream, first_ns: IntArray, last_ns: IntArray) -> NDArray[np.intp]:
-    parts = imu.stretches()
+    parts = imu.segments()
     begin = np.array([one.time_ns[0] for one in parts])
     end = np.array([one.time_ns[-1] for one in parts])
     number = np.searchsorted(begin, first_ns, side="right") - 1

@@ -80,13 +80,13 @@ class TurnedAngle:
     """The gyroscope's running integral: good for mean rates over short times."""
 
     def __init__(self, imu: ImuStream) -> None:
-        parts = imu.stretches()
+        parts = imu.segments()
         self._begin_ns = np.array([one.time_ns[0] for one in parts])
         self._end_ns = np.array([one.time_ns[-1] for one in parts])
         self._angle = RunningIntegral(imu.time_ns, imu.angular_rate_rad_s)
 
     def covers(self, first_ns: IntArray, last_ns: IntArray) -> NDArray[np.bool_]:
-        """Which spans ``(m,)`` lie in one stretch of the stream."""
+        """Which spans ``(m,)`` lie in one segment of the stream."""
         number = np.searchsorted(self._begin_ns, first_ns, side="right") - 1
         return np.asarray((number >= 0) & (last_ns <= self._end_ns[number]), dtype=np.bool_)
 

@@ -17,7 +17,7 @@ from motorcade.ga import Motor, Trajectory, TwistSample
 from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 from motorcade.ga.motion import ScrewPath
 from motorcade.ga.splines import CumulativeBSpline
-from motorcade.ga.stamps import stretches
+from motorcade.ga.stamps import segments
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class ContinuousPath:
         twists: from seconds after the start ``(*)`` to pose, body twist and its derivative.
         parent: name of the frame that poses map to.
         child: name of the frame that moves.
-        stretches_s: ``(S, 2)`` first and last second of the stretches in which a sensor is read;
+        segments_s: ``(S, 2)`` first and last second of the segments in which a sensor is read;
             by default the whole span.
 
     Raises:
@@ -49,19 +49,19 @@ class ContinuousPath:
     twists: Callable[[FloatArray], TwistSample[Motor]]
     parent: str = "world"
     child: str = "imu"
-    stretches_s: tuple[tuple[float, float], ...] = ()
+    segments_s: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         checked_positive(self.duration_s, "ContinuousPath.duration_s")
-        if not self.stretches_s:
-            object.__setattr__(self, "stretches_s", ((0.0, self.duration_s),))
+        if not self.segments_s:
+            object.__setattr__(self, "segments_s", ((0.0, self.duration_s),))
 
     @classmethod
     def through(cls, trajectory: Trajectory, knot_spacing_s: float = 0.1) -> ContinuousPath:
         """A spline fitted to poses; the spline, not the poses, is then the true path.
 
         A gap of more than ten seconds (and three median intervals) splits the path: there is a
-        spline for each stretch, and no sensor is read between them, where the path follows the
+        spline for each segment, and no sensor is read between them, where the path follows the
         screw from one to the next.
 
         Args:
@@ -71,9 +71,9 @@ class ContinuousPath:
 
         Raises:
             ValueError: a spacing that is not positive, a single pose, motion too fast for it, or
-                more than 2,000 knots and 20 more a pose in a stretch.
+                more than 2,000 knots and 20 more a pose in a segment.
         """
-        parts = [trajectory[part] for part in stretches(trajectory.time_ns)]
+        parts = [trajectory[part] for part in segments(trajectory.time_ns)]
         splines = [
             CumulativeBSpline.fit(part, knot_spacing_s)
             for part in parts
@@ -85,7 +85,7 @@ class ContinuousPath:
             for spline in splines
             for start in [(spline.start_ns - first.start_ns) * 1e-9]
         )
-        twists = first.twists if first is last else _Stretches(tuple(splines), spans).twists
+        twists = first.twists if first is last else _Segments(tuple(splines), spans).twists
         return cls(first.start_ns, spans[-1][1], twists, trajectory.parent, trajectory.child, spans)
 
     @classmethod
@@ -123,12 +123,12 @@ class ContinuousPath:
             )
 
         return ContinuousPath(
-            self.start_ns, self.duration_s, twists, self.parent, child, self.stretches_s
+            self.start_ns, self.duration_s, twists, self.parent, child, self.segments_s
         )
 
 
 @dataclass(frozen=True, eq=False)
-class _Stretches:
+class _Segments:
     """Splines one after another, joined by screws."""
 
     splines: tuple[CumulativeBSpline, ...]

@@ -199,7 +199,7 @@ def _as_path(
 
 
 def _count(path: ContinuousPath, rate_hz: float) -> float:
-    return sum((last - first) * rate_hz for first, last in path.stretches_s)
+    return sum((last - first) * rate_hz for first, last in path.segments_s)
 
 
 def _simulated(readings: Readings, path: ContinuousPath, offset_ns: int) -> SimulatedImu:
@@ -346,7 +346,7 @@ class SimulatedSensor:
         return readings[np.flatnonzero(self._losses.random(len(true_ns)) >= faults.dropped_share)]
 
     def _at(self, true_ns: IntArray, opened_ns: IntArray, delay_s: float) -> SplineSample:
-        """The motion so long before stamps ``(n,)``, but not before their stretches' starts."""
+        """The motion so long before stamps ``(n,)``, but not before their segments' starts."""
         late_ns = np.maximum(true_ns - round(delay_s * 1e9), opened_ns)
         seconds = np.minimum((late_ns - self._path.start_ns) * 1e-9, self._path.duration_s)
         return sampled_motion(self._path.twists(seconds))
@@ -456,10 +456,10 @@ def _check_rate(faults: ImuFaults, rate_hz: float) -> None:
 
 
 class _EvenStamps:
-    """Even stamps in every stretch of a path, from its start on, without a list of them."""
+    """Even stamps in every segment of a path, from its start on, without a list of them."""
 
     def __init__(self, path: ContinuousPath, rate_hz: float) -> None:
-        spans = np.array(path.stretches_s)
+        spans = np.array(path.segments_s)
         self._step_ns = 1e9 / rate_hz
         self._opened_ns = path.start_ns + np.round(spans[:, 0] * 1e9).astype(np.int64)
         self._length_ns = np.round((spans[:, 1] - spans[:, 0]) * 1e9).astype(np.int64)
@@ -473,16 +473,16 @@ class _EvenStamps:
             )
 
     def between(self, first: int, last: int) -> tuple[IntArray, IntArray, IntArray]:
-        """Stamps ``(n,)`` from one number to before another, and the starts of their stretches.
+        """Stamps ``(n,)`` from one number to before another, and the starts of their segments.
 
-        The third are the indices of those that open a stretch.
+        The third are the indices of those that open a segment.
         """
         number = np.arange(first, last)
-        stretch = np.searchsorted(self._first, number, side="right") - 1
-        within = number - self._first[stretch]
+        segment = np.searchsorted(self._first, number, side="right") - 1
+        within = number - self._first[segment]
         offsets = np.round(within * self._step_ns).astype(np.int64)
-        opened_ns: IntArray = self._opened_ns[stretch]
-        stamps = opened_ns + np.minimum(offsets, self._length_ns[stretch])
+        opened_ns: IntArray = self._opened_ns[segment]
+        stamps = opened_ns + np.minimum(offsets, self._length_ns[segment])
         return stamps, opened_ns, np.flatnonzero(within == 0)
 
 

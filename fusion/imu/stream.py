@@ -13,7 +13,7 @@ import numpy as np
 
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
-from motorcade.ga.stamps import LONGEST_BRIDGE_S, checked_increasing, stretches
+from motorcade.ga.stamps import LONGEST_BRIDGE_S, checked_increasing, segments
 
 _REACH = 1e9
 
@@ -88,13 +88,13 @@ class ImuStream:
         """Sampling rate: one over the median interval."""
         return float(1e9 / np.median(np.diff(self.time_ns)))
 
-    def stretches(self) -> list[ImuStream]:
-        """The stream without its gaps of more than ten seconds; stretches have two samples or more.
+    def segments(self) -> list[ImuStream]:
+        """The stream without its gaps of more than ten seconds; segments have two samples or more.
 
         Raises:
             ValueError: samples that are farther apart than that without being gaps.
         """
-        parts = [part for part in stretches(self.time_ns) if part.stop - part.start > 1]
+        parts = [part for part in segments(self.time_ns) if part.stop - part.start > 1]
         longest_s = max(1e-9 * float(np.diff(self.time_ns[part]).max()) for part in parts)
         if longest_s > LONGEST_BRIDGE_S:
             raise ValueError(

@@ -82,7 +82,7 @@ class VibrationSpectrum:
         vibrates faster was folded below it. Samples are taken as even.
 
         Args:
-            imu: a recording in motion; its longest stretch without gaps is used.
+            imu: a recording in motion; its longest segment without gaps is used.
             above_hz: what is slower is taken for motion and left out.
             noise: white noise of the sensor that is not vibration, and is taken off; None for none.
 
@@ -323,7 +323,7 @@ class Flicker:
 
 
 class LowPass:
-    """A Butterworth filter of second order, settled on the first reading of each stretch."""
+    """A Butterworth filter of second order, settled on the first reading of each segment."""
 
     def __init__(self, cutoff_hz: float, rate_hz: float):
         from scipy.signal import butter, sosfilt_zi
@@ -333,7 +333,7 @@ class LowPass:
         self._state: FloatArray = np.zeros((1, 2, 3))
 
     def block(self, readings: FloatArray, begins: IntArray) -> FloatArray:
-        """The next readings ``(n, 3)`` filtered; `begins` are those that open a stretch."""
+        """The next readings ``(n, 3)`` filtered; `begins` are those that open a segment."""
         from scipy.signal import sosfilt
 
         opening = begins.tolist()

@@ -181,13 +181,13 @@ _STEP = 1e-6  # of differences by the intrinsics, relative where they are large
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CornerMeasurements(Measurements):
-    """Known points in pictures, as of a calibration board, by a camera that may be known roughly.
+    """Known points in images, as of a calibration board, by a camera that may be known roughly.
 
     `calibrate_by_graph` finds the intrinsics where they have deviations; elsewhere they are known.
     Points must lie before the camera: the state must be good enough for that.
 
     Args:
-        time_ns: ``(N,)`` of the IMU's clock; a picture with many points takes several rows.
+        time_ns: ``(N,)`` of the IMU's clock; an image with many points takes several rows.
         pixels: ``(N, k, 2)``, k from 1 to 4 in every row.
         points_m: ``(N, k, 3)`` in the world.
         camera: its intrinsics, a first guess where they have deviations.
@@ -254,7 +254,7 @@ class CornerMeasurements(Measurements):
         return np.append(np.full(4, self.pinhole_sigma_px), np.full(count, self.distortion_sigma))
 
     def with_parameters(self, parameters: FloatArray) -> CornerMeasurements:
-        """The same pictures by a camera of other intrinsics."""
+        """The same images by a camera of other intrinsics."""
         return replace(self, camera=with_intrinsics(self.camera, parameters))
 
     def _going(self, state: PredictedState) -> FloatArray:

@@ -18,7 +18,7 @@ A stop or turn is a local minimum of the ground truth's speed (linear, or angula
 fifth of the speed's peaks on both sides; the end of the trajectory may stand for the second. The
 direction is that of the ground truth's way from the peak before to the minimum. From the peak
 before to the peak after, overshoot is the farthest the estimate gets in that direction, less the
-farthest the ground truth gets, and never below zero. As whole stretches are compared, an estimate
+farthest the ground truth gets, and never below zero. As whole segments are compared, an estimate
 that is merely late has none; noise has some, and so has a constant offset: compare with the raw
 poses. For rotations the way is the rotation vector seen from the pose at the minimum. It is the
 maximum overshoot of a step response (K. Ogata, Modern Control Engineering), in metres or radians
@@ -298,11 +298,11 @@ def _overshoot(estimate: Trajectory, truth: Trajectory, way: Way) -> float:
     speed = np.linalg.norm(way(true[:-1], true[1:]), axis=-1) / np.diff(time_s[kept])
     overshoots = []
     for before, stop, after in stops(speed):
-        at, stretch = true[stop], slice(before, after + 1)
+        at, segment = true[stop], slice(before, after + 1)
         course = -way(at, true[before])
         length = float(np.linalg.norm(course))
         if length > 0.0:
-            true_way, our_way = (way(at, poses[stretch]) @ course for poses in (true, ours))
+            true_way, our_way = (way(at, poses[segment]) @ course for poses in (true, ours))
             overshoots.append(float(np.max(our_way) - np.max(true_way)) / length)
     if not overshoots:
         raise NotObservableError(

@@ -112,13 +112,13 @@ def jitter(estimate: Trajectory, truth: Trajectory) -> Jitter:
 def jitter_above(trajectory: Trajectory, frequency_hz: float) -> Jitter:
     """RMS acceleration above `frequency_hz`, where no ground truth is at hand.
 
-    Stretches without gaps are brought to an even rate and the power of their periodograms
-    (straight line removed, Hann window) above the frequency is summed; longer stretches weigh
+    Segments without gaps are brought to an even rate and the power of their periodograms
+    (straight line removed, Hann window) above the frequency is summed; longer segments weigh
     more. Real motion above the frequency counts as jitter too, so choose it above the motion.
 
     Raises:
         ValueError: a frequency that is not positive or not below half the sampling rate.
-        NotObservableError: no stretch of 16 poses without a gap.
+        NotObservableError: no segment of 16 poses without a gap.
 
     Examples:
         >>> import numpy as np
@@ -142,18 +142,18 @@ def jitter_above(trajectory: Trajectory, frequency_hz: float) -> Jitter:
         )
     cuts = np.flatnonzero(np.diff(time_s) > _EVEN_INTERVALS * interval) + 1
     power, weight = np.zeros(2), 0
-    for stretch in np.split(np.arange(time_s.size), cuts):
-        if stretch.size < _SHORTEST_SPECTRUM:
+    for segment in np.split(np.arange(time_s.size), cuts):
+        if segment.size < _SHORTEST_SPECTRUM:
             continue
-        times = time_s[stretch]
-        both = accelerations(times, trajectory.motors[stretch])
+        times = time_s[segment]
+        both = accelerations(times, trajectory.motors[segment])
         even_s = np.arange(times[1], times[-2] + 1e-3 * interval, interval)
         for i, series in enumerate(both):
             power[i] += even_s.size * _power_above(times[1:-1], series, even_s, frequency_hz)
         weight += even_s.size
     if weight == 0:
         raise NotObservableError(
-            f"jitter: expected a stretch of {_SHORTEST_SPECTRUM} poses without a gap, got none"
+            f"jitter: expected a segment of {_SHORTEST_SPECTRUM} poses without a gap, got none"
         )
     linear, angular = np.sqrt(power / weight)
     return Jitter(float(linear), float(angular))
@@ -306,7 +306,7 @@ def energy_excess_above(
 
     Raises:
         ValueError: a frequency that is not positive or not below half the sampling rate.
-        NotObservableError: no stretch of 16 poses without a gap within the ground truth.
+        NotObservableError: no segment of 16 poses without a gap within the ground truth.
 
     Examples:
         >>> import numpy as np

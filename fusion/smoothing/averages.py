@@ -3,8 +3,8 @@
 At every pose the vectors to its neighbours are weighted and added up, and the pose moves by the
 sum; this is repeated from where it then is, until the sum is zero. That is the Karcher mean, which
 does not depend on the noisy pose that it began from. Neighbours are visited by how many poses lie
-between, so that a whole stretch of the path is one contiguous batch of the compiled kernels; what
-belongs to a window, and how much, is told by the stamps alone. Stretches are short enough to stay
+between, so that a whole segment of the path is one contiguous batch of the compiled kernels; what
+belongs to a window, and how much, is told by the stamps alone. Segments are short enough to stay
 in a processor's cache.
 """
 
@@ -20,10 +20,10 @@ from motorcade.fusion.smoothing.representations import Representation, restored
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
-# Weights of a stretch, in numbers: with the vectors a quarter of a common second-level cache.
-_STRETCH = 65_536
+# Weights of a segment, in numbers: with the vectors a quarter of a common second-level cache.
+_SEGMENT = 65_536
 _SHORTEST, _LONGEST = 16, 4096
-# Means are found when no pose of a stretch moves farther, in radians and metres. Each round leaves
+# Means are found when no pose of a segment moves farther, in radians and metres. Each round leaves
 # about the square of the window's turn of what was left: four to six are usual, and where a window
 # turns by nearly π there may be no mean to be found.
 _SETTLED, _ROUNDS = 1e-11, 20
@@ -53,7 +53,7 @@ def averaged(
     """
     coordinates = np.asfortranarray(representation.coordinates(trajectory.poses))
     made = np.empty_like(coordinates)
-    for part in _stretches(first, last):
+    for part in _segments(first, last):
         windows = Windows.of(trajectory.time_ns, part, first, last, weights)
         at, before = coordinates[part], np.inf
         for _ in range(_ROUNDS if representation.coupled else 1):
@@ -70,10 +70,10 @@ def averaged(
 
 @dataclass(frozen=True, eq=False)
 class Windows:
-    """The windows of a stretch of poses, with the factors of the vectors in them.
+    """The windows of a segment of poses, with the factors of the vectors in them.
 
     Fields:
-        part: the M poses of the stretch.
+        part: the M poses of the segment.
         nearest: how many rows from a pose the first pose of any window is, at most 0.
         factors: ``(P, K, M)`` of the vectors to the poses `nearest` and more rows on, P ways.
     """
@@ -103,9 +103,9 @@ def weighted_vectors(
 
     Args:
         coordinates: ``(N, D)``.
-        bases: ``(M, D)`` where the vectors start, one a pose of the stretch.
+        bases: ``(M, D)`` where the vectors start, one a pose of the segment.
         representation: what the vectors are.
-        windows: of the stretch.
+        windows: of the segment.
     """
     start, count = windows.part.start, len(bases)
     total = None
@@ -186,9 +186,9 @@ def _polynomials(
     return value
 
 
-def _stretches(first: IntArray, last: IntArray) -> list[slice]:
+def _segments(first: IntArray, last: IntArray) -> list[slice]:
     """Consecutive poses, as many at once as suits the widest window."""
     widest = max(1, int(np.max(last - first)))
-    size = min(max(_STRETCH // widest, _SHORTEST), _LONGEST)
+    size = min(max(_SEGMENT // widest, _SHORTEST), _LONGEST)
     count = len(first)
     return [slice(start, min(start + size, count)) for start in range(0, count, size)]

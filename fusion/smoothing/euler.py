@@ -45,7 +45,7 @@ class EulerAngles(Representation):
 
 
 def _chunks(count: int) -> list[slice]:
-    """Stretches of a path whose rotation matrices are few beside it."""
+    """Segments of a path whose rotation matrices are few beside it."""
     return [slice(first, first + _CHUNK) for first in range(0, count, _CHUNK)]
 
 

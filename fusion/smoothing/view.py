@@ -2,7 +2,7 @@
 
 What is drawn cannot be steadier than the footage that it stands on: where a hand shakes the camera
 by a pixel, what shakes less slides by the rest. So the view is steadied, not the pose: the camera
-stays where it was and is only turned, which moves the whole picture, near and far alike, by a
+stays where it was and is only turned, which moves the whole image, near and far alike, by a
 homography that needs no depth. It is turned so that a place of the world is seen where a smoothed
 path would see it; what the drawn place needs is smoothed, not the camera's path as such.
 (Rotation-only stabilisation, as in A. Karpenko and others, "Digital video stabilization and rolling
@@ -27,7 +27,7 @@ OFFLINE: tuple[str, dict[str, Any]] = "local_polynomial", {"window_s": 0.4, "ord
 
 
 def steady_view(path: Trajectory, about_m: ArrayLike, *, live: bool = False) -> Trajectory:
-    """The cameras of a path, each turned on the spot so that a place moves evenly in the pictures.
+    """The cameras of a path, each turned on the spot so that a place moves evenly in the images.
 
     Args:
         path: `world_T_camera`, as measured: what registers.
@@ -35,7 +35,7 @@ def steady_view(path: Trajectory, about_m: ArrayLike, *, live: bool = False) -> 
         live: whether only the past may be looked at.
 
     Returns:
-        The same stamps and places with other attitudes. To see the footage so, picture k is warped
+        The same stamps and places with other attitudes. To see the footage so, image k is warped
         by `turned_homography` of the two attitudes.
 
     Raises:
@@ -72,11 +72,11 @@ def steady_view(path: Trajectory, about_m: ArrayLike, *, live: bool = False) -> 
 
 
 def turned_homography(camera_matrix: FloatArray, taken: Rotor, shown: Rotor) -> FloatArray:
-    """(*, 3, 3) from pixels of a picture taken to those of it shown from another attitude.
+    """(*, 3, 3) from pixels of an image taken to those of it shown from another attitude.
 
     Args:
         camera_matrix: (3, 3) of a camera without distortion.
-        taken: attitude `world_T_camera` (*) that the picture was taken in.
+        taken: attitude `world_T_camera` (*) that the image was taken in.
         shown: (*) that it is to be seen in.
     """
     turn = (shown.inverse() @ taken).as_matrix()

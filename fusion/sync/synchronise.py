@@ -303,14 +303,14 @@ def covered(
 ) -> tuple[Trajectory, ImuStream]:
     """The poses that the IMU covers at an offset and `margin_s` to either side of it, and the IMU.
 
-    Where gaps of more than ten seconds split the stream it is the stretch with the most poses.
+    Where gaps of more than ten seconds split the stream it is the segment with the most poses.
 
     Raises:
         ValueError: fewer than three.
     """
     shift, margin = round(offset_s * 1e9), round(margin_s * 1e9)
     stamps = camera.time_ns + shift
-    parts = imu.stretches()
+    parts = imu.segments()
     masks = [
         (stamps - margin >= own.time_ns[0]) & (stamps + margin <= own.time_ns[-1]) for own in parts
     ]
@@ -318,7 +318,7 @@ def covered(
     inside = masks[most]
     if len(parts) > 1:
         log.warning(
-            "gaps split the imu into %d stretches: the longest is used, %d of %d poses",
+            "gaps split the imu into %d segments: the longest is used, %d of %d poses",
             len(parts),
             np.count_nonzero(inside),
             len(camera),

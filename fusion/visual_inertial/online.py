@@ -1,8 +1,8 @@
 """`InertialSlam`: visual SLAM with an IMU inside, in metres, z up, as frames come in.
 
-Pictures make a map first. As soon as the IMU can tell its scale and its lean well enough, the map
+Images make a map first. As soon as the IMU can tell its scale and its lean well enough, the map
 goes over to metres, and keyframes are adjusted with the samples between them from then on. A filter
-runs along: it predicts where each picture is taken from, and where the camera is while it sees
+runs along: it predicts where each image is taken from, and where the camera is while it sees
 nothing. The whole map is adjusted again whenever what the IMU has felt of it has grown by half, so
 that the scale settles.
 
@@ -55,7 +55,7 @@ class InertialFrame:
     Args:
         time_ns: stamp.
         state: "initialising" without a map, "visual" while the IMU tells nothing, "tracking" by
-            pictures and IMU, "inertial" by the IMU alone, "lost" where that is too long ago.
+            images and IMU, "inertial" by the IMU alone, "lost" where that is too long ago.
         world_T_camera: metres, z up; None before the map has metres, and where lost.
         covariance: ``(6, 6)`` of the right perturbation, rotation (rad) then translation (m).
         velocity_m_s: ``(3,)`` of the IMU in the world, None where there is no pose.
@@ -83,7 +83,7 @@ class InertialSlamResult:
         slam: keyframes, points and frames, in metres with z up where `start` is known.
         start: scale and lean as first found; None where the IMU never told them.
         metric_from_ns: stamp of the frame at which the map got metres; None likewise.
-        measurements: poses of the frames that pictures gave, in metres, as the fused path takes
+        measurements: poses of the frames that images gave, in metres, as the fused path takes
             them; None likewise.
         fused: the path at all frames from the first pose on, through darkness too; None likewise.
         states: of all frames.
@@ -110,7 +110,7 @@ class InertialSlam:
         settings: of visual SLAM, without threads; `baseline_m` for a pair.
         gravity_m_s2: size of gravity.
         sigma_px: noise of a pixel's coordinate.
-        readout_s: from the first row of a picture to the last; 0 for a global shutter. Stamps are
+        readout_s: from the first row of an image to the last; 0 for a global shutter. Stamps are
             the middle row's. Keyframes are adjusted with it; frames between are tracked without.
 
     Raises:
@@ -160,8 +160,8 @@ class InertialSlam:
 
         Args:
             time_ns: its stamp.
-            gray: its picture.
-            right: the right picture of a rectified pair, which needs `SlamSettings.baseline_m`.
+            gray: its image.
+            right: the right image of a rectified pair, which needs `SlamSettings.baseline_m`.
 
         Raises:
             ValueError: samples that do not reach the stamp, or what `VisualSlam.track` refuses.

@@ -70,7 +70,7 @@ def rows_later_s(camera: Camera, px: FloatArray, readout_s: float) -> FloatArray
 
 
 def as_recorded(camera: Camera, px: FloatArray) -> FloatArray:
-    """Where pixels ``(n, 2)`` of the pictures that SLAM works in lie in the camera's own ones."""
+    """Where pixels ``(n, 2)`` of the images that SLAM works in lie in the camera's own ones."""
     return px if seen_through(camera) == camera else camera.distort(px)
 
 
@@ -86,7 +86,7 @@ def rows_moved_px(
 
     Args:
         camera: what saw them.
-        later_s: ``(n,)`` how long after the stamp of the picture.
+        later_s: ``(n,)`` how long after the stamp of the image.
         world_T_camera: Motor ``(k,)`` at the stamps.
         twist_rate: ``(k, 6)`` how the camera moves: rad/s and m/s in its own axes.
         pose_of: ``(n,)`` from which pose.

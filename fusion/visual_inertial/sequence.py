@@ -114,7 +114,7 @@ def fuse_map(
         noise: its densities and walks.
         imu_T_camera: pose of the camera on the IMU.
         stamps_ns: where the path is wanted; by default at all frames from the first pose on.
-        readout_s: from the first row of a picture to the last; see `adjust_visual_inertial`.
+        readout_s: from the first row of an image to the last; see `adjust_visual_inertial`.
 
     Raises:
         ValueError: a run without poses, or what `start_inertial` and `fuse` refuse.

@@ -59,8 +59,8 @@ class VisualInertial:
         gyro_bias_rad_s: ``(K, 3)``; accel_bias_m_s2: ``(K, 3)``.
         landmarks_m: ``(L, 3)``; those seen less than twice are where they were given.
         seen: ``(L,)`` whether each took part.
-        error_px: ``(N,)`` reprojection error of each sighting, infinite behind a camera that is no
-            fisheye and where the landmark did not take part.
+        error_px: ``(N,)`` reprojection error of each observation, infinite behind a camera that is
+            no fisheye and where the landmark did not take part.
 
     Examples:
         >>> import numpy as np
@@ -112,7 +112,7 @@ def adjust_visual_inertial(
         imu_T_camera: pose of the camera on the IMU.
         sigma_px: noise of a pixel coordinate.
         gravity_m_s2: size of gravity, along -z of the world.
-        readout_s: from the first row of a picture to the last, 0 for a global shutter; stamps are
+        readout_s: from the first row of an image to the last, 0 for a global shutter; stamps are
             the middle row's. Pixels are taken to the stamp by the motion that was found, and
             everything is adjusted again, twice.
 
@@ -156,7 +156,7 @@ def adjust_visual_inertial(
     for rounds_left in range(_READOUT_ROUNDS if readout_s > 0.0 else 0, -1, -1):
         factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         _add_states(factors, values, graph, start, keyframes.time_s)
-        add_sightings(factors, at_stamp, _told(at_stamp, used, camera), camera, *by_pixels)
+        add_observations(factors, at_stamp, _told(at_stamp, used, camera), camera, *by_pixels)
         _add_landmarks(factors, values, landmarks, used)
         values = optimised(factors, values, _ITERATIONS, _RELATIVE)
         adjusted = _read(values, keyframes, landmarks, used, at_stamp, camera, imu_T_camera)
@@ -166,7 +166,7 @@ def adjust_visual_inertial(
 
 
 def _told(observations: LandmarkObservations, used: NDArray[np.bool_], camera: Camera) -> IntArray:
-    """Rows of sightings of landmarks in use at pixels that the lens gives a ray."""
+    """Rows of observations of landmarks in use at pixels that the lens gives a ray."""
     known = np.isfinite(camera.bearings(observations.px)[:, 0])
     return np.flatnonzero(used[observations.landmark] & known)
 
@@ -179,7 +179,7 @@ def _at_stamp(
     imu_T_camera: Motor,
     readout_s: float,
 ) -> LandmarkObservations:
-    """The sightings as a global shutter would have had them."""
+    """The observations as a global shutter would have had them."""
     keyframes, camera_T_imu = adjusted.trajectory, imu_T_camera.inverse()
     rate = imu.at(keyframes.time_ns).angular_rate_rad_s - adjusted.gyro_bias_rad_s
     twist = camera_twist_rate(
@@ -324,7 +324,7 @@ def _read(
 
 @dataclass(frozen=True, eq=False)
 class LandmarkObservations:
-    """N sightings of L landmarks in K keyframes.
+    """N observations of L landmarks in K keyframes.
 
     Args:
         keyframe: ``(N,)`` from 0 on, rows of the keyframes.
@@ -366,14 +366,14 @@ class LandmarkObservations:
         object.__setattr__(self, "px", px)
 
     def __len__(self) -> int:
-        """Number of sightings."""
+        """Number of observations."""
         return len(self.px)
 
 
 _HUBER = 1.5
 
 
-def add_sightings(
+def add_observations(
     factors: gtsam.NonlinearFactorGraph,
     observations: LandmarkObservations,
     rows: IntArray,
@@ -411,7 +411,7 @@ def _pinholes(
 ) -> Iterator[tuple[FloatArray, gtsam.noiseModel.Base, gtsam.Cal3_S2, gtsam.Pose3]]:
     """Pixel, its noise, lens and pose on the IMU of a pinhole that saw each pixel ``(m, 2)``.
 
-    That of a fisheye looks along the pixel's ray, with a focal length of 1: there its picture and
+    That of a fisheye looks along the pixel's ray, with a focal length of 1: there its image and
     the fisheye's differ by a linear map, and the noise goes through that.
     """
     import gtsam

@@ -1,4 +1,4 @@
-"""Pictures of multivectors, versors and paths: SVG for reports, and HTML that turns by the mouse.
+"""Images of multivectors, versors and paths: SVG for reports, and HTML that turns by the mouse.
 
 `show` draws Python values, `draw_script` what a CLUScript marks with ``:``. `shapes` finds out what
 objects look like, `marks` makes dots, strokes and faces of that, `writing` projects these, puts
@@ -6,13 +6,13 @@ them in order and writes them. Needs NumPy only.
 
     >>> from motorcade.ga.algebra import conformal
     >>> from motorcade.ga.drawing import show
-    >>> picture = show(ball=conformal.sphere([0.0, 0.0, 1.0], 1.0), at=conformal.point([2, 0, 0]))
-    >>> picture
+    >>> image = show(ball=conformal.sphere([0.0, 0.0, 1.0], 1.0), at=conformal.point([2, 0, 0]))
+    >>> image
     Drawing(ball: sphere, at: point)
-    >>> picture.svg().startswith("<svg ")
+    >>> image.svg().startswith("<svg ")
     True
 
-Pictures of CLUScripts: what they mark with ``:``, as CLUCalc draws it.
+Images of CLUScripts: what they mark with ``:``, as CLUCalc draws it.
 
 ``:a;``, ``:a = b^c;`` and ``:b^c;`` are drawn as they are there; ``:Red;`` and ``:Color(1, 0, 0);``
 colour what follows, ``:IPNS;`` and ``:OPNS;`` say whether what follows is read in inner or in outer
@@ -25,7 +25,7 @@ from __future__ import annotations
 from typing import Any
 
 from motorcade.ga.algebra import Algebra, Multivector
-from motorcade.ga.drawing.picture import Drawing, Styled, drawing, show
+from motorcade.ga.drawing.image import Drawing, Styled, drawing, show
 from motorcade.ga.drawing.reading import Form, shapes_of
 from motorcade.ga.drawing.svg import OBJECT_COLORS, nearest_color
 from motorcade.ga.drawing.view import View
@@ -49,9 +49,9 @@ def draw_script(
     view: View | None = None,
     **variables: Any,
 ) -> Drawing:
-    """The picture of a script over values of its free variables, numbers or batches ``(*)``.
+    """The image of a script over values of its free variables, numbers or batches ``(*)``.
 
-    What has no picture (numbers, what lies at infinity) is left out; `Drawing.left_out` says so.
+    What has no image (numbers, what lies at infinity) is left out; `Drawing.left_out` says so.
 
     Raises:
         ScriptError: what `evaluate` refuses.
@@ -105,7 +105,7 @@ class _Marked:
         self.items.append(Styled(value, name, self._color, self.form))
 
     def _set(self, screen: syntax.Screen) -> None:
-        """Form and colour after a word for the picture."""
+        """Form and colour after a word for the image."""
         if screen.word in ("IPNS", "OPNS"):
             self.form = "inner" if screen.word == "IPNS" else "outer"
         elif screen.word == "Color" and isinstance(screen.value, syntax.Call):

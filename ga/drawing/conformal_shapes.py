@@ -105,7 +105,7 @@ def _inner(x: Multivector) -> Shape:
     if grade == 4:
         return _outer_vector(x.undual())
     if grade not in _BLADES:
-        raise ValueError("a pseudoscalar has no picture")
+        raise ValueError("a pseudoscalar has no image")
     kinds = ((_sphere, _plane), (_circle, _line), (_pair, _flat_point))
     return kinds[grade - 1][0 if _is_round(x, grade) else 1](x)
 

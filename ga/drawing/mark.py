@@ -1,9 +1,9 @@
-"""Marks: dots, strokes, faces, balls and names in space, of which every picture is made.
+"""Marks: dots, strokes, faces, balls and names in space, of which every image is made.
 
 Strokes and faces are short pieces, so that each is wholly before or behind what it crosses, but for
 a piece's own size. Widths are in pixels, lengths in metres, colours as `colors` names them.
 
-The ground of a picture: axes with their numbers, and a grid of round steps.
+The ground of an image: axes with their numbers, and a grid of round steps.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ Mark = Stroke | Face | Dot | BallMark | Label
 
 @dataclass(frozen=True, eq=False)
 class Extent:
-    """What a picture shows: the box of it, its middle, and how far it reaches from there."""
+    """What an image shows: the box of it, its middle, and how far it reaches from there."""
 
     low: FloatArray
     high: FloatArray
@@ -116,7 +116,7 @@ def extent_of(shapes: list[Shape]) -> Extent:
 
 
 def marks_of(shape: Shape, extent: Extent, color: str, owner: int) -> Iterator[Mark]:
-    """The marks of a shape in a picture of this extent."""
+    """The marks of a shape in an image of this extent."""
     if isinstance(shape, Points):
         for point in shape.positions:
             yield from _stem(point, extent)

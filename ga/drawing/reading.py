@@ -1,6 +1,6 @@
 """What an object looks like: multivectors, versors and arrays of points as `shapes`.
 
-The algebras that have pictures are those of the plane and of space: Euclidean, plane-based and
+The algebras that have images are those of the plane and of space: Euclidean, plane-based and
 conformal ones. An object of CGA is read in its inner form, or in its outer form where that is said;
 a point is both. Objects of plane conformal and plane-based algebras are those of space that meet
 the plane of x and y in them: what ``x ∧ e3`` says in inner form.
@@ -132,7 +132,7 @@ def _shape(x: Multivector, form: Form) -> Shape:
         return of_plane_based(x, algebra == _PGA2)
     if algebra in (EGA3, _EGA2):
         return of_euclidean(x, algebra == _EGA2)
-    raise ValueError(f"there is no picture of objects of {algebra}")
+    raise ValueError(f"there is no image of objects of {algebra}")
 
 
 _NONE = 1e-10
@@ -163,7 +163,7 @@ def of_plane_based(x: Multivector, plane: bool) -> Shape:
         if abs(lifted.coefficient("e1^e2^e3")) <= _NONE * size:
             raise ValueError("it lies at infinity")
         return Points(_place(lifted)[None])
-    raise ValueError("a pseudoscalar has no picture")
+    raise ValueError("a pseudoscalar has no image")
 
 
 def of_euclidean(x: Multivector, plane: bool) -> Shape:
@@ -179,7 +179,7 @@ def of_euclidean(x: Multivector, plane: bool) -> Shape:
         area = float(np.linalg.norm(across))
         return Circle(np.zeros(3), across / area, (area / np.pi) ** 0.5, filled=True)
     if len(x.grades) == 1:
-        raise ValueError("a pseudoscalar has no picture")
+        raise ValueError("a pseudoscalar has no image")
     frames = moved_frame(lifted, _vector, lambda y: _triple(y, *_AXES))
     return Frames(frames.origins, frames.axes, flat=plane)
 

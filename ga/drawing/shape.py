@@ -1,7 +1,7 @@
 """Shapes: what there is to see of an object, in coordinates of space.
 
 Positions are arrays ``(3,)`` or ``(n, 3)`` in metres; what lies in a plane has z = 0 and belongs to
-a picture without depth if everything in it does. Imaginary shapes have a negative squared radius:
+an image without depth if everything in it does. Imaginary shapes have a negative squared radius:
 their radius here is the root of its size, and they are drawn dashed.
 """
 
@@ -22,7 +22,7 @@ class Points:
     kind: str = "point"
 
     def extent(self) -> FloatArray:
-        """Points ``(k, 3)`` that the picture must hold."""
+        """Points ``(k, 3)`` that the image must hold."""
         return self.positions
 
 
@@ -40,7 +40,7 @@ class Sphere:
         return "imaginary sphere" if self.imaginary else "sphere"
 
     def extent(self) -> FloatArray:
-        """Points ``(k, 3)`` that the picture must hold."""
+        """Points ``(k, 3)`` that the image must hold."""
         return self.center + self.radius * np.vstack([np.eye(3), -np.eye(3)])
 
 
@@ -62,7 +62,7 @@ class Circle:
         return "imaginary circle" if self.imaginary else "circle"
 
     def extent(self) -> FloatArray:
-        """Points ``(k, 3)`` that the picture must hold."""
+        """Points ``(k, 3)`` that the image must hold."""
         return self.around(16)
 
     def around(self, count: int) -> FloatArray:
@@ -115,7 +115,7 @@ class PointPair:
         return "imaginary point pair" if self.imaginary else "point pair"
 
     def extent(self) -> FloatArray:
-        """Points ``(k, 3)`` that the picture must hold."""
+        """Points ``(k, 3)`` that the image must hold."""
         return np.stack([self.first, self.second])
 
 
@@ -128,7 +128,7 @@ class Arrow:
     kind: str = "vector"
 
     def extent(self) -> FloatArray:
-        """Points ``(k, 3)`` that the picture must hold."""
+        """Points ``(k, 3)`` that the image must hold."""
         return np.stack([self.start, self.start + self.vector])
 
 
@@ -148,7 +148,7 @@ class Frames:
         return "pose" if len(self.origins) == 1 else "path"
 
     def extent(self) -> FloatArray:
-        """Points ``(k, 3)`` that the picture must hold."""
+        """Points ``(k, 3)`` that the image must hold."""
         return self.origins
 
 

@@ -1,8 +1,8 @@
-"""Writes a picture as SVG that needs nothing else, on light paper or on dark as the reader has it.
+"""Writes an image as SVG that needs nothing else, on light paper or on dark as the reader has it.
 
 What is written is what ``turning.js`` writes in the browser, number by number.
 
-Pictures that turn: the SVG with its marks beside it, and the script that draws them anew.
+Images that turn: the SVG with its marks beside it, and the script that draws them anew.
 
 Nothing is asked of anywhere else. Where scripts do not run, the SVG stands as it is.
 
@@ -232,7 +232,7 @@ svg {{ max-width: 100%; height: auto }}
 
 
 def part(svg: str, marks: Sequence[Mark], projection: Projection, notes: Sequence[str]) -> str:
-    """What a notebook shows: the picture, what was left out of it, and the script."""
+    """What a notebook shows: the image, what was left out of it, and the script."""
     text = "".join(f"<p>{escape(note)}</p>" for note in notes)
     return (
         f'<div class="motorcade-drawing">{svg}{text}'

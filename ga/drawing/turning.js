@@ -1,5 +1,5 @@
-// Draws the marks of a picture anew as it is turned by mouse, finger or arrow keys: what view.py
-// and svg.py do, number by number. The picture stands before this script, with its marks between.
+// Draws the marks of an image anew as it is turned by mouse, finger or arrow keys: what view.py
+// and svg.py do, number by number. The image stands before this script, with its marks between.
 (() => {
   "use strict";
   const SURFACE = 0.01, MARGIN = 30, LONGEST = 40, LETTER = 7.4, WIDE = 13, LINE = 15, EDGE = 3, GAP = 6;
@@ -15,7 +15,7 @@
   const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   const turned = (axes, p) => axes.map((axis) => dot(axis, p));
 
-  // How marks fill the picture: a function from points of space to x, y and depth.
+  // How marks fill the image: a function from points of space to x, y and depth.
   function projectionOf(view, marks) {
     const axes = axesOf(view), low = [Infinity, Infinity, Infinity], high = low.map((x) => -x);
     const hold = (p, reach) => turned(axes, p).forEach((x, i) => {
@@ -85,7 +85,7 @@
   const BAD = /[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]/u;
   const escaped = (letters) => letters.map((c) => BAD.test(c) ? "\ufffd" : ENTITIES[c] || c).join("");
 
-  // What a scene looks like, as the content of the SVG's group; `own` is the picture's own name.
+  // What a scene looks like, as the content of the SVG's group; `own` is the image's own name.
   function elements(scene, own) {
     const paint = (kind, color, suffix) => color in scene.paper
       ? `class="${color}${suffix}" ${kind}="${scene.paper[color]}"` : `${kind}="${scene.objects[color]}"`;
@@ -160,7 +160,7 @@
     return [l - right + left, t - down + up, r - right + left, b - down + up];
   }
 
-  // Makes one picture turn; the marks stand beside it.
+  // Makes one image turn; the marks stand beside it.
   function live(box) {
     const svg = box.querySelector("svg"), own = svg.getAttribute("class");
     const scene = JSON.parse(box.querySelector('script[type="application/json"]').textContent);

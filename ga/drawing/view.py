@@ -1,8 +1,8 @@
-"""Where marks come to lie in a picture, and in which order they are drawn.
+"""Where marks come to lie in an image, and in which order they are drawn.
 
 The projection is parallel. The viewer is in the direction ``d = (cos e cos a, cos e sin a, sin e)``
 for an azimuth a and an elevation e; to the right goes ``r = (-sin a, cos a, 0)``, and up goes
-``u = d × r``. A point p lies at ``(x + s p·r, y - s p·u)`` in the picture, with a scale s and a
+``u = d × r``. A point p lies at ``(x + s p·r, y - s p·u)`` in the image, with a scale s and a
 shift (x, y) that let all marks just fit; it is the nearer to the viewer the larger ``p·d``.
 ``turning.js`` does the same in the browser.
 
@@ -28,10 +28,10 @@ _DOWN = np.array([1.0, -1.0, 1.0])
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A parallel projection onto a picture of so many pixels; `flat` looks down along z.
+    """A parallel projection onto an image of so many pixels; `flat` looks down along z.
 
     Raises:
-        ValueError: angles that are not finite, a picture smaller than 100 or larger than 10000.
+        ValueError: angles that are not finite, an image smaller than 100 or larger than 10000.
     """
 
     azimuth_deg: float = -52.0
@@ -62,7 +62,7 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A mark with its points in the picture ``(n, 3)``: x and y in pixels, and the depth."""
+    """A mark with its points in the image ``(n, 3)``: x and y in pixels, and the depth."""
 
     mark: Mark
     points: FloatArray
@@ -73,14 +73,14 @@ class Placed:
 
 @dataclass(frozen=True, eq=False)
 class Projection:
-    """A view, enlarged and shifted so that its marks fill the picture."""
+    """A view, enlarged and shifted so that its marks fill the image."""
 
     view: View
     scale: float
     shift: FloatArray
 
     def place(self, points: FloatArray) -> FloatArray:
-        """Points ``(n, 3)`` of space in the picture; depths are in pixels too."""
+        """Points ``(n, 3)`` of space in the image; depths are in pixels too."""
         turned = self.scale * (points @ self.view.axes().T)
         rotated: FloatArray = turned * _DOWN + self.shift
         return rotated
@@ -146,7 +146,7 @@ def _own_points(mark: Mark) -> FloatArray:
 
 
 def _points(mark: Mark, axes: FloatArray) -> FloatArray:
-    """What a picture must hold of a mark."""
+    """What an image must hold of a mark."""
     if isinstance(mark, BallMark):
         return mark.center + mark.radius * np.vstack([axes, -axes])
     return _own_points(mark)

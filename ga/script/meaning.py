@@ -61,7 +61,7 @@ def evaluate(
 def watched(
     script: Script, watch: Watch | None, algebra: Algebra | None, variables: dict[str, Any]
 ) -> dict[str, Multivector]:
-    """As `evaluate`; who watches is shown what is marked for a picture as it comes by.
+    """As `evaluate`; who watches is shown what is marked for an image as it comes by.
 
     Raises:
         ScriptError: what `evaluate` refuses, also in what is drawn.

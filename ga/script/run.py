@@ -36,7 +36,7 @@ from motorcade.ga.script.operators import (
 from motorcade.ga.script.reading import syntax
 
 MAX_MACRO_DEPTH = 32
-# Is shown each mark for the picture where it is run, with its value; None for a word.
+# Is shown each mark for the image where it is run, with its value; None for a word.
 Watch = Callable[[syntax.Assignment | syntax.Mark | syntax.Screen, Multivector | None], None]
 
 

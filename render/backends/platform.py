@@ -235,12 +235,12 @@ class OsmesaContext:
             raise RenderUnavailable("OSMesa makes no OpenGL 3.3 core context on this machine")
         self._context: ctypes.c_void_p | None = ctypes.c_void_p(context)
         self._size = (width, height)
-        self._picture = np.zeros((height, width, 4), dtype=np.uint8)
+        self._image = np.zeros((height, width, 4), dtype=np.uint8)
         self.make_current()
 
     def make_current(self) -> None:
         """Direct this thread's OpenGL calls to the context; raises `ContextLost`."""
-        buffer = ctypes.c_void_p(self._picture.ctypes.data)
+        buffer = ctypes.c_void_p(self._image.ctypes.data)
         # OSMesa trusts what it is given: a context that was destroyed would crash it.
         if self._context is None or not self._library.OSMesaMakeCurrent(
             self._context, buffer, _GL_UNSIGNED_BYTE, *self._size

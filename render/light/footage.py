@@ -50,12 +50,12 @@ def lighting_of_footage(
         ValueError: sizes that differ, or a camera with distortion.
     """
     parts = []
-    for time_ns, picture, depth_m in frames:
+    for time_ns, image, depth_m in frames:
         if depth_m is None:
             continue
         if world_T_camera.time_ns[0] <= time_ns <= world_T_camera.time_ns[-1]:
             pose = world_T_camera.motors_at(np.int64(time_ns))
-            parts.append(shaded_points(as_rgb(picture), depth_m, camera, pose))
+            parts.append(shaded_points(as_rgb(image), depth_m, camera, pose))
     if sum(len(part.points_m) for part in parts) < ENOUGH:
         return None
     stand = placement.world_T_character
@@ -101,7 +101,7 @@ class ExposureMeter:
         self._light = ground.light[rows[some], columns[some]]
         self._last = 1.0
 
-    def gain(self, picture: ImageArray, camera: Camera, world_T_camera: Motor) -> float:
+    def gain(self, image: ImageArray, camera: Camera, world_T_camera: Motor) -> float:
         """Light of an image (h, w) or (h, w, 3) over what it usually is, vignetting aside."""
         if not len(self.points_m):
             return self._last
@@ -111,7 +111,7 @@ class ExposureMeter:
             return self._last
         x, y = np.rint(camera.project(own[ahead])).astype(np.int64).T
         inside = (x >= 0) & (y >= 0) & (x < camera.width) & (y < camera.height)
-        shown = picture[y[inside], x[inside]]
+        shown = image[y[inside], x[inside]]
         grey = shown.mean(axis=1) if shown.ndim == 2 else shown
         fit = grey < BRIGHTEST
         if np.count_nonzero(fit) >= FEWEST:

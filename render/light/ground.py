@@ -107,7 +107,7 @@ def ground_map(
     Returns:
         The map; None where fewer than `FEWEST_VIEWS` images were taken from above the ground.
     """
-    pairs = [(picture, pose) for picture, pose in seen]
+    pairs = [(image, pose) for image, pose in seen]
     if not pairs:
         return None
     eyes = (world_T_ground.inverse() @ Motor.stack([pose for _, pose in pairs])).translation_m
@@ -119,9 +119,9 @@ def ground_map(
     first = cell_m * (0.5 - 0.5 * CELLS)
     to_ground = np.array([[cell_m, 0.0, first], [0.0, cell_m, first], [0.0, 0.0, 1.0]])
     logs, full, squares = [], [], []
-    for (picture, pose), eye in zip(pairs, eyes, strict=True):
+    for (image, pose), eye in zip(pairs, eyes, strict=True):
         if eye[2] > 0.0:
-            shown = _from_above(picture, camera, pose.inverse() @ world_T_ground, to_ground, eye)
+            shown = _from_above(image, camera, pose.inverse() @ world_T_ground, to_ground, eye)
             logs.append(shown[0])
             full.append(shown[1])
             squares.append(shown[2])
@@ -196,7 +196,7 @@ def _printed(world_T_ground: Motor, cell_m: float, prints: Prints | None) -> NDA
 
 
 def _from_above(
-    picture: ImageArray,
+    image: ImageArray,
     camera: Camera,
     camera_T_ground: Motor,
     to_ground: FloatArray,
@@ -205,9 +205,9 @@ def _from_above(
     """The logarithm of light of every cell, NaN where it is not seen, what is overexposed, and the
     square of how far each lies from the image's middle, in focal lengths.
     """
-    to_picture = plane_homography(camera, camera_T_ground) @ to_ground
+    to_image = plane_homography(camera, camera_T_ground) @ to_ground
     n = np.arange(CELLS)
-    x, y, depth = (row[0] * n[None, :] + row[1] * n[:, None] + row[2] for row in to_picture)
+    x, y, depth = (row[0] * n[None, :] + row[1] * n[:, None] + row[2] for row in to_image)
     fall = eye[2] / np.hypot(
         np.hypot(to_ground[0, 0] * n + to_ground[0, 2] - eye[0], eye[2])[None, :],
         (to_ground[1, 1] * n + to_ground[1, 2] - eye[1])[:, None],
@@ -217,7 +217,7 @@ def _from_above(
         x, y = np.where(ahead, x / depth, -9.0), np.where(ahead, y / depth, -9.0)
     inside = (x > 1.0) & (y > 1.0) & (x < camera.width - 2.0) & (y < camera.height - 2.0)
     inside &= fall > GRAZING
-    grey = picture if picture.ndim == 2 else picture.mean(axis=2).astype(np.uint8)
+    grey = image if image.ndim == 2 else image.mean(axis=2).astype(np.uint8)
     seen = cv2.remap(
         _LINEAR[cv2.blur(grey, (3, 3))],
         x.astype(np.float32),

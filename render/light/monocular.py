@@ -133,8 +133,8 @@ def _posed(
     """Images in colour and their poses."""
     first, last = world_T_camera.time_ns[0], world_T_camera.time_ns[-1]
     return [
-        (as_rgb(picture), world_T_camera.motors_at(np.int64(time_ns)))
-        for time_ns, picture, _ in frames
+        (as_rgb(image), world_T_camera.motors_at(np.int64(time_ns)))
+        for time_ns, image, _ in frames
         if first <= time_ns <= last
     ]
 
@@ -144,7 +144,7 @@ def _on_prints(
 ) -> list[tuple[int, FloatArray]]:
     if prints is None:
         return []
-    return [one for picture, pose in seen for one in light_on_paper(picture, camera, pose, prints)]
+    return [one for image, pose in seen for one in light_on_paper(image, camera, pose, prints)]
 
 
 def _direction(
@@ -214,9 +214,9 @@ def _gain_by_paper(
     return np.asarray(np.exp(np.mean(gains, axis=0)))
 
 
-def _grey(picture: ImageArray) -> FloatArray:
+def _grey(image: ImageArray) -> FloatArray:
     """(4,) mean brightness of an image, and the colour of its light by shades of grey, mean 1."""
-    shown = to_linear(picture[::4, ::4].reshape(-1, 3) / 255.0)
+    shown = to_linear(image[::4, ::4].reshape(-1, 3) / 255.0)
     norm = np.maximum(np.mean(shown**MINKOWSKI, axis=0) ** (1.0 / MINKOWSKI), 1e-4)
     return np.concatenate([[shown.mean()], norm / norm.mean()])
 

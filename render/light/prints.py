@@ -84,7 +84,7 @@ class Prints:
 
 
 def light_on_paper(
-    picture: ImageArray, camera: Camera, world_T_camera: Motor, prints: Prints
+    image: ImageArray, camera: Camera, world_T_camera: Motor, prints: Prints
 ) -> list[tuple[int, FloatArray]]:
     """Number of each print that is seen, and the light (3,) on it, linear, 1 for white to white."""
     points = prints.points_m()
@@ -97,7 +97,7 @@ def light_on_paper(
         inside = (x >= 0) & (x < camera.width) & (y >= 0) & (y < camera.height)
         if np.count_nonzero(inside) < FEWEST:
             continue
-        shown = to_linear(picture[y[inside], x[inside]] / 255.0)
+        shown = to_linear(image[y[inside], x[inside]] / 255.0)
         grey = shown.mean(axis=1)
         bright = grey > 0.5 * np.sum(np.quantile(grey, [0.05, 0.95]))
         if not 0.2 < np.mean(bright) < 0.9:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from motorcade.replays.cli.arguments import Commands, one_line, print_json
 
 if TYPE_CHECKING:
-    from motorcade.replays.tasks.pictures import MarkerPicture
+    from motorcade.replays.tasks.images import MarkerImage
     from motorcade.tracking import Board
 
 
@@ -25,7 +25,7 @@ candidates  with --size-m and --camera: both poses that a flat marker allows, th
             top-left corner, x right and y up as printed, z out of its face; metres) to the
             camera's (x right, y down, z forward)
 ambiguity   the better reprojection error over the other, 0 to 1; near 1 either pose may be true
-agreement   correlation of the picture with the marker's print, 0.75 to 1
+agreement   correlation of the image with the marker's print, 0.75 to 1
 sharp       whether all four sides were fitted; otherwise corners are right to a pixel only"""
 
 
@@ -71,7 +71,7 @@ def detect(arguments: argparse.Namespace) -> None:
         read_camera,
         stated_rotation,
     )
-    from motorcade.replays.tasks.pictures import describe, drawing_names, markers_in, write_drawing
+    from motorcade.replays.tasks.images import describe, drawing_names, markers_in, write_drawing
 
     if arguments.size_m is not None and arguments.board is not None:
         raise ValueError("--size-m: expected no size beside --board, whose name or file says it")
@@ -82,45 +82,45 @@ def detect(arguments: argparse.Namespace) -> None:
     target = arguments.family if arguments.board is None else read_board(arguments.board)
     described: list[dict[str, Any]] = []
     failed = 0
-    pictures = markers_in(arguments.images, target, camera, arguments.size_m, rotation_deg)
+    images = markers_in(arguments.images, target, camera, arguments.size_m, rotation_deg)
     names = drawing_names(arguments.images)
-    for path, name, picture in zip(arguments.images, names, pictures, strict=True):
-        if isinstance(picture, RecordingError):
+    for path, name, image in zip(arguments.images, names, images, strict=True):
+        if isinstance(image, RecordingError):
             failed += 1
-            print(f"motorcade: {one_line(picture)}", file=sys.stderr)
-            described.append({"file": str(path), "error": one_line(picture)})
+            print(f"motorcade: {one_line(image)}", file=sys.stderr)
+            described.append({"file": str(path), "error": one_line(image)})
             continue
-        described.append(describe(picture))
+        described.append(describe(image))
         if not arguments.json:
-            _print(picture)
+            _print(image)
         if arguments.draw is not None:
-            write_drawing(picture, arguments.draw / name)
+            write_drawing(image, arguments.draw / name)
     if arguments.json:
         header = {"family": target} if arguments.board is None else {"board": target.name}
-        print_json(header | {"pictures": described})
+        print_json(header | {"images": described})
     if failed:
         of = f"{failed} of {len(arguments.images)} images"
         raise RuntimeError(f"{of} could not be searched; the others are done")
 
 
-def _print(picture: MarkerPicture) -> None:
-    count = len(picture.detections)
-    if picture.board is not None:
-        from motorcade.replays.tasks.pictures import describe
+def _print(image: MarkerImage) -> None:
+    count = len(image.detections)
+    if image.board is not None:
+        from motorcade.replays.tasks.images import describe
 
-        corners = f"{len(picture.board)} corners"
-        pose = describe(picture).get("camera_T_board")
+        corners = f"{len(image.board)} corners"
+        pose = describe(image).get("camera_T_board")
         at = " ".join(f"{value:8.4f}" for value in pose["translation_m"]) if pose else ""
-        print(f"{picture.path}: the board, {corners}" + f", at {at} m" * bool(pose))
+        print(f"{image.path}: the board, {corners}" + f", at {at} m" * bool(pose))
         return
-    print(f"{picture.path}: {count} marker{'s' if count != 1 else ''}")
-    for index, detection in enumerate(picture.detections):
+    print(f"{image.path}: {count} marker{'s' if count != 1 else ''}")
+    for index, detection in enumerate(image.detections):
         corners = "  ".join(f"{x:8.2f} {y:8.2f}" for x, y in detection.corners_px)
         print(
             f"  id {detection.marker_id:4d}  {corners}"
             + ("" if detection.sharp else "  (not sharp)")
         )
-        posed = picture.posed[index] if picture.posed else None
+        posed = image.posed[index] if image.posed else None
         if posed is None:
             continue
         for pose, error in zip(posed.camera_T_marker, posed.candidates.error_px, strict=True):
@@ -136,7 +136,7 @@ or a video. Ten or more views, tilted by 20 to 45 degrees all ways, that fill th
 them are a good start. Views that fit three times worse than the others are left out.
 
 Writes FILE (a TOML [camera] table: usable as --manifest of `run` and as --camera of `detect`) and
-a picture of the coverage beside it. Standard deviations suppose independent errors of at least
+an image of the coverage beside it. Standard deviations suppose independent errors of at least
 0.1 pixel a corner; a bent board, or a lens that the model does not describe, is not in them.
 
 With --imu the one path is a recording (a folder of any known layout, a bag, a video) in which
@@ -210,21 +210,21 @@ def calibrate(arguments: argparse.Namespace) -> None:
         return
     from motorcade.replays.io.readers.manifest.section import read_board
     from motorcade.replays.tasks.calibration import (
-        calibrate_pictures,
+        calibrate_images,
         describe_calibration,
         write_calibration,
     )
 
-    run = calibrate_pictures(arguments.images, read_board(arguments.board), arguments.model)
+    run = calibrate_images(arguments.images, read_board(arguments.board), arguments.model)
     for line in run.unreadable:
         print(f"motorcade: left out: {line}", file=sys.stderr)
-    picture = write_calibration(run, arguments.output)
+    image = write_calibration(run, arguments.output)
     described = describe_calibration(run)
     if arguments.json:
         print_json(described)
         return
     _print_camera(described)
-    print(f"camera in {arguments.output}, coverage in {picture}")
+    print(f"camera in {arguments.output}, coverage in {image}")
 
 
 def _calibrate_imu(arguments: argparse.Namespace) -> None:
@@ -261,9 +261,9 @@ def _calibrate_imu(arguments: argparse.Namespace) -> None:
 
 def _print_inertial(calibration: dict[str, Any]) -> None:
     print(
-        f"{calibration['board']}: found in {calibration['pictures_with_board']} of "
-        f"{calibration['pictures_searched']} images; {calibration['pictures_used']} used, "
-        f"{calibration['pictures_refused']} refused, over {calibration['span_s']:.1f} s"
+        f"{calibration['board']}: found in {calibration['images_with_board']} of "
+        f"{calibration['images_searched']} images; {calibration['images_used']} used, "
+        f"{calibration['images_refused']} refused, over {calibration['span_s']:.1f} s"
     )
     for parameter in calibration["parameters"]:
         print(f"  {parameter['name']:<18} {parameter['value']:12.6f} +- {parameter['sigma']:.6f}")
@@ -284,8 +284,8 @@ def _print_inertial(calibration: dict[str, Any]) -> None:
 def _print_camera(calibration: dict[str, Any]) -> None:
     camera, deviation = calibration["camera"], calibration["standard_deviation"]
     print(
-        f"{calibration['board']}: found in {calibration['pictures_with_board']} of "
-        f"{calibration['pictures_searched']} images; {calibration['views_used']} views used, "
+        f"{calibration['board']}: found in {calibration['images_with_board']} of "
+        f"{calibration['images_searched']} images; {calibration['views_used']} views used, "
         f"{calibration['views_left_out']} left out"
     )
     for key in ("fx_px", "fy_px", "cx_px", "cy_px"):

@@ -216,9 +216,9 @@ def evaluate_files(arguments: argparse.Namespace) -> None:
 
         write_bytes(arguments.errors, "\n".join([*error_rows(matched), ""]).encode())
     if arguments.plot is not None:
-        from motorcade.replays.tasks.evaluation import error_picture
+        from motorcade.replays.tasks.evaluation import error_image
 
-        write_bytes(arguments.plot, error_picture(matched, delta, arguments.project).encode())
+        write_bytes(arguments.plot, error_image(matched, delta, arguments.project).encode())
 
 
 def _matched(arguments: argparse.Namespace, estimate: Trajectory, reference: Trajectory) -> Matched:

@@ -60,7 +60,7 @@ def inspect(arguments: argparse.Namespace) -> None:
 def _describe(path: Path, manifest: Path | None) -> dict[str, Any]:
     """What a recording, a bag or a file of poses or readings holds."""
     from motorcade.replays.io.readers.opening import open_recording
-    from motorcade.replays.io.readers.ros.recording import holds_pictures
+    from motorcade.replays.io.readers.ros.recording import holds_images
     from motorcade.replays.io.trajectories import TEXT_SUFFIXES, is_bag
     from motorcade.replays.tasks.inspection import (
         describe,
@@ -77,7 +77,7 @@ def _describe(path: Path, manifest: Path | None) -> dict[str, Any]:
         return describe_text(path)
     if manifest is None and is_bag(path) and path.exists():
         held = describe_bag(path)
-        return (describe(open_recording(path)) if holds_pictures(path) else {}) | held
+        return (describe(open_recording(path)) if holds_images(path) else {}) | held
     return describe_whole(path, manifest)
 
 

@@ -50,7 +50,7 @@ def add_run(commands: Commands) -> None:
         "--manifest", type=Path, metavar="FILE", help="TOML description of the recording"
     )
     parser.add_argument(
-        "--topic", metavar="T", help="of the pictures in a bag, as RECORDING:T names it, too"
+        "--topic", metavar="T", help="of the images in a bag, as RECORDING:T names it, too"
     )
     parser.add_argument(
         "--board",
@@ -232,7 +232,7 @@ def _kept(recording: Path, out: Path) -> Path:
 
 
 def _with_topic(recording: Path, topic: str | None) -> Path:
-    """A bag with the topic of its pictures, as its name says it."""
+    """A bag with the topic of its images, as its name says it."""
     return recording if topic is None else Path(f"{recording}:{topic}")
 
 

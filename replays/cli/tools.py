@@ -86,17 +86,17 @@ def draw_file(arguments: argparse.Namespace) -> None:
     if arguments.algebra is not None:
         script = with_algebra(script, arguments.algebra)
     values: dict[str, Any] = {n: np.array(v) if len(v) > 1 else v[0] for n, v in by_name.items()}
-    picture = draw_script(
+    image = draw_script(
         script,
         title=arguments.script.stem,
         view=view,
         **values,
     )
-    texts = {".svg": picture.svg, ".html": picture.html}
+    texts = {".svg": image.svg, ".html": image.html}
     if arguments.output.suffix not in texts:
         raise ValueError(f"-o {arguments.output}: expected a name that ends in .svg or .html")
     write_bytes(arguments.output, texts[arguments.output.suffix]().encode())
-    for note in picture.left_out:
+    for note in image.left_out:
         sys.stderr.write(f"{note}\n")
 
 

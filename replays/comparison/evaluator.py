@@ -125,12 +125,12 @@ class PathEvaluator:
         overshoot = np.full((len(poses), 2), np.nan)
         for column, rotation in enumerate((False, True)):
             for before, stop, after in self._stops[column]:
-                at, stretch = self.true[stop : stop + 1], slice(before, after + 1)
+                at, segment = self.true[stop : stop + 1], slice(before, after + 1)
                 course = -_way(at, self.true[before : before + 1], rotation)[0]
                 length = float(np.linalg.norm(course))
                 if length > 0.0:
-                    true = np.max(_way(at, self.true[stretch], rotation) @ course)
-                    ours = np.max(_way(at, poses[:, stretch], rotation) @ course, axis=-1)
+                    true = np.max(_way(at, self.true[segment], rotation) @ course)
+                    ours = np.max(_way(at, poses[:, segment], rotation) @ course, axis=-1)
                     over = np.maximum((ours - true) / length, 0.0)
                     overshoot[:, column] = np.fmax(overshoot[:, column], over)
         overshoot[:, 1] = np.rad2deg(overshoot[:, 1])

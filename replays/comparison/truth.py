@@ -20,7 +20,7 @@ from motorcade.fusion.metrics.smooth_path import SmoothPath
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.ga.stamps import check_count, stretches
+from motorcade.ga.stamps import check_count, segments
 from motorcade.replays.io.trajectories import read_trajectory
 
 _TABLE_STEP_S = 1e-3
@@ -37,12 +37,12 @@ class Truth(ABC):
     Fields:
         origin_ns: the stamp at which its time is zero.
         span_s: first and last time at which it is known.
-        stretches_s: ``(S, 2)`` first and last time of the segments between long gaps.
+        segments_s: ``(S, 2)`` first and last time of the segments between long gaps.
     """
 
     origin_ns: int
     span_s: tuple[float, float]
-    stretches_s: FloatArray
+    segments_s: FloatArray
 
     @abstractmethod
     def poses(self, time_s: FloatArray) -> tuple[Motor, FloatArray | None]:
@@ -66,8 +66,8 @@ class Truth(ABC):
     @functools.cached_property
     def _table(self) -> tuple[FloatArray, IntArray, FloatArray, FloatArray]:
         """First times ``(S,)`` of the segments, their first rows, positions and rotors."""
-        first_s = np.maximum(self.stretches_s[:, 0] - _MARGIN_S, self.span_s[0])
-        last_s = np.minimum(self.stretches_s[:, 1] + _MARGIN_S, self.span_s[1])
+        first_s = np.maximum(self.segments_s[:, 0] - _MARGIN_S, self.span_s[0])
+        last_s = np.minimum(self.segments_s[:, 1] + _MARGIN_S, self.span_s[1])
         counts = np.ceil((last_s - first_s) / _TABLE_STEP_S).astype(np.int64) + 1
         check_count(int(counts.sum()), f"truth of {self.span_s[1]:.6g} s in milliseconds")
         time_s = np.concatenate(
@@ -91,7 +91,7 @@ class AnalyticTruth(Truth):
         self.motion = MOTIONS[name]
         self.origin_ns = 0
         self.span_s = (-_MARGIN_S, duration_s + _MARGIN_S)
-        self.stretches_s = np.array([self.span_s])
+        self.segments_s = np.array([self.span_s])
 
     @property
     def has_scale(self) -> bool:
@@ -120,8 +120,8 @@ class RecordedTruth(Truth):
         self._path = SmoothPath.through(trajectory)
         self.origin_ns = self._path.origin_ns
         self.span_s = self._path.span_s
-        ends = [(part.start, part.stop - 1) for part in stretches(trajectory.time_ns)]
-        self.stretches_s = self._path.seconds(trajectory.time_ns[np.array(ends)])
+        ends = [(part.start, part.stop - 1) for part in segments(trajectory.time_ns)]
+        self.segments_s = self._path.seconds(trajectory.time_ns[np.array(ends)])
         self._kept = trajectory  # the interpolation lives as long as this does
 
     def covers(self, time_s: FloatArray) -> NDArray[np.bool_]:
@@ -186,7 +186,7 @@ class RecordedMotionTruth(RecordedTruth):
 
     def __init__(self, recorded: RecordedMotion, duration_s: float) -> None:
         path = recorded.read()
-        longest = max(stretches(path.time_ns), key=lambda part: _length_ns(path.time_ns[part]))
+        longest = max(segments(path.time_ns), key=lambda part: _length_ns(path.time_ns[part]))
         stamps = path.time_ns[longest]
         spare_s = 1e-9 * _length_ns(stamps) - duration_s - 2.0 * _MARGIN_S
         if spare_s < 0.0:

@@ -26,7 +26,7 @@ BOARD = MarkerGrid("tag36h11", 3, 2, 0.08, 0.02)
 BOARD_MIDDLE_M = (0.170, 0.120, 0.140)
 BOARD_THICKNESS_M = 0.006
 
-# The pictures of the room are seen by this camera.
+# The images of the room are seen by this camera.
 CHARACTER_HEIGHT_M = 0.23
 
 
@@ -120,7 +120,7 @@ def _table_things() -> list[Box]:
 
 
 def _sideboard() -> list[Box]:
-    """A low sideboard at the far wall with books, under two pictures."""
+    """A low sideboard at the far wall with books, under two images."""
     x = WALLS_X_M[1]
     body = Box((x - 0.23, 0.50, FLOOR_M), (0.44, 1.70, 0.70), "oak", front="doors")
     things = [Box((x - 0.20, 0.20, -0.04), (0.20, 0.26, 0.035), "teal")]
@@ -133,11 +133,11 @@ def _sideboard() -> list[Box]:
             Box((x - 0.18, y + 0.5 * thick, -0.04), (0.16, thick, tall), tone, hides=False)
         )
         y += thick + 0.003
-    pictures = [
+    images = [
         Box((x - 0.015, 0.95, 0.42), (0.03, 0.66, 0.66), "walnut", front="astronaut"),
         Box((x - 0.015, 0.15, 0.52), (0.03, 0.72, 0.48), "walnut", front="coffee"),
     ]
-    return [body, *things, *pictures]
+    return [body, *things, *images]
 
 
 def _bookcase() -> list[Box]:
@@ -169,7 +169,7 @@ def _bookcase() -> list[Box]:
 
 
 def _corner() -> list[Box]:
-    """A picture on the right wall and a crate of greenery behind the table."""
+    """An image on the right wall and a crate of greenery behind the table."""
     y = WALLS_Y_M[0]
     return [
         Box(

@@ -1,6 +1,6 @@
-"""Writes the synthetic room as a recording: pictures, truth, IMU and a manifest, like any user's.
+"""Writes the synthetic room as a recording: images, truth, IMU and a manifest, like any user's.
 
-The world has z up and its origin on the table top, z = 0, where a character may stand. Pictures
+The world has z up and its origin on the table top, z = 0, where a character may stand. Images
 are 640 x 480 from a pinhole camera at 30 Hz, with vignetting and sensor noise; the ground truth is
 exact, four poses a frame. The same seed writes the same bytes on the same machine.
 """
@@ -45,7 +45,7 @@ LEVEL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 # amplitude of the sine of each multiple of the base frequency; degrees
 SIDEWAYS_DEG = {1: -10.0, 2: 4.6, 3: 2.8}
 UPWARDS_DEG = {1: 2.0, 2: 3.6, 3: -2.3}
-# the hand moves against the gaze, so that what is looked at stays in the picture; metres
+# the hand moves against the gaze, so that what is looked at stays in the image; metres
 AGAINST_M = (0.0, 0.085, -0.016)
 TREMOR_DEG = 0.35
 # deliberate motion: amplitude, frequency (Hz), phase (rad) for every axis, metres
@@ -159,7 +159,7 @@ def write_recording(
 
     Args:
         folder: made where it is missing; it must be empty.
-        frames: pictures to write, 2 or more.
+        frames: images to write, 2 or more.
         seed: of the hand's tremor, the sensor's noise and the IMU's.
         placed: the setting that says where the character is.
         progress: wraps the loop over frames: (numbers, what is done, how many) -> numbers.
@@ -182,7 +182,7 @@ def write_recording(
         numbers: Iterable[int] = range(frames)
         if progress is not None:
             numbers = progress(numbers, "rendering the room", frames)
-        _write_pictures(folder / "images", renderer, path, numbers, sensor)
+        _write_images(folder / "images", renderer, path, numbers, sensor)
     write_trajectory(truth(path, frames), folder / "truth.tum")
     _write_inertial(folder, path, frames, inertial)
     (folder / "motorcade.toml").write_text(manifest(placed), encoding="utf-8")
@@ -194,7 +194,7 @@ def truth(path: HandheldPath, frames: int) -> Trajectory:
     return path.trajectory(even_stamps(count, TRUTH_A_FRAME * RATE_HZ))
 
 
-def _write_pictures(
+def _write_images(
     folder: Path,
     renderer: Renderer,
     path: HandheldPath,
@@ -207,9 +207,9 @@ def _write_pictures(
 
     def write(drawn: tuple[int, Layer]) -> None:
         number, layer = drawn
-        picture = exposed(cv2.LUT(layer.rgba, _AS_LEVELS)[..., :3], rng)
+        image = exposed(cv2.LUT(layer.rgba, _AS_LEVELS)[..., :3], rng)
         file = folder / f"{number:06d}.jpg"
-        if not cv2.imwrite(str(file), picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]):
+        if not cv2.imwrite(str(file), image[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]):
             raise OSError(f"{file}: cannot be written")
 
     stamps_ns = ((number, even_stamps(number + 1, RATE_HZ)[-1]) for number in numbers)
@@ -217,7 +217,7 @@ def _write_pictures(
     deque(ahead(write, drawn), maxlen=0)
 
 
-# The room's textures are levels of a camera, and its pictures mix them as such: in a mean of light,
+# The room's textures are levels of a camera, and its images mix them as such: in a mean of light,
 # which the renderer takes, white grows into black, and corners move by a quarter of a pixel.
 _LEVELS = np.arange(256) / 255.0
 _AS_LIGHT, _AS_LEVELS = (
@@ -232,24 +232,24 @@ def _as_light(surface: Surface) -> Surface:
     return replace(surface, texture=texture, colors=colors)
 
 
-def exposed(picture: NDArray[np.uint8], rng: np.random.Generator) -> NDArray[np.uint8]:
-    """What the sensor makes of a rendered picture: darker corners and noise.
+def exposed(image: NDArray[np.uint8], rng: np.random.Generator) -> NDArray[np.uint8]:
+    """What the sensor makes of a rendered image: darker corners and noise.
 
     Args:
-        picture: (h, w, 3) uint8.
+        image: (h, w, 3) uint8.
         rng: of the noise.
 
     Returns:
         (h, w, 3) uint8.
     """
-    height, width = picture.shape[:2]
+    height, width = image.shape[:2]
     x = (np.arange(width, dtype=np.float32) - 0.5 * (width - 1)) / (0.5 * width)
     y = (np.arange(height, dtype=np.float32) - 0.5 * (height - 1)) / (0.5 * width)
     gain = 1.0 - VIGNETTING * (x[None, :] ** 2 + y[:, None] ** 2) / (1.0 + (height / width) ** 2)
     noise = rng.standard_normal((height, width), dtype=np.float32)
-    taken = np.empty_like(picture)
-    for k in range(picture.shape[2]):  # a channel at once: three numbers a row are slow
-        seen = picture[..., k] * gain
+    taken = np.empty_like(image)
+    for k in range(image.shape[2]):  # a channel at once: three numbers a row are slow
+        seen = image[..., k] * gain
         noisy = seen + noise * (NOISE_FLOOR + NOISE_SLOPE * seen)
         taken[..., k] = np.clip(np.rint(noisy, out=noisy), 0, 255, out=noisy)
     return taken
@@ -259,7 +259,7 @@ def _write_inertial(
     folder: Path, path: HandheldPath, frames: int, rng: np.random.Generator
 ) -> None:
     """The simulated IMU along the path, and what its noise is."""
-    # A little longer than the pictures, so that the last one lies between two samples.
+    # A little longer than the images, so that the last one lies between two samples.
     last_s = (frames - 1) / RATE_HZ + 0.05
     stamps = even_stamps(int(last_s * IMU_RATE_HZ * 2) + 1, IMU_RATE_HZ * 2)
     world_T_imu = path.trajectory(stamps).transformed_by(right=IMU_T_CAMERA.inverse(), child="imu")
@@ -290,7 +290,7 @@ def manifest(placed: str = STANDING) -> str:
     ]
     listed = ", ".join(f'"{setting}"' for setting in settings)
     return f"""\
-# A synthetic room. World: metres, z up, origin on the table top. Pictures are rendered, and the IMU
+# A synthetic room. World: metres, z up, origin on the table top. Images are rendered, and the IMU
 # is simulated, along the same exact path.
 name = "synthetic room, with a simulated IMU"
 settings = [{listed}]

@@ -4,8 +4,8 @@ Nothing in the room moves, so its light is computed once. Photographs get a text
 times light; painted boxes are cut into small rectangles with the light at their corners and all
 become one mesh. Colours are sRGB after a soft tone curve; what the camera adds comes later.
 
-Only pictures inside the scikit-image wheel are used; nothing is downloaded. A material is a
-picture of the light that a surface sends back, linear RGB from 0 to 1, sampled at a number of
+Only images inside the scikit-image wheel are used; nothing is downloaded. A material is an
+image of the light that a surface sends back, linear RGB from 0 to 1, sampled at a number of
 pixels a metre over a rectangle whose rows run downwards.
 """
 
@@ -164,7 +164,7 @@ def _light(panels: Sequence[WallPanel], occluders: Occluders) -> list[FloatArray
 
 
 def _textured(panel: WallPanel, light: FloatArray) -> Surface:
-    """A panel with its light multiplied into its picture."""
+    """A panel with its light multiplied into its image."""
     base = material(panel.material, panel.size_m, panel.pixels_per_m)
     height, width = base.shape[:2]
     rows, columns = light.shape[0] - 1, light.shape[1] - 1
@@ -215,19 +215,19 @@ def _window() -> Surface:
     """The bright window with its bars, just inside the left wall."""
     x0, x1, z0, z1 = furniture.WINDOW_M
     rows, columns = 300, 400
-    picture = np.empty((rows, columns, 3))
-    picture[:] = SKY * np.linspace(1.25, 0.85, rows)[:, None, None]
+    image = np.empty((rows, columns, 3))
+    image[:] = SKY * np.linspace(1.25, 0.85, rows)[:, None, None]
     bars = np.array([0.80, 0.79, 0.76]) * 0.5
     for at in (0, columns // 2, columns):
-        picture[:, max(0, at - 9) : at + 9] = bars
+        image[:, max(0, at - 9) : at + 9] = bars
     for at in (0, rows // 2, rows):
-        picture[max(0, at - 9) : at + 9] = bars
+        image[max(0, at - 9) : at + 9] = bars
     y = furniture.WALLS_Y_M[1] - 0.008
     return Surface(
         np.array([[x0, y, z0], [x1, y, z0], [x1, y, z1], [x0, y, z1]]),
         np.tile([0.0, -1.0, 0.0], (4, 1)),
         np.array([[0, 1, 2], [0, 2, 3]]),
-        texture=developed(picture),
+        texture=developed(image),
         texture_coordinates=SQUARE,
     )
 
@@ -320,7 +320,7 @@ def material(name: str, size_m: tuple[float, float], pixels_per_m: float) -> Lin
     Args:
         name: a paint, a tiled photograph, a framed one, "page", "doors" or "board".
         size_m: width and height of the rectangle.
-        pixels_per_m: resolution; the picture's width is rounded up to a multiple of 4.
+        pixels_per_m: resolution; the image's width is rounded up to a multiple of 4.
 
     Returns:
         (rows, columns, 3) linear RGB, 0 to 1.
@@ -354,14 +354,14 @@ def linear(color: NDArray[Any]) -> NDArray[np.float32]:
 
 @cache
 def _photograph(name: str) -> LinearImage:
-    """A picture out of the scikit-image wheel, (h, w, 3) linear."""
+    """An image out of the scikit-image wheel, (h, w, 3) linear."""
     import skimage
     from skimage.io import imread
 
-    picture = np.asarray(imread(Path(skimage.__file__).parent / "data" / name))
-    if picture.ndim == 2:
-        picture = np.repeat(picture[..., None], 3, axis=2)
-    return linear(picture[..., :3] / 255.0)
+    image = np.asarray(imread(Path(skimage.__file__).parent / "data" / name))
+    if image.ndim == 2:
+        image = np.repeat(image[..., None], 3, axis=2)
+    return linear(image[..., :3] / 255.0)
 
 
 @cache
@@ -393,9 +393,9 @@ def _tiled(name: str, rows: int, columns: int, pixels_per_m: float) -> LinearIma
 
 def _framed(file: str, rows: int, columns: int) -> LinearImage:
     """A photograph behind a white mat in a dark wooden frame."""
-    picture = np.full((rows, columns, 3), linear(np.array(PAINTS["walnut"])), dtype=np.float32)
+    image = np.full((rows, columns, 3), linear(np.array(PAINTS["walnut"])), dtype=np.float32)
     edge = max(1, round(FRAME_SHARE * min(rows, columns)))
-    picture[edge:-edge, edge:-edge] = linear(np.array(PAINTS["paper"]))
+    image[edge:-edge, edge:-edge] = linear(np.array(PAINTS["paper"]))
     mat = 2 * edge
     inside = (columns - 2 * mat, rows - 2 * mat)
     photo = _photograph(file)
@@ -404,20 +404,20 @@ def _framed(file: str, rows: int, columns: int) -> LinearImage:
     wide, tall = int(inside[0] * share), int(inside[1] * share)
     left, top = (width - wide) // 2, (height - tall) // 2
     cropped = photo[top : top + tall, left : left + wide]
-    picture[mat:-mat, mat:-mat] = cv2.resize(cropped, inside, interpolation=cv2.INTER_AREA)
-    return picture
+    image[mat:-mat, mat:-mat] = cv2.resize(cropped, inside, interpolation=cv2.INTER_AREA)
+    return image
 
 
 def _doors(rows: int, columns: int) -> LinearImage:
     """Three doors with dark gaps and small knobs."""
-    picture = np.full((rows, columns, 3), linear(np.array(PAINTS["oak"])), dtype=np.float32)
+    image = np.full((rows, columns, 3), linear(np.array(PAINTS["oak"])), dtype=np.float32)
     for k in range(4):
         at = min(columns - 3, round(k * columns / 3))
-        picture[:, max(0, at - 2) : at + 2] *= 0.25
+        image[:, max(0, at - 2) : at + 2] *= 0.25
     for k in range(3):
         center = (round((k + 0.88) * columns / 3), rows // 3)
-        cv2.circle(picture, center, max(2, columns // 90), (0.03, 0.02, 0.015), -1, cv2.LINE_AA)
-    return picture
+        cv2.circle(image, center, max(2, columns // 90), (0.03, 0.02, 0.015), -1, cv2.LINE_AA)
+    return image
 
 
 def _board(rows: int, columns: int) -> LinearImage:

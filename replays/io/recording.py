@@ -2,7 +2,7 @@
 
 Conventions: stamps in integer nanoseconds, OpenCV camera axes, poses named `world_T_camera`,
 images uint8 in RGB order or grey as the file has them, upright (turned as EXIF or a video's display
-matrix says; the camera is that of the upright pictures), depth in metres with NaN where the sensor
+matrix says; the camera is that of the upright images), depth in metres with NaN where the sensor
 saw nothing (stored 0 or 65535).
 """
 
@@ -80,9 +80,9 @@ DepthArray = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Frame:
-    """One picture of a recording; nothing is read before it is asked for.
+    """One image of a recording; nothing is read before it is asked for.
 
-    What is read then stays off the record of files: a recording's digest covers its pictures.
+    What is read then stays off the record of files: a recording's digest covers its images.
 
     Fields:
         time_ns: stamp.
@@ -109,7 +109,7 @@ class Frame:
     zoom: float = 1.0
 
     def image(self) -> ImageArray:
-        """Read the picture: uint8 ``(height, width, 3)`` RGB, or ``(height, width)`` if it is grey.
+        """Read the image: uint8 ``(height, width, 3)`` RGB, or ``(height, width)`` if it is grey.
 
         Raises:
             RecordingError: missing, truncated, corrupt, or not of the camera's size.
@@ -118,16 +118,16 @@ class Frame:
             return self.read_image()
 
     def gray(self) -> ImageArray:
-        """Read the picture as luma (ITU-R BT.601), uint8 ``(height, width)``; raises as `image`.
+        """Read the image as luma (ITU-R BT.601), uint8 ``(height, width)``; raises as `image`.
 
         What a mask says to move is filled smoothly from around, so that nothing is tracked on it.
         """
         import cv2
 
-        picture = self.still().image()
-        if picture.ndim == 2:
-            return picture
-        return np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), dtype=np.uint8)
+        image = self.still().image()
+        if image.ndim == 2:
+            return image
+        return np.asarray(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), dtype=np.uint8)
 
     def depth_m(self) -> DepthArray | None:
         """Read the depth, metres ``(height, width)``, NaN where unknown; None without depth."""
@@ -153,7 +153,7 @@ class Frame:
         return replace(still, read_mask=None)
 
     def right(self) -> ImageArray | None:
-        """Read the right picture of a rectified pair, grey ``(height, width)``; None without."""
+        """Read the right image of a rectified pair, grey ``(height, width)``; None without."""
         with off_record():
             return None if self.read_right is None else self.read_right()
 
@@ -175,7 +175,7 @@ class FrameMasks(Protocol):
 
 
 class FrameSequence(Protocol):
-    """Pictures in the order of their stamps, read one at a time."""
+    """Images in the order of their stamps, read one at a time."""
 
     @property
     def time_ns(self) -> IntArray:
@@ -189,31 +189,31 @@ class FrameSequence(Protocol):
     def __iter__(self) -> Iterator[Frame]: ...
 
     def check(self, camera: Camera | None) -> None:
-        """Look at every picture without decoding where that is possible.
+        """Look at every image without decoding where that is possible.
 
         Raises:
-            RecordingError: a picture is missing, truncated or not of the camera's size.
+            RecordingError: an image is missing, truncated or not of the camera's size.
         """
         ...
 
     def intact(self, camera: Camera | None) -> tuple[FrameSequence, tuple[str, ...]]:
-        """Give the sequence without damaged pictures, and what is said of each left out.
+        """Give the sequence without damaged images, and what is said of each left out.
 
         What is read whole on the way is digested, so that `content` need not read it again.
 
         Raises:
-            RecordingError: a picture that is missing or of another size, or too much damage.
+            RecordingError: an image that is missing or of another size, or too much damage.
         """
         ...
 
     def content(self) -> Iterator[bytes]:
-        """Give all that the pictures depend on, in blocks and a stable order, for a digest."""
+        """Give all that the images depend on, in blocks and a stable order, for a digest."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class Odometry:
-    """A path that drifts but is smooth, recorded beside the pictures.
+    """A path that drifts but is smooth, recorded beside the images.
 
     Fields:
         trajectory: poses of what it tracks, in a world of its own.
@@ -233,14 +233,14 @@ class Recording:
             show, or turn the order of others about, are question marks.
         root: the folder, or the video file.
         layout: "euroc", "seven_scenes", "tum_rgbd", "kitti", "tagslam", "ros", "images",
-            "pictures", "video" or "synthetic".
-        frames: the pictures.
-        camera: intrinsics, of the upright pictures' size.
+            "images", "video" or "synthetic".
+        frames: the images.
+        camera: intrinsics, of the upright images' size.
         focal_sigma: relative standard deviation of the camera's focal length where it was found in
-            these pictures; 0 where somebody stated the camera.
-        readout_s: from the first row of a picture, as it is stored, to the last, whose middle row
+            these images; 0 where somebody stated the camera.
+        readout_s: from the first row of an image, as it is stored, to the last, whose middle row
             is read at the stamp (rolling shutter); 0 for a global one. See `shutter_s`.
-        baseline_m: how far to its right the camera of the frames' right pictures stands.
+        baseline_m: how far to its right the camera of the frames' right images stands.
         imu, imu_noise: angular rate and specific force; noise densities and bias walks.
         imu_T_camera: where the camera sits on the IMU (camera coordinates to IMU coordinates).
         odometry: a recorded odometry's path, None without.
@@ -251,7 +251,7 @@ class Recording:
         slam_map: a saved map of the place, which visual SLAM goes on in.
         truth: world_T_camera. Its stamps need not be the frames' own, nor cover all of them.
         settings: knobs of the pipeline that suit this recording, each "stage.knob=value".
-        damaged: what is said of each picture that was left out because it is damaged.
+        damaged: what is said of each image that was left out because it is damaged.
         doubts: what of all this is not sure, a clause each; what a run closes with.
 
     Raises:
@@ -261,9 +261,9 @@ class Recording:
     >>> from pathlib import Path
     >>> from motorcade.ga import Motor, Trajectory
     >>> from motorcade.replays import Recording
-    >>> from motorcade.replays.io.readers.frames.files import PictureFrames
+    >>> from motorcade.replays.io.readers.frames.files import ImageFrames
     >>> time_ns = np.array([0, 50_000_000])
-    >>> frames = PictureFrames((Path("0.png"), Path("1.png")), time_ns)  # read when they are used
+    >>> frames = ImageFrames((Path("0.png"), Path("1.png")), time_ns)  # read when they are used
     >>> world_T_camera = Motor.from_translation([[0.0, 0.0, 1.5], [0.1, 0.0, 1.5]])
     >>> truth = Trajectory(time_ns, world_T_camera, "world", "camera")
     >>> recording = Recording("by hand", Path(), "images", frames, truth=truth)
@@ -318,7 +318,7 @@ class Recording:
 
     @property
     def rows_run(self) -> IntArray:
-        """Which way ``(2,)``, right and down, stored rows follow one another in upright pictures.
+        """Which way ``(2,)``, right and down, stored rows follow one another in upright images.
 
         Of a phone held upright they are columns.
         """
@@ -328,7 +328,7 @@ class Recording:
 
     @property
     def shutter_s(self) -> FloatArray:
-        """`readout_s` across upright pictures ``(2,)``: from left to right, from top to bottom."""
+        """`readout_s` across upright images ``(2,)``: from left to right, from top to bottom."""
         return self.readout_s * self.rows_run.astype(np.float64)
 
     @property
@@ -342,7 +342,7 @@ class Recording:
         """What it holds, in one line."""
         frames = self.frames
         size = getattr(frames, "size", None)
-        text = f"{self.name}: {len(frames)} pictures"
+        text = f"{self.name}: {len(frames)} images"
         if size is not None:
             text += f" of {size[0]} x {size[1]}"
         if self.duration_s > 0.0:
@@ -359,7 +359,7 @@ class Recording:
         return f"{text}, with {named}" if named else f"{text}, of which nothing else is told"
 
     def check(self) -> None:
-        """Check every picture (existence, size, end markers) and that the streams overlap.
+        """Check every image (existence, size, end markers) and that the streams overlap.
 
         Raises:
             RecordingError: the first fault found.
@@ -370,12 +370,12 @@ class Recording:
             self.masks.check()
 
     def intact(self) -> Recording:
-        """Check everything, but leave damaged pictures out and name them in `damaged`.
+        """Check everything, but leave damaged images out and name them in `damaged`.
 
-        The pictures of the recording that this gives need not be read again for its digest.
+        The images of the recording that this gives need not be read again for its digest.
 
         Raises:
-            RecordingError: a fault that leaving out single pictures does not mend.
+            RecordingError: a fault that leaving out single images does not mend.
         """
         frames, faults = self.frames.intact(self.camera)
         self._check_overlap()
@@ -399,7 +399,7 @@ class Recording:
     def digest(self) -> str:
         """SHA-256 (hex) of everything that a result can depend on.
 
-        Covers the bytes of the pictures, which are read unless `intact` has done so, the values of
+        Covers the bytes of the images, which are read unless `intact` has done so, the values of
         all the rest (so a comment in a calibration file changes nothing), and the name, since
         reports show it; not the place.
         """
@@ -489,4 +489,4 @@ class DecodedFrames(ABC):
 
     @abstractmethod
     def _image(self, index: int) -> ImageArray:
-        """The picture of a frame."""
+        """The image of a frame."""

@@ -295,9 +295,9 @@ def write_rrd(shown: Shown, path: Path) -> None:
 
 
 def _log_frames(rr: Any, stream: Any, shown: Shown) -> None:
-    """Every frame with a pose: picture, pose, and the characters as they stand then.
+    """Every frame with a pose: image, pose, and the characters as they stand then.
 
-    Pictures are one H.264 film without the lens's distortion, which frames refer to. What of a
+    Images are one H.264 film without the lens's distortion, which frames refer to. What of a
     character does not change is logged once, and its shape ten times a second.
     """
     shown_ns = shown.recording.frames.time_ns[shown.frames_posed]
@@ -315,24 +315,24 @@ def _log_frames(rr: Any, stream: Any, shown: Shown) -> None:
             rr.Transform3D(translation=pose.translation_m, mat3x3=pose.rotor.as_matrix()),
         )
         video = rr.VideoFrameReference(nanoseconds=time_ns - int(shown_ns[0]))
-        stream.log("world/camera/picture", video)
+        stream.log("world/camera/image", video)
         if time_ns - last_ns >= _MESH_NS:
             last_ns = time_ns
             _log_characters(rr, stream, shown, time_ns)
 
 
 def _log_film(rr: Any, stream: Any, shown: Shown, rows: IntArray) -> None:
-    """The frames' pictures as one film, whose first frame is at 0."""
+    """The frames' images as one film, whose first frame is at 0."""
     from motorcade.render.video import write_video
 
     camera, frames = shown.recording.camera, shown.recording.frames
     if camera is None:
         raise ValueError(f"{shown.recording.name}: expected a camera, got none")
-    pictures = (camera.undistort_image(frames[int(row)].image()) for row in rows)
+    images = (camera.undistort_image(frames[int(row)].image()) for row in rows)
     with tempfile.TemporaryDirectory() as folder:
-        film = Path(folder) / "pictures.mp4"
-        write_video(film, pictures, frames.time_ns[rows] - frames.time_ns[rows[0]])
-        stream.log("world/camera/picture", rr.AssetVideo(path=film), static=True)
+        film = Path(folder) / "images.mp4"
+        write_video(film, images, frames.time_ns[rows] - frames.time_ns[rows[0]])
+        stream.log("world/camera/image", rr.AssetVideo(path=film), static=True)
 
 
 def _log_characters(rr: Any, stream: Any, shown: Shown, time_ns: int) -> None:

@@ -1,11 +1,11 @@
-"""Stage `integrity`: whether the stages agree with each other and with the pictures.
+"""Stage `integrity`: whether the stages agree with each other and with the images.
 
 It gathers what measuring the poses found of what it was told (`CameraPoses.audit`), and adds checks
 of its own. None of these needs a ground truth, and none has a constant that was chosen on a
 recording, or that follows from what it judges: a frame or a measurement fails by the probability of
-the filter's gate, or by what a corner can scatter in a picture of this size; so many may fail as
+the filter's gate, or by what a corner can scatter in an image of this size; so many may fail as
 ordinary data hold outliers, and chance adds to them. What all stages believe alike
-is not seen: a wrong size of the board's squares scales the whole world, and the pictures with it.
+is not seen: a wrong size of the board's squares scales the whole world, and the images with it.
 """
 
 from __future__ import annotations
@@ -56,13 +56,13 @@ def integrity(
     Coverage: frames without a pose, half of which may be. Inertial: faults of the IMU, its
     extrinsics and its stamps (see `check_health`), of which there may be none. Innovations:
     measured poses that the filter's gate would not let pass; without a filter there are none to
-    judge. Then the pictures decide, where poses were measured in them.
+    judge. Then the images decide, where poses were measured in them.
     Registration: frames in which what is drawn along the first smoothed path lies off the corners
     of board or markers, or off the points of SLAM's map, by more than they can scatter
     (`scatter_px`), whatever the measured poses leave. Elsewhere agreement: measured poses that the
     smoothed path misses by more than the gate allows them. Of these three a tenth may fail, and
     what chance adds to that. The measured path is drawn along where the smoothed one fails in the
-    pictures more often than it does, or misses most of the measured poses.
+    images more often than it does, or misses most of the measured poses.
     """
     measured = camera_poses.measurements.trajectory
     name, path = next(iter(smoothed.trajectories.items()))
@@ -125,7 +125,7 @@ def _coverage(camera_poses: CameraPoses, path: Trajectory) -> AuditFinding:
     count, missing = len(times_ns), int(np.count_nonzero(~posed))
     allowed = int(UNCOVERED * count)
     summary = f"{missing} of {count} frames have no pose (up to {allowed} may)"
-    advice = "look at the pictures there: blur, light, and whether what poses come from is in view"
+    advice = "look at the images there: blur, light, and whether what poses come from is in view"
     return _counted("coverage", missing, count, allowed, summary, advice)
 
 
@@ -164,7 +164,7 @@ def _registration_check(
     advice = f"{_SMOOTH_LESS}, or look at what the filter made of the poses"
     if _off(registration["measured"], limit_px) > allowed:
         advice = (
-            "the measured poses do not explain the pictures: look at the camera, at the board or "
+            "the measured poses do not explain the images: look at the camera, at the board or "
             "markers as stated, at blur, and at what moves"
         )
     return _counted("registration", off, len(off_px), allowed, summary, advice)
@@ -204,7 +204,7 @@ def _registered_px(
     camera_poses: CameraPoses,
     board_poses: BoardPoses | None,
 ) -> dict[str, FloatArray]:
-    """How far what is drawn lies from the footage; none where poses are not from pictures."""
+    """How far what is drawn lies from the footage; none where poses are not from images."""
     board, camera, sighted = recording.board, recording.camera, camera_poses.sighted
     if sighted is not None:
         return {name: sighted.registration_px(path) for name, path in paths.items()}

@@ -38,8 +38,8 @@ TOLERANCE = 0.02
 """Relative to the error before; below it nobody would choose one path for it."""
 _BLOCKS = 20
 _CHANCE = 2.09
-"""Student's t of 19 degrees of freedom, beyond which 5 % lie: errors of 20 stretches, which last
-within a stretch and hardly from one to the next."""
+"""Student's t of 19 degrees of freedom, beyond which 5 % lie: errors of 20 segments, which last
+within a segment and hardly from one to the next."""
 _LEAST = np.finfo(np.float64).tiny
 _OUTLIER = 5.0
 """A held-out pose that every path misses by so many times its median is an outlier itself."""
@@ -183,9 +183,9 @@ def _reason(stage: str, fused: FusedPath) -> str:
 
 
 def _beyond_chance(before: FloatArray, after: FloatArray) -> bool:
-    """Whether errors grew by a factor that stretches of the recording do not have by chance.
+    """Whether errors grew by a factor that segments of the recording do not have by chance.
 
-    Of differences of squares, a stretch where the path is lost would hide how all others grew.
+    Of differences of squares, a segment where the path is lost would hide how all others grew.
     """
     if len(before) < 2 * _BLOCKS:
         return False

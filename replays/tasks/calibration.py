@@ -12,9 +12,9 @@ import numpy as np
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.errors import RecordingError, refusal
 from motorcade.replays.io.files import write_bytes
-from motorcade.replays.io.readers.frames.exif import picture_orientation
-from motorcade.replays.io.readers.frames.files import pictures_in
-from motorcade.replays.io.readers.frames.pictures import SUFFIXES, decode_gray, read_picture_bytes
+from motorcade.replays.io.readers.frames.exif import image_orientation
+from motorcade.replays.io.readers.frames.files import images_in
+from motorcade.replays.io.readers.frames.images import SUFFIXES, decode_gray, read_image_bytes
 from motorcade.replays.io.readers.manifest.section import camera_toml
 from motorcade.replays.io.recording import Frame, ImageArray
 from motorcade.tracking import Board, Calibration, CalibrationError
@@ -27,13 +27,13 @@ from motorcade.tracking.cameras.calibrate import (
     try_lenses,
 )
 from motorcade.tracking.cameras.camera import CameraModel
-from motorcade.tracking.cameras.orientation import AS_STORED, PictureOrientation
+from motorcade.tracking.cameras.orientation import AS_STORED, ImageOrientation
 
 # Frames of a video that are searched, and views that are fitted: more hardly change the result.
 _MOST_FRAMES = 300
 _MOST_VIEWS = 60
 
-_Read = tuple[str, Callable[[tuple[int, int] | None], tuple[ImageArray, PictureOrientation]]]
+_Read = tuple[str, Callable[[tuple[int, int] | None], tuple[ImageArray, ImageOrientation]]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,12 +60,12 @@ class CalibrationRun:
     searched: int
     with_board: int
     unreadable: tuple[str, ...]
-    orientation: PictureOrientation
+    orientation: ImageOrientation
     trials: tuple[LensTrial, ...]
     doubt: str
 
 
-def calibrate_pictures(
+def calibrate_images(
     paths: Sequence[Path],
     board: Board,
     model: CameraModel | None = None,
@@ -91,10 +91,10 @@ def calibrate_pictures(
             raise refusal(path, "the file is missing")
     size: tuple[int, int] | None = None
     views_of: list[tuple[str, BoardCorners]] = []
-    held: set[PictureOrientation] = set()
+    held: set[ImageOrientation] = set()
     unreadable: list[str] = []
     searched = 0
-    for name, read in _pictures(paths):
+    for name, read in _images(paths):
         try:
             gray, orientation = read(size)
         except RecordingError as fault:
@@ -142,20 +142,20 @@ def _doubt(chosen: LensTrial, better: LensTrial) -> str:
     )
 
 
-def _pictures(paths: Sequence[Path]) -> Iterator[_Read]:
+def _images(paths: Sequence[Path]) -> Iterator[_Read]:
     for path in paths:
         if path.is_dir():
-            yield from map(_picture, pictures_in(path))
+            yield from map(_image, images_in(path))
         elif path.suffix.lower() in SUFFIXES:
-            yield _picture(path)
+            yield _image(path)
         else:
             yield from _video(path)
 
 
-def _picture(path: Path) -> _Read:
-    def read(size: tuple[int, int] | None) -> tuple[ImageArray, PictureOrientation]:
-        data = read_picture_bytes(path, None, size)
-        return decode_gray(path, data, None), picture_orientation(data)
+def _image(path: Path) -> _Read:
+    def read(size: tuple[int, int] | None) -> tuple[ImageArray, ImageOrientation]:
+        data = read_image_bytes(path, None, size)
+        return decode_gray(path, data, None), image_orientation(data)
 
     return str(path), read
 
@@ -165,7 +165,7 @@ def _video(path: Path) -> Iterator[_Read]:
 
     def reader(
         frame: Frame,
-    ) -> Callable[[tuple[int, int] | None], tuple[ImageArray, PictureOrientation]]:
+    ) -> Callable[[tuple[int, int] | None], tuple[ImageArray, ImageOrientation]]:
         return lambda _: (frame.gray(), frames.orientation)
 
     frames, _ = VideoFrames(path).intact(None)
@@ -201,15 +201,15 @@ def describe_calibration(run: CalibrationRun) -> dict[str, Any]:
         "doubt": run.doubt or None,
         "reprojection_rmse_px": calibration.rmse_px,
         "worst_view_rmse_px": float(errors.max()),
-        "pictures_searched": run.searched,
-        "pictures_with_board": run.with_board,
+        "images_searched": run.searched,
+        "images_with_board": run.with_board,
         "views_used": int(calibration.used.sum()),
         "views_left_out": int((~calibration.used).sum()),
         "coverage": calibration.coverage(run.views),
         "largest_turn_deg": calibration.turn_deg,
         "unreadable": list(run.unreadable),
         "views": [
-            {"picture": name, "corners": len(view), "used": bool(used), "rmse_px": _finite(error)}
+            {"image": name, "corners": len(view), "used": bool(used), "rmse_px": _finite(error)}
             for name, view, used, error in zip(
                 run.names, run.views, calibration.used, calibration.view_error_px, strict=True
             )
@@ -241,7 +241,7 @@ def write_calibration(run: CalibrationRun, path: Path) -> Path:
         f"{' '.join(f'{one:.2g}' for one in calibration.deviation)}\n"
     )
     write_bytes(path, (said + camera_toml(camera, run.orientation.degrees)).encode())
-    picture = path.with_name(f"{path.stem}_coverage.png")
+    image = path.with_name(f"{path.stem}_coverage.png")
     coverage = calibration.coverage(run.views)
     title = f"{path.stem}: {calibration.rmse_px:.3f} px RMS, {coverage:.0%} of the cells"
     data = plot_coverage(
@@ -251,8 +251,8 @@ def write_calibration(run: CalibrationRun, path: Path) -> Path:
         _corners(run, used=False),
         title,
     )
-    write_bytes(picture, data)
-    return picture
+    write_bytes(image, data)
+    return image
 
 
 def _corners(run: CalibrationRun, *, used: bool) -> FloatArray:

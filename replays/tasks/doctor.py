@@ -299,7 +299,7 @@ def _video() -> list[Finding]:
             path = Path(folder) / "four.mp4"
             grey = [np.full((32, 32, 3), 60 * index, np.uint8) for index in range(4)]
             write_video(path, grey, 40_000_000 * np.arange(4))
-            back = [int(picture.mean()) for _, picture in read_frames(path)]
+            back = [int(image.mean()) for _, image in read_frames(path)]
         if len(back) != 4 or max(abs(b - 60 * i) for i, b in enumerate(back)) > 12:
             raise ValueError(f"four images went in, and these greys came out: {back}")
         import av

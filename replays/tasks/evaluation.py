@@ -52,7 +52,7 @@ def error_rows(matched: Mapping[str, Matched]) -> Iterator[str]:
             )
 
 
-def error_picture(matched: Mapping[str, Matched], delta: Delta, plane: Plane | None = None) -> str:
+def error_image(matched: Mapping[str, Matched], delta: Delta, plane: Plane | None = None) -> str:
     """Errors over time and along the way, as an SVG file.
 
     Args:
@@ -63,9 +63,9 @@ def error_picture(matched: Mapping[str, Matched], delta: Delta, plane: Plane | N
     Examples:
         >>> from motorcade.fusion.metrics import Delta, match
         >>> from motorcade.fusion.motions import screw
-        >>> from motorcade.replays.tasks.evaluation import error_picture
+        >>> from motorcade.replays.tasks.evaluation import error_image
         >>> path = screw().sampled(10.0, 1.0)
-        >>> error_picture({"slam": match(path, path)}, Delta()).startswith("<svg")
+        >>> error_image({"slam": match(path, path)}, Delta()).startswith("<svg")
         True
     """
     start_ns = min(int(one.pairs.time_ns[0]) for one in matched.values())

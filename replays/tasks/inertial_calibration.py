@@ -19,7 +19,7 @@ from motorcade.fusion.camera_imu import CameraImuCalibration, calibrate_camera_i
 from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.io.files import write_bytes
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.readers.manifest.section import camera_toml
 from motorcade.replays.io.readers.opening import read_frames_of
@@ -37,7 +37,7 @@ from motorcade.tracking.cameras.camera import CameraModel
 
 # Between two poses the IMU tells more than a third would: Kalibr's authors advise 20 Hz, too.
 _MOST_HZ = 20.0
-_LEAST_PICTURES = 40  # two seconds of them; `synchronise` asks for 20 poses and 2 s
+_LEAST_IMAGES = 40  # two seconds of them; `synchronise` asks for 20 poses and 2 s
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,16 +96,16 @@ def calibrate_recording(
     stream = read_imu_of(recording if imu is None else imu)
     rows = _thinned(frames.time_ns)
     stamps, views, size = _searched(frames, rows, board)
-    if len(views) < _LEAST_PICTURES:
+    if len(views) < _LEAST_IMAGES:
         raise CalibrationError(
-            f"{board.name}: expected it in {_LEAST_PICTURES} images or more, got it in "
+            f"{board.name}: expected it in {_LEAST_IMAGES} images or more, got it in "
             f"{len(views)} of {len(rows)}"
         )
     seen = measure_board(stamps, views, camera, size=size, model=model)
     calibration = calibrate_camera_imu(
         seen, stream, noise, gravity_m_s2=gravity_m_s2, search_s=search_s
     )
-    turned = frames.orientation.degrees if isinstance(frames, VideoFrames | PictureFrames) else 0
+    turned = frames.orientation.degrees if isinstance(frames, VideoFrames | ImageFrames) else 0
     return InertialRun(calibration, seen, board, len(rows), noise, _rate_hz(stream), turned)
 
 
@@ -140,10 +140,10 @@ def describe_inertial(run: InertialRun) -> dict[str, Any]:
     calibration, seen = run.calibration, run.seen
     return {
         "board": run.board.name,
-        "pictures_searched": run.searched,
-        "pictures_with_board": seen.views,
-        "pictures_used": calibration.poses,
-        "pictures_refused": calibration.refused,
+        "images_searched": run.searched,
+        "images_with_board": seen.views,
+        "images_used": calibration.poses,
+        "images_refused": calibration.refused,
         "span_s": calibration.span_s,
         "reprojection_rmse_px": calibration.error_px,
         "corner_sigma_px": calibration.sigma_px,

@@ -25,7 +25,7 @@ from motorcade.ga.stamps import near_steps
 from motorcade.replays.engine.stage import StageError
 from motorcade.replays.io.errors import RecordingError, refusal
 from motorcade.replays.io.readers import positions
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.readers.layouts.detect import find_layout
 from motorcade.replays.io.readers.manifest import LOCAL_NAME
@@ -56,7 +56,7 @@ def describe(recording: Recording) -> dict[str, Any]:
         if recording.readout_s:
             about["readout_s"] = recording.readout_s
     frames = recording.frames
-    if isinstance(frames, PictureFrames | VideoFrames) and frames.orientation != AS_STORED:
+    if isinstance(frames, ImageFrames | VideoFrames) and frames.orientation != AS_STORED:
         about["shown_turned_deg"] = frames.orientation.degrees
     if isinstance(frames, VideoFrames) and frames.notes:
         about["notes"] = list(frames.notes)
@@ -102,7 +102,7 @@ def _depth(recording: Recording) -> dict[str, Any]:
     frames = recording.frames
     if isinstance(frames, BagFrames) and frames.depth_topic is not None:
         return {"depth_count": frames.depth_count, "depth_topic": frames.depth_topic}
-    if not isinstance(frames, PictureFrames) or not any(frames.depth_files):
+    if not isinstance(frames, ImageFrames) or not any(frames.depth_files):
         return {}
     about: dict[str, Any] = {
         "depth_count": sum(path is not None for path in frames.depth_files),

@@ -43,7 +43,7 @@ def film_size(width: int, height: int, longest_px: int) -> tuple[int, int]:
 
 def write_film(
     path: Path,
-    pictures: Iterable[ImageArray],
+    images: Iterable[ImageArray],
     time_ns: IntArray,
     size: tuple[int, int] | None = None,
 ) -> None:
@@ -51,7 +51,7 @@ def write_film(
 
     Args:
         path: a name that ends in `.mp4`.
-        pictures: uint8 ``(h, w)`` or ``(h, w, 3)`` of one size, one a stamp.
+        images: uint8 ``(h, w)`` or ``(h, w, 3)`` of one size, one a stamp.
         time_ns: ``(F,)`` the recording's stamps, which give the rate.
         size: width and height that the film has them in, by default their own.
 
@@ -63,23 +63,23 @@ def write_film(
         raise ValueError(f"write_film(path): expected a name that ends in .mp4, got '{path.name}'")
     with unfinished(path.parent) as place:
         part = place / "film.mp4"
-        count = _encode(part, _sized(pictures, size), _rate(time_ns))
+        count = _encode(part, _sized(images, size), _rate(time_ns))
         if count != len(time_ns):
             raise ValueError(f"write_film: expected {len(time_ns)} images, got {count}")
         part.replace(path)
 
 
-def _sized(pictures: Iterable[ImageArray], size: tuple[int, int] | None) -> Iterator[ImageArray]:
+def _sized(images: Iterable[ImageArray], size: tuple[int, int] | None) -> Iterator[ImageArray]:
     import cv2
 
-    for picture in pictures:
-        if size is None or size == picture.shape[1::-1]:
-            yield picture
+    for image in images:
+        if size is None or size == image.shape[1::-1]:
+            yield image
         else:
-            yield np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
+            yield np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.uint8)
 
 
-def _encode(path: Path, pictures: Iterable[ImageArray], rate: Fraction) -> int:
+def _encode(path: Path, images: Iterable[ImageArray], rate: Fraction) -> int:
     """Encode and mux; returns how many images came."""
     import av
     from av.video.reformatter import VideoReformatter
@@ -98,15 +98,15 @@ def _encode(path: Path, pictures: Iterable[ImageArray], rate: Fraction) -> int:
         stream.options = {**stream.options, "crf": str(QUALITY), "x264-params": text}
 
         def packets(numbered: tuple[int, ImageArray]) -> Any:
-            number, picture = numbered
-            rgb = picture if picture.ndim == 3 else np.repeat(picture[..., None], 3, axis=2)
+            number, image = numbered
+            rgb = image if image.ndim == 3 else np.repeat(image[..., None], 3, axis=2)
             frame = coded_frame(rgb, False, form, coding)
             if number == 0:
                 stream.height, stream.width = frame.height, frame.width
             frame.pts, frame.time_base = round(number / rate * _TICKS), clock
             return stream.encode(frame)
 
-        for some in ahead(packets, enumerate(pictures)):
+        for some in ahead(packets, enumerate(images)):
             file.mux(some)
             count += 1
         file.mux(stream.encode(None))

@@ -134,7 +134,7 @@ def _runs(flags) -> list[np.ndarray]:
 
 
 def _gone_m(at, flags, frames: int) -> float:
-    """How far a point goes over the ground, at most, in one stretch of so many frames."""
+    """How far a point goes over the ground, at most, in one segment of so many frames."""
     gone = [np.ptp(at[run, :2], axis=0) for run in _runs(flags) if len(run) >= frames]
     return max((float(np.linalg.norm(one)) for one in gone), default=0.0)
 

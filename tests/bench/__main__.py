@@ -18,9 +18,9 @@ from typing import Any
 
 from motorcade.render.plots import standing_alone
 from motorcade.replays.io.files import write_bytes
-from tests.bench.page import MACHINE, PICTURES, RUNS, machine, page
-from tests.bench.pictures import animation_picture
-from tests.bench.stages import stages_picture
+from tests.bench.images import animation_image
+from tests.bench.page import IMAGES, MACHINE, RUNS, machine, page
+from tests.bench.stages import stages_image
 from tests.bench.tables import SUITES, run_suite
 from tests.bench.whole.jobs import JOBS, MINUTES
 from tests.bench.whole.quoted import with_figures_of
@@ -62,8 +62,8 @@ def main(given: Sequence[str] | None = None) -> None:
         figures[name], table = run_suite(name)
         print(table)
     if arguments.svg is not None:
-        picture = animation_picture(figures["animation"])
-        write_bytes(arguments.svg, standing_alone(picture).encode())
+        image = animation_image(figures["animation"])
+        write_bytes(arguments.svg, standing_alone(image).encode())
     if arguments.json is not None:
         figures[MACHINE] = machine()
         write_bytes(arguments.json, (json.dumps(figures, indent=2) + "\n").encode())
@@ -77,8 +77,8 @@ def _whole(arguments: argparse.Namespace) -> int:
     text = page(figures)
     write_bytes(arguments.into / "docs" / "benchmarks.md", text.encode())
     if "stages" in figures:
-        picture = standing_alone(stages_picture(figures["stages"]))
-        write_bytes(arguments.into / "docs" / PICTURES["stages"][0], picture.encode())
+        image = standing_alone(stages_image(figures["stages"]))
+        write_bytes(arguments.into / "docs" / IMAGES["stages"][0], image.encode())
     readme = arguments.into / "README.md"
     write_bytes(readme, with_figures_of(readme.read_text(encoding="utf-8"), text).encode())
     left_out = [name for name, run in figures[RUNS].items() if "left_out" in run]

@@ -1,4 +1,4 @@
-"""The demo, from its first picture to its report: how long, and what each representation leaves.
+"""The demo, from its first image to its report: how long, and what each representation leaves.
 
 Rotation error and angular jitter are those of the smoothed paths against the exact ground truth,
 by one smoother; in seven seconds the camera comes near the gimbal lock of Euler angles six times.

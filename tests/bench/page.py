@@ -94,9 +94,7 @@ def _versions() -> Iterator[str]:
             continue
 
 
-PICTURES = {
-    "stages": ("pictures/where_time_goes.svg", "Seconds of each stage of the demo, by threads")
-}
+IMAGES = {"stages": ("images/where_time_goes.svg", "Seconds of each stage of the demo, by threads")}
 """By suite: what is drawn of it, beside the page, and what it shows."""
 
 
@@ -118,8 +116,8 @@ def page(figures: Mapping[str, Any]) -> str:
         if name in figures:
             parts += [f"## {name}\n", f"{_about(name)}\n", _block(f"make bench SUITE={name}", "sh")]
             parts.append(_block(_table(name, figures[name]), "text"))
-            if name in PICTURES:
-                parts.append(f"![{PICTURES[name][1]}]({PICTURES[name][0]})\n")
+            if name in IMAGES:
+                parts.append(f"![{IMAGES[name][1]}]({IMAGES[name][0]})\n")
             parts += _of_the_run(name, runs)
     missing = [f"`make bench SUITE={name}`" for name in SUITES if name not in figures]
     if missing:
@@ -187,10 +185,10 @@ def _smooth(found: Mapping[str, Any]) -> Iterator[Headline]:
 
 def _markers(found: Mapping[str, Any]) -> Iterator[Headline]:
     for row in found.get("markers", {}).get("rows", ()):
-        counts, ms = row["found"], row["ms_a_picture"]
+        counts, ms = row["found"], row["ms_an_image"]
         for other in [way for way in counts if way != "motorcade"]:
             yield Headline(
-                f"markers in {row['count']} pictures of `{row['pictures']}`",
+                f"markers in {row['count']} images of `{row['images']}`",
                 f"{counts['motorcade']} found, {ms['motorcade']:.0f} ms",
                 f"{counts[other]} found, {ms[other]:.0f} ms ({other})",
                 ms[other] / ms["motorcade"],

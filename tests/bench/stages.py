@@ -7,7 +7,7 @@ OpenGL's, codecs' and linear algebra's. Clock less processor of the main thread 
 other threads or for other work of the machine.
 
     python -m tests.bench.stages                                  the demo, from an empty folder
-    python -m tests.bench.stages --svg picture.svg run clip.mp4   any command, and its picture
+    python -m tests.bench.stages --svg image.svg run clip.mp4   any command, and its image
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from motorcade.render.plots import standing_alone
 from motorcade.replays.cli import main as motorcade
 from motorcade.replays.pipeline.job import pipeline_graph
 
-__all__ = ["bench_stages", "profiled", "stages_picture", "stages_table"]
+__all__ = ["bench_stages", "profiled", "stages_image", "stages_table"]
 
 STEP_S = 0.004
 SHOWN = 12
@@ -195,10 +195,10 @@ def stages_table(found: Mapping[str, Any]) -> str:
 WIDE, BAR, LABEL = 420, 18, 110
 SHADES = {MAIN: "#31688e", WORKERS: "#35b779", NATIVE: "#bbbbbb"}
 LEAST_S = 0.05
-"""Stages that take less are left out of the picture."""
+"""Stages that take less are left out of the image."""
 
 
-def stages_picture(found: Mapping[str, Any]) -> str:
+def stages_image(found: Mapping[str, Any]) -> str:
     """Bars as SVG: of each stage the processor's time by threads; the clock's stands beside it."""
     stages = {name: of for name, of in _by_thread(found).items() if sum(of.values()) > LEAST_S}
     longest_s = max(sum(threads.values()) for threads in stages.values())
@@ -233,7 +233,7 @@ def main(words: Sequence[str] | None = None) -> None:
     if arguments.json is not None:
         arguments.json.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
     if arguments.svg is not None:
-        arguments.svg.write_text(standing_alone(stages_picture(found)), encoding="utf-8")
+        arguments.svg.write_text(standing_alone(stages_image(found)), encoding="utf-8")
 
 
 if __name__ == "__main__":

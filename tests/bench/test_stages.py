@@ -3,7 +3,7 @@
 import threading
 import time
 
-from tests.bench.stages import NATIVE, profiled, stages_picture, stages_table
+from tests.bench.stages import NATIVE, profiled, stages_image, stages_table
 
 
 def spin(seconds: float) -> None:
@@ -34,7 +34,7 @@ def test_time_is_told_by_stage_thread_and_function() -> None:
     assert all(row["stage"] for row in found["rows"] if row["thread"] != NATIVE)
 
 
-def test_stages_stand_in_the_table_and_in_the_picture() -> None:
+def test_stages_stand_in_the_table_and_in_the_image() -> None:
     rows = [
         {"stage": "overlay", "thread": "main", "function": "render/a.py: draw", "processor_s": 2.0},
         {"stage": "overlay", "thread": NATIVE, "function": "the rest", "processor_s": 1.0},
@@ -46,6 +46,6 @@ def test_stages_stand_in_the_table_and_in_the_picture() -> None:
     assert lines[1].split() == ["overlay", "3.20", "3.00", "2.00", "0.00", "1.00"]
     assert lines[-2].split() == ["render/a.py:", "draw", "overlay", "main", "2.00"]
     assert lines[-1].split() == ["b.py:", "write", "report", "workers", "0.50"]
-    picture = stages_picture(found)
-    assert picture.count("<rect") == 3 + 2 * 3
-    assert ">overlay</text>" in picture
+    image = stages_image(found)
+    assert image.count("<rect") == 3 + 2 * 3
+    assert ">overlay</text>" in image

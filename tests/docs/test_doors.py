@@ -74,7 +74,7 @@ ALLOWED = {
     ("replays/studio/serving.py", "probe.connect"): "no file, and nothing is sent",
     ("replays/studio/serving.py", "webbrowser.open"): "our own page",
     ("replays/studio/app.py", "path.read_bytes"): "our own source",
-    ("replays/demo/scene.py", "imread"): "pictures of scikit-image's",
+    ("replays/demo/scene.py", "imread"): "images of scikit-image's",
     ("replays/studio/write_ahead.py", "os.open"): "to write or lock, through no link",
 }
 LIMITS = re.compile(r"_?(MAX_|MOST|DEEPEST)\w*|_?[A-Z_]+_LIMIT(_\w+)?")

@@ -18,7 +18,7 @@ def test_the_graphs_of_rooms_and_stages_are_current(monkeypatch: pytest.MonkeyPa
 
     try:
         for name, text in drawings.drawings().items():
-            kept = (DOCS / "pictures" / name).read_text(encoding="utf-8")
+            kept = (DOCS / "images" / name).read_text(encoding="utf-8")
             assert kept == text, f"{name}: run `python docs/making/drawings.py`"
     finally:
         del sys.modules["drawings"]
@@ -33,23 +33,23 @@ def test_a_detour_takes_the_direct_arrow_away(monkeypatch: pytest.MonkeyPatch) -
     del sys.modules["drawings"]
 
 
-def test_the_pictures_of_objects_are_current(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_images_of_objects_are_current(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(DOCS / "making")
     import drawn_objects
 
     try:
-        made = drawn_objects.pictures()
-        shown = sorted(path.name for path in (DOCS / "pictures").glob("drawn_*.svg"))
+        made = drawn_objects.images()
+        shown = sorted(path.name for path in (DOCS / "images").glob("drawn_*.svg"))
         assert sorted(made) == shown
         for name, text in made.items():
-            kept = (DOCS / "pictures" / name).read_text(encoding="utf-8")
+            kept = (DOCS / "images" / name).read_text(encoding="utf-8")
             assert _nearly(kept, text), f"{name}: run `python docs/making/drawn_objects.py`"
     finally:
         del sys.modules["drawn_objects"]
 
 
 def _nearly(kept: str, made: str) -> bool:
-    """Whether two pictures are one but for the last digit of some numbers."""
+    """Whether two images are one but for the last digit of some numbers."""
     number = r"-?\d+(?:\.\d+)?"
     own = r"\bm[0-9a-f]{8}\b"
     texts = [re.sub(number, "#", re.sub(own, "m", text)) for text in (kept, made)]

@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from motorcade.ga import Motor, Rotor
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.readers.tagslam.corners import TagSlamRecording
 from motorcade.replays.io.readers.tagslam.corners import read as read_tagslam
@@ -57,7 +57,7 @@ class Planted:
 
 def kitchens(data: Path) -> Iterator[Planted]:
     """Depth and colour of 7-Scenes."""
-    changes: dict[str, tuple[str, Callable[[PictureFrames], PictureFrames]]] = {
+    changes: dict[str, tuple[str, Callable[[ImageFrames], ImageFrames]]] = {
         "colour's focal length 5 % too long": ("depth_on_colour", colour_zoomed(1.05)),
         "colour's focal length 5 % too short": ("depth_on_colour", colour_zoomed(0.95)),
         "depth's focal length that of colour": ("depth_on_colour", _depth_zoomed(525.0 / 585.0)),
@@ -94,8 +94,8 @@ def pairs(scratch: Path) -> Iterator[Planted]:
     recording = open_recording(scratch)
 
     frames = recording.frames
-    if not isinstance(frames, PictureFrames):
-        raise ValueError(f"{scratch}: expected picture files")
+    if not isinstance(frames, ImageFrames):
+        raise ValueError(f"{scratch}: expected image files")
     swapped = replace(
         recording, frames=replace(frames, files=frames.right_files, right_files=frames.files)
     )
@@ -208,30 +208,28 @@ def _health(data: Path, what: str) -> Findings:
     )
 
 
-def _depth_of(
-    root: Path, change: Callable[[PictureFrames], PictureFrames]
-) -> Callable[[], Findings]:
+def _depth_of(root: Path, change: Callable[[ImageFrames], ImageFrames]) -> Callable[[], Findings]:
     return lambda: audited_depth(changed_kitchen(root, change))[1]
 
 
-def changed_kitchen(root: Path, change: Callable[[PictureFrames], PictureFrames]) -> Recording:
+def changed_kitchen(root: Path, change: Callable[[ImageFrames], ImageFrames]) -> Recording:
     """A recording of 7-Scenes of which something else is stated."""
     recording = open_recording(root)
     frames = recording.frames
-    if not isinstance(frames, PictureFrames):
-        raise ValueError(f"{root}: expected picture files")
+    if not isinstance(frames, ImageFrames):
+        raise ValueError(f"{root}: expected image files")
     changed = change(frames)
     return replace(recording, frames=changed, camera=changed.colour_camera)
 
 
-def _sensor(frames: PictureFrames) -> DepthCamera:
+def _sensor(frames: ImageFrames) -> DepthCamera:
     if frames.depth_camera is None:
         raise ValueError("frames: expected a depth camera, got none")
     return frames.depth_camera
 
 
-def colour_zoomed(factor: float) -> Callable[[PictureFrames], PictureFrames]:
-    def change(frames: PictureFrames) -> PictureFrames:
+def colour_zoomed(factor: float) -> Callable[[ImageFrames], ImageFrames]:
+    def change(frames: ImageFrames) -> ImageFrames:
         camera = frames.colour_camera
         if camera is None:
             raise ValueError("frames: expected a colour camera, got none")
@@ -241,8 +239,8 @@ def colour_zoomed(factor: float) -> Callable[[PictureFrames], PictureFrames]:
     return change
 
 
-def _depth_zoomed(factor: float) -> Callable[[PictureFrames], PictureFrames]:
-    def change(frames: PictureFrames) -> PictureFrames:
+def _depth_zoomed(factor: float) -> Callable[[ImageFrames], ImageFrames]:
+    def change(frames: ImageFrames) -> ImageFrames:
         camera = _sensor(frames).camera
         other = replace(camera, fx=factor * camera.fx, fy=factor * camera.fy)
         sensor = DepthCamera(other, _sensor(frames).colour_T_depth)
@@ -251,18 +249,18 @@ def _depth_zoomed(factor: float) -> Callable[[PictureFrames], PictureFrames]:
     return change
 
 
-def _shifted(frames: PictureFrames) -> PictureFrames:
+def _shifted(frames: ImageFrames) -> ImageFrames:
     camera = _sensor(frames).camera
     sensor = DepthCamera(replace(camera, cx=camera.cx - 10.0), _sensor(frames).colour_T_depth)
     return replace(frames, depth_camera=sensor)
 
 
-def _inverted(frames: PictureFrames) -> PictureFrames:
+def _inverted(frames: ImageFrames) -> ImageFrames:
     colour_T_depth: Motor = _sensor(frames).colour_T_depth.inverse()
     return replace(frames, depth_camera=DepthCamera(_sensor(frames).camera, colour_T_depth))
 
 
-def _scaled(factor: float) -> Callable[[PictureFrames], PictureFrames]:
+def _scaled(factor: float) -> Callable[[ImageFrames], ImageFrames]:
     return lambda one: replace(one, depth_units_per_m=factor * one.depth_units_per_m)
 
 
@@ -271,11 +269,11 @@ def _board_findings(root: Path, change: Callable[[Recording], Recording]) -> Cal
         recording = change(open_recording(root, MANIFESTS / "vamr_board.toml"))
         if recording.camera is None or recording.board is None:
             raise ValueError(f"{root}: expected a camera and a board")
-        pictures = [
+        images = [
             (recording.frames[number].time_ns, recording.frames[number].gray())
             for number in range(0, len(recording.frames), len(recording.frames) // _BOARD_FRAMES)
         ]
-        tracked = track_board(pictures, recording.camera, recording.board)
+        tracked = track_board(images, recording.camera, recording.board)
         layout = compare_layout(recording.board, sampled_images(recording), recording.camera)
         of_camera, _ = audited_board(recording, recording.board, tracked)
         return of_camera if layout is None else (layout, *of_camera)

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.recording import ImageArray
 from motorcade.replays.stages.camera.board_poses import board_poses
-from tests.bench.view.film import COLUMNS, ROWS, SQUARE_M, _pictures
+from tests.bench.view.film import COLUMNS, ROWS, SQUARE_M, _images
 from tests.replays.readers.bag_poses import Messages, write_messages
 
 SIZE = 320, 240
@@ -70,7 +70,7 @@ def draw(number: int, rng: np.random.Generator) -> Drawn:
 
 def scene(count: int = COUNT) -> list[ImageArray]:
     """What the camera sees, with a cast that tells red from blue."""
-    seen = _pictures(*SIZE, 3 * count)
+    seen = _images(*SIZE, 3 * count)
     frames = [image for number, image in enumerate(seen) if number % 3 == 0]
     return [np.rint(image * CAST).astype(np.uint8) for image in frames]
 
@@ -197,7 +197,7 @@ class Bag:
         self.sent.append((topic, received, message))
 
     def fill(self, frames: list[ImageArray]) -> str:
-        """All messages; returns the topic of the pictures."""
+        """All messages; returns the topic of the images."""
         place = "/camera/color"
         image = "image_rect_color" if self.drawn.beside == "rectified" else "image_raw"
         topic = f"{place}/{image}"
@@ -205,12 +205,12 @@ class Bag:
             topic += "/compressed"
         for index, frame in enumerate(frames):
             self.send(f"{place}/camera_info", index, self.info(index, "cam", "rect" in image))
-            self.send(topic, index, self.picture(index, frame))
+            self.send(topic, index, self.image(index, frame))
             self.beside(index, frame)
         self.disturb(topic)
         return topic
 
-    def picture(self, index: int, frame: ImageArray) -> Any:
+    def image(self, index: int, frame: ImageArray) -> Any:
         if self.drawn.encoding == "png":
             data = cv2.imencode(".png", frame[..., ::-1])[1]
             return self.packed(index, "rgb8; png compressed bgr8", data, "cam")
@@ -266,7 +266,7 @@ def write(folder: Path, drawn: Drawn, frames: list[ImageArray], rng: np.random.G
 
 
 def plain_poses(folder: Path, frames: list[ImageArray]) -> Any:
-    """Poses of the same pictures in a folder, a row a frame."""
+    """Poses of the same images in a folder, a row a frame."""
     folder.mkdir(parents=True, exist_ok=True)
     for index, frame in enumerate(frames):
         cv2.imwrite(str(folder / f"{index:02}.png"), frame[..., ::-1])
@@ -286,21 +286,21 @@ def board_table() -> str:
 
 
 def distance_m(folder: Path, drawn: Drawn, frames: list[ImageArray], rng: Any) -> float:
-    """The largest distance between poses of a bag and of its plain pictures.
+    """The largest distance between poses of a bag and of its plain images.
 
     Raises:
-        ValueError: fewer pictures than the bag holds.
+        ValueError: fewer images than the bag holds.
     """
     manifest = folder / "board.toml"
     manifest.write_text(board_table())
     recording = open_recording(write(folder, drawn, frames, rng), manifest)
     count = len(recording.frames)
     if drawn.cut == "whole" and count != len(frames):
-        raise ValueError(f"expected {len(frames)} pictures, got {count}")
+        raise ValueError(f"expected {len(frames)} images, got {count}")
     depth = recording.frames[1].depth_m()
     wants_depth = drawn.beside in DEPTHS
     if wants_depth and (depth is None or abs(float(np.nanmedian(depth)) - 0.75) > 1e-6):
-        raise ValueError("expected depth of 0.75 m beside the pictures")
+        raise ValueError("expected depth of 0.75 m beside the images")
     plain = plain_poses(folder / "plain", [as_plain(frame, drawn.encoding) for frame in frames])
     path = board_poses(recording).measurements.trajectory
     if len(path) < 0.5 * len(frames):

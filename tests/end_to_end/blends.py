@@ -23,7 +23,7 @@ from motorcade.animation import Character, Clip, Skeleton, mannequin
 from motorcade.animation.blend import closed, grounded
 from motorcade.animation.formats import read_motion
 from motorcade.animation.ik import fitted_legs
-from motorcade.animation.ik.feet import stretches
+from motorcade.animation.ik.feet import segments
 from motorcade.animation.retarget import body_of, legs_of, retarget
 from motorcade.animation.vectors import turn_z
 from motorcade.ga import Motor
@@ -158,7 +158,7 @@ def slide(blend: Blend) -> float:
         ball = who.skeleton.index(leg.ball)
         at = world[:, ball].translation_m
         low = at[:, 2] <= who.skeleton.rest_world.translation_m[ball, 2] + TOUCHES * tall
-        for start, end in stretches(low):
+        for start, end in segments(low):
             off = at[start:end, :2] - np.median(at[start:end, :2], axis=0)
             worst = max(worst, float(np.linalg.norm(off, axis=1).max()) / tall)
     return worst

@@ -1,4 +1,4 @@
-"""How well a path lays depth pictures on each other: a witness that needs no ground truth.
+"""How well a path lays depth images on each other: a witness that needs no ground truth.
 
     python -m tests.end_to_end.depth_agreement FOLDER [FOLDER ...] [--window 200]
 
@@ -23,7 +23,7 @@ import numpy as np
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.recording import Recording
 
@@ -35,7 +35,7 @@ _PAIRS_EVERY = 10
 
 
 class DepthWitness:
-    """Depth pictures of a recording, and what paths make of pairs of them."""
+    """Depth images of a recording, and what paths make of pairs of them."""
 
     def __init__(self, files: Sequence[Path]) -> None:
         self._files = files
@@ -129,7 +129,7 @@ def figures(folder: Path, mono: bool) -> dict[str, dict[int, float]]:
     """Of the reference, the path with depth, and the one by one camera: mm by frames apart."""
     recording = open_recording(folder)
     frames = recording.frames
-    if not isinstance(frames, PictureFrames) or frames.depth_camera is None:
+    if not isinstance(frames, ImageFrames) or frames.depth_camera is None:
         raise ValueError(f"{folder}: expected 7-Scenes' layout, got {recording.layout}")
     if recording.truth is None:
         raise ValueError(f"{folder}: expected published poses, got none")
@@ -149,7 +149,7 @@ def figures(folder: Path, mono: bool) -> dict[str, dict[int, float]]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print the table."""
-    parser = argparse.ArgumentParser(description="How well paths lay depth pictures on each other.")
+    parser = argparse.ArgumentParser(description="How well paths lay depth images on each other.")
     parser.add_argument("folders", nargs="+", type=Path)
     parser.add_argument("--window", type=int, default=200)
     parser.add_argument("--whole-only", action="store_true", help="no windows")

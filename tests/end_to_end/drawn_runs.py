@@ -1,7 +1,7 @@
 """Short runs drawn at random, with exact truth: boards, grids and loose tags before a camera.
 
-Every picture is the mean of four rays a pixel onto prints that lie about on a textured table; each
-line of a picture has its own time where the shutter rolls. What then happens to the pictures, their
+Every image is the mean of four rays a pixel onto prints that lie about on a textured table; each
+line of an image has its own time where the shutter rolls. What then happens to the images, their
 order and their stamps has a name in `HAPPENINGS`.
 """
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.recording import LooseMarkers, Recording
 from motorcade.tracking import (
     Board,
@@ -163,7 +163,7 @@ def draw_run(seed: int, target: str, happening: str, folder: Path) -> DrawnRun:
         f"{target} {happening} {seed}",
         folder,
         "images",
-        PictureFrames(files, stamps, (camera.width, camera.height)),
+        ImageFrames(files, stamps, (camera.width, camera.height)),
         camera,
         board=None if target == "loose" else boards[0],
         markers=LooseMarkers("tag36h11", boards[0].size_m[0]) if target == "loose" else None,
@@ -296,7 +296,7 @@ def _table(rng: np.random.Generator) -> Sheet:
 
 
 def _image(stage: _Stage, rng: np.random.Generator, row: int) -> np.ndarray:
-    """The grey picture of a frame, degraded and rounded."""
+    """The grey image of a frame, degraded and rounded."""
     camera, time_s = stage.camera, float(stage.times_s[row])
     lines = (np.arange(camera.height * _SAMPLES) + 0.5) / (camera.height * _SAMPLES) - 0.5
     shares = [0.0]
@@ -379,7 +379,7 @@ def _covering(boards: Sequence[Board], poses: Sequence[Path3]) -> FloatArray:
 def _degraded(
     rng: np.random.Generator, happening: str, middle: FloatArray
 ) -> Callable[[np.ndarray, int], np.ndarray]:
-    """What becomes of a picture before it is rounded."""
+    """What becomes of an image before it is rounded."""
     if happening == "blurred":
         sigma = float(rng.uniform(1.2, 4.0))
         if rng.random() < 0.4:
@@ -428,7 +428,7 @@ def _written(folder: Path, images: Sequence[np.ndarray], quality: int | None) ->
 
 
 def _mirrored(board: Checkerboard, world_T_camera: Motor) -> Motor:
-    """The pose from which a mirrored picture of a checkerboard could have been taken unmirrored."""
+    """The pose from which a mirrored image of a checkerboard could have been taken unmirrored."""
     swap, shift = np.eye(4), np.eye(4)
     if board.columns % 2 == 0:
         swap[0, 0], shift[0, 3] = -1.0, (board.columns - 1) * board.square_m

@@ -1,7 +1,7 @@
 """`python -m tests.end_to_end.focal_lengths RUN…`: focal lengths that runs found, beside OpenCV's.
 
 Each run's recording is calibrated anew by OpenCV alone: its own detectors (by sectors, and the
-classical one with refined corners), `calibrateCamera` with five terms on every second picture.
+classical one with refined corners), `calibrateCamera` with five terms on every second image.
 Where the two differ, OpenCV's own deviation is too small by so much and is widened to it. Runs
 without a checkerboard are passed over. Exit status 1 where a run's focal length is more than two
 standard deviations, its own and OpenCV's together, from one that OpenCV tells to a per cent.
@@ -23,37 +23,37 @@ from numpy.typing import NDArray
 
 from motorcade.replays.io.readers.opening import open_recording
 
-GrayPicture = NDArray[np.uint8]
+GrayImage = NDArray[np.uint8]
 Corners = NDArray[np.float32]
 EVERY, FEWEST_VIEWS, TOLD, WITHIN_SIGMAS = 2, 6, 0.01, 2.0
 _STOP = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, 40, 1e-4)
 
 
-def by_sectors(picture: GrayPicture, size: tuple[int, int]) -> Corners | None:
+def by_sectors(image: GrayImage, size: tuple[int, int]) -> Corners | None:
     """Corners ``(n, 1, 2)`` of OpenCV's sector-based detector."""
-    there, corners = cv2.findChessboardCornersSB(picture, size, flags=cv2.CALIB_CB_ACCURACY)
+    there, corners = cv2.findChessboardCornersSB(image, size, flags=cv2.CALIB_CB_ACCURACY)
     return corners if there else None
 
 
-def by_quads(picture: GrayPicture, size: tuple[int, int]) -> Corners | None:
+def by_quads(image: GrayImage, size: tuple[int, int]) -> Corners | None:
     """Corners ``(n, 1, 2)`` of its classical detector, refined."""
     flags = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_FAST_CHECK
-    there, corners = cv2.findChessboardCorners(picture, size, flags=flags)
-    return cv2.cornerSubPix(picture, corners, (11, 11), (-1, -1), _STOP) if there else None
+    there, corners = cv2.findChessboardCorners(image, size, flags=flags)
+    return cv2.cornerSubPix(image, corners, (11, 11), (-1, -1), _STOP) if there else None
 
 
 def calibrated(
-    pictures: list[GrayPicture],
+    images: list[GrayImage],
     size: tuple[int, int],
-    detect: Callable[[GrayPicture, tuple[int, int]], Corners | None],
+    detect: Callable[[GrayImage, tuple[int, int]], Corners | None],
 ) -> tuple[float, float, int]:
-    """OpenCV's focal length, its standard deviation (pixels), and in how many pictures it saw."""
-    seen = [corners for one in pictures if (corners := detect(one, size)) is not None]
+    """OpenCV's focal length, its standard deviation (pixels), and in how many images it saw."""
+    seen = [corners for one in images if (corners := detect(one, size)) is not None]
     if len(seen) < FEWEST_VIEWS:
         return np.nan, np.nan, len(seen)
     board = np.zeros((size[0] * size[1], 3), np.float32)
     board[:, :2] = np.mgrid[: size[0], : size[1]].T.reshape(-1, 2)
-    shape = pictures[0].shape[::-1]
+    shape = images[0].shape[::-1]
     _, matrix, _, _, _, deviations, *_ = cv2.calibrateCameraExtended(
         [board] * len(seen), seen, shape, np.eye(3), np.zeros(5)
     )
@@ -68,9 +68,9 @@ def compared(run: Path) -> Iterator[tuple[str, bool]]:
     if board.get("type") != "checkerboard":
         return
     frames = open_recording(Path(told["recording"]), None).frames
-    pictures = [frames[k].gray() for k in range(0, len(frames), EVERY)]
+    images = [frames[k].gray() for k in range(0, len(frames), EVERY)]
     size = (board["columns"], board["rows"])
-    found = [calibrated(pictures, size, detect) for detect in (by_sectors, by_quads)]
+    found = [calibrated(images, size, detect) for detect in (by_sectors, by_quads)]
     focals, sigmas, counts = np.array(found).T
     own, own_sigma = manifest["camera"]["fx"], manifest["camera"].get("focal_sigma", 0.0)
     if np.isnan(focals).all():
@@ -94,7 +94,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.end_to_end.focal_lengths")
     parser.add_argument("runs", type=Path, nargs="+", metavar="RUN", help="folders of runs")
     arguments = parser.parse_args()
-    print("| run | found | OpenCV by sectors, by quads (pictures) | off | |")
+    print("| run | found | OpenCV by sectors, by quads (images) | off | |")
     print("|---|---|---|---|---|")
     right = True
     for run in arguments.runs:

@@ -137,14 +137,14 @@ class Case:
 
     @property
     def recording(self) -> str:
-        """A folder with pictures, stamps, IMU and ground truth."""
-        pictures = self.folder / "images"
-        if not pictures.is_dir():
-            pictures.mkdir()
+        """A folder with images, stamps, IMU and ground truth."""
+        images = self.folder / "images"
+        if not images.is_dir():
+            images.mkdir()
             rng = np.random.default_rng(3)
             for k in range(POSES):
                 cv2.imwrite(
-                    str(pictures / f"{k:03d}.png"), rng.integers(0, 255, (16, 24), dtype=np.uint8)
+                    str(images / f"{k:03d}.png"), rng.integers(0, 255, (16, 24), dtype=np.uint8)
                 )
         self.file("imu.csv"), self.file("truth.csv")
         (self.folder / "stamps.txt").write_text("".join(f"{one}\n" for one in self.time_ns))

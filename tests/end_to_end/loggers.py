@@ -237,7 +237,7 @@ def oxts(folder: Path, motion: Motion) -> Path:
 
 
 def ros_bag(folder: Path, motion: Motion) -> Path:
-    """An Imu topic alone, without pictures."""
+    """An Imu topic alone, without images."""
     messages, sent = Messages(ros1=True), []
     for stamp, row in motion.stamped:
         message = messages.make(

@@ -1,10 +1,10 @@
 """`python -m tests.end_to_end.looks [MODEL ...]`: glTF models beside three.js, a scoreboard.
 
-Each picture of `looks` in the folder that `MOTORCADE_DATA` names is drawn by the fast renderer,
+Each image of `looks` in the folder that `MOTORCADE_DATA` names is drawn by the fast renderer,
 from its own camera and in its own light, and laid over the same grey in linear light. Scores are
 those of the set's own `score.py`: overlap of the silhouettes, and within the reference's the mean
 difference in levels and SSIM. Beside each row stand the last figures kept here. `--out FOLDER`
-writes pictures and masks, for `score.py` and the eye. Ends with 1 where a picture cannot be drawn,
+writes images and masks, for `score.py` and the eye. Ends with 1 where an image cannot be drawn,
 or lies farther off than it did by more than 0.05 levels, 0.001 of SSIM or of overlap.
 
     python -m tests.end_to_end.looks                    # all
@@ -36,21 +36,21 @@ from tests.bench.data import data_folder
 
 KEPT = Path(__file__).with_name("looks.json")
 OVERLAP, DIFFERENCE, SSIM = 0.99, 5.0, 0.97
-"""What a picture must reach to count as the reference's."""
+"""What an image must reach to count as the reference's."""
 
 HALF = 127
 """Alpha of a pixel of which half the samples are covered: it counts, as in the reference."""
 
-Picture = NDArray[np.uint8]
+RgbImage = NDArray[np.uint8]
 
 
 def looks_folder() -> Path:
-    """Where models and reference pictures lie."""
+    """Where models and reference images lie."""
     return data_folder() / "looks"
 
 
 def entries(folder: Path, models: list[str]) -> Iterator[dict[str, Any]]:
-    """The pictures that are wanted, as `looks.json` describes them; all without names."""
+    """The images that are wanted, as `looks.json` describes them; all without names."""
     listed = json.loads((folder / "looks.json").read_text(encoding="utf-8"))["pictures"]
     for one in listed:
         if not models or Path(one["model"]).parent.name in models:
@@ -94,7 +94,7 @@ def _growing(poses: Motor | Similarity) -> Similarity:
 
 
 def drawn(character: Character, one: dict[str, Any]) -> Layer:
-    """A picture of a character as an entry of `looks.json` asks for it."""
+    """An image of a character as an entry of `looks.json` asks for it."""
     into = character.character_T_file
     given = np.array(one["world_T_camera"])
     pose = into.rigid @ Motor.from_matrix(_rigid(given))
@@ -127,7 +127,7 @@ def _rigid(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
     return made
 
 
-def over_grey(layer: Layer, grey: int) -> Picture:
+def over_grey(layer: Layer, grey: int) -> RgbImage:
     """A layer over an even background, in linear light."""
     alpha = layer.rgba[..., 3:] / 255.0
     own = layer.rgba[..., :3] / 255.0 / np.maximum(alpha, 1e-9)
@@ -136,7 +136,7 @@ def over_grey(layer: Layer, grey: int) -> Picture:
     return np.asarray(np.rint(255.0 * to_srgb(mixed)), dtype=np.uint8)
 
 
-def scores(made: Picture, mask: NDArray[np.bool_], folder: Path, name: str) -> dict[str, float]:
+def scores(made: RgbImage, mask: NDArray[np.bool_], folder: Path, name: str) -> dict[str, float]:
     """Overlap, mean difference and SSIM, as `score.py` has them."""
     given = np.asarray(Image.open(folder / "reference" / f"{name}.png").convert("RGB"), float)
     held = np.asarray(Image.open(folder / "reference" / f"{name}_mask.png").convert("L")) > 127
@@ -151,13 +151,13 @@ def scores(made: Picture, mask: NDArray[np.bool_], folder: Path, name: str) -> d
 
 
 def passes(row: dict[str, float]) -> bool:
-    """Whether a picture counts as the reference's."""
+    """Whether an image counts as the reference's."""
     near = row["overlap"] >= OVERLAP and row["difference"] <= DIFFERENCE
     return near and row["ssim"] >= SSIM
 
 
 def worse(row: dict[str, float], kept: dict[str, float]) -> bool:
-    """Whether a picture lies farther from the reference than it did."""
+    """Whether an image lies farther from the reference than it did."""
     return bool(kept) and (
         row["difference"] > kept["difference"] + 0.05
         or row["ssim"] < kept["ssim"] - 0.001
@@ -176,10 +176,10 @@ def line(name: str, row: dict[str, float], kept: dict[str, float]) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Print the table; 1 where something failed or got worse."""
-    parser = argparse.ArgumentParser(description="glTF models beside three.js's pictures of them")
+    parser = argparse.ArgumentParser(description="glTF models beside three.js's images of them")
     parser.add_argument("models", nargs="*", metavar="MODEL", help="names; all by default")
     parser.add_argument("--keep", action="store_true", help="keep these figures")
-    parser.add_argument("--out", type=Path, help="folder for pictures and masks")
+    parser.add_argument("--out", type=Path, help="folder for images and masks")
     given = parser.parse_args(arguments)
     folder = looks_folder()
     kept = json.loads(KEPT.read_text(encoding="utf-8")) if KEPT.exists() else {}
@@ -190,19 +190,19 @@ def main(arguments: list[str] | None = None) -> int:
         name = one["name"]
         try:
             layer = drawn(read_character(folder / one["model"]), one)
-        except Exception as fault:  # a scoreboard tells of every picture
+        except Exception as fault:  # a scoreboard tells of every image
             failed.append(f"{name}: {type(fault).__name__}: {fault}")
             print(failed[-1], flush=True)
             continue
-        picture, mask = over_grey(layer, one["background_srgb8"][0]), layer.rgba[..., 3] >= HALF
-        row = scores(picture, mask, folder, name)
+        image, mask = over_grey(layer, one["background_srgb8"][0]), layer.rgba[..., 3] >= HALF
+        row = scores(image, mask, folder, name)
         print(line(name, row, kept.get(name, {})), flush=True)
         if worse(row, kept.get(name, {})):
             failed.append(f"{name}: lies farther off than it did")
         made[name] = {key: round(value, 5) for key, value in row.items()}
         if given.out is not None:
             given.out.mkdir(parents=True, exist_ok=True)
-            Image.fromarray(picture).save(given.out / f"{name}.png")
+            Image.fromarray(image).save(given.out / f"{name}.png")
             Image.fromarray(mask).save(given.out / f"{name}_mask.png")
     print(f"{sum(map(passes, made.values()))} of {len(made)} are near the reference")
     if given.keep:

@@ -1,7 +1,7 @@
-"""`python -m tests.end_to_end.passers [--count N] [--seed S] [--pictures DIR]`: who walks in front.
+"""`python -m tests.end_to_end.passers [--count N] [--seed S] [--images DIR]`: who walks in front.
 
 The textured room, in which somebody walks before a standing figure and through the view, drawn by
-projecting a body and laying it over the room's picture. Masks are as drawn, at an eighth of the
+projecting a body and laying it over the room's image. Masks are as drawn, at an eighth of the
 size, and three pixels too small or too large, for which there is no bound. Against the empty room's
 own film: the share of the edge between passer and figure that lies within a pixel; against SLAM's
 path of the empty room: the path with the passer, with masks and without. A row a room; ends with 1
@@ -136,13 +136,13 @@ def edge_within(room: PassedRoom, masks: list[Image] | None) -> tuple[float, lis
     """The share of the figure's edge along the passer that lies within a pixel, and the film."""
     bare, ours = film(room, room.empty, None), film(room, room.passed, masks)
     near, count, shown = 0, 0, []
-    for row, (alone, picture) in enumerate(zip(bare, ours, strict=True)):
-        shown.append(picture)
+    for row, (alone, image) in enumerate(zip(bare, ours, strict=True)):
+        shown.append(image)
         figure, passer, inside = alone[..., 0].astype(int), room.passed[row], room.masks[row] >= 128
         drawn = np.abs(figure - room.empty[row]) > 6
         # Where it is the figure or its shade, and looks other than the passer before it.
         told = drawn & (np.abs(figure - passer) > 40)
-        hidden = np.abs(picture[..., 0].astype(int) - passer) < np.abs(picture[..., 0] - figure)
+        hidden = np.abs(image[..., 0].astype(int) - passer) < np.abs(image[..., 0] - figure)
         away = [
             cv2.distanceTransform(part.astype(np.uint8), cv2.DIST_L2, 5)
             for part in (inside, ~inside)
@@ -191,7 +191,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.end_to_end.passers")
     parser.add_argument("--count", type=int, default=8, help="rooms (8)")
     parser.add_argument("--seed", type=int, default=100, help="of the first (100)")
-    parser.add_argument("--pictures", type=Path, help="a folder for a few frames of each film")
+    parser.add_argument("--images", type=Path, help="a folder for a few frames of each film")
     options = parser.parse_args(arguments)
     beyond = False
     for seed in range(options.seed, options.seed + options.count):
@@ -200,10 +200,10 @@ def main(arguments: list[str] | None = None) -> int:
             share, shown = edge_within(room, [made(mask) for mask in room.masks])
             cells.append(f"{name} {100.0 * share:.1f} %")
             beyond |= share < WITHIN and name in ("drawn", "an eighth")
-            if options.pictures is not None:
-                options.pictures.mkdir(parents=True, exist_ok=True)
+            if options.images is not None:
+                options.images.mkdir(parents=True, exist_ok=True)
                 for row in (30, 37, 44):
-                    path = options.pictures / f"{seed}_{name.replace(' ', '_')}_{row}.png"
+                    path = options.images / f"{seed}_{name.replace(' ', '_')}_{row}.png"
                     cv2.imwrite(str(path), shown[row])
         for kind in ("one camera", "depth"):
             alone = path_error_m(room, room.empty, None, kind)

@@ -1,12 +1,12 @@
-"""`python -m tests.end_to_end.replacement [--count N] [--seed S] [--pictures DIR]`: by replacement.
+"""`python -m tests.end_to_end.replacement [--count N] [--seed S] [--images DIR]`: by replacement.
 
 A drawn room has a figure standing on its board. It is taken out, and its twin is set in at its
-place by the overlay, in the light that the pictures of the empty room tell. Both films are compared
+place by the overlay, in the light that the images of the empty room tell. Both films are compared
 beside the figure: the shadow's direction from the foot, its darkening, the width of its penumbra,
 the contact's darkening under the soles, and SSIM about the figure.
 
 Rooms are drawn by a path of their own, which shares nothing with the overlay: bodies' triangles are
-projected on the ground from points of the lamp and of the sky, the ground goes into the picture by
+projected on the ground from points of the lamp and of the sky, the ground goes into the image by
 a homography, and things are painted from far to near. Each room is lit twice: by a lamp, and by a
 window so bright that white paper is overexposed. A row each; ends with 1 where a shadow is beyond
 its bounds.
@@ -271,7 +271,7 @@ def _body(time_s: float) -> tuple[FloatArray, FloatArray]:
     return vertices, vertices[_figure().triangles]
 
 
-def replaced(room: Room, light: Light, seed: int, pictures: Path | None = None) -> Replaced:
+def replaced(room: Room, light: Light, seed: int, images: Path | None = None) -> Replaced:
     """Take the figure out of a room, set its twin in, and compare.
 
     Raises:
@@ -329,9 +329,9 @@ def replaced(room: Room, light: Light, seed: int, pictures: Path | None = None) 
         parts.append(_lost(before, real, drawn, body, room, room.poses[k]))
         alike.append(_about(real, drawn, body))
         shown.append(np.hstack([np.where(body[..., None], drawn, real), drawn]))
-    if pictures is not None:
-        pictures.mkdir(parents=True, exist_ok=True)
-        file = pictures / f"{seed}_{light.name}.png"
+    if images is not None:
+        images.mkdir(parents=True, exist_ok=True)
+        file = images / f"{seed}_{light.name}.png"
         cv2.imwrite(str(file), np.vstack(shown)[..., ::-1])
     at_m, true, made = (np.concatenate(part) for part in zip(*parts, strict=True))
     return _compared(at_m, true, made, summary, float(np.mean(alike)))
@@ -354,7 +354,7 @@ def _lost(
     room: Room,
     pose: Motor,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Ground (N, 2) that is seen about the figure, and the light that it lost in either picture."""
+    """Ground (N, 2) that is seen about the figure, and the light that it lost in either image."""
     x = (np.arange(CAMERA.width) - CAMERA.cx) / CAMERA.fx
     y = (np.arange(CAMERA.height) - CAMERA.cy) / CAMERA.fy
     ray = pose.rotor.apply(np.stack([*np.meshgrid(x, y), np.ones(body.shape)], axis=-1))
@@ -447,14 +447,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=8)
     parser.add_argument("--seed", type=int, default=7)
-    parser.add_argument("--pictures", type=Path)
+    parser.add_argument("--images", type=Path)
     arguments = parser.parse_args()
     failed = 0
     for number in range(arguments.count):
         rng = np.random.default_rng([arguments.seed, number])
         room = drawn_room(rng)
         for light in two_lights(rng):
-            result = replaced(room, light, 100 * arguments.seed + number, arguments.pictures)
+            result = replaced(room, light, 100 * arguments.seed + number, arguments.images)
             failed += bool(result.beyond)
             print(
                 f"room {number}, {light.name:6} (share {light.share:.2f}): "

@@ -268,7 +268,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.end_to_end.rigs")
     parser.add_argument("--rig", choices=list(RIGS), help="this one alone")
     parser.add_argument("--motion", choices=list(MOTIONS), help="this one alone")
-    parser.add_argument("--sheet", type=Path, help="draw motions on rigs into this picture")
+    parser.add_argument("--sheet", type=Path, help="draw motions on rigs into this image")
     parser.add_argument("--clips", action="store_true", help="list which clips stand, and how high")
     given = parser.parse_args(arguments)
     rigs = [given.rig] if given.rig else list(RIGS)

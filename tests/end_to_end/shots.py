@@ -80,11 +80,11 @@ class Scene:
             self.masks.append(mask)
 
     def seen(self, turn_rad: FloatArray, place: FloatArray, zoom: float = 1.0) -> FloatArray:
-        """The picture of a camera with that attitude (rotation vector) at that place."""
+        """The image of a camera with that attitude (rotation vector) at that place."""
         middle = 0.5 * (np.array(SIZE) - 1.0)
         lens = np.array([[zoom * FOCAL, 0, middle[0]], [0, zoom * FOCAL, middle[1]], [0, 0, 1.0]])
         world = Rotor.from_rotation_vector(turn_rad).as_matrix().T
-        picture = np.zeros((SIZE[1], SIZE[0]), np.float32)
+        image = np.zeros((SIZE[1], SIZE[0]), np.float32)
         for wall, mask, depth in zip(self.walls, self.masks, self.depths, strict=True):
             side = 2.6 * depth / _WALL  # a wall is 2.6 depths wide
             plane = np.array(
@@ -94,8 +94,8 @@ class Scene:
             warp = lens @ world @ plane
             shown = cv2.warpPerspective(wall, warp, SIZE, borderMode=cv2.BORDER_REFLECT)
             covers = cv2.warpPerspective(mask, warp, SIZE, flags=cv2.INTER_NEAREST)
-            picture = np.where(covers > 0, shown, picture)
-        return picture
+            image = np.where(covers > 0, shown, image)
+        return image
 
 
 def _texture(rng: np.random.Generator) -> FloatArray:
@@ -148,17 +148,17 @@ def standing(rng: np.random.Generator, count: int) -> list[FloatArray]:
 
 
 def with_object(
-    rng: np.random.Generator, pictures: list[FloatArray], size: float
+    rng: np.random.Generator, images: list[FloatArray], size: float
 ) -> list[FloatArray]:
-    """A textured thing of that share of the picture's height that wanders before the scene."""
+    """A textured thing of that share of the image's height that wanders before the scene."""
     texture, side = _texture(rng), int(size * SIZE[1])
     patch = texture[:side, :side]
     phase = rng.uniform(0.0, 6.0)
     drawn = []
-    for k, picture in enumerate(pictures):
+    for k, image in enumerate(images):
         x = int((0.5 + 0.3 * np.sin(0.06 * k + phase)) * (SIZE[0] - side))
         y = int((0.5 + 0.3 * np.cos(0.045 * k + phase)) * (SIZE[1] - side))
-        other = picture.copy()
+        other = image.copy()
         other[y : y + side, x : x + side] = patch
         drawn.append(other)
     return drawn
@@ -191,10 +191,10 @@ def _black(count: int) -> list[FloatArray]:
     return [np.full((SIZE[1], SIZE[0]), 4.0, np.float32)] * count
 
 
-def _ramp(pictures: list[FloatArray], shares: FloatArray) -> list[FloatArray]:
-    """Pictures times shares of their light, those beyond the shares as they are."""
-    faded = [share * picture for share, picture in zip(shares, pictures, strict=False)]
-    return faded + pictures[len(shares) :]
+def _ramp(images: list[FloatArray], shares: FloatArray) -> list[FloatArray]:
+    """Images times shares of their light, those beyond the shares as they are."""
+    faded = [share * image for share, image in zip(shares, images, strict=False)]
+    return faded + images[len(shares) :]
 
 
 def _dissolved(first: list[FloatArray], second: list[FloatArray], count: int) -> list[FloatArray]:
@@ -299,48 +299,48 @@ _simple("zooms", lambda r: _zooming(r, 70), (0, 69, "zooms"))
 
 @_kind("a flash")
 def _flash(rng: np.random.Generator) -> Drawn:
-    pictures = moving(rng, 80)
+    images = moving(rng, 80)
     for k in (40, 41):
-        pictures[k] = np.minimum(0.3 * pictures[k] + 230.0, 255.0)
-    return pictures, Expected([(0, 79, _M)])
+        images[k] = np.minimum(0.3 * images[k] + 230.0, 255.0)
+    return images, Expected([(0, 79, _M)])
 
 
 @_kind("a step of exposure")
 def _step(rng: np.random.Generator) -> Drawn:
-    pictures = moving(rng, 80)
-    return pictures[:40] + [0.55 * one for one in pictures[40:]], Expected([(0, 79, _M)])
+    images = moving(rng, 80)
+    return images[:40] + [0.55 * one for one in images[40:]], Expected([(0, 79, _M)])
 
 
-@_kind("a broken picture")
+@_kind("a broken image")
 def _broken(rng: np.random.Generator) -> Drawn:
-    pictures = moving(rng, 80)
-    pictures[37] = np.repeat(pictures[37][130:131], SIZE[1], axis=0)
-    return pictures, Expected([(0, 79, _M)])
+    images = moving(rng, 80)
+    images[37] = np.repeat(images[37][130:131], SIZE[1], axis=0)
+    return images, Expected([(0, 79, _M)])
 
 
 @_kind("frozen for a while")
 def _frozen(rng: np.random.Generator) -> Drawn:
-    pictures = moving(rng, 80)
-    return pictures[:40] + [pictures[40]] * 21 + pictures[41:], Expected([(0, 99, _M)], 0, 20)
+    images = moving(rng, 80)
+    return images[:40] + [images[40]] * 21 + images[41:], Expected([(0, 99, _M)], 0, 20)
 
 
 @_kind("every fifth repeated")
 def _pulled(rng: np.random.Generator) -> Drawn:
-    pictures = moving(rng, 80)
-    repeated = [pictures[k - k // 5 - (k % 5 == 4)] for k in range(95)]
+    images = moving(rng, 80)
+    repeated = [images[k - k // 5 - (k % 5 == 4)] for k in range(95)]
     return repeated, Expected([(0, 94, _M)], 0, 18)
 
 
 def draw(kind: str, seed: int) -> tuple[list[GrayImage], Expected]:
-    """The pictures of a kind, with a sensor's noise, and what is to be said of them."""
+    """The images of a kind, with a sensor's noise, and what is to be said of them."""
     rng = np.random.default_rng([seed, *kind.encode()])
-    pictures, expected = KINDS[kind](rng)
+    images, expected = KINDS[kind](rng)
     last, grain, taken = None, np.zeros(SIZE[::-1]), []
-    for picture in pictures:
-        if picture is not last or expected.repeated is None or kind == "stands":
+    for image in images:
+        if image is not last or expected.repeated is None or kind == "stands":
             grain = rng.normal(0.0, _NOISE, SIZE[::-1])
-        last = picture
-        taken.append(np.clip(picture + grain, 0, 255).astype(np.uint8))
+        last = image
+        taken.append(np.clip(image + grain, 0, 255).astype(np.uint8))
     return taken, expected
 
 
@@ -355,8 +355,8 @@ def main(arguments: list[str]) -> int:
     for kind in asked.kinds:
         faults = []
         for seed in range(asked.first_seed, asked.first_seed + asked.seeds):
-            pictures, expected = draw(kind, seed)
-            fault = expected.fault(find_shots(pictures))
+            images, expected = draw(kind, seed)
+            fault = expected.fault(find_shots(images))
             faults += [f"seed {seed}: {fault}"] if fault else []
         wrong += len(faults)
         print(

@@ -4,7 +4,7 @@
 
 Runs every recording below `MOTORCADE_DATA` up to the errors, and prints how far camera_poses, fused
 and smoothed are from the ground truth at the stamps that all of them have. EuRoC's flights come
-without pictures here: camera poses are simulated from their ground truth, with a blackout of two
+without images here: camera poses are simulated from their ground truth, with a blackout of two
 seconds. Below stands what the run says of it: stages that are worse, and doubts. Ends with 1 where
 a stage is more than 2 % worse than the one before and the run does not say so, where a path that
 is turned beyond recognition is not doubted, or where a measured pose is lost. With `--out` results
@@ -96,7 +96,7 @@ def recordings(data: Path, made: Path, names: list[str]) -> Iterator[Given]:
 
 
 def _flight(folder: Path, name: str, imu: Path, truth: Path) -> Path:
-    """A flight as a recording, with two grey pictures that nothing looks at."""
+    """A flight as a recording, with two grey images that nothing looks at."""
     folder.mkdir(parents=True, exist_ok=True)
     for number in range(2):
         cv2.imwrite(str(folder / f"{number}.png"), np.full((48, 64), 128, np.uint8))

@@ -89,25 +89,25 @@ def _processor_s(pid: int) -> float:
 
 
 def frames_of(video: Path, count: int = _FRAMES) -> list[NDArray[np.uint8]]:
-    """Some pictures of a film, evenly from the first to the last."""
+    """Some images of a film, evenly from the first to the last."""
     reader = cv2.VideoCapture(str(video))
-    pictures = []
+    images = []
     while True:
-        there, picture = reader.read()
+        there, image = reader.read()
         if not there:
             break
-        scale = _WIDE / picture.shape[1]
-        pictures.append(cv2.resize(picture, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA))
-    rows = np.linspace(0, len(pictures) - 1, count).round().astype(int) if pictures else []
-    return [np.asarray(pictures[row], np.uint8) for row in rows]
+        scale = _WIDE / image.shape[1]
+        images.append(cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA))
+    rows = np.linspace(0, len(images) - 1, count).round().astype(int) if images else []
+    return [np.asarray(images[row], np.uint8) for row in rows]
 
 
 def strip(outcome: Outcome, out: Path) -> NDArray[np.uint8]:
     """Five frames, and below them what was said."""
     film = out / "overlay.mp4"
-    pictures = frames_of(film if film.exists() else Path(outcome.clip))
+    images = frames_of(film if film.exists() else Path(outcome.clip))
     blank = np.full((120, _WIDE, 3), 200, np.uint8)
-    row = np.hstack((pictures or [blank])[:_FRAMES])
+    row = np.hstack((images or [blank])[:_FRAMES])
     row = np.pad(row, ((0, 0), (0, _WIDE * _FRAMES - row.shape[1]), (0, 0)), constant_values=200)
     head = f"{Path(outcome.clip).name}: {'film' if film.exists() else 'NO FILM'}, status "
     head += f"{outcome.status}, first line {outcome.first_s:.1f} s, silent {outcome.silent_s:.1f} s"

@@ -47,7 +47,7 @@ def room(tmp_path: Path) -> Path:
     return folder
 
 
-def test_damaged_pictures_in_the_middle_are_left_out_told_and_counted(
+def test_damaged_images_in_the_middle_are_left_out_told_and_counted(
     own: Path, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     whole = (own / "007.png").read_bytes()
@@ -59,16 +59,16 @@ def test_damaged_pictures_in_the_middle_are_left_out_told_and_counted(
     out = tmp_path / "out"
     assert main(["run", str(own), "--out", str(out)]) == 0
     assert [line for line in caplog.messages if line.startswith("left out: ")] == [
-        f"left out: {own / '007.png'}, frame 7: the picture is truncated (a PNG without end); "
+        f"left out: {own / '007.png'}, frame 7: the image is truncated (a PNG without end); "
         "copy the file again",
-        f"left out: {own / '012.png'}, frame 12: the picture is corrupt (a PNG checksum does not "
+        f"left out: {own / '012.png'}, frame 12: the image is corrupt (a PNG checksum does not "
         "fit); copy the file again",
         f"left out: {own / '013.png'}, frame 13: the file is empty",
     ]
     found = json.loads((out / "report.json").read_text())
     assert found["camera_poses"]["measured"] == found["camera_poses"]["frames"] == 21
-    assert len(found["camera_poses"]["damaged_pictures"]) == 3
-    assert "3 damaged pictures were left out" in (out / "report.html").read_text()
+    assert len(found["camera_poses"]["damaged_images"]) == 3
+    assert "3 damaged images were left out" in (out / "report.html").read_text()
     # The others keep their stamps.
     stamps = read_trajectory(out / "trajectories" / "camera_poses_motor.tum").time_ns
     kept = np.delete(np.arange(24), [7, 12, 13])
@@ -79,17 +79,17 @@ def test_too_much_damage_is_refused(
     own: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for index in range(1, 24, 2):
-        (own / f"{index:03d}.png").write_bytes(b"no picture")
+        (own / f"{index:03d}.png").write_bytes(b"no image")
     error = refused(capsys, "run", own, "--out", tmp_path / "out")
     assert "12 of 24 frames are damaged, the first: " in error
     assert "001.png, frame 1: expected a PNG, JPEG" in error
 
 
-def test_pictures_of_another_size_are_named(
+def test_images_of_another_size_are_named(
     own: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    picture = cv2.imread(str(own / "012.png"), cv2.IMREAD_GRAYSCALE)
-    cv2.imwrite(str(own / "012.png"), picture[:200])
+    image = cv2.imread(str(own / "012.png"), cv2.IMREAD_GRAYSCALE)
+    cv2.imwrite(str(own / "012.png"), image[:200])
     error = refused(capsys, "run", own, "--out", tmp_path / "out")
     assert "012.png, frame 12: expected 320 x 240 pixels as the camera has, got 320 x 200" in error
 
@@ -115,11 +115,11 @@ def test_damaged_depth_costs_the_depth_alone(
     path.write_bytes(path.read_bytes()[:100])
     arguments = ["run", str(room), "--until", "camera_poses", "--out", str(tmp_path / "out")]
     assert main([*arguments, "--set", "tracked.by=simulated"]) == 0
-    assert f"left out: {path}, depth of frame 2: the picture is truncated" in caplog.text
+    assert f"left out: {path}, depth of frame 2: the image is truncated" in caplog.text
     recording = open_recording(room).intact()
     depths = [frame.depth_m() is not None for frame in recording.frames]
     assert depths == [True, True, False, True, True, True]
-    with pytest.raises(RecordingError, match="depth of frame 2: the picture is truncated"):
+    with pytest.raises(RecordingError, match="depth of frame 2: the image is truncated"):
         open_recording(room).check()
 
 

@@ -253,7 +253,7 @@ def test_bad_recordings_end_in_one_line_and_leave_earlier_results(
     shutil.copytree(board_recording, broken)
     whole = (broken / "012.png").read_bytes()
     (broken / "012.png").unlink()
-    assert "a picture is missing" in refused(capsys, "run", broken, "--out", out)
+    assert "an image is missing" in refused(capsys, "run", broken, "--out", out)
     (broken / "012.png").write_bytes(whole)
     manifest = (broken / "motorcade.toml").read_text()
     for wrong, named in (

@@ -31,7 +31,7 @@ def test_a_doubtful_run_says_so_and_fails_where_strict(
     assert "the result is doubtful, see above" in capsys.readouterr().err.splitlines()[-1]
     kept = json.loads((tmp_path / "run.json").read_text())
     told = kept["integrity"]["doubts"][0]
-    assert told.startswith("14 of 24 frames have no pose (up to 12 may); look at the pictures")
+    assert told.startswith("14 of 24 frames have no pose (up to 12 may); look at the images")
     assert kept["integrity"]["verdict"] == "doubtful"
     assert (tmp_path / "trajectories" / "smoothed_motor.tum").exists()
 

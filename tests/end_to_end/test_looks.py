@@ -17,10 +17,10 @@ OFF = {"NormalTangentTest_0"}
 two by two samples puts them: overlap 0.986."""
 
 if not FOLDER.exists():
-    pytest.skip("no reference pictures here", allow_module_level=True)
+    pytest.skip("no reference images here", allow_module_level=True)
 
 
-def test_pictures_lie_as_near_as_they_did_and_nearly_all_near() -> None:
+def test_images_lie_as_near_as_they_did_and_nearly_all_near() -> None:
     assert looks.main([]) == 0
     kept = json.loads(looks.KEPT.read_text(encoding="utf-8"))
     assert {name for name, row in kept.items() if not looks.passes(row)} == OFF
@@ -35,6 +35,6 @@ def test_a_written_file_looks_like_the_one_that_was_read(name: str, tmp_path: Pa
         again = read_character(tmp_path / "again.glb")
         # Both stand alike in character space, where the camera is told by the first file.
         layer = looks.drawn(replace(again, character_T_file=read.character_T_file), one)
-        picture = looks.over_grey(layer, one["background_srgb8"][0])
-        row = looks.scores(picture, layer.rgba[..., 3] >= looks.HALF, FOLDER, one["name"])
+        image = looks.over_grey(layer, one["background_srgb8"][0])
+        row = looks.scores(image, layer.rgba[..., 3] >= looks.HALF, FOLDER, one["name"])
         assert looks.passes(row), one["name"]

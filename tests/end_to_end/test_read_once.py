@@ -1,4 +1,4 @@
-"""A run opens each picture once to check and digest it, once to track, once to draw into.
+"""A run opens each image once to check and digest it, once to track, once to draw into.
 
 The report opens it once more, for the copy of the footage that its viewer plays.
 
@@ -39,31 +39,31 @@ def counting() -> Iterator[Counter[Path]]:
         _counted.pop()
 
 
-def pictures(opened: Counter[Path], folder: Path) -> list[int]:
-    """How often each picture of a recording was opened, in the order of their names."""
+def images(opened: Counter[Path], folder: Path) -> list[int]:
+    """How often each image of a recording was opened, in the order of their names."""
     files = sorted(folder.glob("**/*.png"))
     assert files
     return [opened[path] for path in files]
 
 
-def test_pictures_are_read_once_for_check_and_digest_together(board_recording: Path) -> None:
+def test_images_are_read_once_for_check_and_digest_together(board_recording: Path) -> None:
     with counting() as opened:
         recording = open_recording(board_recording).intact()
         first, again = recording.digest(), recording.digest()
-    first_picture, *others = pictures(opened, board_recording)
+    first_image, *others = images(opened, board_recording)
     assert set(others) == {1}
-    assert first_picture == 2  # once more for its size, which the manifest leaves out
+    assert first_image == 2  # once more for its size, which the manifest leaves out
     assert first == again == open_recording(board_recording).digest()
 
 
 @pytest.mark.parametrize("until", ["camera_poses", "report"])
-def test_a_run_opens_each_picture_as_often_as_it_needs_it(
+def test_a_run_opens_each_image_as_often_as_it_needs_it(
     until: str, board_recording: Path, tmp_path: Path
 ) -> None:
     with counting() as opened:
         run_job(Job(board_recording, tmp_path / "out", until=until))
     drawn = (tmp_path / "out" / "overlay.mp4").exists()
-    counts = pictures(opened, board_recording)
+    counts = images(opened, board_recording)
     usual = np.full(len(counts), 3 if drawn else 2) + (until == "report")
     if drawn:
         usual[np.unique(np.linspace(0, len(counts) - 1, LIT_FRAMES).round()).astype(int)] += 1
@@ -76,4 +76,4 @@ def test_a_run_opens_each_picture_as_often_as_it_needs_it(
 
     with counting() as opened:
         run_job(Job(board_recording, tmp_path / "out", until=until))
-    assert sum(pictures(opened, board_recording)) == len(counts) + 1
+    assert sum(images(opened, board_recording)) == len(counts) + 1

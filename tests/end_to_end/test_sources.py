@@ -50,7 +50,7 @@ def report(out: Path, *arguments: object) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def tags(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Motor]:
-    """Pictures of six loose markers on a wall, which a manifest names by their family."""
+    """Images of six loose markers on a wall, which a manifest names by their family."""
     folder = tmp_path_factory.mktemp("tags") / "tags"
     folder.mkdir()
     rng = np.random.default_rng(4)
@@ -58,7 +58,7 @@ def tags(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Motor]:
     scene = TagScene(CAMERA, "tag36h11", np.arange(6), 0.1, wall)
     path = handheld_path(16, 0.7)
     for index in range(16):
-        cv2.imwrite(str(folder / f"{index:02d}.png"), scene.picture(path[index], rng))
+        cv2.imwrite(str(folder / f"{index:02d}.png"), scene.image(path[index], rng))
     write_trajectory(Trajectory(even_stamps(16, 20.0), path), folder / "truth.tum")
     (folder / "motorcade.toml").write_text(TABLES + MARKERS)
     return folder, wall
@@ -175,7 +175,7 @@ def test_recorded_corners_run_to_a_report_without_a_video(
     assert found["errors"]["measured"]["ape_rmse_m"] < 0.002
     assert found["overlay"] is None
     page = (tmp_path / "out" / "report.html").read_text()
-    assert "corners of markers and no pictures" in page
+    assert "corners of markers and no images" in page
     assert not (tmp_path / "out" / "overlay.mp4").exists()
     assert len(MarkerMap.load(tmp_path / "out" / "marker_map.json")) == 8
 

@@ -36,7 +36,7 @@ def test_a_line_a_stage_and_one_of_the_result_where_there_is_no_terminal(
     assert json.loads(again.stdout)["errors"] == json.loads(first.stdout)["errors"]
     *lines, last = first.stderr.splitlines()
     opened, *lines = lines
-    assert opened.startswith("small board: 24 pictures of 320 x 240 in ")
+    assert opened.startswith("small board: 24 images of 320 x 240 in ")
     for line, stage in zip(lines, every, strict=True):
         assert re.fullmatch(rf"{stage}: \d+\.\d s", line)
     assert last == f"done as far as errors; look into {tmp_path}"
@@ -85,7 +85,7 @@ def test_on_a_terminal_every_line_has_its_own_row(board_recording: Path, tmp_pat
     assert "board_poses: 00:00" in written.decode()
     rows = rows_shown(written.decode())
     opened, *rows = rows
-    assert opened.startswith("small board: 24 pictures")
+    assert opened.startswith("small board: 24 images")
     for row, stage in zip(rows, STAGES, strict=False):
         assert re.fullmatch(rf"{stage}: \d+\.\d s", row)
     assert rows[len(STAGES) :] == [f"done as far as smoothed; look into {tmp_path}"]

@@ -26,7 +26,7 @@ def photographs(camera: Camera, rng: np.random.Generator) -> list[np.ndarray]:
     y, x = np.mgrid[: camera.height, : camera.width]
     rays = camera.unproject(np.stack([x, y], axis=-1))
     table = cv2.GaussianBlur(rng.uniform(60.0, 220.0, rays.shape[:2]), (0, 0), 2.0)
-    pictures = []
+    images = []
     for pose in truth().poses:
         seen = pose.rotor.as_matrix() @ rays[..., None]
         far = -pose.translation_m[2] / seen[..., 2, 0]
@@ -34,15 +34,15 @@ def photographs(camera: Camera, rng: np.random.Generator) -> list[np.ndarray]:
         px = np.nan_to_num(at * (2000.0, -2000.0) + origin, nan=-1e4).astype(np.float32)
         board = cv2.remap(cv2.GaussianBlur(drawing, (0, 0), 4.0), px, None, cv2.INTER_LINEAR)
         on = cv2.remap(np.full_like(drawing, 255), px, None, cv2.INTER_NEAREST) > 0
-        pictures.append(np.where(on, board, table).astype(np.uint8))
-    return pictures
+        images.append(np.where(on, board, table).astype(np.uint8))
+    return images
 
 
 def write_recording(folder: Path, camera: Camera, rng: np.random.Generator) -> Path:
-    """Pictures through a lens, and a manifest that states it."""
+    """Images through a lens, and a manifest that states it."""
     folder.mkdir()
-    for k, picture in enumerate(photographs(camera, rng)):
-        cv2.imwrite(str(folder / f"{k:03d}.png"), picture)
+    for k, image in enumerate(photographs(camera, rng)):
+        cv2.imwrite(str(folder / f"{k:03d}.png"), image)
     before, _, after = MANIFEST.partition("[camera]")
     after = "[board]" + after.partition("[board]")[2].partition("[truth]")[0]
     (folder / "motorcade.toml").write_text(before + camera_toml(camera) + after)
@@ -73,7 +73,7 @@ def test_footage_that_was_bent_is_told(tmp_path: Path, rng: np.random.Generator)
     asked = ["run", str(recording), "--out", str(run), "--set", "overlay.lens=undistort"]
     assert main(asked) == 0
     assert not untouched(run).kept
-    film = [picture for _, picture in read_frames(run / "overlay.mp4")]
+    film = [image for _, image in read_frames(run / "overlay.mp4")]
     shifted = [np.roll(one, 1, axis=1) for one in film]
     assert len(film) == FRAMES
     write_video(run / "overlay.mp4", shifted, 50_000_000 * np.arange(FRAMES))

@@ -49,7 +49,7 @@ def _clip(path: Path, seed: int, profile: str) -> tuple[FloatArray, Motor]:
     poses = Motor.from_rotor_translation(turn, away[:, None] * [0.0, 0.0, 1.0])
     plane_T_px = np.array([[1 / 60, 0, -1199.5 / 60], [0, -1 / 60, 1199.5 / 60], [0, 0, 1.0]])
 
-    def pictures() -> Iterator[np.ndarray]:
+    def images() -> Iterator[np.ndarray]:
         for focal, pose in zip(focals, poses.as_matrix(), strict=True):
             lens = np.array(
                 [[2 * focal, 0, SIZE[0] - 0.5], [0, 2 * focal, SIZE[1] - 0.5], [0, 0, 1]]
@@ -60,7 +60,7 @@ def _clip(path: Path, seed: int, profile: str) -> tuple[FloatArray, Motor]:
             noisy = small + rng.normal(0.0, 2.0, small.shape)
             yield np.repeat(np.clip(noisy, 0, 255).astype(np.uint8)[..., None], 3, axis=-1)
 
-    write_video(path, pictures(), STAMPS)
+    write_video(path, images(), STAMPS)
     return focals, poses
 
 

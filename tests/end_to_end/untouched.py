@@ -2,7 +2,7 @@
 
 A film is held against the decoded clip away from what was drawn, and the clip, encoded anew as
 films are, says what coding alone changes. What was drawn is found by what differs most: a figure
-with its shadow is one part of the picture, footage that was bent differs everywhere. Exit status 1
+with its shadow is one part of the image, footage that was bent differs everywhere. Exit status 1
 where a film differs elsewhere.
 """
 
@@ -22,7 +22,7 @@ from motorcade.render import read_frames, write_video
 from motorcade.render.composite import as_rgb
 from motorcade.replays.io.readers.opening import open_recording
 
-PICTURES = 12
+IMAGES = 12
 DIFFERS, MARGIN_PX, MOST_SHARE = 14.0, 0.04, 0.5
 LEVEL_TIMES, LEVEL_MORE = 1.25, 0.3
 
@@ -32,7 +32,7 @@ class Untouched:
     """One film against its clip.
 
     Fields:
-        drawn: largest share of a picture that was taken for figure and shadow.
+        drawn: largest share of an image that was taken for figure and shadow.
         outside: root mean square difference elsewhere, of 255; encoder: what coding alone leaves.
     """
 
@@ -42,29 +42,29 @@ class Untouched:
 
     @property
     def kept(self) -> bool:
-        """Whether only coding changed the footage, and a figure is a part of the picture."""
+        """Whether only coding changed the footage, and a figure is a part of the image."""
         level = LEVEL_TIMES * self.encoder + LEVEL_MORE
         return self.drawn < MOST_SHARE and self.outside <= level
 
 
 def untouched(run: Path) -> Untouched:
-    """Compare a run's film with the recording that it was made from, every so many pictures.
+    """Compare a run's film with the recording that it was made from, every so many images.
 
     Raises:
-        ValueError: a film with another count of pictures than its recording.
+        ValueError: a film with another count of images than its recording.
     """
     told = json.loads((run / "run.json").read_text())
     manifest = Path(told["manifest"]) if told.get("manifest") else None
     frames = open_recording(Path(told["recording"]), manifest).frames
-    every = max(1, len(frames) // PICTURES)
-    film = [picture for _, picture in read_frames(run / "overlay.mp4", every)]
+    every = max(1, len(frames) // IMAGES)
+    film = [image for _, image in read_frames(run / "overlay.mp4", every)]
     if len(film) != -(-len(frames) // every):
-        raise ValueError(f"{run}: expected a film of {len(frames)} pictures, got another count")
+        raise ValueError(f"{run}: expected a film of {len(frames)} images, got another count")
     clip = [as_rgb(frames[every * k].image()) for k in range(len(film))]
     with tempfile.TemporaryDirectory() as folder:
         again = Path(folder) / "again.mp4"
         write_video(again, clip, 40_000_000 * np.arange(len(clip)))
-        coded = [picture for _, picture in read_frames(again)]
+        coded = [image for _, image in read_frames(again)]
     drawn, squares = 0.0, []
     for given, shown, plain in zip(clip, film, coded, strict=True):
         height, width = given.shape[:2]
@@ -77,7 +77,7 @@ def untouched(run: Path) -> Untouched:
 
 
 def drawn_part(off: np.ndarray) -> np.ndarray:
-    """Where a picture was drawn into, by its difference: the box about the largest such part."""
+    """Where an image was drawn into, by its difference: the box about the largest such part."""
     size = cv2.blur(np.abs(off).max(axis=-1), (5, 5))
     wide = max(1, round(MARGIN_PX * max(size.shape)))
     near = cv2.dilate((size > DIFFERS).astype(np.uint8), np.ones((wide, wide), np.uint8))

@@ -58,7 +58,7 @@ def part(measured, imu, rows, samples):
 
 @pytest.mark.parametrize("fused_by", [fuse, fuse_by_graph])
 @pytest.mark.parametrize("gap_s", [20.0, YEARS_S])
-def test_each_stretch_is_fused_for_itself(fused_by, gap_s):
+def test_each_segment_is_fused_for_itself(fused_by, gap_s):
     measured, imu = split(*drawn(), gap_s)
     whole = fused_by(measured, imu, ADIS16448, Motor.identity())
     rows, samples = measured.trajectory.time_ns > gap_s * 1e9, imu.time_ns > gap_s * 1e9
@@ -73,7 +73,7 @@ def test_each_stretch_is_fused_for_itself(fused_by, gap_s):
     assert np.array_equal(whole.trajectory.time_ns, stamps)
 
 
-def test_stamps_between_stretches_are_left_out():
+def test_stamps_between_segments_are_left_out():
     measured, imu = split(*drawn(), DAY_S)
     wanted = np.array([1_000_000_000, 3_000_000_000, round(DAY_S * 1e9) + 5_000_000_000])
     found = fuse(measured, imu, ADIS16448, Motor.identity(), wanted)
@@ -102,7 +102,7 @@ def test_measurements_in_gaps_alone_are_refused():
     measured, imu = split(*drawn(), DAY_S)
     at = Trajectory(np.array([10**12, 10**12 + 10**9]), Motor.identity((2,)))
     lost = PoseMeasurements(at, measured.covariance[:2])
-    with pytest.raises(ValueError, match="in one of the 2 stretches between gaps of the imu, got"):
+    with pytest.raises(ValueError, match="in one of the 2 segments between gaps of the imu, got"):
         fuse(lost, imu, ADIS16448, Motor.identity())
 
 
@@ -127,12 +127,12 @@ def test_gaps_are_not_integrated():
         preintegrate(fast, fast.time_ns, ADIS16448)
 
 
-def test_the_longest_stretch_tells_the_offset(caplog):
+def test_the_longest_segment_tells_the_offset(caplog):
     measured, imu = split(*drawn(12.0), DAY_S, at_s=4.0)
     found = synchronise(measured.trajectory, imu, ADIS16448, search_s=0.1)
     assert found.time_ns[0] > DAY_S * 1e9
     assert abs(found.offset_s) < 0.01
-    assert "gaps split the imu into 2 stretches: the longest is used, 15" in caplog.text
+    assert "gaps split the imu into 2 segments: the longest is used, 15" in caplog.text
 
 
 @pytest.mark.parametrize("search_s", [1e9, 60.1, np.inf, np.nan])

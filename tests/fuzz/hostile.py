@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.fuzz.pictures import png
+from tests.fuzz.images import png
 
 __all__ = ["bomb_npz", "write_hostile"]
 

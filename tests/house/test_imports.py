@@ -146,7 +146,7 @@ def test_imports_in_functions_and_for_type_checkers_are_seen() -> None:
 
 
 @pytest.mark.parametrize(
-    "module", ["motorcade.tracking.pose", "motorcade.replays.pipeline.report.pictures"]
+    "module", ["motorcade.tracking.pose", "motorcade.replays.pipeline.report.images"]
 )
 def test_modules_that_a_package_leads_back_to_can_be_imported_first(module: str) -> None:
     """Packages run on the way to a module: what they import must not need it yet."""

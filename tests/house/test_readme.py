@@ -29,7 +29,7 @@ def blocks(language: str, page: Path = README) -> list[str]:
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The README's camera.toml beside a few pictures of its board, and a trajectory to smooth."""
+    """The README's camera.toml beside a few images of its board, and a trajectory to smooth."""
     (tmp_path / "camera.toml").write_text(blocks("toml")[0])
     (tmp_path / "images").mkdir()
     cv2.imwrite(str(tmp_path / "images" / "0.png"), np.zeros((480, 752), np.uint8))
@@ -49,8 +49,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         poses.append(Motor.from_rotor_translation(rotor, board.points_m.mean(axis=0) + behind))
         view = poses[-1].inverse().as_matrix()[:3][:, [0, 1, 3]]
         flat = cv2.warpPerspective(drawing, camera.matrix @ view @ to_board, (752, 480))
-        picture = cv2.remap(flat, straight, None, cv2.INTER_LINEAR)
-        cv2.imwrite(str(tmp_path / "images" / f"{i}.png"), picture)
+        image = cv2.remap(flat, straight, None, cv2.INTER_LINEAR)
+        cv2.imwrite(str(tmp_path / "images" / f"{i}.png"), image)
     stamps = np.arange(24, dtype=np.int64) * 33_333_333
     there_and_back = Motor.stack([*poses, *poses[::-1], *poses])
     write_trajectory(Trajectory(stamps, there_and_back), tmp_path / "poses.tum")

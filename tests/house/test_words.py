@@ -48,7 +48,7 @@ def retired() -> dict[tuple[str, ...], str]:
 RETIRED = retired()
 IN_PROSE = re.compile(
     r"\b(liveliness|plumb|straighten|sharpen|diary|ladders?|spoil(ed)?|holed|ledgers?|grips?"
-    r"|film[- ]stills?)\b",
+    r"|film[- ]stills?|pictur(e|es|ed)|sightings?)\b",
     re.I,
 )
 """Those that have no other use: comments, docstrings and messages do without them too."""

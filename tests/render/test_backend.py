@@ -275,12 +275,12 @@ def test_osmesa_draws_what_egl_draws(name: str, tmp_path: Path) -> None:
         "    layer = r.render(Camera(160, 240, 200.0, 200.0, 79.5, 119.5), Motor.identity())\n"
         "np.save(sys.argv[2], layer.rgba)\n"
     )
-    pictures = []
+    images = []
     for kind in ("egl", "osmesa"):
         file = tmp_path / f"{kind}.npy"
         environment = os.environ | {platform.VARIABLE: kind}
         command = [sys.executable, "-c", script, name, str(file)]
         subprocess.run(command, check=True, env=environment)
-        pictures.append(np.load(file).astype(int))
-    assert pictures[0][..., 3].max() == 255
-    assert np.mean(np.abs(pictures[0] - pictures[1]) > 2) < 1e-3
+        images.append(np.load(file).astype(int))
+    assert images[0][..., 3].max() == 255
+    assert np.mean(np.abs(images[0] - images[1]) > 2) < 1e-3

@@ -108,7 +108,7 @@ def test_outlines_agree_with_pyrender() -> None:
 
 
 def test_wherever_a_surface_goes_nothing_is_cut_off_or_left_behind() -> None:
-    """Only the part of the picture that can hold something is cleared, resolved and read."""
+    """Only the part of the image that can hold something is cleared, resolved and read."""
     shape = ball(np.zeros(3), 0.4, 12)
     with FastRenderer(CAMERA.width, CAMERA.height) as ours:
         theirs = new_renderer("pyrender", CAMERA.width, CAMERA.height)
@@ -249,7 +249,7 @@ def test_a_lost_context_is_told_of(name: str) -> None:
     assert drawn(name, [wall(2.0)], None).rgba.any()
 
 
-def test_pictures_larger_than_opengl_holds_are_refused() -> None:
+def test_images_larger_than_opengl_holds_are_refused() -> None:
     with pytest.raises(ValueError, match=r"expected at most \d+ pixels a side"):
         FastRenderer(1 << 20, 1)
     with pytest.raises(ValueError, match="1 pixel or more"):

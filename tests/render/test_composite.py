@@ -10,7 +10,7 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import Layer, over, render_overlay
 from motorcade.render.composite import as_rgb, darken
 from motorcade.render.light import character_lighting, sunlight_direction
-from motorcade.render.shadow import GRID, ShadowLook, ground_depth, shade_in_picture
+from motorcade.render.shadow import GRID, ShadowLook, ground_depth, shade_in_image
 from motorcade.tracking.cameras.camera import Camera
 
 CAMERA = Camera(200, 150, 180.0, 180.0, 99.5, 74.5)
@@ -123,7 +123,7 @@ def test_ground_shade_lands_where_the_camera_projects_it() -> None:
     center = np.array([93.0 * cell - 0.5, 203.0 * cell - 0.5, 0.0])
     for azimuth in (0.3, 2.0, 4.0):
         pose = looking_at_origin(azimuth)
-        seen = shade_in_picture(shade, 0.5, CAMERA, pose.inverse())
+        seen = shade_in_image(shade, 0.5, CAMERA, pose.inverse())
         assert seen is not None
         y, x = np.mgrid[: CAMERA.height, : CAMERA.width]
         middle = np.array([np.sum(seen * x), np.sum(seen * y)]) / seen.sum()
@@ -134,10 +134,10 @@ def test_ground_shade_lands_where_the_camera_projects_it() -> None:
 def test_ground_is_not_shaded_from_below_nor_above_the_horizon() -> None:
     shade = np.ones((GRID, GRID))
     below = Motor.from_translation(np.array([0.0, 0.0, -1.0]))
-    assert shade_in_picture(shade, 0.5, CAMERA, below.inverse()) is None
+    assert shade_in_image(shade, 0.5, CAMERA, below.inverse()) is None
     level = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
     pose = Motor.from_rotor_translation(Rotor.from_matrix(level), np.array([-2.0, 0.0, 0.5]))
-    seen = shade_in_picture(shade, 50.0, CAMERA, pose.inverse())
+    seen = shade_in_image(shade, 50.0, CAMERA, pose.inverse())
     assert seen is not None
     assert not seen[:74].any()
     assert seen[80:, 100].min() > 0.9
@@ -186,7 +186,7 @@ def test_overlay_draws_the_character_where_the_camera_sees_it(
             placement,
         )
     )
-    assert [picture.shape for picture in drawn] == [(150, 200, 3)] * 2
+    assert [image.shape for image in drawn] == [(150, 200, 3)] * 2
     changed = np.argwhere(np.any(drawn[0] > 110, axis=-1))
     corners = placement.apply(figure.vertices)
     expected = CAMERA.project(trajectory.poses[0].inverse().apply(corners))

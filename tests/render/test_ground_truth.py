@@ -32,7 +32,7 @@ def light(shots: Shots) -> LightEstimate:
     return found_light(shots)
 
 
-def test_true_pose_and_light_give_the_directly_rendered_picture(shots: Shots) -> None:
+def test_true_pose_and_light_give_the_directly_rendered_image(shots: Shots) -> None:
     made = set_into(shots, shots.poses, true_light())
     for direct, empty, one in zip(shots.direct, shots.empty, made, strict=True):
         found = alike(direct, one, empty)
@@ -53,7 +53,7 @@ def test_the_rooms_own_light_is_found_within_20_degrees(light: LightEstimate) ->
     assert light.contrast > 0.3
 
 
-def test_tracked_poses_and_found_light_keep_the_silhouette_and_most_of_the_picture(
+def test_tracked_poses_and_found_light_keep_the_silhouette_and_most_of_the_image(
     shots: Shots, light: LightEstimate
 ) -> None:
     poses = tracked_path(shots)

@@ -1,4 +1,4 @@
-"""Light found in made-up pictures whose light is known, and light that stands for it."""
+"""Light found in made-up images whose light is known, and light that stands for it."""
 
 import numpy as np
 import pytest
@@ -128,7 +128,7 @@ def test_the_suns_share_is_its_irradiance_over_all() -> None:
     assert sun_share(lighting, np.zeros(3), -up) == 0.0
 
 
-def test_pictures_that_tell_nothing_are_refused(rng: np.random.Generator) -> None:
+def test_images_that_tell_nothing_are_refused(rng: np.random.Generator) -> None:
     few = ShadedPoints(np.zeros((3, 3)), np.zeros((3, 3)), np.ones((3, 3)))
     with pytest.raises(ValueError, match="50 points or more, got 3"):
         estimate_light(few, [0.0, 0.0, 0.0], 1.0)

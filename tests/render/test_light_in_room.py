@@ -1,7 +1,7 @@
 """A figure in the synthetic room, painted with the room's own light: who guesses it better.
 
 The ground truth is the room's own irradiance at every vertex of the figure, developed as the room
-is. The same light in other colours and strengths is the same picture developed from other amounts
+is. The same light in other colours and strengths is the same image developed from other amounts
 of light.
 """
 
@@ -47,7 +47,7 @@ TINTS = [(1.0, 1.0, 1.0), (1.2, 1.0, 0.7), (0.45, 0.6, 0.8), (0.4, 0.4, 0.4), (1
 
 @dataclass
 class Shots:
-    """Linear light of every stamp's picture, without the figure and with it, and where it is."""
+    """Linear light of every stamp's image, without the figure and with it, and where it is."""
 
     empty: list[FloatArray]
     true: list[FloatArray]
@@ -57,10 +57,10 @@ class Shots:
     placement: Placement
 
 
-def undeveloped(picture: ImageArray) -> FloatArray:
+def undeveloped(image: ImageArray) -> FloatArray:
     light = np.linspace(0.0, 1.5, 4000)
     curve = developed(np.repeat(light[:, None], 3, axis=1))[:, 0]
-    return np.asarray(np.interp(np.arange(256), curve, light)[picture])
+    return np.asarray(np.interp(np.arange(256), curve, light)[image])
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Brightness and colour of light by printed paper, and by nothing but the pictures' mean."""
+"""Brightness and colour of light by printed paper, and by nothing but the images' mean."""
 
 import numpy as np
 import pytest
@@ -44,7 +44,7 @@ def path() -> Trajectory:
 
 
 def board(light: FloatArray, veil: float = 0.0, paper: float = 0.85) -> ImageArray:
-    """A checkerboard of paper and ink that fills the picture."""
+    """A checkerboard of paper and ink that fills the image."""
     y, x = np.mgrid[: CAMERA.height, : CAMERA.width]
     white = ((x // 16 + y // 16) % 2 == 0)[..., None]
     return bytes_of(np.where(white, paper, 0.05) * light + veil)
@@ -59,13 +59,13 @@ def on_ground(lighting: Lighting) -> FloatArray:
     return direct + other
 
 
-def frames(*pictures: ImageArray) -> list[tuple[int, ImageArray, None]]:
-    return [(k * 500_000_000, picture, None) for k, picture in enumerate(pictures)]
+def frames(*images: ImageArray) -> list[tuple[int, ImageArray, None]]:
+    return [(k * 500_000_000, image, None) for k, image in enumerate(images)]
 
 
 @pytest.mark.parametrize("light", LIGHTS)
 @pytest.mark.parametrize("veil", [0.0, 0.08])
-def test_the_light_lights_the_paper_as_the_picture_shows(
+def test_the_light_lights_the_paper_as_the_image_shows(
     light: tuple[float, float, float], veil: float, path: Trajectory, placement: Placement
 ) -> None:
     """Also where the lens adds light of its own, which black ink tells."""
@@ -127,7 +127,7 @@ def test_where_no_print_is_seen_half_of_a_grey_world_is_believed(
         assert "grey world" in told
 
 
-def test_black_pictures_and_none_leave_a_light(path: Trajectory, placement: Placement) -> None:
+def test_black_images_and_none_leave_a_light(path: Trajectory, placement: Placement) -> None:
     black = np.zeros((CAMERA.height, CAMERA.width, 3), dtype=np.uint8)
     made, _ = lighting_without_depth(frames(black), CAMERA, path, placement, HEIGHT_M, prints())
     assert np.all(on_ground(made) > 0.0)

@@ -1,4 +1,4 @@
-"""Drawn pictures bent, blurred, brightened and made noisy as the footage is."""
+"""Drawn images bent, blurred, brightened and made noisy as the footage is."""
 
 import cv2
 import numpy as np
@@ -45,7 +45,7 @@ def test_a_bent_layer_shows_points_where_the_lens_does() -> None:
         np.testing.assert_allclose(middle, BENT.project(ray), atol=0.2)
 
 
-def test_the_pinhole_picture_holds_every_bent_pixel() -> None:
+def test_the_pinhole_image_holds_every_bent_pixel() -> None:
     lens = LensWarp(BENT)
     full = np.full((lens.pinhole.height, lens.pinhole.width), 1.0, np.float32)
     np.testing.assert_allclose(lens.smooth(full), 1.0, atol=1e-6)
@@ -137,13 +137,13 @@ def test_matching_that_means_nothing_is_refused(settings: dict[str, float], told
         Matching(**settings)
 
 
-def test_a_warped_picture_moves_by_whole_pixels_exactly_and_repeats_its_edge(
+def test_a_warped_image_moves_by_whole_pixels_exactly_and_repeats_its_edge(
     rng: np.random.Generator,
 ) -> None:
-    picture = rng.integers(0, 256, (30, 40), dtype=np.uint8)
-    moved = warped(picture, np.array([[1.0, 0.0, 3.0], [0.0, 1.0, -2.0], [0.0, 0.0, 1.0]]))
-    np.testing.assert_array_equal(moved[:28, 3:], picture[2:, :37])
-    np.testing.assert_array_equal(moved[:28, 0], picture[2:, 0])
+    image = rng.integers(0, 256, (30, 40), dtype=np.uint8)
+    moved = warped(image, np.array([[1.0, 0.0, 3.0], [0.0, 1.0, -2.0], [0.0, 0.0, 1.0]]))
+    np.testing.assert_array_equal(moved[:28, 3:], image[2:, :37])
+    np.testing.assert_array_equal(moved[:28, 0], image[2:, 0])
 
 
 def test_what_is_drawn_into_grey_footage_has_no_colour(rng: np.random.Generator) -> None:

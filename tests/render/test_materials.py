@@ -9,7 +9,7 @@ import pytest
 from motorcade.animation.appearance import Appearance, Material, MaterialPart, TextureMap, to_srgb
 from motorcade.ga import Motor, Rotor
 from motorcade.render import Layer, Lighting, OffscreenRenderer, Sun, Surface
-from motorcade.render.backends.fast.materials import Pictures, mirrored_table
+from motorcade.render.backends.fast.materials import Images, mirrored_table
 from motorcade.render.backends.fast.renderer import FastRenderer
 from motorcade.render.light import harmonics, rotate_harmonics
 from motorcade.tracking.cameras.camera import Camera
@@ -22,7 +22,7 @@ WHITE = Material(unlit=True)
 
 
 def wall(material: Material, depth_m: float, *, turned: bool = False) -> Surface:
-    """A square that fills the picture, its texture once across it."""
+    """A square that fills the image, its texture once across it."""
     uv = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]])
     places = np.column_stack([(uv - 0.5) * 1.02 * depth_m, np.full(4, depth_m)])
     triangles = np.array([[0, 1, 2], [0, 2, 3]])
@@ -67,7 +67,7 @@ def test_backs_are_drawn_of_two_sided_materials_alone() -> None:
         assert seen.rgba[16, 16, 3] == 255 * both
 
 
-def picture(alpha: bool = False) -> np.ndarray:
+def image(alpha: bool = False) -> np.ndarray:
     """Left half black, right half white; or left half transparent."""
     made = np.full((8, 8, 4), 255, np.uint8)
     made[:, :4, 3 if alpha else slice(0, 3)] = 0
@@ -75,7 +75,7 @@ def picture(alpha: bool = False) -> np.ndarray:
 
 
 def test_a_mask_draws_what_reaches_its_cutoff() -> None:
-    one = TextureMap(picture(alpha=True), magnify="nearest", mipmaps=None)
+    one = TextureMap(image(alpha=True), magnify="nearest", mipmaps=None)
     seen = drawn(wall(replace(WHITE, base_map=one, alpha_mode="mask"), 1.0))
     assert seen.rgba[16, 4, 3] == 0
     np.testing.assert_array_equal(seen.rgba[16, 28], 255)
@@ -87,9 +87,9 @@ def test_a_mask_draws_what_reaches_its_cutoff() -> None:
     ("wrap", "row"),
     [("repeat", [0, 255, 0, 255]), ("mirror", [0, 255, 255, 0]), ("clamp", [0, 255, 255, 255])],
 )
-def test_pictures_go_on_beyond_their_sides_as_samplers_say(wrap: str, row: list[int]) -> None:
+def test_images_go_on_beyond_their_sides_as_samplers_say(wrap: str, row: list[int]) -> None:
     twice = ((2.0, 0.0, 0.0), (0.0, 1.0, 0.0))
-    one = TextureMap(picture(), 0, (wrap, "clamp"), "nearest", mipmaps=None, transform=twice)
+    one = TextureMap(image(), 0, (wrap, "clamp"), "nearest", mipmaps=None, transform=twice)
     seen = drawn(wall(replace(WHITE, base_map=one), 1.0))
     np.testing.assert_array_equal(seen.rgba[16, [4, 12, 20, 28], 0], row)
 
@@ -106,7 +106,7 @@ def test_a_rough_white_surface_gives_back_what_falls_on_it() -> None:
 
 
 def test_the_plainer_renderer_says_what_it_leaves_out(caplog: pytest.LogCaptureFixture) -> None:
-    one = TextureMap(picture())
+    one = TextureMap(image())
     clear = replace(WHITE, base_map=one, normal_map=one, alpha_mode="blend")
     with OffscreenRenderer(CAMERA.width, CAMERA.height) as renderer:
         renderer.show([wall(Material(), 1.0)], None)
@@ -175,9 +175,9 @@ def test_textures_that_are_too_large_are_drawn_by_means_and_said_once(
     gl.info = {"GL_MAX_TEXTURE_SIZE": 8}
     pixels = np.full((7, 22, 4), 255, np.uint8)
     pixels[:, ::2, :3] = 0
-    pictures = Pictures(gl, lambda *given: None)
+    images = Images(gl, lambda *given: None)
     for encoded in (True, False):
-        pictures.texture(TextureMap(pixels), encoded=encoded)
+        images.texture(TextureMap(pixels), encoded=encoded)
     drawn = [call.args[2].astype(int) for call in gl.texture.call_args_list]
     assert [one.shape for one in drawn] == [(3, 8, 4)] * 2
     assert [call.args[0] for call in gl.texture.call_args_list] == [(8, 3)] * 2

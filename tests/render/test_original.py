@@ -32,14 +32,14 @@ CODINGS = {  # matrix, primaries, transfer, levels
 }
 
 
-def _picture(index: int) -> np.ndarray:
+def _image(index: int) -> np.ndarray:
     y, x = np.mgrid[:64, :96]
     wave = 128 + 90 * np.sin((x + 3 * index) / 15.0) * np.cos(y / 20.0)
     return np.stack([wave, 255 - wave, 0.6 * wave + 60], axis=-1).astype(np.uint8)
 
 
 def _write(path: Path, coding: tuple[int, ...] = CODINGS["BT.709"], sound: str = "aac") -> Path:
-    """A clip with uneven stamps, B-frames and, longer than its pictures, sound."""
+    """A clip with uneven stamps, B-frames and, longer than its images, sound."""
     with av.open(str(path), "w") as file:
         stream = file.add_stream("libx264", rate=30, options={"crf": "8"})
         stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
@@ -50,7 +50,7 @@ def _write(path: Path, coding: tuple[int, ...] = CODINGS["BT.709"], sound: str =
         matrix = {2: 5, 6: 5}.get(coding[0], coding[0])
         track = file.add_stream(sound, rate=44_100, layout="mono") if sound else None
         for index, tick in enumerate(TICKS):
-            rgb = av.VideoFrame.from_ndarray(_picture(index), format="rgb24")
+            rgb = av.VideoFrame.from_ndarray(_image(index), format="rgb24")
             frame = rgb.reformat(
                 format="yuv420p", dst_colorspace=matrix, dst_color_range=max(coding[3], 1)
             )
@@ -71,7 +71,7 @@ def _write(path: Path, coding: tuple[int, ...] = CODINGS["BT.709"], sound: str =
 def _made(source: Path, film: Path) -> Path:
     given = list(read_frames(source))
     stamps = np.array([stamp for stamp, _ in given])
-    write_video(film, (picture for _, picture in given), stamps, read_original(source))
+    write_video(film, (image for _, image in given), stamps, read_original(source))
     return film
 
 
@@ -105,17 +105,17 @@ def test_sound_is_copied_packet_by_packet_and_in_step(tmp_path: Path, sound: str
 @pytest.mark.parametrize("last", [2, 5, 8])
 def test_the_sound_of_a_part_ends_with_it(tmp_path: Path, last: int) -> None:
     source = _write(tmp_path / "clip.mp4")
-    pictures = [picture for _, picture in read_frames(source)][: last + 1]
+    images = [image for _, image in read_frames(source)][: last + 1]
     stamps = [round(1e9 * float(tick * CLOCK)) for tick in TICKS]
     part = replace(read_original(source), until_ns=stamps[last + 1])
-    write_video(tmp_path / "film.mp4", pictures, np.array(stamps[: last + 1]), part)
+    write_video(tmp_path / "film.mp4", images, np.array(stamps[: last + 1]), part)
     before = [one for one in _packets(source, "audio") if one[0] < 1e-9 * stamps[last + 1]]
     assert [data for _, data in _packets(tmp_path / "film.mp4", "audio")] == [
         data for _, data in before
     ]
 
 
-def test_sound_that_begins_with_the_first_picture_is_kept(tmp_path: Path) -> None:
+def test_sound_that_begins_with_the_first_image_is_kept(tmp_path: Path) -> None:
     """A film's start is in whole nanoseconds, and may be rounded to after the sound's."""
     source = _write(tmp_path / "clip.mp4")
     begins = [Fraction(1024 * k, 44_100) for k in range(20)]
@@ -140,12 +140,12 @@ def test_sound_stays_in_step_where_the_video_starts_late(tmp_path: Path) -> None
     assert min(at for at, _ in _packets(film, "video")) == 0.0
     heard = {data: at for at, data in _packets(late, "audio")}
     kept = _packets(film, "audio")
-    assert 0 < len(kept) < len(heard)  # the first quarter of a second has no pictures
+    assert 0 < len(kept) < len(heard)  # the first quarter of a second has no images
     assert max(abs(at - (heard[data] - 3.0)) for at, data in kept) < 2e-3  # Matroska counts in ms
 
 
 def test_sound_of_an_avi_moves_by_less_than_a_packet(tmp_path: Path) -> None:
-    """Its clock counts packets of 26 ms, and its first picture is shown after two others."""
+    """Its clock counts packets of 26 ms, and its first image is shown after two others."""
     source, kept = _write(tmp_path / "clip.mp4", sound="mp3"), tmp_path / "clip.avi"
     with av.open(str(source)) as taken, av.open(str(kept), "w") as file:
         track = file.add_stream_from_template(taken.streams.audio[0])
@@ -213,7 +213,7 @@ def test_a_silent_video_makes_a_silent_film(tmp_path: Path) -> None:
 def test_only_mp4_keeps_what_the_original_had(tmp_path: Path) -> None:
     original = read_original(_write(tmp_path / "clip.mp4"))
     with pytest.raises(ValueError, match=r"write_video\(original\): expected a film in \.mp4"):
-        write_video(tmp_path / "film.mkv", [_picture(0)], np.array([0]), original)
+        write_video(tmp_path / "film.mkv", [_image(0)], np.array([0]), original)
 
 
 def packets(dts: list[int], time_base: Fraction, frame_size: int) -> Iterator[Any]:

@@ -1,4 +1,4 @@
-"""Several figures in one picture, against each of them drawn alone."""
+"""Several figures in one image, against each of them drawn alone."""
 
 from __future__ import annotations
 

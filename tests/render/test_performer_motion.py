@@ -48,8 +48,8 @@ def drawn(*performers: Performer, lighting: Lighting = NOON) -> list[ImageArray]
     return list(render_performers(frames, CAMERA, PATH, performers, lighting=lighting))
 
 
-def changed(picture: ImageArray) -> NDArray[np.bool_]:
-    return np.any(np.abs(picture.astype(int) - FRAME) > 8, axis=2)
+def changed(image: ImageArray) -> NDArray[np.bool_]:
+    return np.any(np.abs(image.astype(int) - FRAME) > 8, axis=2)
 
 
 @pytest.mark.usefixtures("opengl")
@@ -72,10 +72,10 @@ def test_what_hovers_throws_its_shadow_where_the_light_takes_it() -> None:
     hovers = moves(*[at(-0.5, 0.0, 0.8)] * 3)
     light = replace(NOON, sun=Sun((0.5**0.5, 0.0, -(0.5**0.5)), 2.0))
     level = replace(GROUND, world_T_character=Motor.from_translation([0.0, 0.2, 0.0]))
-    picture = drawn(Performer(BOX, STILL, level, hovers), lighting=light)[0]
+    image = drawn(Performer(BOX, STILL, level, hovers), lighting=light)[0]
     middle_m = np.array([-0.5 + 0.9, 0.2, 0.0])  # the cube's middle is 0.9 m up
     column, row = CAMERA.project(EYE.inverse().apply(middle_m))
-    rows, columns = np.nonzero(changed(picture))
+    rows, columns = np.nonzero(changed(image))
     beside = np.hypot(columns - column, rows - row) < 25
     assert beside.sum() > 60
     assert np.hypot(columns[beside].mean() - column, rows[beside].mean() - row) < 3.0

@@ -1,4 +1,4 @@
-"""Pictures side by side with running errors, and the spin of Euler angles in them."""
+"""Images side by side with running errors, and the spin of Euler angles in them."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.render.plots.style import COLOURS
 
 
-def test_pictures_stand_in_a_row_over_their_strip() -> None:
+def test_images_stand_in_a_row_over_their_strip() -> None:
     left = np.full((60, 80, 3), 10, dtype=np.uint8)
     right = np.full((60, 80, 3), 200, dtype=np.uint8)
     strip = np.full((70, 160, 3), 99, dtype=np.uint8)

@@ -23,7 +23,7 @@ from motorcade.render.video import (
 UNEVEN_NS = np.array([0, 33_333_333, 66_666_667, 166_666_667, 200_000_000, 233_333_333])
 
 
-def pictures(count: int, height: int = 120, width: int = 160) -> Iterator[ImageArray]:
+def images(count: int, height: int = 120, width: int = 160) -> Iterator[ImageArray]:
     """Smooth moving gradients, which H.264 keeps well."""
     y, x = np.mgrid[:height, :width]
     for k in range(count):
@@ -32,24 +32,24 @@ def pictures(count: int, height: int = 120, width: int = 160) -> Iterator[ImageA
 
 
 def test_frames_and_stamps_come_back(tmp_path: Path) -> None:
-    write_video(tmp_path / "v.mp4", pictures(6), UNEVEN_NS)
+    write_video(tmp_path / "v.mp4", images(6), UNEVEN_NS)
     back = list(read_frames(tmp_path / "v.mp4"))
     stamps = np.array([stamp for stamp, _ in back])
     assert np.abs(stamps - UNEVEN_NS).max() <= 1e9 / 90_000 / 2 + 1
-    for (_, seen), given in zip(back, pictures(6), strict=True):
+    for (_, seen), given in zip(back, images(6), strict=True):
         assert seen.shape == given.shape
         assert np.abs(seen.astype(int) - given).mean() < 3.0
 
 
 def test_stamps_start_at_the_first(tmp_path: Path) -> None:
-    write_video(tmp_path / "v.mp4", pictures(6), UNEVEN_NS + 1_403_715_273_262_142_976)
+    write_video(tmp_path / "v.mp4", images(6), UNEVEN_NS + 1_403_715_273_262_142_976)
     assert next(iter(read_frames(tmp_path / "v.mp4")))[0] == 0
 
 
 @pytest.mark.skipif(shutil.which("ffprobe") is None, reason="ffprobe is not installed")
 def test_ffprobe_finds_h264_of_the_right_length(tmp_path: Path) -> None:
     file = tmp_path / "v.mp4"
-    write_video(file, pictures(6), UNEVEN_NS)
+    write_video(file, images(6), UNEVEN_NS)
     told = subprocess.run(
         [
             "ffprobe",
@@ -76,8 +76,8 @@ def test_ffprobe_finds_h264_of_the_right_length(tmp_path: Path) -> None:
     assert float(stream["duration"]) == pytest.approx(0.2667, abs=1e-3)
 
 
-def test_the_index_comes_before_the_pictures(tmp_path: Path) -> None:
-    write_video(tmp_path / "v.mp4", pictures(6), UNEVEN_NS)
+def test_the_index_comes_before_the_images(tmp_path: Path) -> None:
+    write_video(tmp_path / "v.mp4", images(6), UNEVEN_NS)
     data = (tmp_path / "v.mp4").read_bytes()
     assert 0 < data.find(b"moov") < data.find(b"mdat")
 
@@ -85,13 +85,13 @@ def test_the_index_comes_before_the_pictures(tmp_path: Path) -> None:
 def test_the_same_frames_give_the_same_bytes(tmp_path: Path) -> None:
     stamps = np.arange(40) * 33_333_333
     for name in ("one.mp4", "two.mp4"):
-        write_video(tmp_path / name, pictures(40, 241, 321), stamps)
+        write_video(tmp_path / name, images(40, 241, 321), stamps)
     assert (tmp_path / "one.mp4").read_bytes() == (tmp_path / "two.mp4").read_bytes()
 
 
 def test_any_frame_is_near_a_keyframe_and_stamps_are_told(tmp_path: Path) -> None:
     stamps = np.cumsum(np.tile([33_000_000, 41_000_000], 30))
-    write_video(tmp_path / "v.mp4", pictures(60, 120, 160), stamps)
+    write_video(tmp_path / "v.mp4", images(60, 120, 160), stamps)
     with av.open(str(tmp_path / "v.mp4")) as file:
         frames = list(file.decode(video=0))
     keys = [k for k, frame in enumerate(frames) if frame.key_frame]
@@ -104,7 +104,7 @@ def test_any_frame_is_near_a_keyframe_and_stamps_are_told(tmp_path: Path) -> Non
 
 
 def test_odd_sizes_gain_one_row_and_column(tmp_path: Path) -> None:
-    write_video(tmp_path / "v.mp4", pictures(3, 121, 161), UNEVEN_NS[:3])
+    write_video(tmp_path / "v.mp4", images(3, 121, 161), UNEVEN_NS[:3])
     _, seen = next(iter(read_frames(tmp_path / "v.mp4")))
     assert seen.shape == (122, 162, 3)
 
@@ -125,17 +125,17 @@ def test_frames_and_stamps_that_do_not_fit_are_refused(
     tmp_path: Path, count: int, stamps: np.ndarray, message: str
 ) -> None:
     with pytest.raises(ValueError, match=message):
-        write_video(tmp_path / "v.mp4", pictures(count), stamps)
+        write_video(tmp_path / "v.mp4", images(count), stamps)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_failed_write_leaves_the_earlier_file_alone(tmp_path: Path) -> None:
     file = tmp_path / "v.mp4"
-    write_video(file, pictures(2), UNEVEN_NS[:2])
+    write_video(file, images(2), UNEVEN_NS[:2])
     before = file.read_bytes()
 
     def broken() -> Iterator[ImageArray]:
-        yield from pictures(1)
+        yield from images(1)
         raise OSError("the disk is gone")
 
     with pytest.raises(OSError, match="the disk is gone"):
@@ -146,7 +146,7 @@ def test_a_failed_write_leaves_the_earlier_file_alone(tmp_path: Path) -> None:
 
 def test_other_endings_and_shapes_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"\.mp4"):
-        write_video(tmp_path / "v.avi", pictures(2), UNEVEN_NS[:2])
+        write_video(tmp_path / "v.avi", images(2), UNEVEN_NS[:2])
     grey = [np.zeros((8, 8), dtype=np.uint8)] * 2
     with pytest.raises(ValueError, match="RGB images"):
         write_video(tmp_path / "v.mp4", grey, UNEVEN_NS[:2])
@@ -203,11 +203,11 @@ def test_pipes_and_missing_files_are_refused_as_videos(tmp_path: Path) -> None:
         next(read_frames(tmp_path / "none.mp4"))
 
 
-def test_pictures_beyond_the_limit_are_not_decoded(
+def test_images_beyond_the_limit_are_not_decoded(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    picture = np.zeros((64, 96, 3), np.uint8)
-    write_video(tmp_path / "v.mp4", [picture] * 3, np.arange(3) * 40_000_000)
+    image = np.zeros((64, 96, 3), np.uint8)
+    write_video(tmp_path / "v.mp4", [image] * 3, np.arange(3) * 40_000_000)
     assert len(list(read_frames(tmp_path / "v.mp4"))) == 3
     monkeypatch.setattr(video, "MAX_PIXELS", 64 * 96 - 1)
     with pytest.raises((OSError, ValueError)):

@@ -38,7 +38,7 @@ def seen(*figures: Performer, depth_m: np.ndarray | None = None) -> tuple[np.nda
     path = Trajectory(np.array([0, 10**9]), Motor.stack([eye, eye]))
     visibility: list[tuple[FigureSeen, ...] | None] = []
     frame = (0, FRAME) if depth_m is None else (0, FRAME, depth_m)
-    picture = next(
+    image = next(
         render_performers(
             [frame],
             CAMERA,
@@ -51,20 +51,20 @@ def seen(*figures: Performer, depth_m: np.ndarray | None = None) -> tuple[np.nda
     )
     (shown,) = visibility
     assert shown is not None
-    return picture, shown
+    return image, shown
 
 
-def drawn_px(picture: np.ndarray) -> float:
+def drawn_px(image: np.ndarray) -> float:
     """Pixels with some green are the figure's: the frame and its shadow have none."""
-    return float(np.count_nonzero(picture[..., 1] > 8))
+    return float(np.count_nonzero(image[..., 1] > 8))
 
 
-def test_visible_pixels_are_those_of_the_picture(who):
-    picture, (figure,) = seen(standing(who, (0.1, 0.0)))
-    assert figure.visible_px == pytest.approx(drawn_px(picture), rel=0.06)  # rims are parts
+def test_visible_pixels_are_those_of_the_image(who):
+    image, (figure,) = seen(standing(who, (0.1, 0.0)))
+    assert figure.visible_px == pytest.approx(drawn_px(image), rel=0.06)  # rims are parts
     assert abs(figure.hidden) < 1e-9
     assert figure.inside == 1.0
-    rows = np.flatnonzero(np.any(picture[..., 1] > 8, axis=1))
+    rows = np.flatnonzero(np.any(image[..., 1] > 8, axis=1))
     assert figure.height_px == pytest.approx(np.ptp(rows) + 1, abs=4.0)
     assert abs(figure.bottom) < 0.01
 
@@ -73,9 +73,9 @@ def test_what_is_nearer_hides_that_share(who):
     whole = seen(standing(who, (0.0, 0.0)))[1][0]
     depth_m = np.full(FRAME.shape[:2], 9.0, np.float32)
     depth_m[:, :240] = 0.5
-    picture, (figure,) = seen(standing(who, (0.0, 0.0)), depth_m=depth_m)
+    image, (figure,) = seen(standing(who, (0.0, 0.0)), depth_m=depth_m)
     assert figure.drawn_px == pytest.approx(whole.drawn_px)
-    assert figure.visible_px == pytest.approx(drawn_px(picture), rel=0.12)
+    assert figure.visible_px == pytest.approx(drawn_px(image), rel=0.12)
     assert 0.3 < figure.hidden < 0.7
 
 

@@ -1,4 +1,4 @@
-"""What is drawn in a window of a picture is what is drawn there in the whole of it."""
+"""What is drawn in a window of an image is what is drawn there in the whole of it."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import render_overlay
 from motorcade.render.lens import LensWarp, Window
 from motorcade.render.scene import Layer
-from motorcade.render.shadow import DARKENS, GRID, shade_extent, shade_in_picture
+from motorcade.render.shadow import DARKENS, GRID, shade_extent, shade_in_image
 from motorcade.render.shots import FilmStage
 from motorcade.tracking.cameras.camera import Camera
 
@@ -23,7 +23,7 @@ CAMERAS = (
 
 
 @pytest.mark.parametrize("camera", CAMERAS)
-def test_a_window_holds_all_that_a_part_of_the_drawn_picture_shows(
+def test_a_window_holds_all_that_a_part_of_the_drawn_image_shows(
     camera: Camera, rng: np.random.Generator
 ) -> None:
     lens = LensWarp(camera)
@@ -48,7 +48,7 @@ def test_a_window_holds_all_that_a_part_of_the_drawn_picture_shows(
         seen = lens.layer(layer, window)
         np.testing.assert_array_equal(seen.rgba, whole.rgba[window])
         np.testing.assert_array_equal(seen.depth_m, whole.depth_m[window])
-        # Nothing but the part of the drawn picture that shows there is looked at.
+        # Nothing but the part of the drawn image that shows there is looked at.
         first, last = lens.drawn(window)
         kept = np.s_[first[1] : last[1] + 1, first[0] : last[0] + 1]
         held = Layer(np.zeros_like(layer.rgba), np.zeros_like(layer.depth_m))
@@ -76,13 +76,13 @@ def test_shade_darkens_nothing_outside_of_its_extent(
         low = rng.integers(0, GRID - 20, 2)
         shade[low[0] : low[0] + 20, low[1] : low[1] + 20] = rng.uniform(0.0, 1.0, (20, 20))
         pose = looking(rng.uniform(0, 6.3), rng.uniform(0.05, 1.5), rng.uniform(0.3, 3.0)).inverse()
-        whole = shade_in_picture(shade, 0.8, pinhole, pose)
+        whole = shade_in_image(shade, 0.8, pinhole, pose)
         assert whole is not None
         extent = shade_extent(shade, 0.8, pinhole, pose)
         assert extent is not None
         first, last = extent
         inside = np.s_[first[1] : last[1] + 1, first[0] : last[0] + 1]
-        part = shade_in_picture(shade, 0.8, pinhole, pose, extent)
+        part = shade_in_image(shade, 0.8, pinhole, pose, extent)
         assert part is not None
         np.testing.assert_allclose(part[inside], whole[inside], atol=0.02)
         outside = whole.copy()
@@ -96,7 +96,7 @@ def test_shade_darkens_nothing_outside_of_its_extent(
 @pytest.mark.usefixtures("opengl")
 @pytest.mark.parametrize("camera", CAMERAS)
 @pytest.mark.parametrize("distance_m", [0.5, 3.0])
-def test_an_overlay_in_its_window_is_that_of_the_whole_picture(
+def test_an_overlay_in_its_window_is_that_of_the_whole_image(
     camera: Camera,
     distance_m: float,
     rng: np.random.Generator,

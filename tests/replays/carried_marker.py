@@ -21,17 +21,17 @@ FRAMES, RATE_HZ, SIDE_M, ID = 40, 20.0, 0.1, 7
 TIME_NS = np.rint(np.arange(FRAMES) * 1e9 / RATE_HZ).astype(np.int64)
 
 
-class Pictures:
+class Images:
     """Frames in memory."""
 
-    def __init__(self, pictures: Sequence[ImageArray]) -> None:
-        self.pictures, self.time_ns = pictures, TIME_NS
+    def __init__(self, images: Sequence[ImageArray]) -> None:
+        self.images, self.time_ns = images, TIME_NS
 
     def __len__(self) -> int:
-        return len(self.pictures)
+        return len(self.images)
 
     def __getitem__(self, index: int) -> Frame:
-        return Frame(int(self.time_ns[index]), str(index), self.pictures[index].copy)
+        return Frame(int(self.time_ns[index]), str(index), self.images[index].copy)
 
     def __iter__(self) -> Iterator[Frame]:
         return (self[index] for index in range(len(self)))
@@ -59,28 +59,28 @@ def still(frame: int) -> Motor:
 
 @cache
 def drawn(where: Callable[[int], Motor], hidden: range) -> tuple[ImageArray, ...]:
-    """Pictures of the marker along the camera's path."""
+    """Images of the marker along the camera's path."""
     rng = np.random.default_rng(3)
     cameras = handheld_path(FRAMES, 0.7)
-    pictures = []
+    images = []
     for k in range(FRAMES):
         ids = np.array([], dtype=np.int64) if k in hidden else np.array([ID])
         poses = Motor.stack([where(k)])[: len(ids)]
         scene = TagScene(CAMERA, "tag36h11", ids, SIDE_M, poses)
-        pictures.append(scene.picture(cameras[k], rng))
-    return tuple(pictures)
+        images.append(scene.image(cameras[k], rng))
+    return tuple(images)
 
 
 def recorded(
     where: Callable[[int], Motor], hidden: range = range(0), board: Board | None = None
 ) -> tuple[Recording, Integrity, CameraPoses]:
-    """Pictures of one marker by a camera whose path is known."""
-    pictures = drawn(where, hidden)
+    """Images of one marker by a camera whose path is known."""
+    images = drawn(where, hidden)
     recording = Recording(
         "drawn",
         Path("drawn"),
         "images",
-        Pictures(pictures),
+        Images(images),
         CAMERA,
         board=board,
         world_T_board=where(0),
@@ -99,7 +99,7 @@ def write_carried(folder: Path, size: int = 2) -> None:
 
     Args:
         folder: to write into.
-        size: factor on the pictures' 320 by 240 pixels.
+        size: factor on the images' 320 by 240 pixels.
     """
     rng = np.random.default_rng(8)
     wall, cameras = wall_of_markers(3, 1, 0.16, 20.0, rng), handheld_path(FRAMES, 0.7)
@@ -115,8 +115,8 @@ def write_carried(folder: Path, size: int = 2) -> None:
     for k in range(FRAMES):
         poses = Motor.concatenate([wall, Motor.stack([wandering(k)])])
         scene = TagScene(big, "tag36h11", np.array([1, 2, 3, ID]), SIDE_M, poses)
-        picture = scene.picture(cameras[k], rng)
-        if not cv2.imwrite(str(folder / "images" / f"{k:04d}.png"), picture):
+        image = scene.image(cameras[k], rng)
+        if not cv2.imwrite(str(folder / "images" / f"{k:04d}.png"), image):
             raise OSError(f"{folder}: cannot be written")
     lines = [
         f'settings = ["marker_poses.moving={ID}", "smoothed.representations=motor"]',

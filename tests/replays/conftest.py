@@ -15,17 +15,17 @@ WIDTH, HEIGHT = 24, 16
 INTRINSICS = (20.0, 21.0, 11.5, 7.5)
 
 
-def picture(index: int, channels: int = 3) -> np.ndarray:
-    """A picture whose pixels tell which one it is, BGR or grey."""
+def image(index: int, channels: int = 3) -> np.ndarray:
+    """An image whose pixels tell which one it is, BGR or grey."""
     rng = np.random.default_rng(index)
     shape = (HEIGHT, WIDTH, 3) if channels == 3 else (HEIGHT, WIDTH)
     return rng.integers(0, 256, shape, dtype=np.uint8)
 
 
-def write_pictures(folder: Path, names: list[str], channels: int = 3) -> None:
+def write_images(folder: Path, names: list[str], channels: int = 3) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for index, name in enumerate(names):
-        assert cv2.imwrite(str(folder / name), picture(index, channels))
+        assert cv2.imwrite(str(folder / name), image(index, channels))
 
 
 def poses(count: int, seed: int = 5) -> Motor:
@@ -52,7 +52,7 @@ def _euroc(root: Path, count: int = 6) -> Made:
     body_T_camera, body_T_imu = poses(2, seed=8)
     time_ns = 1_403_715_273_262_142_976 + 50_000_000 * np.arange(count)
     cam, imu = root / "mav0" / "cam0", root / "mav0" / "imu0"
-    write_pictures(cam / "data", [f"{stamp}.png" for stamp in time_ns], channels=1)
+    write_images(cam / "data", [f"{stamp}.png" for stamp in time_ns], channels=1)
     rows = [f"{stamp},{stamp}.png" for stamp in time_ns]
     (cam / "data.csv").write_text("\n".join(["#timestamp [ns],filename", *rows, ""]))
     (cam / "sensor.yaml").write_text(
@@ -86,7 +86,7 @@ def _euroc(root: Path, count: int = 6) -> Made:
 
 def _seven_scenes(root: Path, count: int = 5) -> Made:
     names = [f"frame-{i:06d}" for i in range(count)]
-    write_pictures(root, [f"{name}.color.png" for name in names])
+    write_images(root, [f"{name}.color.png" for name in names])
     world_T_camera = poses(count)
     for index, (name, matrix) in enumerate(zip(names, world_T_camera.as_matrix(), strict=True)):
         depth = np.full((HEIGHT, WIDTH), 1000 + index, np.uint16)
@@ -100,7 +100,7 @@ def _seven_scenes(root: Path, count: int = 5) -> Made:
 def _tum_rgbd(root: Path, count: int = 5) -> Made:
     root.mkdir(parents=True, exist_ok=True)
     names = [f"rgb/{i}.png" for i in range(count)]
-    write_pictures(root / "rgb", [f"{i}.png" for i in range(count)])
+    write_images(root / "rgb", [f"{i}.png" for i in range(count)])
     (root / "depth").mkdir()
     depth = np.full((HEIGHT, WIDTH), 7500, np.uint16)
     seconds = [f"1305031102.{175304 + 33333 * i:06d}" for i in range(count)]
@@ -124,8 +124,8 @@ def _tum_rgbd(root: Path, count: int = 5) -> Made:
 
 
 def _kitti(root: Path, count: int = 4) -> Made:
-    write_pictures(root / "image_0", [f"{i:06d}.png" for i in range(count)], channels=1)
-    write_pictures(root / "image_2", [f"{i:06d}.png" for i in range(count)])
+    write_images(root / "image_0", [f"{i:06d}.png" for i in range(count)], channels=1)
+    write_images(root / "image_2", [f"{i:06d}.png" for i in range(count)])
     fx, fy, cx, cy = INTRINSICS
     rows = [
         f"P{i}: {fx} 0 {cx} {x} 0 {fy} {cy} 0 0 0 1 0" for i, x in enumerate([0.0, -7.0, 4.0, -3.0])
@@ -139,7 +139,7 @@ def _kitti(root: Path, count: int = 4) -> Made:
 
 
 def _folder(root: Path, count: int = 12) -> Made:
-    write_pictures(root / "images", [f"img_{i}.jpg" for i in range(1, count + 1)])
+    write_images(root / "images", [f"img_{i}.jpg" for i in range(1, count + 1)])
     world_T_camera = poses(count)
     np.savetxt(root / "poses.txt", world_T_camera.as_matrix().reshape(-1, 16))
     time_ns = np.rint(np.arange(count) * 1e9 / 25).astype(np.int64)
@@ -168,7 +168,7 @@ def make(tmp_path: Path) -> Callable[[str], Made]:
 
 @pytest.fixture
 def video_file(tmp_path: Path) -> Path:
-    """Sixty pictures in H.264 with uneven stamps, B-frames and a keyframe every twelve."""
+    """Sixty images in H.264 with uneven stamps, B-frames and a keyframe every twelve."""
     from fractions import Fraction
 
     import av

@@ -1,4 +1,4 @@
-"""Errors pair by pair, as a table and as a picture, are those of the figures."""
+"""Errors pair by pair, as a table and as an image, are those of the figures."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from motorcade.fusion.metrics import Delta, Statistics, evaluate_matched, match
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
-from motorcade.replays.tasks.evaluation import error_picture, error_rows
+from motorcade.replays.tasks.evaluation import error_image, error_rows
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -45,9 +45,9 @@ def test_rows_have_every_pair_and_its_errors(matched):
         np.testing.assert_allclose(steps, np.linalg.norm(np.diff(positions, axis=0), axis=1))
 
 
-def test_the_picture_names_what_it_shows_and_is_the_same_each_time(matched):
-    svg = error_picture(matched, Delta(0.5, "m"))
-    assert svg == error_picture(matched, Delta(0.5, "m"))
+def test_the_image_names_what_it_shows_and_is_the_same_each_time(matched):
+    svg = error_image(matched, Delta(0.5, "m"))
+    assert svg == error_image(matched, Delta(0.5, "m"))
     shown = texts(svg)
     for name in matched:
         assert shown.count(name) == 2  # in the legend, and above its map
@@ -60,12 +60,12 @@ def test_the_picture_names_what_it_shows_and_is_the_same_each_time(matched):
     ("plane", "axes"), [("xz", ["x (m)", "z (m)"]), (None, ["x (m)", "y (m)"])]
 )
 def test_maps_lie_in_the_plane_that_was_asked_for_or_the_widest(matched, plane, axes):
-    shown = texts(error_picture(matched, Delta(), plane))
+    shown = texts(error_image(matched, Delta(), plane))
     assert [text for text in shown if re.fullmatch("[xyz] \\(m\\)", text)] == axes * len(matched)
 
 
 def test_a_single_pair_and_a_path_too_short_for_the_delta_are_drawn(matched):
     one = matched["near"]
     alone = match(one.estimate[:1], one.reference)
-    assert "near" in texts(error_picture({"near": alone}, Delta()))
-    assert "near" in texts(error_picture({"near": one}, Delta(1e3, "m")))
+    assert "near" in texts(error_image({"near": alone}, Delta()))
+    assert "near" in texts(error_image({"near": one}, Delta(1e3, "m")))

@@ -27,7 +27,7 @@ convention = "world_T_camera"
 
 
 def write_tiny(folder: Path, phase: float, count: int = 41) -> Path:
-    """Forty small pictures along a smooth path."""
+    """Forty small images along a smooth path."""
     (folder / "images").mkdir(parents=True)
     rng = np.random.default_rng(int(100 * phase))
     for index in range(count):

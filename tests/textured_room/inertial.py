@@ -1,4 +1,4 @@
-"""An IMU carried along a scenario's true path, for what fuses pictures with inertia.
+"""An IMU carried along a scenario's true path, for what fuses images with inertia.
 
 The sensor sits beside the camera, x ahead and z up, and has the noise of EuRoC's ADIS16448.
 """

@@ -1,7 +1,7 @@
 """Writes the textured room as a recording in the TUM RGB-D layout, to be read like any user's.
 
-Grey PNG pictures, 16-bit depth in 1/5000 m (0 where there is none; nothing is farther than 13.1 m),
-the right pictures of the pair with their list `right.txt`, exact truth, and a manifest with the
+Grey PNG images, 16-bit depth in 1/5000 m (0 where there is none; nothing is farther than 13.1 m),
+the right images of the pair with their list `right.txt`, exact truth, and a manifest with the
 camera and the pair.
 """
 
@@ -59,8 +59,8 @@ def write_recording(
         views = progress(views, "drawing the room", scenario.frames)
     stamps = [f"{ns // 10**9}.{ns % 10**9:09d}" for ns in truth.time_ns.tolist()]
     for stamp, view in zip(stamps, views, strict=True):
-        for kind, picture in zip(_FOLDERS, _pictures(view), strict=True):
-            _write(folder / kind / f"{stamp}.png", picture)
+        for kind, image in zip(_FOLDERS, _images(view), strict=True):
+            _write(folder / kind / f"{stamp}.png", image)
     for kind in _FOLDERS:
         rows = chain(["# timestamp filename"], (f"{s} {kind}/{s}.png" for s in stamps))
         write_bytes(folder / f"{kind}.txt", _lines(rows))
@@ -69,16 +69,16 @@ def write_recording(
     write_bytes(folder / "motorcade.toml", _lines([*_manifest(name, scenario.sensor), *carried]))
 
 
-def _pictures(view: View) -> Iterator[NDArray[np.generic]]:
-    """The pictures of a view as they are stored."""
+def _images(view: View) -> Iterator[NDArray[np.generic]]:
+    """The images of a view as they are stored."""
     yield view.gray
     units = np.rint(np.nan_to_num(view.depth_m, nan=0.0) * DEPTH_UNITS_PER_M)
     yield np.where(units < 65535, units, 0).astype(np.uint16)
     yield view.right
 
 
-def _write(path: Path, picture: NDArray[np.generic]) -> None:
-    if not cv2.imwrite(str(path), picture, [cv2.IMWRITE_PNG_COMPRESSION, 1]):
+def _write(path: Path, image: NDArray[np.generic]) -> None:
+    if not cv2.imwrite(str(path), image, [cv2.IMWRITE_PNG_COMPRESSION, 1]):
         raise OSError(f"{path}: cannot be written")
 
 

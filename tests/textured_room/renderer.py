@@ -1,6 +1,6 @@
-"""Draws a room of flat panels: a warp a tile, the nearest one a pixel; grey, depth, right picture.
+"""Draws a room of flat panels: a warp a tile, the nearest one a pixel; grey, depth, right image.
 
-Along a picture's rows and columns, the inverse depth of a plane, and its texture coordinates times
+Along an image's rows and columns, the inverse depth of a plane, and its texture coordinates times
 that, are affine: with ``[s t 1] / z = G [x y 1]`` all coverage and depth follow exactly, so only
 the textures are resampled (bilinear, at the level of their pyramid that suits their distance).
 Edges are not smoothed: a pixel shows what its centre's ray meets.
@@ -41,7 +41,7 @@ class Sensor:
         baseline_m: how far the right camera stands to the right.
         noise: of a pixel, standard deviation in grey levels.
         depth_noise_px: of the depth, as disparity of the pair, standard deviation in pixels.
-        exposures: pictures averaged into one, where it is taken over a path (motion blur).
+        exposures: images averaged into one, where it is taken over a path (motion blur).
 
     Raises:
         ValueError: a camera with distortion, a baseline or count that is not above zero, negative
@@ -74,7 +74,7 @@ class View:
     Args:
         gray: ``(h, w)`` uint8.
         depth_m: ``(h, w)`` float32, distance along the optical axis; NaN where nothing is.
-        right: ``(h, w)`` uint8, the right picture of the rectified pair.
+        right: ``(h, w)`` uint8, the right image of the rectified pair.
     """
 
     gray: Image
@@ -129,18 +129,18 @@ class Renderer:
         return View(gray, self._measured(depth, rng), other)
 
     def draw(self, world_T_camera: Motor) -> tuple[Image, Depth]:
-        """The exact picture and depth from one pose, without noise."""
+        """The exact image and depth from one pose, without noise."""
         camera = self.sensor.camera
         camera_T_world = world_T_camera.inverse().as_matrix()
         turned = camera_T_world[:3, :3] @ self._frames
         turned[:, :, 2] += camera_T_world[:3, 3]
-        picture = np.zeros((camera.height, camera.width), dtype=np.uint8)
-        nearness = np.full(picture.shape, 0.0, dtype=np.float32)
+        image = np.zeros((camera.height, camera.width), dtype=np.uint8)
+        nearness = np.full(image.shape, 0.0, dtype=np.float32)
         for index in self._in_view(turned):
-            self._draw_tile(turned[index], self._pyramids[index], picture, nearness)
+            self._draw_tile(turned[index], self._pyramids[index], image, nearness)
         with np.errstate(divide="ignore"):
             depth = np.where(nearness > 0.0, 1.0 / nearness, np.float32(np.nan))
-        return picture, depth
+        return image, depth
 
     def _in_view(self, turned: FloatArray) -> NDArray[np.intp]:
         """Tiles that face the camera and are not wholly beside or behind what it sees."""
@@ -163,7 +163,7 @@ class Renderer:
         return np.flatnonzero(facing & ~beside)
 
     def _draw_tile(
-        self, turned: FloatArray, pyramid: list[Image], picture: Image, nearness: Depth
+        self, turned: FloatArray, pyramid: list[Image], image: Image, nearness: Depth
     ) -> None:
         """Draw one tile where it is nearer than what is there."""
         to_pixels = self.sensor.camera.matrix @ turned
@@ -172,7 +172,7 @@ class Renderer:
             return
         seen = outline[:, :2] / outline[:, 2:]
         low = np.maximum(np.floor(seen.min(axis=0)), 0).astype(int)
-        size = (picture.shape[1], picture.shape[0])
+        size = (image.shape[1], image.shape[0])
         high = np.minimum(np.ceil(seen.max(axis=0)) + 1, size).astype(int)
         if np.any(high <= low):
             return
@@ -192,7 +192,7 @@ class Renderer:
             flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
             borderMode=cv2.BORDER_REPLICATE,
         )
-        np.copyto(picture[window], warped, where=inside)
+        np.copyto(image[window], warped, where=inside)
         np.copyto(nearness[window], inverse_depth, where=inside)
 
     def _measured(self, depth_m: Depth, rng: np.random.Generator) -> Depth:
@@ -278,12 +278,12 @@ def _area(polygon: FloatArray) -> float:
 
 
 def _averaged(drawn: list[tuple[Image, Depth]]) -> NDArray[np.float32]:
-    """The mean of several pictures."""
+    """The mean of several images."""
     return np.asarray(np.mean([p for p, _ in drawn], axis=0), dtype=np.float32)
 
 
-def _exposed(picture: NDArray[np.float32], noise: float, rng: np.random.Generator) -> Image:
-    """A picture with noise, rounded."""
+def _exposed(image: NDArray[np.float32], noise: float, rng: np.random.Generator) -> Image:
+    """An image with noise, rounded."""
     if noise > 0.0:
-        picture = picture + np.float32(noise) * rng.standard_normal(picture.shape, np.float32)
-    return np.asarray(np.clip(np.rint(picture), 0, 255), dtype=np.uint8)
+        image = image + np.float32(noise) * rng.standard_normal(image.shape, np.float32)
+    return np.asarray(np.clip(np.rint(image), 0, 255), dtype=np.uint8)

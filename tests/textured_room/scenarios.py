@@ -43,7 +43,7 @@ class Scenario:
         path: poses by time; the first frame is at 0 s.
         frames: how many, at `RATE_HZ`.
         sensor: what looks.
-        exposure_s: how long each picture is exposed, its stamp in the middle; 0 for no blur.
+        exposure_s: how long each image is exposed, its stamp in the middle; 0 for no blur.
         covered: first frame in which nothing is seen, and the first after it.
         darkened: first frame in which the light goes down, and the first after it is back;
             least_light: what is left of it in the middle of them. The noise stays.
@@ -85,7 +85,7 @@ class Scenario:
         return Trajectory(time_ns, self.path(time_ns * 1e-9))
 
     def views(self) -> Iterator[View]:
-        """Draw all frames, in order; the same seed gives the same pictures.
+        """Draw all frames, in order; the same seed gives the same images.
 
         A frame's noise depends on its number alone, not on how many there are.
         """
@@ -112,7 +112,7 @@ class Scenario:
         return Renderer(furnished_room(rng, textured=self.textured), self.sensor)
 
     def _exposed_s(self, middle_s: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-        """Times that one picture averages."""
+        """Times that one image averages."""
         if self.exposure_s == 0.0:
             return np.array(middle_s)
         count = self.sensor.exposures

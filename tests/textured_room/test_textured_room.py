@@ -66,9 +66,9 @@ def oblique_panel(rng: np.random.Generator) -> Panel:
     )
 
 
-def test_a_picture_shows_the_texture_where_projection_puts_it(rng: np.random.Generator) -> None:
+def test_an_image_shows_the_texture_where_projection_puts_it(rng: np.random.Generator) -> None:
     panel = oblique_panel(rng)
-    picture, depth = Renderer(Room((panel,)), QUIET).draw(Motor.identity())
+    image, depth = Renderer(Room((panel,)), QUIET).draw(Motor.identity())
     rows, columns = np.nonzero(np.isfinite(depth))
     assert len(rows) > 5000
     points = SMALL.unproject(np.column_stack([columns, rows])) * depth[rows, columns, None]
@@ -79,7 +79,7 @@ def test_a_picture_shows_the_texture_where_projection_puts_it(rng: np.random.Gen
     # Tiles replicate their edges: compare where no tile's edge is between the texels used.
     inner = (np.abs(u - 39.5) > 1.0) & (u > 1) & (u < 78) & (v > 1) & (v < 58)
     wanted = map_coordinates(panel.texture.astype(float), [v[inner], u[inner]], order=1)
-    shown = picture[rows[inner], columns[inner]]
+    shown = image[rows[inner], columns[inner]]
     # OpenCV interpolates at 32 places between texels.
     assert np.abs(shown - wanted).max() < 12.0
     assert np.abs(shown - wanted).mean() < 2.0
@@ -108,7 +108,7 @@ def test_points_of_one_view_are_found_in_another(room: Room, rng: np.random.Gene
     assert np.median(np.abs(shifted - before)) > 3.0 * np.median(same)
 
 
-def test_the_right_picture_is_shifted_by_focal_length_times_baseline_over_depth(
+def test_the_right_image_is_shifted_by_focal_length_times_baseline_over_depth(
     rng: np.random.Generator,
 ) -> None:
     texture = rng.integers(0, 256, (300, 400)).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""Exact pictures of boards: every pixel is the mean of many rays traced onto the printed cells."""
+"""Exact images of boards: every pixel is the mean of many rays traced onto the printed cells."""
 
 from collections.abc import Callable
 from functools import lru_cache
@@ -48,7 +48,7 @@ def _brightness(board: Board, x: np.ndarray, y_down: np.ndarray) -> np.ndarray:
 
 @pytest.fixture(scope="session")
 def render() -> Render:
-    """``render(board, camera, world_T_camera, blur_px=0.7, noise=0.0, seed=0)`` -> grey picture."""
+    """``render(board, camera, world_T_camera, blur_px=0.7, noise=0.0, seed=0)`` -> grey image."""
 
     def make(
         board: Board,
@@ -65,11 +65,11 @@ def render() -> Render:
         x, y = origin[0] + distance * across, origin[1] + distance * up
         levels = np.where(distance > 0.0, _brightness(board, x, -y), TABLE)
         shape = (camera.height, SAMPLES, camera.width, SAMPLES)
-        picture = levels.reshape(shape).mean(axis=(1, 3))
+        image = levels.reshape(shape).mean(axis=(1, 3))
         if blur_px > 0.0:
-            picture = cv2.GaussianBlur(picture, (0, 0), blur_px)
-        picture = picture + noise * np.random.default_rng(seed).standard_normal(picture.shape)
-        return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
+            image = cv2.GaussianBlur(image, (0, 0), blur_px)
+        image = image + noise * np.random.default_rng(seed).standard_normal(image.shape)
+        return np.clip(np.rint(image), 0, 255).astype(np.uint8)
 
     return make
 
@@ -80,7 +80,7 @@ def look_at() -> LookAt:
 
     The camera looks at the board's middle from `distance_m`, `tilt_deg` off its normal in the
     direction `azimuth_deg` (0 = from the printed right), rolled about its own axis. Without roll
-    the board stands upright in the picture when seen head on.
+    the board stands upright in the image when seen head on.
     """
 
     def make(

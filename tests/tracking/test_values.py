@@ -59,7 +59,7 @@ def test_names_of_files_that_lack_a_number_are_refused(name: str) -> None:
         board_named(name)
 
 
-def test_depth_is_undistorted_as_pictures_are() -> None:
+def test_depth_is_undistorted_as_images_are() -> None:
     """Of an image whose depths are its own columns: each pixel shows the column it came from."""
     bent = replace(CAMERA, model="radtan", distortion=(-0.2, 0.05, 0.0, 0.0))
     depth = np.tile(np.arange(64, dtype=np.float32), (48, 1))

@@ -1,4 +1,4 @@
-"""Markers at the rim of a fisheye's picture: none is left out for its angle."""
+"""Markers at the rim of a fisheye's image: none is left out for its angle."""
 
 import numpy as np
 import pytest

@@ -1,8 +1,8 @@
-"""Poses of a camera over a board, picture by picture, and the errors that they have in common.
+"""Poses of a camera over a board, image by image, and the errors that they have in common.
 
-A camera that is calibrated from the same pictures is known only so well, and its error moves every
+A camera that is calibrated from the same images is known only so well, and its error moves every
 pose. Least squares over camera and poses splits into two parts that lose nothing (Schur): what all
-pictures together say of the intrinsics, and what each picture says of its pose at given intrinsics,
+images together say of the intrinsics, and what each image says of its pose at given intrinsics,
 with how that moves as the intrinsics do. Whoever goes on to estimate more from the poses, as
 `motorcade.fusion.camera_imu` does, takes both, and has in effect used every corner.
 
@@ -48,7 +48,7 @@ class BoardMeasurements:
     Fields:
         camera: who saw it, as given or as found.
         calibration: how it was found; None where it was given.
-        views: V, in how many pictures the board was found.
+        views: V, in how many images the board was found.
         measurements: ``world_T_camera`` of the N that fit, the board's frame the world; covariances
             at given intrinsics.
         intrinsics_root: ``(p, p)``; times p numbers of unit normal distribution it gives errors of
@@ -107,7 +107,7 @@ def measure_board(
         time_ns: ``(V,)`` stamps of the views, rising.
         views: corners of one board.
         camera: known; None: it is found from these views.
-        size: width and height of the pictures, where the camera is to be found.
+        size: width and height of the images, where the camera is to be found.
         model: of its lens.
 
     Raises:

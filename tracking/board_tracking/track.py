@@ -43,10 +43,10 @@ class BoardTrack:
 
     >>> from motorcade.tracking import Camera, SingleMarker, track_board
     >>> board = SingleMarker("tag36h11", 7, side_m=0.1)
-    >>> picture, _ = board.draw(pixels_per_m=1000.0)
-    >>> camera = Camera(picture.shape[1], picture.shape[0], 200.0, 200.0, 69.5, 69.5)
-    >>> blank = picture * 0 + 255
-    >>> track = track_board([(0, picture), (33_000_000, blank)], camera, board)
+    >>> image, _ = board.draw(pixels_per_m=1000.0)
+    >>> camera = Camera(image.shape[1], image.shape[0], 200.0, 200.0, 69.5, 69.5)
+    >>> blank = image * 0 + 255
+    >>> track = track_board([(0, image), (33_000_000, blank)], camera, board)
     >>> len(track), track.count("lost"), len(track.observations)
     (2, 1, 1)
     >>> world_T_camera = track.measurements.trajectory.motors  # the board's frame is the world
@@ -103,7 +103,7 @@ def track_board(
     """Track a board through a recording.
 
     Args:
-        frames: stamps in nanoseconds, strictly increasing, and grey uint8 pictures of the
+        frames: stamps in nanoseconds, strictly increasing, and grey uint8 images of the
             camera's size; read one by one.
         camera: the camera that took them.
         board: the board to look for.
@@ -113,13 +113,13 @@ def track_board(
 
     Raises:
         TrackingError: no frames, or none in which the board is seen.
-        ValueError: pictures or stamps that `BoardTracker.update` refuses.
+        ValueError: images or stamps that `BoardTracker.update` refuses.
 
     >>> from motorcade.tracking import Camera, SingleMarker, track_board
     >>> board = SingleMarker("tag36h11", 7, side_m=0.1)
-    >>> picture, _ = board.draw(pixels_per_m=1000.0)
-    >>> camera = Camera(picture.shape[1], picture.shape[0], 200.0, 200.0, 69.5, 69.5)
-    >>> frames = [(0, picture), (33_000_000, picture * 0 + 255), (66_000_000, picture)]
+    >>> image, _ = board.draw(pixels_per_m=1000.0)
+    >>> camera = Camera(image.shape[1], image.shape[0], 200.0, 200.0, 69.5, 69.5)
+    >>> frames = [(0, image), (33_000_000, image * 0 + 255), (66_000_000, image)]
     >>> track = track_board(frames, camera, board)
     >>> track.states.tolist(), len(track.measurements)
     (['detected', 'lost', 'detected'], 2)
@@ -211,9 +211,9 @@ def registration_px(
     >>> from motorcade.ga import Motor
     >>> from motorcade.tracking import Camera, SingleMarker, registration_px, track_board
     >>> board = SingleMarker("tag36h11", 7, side_m=0.1)
-    >>> picture, _ = board.draw(pixels_per_m=1000.0)
-    >>> camera = Camera(picture.shape[1], picture.shape[0], 200.0, 200.0, 69.5, 69.5)
-    >>> track = track_board([(0, picture), (33_000_000, picture)], camera, board)
+    >>> image, _ = board.draw(pixels_per_m=1000.0)
+    >>> camera = Camera(image.shape[1], image.shape[0], 200.0, 200.0, 69.5, 69.5)
+    >>> track = track_board([(0, image), (33_000_000, image)], camera, board)
     >>> path = track.measurements.trajectory  # the board's frame is the world
     >>> errors_px = registration_px(path, track, board, camera, world_T_board=Motor.identity())
     >>> bool(errors_px.max() < 0.2)

@@ -1,14 +1,14 @@
 """Tracking a board through a recording: detect once, track cheaply, detect again when in doubt.
 
 The board frame is called ``world``; poses are ``world_T_camera``. A frame is ``detected`` where the
-whole picture was searched, ``tracked`` where the corners came from the frame before, ``lost``
-where no pose was found. No random numbers: the same pictures give the same bytes.
+whole image was searched, ``tracked`` where the corners came from the frame before, ``lost``
+where no pose was found. No random numbers: the same images give the same bytes.
 
 `BoardTracker` reads from `update` downward: `_located` tracks or detects corners, `_solved` fits a
 pose to them without outliers (`inliers`), and `choose_pose` decides which of the two poses that a
 flat board allows is the true one. That choice is a shortest path (Viterbi 1967), computed online:
 each candidate costs what its pixels say against it, and each step costs the rotation between the
-frames. So clear pictures decide for the unclear ones after them.
+frames. So clear images decide for the unclear ones after them.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.boards import Board, BoardCorners, GrayImage
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import check_count, checked_gray
+from motorcade.tracking.images import track_corners
 from motorcade.tracking.measurements import MarkerObservation
-from motorcade.tracking.pictures import track_corners
 from motorcade.tracking.pose import (
     PlanarCandidates,
     RefinedPose,
@@ -44,7 +44,7 @@ _CLEAR = 200.0
 
 # How long an earlier pose still helps to choose between candidates and numberings.
 _CONTINUITY_NS = 500_000_000
-# Search the whole picture again, at most every so many frames, where less than this share of the
+# Search the whole image again, at most every so many frames, where less than this share of the
 # corners of the last search is left; or at once where the error is above both limits.
 _RETRY_FRAMES = 5
 _GOOD_SHARE = 0.75
@@ -62,7 +62,7 @@ _NEAR_PX = 1.0
 
 @dataclass(frozen=True, eq=False)
 class PoseChoice:
-    """The chosen pose, and what the next picture needs to know of both.
+    """The chosen pose, and what the next image needs to know of both.
 
     Args:
         pose: the chosen candidate, refined on all corners.
@@ -88,7 +88,7 @@ def choose_pose(
         candidates: both planar poses of these corners.
         corners: what was seen.
         camera: what it was seen with.
-        before: the choice in an earlier picture of the same board; without one the smaller
+        before: the choice in an earlier image of the same board; without one the smaller
             reprojection error decides, and for small or distant boards it may be wrong.
         elapsed_s: seconds since then, above zero where `before` is given.
 
@@ -173,12 +173,12 @@ class _Fit:
 
 
 class BoardTracker:
-    """Tracks one board through pictures that arrive in order of time.
+    """Tracks one board through images that arrive in order of time.
 
     Args:
-        camera: the camera that took the pictures.
+        camera: the camera that took the images.
         board: the board to look for.
-        redetect_every: frames after which the whole picture is searched even if all is well.
+        redetect_every: frames after which the whole image is searched even if all is well.
 
     Raises:
         ValueError: a `redetect_every` below 1.
@@ -186,10 +186,10 @@ class BoardTracker:
     >>> import numpy as np
     >>> from motorcade.tracking import BoardTracker, Camera, SingleMarker
     >>> board = SingleMarker("tag36h11", 7, side_m=0.1)
-    >>> picture, _ = board.draw(pixels_per_m=1000.0)
-    >>> camera = Camera(picture.shape[1], picture.shape[0], 200.0, 200.0, 69.5, 69.5)
+    >>> image, _ = board.draw(pixels_per_m=1000.0)
+    >>> camera = Camera(image.shape[1], image.shape[0], 200.0, 200.0, 69.5, 69.5)
     >>> tracker = BoardTracker(camera, board)
-    >>> frames = [tracker.update(picture, time_ns) for time_ns in (0, 33_000_000)]
+    >>> frames = [tracker.update(image, time_ns) for time_ns in (0, 33_000_000)]
     >>> [frame.state for frame in frames]
     ['detected', 'tracked']
     >>> frames[1].world_T_camera.translation_m[2].round(2)  # before the printed face
@@ -211,14 +211,14 @@ class BoardTracker:
         self._search_error_px = 0.0
 
     def update(self, image: GrayImage, time_ns: int) -> BoardFrame | None:
-        """Take the next picture; None where the board is not seen in it.
+        """Take the next image; None where the board is not seen in it.
 
         Args:
             image: ``(height, width)`` uint8 grey, of the camera's size.
-            time_ns: its stamp, later than that of the picture before.
+            time_ns: its stamp, later than that of the image before.
 
         Raises:
-            ValueError: another type or size of picture, or a stamp that is not later.
+            ValueError: another type or size of image, or a stamp that is not later.
         """
         self._check(image, time_ns)
         self._time_ns, self._started = int(time_ns), True

@@ -53,10 +53,10 @@ def pixel_offsets(
     >>> from motorcade.tracking import Camera, SingleMarker, track_board
     >>> from motorcade.tracking.board_tracking.witness import pixel_offsets
     >>> board = SingleMarker("tag36h11", 7, side_m=0.1)
-    >>> picture, _ = board.draw(pixels_per_m=1000.0)
-    >>> camera = Camera(picture.shape[1], picture.shape[0], 200.0, 200.0, 69.5, 69.5)
-    >>> pose = track_board([(0, picture)], camera, board).measurements.trajectory.motors[0]
-    >>> bool(abs(pixel_offsets(picture, board, camera, pose)).max() < 0.2)
+    >>> image, _ = board.draw(pixels_per_m=1000.0)
+    >>> camera = Camera(image.shape[1], image.shape[0], 200.0, 200.0, 69.5, 69.5)
+    >>> pose = track_board([(0, image)], camera, board).measurements.trajectory.motors[0]
+    >>> bool(abs(pixel_offsets(image, board, camera, pose)).max() < 0.2)
     True
     """
     if isinstance(board, CircleGrid):

@@ -1,4 +1,4 @@
-"""Printed boards: values that can be drawn, found in pictures and refined to sub-pixels."""
+"""Printed boards: values that can be drawn, found in images and refined to sub-pixels."""
 
 from __future__ import annotations
 

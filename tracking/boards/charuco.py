@@ -39,8 +39,8 @@ class CharucoBoard(SquaresBoard):
 
     >>> from motorcade.tracking import CharucoBoard
     >>> board = CharucoBoard("aruco_5x5_100", columns=5, rows=4, square_m=0.04, marker_m=0.03)
-    >>> picture, origin_px = board.draw(pixels_per_m=2000.0)
-    >>> len(board.detect(picture)), board.name
+    >>> image, origin_px = board.draw(pixels_per_m=2000.0)
+    >>> len(board.detect(image)), board.name
     (12, 'charuco_aruco_5x5_100_5x4_40mm_30mm')
     """
 
@@ -113,7 +113,7 @@ class CharucoBoard(SquaresBoard):
         `camera` is not needed.
 
         Raises:
-            ValueError: not a grey uint8 picture.
+            ValueError: not a grey uint8 image.
         """
         places, ids, _, _ = _detector(self).detectBoard(checked_gray(image))
         if ids is None or len(ids) == 0:

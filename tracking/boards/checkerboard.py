@@ -1,10 +1,10 @@
 """Checkerboards: black and white squares, found whole, numbered by their colours.
 
-The printed picture has a black square above and left of its first inner corner. Turned by 180
+The printed image has a black square above and left of its first inner corner. Turned by 180
 degrees a board with an odd sum of inner columns and rows has a white one there, so its numbering
 is unique. With an even sum (and, for as many columns as rows, under quarter turns too) the print
 looks the same turned: then the numbering is the one whose rows run most nearly to the right in
-the picture, and `aligned` keeps it steady over time; no picture can tell which way such a board
+the image, and `aligned` keeps it steady over time; no image can tell which way such a board
 was printed.
 """
 
@@ -39,8 +39,8 @@ class Checkerboard(SquaresBoard):
     array([[ 0.  ,  0.  ,  0.  ],
            [ 0.24,  0.  ,  0.  ],
            [ 0.24, -0.15,  0.  ]])
-    >>> picture, origin_px = board.draw(pixels_per_m=1000.0)
-    >>> len(board.detect(picture))
+    >>> image, origin_px = board.draw(pixels_per_m=1000.0)
+    >>> len(board.detect(image))
     54
     """
 
@@ -81,12 +81,12 @@ class Checkerboard(SquaresBoard):
         (Duda & Frese 2018) where it fails. `camera` is not needed.
 
         Raises:
-            ValueError: not a grey uint8 picture.
+            ValueError: not a grey uint8 image.
         """
         size = (self.columns, self.rows)
         seen, raw = cv2.findChessboardCorners(checked_gray(image), size, flags=QUICK)
         if not seen:
-            cv2.setRNGSeed(1)  # it draws random numbers: the same picture, the same corners
+            cv2.setRNGSeed(1)  # it draws random numbers: the same image, the same corners
             seen, raw = cv2.findChessboardCornersSB(image, size, flags=0)
         if not seen:
             return None

@@ -21,7 +21,7 @@ from motorcade.tracking.boards.corners import Board, BoardCorners, Pattern
 from motorcade.tracking.boards.squares import map_plane, plane_homography
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, check_count, check_length, checked_gray
-from motorcade.tracking.pictures import grey_levels
+from motorcade.tracking.images import grey_levels
 
 _CELLS = 48
 """Cells of the printed pattern across a circle."""
@@ -107,7 +107,7 @@ class CircleGrid(Board):
         """Find all circles; None unless every one is seen. `camera` is not needed.
 
         Raises:
-            ValueError: not a grey uint8 picture.
+            ValueError: not a grey uint8 image.
         """
         kind = cv2.CALIB_CB_ASYMMETRIC_GRID if self.asymmetric else cv2.CALIB_CB_SYMMETRIC_GRID
         gray = checked_gray(image)

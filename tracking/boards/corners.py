@@ -5,10 +5,10 @@ z out of the printed face; metres. Corners below the first one therefore have ne
 of corners is the board's own, row by row as printed; marker corners run clockwise from the printed
 top-left one.
 
-Flat patterns of black and white cells, and pictures of them drawn by exact area coverage.
+Flat patterns of black and white cells, and images of them drawn by exact area coverage.
 
 A pattern lives in printed coordinates: metres, x right and y down from the board's origin (so
-printed y is minus the board frame's y). Pictures follow the house: pixel (0, 0) is the centre of
+printed y is minus the board frame's y). Images follow the house: pixel (0, 0) is the centre of
 the top-left pixel, 0 is black.
 """
 
@@ -52,7 +52,7 @@ def draw(pattern: Pattern, pixels_per_m: float) -> tuple[NDArray[np.uint8], tupl
     """Draw a pattern at any scale; every pixel is the mean of the paper that it covers.
 
     Returns:
-        the uint8 picture, and the pixel ``(column, row)`` of the origin in it: the printed point
+        the uint8 image, and the pixel ``(column, row)`` of the origin in it: the printed point
         ``(x, y)`` lies at ``origin + pixels_per_m * (x, y)``.
 
     Raises:
@@ -67,8 +67,8 @@ def draw(pattern: Pattern, pixels_per_m: float) -> tuple[NDArray[np.uint8], tupl
         origin.append(-start - 0.5)
     across, down = weights
     black = down @ (~pattern.white).astype(np.float64) @ across.T
-    picture = np.rint(255.0 * (1.0 - black)).astype(np.uint8)
-    return picture, (origin[0], origin[1])
+    image = np.rint(255.0 * (1.0 - black)).astype(np.uint8)
+    return image, (origin[0], origin[1])
 
 
 def _coverage(edges_px: FloatArray, pixels: int) -> FloatArray:
@@ -84,7 +84,7 @@ _FLATTEST = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class BoardCorners:
-    """Corners of a board seen in one picture.
+    """Corners of a board seen in one image.
 
     Args:
         ids: ``(n,)`` whole numbers, rising; each is the corner's row in its board's ``points_m``.
@@ -177,7 +177,7 @@ class Board(ABC):
 
     @abstractmethod
     def detect(self, image: GrayImage, camera: Camera | None = None) -> BoardCorners | None:
-        """Find the board in a whole grey picture, corners refined; None where it is not seen."""
+        """Find the board in a whole grey image, corners refined; None where it is not seen."""
 
     @abstractmethod
     def refine_corners(
@@ -193,10 +193,10 @@ class Board(ABC):
     def confirms(
         self, image: GrayImage, corners: BoardCorners, project: Callable[[FloatArray], FloatArray]
     ) -> bool:
-        """Whether corners that were tracked are numbered rightly, as far as this picture tells.
+        """Whether corners that were tracked are numbered rightly, as far as this image tells.
 
         Args:
-            image: grey picture.
+            image: grey image.
             corners: as tracked.
             project: points ``(n, 3)`` of the board to pixels ``(n, 2)``, by the corners' pose.
         """
@@ -238,5 +238,5 @@ class Board(ABC):
         return BoardCorners(ids, corners.corners_px[order], self.points_m[ids])
 
     def draw(self, pixels_per_m: float) -> tuple[GrayImage, tuple[float, float]]:
-        """The printed picture with its quiet zone, and the pixel of the board's origin in it."""
+        """The printed image with its quiet zone, and the pixel of the board's origin in it."""
         return draw(self.pattern, pixels_per_m)

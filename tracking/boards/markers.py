@@ -74,7 +74,7 @@ class _MarkerBoard(Board):
         Where an id is seen more than once the larger marker counts.
 
         Raises:
-            ValueError: not a grey uint8 picture.
+            ValueError: not a grey uint8 image.
         """
         seen: dict[int, FloatArray] = {}
         for marker in detect_markers(image, self.family, camera):
@@ -145,8 +145,8 @@ class MarkerGrid(_MarkerBoard):
 
     >>> from motorcade.tracking import MarkerGrid
     >>> board = MarkerGrid("tag36h11", columns=3, rows=2, marker_m=0.03, gap_m=0.009)
-    >>> picture, origin_px = board.draw(pixels_per_m=2000.0)
-    >>> board.detect(picture).ids.tolist() == list(range(24))  # four corners of each of six markers
+    >>> image, origin_px = board.draw(pixels_per_m=2000.0)
+    >>> board.detect(image).ids.tolist() == list(range(24))  # four corners of each of six markers
     True
     """
 

@@ -22,7 +22,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.boards.corners import Board, BoardCorners
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
-from motorcade.tracking.pictures import grey_levels
+from motorcade.tracking.images import grey_levels
 
 # Up-left, up-right, down-right, down-left of a corner, in the board frame.
 _DIAGONALS = np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
@@ -44,7 +44,7 @@ def refine_saddles(
     """Refine corners to the saddles near them.
 
     Args:
-        image: grey picture.
+        image: grey image.
         points_m: ``(n, 2)`` the corners on the board, n at least 4 and not all on one line.
         corners_px: ``(n, 2)`` where they are, to a pixel or two.
         black_up_left: ``(n,)`` whether the square above and left of the corner is black.
@@ -52,7 +52,7 @@ def refine_saddles(
 
     Returns:
         places ``(n, 2)``, and a mask ``(n,)`` of those that look like the print there: inside the
-        picture, coloured as expected with at least a third of the median contrast, and not
+        image, coloured as expected with at least a third of the median contrast, and not
         drawn away from where they were expected by more than the window.
     """
     homography = plane_homography(points_m, corners_px)
@@ -194,7 +194,7 @@ class SquaresBoard(Board):
     def confirms(
         self, image: GrayImage, corners: BoardCorners, project: Callable[[FloatArray], FloatArray]
     ) -> bool:
-        """Whether the board ends where the corners' numbers say, in the picture.
+        """Whether the board ends where the corners' numbers say, in the image.
 
         A grid explains a board's corners as well from whole squares beside its place; then lines
         of corners go on beyond its edge on one side, and are missing on the other.

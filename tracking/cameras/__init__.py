@@ -1,1 +1,1 @@
-"""Cameras: intrinsics and lenses, and their calibration from pictures of a board."""
+"""Cameras: intrinsics and lenses, and their calibration from images of a board."""

@@ -1,4 +1,4 @@
-"""Calibration of a camera from pictures of a board: intrinsics, how sure they are, what was used.
+"""Calibration of a camera from images of a board: intrinsics, how sure they are, what was used.
 
 All views are fitted at once (`intrinsics_fit`); views that fit much worse than the others are left
 out. What the views cannot tell (too few, all at one angle) is refused, not guessed.
@@ -26,7 +26,7 @@ from motorcade.tracking.cameras.intrinsics_fit import Fit, Observations, fit_cam
 from motorcade.tracking.pose import SIGMA_FLOOR_PX, TrackingError, planar_candidates, refine
 
 LEAST_VIEWS = 3
-# Focal lengths to start from, in picture widths.
+# Focal lengths to start from, in image widths.
 _FOCAL_STARTS = (0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 3.0, 5.0)
 _COEFFICIENTS: dict[CameraModel, int] = {"pinhole": 0, "radtan": 4, "equidistant": 4}
 _ROUNDS = 5
@@ -95,7 +95,7 @@ class Calibration:
         return _largest_turn_deg(self.camera_T_board)
 
     def coverage(self, views: Sequence[BoardCorners]) -> float:
-        """Share of the picture's 8 by 6 cells that hold a corner of a used view."""
+        """Share of the image's 8 by 6 cells that hold a corner of a used view."""
         columns, rows = _COVERAGE_CELLS
         seen = np.concatenate(
             [view.corners_px for view, used in zip(views, self.used, strict=True) if used]
@@ -113,8 +113,8 @@ def calibrate(
 
     Args:
         views: corners of one board, each view from another place; ten or more, tilted up to about
-            45 degrees all ways and filling the picture between them, are a good calibration.
-        size: width and height of the pictures, pixels.
+            45 degrees all ways and filling the image between them, are a good calibration.
+        size: width and height of the images, pixels.
         model: "pinhole", "radtan" (k1 k2 p1 p2) or "equidistant" (k1 k2 k3 k4).
 
     Raises:
@@ -176,7 +176,7 @@ def calibrate(
 def spread_views(views: Sequence[BoardCorners], most: int) -> IntArray:
     """Choose at most `most` views that differ most, rising: neighbours in a video hardly do.
 
-    Farthest points first (Gonzalez 1985), by where the board's outermost points lie in the picture.
+    Farthest points first (Gonzalez 1985), by where the board's outermost points lie in the image.
     """
     points = np.concatenate([view.points_m[:, :2] for view in views])
     low, high = points.min(axis=0), points.max(axis=0)
@@ -191,7 +191,7 @@ def spread_views(views: Sequence[BoardCorners], most: int) -> IntArray:
 
 
 def _mapped(view: BoardCorners, points: FloatArray) -> FloatArray:
-    """Where points of the board lie in the picture, by an affine fit to the view's corners."""
+    """Where points of the board lie in the image, by an affine fit to the view's corners."""
     ones = np.ones((len(view), 1))
     affine, *_ = np.linalg.lstsq(np.hstack([view.points_m[:, :2], ones]), view.corners_px)
     mapped: FloatArray = np.hstack([points, np.ones((len(points), 1))]) @ affine
@@ -326,7 +326,7 @@ def try_lenses(views: Sequence[BoardCorners], size: tuple[int, int]) -> tuple[Le
     Args:
         views: as for `calibrate`; of fewer than four none can be held out, and `held_out_px` is
             infinite.
-        size: width and height of the pictures, pixels.
+        size: width and height of the images, pixels.
 
     Returns:
         a trial of each model, the simplest model first.

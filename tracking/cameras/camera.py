@@ -40,7 +40,7 @@ _COEFFICIENT_COUNTS: dict[str, tuple[int, ...]] = {
 }
 
 _MARGIN = 1.1
-"""A model is to be one-to-one so far beyond a picture's corners: its slope is nothing at a fold."""
+"""A model is to be one-to-one so far beyond an image's corners: its slope is nothing at a fold."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Camera:
     """Intrinsics of one camera.
 
     Fields:
-        width, height: picture size, pixels.
+        width, height: image size, pixels.
         fx, fy: focal lengths, pixels, above zero.
         cx, cy: principal point, pixels; (0, 0) is the centre of the top-left pixel.
         model: "pinhole", "radtan" or "equidistant".
@@ -117,7 +117,7 @@ class Camera:
 
         Points that the model gives no image (at or behind the camera's plane; for "equidistant"
         only the camera centre and what is straight behind it) become NaN. Far outside the
-        calibrated field a radtan polynomial may fold back into the picture; nothing here can know
+        calibrated field a radtan polynomial may fold back into the image; nothing here can know
         where it was fitted.
 
         Args:
@@ -174,7 +174,7 @@ class Camera:
         return lenses.bearings(self.model, self._coefficients, plane)
 
     def undistort(self, pixels: ArrayLike) -> FloatArray:
-        """Where pixels ``(*, 2)`` of this camera lie in the picture of `undistorted`.
+        """Where pixels ``(*, 2)`` of this camera lie in the image of `undistorted`.
 
         Straight lines of the world are straight there. NaN where `unproject` gives NaN.
 
@@ -184,7 +184,7 @@ class Camera:
         return self._to_pixels(self.unproject(pixels)[..., :2])
 
     def distort(self, pixels: ArrayLike) -> FloatArray:
-        """Where pixels ``(*, 2)`` of `undistorted` lie in this camera's picture.
+        """Where pixels ``(*, 2)`` of `undistorted` lie in this camera's image.
 
         Raises:
             ValueError: not ``(*, 2)`` or not finite.
@@ -192,9 +192,9 @@ class Camera:
         return self.project(self.undistorted().unproject(pixels))
 
     def folds(self) -> bool:
-        """Whether the lens model folds back in the picture, or within a tenth beyond its corners.
+        """Whether the lens model folds back in the image, or within a tenth beyond its corners.
 
-        Radial terms that were fitted to the middle of pictures often do; pixels beyond the fold
+        Radial terms that were fitted to the middle of images often do; pixels beyond the fold
         have no ray. Told by the radial terms alone.
 
         >>> from motorcade.tracking import Camera
@@ -216,7 +216,7 @@ class Camera:
         return Camera(self.width, self.height, self.fx, self.fy, self.cx, self.cy)
 
     def undistort_image(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """Resample a picture as `undistorted` would have taken it.
+        """Resample an image as `undistorted` would have taken it.
 
         Grey ``(height, width)`` or colour ``(height, width, channels)``, bilinear.
         Pixels without a source are black. The maps are computed once a camera.
@@ -226,7 +226,7 @@ class Camera:
         """
         if image.dtype != np.uint8 or image.ndim not in (2, 3):
             raise ValueError(
-                f"image: expected a uint8 picture of 2 or 3 dimensions, "
+                f"image: expected a uint8 image of 2 or 3 dimensions, "
                 f"got {image.dtype} of shape {image.shape}"
             )
         if image.shape[:2] != (self.height, self.width):
@@ -273,7 +273,7 @@ class Camera:
 
 @lru_cache(maxsize=8)
 def _undistortion_source(camera: Camera) -> NDArray[np.float32]:
-    """Where in the taken picture each undistorted pixel comes from, ``(height, width, 2)``."""
+    """Where in the taken image each undistorted pixel comes from, ``(height, width, 2)``."""
     columns, rows = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
     return camera.distort(np.stack([columns, rows], axis=-1)).astype(np.float32)
 

@@ -219,7 +219,7 @@ def _undistort_equidistant(coefficients: FloatArray, plane: FloatArray) -> Float
 
 
 def _fold_rad(coefficients: FloatArray) -> float:
-    """Angle from the axis beyond which the picture would fold back, half a turn at most."""
+    """Angle from the axis beyond which the image would fold back, half a turn at most."""
     k1, k2, k3, k4 = coefficients
     square = _first_root(Polynomial([1.0, 3.0 * k1, 5.0 * k2, 7.0 * k3, 9.0 * k4]))
     return float(np.sqrt(min(square, np.pi**2)))

@@ -1,7 +1,7 @@
-"""How stored pictures become upright ones, and what that does to the camera that took them.
+"""How stored images become upright ones, and what that does to the camera that took them.
 
-A phone stores what its sensor reads and notes beside it how the picture is to be shown: mirrored or
-not, and turned by quarter turns. Turning a picture turns its camera's axes about the optical axis;
+A phone stores what its sensor reads and notes beside it how the image is to be shown: mirrored or
+not, and turned by quarter turns. Turning an image turns its camera's axes about the optical axis;
 no pixel is resampled, so the turned camera is exact.
 
 With x' = -y, y' = x for a quarter turn clockwise, Brown's tangential terms (p1, p2) become
@@ -25,8 +25,8 @@ _QUARTER_TURN = np.array([[0, -1], [1, 0]])
 
 
 @dataclass(frozen=True)
-class PictureOrientation:
-    """How a stored picture is shown: mirrored left to right or not, then turned clockwise.
+class ImageOrientation:
+    """How a stored image is shown: mirrored left to right or not, then turned clockwise.
 
     Fields:
         quarter_turns: 0 to 3, clockwise.
@@ -36,8 +36,8 @@ class PictureOrientation:
         ValueError: another number of quarter turns.
 
     >>> import numpy as np
-    >>> from motorcade.tracking.cameras.orientation import PictureOrientation
-    >>> PictureOrientation(1).upright(np.array([[1, 2, 3], [4, 5, 6]]))
+    >>> from motorcade.tracking.cameras.orientation import ImageOrientation
+    >>> ImageOrientation(1).upright(np.array([[1, 2, 3], [4, 5, 6]]))
     array([[4, 1],
            [5, 2],
            [6, 3]])
@@ -65,24 +65,24 @@ class PictureOrientation:
         """Width and height as shown."""
         return (stored[1], stored[0]) if self.quarter_turns % 2 else stored
 
-    def upright(self, picture: NDArray[Pixels]) -> NDArray[Pixels]:
-        """A stored picture ``(height, width, ...)`` as it is shown; the picture itself where it is
+    def upright(self, image: NDArray[Pixels]) -> NDArray[Pixels]:
+        """A stored image ``(height, width, ...)`` as it is shown; the image itself where it is
         stored so.
         """
         if self == AS_STORED:
-            return picture
-        seen = picture[:, ::-1] if self.mirrored else picture
+            return image
+        seen = image[:, ::-1] if self.mirrored else image
         return np.ascontiguousarray(np.rot90(seen, -self.quarter_turns))
 
 
-AS_STORED = PictureOrientation()
+AS_STORED = ImageOrientation()
 
 
 def turned_camera(camera: Camera, quarter_turns: int) -> Camera:
-    """The camera of pictures turned clockwise; any whole number of quarter turns.
+    """The camera of images turned clockwise; any whole number of quarter turns.
 
     What `camera` has at a pixel, this one has where that pixel goes, along axes that are turned
-    with the picture (`camera_T_turned`).
+    with the image (`camera_T_turned`).
 
     >>> from motorcade.tracking import Camera
     >>> from motorcade.tracking.cameras.orientation import turned_camera

@@ -1,6 +1,6 @@
 """A lens that zooms: by how much its focal length is longer than a camera's, moment by moment.
 
-A zoom about the lens's centre scales its image about there, distortion and all. So a picture that
+A zoom about the lens's centre scales its image about there, distortion and all. So an image that
 was taken zoomed shows, scaled back, what the camera's own focal length would have shown of it, and
 all that asks a recording for one camera stays as it is.
 """
@@ -62,20 +62,18 @@ class Zoom:
         time_s = 1e-9 * np.asarray(time_ns, np.float64)
         return np.asarray(np.exp(np.interp(time_s, self.time_s, np.log(self.ratio))))
 
-    def unzoomed(self, picture: Pixels, camera: Camera, time_ns: int) -> Pixels:
-        """A picture ``(h, w)`` or ``(h, w, 3)`` as the camera's own focal length shows it.
+    def unzoomed(self, image: Pixels, camera: Camera, time_ns: int) -> Pixels:
+        """An image ``(h, w)`` or ``(h, w, 3)`` as the camera's own focal length shows it.
 
-        What it does not show is black, or NaN of a picture of numbers.
+        What it does not show is black, or NaN of an image of numbers.
         """
         ratio = float(self.at(time_ns))
-        depth = picture.dtype != np.uint8
+        depth = image.dtype != np.uint8
         if ratio > 1.0 and not depth:
-            picture = np.asarray(
-                cv2.GaussianBlur(picture, (0, 0), _ALIASED * (ratio**2 - 1) ** 0.5)
-            )
+            image = np.asarray(cv2.GaussianBlur(image, (0, 0), _ALIASED * (ratio**2 - 1) ** 0.5))
         scale, centre = 1.0 / ratio, np.array([camera.cx, camera.cy])
         shown = np.column_stack([scale * np.eye(2), (1.0 - scale) * centre])
         size, how = (camera.width, camera.height), cv2.INTER_NEAREST if depth else cv2.INTER_CUBIC
         outside = np.nan if depth else 0.0
-        moved = cv2.warpAffine(picture, shown, size, flags=how, borderValue=(outside,) * 4)
-        return np.asarray(moved, picture.dtype)
+        moved = cv2.warpAffine(image, shown, size, flags=how, borderValue=(outside,) * 4)
+        return np.asarray(moved, image.dtype)

@@ -1,4 +1,4 @@
-"""Depth pictures: registered to a colour camera, compared with colour and with each other.
+"""Depth images: registered to a colour camera, compared with colour and with each other.
 
 Frames: ``colour_T_depth`` maps the depth camera's coordinates to the colour camera's; both have
 OpenCV's axes. Depth is metres along the optical axis of the camera that it belongs to, NaN where

@@ -97,7 +97,7 @@ def adjust_rgbd(
 
     Args:
         start: where to begin.
-        surfaces: of the frames' depth pictures.
+        surfaces: of the frames' depth images.
         matches: corners tracked between frames.
         pairs: frames whose depth is compared.
         fixed: frames that stay where they are, one at least a connected set.
@@ -174,7 +174,7 @@ class _Problem:
     def _covariance(self, here: _Evaluation) -> FloatArray:
         """Of the globals ``(8, 8)``, by what they would be without one frame or the other.
 
-        A sensor's errors are alike all over a picture, so that thousands of residuals say little
+        A sensor's errors are alike all over an image, so that thousands of residuals say little
         more than one does: those of a frame are left out together (the jackknife, in one step).
         Where fewer than three can be left out, their spread says nothing.
         """

@@ -1,8 +1,8 @@
-"""The camera that a depth picture was taken by, and depth seen from another camera.
+"""The camera that a depth image was taken by, and depth seen from another camera.
 
 A structured-light sensor measures disparities in eighths of a pixel, so that the inverse depths it
 can give lie apart by one step, ``1 / (8 f b)`` for focal length f and baseline b. The step shows in
-the values that occur in a picture, and tells a wrong unit or scale of the depth.
+the values that occur in an image, and tells a wrong unit or scale of the depth.
 
 Source: Khoshelham & Elberink 2012 (the first Kinect).
 """
@@ -97,7 +97,7 @@ def register_depth(depth_m: DepthImage, taken_by: DepthCamera, colour: Camera) -
     pose = taken_by.colour_T_depth.as_matrix()
     seen = points @ pose[:3, :3].T + pose[:3, 3]
     px = colour.project(seen)
-    # Half the sides of the rectangle that a pixel of the depth camera makes in the other picture.
+    # Half the sides of the rectangle that a pixel of the depth camera makes in the other image.
     half = np.maximum(0.5 * finer * (points[:, 2] / np.abs(seen[:, 2]))[:, None], 0.5)
     nearest = np.full(colour.height * colour.width, np.inf, dtype=np.float32)
     usable = np.isfinite(px[:, 0])

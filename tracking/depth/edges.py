@@ -1,6 +1,6 @@
-"""Whether depth lies on colour's pixels: where a surface ends, its picture changes.
+"""Whether depth lies on colour's pixels: where a surface ends, its image changes.
 
-Needs no poses and no features: the last pixels of nearer surfaces are laid over the picture's
+Needs no poses and no features: the last pixels of nearer surfaces are laid over the image's
 gradient, shifted this way and that, larger and smaller. They fit best where depth and colour agree.
 A rotation of the depth camera shows as a shift, a wrong ratio of focal lengths as a zoom.
 """
@@ -20,7 +20,7 @@ from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.depth.cameras import DepthImage
 
 _REACH = 0.05
-"""Shifts up to so much of the picture's width are tried (32 of 640 pixels)."""
+"""Shifts up to so much of the image's width are tried (32 of 640 pixels)."""
 _ZOOMS = np.linspace(0.86, 1.14, 15)
 _JUMP = 1.12
 """A surface ends where what lies beside it is farther by an eighth: no slope looks like that."""
@@ -35,17 +35,17 @@ _AHEAD = 1.0
 """Times that scatter by which another place must lead the stated one: less is what coincidence
 gives one shift in three, and nothing separates the two."""
 _USUAL_WIDTH = 320
-"""Wider pictures are made smaller: what is looked for is pixels, not their fractions."""
+"""Wider images are made smaller: what is looked for is pixels, not their fractions."""
 
 
 @dataclass(frozen=True)
 class EdgeOffset:
-    """How far depth lies off colour; NaN where the pictures do not tell.
+    """How far depth lies off colour; NaN where the images do not tell.
 
     Fields:
         right_px, down_px: by which depth has to be moved to lie on colour.
-        zoom: by which it has to be made larger, about the picture's middle.
-        px: what both move a pixel by, root mean square over the picture.
+        zoom: by which it has to be made larger, about the image's middle.
+        px: what both move a pixel by, root mean square over the image.
         contrast: how far the best fit stands out, in standard deviations of others.
         pixels: at edges of depth that were compared.
     """
@@ -59,14 +59,14 @@ class EdgeOffset:
 
 
 def edge_offset(grays: Sequence[GrayImage], depths_m: Sequence[DepthImage]) -> EdgeOffset:
-    """Find shift and zoom of depth that put its edges on those of the pictures.
+    """Find shift and zoom of depth that put its edges on those of the images.
 
     Args:
-        grays: pictures ``(height, width)`` uint8.
+        grays: images ``(height, width)`` uint8.
         depths_m: their depth, registered, of the same size.
 
     Raises:
-        ValueError: no pictures, or not as many of the one as of the other.
+        ValueError: no images, or not as many of the one as of the other.
 
     Boxes before a wall, whose depth is 6 pixels too far to the left:
 
@@ -81,7 +81,7 @@ def edge_offset(grays: Sequence[GrayImage], depths_m: Sequence[DepthImage]) -> E
     (6, 0, 1.0)
     """
     if not len(grays) or len(grays) != len(depths_m):
-        raise ValueError(f"depths_m: expected as many as pictures, got {len(depths_m)}")
+        raise ValueError(f"depths_m: expected as many as images, got {len(depths_m)}")
     height, width = grays[0].shape
     shrunk = max(width // _USUAL_WIDTH, 1)
     reach = round(_REACH * width / shrunk)
@@ -137,7 +137,7 @@ def _vertex(values: FloatArray) -> float:
 
 
 def _slope(gray: GrayImage, shrunk: int) -> FloatArray:
-    """Length of the picture's gradient; the steepest twentieth counts alike."""
+    """Length of the image's gradient; the steepest twentieth counts alike."""
     smooth = cv2.GaussianBlur(gray.astype(np.float64), (0, 0), _BLUR_PX)
     slope = np.hypot(cv2.Sobel(smooth, cv2.CV_64F, 1, 0), cv2.Sobel(smooth, cv2.CV_64F, 0, 1))
     top = max(float(np.quantile(slope, _BRIGHTEST)), 1e-9)
@@ -150,7 +150,7 @@ def _slope(gray: GrayImage, shrunk: int) -> FloatArray:
 def _edges(depth_m: DepthImage) -> NDArray[np.bool_]:
     """The last pixels of a nearer surface, where a farther one follows, at once or after a gap."""
     known = np.where(np.isfinite(depth_m) & (depth_m > 0.0), depth_m, np.nan)
-    # A rim of unknown depth, so that nothing is compared with the opposite side of the picture.
+    # A rim of unknown depth, so that nothing is compared with the opposite side of the image.
     known = np.pad(known, _BESIDE_PX, constant_values=np.nan)
     edges = np.zeros(known.shape, dtype=np.bool_)
     for axis in (0, 1):
@@ -169,7 +169,7 @@ def _raster(
     shrunk: int,
     reach: int,
 ) -> FloatArray:
-    """How many edge pixels fall on each pixel of the smaller picture; none near its rim."""
+    """How many edge pixels fall on each pixel of the smaller image; none near its rim."""
     height, width = shape[0] // shrunk, shape[1] // shrunk
     middle = 0.5 * (np.array(shape) - 1.0)
     y = np.rint((middle[0] + zoom * (rows - middle[0]) + 0.5) / shrunk - 0.5).astype(np.int64)

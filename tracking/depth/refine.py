@@ -1,4 +1,4 @@
-"""A path and its map refined by whole depth pictures, once tracking is done.
+"""A path and its map refined by whole depth images, once tracking is done.
 
 Tracking uses depth at corners alone. Here the surfaces of keyframes and of frames between them,
 neighbours and those that came back to the same place, are laid on each other (point to plane),
@@ -68,8 +68,8 @@ def refine_by_depth(
         snapshot: the map.
         path: poses of frames, keyframes among them.
         colour: the camera of the map's pixels: a pinhole, or a fisheye as it is.
-        taken_by: the depth pictures' camera, a pinhole.
-        depth_at: the depth picture ``(height, width)`` of a frame of the path, by its stamp.
+        taken_by: the depth images' camera, a pinhole.
+        depth_at: the depth image ``(height, width)`` of a frame of the path, by its stamp.
 
     Returns:
         None where there is nothing to lay on each other (fewer than two frames with depth, or
@@ -121,8 +121,8 @@ def focal_factor(
         snapshot: the map.
         path: poses of frames, keyframes among them.
         colour: the camera of the map's pixels.
-        taken_by: the depth pictures' camera.
-        depth_at: the depth picture of a keyframe, by its stamp.
+        taken_by: the depth images' camera.
+        depth_at: the depth image of a keyframe, by its stamp.
 
     Returns:
         None where frames see too little of the same.
@@ -169,15 +169,15 @@ class RgbdFrames:
         """Of a map's keyframes and frames between; None with fewer than two that have depth."""
         own = np.flatnonzero(np.isin(snapshot.time_ns, path.time_ns))
         own = own[:: max(-(-len(own) // _MOST_FRAMES), 1)]
-        pictures = {
+        images = {
             stamp: depth_at(stamp)
             for stamp in np.union1d(snapshot.time_ns[own], between).astype(np.int64).tolist()
         }
-        stamps = np.array([stamp for stamp, one in pictures.items() if one is not None], np.int64)
+        stamps = np.array([stamp for stamp, one in images.items() if one is not None], np.int64)
         if len(stamps) < 2:
             return None
         rows = own[np.isin(snapshot.time_ns[own], stamps)]
-        surfaces = DepthSurfaces.of([one for one in pictures.values() if one is not None])
+        surfaces = DepthSurfaces.of([one for one in images.values() if one is not None])
         start = RgbdState(path.motors_at(stamps), colour, taken_by)
         matches = _matches(snapshot, rows, np.searchsorted(stamps, snapshot.time_ns[rows]))
         return cls(stamps, start, surfaces, matches, _overlapping(start.world_T_colour, surfaces))

@@ -1,4 +1,4 @@
-"""Residuals of colour and depth pictures between pairs of frames, and their derivatives.
+"""Residuals of colour and depth images between pairs of frames, and their derivatives.
 
 Rays of colour meet the local plane that the same frame's depth shows; measured points are carried
 to the local planes of another frame. Which plane belongs to what is looked up at one state, and
@@ -283,7 +283,7 @@ _SIGMAS = 3.0
 
 @dataclass(frozen=True, eq=False)
 class DepthSurfaces:
-    """The local planes of several depth pictures of one size, at every fourth pixel.
+    """The local planes of several depth images of one size, at every fourth pixel.
 
     Fields:
         planes: ``(k, rows, columns, 3)`` float32: inverse depth in 1/m, and its slopes along u and
@@ -293,24 +293,24 @@ class DepthSurfaces:
     planes: NDArray[np.float32]
 
     @classmethod
-    def of(cls, pictures: list[DepthImage]) -> DepthSurfaces:
+    def of(cls, images: list[DepthImage]) -> DepthSurfaces:
         """Fit them all."""
-        return cls(np.stack([_fitted(picture) for picture in pictures]))
+        return cls(np.stack([_fitted(image) for image in images]))
 
-    def at(self, picture: IntArray, px: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def at(self, image: IntArray, px: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The planes ``(n, 3)`` nearest to pixels ``(n, 2)``, NaN for none, and their pixels."""
         cell = np.rint(np.nan_to_num(px, nan=-1e6) / _EVERY).astype(np.int64)
         rows, columns = self.planes.shape[1:3]
         inside = np.all((cell >= 0) & (cell < (columns, rows)), axis=-1)
         cell = np.where(inside[:, None], cell, 0)
-        planes = self.planes[picture, cell[:, 1], cell[:, 0]].astype(np.float64)
+        planes = self.planes[image, cell[:, 1], cell[:, 0]].astype(np.float64)
         planes[~inside] = np.nan
         return planes, (cell * _EVERY).astype(np.float64)
 
-    def grid(self, picture: int, every_px: int) -> tuple[FloatArray, FloatArray]:
+    def grid(self, image: int, every_px: int) -> tuple[FloatArray, FloatArray]:
         """Pixels ``(n, 2)`` of a grid that have a plane, and their inverse depths ``(n,)``."""
         step = max(every_px // _EVERY, 1)
-        inverse = self.planes[picture, step // 2 :: step, step // 2 :: step, 0]
+        inverse = self.planes[image, step // 2 :: step, step // 2 :: step, 0]
         rows, columns = np.nonzero(np.isfinite(inverse))
         px = _EVERY * (np.stack([columns, rows], axis=-1) * step + step // 2)
         return px.astype(np.float64), inverse[rows, columns].astype(np.float64)
@@ -324,8 +324,8 @@ def _fitted(depth_m: DepthImage) -> NDArray[np.float32]:
     ones, ramp = np.ones(side), np.arange(-_HALF, _HALF + 1.0)
     spread = float(np.sum(ramp**2)) * side
 
-    def summed(picture: FloatArray, along: FloatArray, down: FloatArray) -> FloatArray:
-        sums = cv2.sepFilter2D(picture, cv2.CV_64F, along, down, borderType=cv2.BORDER_CONSTANT)
+    def summed(image: FloatArray, along: FloatArray, down: FloatArray) -> FloatArray:
+        sums = cv2.sepFilter2D(image, cv2.CV_64F, along, down, borderType=cv2.BORDER_CONSTANT)
         return np.asarray(sums, np.float64)
 
     full = summed(known.astype(np.float64), ones, ones) > side * side - 0.5

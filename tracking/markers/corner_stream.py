@@ -1,6 +1,6 @@
 """Marker corners that one camera saw over a whole recording, frame by frame.
 
-What a detector leaves behind, or a recording that holds corners instead of pictures. Corners run
+What a detector leaves behind, or a recording that holds corners instead of images. Corners run
 clockwise from the printed top-left one; pixel (0, 0) is the centre of the top-left pixel.
 """
 

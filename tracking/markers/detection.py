@@ -1,4 +1,4 @@
-"""Markers of one family in a picture: found, refined to sub-pixels, read again, merged.
+"""Markers of one family in an image: found, refined to sub-pixels, read again, merged.
 
 Quads are searched twice: with a threshold half-way between dark and bright nearby, which finds
 small and shallow markers, and with one from the mean of a larger square, which finds markers beside
@@ -117,31 +117,31 @@ def _aruco(family: str) -> cv2.aruco.ArucoDetector:
 
 # Texture that a library takes for a marker stays below 0.65, blurred small markers above 0.85.
 _LEAST_AGREEMENT = 0.75
-# Two sightings of an id are one marker if their centres are nearer than this share of a side.
+# Two observations of an id are one marker if their centres are nearer than this share of a side.
 _SAME_SHARE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
 class Detection:
-    """One marker seen in a picture.
+    """One marker seen in an image.
 
     Args:
         family: one of `families.FAMILIES`.
         marker_id: its number in the family.
         corners_px: ``(4, 2)`` pixels, clockwise from the printed top-left corner.
         wrong_cells: cells of the print, black border included, that read the wrong colour.
-        agreement: correlation of the picture with the print, from 0.75 (hardly) to 1 (perfect).
+        agreement: correlation of the image with the print, from 0.75 (hardly) to 1 (perfect).
         sharp: whether the corners are crossings of fitted sides; otherwise they are the library's
             own, right to a pixel, because a side does not show well enough (covered, no white
-            beside it, out of the picture).
+            beside it, out of the image).
 
     Raises:
         ValueError: corners of another shape or not finite.
 
     >>> import numpy as np
     >>> from motorcade.tracking import SingleMarker, detect_markers
-    >>> picture, _ = SingleMarker("tag36h11", 7, side_m=0.1).draw(pixels_per_m=1000.0)
-    >>> [found] = detect_markers(picture, "tag36h11")
+    >>> image, _ = SingleMarker("tag36h11", 7, side_m=0.1).draw(pixels_per_m=1000.0)
+    >>> [found] = detect_markers(image, "tag36h11")
     >>> found.marker_id, found.wrong_cells, found.sharp
     (7, 0, True)
     >>> np.ptp(found.corners_px, axis=0).round(1)  # pixels
@@ -169,7 +169,7 @@ def detect_markers(
     *,
     backend: Backend | None = None,
 ) -> tuple[Detection, ...]:
-    """Find every marker of a family in a grey picture.
+    """Find every marker of a family in a grey image.
 
     Args:
         image: ``(height, width)`` uint8.
@@ -179,11 +179,11 @@ def detect_markers(
 
     Returns:
         detections by rising id, then from left to right. An id may stand there more than once,
-        where it is printed more than once. Where ``tag36h11`` is asked for and the picture shows
+        where it is printed more than once. Where ``tag36h11`` is asked for and the image shows
         Kalibr's print of it (`families.KALIBR_FAMILY`), detections of that family.
 
     Raises:
-        ValueError: not a grey uint8 picture, an unknown family, or one that the backend lacks.
+        ValueError: not a grey uint8 image, an unknown family, or one that the backend lacks.
     """
     gray = checked_gray(image)
     if f"{family}_border2" != KALIBR_FAMILY or backend is not None:

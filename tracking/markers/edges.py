@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
-from motorcade.tracking.pictures import grey_levels
+from motorcade.tracking.images import grey_levels
 
 _ALONG = np.linspace(0.12, 0.88, 20)
 _ACROSS = np.linspace(-1.0, 1.0, 15)
@@ -40,7 +40,7 @@ def refine_quads(
     """Refine the corners of markers to sub-pixel accuracy.
 
     Args:
-        image: grey picture.
+        image: grey image.
         quads: ``(m, 4, 2)`` corners in pixels, clockwise as seen, right to a pixel or two.
         clear_share: the part of a marker's side up to which, inward and outward of it, nothing
             else is printed: the width of the black border or of the white gap.

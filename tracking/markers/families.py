@@ -1,6 +1,6 @@
 """Marker families: names, dictionaries and bits as printed, whatever the library's own order.
 
-AprilTag families follow the pictures that their authors publish. Releases of OpenCV differ there:
+AprilTag families follow the images that their authors publish. Releases of OpenCV differ there:
 some store these tags turned by 180 degrees. The dictionary made here is turned back where
 needed, so that corners, boards and drawings all agree with the official print.
 

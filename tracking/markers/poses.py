@@ -28,9 +28,9 @@ class PosedMarker:
         candidates: both poses, the better first; their "world" is the marker's frame.
 
     >>> from motorcade.tracking import Camera, SingleMarker, detect_markers, pose_marker
-    >>> picture, _ = SingleMarker("tag36h11", 7, side_m=0.1).draw(pixels_per_m=1000.0)
-    >>> camera = Camera(picture.shape[1], picture.shape[0], 200.0, 200.0, 69.5, 69.5)
-    >>> [found] = detect_markers(picture, "tag36h11", camera)
+    >>> image, _ = SingleMarker("tag36h11", 7, side_m=0.1).draw(pixels_per_m=1000.0)
+    >>> camera = Camera(image.shape[1], image.shape[0], 200.0, 200.0, 69.5, 69.5)
+    >>> [found] = detect_markers(image, "tag36h11", camera)
     >>> marker = pose_marker(found, camera, side_m=0.1)
     >>> float(marker.camera_T_marker[0].translation_m[2].round(2))  # 200 px * 0.1 m / 100 px
     0.2

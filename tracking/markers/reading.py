@@ -1,4 +1,4 @@
-"""Prints of markers read from pictures: which marker a quad holds, and how well it looks like it.
+"""Prints of markers read from images: which marker a quad holds, and how well it looks like it.
 
 A quad's bits are told from its own border: planes of brightness are fitted to the white and to the
 black cells along its sides, and a bit is white where it is nearer to the white plane. Small markers
@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.checks import GrayImage
+from motorcade.tracking.images import grey_levels
 from motorcade.tracking.markers.families import layout, marker_cells, words_of
 from motorcade.tracking.markers.native._quads import Words
-from motorcade.tracking.pictures import grey_levels
 
 # Places in a cell that are sampled, each way, as shares of its side: its inner part.
 _INSIDE = np.array([0.35, 0.65])
@@ -120,7 +120,7 @@ def _words(family: str) -> Words:
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """How well the picture agrees with the print, for m markers.
+    """How well the image agrees with the print, for m markers.
 
     Fields:
         wrong_cells: ``(m,)`` cells whose colour is not the print's.
@@ -139,7 +139,7 @@ def read_markers(
     """Compare markers with their prints.
 
     Args:
-        image: grey picture.
+        image: grey image.
         corners_px: ``(m, 4, 2)`` clockwise from the printed top-left corner.
         family: of all of them.
         marker_ids: ``(m,)``.
@@ -205,7 +205,7 @@ def _map_squares(corners_px: FloatArray, places: FloatArray) -> FloatArray:
     below = fourth - first + down * fourth
     above = across[:, None] * x + below[:, None] * y + first[:, None]
     scale = along[:, None] * x + down[:, None] * y + 1.0
-    # Beyond the horizon of a quad at a slant there is nothing; the picture's edge is read.
+    # Beyond the horizon of a quad at a slant there is nothing; the image's edge is read.
     mapped: FloatArray = above / np.maximum(scale, 1e-3)
     return mapped
 

@@ -1,7 +1,7 @@
 """Markers that a search missed, looked for where a known map says that they are.
 
 Found markers give the camera's pose in the map; each other marker that faces the camera is then
-projected into the picture, its sides are fitted there and its print is read. A marker that is dark,
+projected into the image, its sides are fitted there and its print is read. A marker that is dark,
 small or half in shadow shows its sides and its print long after it shows no loop round it.
 """
 
@@ -31,12 +31,12 @@ _LEAST_CELL_PX = 1.0
 def refind_markers(
     image: GrayImage, family: str, camera: Camera, known: MarkerMap, found: tuple[Detection, ...]
 ) -> tuple[Detection, ...]:
-    """What was found in a picture, and markers of a map that were missed.
+    """What was found in an image, and markers of a map that were missed.
 
     Args:
         image: ``(height, width)`` uint8.
         family: of the map's markers.
-        camera: what the picture was taken with.
+        camera: what the image was taken with.
         known: where markers stand.
         found: by `detect_markers`; at least two that the map knows, or nothing is added.
 
@@ -45,7 +45,7 @@ def refind_markers(
         the map to 2 px, they come back alone.
 
     Raises:
-        ValueError: not a grey uint8 picture, or an unknown family.
+        ValueError: not a grey uint8 image, or an unknown family.
     """
     gray = checked_gray(image)
     pose = _pose(camera, known, found)
@@ -113,7 +113,7 @@ def _starts(camera: Camera, known: MarkerMap, row: int, corners_px: FloatArray) 
 def _expected(
     camera: Camera, known: MarkerMap, world_T_camera: Motor, cells: int
 ) -> tuple[IntArray, FloatArray]:
-    """Rows of markers that face the camera within the picture, and their corners ``(m, 4, 2)``."""
+    """Rows of markers that face the camera within the image, and their corners ``(m, 4, 2)``."""
     points = world_T_camera.inverse().apply(known.points_m).reshape(-1, 4, 3)
     across, down = points[:, 1] - points[:, 0], points[:, 3] - points[:, 0]
     facing = np.sum(np.cross(across, down) * points.mean(axis=1), axis=-1) > 0.0

@@ -1,1 +1,1 @@
-"""Corners followed from picture to picture, and equations of what is seen: the C++ beside this."""
+"""Corners followed from image to image, and equations of what is seen: the C++ beside this."""

@@ -1,4 +1,4 @@
-"""Corners of one picture found in another; see motorcade.tracking.pictures."""
+"""Corners of one image found in another; see motorcade.tracking.images."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,7 +7,7 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.checks import GrayImage
 
 class Pyramid:
-    """A picture with all that tracking corners needs of it, for one that is used again."""
+    """An image with all that tracking corners needs of it, for one that is used again."""
 
     def __init__(self, image: GrayImage) -> None: ...
     @property

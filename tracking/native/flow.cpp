@@ -76,7 +76,7 @@ MOTORCADE_INLINE void cut(const Layer &layer, const Corner &at, float (*grey)[wi
     }
 }
 
-// Scharr's gradients; none where the window has left the picture.
+// Scharr's gradients; none where the window has left the image.
 MOTORCADE_INLINE void measure(const Layer &layer, Place middle, Patch &patch) {
     const Corner at(middle);
     alignas(32) float grey[window + 2][wide + lanes], used[wide];
@@ -108,7 +108,7 @@ MOTORCADE_INLINE void measure(const Layer &layer, Place middle, Patch &patch) {
     patch.yy = total(yy);
 }
 
-// Products of the gradients with what the other picture shows too much.
+// Products of the gradients with what the other image shows too much.
 MOTORCADE_INLINE Place mismatch(const Layer &layer, Place middle, const Patch &patch) {
     const Corner at(middle);
     const float *row = layer.row(at.y) + at.x;

@@ -1,6 +1,6 @@
-// Corners of one picture found in another: Lucas-Kanade flow on pyramids of the two.
+// Corners of one image found in another: Lucas-Kanade flow on pyramids of the two.
 //
-// Lucas & Kanade 1981; Bouguet 2000 (pyramids, and gradients of the first picture alone). Windows,
+// Lucas & Kanade 1981; Bouguet 2000 (pyramids, and gradients of the first image alone). Windows,
 // gradients and limits are those of OpenCV's calcOpticalFlowPyrLK, so that either takes the other's
 // place; grey levels are floats here, and those of coarse levels are not rounded.
 
@@ -13,7 +13,7 @@
 
 namespace motorcade::flow {
 
-struct Picture {
+struct Image {
     const std::uint8_t *levels;
     int width, height;
 };
@@ -22,9 +22,9 @@ struct Place {
     double x, y;
 };
 
-// One size of a picture, with a border round it that repeats its edge. It does not own its levels.
+// One size of an image, with a border round it that repeats its edge. It does not own its levels.
 struct Layer {
-    // Windows reach so far beyond a picture, read in whole vectors.
+    // Windows reach so far beyond an image, read in whole vectors.
     static constexpr int border = 40;
     int width, height;
     float *first;
@@ -35,12 +35,12 @@ struct Layer {
 };
 
 constexpr int window = 21;   // pixels a side
-constexpr int coarsest = 3;  // level: an eighth of the picture's size
+constexpr int coarsest = 3;  // level: an eighth of the image's size
 
-// A picture and its halves, quarters and eighths, those that hold a window.
+// An image and its halves, quarters and eighths, those that hold a window.
 class Pyramid {
 public:
-    explicit Pyramid(const Picture &picture);
+    explicit Pyramid(const Image &image);
     int coarsest() const { return static_cast<int>(layers_.size()) - 1; }
     const Layer &operator[](int level) const { return layers_[static_cast<std::size_t>(level)]; }
 
@@ -50,7 +50,7 @@ private:
 };
 
 // Follows a corner from its place in `before` to one near `there` in `after`, which is changed.
-// False where it leaves the picture, or where the window's gradients do not tell its motion.
+// False where it leaves the image, or where the window's gradients do not tell its motion.
 // It begins at this level, or at the coarsest there is.
 bool follow(const Pyramid &before, const Pyramid &after, int level, Place from, Place &there);
 

@@ -1,4 +1,4 @@
-// Binds the flow of corners to Python; see motorcade.tracking.pictures.
+// Binds the flow of corners to Python; see motorcade.tracking.images.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
@@ -28,7 +28,7 @@ using Flags = nb::ndarray<nb::numpy, bool, nb::shape<-1>>;
 
 constexpr std::size_t most_pixels = 32767;
 
-Picture checked_picture(const Grey &image) {
+Image checked_image(const Grey &image) {
     if (image.shape(0) < 1 || image.shape(1) < 1 || image.shape(0) > most_pixels ||
         image.shape(1) > most_pixels)
         throw std::invalid_argument("image: expected 1 to 32767 pixels a side");
@@ -101,12 +101,12 @@ std::pair<Places, Flags> follow_corners(const Pyramid &before, const Pyramid &af
 }  // namespace
 
 NB_MODULE(_flow, module) {
-    module.doc() = "Corners of one picture found in another; see motorcade.tracking.pictures.";
+    module.doc() = "Corners of one image found in another; see motorcade.tracking.images.";
     nb::class_<Pyramid>(module, "Pyramid")
         .def(
             "__init__",
             [](Pyramid *made, Grey image) {
-                const Picture next = checked_picture(image);
+                const Image next = checked_image(image);
                 nb::gil_scoped_release unlocked;
                 new (made) Pyramid(next);
             },

@@ -44,10 +44,10 @@ void repeat_edge(const Layer &layer) {
     }
 }
 
-void fill(const Layer &layer, const Picture &picture) {
-    for (int y = 0; y < picture.height; ++y)
-        take_levels(picture.levels + static_cast<std::ptrdiff_t>(y) * picture.width, layer.row(y),
-                    picture.width);
+void fill(const Layer &layer, const Image &image) {
+    for (int y = 0; y < image.height; ++y)
+        take_levels(image.levels + static_cast<std::ptrdiff_t>(y) * image.width, layer.row(y),
+                    image.width);
     repeat_edge(layer);
 }
 
@@ -65,8 +65,8 @@ void halve(const Layer &whole, const Layer &half) {
 
 }  // namespace
 
-Pyramid::Pyramid(const Picture &picture) {
-    int width = picture.width, height = picture.height;
+Pyramid::Pyramid(const Image &image) {
+    int width = image.width, height = image.height;
     do {
         layers_.push_back({width, height, nullptr});
         width = (width + 1) / 2;
@@ -80,7 +80,7 @@ Pyramid::Pyramid(const Picture &picture) {
         layer.first = next;
         next += layer.size();
     }
-    fill(layers_[0], picture);
+    fill(layers_[0], image);
     for (std::size_t k = 1; k < layers_.size(); ++k) halve(layers_[k - 1], layers_[k]);
 }
 

@@ -256,7 +256,7 @@ def find_planes_in_depth(
 
     Args:
         depth_m: ``(height, width)`` along the optical axis; NaN, zero and below where unknown.
-        camera: whose picture it is.
+        camera: whose image it is.
         rng: of the samples.
         most: how many planes to look for.
 

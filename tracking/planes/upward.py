@@ -4,16 +4,16 @@ Every piece of evidence is a density over the sphere relative to a uniform one; 
 each is a mixture with "tells nothing", so that none can rule out what the others say:
 
 - how a camera is held: hardly rolled, looking down at things as often as around. The x axes of
-  pictures taken upright lie in one level plane (Brown & Lowe 2007, section 5);
+  images taken upright lie in one level plane (Brown & Lowe 2007, section 5);
 - the path: a camera that is carried along moves level half of the time;
 - surfaces: of flat ones four in ten are level and seen from above, four in ten upright, of which
   half are walls and half lean;
-- lines in the pictures, whose strongest vanishing point near up is up's half of the time
+- lines in the images, whose strongest vanishing point near up is up's half of the time
   (Coughlan & Yuille 1999);
 - gravity, where it was measured.
 
 The answer is the direction with the most probability around it; what lies elsewhere is its doubt.
-Slopes, and pictures that are turned on purpose, mislead it.
+Slopes, and images that are turned on purpose, mislead it.
 
 Source of the detector of line segments: LSD, Grompone von Gioi et al. 2010.
 
@@ -117,11 +117,11 @@ _DIRECTIONS = 10_000
 _ROLL, _LEVEL_PATH, _GRAVITY, _LINE = 6.0, 5.0, 3.0, 2.0
 _SURFACE, _LEANING, _FACING = 4.0, 15.0, 30.0
 _AROUND, _AROUND_SPREAD, _THINGS, _SOFT = 10.0, 12.0, (20.0, 90.0), 3.0
-# Of mixtures: a picture turned on purpose; a path that is level; surfaces that are level, upright
-# and ceilings; lines of a picture that are upright, and that its strongest direction is up.
+# Of mixtures: an image turned on purpose; a path that is level; surfaces that are level, upright
+# and ceilings; lines of an image that are upright, and that its strongest direction is up.
 _TURNED, _WALKED, _FLOORS, _WALLS, _CEILINGS = 0.05, 0.5, 0.4, 0.4, 0.05
 _UPRIGHT_LINES, _LINES_TELL = 0.2, 0.5
-# Lines of many pictures are the same edges, and lenses bend them: they count by this power.
+# Lines of many images are the same edges, and lenses bend them: they count by this power.
 _REPEATED = 0.3
 NEAR_DEG, _SAME, _LEANS = 10.0, 8.0, 30.0
 _SHORTEST_PATH = 0.02
@@ -205,7 +205,7 @@ def estimate_up(
     """Weigh what tells up.
 
     Args:
-        world_T_camera: Motor ``(N,)`` of pictures that are shown upright.
+        world_T_camera: Motor ``(N,)`` of images that are shown upright.
         depth_m: how far what is seen lies, in the unit of the path.
         surfaces: flat ones that were found.
         lines: ``(s, 2, 3)`` unit rays to the ends of segments, in the world; or None. Those on a
@@ -264,7 +264,7 @@ def _sphere() -> FloatArray:
 
 
 def _held(up: FloatArray, world_T_camera: Motor) -> FloatArray:
-    """Log density by roll and pitch, the mean over the pictures, which are one person's."""
+    """Log density by roll and pitch, the mean over the images, which are one person's."""
     few = np.unique(np.linspace(0, len(world_T_camera) - 1, 20).round().astype(int))
     from scipy.special import ndtr
 
@@ -349,15 +349,15 @@ def _spot(cosine: FloatArray, sigma_deg: float, log: bool = False) -> FloatArray
     return np.asarray(exponent if log else np.exp(exponent))
 
 
-# Pictures are searched at this width; segments below a share of it have no sure direction.
+# Images are searched at this width; segments below a share of it have no sure direction.
 _WIDTH_PX, _LONG, _MOST = 640, 0.06, 120
 
 
-def segment_rays(picture: GrayImage, camera: Camera, world_T_camera: Motor) -> FloatArray:
-    """The longest straight segments of a picture.
+def segment_rays(image: GrayImage, camera: Camera, world_T_camera: Motor) -> FloatArray:
+    """The longest straight segments of an image.
 
     Args:
-        picture: ``(height, width)`` uint8, of the camera's size.
+        image: ``(height, width)`` uint8, of the camera's size.
         camera: which took it, distortion and all.
         world_T_camera: its pose.
 
@@ -369,22 +369,22 @@ def segment_rays(picture: GrayImage, camera: Camera, world_T_camera: Motor) -> F
     >>> from motorcade.ga import Motor
     >>> from motorcade.tracking import Camera
     >>> from motorcade.tracking.planes import segment_rays
-    >>> picture = np.zeros((480, 640), np.uint8)
-    >>> picture[:, 320:] = 200  # an edge from top to bottom
+    >>> image = np.zeros((480, 640), np.uint8)
+    >>> image[:, 320:] = 200  # an edge from top to bottom
     >>> camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
-    >>> rays = segment_rays(picture, camera, Motor.identity())
+    >>> rays = segment_rays(image, camera, Motor.identity())
     >>> rays.shape, bool(np.abs(rays[..., 0]).max() < 0.01)
     ((1, 2, 3), True)
     """
-    shrink = min(1.0, _WIDTH_PX / max(picture.shape))
-    small = cv2.resize(picture, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA)
+    shrink = min(1.0, _WIDTH_PX / max(image.shape))
+    small = cv2.resize(image, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA)
     segments = cv2.createLineSegmentDetector(cv2.LSD_REFINE_STD).detect(small)[0]
     if segments is None:
         return np.zeros((0, 2, 3))
     ends = (segments.reshape(-1, 2, 2).astype(np.float64) + 0.5) / shrink - 0.5
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=-1)
     order = np.argsort(-length, kind="stable")[:_MOST]
-    ends = ends[order[length[order] >= _LONG * max(picture.shape)]]
+    ends = ends[order[length[order] >= _LONG * max(image.shape)]]
     rays = camera.bearings(ends.reshape(-1, 2)).reshape(-1, 2, 3)
     rays = rays[np.isfinite(rays).all(axis=(1, 2))]
     return np.asarray(world_T_camera.rotor.apply(rays))

@@ -18,7 +18,7 @@ from motorcade.tracking.markers.corner_stream import checked_stamps
 from motorcade.tracking.pose import TrackingError, planar_candidates, refine
 from motorcade.tracking.self_calibration.bodies import (
     LEAST_VIEWS,
-    BodySightings,
+    BodyObservations,
     BodyState,
     spread_runs,
 )
@@ -43,7 +43,7 @@ def self_calibrate_board(
         views: of each frame the board's corners, None where it is not seen; every frame of the
             clip if there is time, neighbours at least, since a rolling shutter is told by how fast
             the camera moved. The unit of the board's lengths does not matter.
-        size: width and height of the pictures, pixels.
+        size: width and height of the images, pixels.
         time_ns: ``(F,)`` stamps of all frames, strictly increasing.
 
     Raises:
@@ -79,29 +79,29 @@ def self_calibrate_board(
     few = np.asarray(shown)[spread_runs(len(shown), _MOST_VIEWS)]
     kept = [(int(k), view) for k in few if (view := views[int(k)]) is not None]
     focal = focal_from_planes([(view.points_m, view.corners_px) for _, view in kept], size)
-    seen, start = board_sightings(kept, stamps, size, focal)
+    seen, start = board_observations(kept, stamps, size, focal)
     if len(kept) - len(seen.time_s) >= LEAST_VIEWS:  # which a zoom may explain
-        zoomed = board_sightings(kept, stamps, size, focal, zoom=True)
+        zoomed = board_observations(kept, stamps, size, focal, zoom=True)
         if len(zoomed[0].time_s) > len(seen.time_s) and follow_zoom(*zoomed) is not None:
             seen, start = zoomed
     chosen = choose_lens(seen, start, readout=True)
     return calibration_of(chosen, seen, "board", int(stamps[0]))
 
 
-def board_sightings(
+def board_observations(
     views: Sequence[tuple[int, BoardCorners]],
     time_ns: IntArray,
     size: tuple[int, int],
     focal: float,
     *,
     zoom: bool = False,
-) -> tuple[BodySightings, BodyState]:
+) -> tuple[BodyObservations, BodyState]:
     """A board in the views that some pose explains, and where a fit of them begins.
 
     Args:
         views: rows of `time_ns`, rising, and what they show of the board.
         time_ns: stamps of all frames.
-        size: width and height of the pictures.
+        size: width and height of the images.
         focal: of a camera without distortion, pixels, near the right one.
         zoom: whether a view may have another focal length, by up to 2.8 times.
 
@@ -120,7 +120,7 @@ def board_sightings(
     if len(kept_views) < LEAST_VIEWS or not np.isfinite(errors[good]).all():
         raise SelfCalibrationError("views: expected corners that some camera explains, got none")
     every = max(1, sum(len(view) for _, view, *_ in kept_views) // _MOST_CORNERS + 1)
-    seen = _sightings(kept_views, time_ns, size, every)
+    seen = _observations(kept_views, time_ns, size, every)
     start = BodyState(
         PINHOLE,
         start_numbers(focal, size),
@@ -140,12 +140,12 @@ def _posed(view: BoardCorners, camera: Camera) -> tuple[Motor, float]:
     return pose.world_T_camera, pose.error_px
 
 
-def _sightings(
+def _observations(
     views: Sequence[tuple[int, BoardCorners, Motor, float]],
     stamps: IntArray,
     size: tuple[int, int],
     every: int,
-) -> BodySightings:
+) -> BodyObservations:
     """All views as one body's; of each view every `every`-th corner, from another on each time."""
     rows = [
         np.arange(k % every, len(view), every) if len(view) >= 4 * every else np.arange(len(view))
@@ -155,7 +155,7 @@ def _sightings(
     px = [view.corners_px[part] for part, (_, view, *_) in zip(rows, views, strict=True)]
     number = np.repeat(np.arange(len(views)), [len(one) for one in points])
     time_s = 1e-9 * (stamps[[row for row, *_ in views]] - stamps[0])
-    return BodySightings(
+    return BodyObservations(
         size,
         time_s,
         number,

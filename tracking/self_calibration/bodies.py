@@ -22,7 +22,7 @@ from motorcade.tracking.optimise import BlockEquations, PairIndex, huber, sum_by
 from motorcade.tracking.self_calibration.lens import LensKind
 
 _READOUT_SIGMA_S = 0.03
-"""No sensor reads a picture for longer than its frame at 30 Hz lasts."""
+"""No sensor reads an image for longer than its frame at 30 Hz lasts."""
 _SAG = 0.01
 """Standard deviation of how far a print's rim lies off its middle's plane, over its half width."""
 _NEIGHBOUR_S = 0.11
@@ -32,11 +32,11 @@ LEAST_VIEWS = 5
 
 
 @dataclass(frozen=True, eq=False)
-class BodySightings:
+class BodyObservations:
     """Corners of bodies in views, sorted by view, then body.
 
     Fields:
-        size: width and height of the pictures.
+        size: width and height of the images.
         time_s: ``(V,)`` rising.
         view, body: ``(N,)`` of each corner; every view and every body has some.
         points: ``(N, 3)`` in the body's frame, in any unit of length.
@@ -52,10 +52,10 @@ class BodySightings:
     px: FloatArray
     shown_px: FloatArray | None = None
 
-    def only(self, views: IntArray) -> BodySightings:
+    def only(self, views: IntArray) -> BodyObservations:
         """Some views ``(v,)``, rising; bodies keep their numbers."""
         rows = np.isin(self.view, views)
-        return BodySightings(
+        return BodyObservations(
             self.size,
             self.time_s[views],
             np.searchsorted(views, self.view[rows]),
@@ -80,7 +80,7 @@ class BodySightings:
 
     @cached_property
     def line(self) -> FloatArray:
-        """``(N, 2)`` where in the picture a corner lies, across and down: -1/2 to 1/2."""
+        """``(N, 2)`` where in the image a corner lies, across and down: -1/2 to 1/2."""
         px = self.px if self.shown_px is None else self.shown_px
         return (px + 0.5) / self.size - 0.5
 
@@ -95,8 +95,8 @@ class BodyState:
         readout_s: ``(2,)`` seconds from left edge to right, and from upper to lower.
         world_T_camera: Motor ``(V,)``.
         world_T_body: Motor ``(B,)``; the first is the world.
-        bent: ``(3,)`` how a lone body is bent, see `BodySightings.sag`: no print lies quite flat,
-            and one that is taken to tells a wrong focal length.
+        bent: ``(3,)`` how a lone body is bent, see `BodyObservations.sag`: no print lies quite
+            flat, and one that is taken to tells a wrong focal length.
     """
 
     kind: LensKind
@@ -158,7 +158,7 @@ class BodyReprojection:
     """All corners against their reprojection; infinite cost where no camera is like that."""
 
     def __init__(
-        self, seen: BodySightings, velocity: FloatArray, free: Freedom, state: BodyState
+        self, seen: BodyObservations, velocity: FloatArray, free: Freedom, state: BodyState
     ) -> None:
         self._seen, self._state, self._free = seen, state, free
         self.cost = np.inf

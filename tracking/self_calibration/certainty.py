@@ -2,9 +2,9 @@
 
 Least squares takes each corner's error for its own. They are not: neighbouring views show a print
 from one side and with one blur, and a print that is bent is so in all views. So the fit's scores
-are summed over what errs alike, once over stretches of the clip and once over the print's points,
+are summed over what errs alike, once over segments of the clip and once over the print's points,
 and the scatter of these sums says how far the focal length may be off. Glare lies in one part of
-the picture throughout: an offset of each part's corners is estimated as a random effect.
+the image throughout: an offset of each part's corners is estimated as a random effect.
 
 Sources: Cameron, Gelbach & Miller 2011 (standard errors clustered two ways); Bell & McCaffrey 2002
 (each cluster left out, for few of them).
@@ -15,24 +15,24 @@ from __future__ import annotations
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.self_calibration.bodies import BodyReprojection, BodySightings
+from motorcade.tracking.self_calibration.bodies import BodyObservations, BodyReprojection
 from motorcade.tracking.self_calibration.fitting import BodyFit
 
-STRETCHES = 8
+SEGMENTS = 8
 """A clip is cut into so many parts: few enough that their errors are independent."""
 _PARTS, _POSE = 4, 6
-"""What was seen of the picture is cut into so many columns and rows; a pose has six numbers."""
+"""What was seen of the image is cut into so many columns and rows; a pose has six numbers."""
 
 
-def stretches(views: int) -> IntArray:
-    """Of each view the number of the stretch of neighbours that it belongs to."""
-    return np.arange(views) * min(STRETCHES, views) // views
+def segments(views: int) -> IntArray:
+    """Of each view the number of the segment of neighbours that it belongs to."""
+    return np.arange(views) * min(SEGMENTS, views) // views
 
 
-def error_inflation(seen: BodySightings, fit: BodyFit) -> float:
+def error_inflation(seen: BodyObservations, fit: BodyFit) -> float:
     """How many times the error of the focal length is what independent corners would leave it.
 
-    One at least. Linearised: each stretch is left out in turn, without a fit of its own.
+    One at least. Linearised: each segment is left out in turn, without a fit of its own.
     """
     at = fit.evaluation
     reduced = _without_views(at, seen)
@@ -41,14 +41,14 @@ def error_inflation(seen: BodySightings, fit: BodyFit) -> float:
     )
     pull = at.weight[:, None] * at.residuals_px
     scores = np.einsum("nij,ni->nj", reduced, pull)
-    stretch = stretches(len(seen.time_s))[seen.view]
+    segment = segments(len(seen.time_s))[seen.view]
     flat = np.sqrt(at.weight)[:, None, None] * reduced
-    parts = [flat[stretch == one].reshape(-1, flat.shape[-1]) for one in range(stretch.max() + 1)]
+    parts = [flat[segment == one].reshape(-1, flat.shape[-1]) for one in range(segment.max() + 1)]
     informations = [part.T @ part for part in parts]
     data = np.sum(informations, axis=0)
     whole = data + np.diag(at.expected_of(data.shape[0]))
     left_out = [
-        np.linalg.lstsq(whole - information, scores[stretch == k].sum(axis=0), rcond=None)[0][0]
+        np.linalg.lstsq(whole - information, scores[segment == k].sum(axis=0), rcond=None)[0][0]
         for k, information in enumerate(informations)
     ]
     count = len(left_out)
@@ -62,9 +62,9 @@ def error_inflation(seen: BodySightings, fit: BodyFit) -> float:
 
 
 def _by_place(
-    at: BodyReprojection, seen: BodySightings, pulls: FloatArray, sigma_px: float
+    at: BodyReprojection, seen: BodyObservations, pulls: FloatArray, sigma_px: float
 ) -> float:
-    """Variance of the focal length by what moves all corners of a part of the picture alike.
+    """Variance of the focal length by what moves all corners of a part of the image alike.
 
     Glare does, and what no lens model explains. A fit hides such an error in its own direction, so
     its size is taken from what is left in the parts, and its effect from how they pull.
@@ -81,7 +81,7 @@ def _by_place(
     return float(max(common, 0.0) * np.square(pulled).sum())
 
 
-def _without_views(at: BodyReprojection, seen: BodySightings) -> FloatArray:
+def _without_views(at: BodyReprojection, seen: BodyObservations) -> FloatArray:
     """Derivative ``(N, 2, p)`` by all that views share, less what their poses make up for."""
     by_view, shared = at.by_view, at.by_all_shared
     pull = (by_view * at.weight[:, None, None]).swapaxes(-1, -2)

@@ -1,8 +1,8 @@
 """Which lens model a clip bears, how sure the focal length is, and what a reader must be told.
 
-Every second stretch of the clip is fitted, the other is predicted: the simplest lens whose
+Every second segment of the clip is fitted, the other is predicted: the simplest lens whose
 prediction is as good as the best within its scatter wins, of those that are told as far as the
-picture's corners. How sure the focal length is follows from errors that corners have in common
+image's corners. How sure the focal length is follows from errors that corners have in common
 (`certainty`), and from how far the lenses differ that predict no worse.
 """
 
@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.self_calibration.bodies import BodySightings, BodyState
-from motorcade.tracking.self_calibration.certainty import error_inflation, stretches
+from motorcade.tracking.self_calibration.bodies import BodyObservations, BodyState
+from motorcade.tracking.self_calibration.certainty import error_inflation, segments
 from motorcade.tracking.self_calibration.fitting import BodyFit, fit
 from motorcade.tracking.self_calibration.homographies import LEAST_FOCAL, MOST_FOCAL
 from motorcade.tracking.self_calibration.lens import FOCAL_SPREAD, KINDS, LensKind
@@ -35,7 +35,7 @@ _AS_GOOD = 1.02  # a simpler lens may predict so much worse than the best
 _SCATTERS = 2.0
 _TOLD_BEND = 0.05
 """Standard deviation, as a share of the distance from the middle, to which terms must tell where
-the picture's corners lie: lenses are that near to having no terms."""
+the image's corners lie: lenses are that near to having no terms."""
 _HEAD_ON_DEG = 15.0
 _READOUT_SIGMA_S = 0.002
 _BREATHING_BINS, _BREATHING_LEAST, _BREATHING_SIGMAS = 8, 0.01, 4.0
@@ -70,17 +70,17 @@ class ChosenFit:
 
 @dataclass(frozen=True, eq=False)
 class _Tried:
-    """A lens model on a clip; `errors` of unseen stretches, log px; `fault` why it is no choice."""
+    """A lens model on a clip; `errors` of unseen segments, log px; `fault` why it is no choice."""
 
     chosen: ChosenFit
     errors: FloatArray
     fault: str
 
 
-def choose_lens(seen: BodySightings, start: BodyState, *, readout: bool) -> ChosenFit:
+def choose_lens(seen: BodyObservations, start: BodyState, *, readout: bool) -> ChosenFit:
     """Fit the lens models in turn, and choose the simplest of those that predict best.
 
-    A model that folds back in the picture, or whose terms do not tell where its corners lie, is not
+    A model that folds back in the image, or whose terms do not tell where its corners lie, is not
     taken: it was seen too near the middle.
 
     Args:
@@ -112,22 +112,22 @@ def choose_lens(seen: BodySightings, start: BodyState, *, readout: bool) -> Chos
     )
 
 
-def _try_lens(seen: BodySightings, start: BodyState, *, readout: bool) -> _Tried:
+def _try_lens(seen: BodyObservations, start: BodyState, *, readout: bool) -> _Tried:
     chosen = weighed_fit(seen, start, readout=readout)
     state, alike = chosen.fit.state, chosen.alike
-    stretch = stretches(len(seen.time_s))
-    errors = np.zeros(stretch[-1] + 1)
+    segment = segments(len(seen.time_s))
+    errors = np.zeros(segment[-1] + 1)
     for parity in (0, 1):
-        views, others = np.flatnonzero(stretch % 2 == parity), np.flatnonzero(stretch % 2 != parity)
+        views, others = np.flatnonzero(segment % 2 == parity), np.flatnonzero(segment % 2 != parity)
         near = _of_views(state, others)
         known = fit(seen.only(others), near, readout=readout, alike=alike)
         predicted = _predicted_px(seen.only(views), _of_views(state, views), known)
         for number in range(parity, len(errors), 2):
-            errors[number] = np.log(np.median(predicted[stretch[views] == number]))
+            errors[number] = np.log(np.median(predicted[segment[views] == number]))
     bend = np.pad(state.kind.bend(state.numbers, seen.size), (0, len(chosen.covariance)))
     bend = bend[: len(chosen.covariance)]
     if chosen.fit.camera(seen.size).folds():
-        fault = " (folds back in the picture)"
+        fault = " (folds back in the image)"
     elif float(bend @ chosen.covariance @ bend) > _TOLD_BEND**2:
         fault = " (does not tell the corners)"
     else:
@@ -135,7 +135,7 @@ def _try_lens(seen: BodySightings, start: BodyState, *, readout: bool) -> _Tried
     return _Tried(chosen, errors, fault)
 
 
-def weighed_fit(seen: BodySightings, start: BodyState, *, readout: bool) -> ChosenFit:
+def weighed_fit(seen: BodyObservations, start: BodyState, *, readout: bool) -> ChosenFit:
     """All views fitted, what is expected of lenses weighed by how much corners tell together."""
     fitted, alike = fit(seen, start, readout=readout), 1.0
     for _ in range(2):
@@ -145,7 +145,7 @@ def weighed_fit(seen: BodySightings, start: BodyState, *, readout: bool) -> Chos
 
 
 def _predicts_as(lens: _Tried, other: _Tried) -> bool:
-    """Whether it predicts as well as another, or better, within the scatter over stretches."""
+    """Whether it predicts as well as another, or better, within the scatter over segments."""
     worse = lens.errors - other.errors
     scatter = float(worse.std(ddof=1)) / np.sqrt(len(worse))
     return bool(worse.mean() <= max(np.log(_AS_GOOD), _SCATTERS * scatter))
@@ -162,7 +162,7 @@ def as_kind(state: BodyState, kind: LensKind) -> BodyState:
     return replace(state, kind=kind, numbers=numbers)
 
 
-def _predicted_px(seen: BodySightings, near: BodyState, known: BodyFit) -> FloatArray:
+def _predicted_px(seen: BodyObservations, near: BodyState, known: BodyFit) -> FloatArray:
     """Median error ``(V,)`` of views with a lens and bodies from others, their poses fitted."""
     start = replace(known.state, world_T_camera=near.world_T_camera)
     fitted = fit(seen, start, lens=False, bodies=False)
@@ -171,11 +171,11 @@ def _predicted_px(seen: BodySightings, near: BodyState, known: BodyFit) -> Float
 
 
 def calibration_of(
-    chosen: ChosenFit, seen: BodySightings, basis: Basis, start_ns: int
+    chosen: ChosenFit, seen: BodyObservations, basis: Basis, start_ns: int
 ) -> SelfCalibration:
     """What is given: camera, its doubts and what else the fit tells.
 
-    `start_ns` is the stamp of the sightings' zero.
+    `start_ns` is the stamp of the observations' zero.
 
     Raises:
         SelfCalibrationError: views from which no camera's focal length follows.
@@ -194,7 +194,7 @@ def calibration_of(
     if not LEAST_FOCAL <= focal / max(seen.size) <= MOST_FOCAL:
         raise SelfCalibrationError(
             f"{basis}: expected a focal length of {LEAST_FOCAL:g} to {MOST_FOCAL:g} long sides of "
-            f"the picture, got {focal / max(seen.size):.2g}: no camera sees it like that"
+            f"the image, got {focal / max(seen.size):.2g}: no camera sees it like that"
         )
     doubts = _doubts(fitted, sigma, breathing, basis)
     if zoom is not None:
@@ -215,7 +215,7 @@ def calibration_of(
     )
 
 
-def _followed(chosen: ChosenFit, seen: BodySightings) -> tuple[ChosenFit, FollowedZoom] | None:
+def _followed(chosen: ChosenFit, seen: BodyObservations) -> tuple[ChosenFit, FollowedZoom] | None:
     """The lens chosen anew where its zoom is undone, and that zoom; None where there is none."""
     if not may_zoom(seen, chosen.fit):
         return None
@@ -258,7 +258,7 @@ def _readout(chosen: ChosenFit) -> ShutterReadout | None:
     return ShutterReadout(abs(seconds), sigma, names[axis][int(seconds < 0.0)])
 
 
-def _with_breathing(chosen: ChosenFit, seen: BodySightings) -> tuple[ChosenFit, float]:
+def _with_breathing(chosen: ChosenFit, seen: BodyObservations) -> tuple[ChosenFit, float]:
     """The fit where the focal length may change over the clip, if it does, and by which share.
 
     One focal length for all is not their mean: distances make up for what it lacks. So corners are
@@ -297,7 +297,7 @@ def _with_breathing(chosen: ChosenFit, seen: BodySightings) -> tuple[ChosenFit, 
 
 
 def _by_bins(
-    fitted: BodyFit, seen: BodySightings, alike: float
+    fitted: BodyFit, seen: BodyObservations, alike: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Times, and mean change of the focal length and its standard deviation, by part of a clip."""
     bins = np.arange(len(seen.time_s)) * _BREATHING_BINS // len(seen.time_s)
@@ -308,15 +308,15 @@ def _by_bins(
     return np.bincount(bins, seen.time_s, _BREATHING_BINS) / count, means, sigma
 
 
-def _reach(seen: BodySightings) -> tuple[str, ...]:
-    """What to tell where nothing was seen near the picture's corners."""
+def _reach(seen: BodyObservations) -> tuple[str, ...]:
+    """What to tell where nothing was seen near the image's corners."""
     half = 0.5 * np.array(seen.size)
     share = float(np.percentile(np.linalg.norm((seen.px - half), axis=-1), 98))
     share /= float(np.linalg.norm(half))
     if share > _FAR_ENOUGH:
         return ()
     return (
-        f"nothing was seen beyond {share:.0%} of the way from the picture's middle to its corners: "
+        f"nothing was seen beyond {share:.0%} of the way from the image's middle to its corners: "
         "how the lens bends there is a guess",
     )
 
@@ -338,7 +338,7 @@ def _doubts(fitted: BodyFit, sigma: float, breathing: float, basis: Basis) -> tu
         )
     if fitted.rms_px > _POOR_RMS_PX:
         doubts.append(
-            f"the {basis} fit to {fitted.rms_px:.1f} px only: blurred pictures, a bent print, or "
+            f"the {basis} fit to {fitted.rms_px:.1f} px only: blurred images, a bent print, or "
             "something that moved or is not what it was taken for"
         )
     return tuple(doubts)

@@ -12,8 +12,8 @@ from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.optimise import Stop, minimise
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
 from motorcade.tracking.self_calibration.bodies import (
+    BodyObservations,
     BodyReprojection,
-    BodySightings,
     BodyState,
     Freedom,
     velocities,
@@ -64,7 +64,7 @@ class BodyFit:
 
 
 def fit(
-    seen: BodySightings,
+    seen: BodyObservations,
     start: BodyState,
     *,
     lens: bool = True,
@@ -121,7 +121,7 @@ def _retract(free: Freedom, state: BodyState, step: tuple[FloatArray, FloatArray
     )
 
 
-def _noise_px(seen: BodySightings, state: BodyState) -> float:
+def _noise_px(seen: BodyObservations, state: BodyState) -> float:
     velocity = velocities(seen.time_s, state.world_T_camera)
     at = BodyReprojection(seen, velocity, Freedom(False, False, False, 1.0, 1.0), state)
     if not np.isfinite(at.cost):

@@ -1,4 +1,4 @@
-"""A first focal length from pictures of planes: the one whose poses show the corners best.
+"""A first focal length from images of planes: the one whose poses show the corners best.
 
 Each plane's homography says how it lies for any focal length that is tried; a wrong one leaves
 directions that are not perpendicular or not of one length (Zhang 2000, section 3.1), so corners are
@@ -17,7 +17,7 @@ from motorcade.tracking.self_calibration.lens import FOCAL_SPREAD, USUAL_FOCAL
 from motorcade.tracking.self_calibration.result import SelfCalibrationError
 
 LEAST_FOCAL, MOST_FOCAL = 0.2, 5.0
-"""In long sides of the picture; a lens of 120 degrees across has 0.29, one of 12 degrees 4.8."""
+"""In long sides of the image; a lens of 120 degrees across has 0.29, one of 12 degrees 4.8."""
 _TRIED = 41
 _INDEPENDENT = 8.0  # planes; their neighbours err alike
 _FAR = 5.0  # times the noise of planes: beyond it an error is as bad as any
@@ -26,16 +26,16 @@ _FAR = 5.0  # times the noise of planes: beyond it an error is as bad as any
 def focal_from_planes(
     planes: Iterable[tuple[FloatArray, FloatArray]], size: tuple[int, int]
 ) -> float:
-    """Focal length in pixels that pictures of planes agree on, the centre being in the middle.
+    """Focal length in pixels that images of planes agree on, the centre being in the middle.
 
     Right to some per cent where planes are seen at a slant; a camera's usual one where none is.
 
     Args:
         planes: points ``(n, 2 or 3)`` of a plane and their pixels ``(n, 2)``; n at least 4.
-        size: width and height of the pictures.
+        size: width and height of the images.
 
     Raises:
-        SelfCalibrationError: pixels that are no picture of a plane.
+        SelfCalibrationError: pixels that are no image of a plane.
 
     >>> import numpy as np
     >>> from motorcade.ga import Motor

@@ -1,7 +1,7 @@
 """The lens models that a clip is tried with, as few numbers, and back to a camera.
 
 Pixels are square and a phone's lens is round, so one focal length, the centre and up to three
-radial terms are asked for: more follow the noise where corners do not reach the picture's edges.
+radial terms are asked for: more follow the noise where corners do not reach the image's edges.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from motorcade.tracking.cameras import lenses
 from motorcade.tracking.cameras.camera import Camera, CameraModel
 
 CENTRE_SHARE = 0.02
-"""Standard deviation, in long sides, of a lens's centre about the picture's before it is measured:
-pictures are cut from the middle of the sensor, to a per cent or two."""
+"""Standard deviation, in long sides, of a lens's centre about the image's before it is measured:
+images are cut from the middle of the sensor, to a per cent or two."""
 USUAL_FOCAL, FOCAL_SPREAD = 0.8, 0.35
 """Focal lengths of cameras, in long sides: log-normal about a phone's, so wide that action cameras
 and short telephotos are two of its standard deviations off. It speaks where corners hardly do."""
@@ -56,7 +56,7 @@ class LensKind:
         """How far numbers are from what is expected of them, and the information of that.
 
         The logarithm of the focal length is expected to be a usual camera's, the centre to be the
-        picture's, the terms to be small.
+        image's, the terms to be small.
         """
         width, height = size
         away = numbers.astype(np.float64)
@@ -69,7 +69,7 @@ class LensKind:
 
     def bend(self, numbers: FloatArray, size: tuple[int, int]) -> FloatArray:
         """Derivative ``(3 + terms,)`` by the numbers of how far, as a share of its distance from
-        the middle, the terms move the picture's corner.
+        the middle, the terms move the image's corner.
         """
         corner = 0.5 * float(np.hypot(*size)) / numbers[0]
         return np.append(np.zeros(_PLAIN), corner ** (2.0 * np.arange(1, self.terms + 1)))
@@ -109,5 +109,5 @@ KINDS = (
 
 
 def start_numbers(focal: float, size: tuple[int, int]) -> FloatArray:
-    """Numbers ``(3,)`` of a pinhole with its centre in the middle of the picture."""
+    """Numbers ``(3,)`` of a pinhole with its centre in the middle of the image."""
     return np.array([focal, 0.5 * (size[0] - 1), 0.5 * (size[1] - 1)])

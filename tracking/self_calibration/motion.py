@@ -28,9 +28,9 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, checked_gray
+from motorcade.tracking.images import track_corners
 from motorcade.tracking.markers.corner_stream import checked_stamps
 from motorcade.tracking.native._flow import Pyramid
-from motorcade.tracking.pictures import track_corners
 from motorcade.tracking.self_calibration.bodies import velocities
 from motorcade.tracking.self_calibration.lens import (
     CENTRE_SHARE,
@@ -41,7 +41,7 @@ from motorcade.tracking.self_calibration.lens import (
 )
 from motorcade.tracking.self_calibration.points import (
     PointFit,
-    PointSightings,
+    PointObservations,
     PointState,
     fit_points,
     fit_with_shutter,
@@ -69,7 +69,7 @@ _KIND = next(kind for kind in KINDS if kind.name == "radtan with k1 k2")
 _SIMPLER: tuple[LensKind, ...] = tuple(
     kind for name in ("radtan with k1", "pinhole") for kind in KINDS if kind.name == name
 )
-_LONG_SIDE = 960  # pictures are tracked at this size: finer ones cost time and tell little more
+_LONG_SIDE = 960  # images are tracked at this size: finer ones cost time and tell little more
 _MOST_FRAMES = 450
 _MOST_VIEWS = 40
 _TRACKED_SHARE, _LEAST_TRACKED = 0.6, 0.4
@@ -82,11 +82,11 @@ _FARTHEST_ASIDE = 5.0 * CENTRE_SHARE
 
 @dataclass(frozen=True, eq=False)
 class _Frames:
-    """Pictures as they are tracked."""
+    """Images as they are tracked."""
 
     time_ns: IntArray
-    pictures: Sequence[GrayImage]
-    size: tuple[int, int]  # of the pictures as given
+    images: Sequence[GrayImage]
+    size: tuple[int, int]  # of the images as given
 
     @property
     def scale(self) -> float:
@@ -96,23 +96,23 @@ class _Frames:
     @property
     def small(self) -> tuple[int, int]:
         """Width and height as tracked."""
-        return self.pictures[0].shape[1], self.pictures[0].shape[0]
+        return self.images[0].shape[1], self.images[0].shape[0]
 
 
 def self_calibrate_motion(
-    pictures: Iterable[GrayImage], size: tuple[int, int], time_ns: Sequence[int] | IntArray
+    images: Iterable[GrayImage], size: tuple[int, int], time_ns: Sequence[int] | IntArray
 ) -> SelfCalibration:
     """Find the camera of a clip that shows neither board nor tags, from how the scene moves.
 
     Args:
-        pictures: upright grey frames in order, neighbours of the clip; the first 450 are taken.
-        size: width and height of the pictures, pixels.
+        images: upright grey frames in order, neighbours of the clip; the first 450 are taken.
+        size: width and height of the images, pixels.
         time_ns: ``(F,)`` stamps of the frames, strictly increasing.
 
     Raises:
         SelfCalibrationError: too little texture, a camera that only turns, or motion from which
             the focal length does not follow.
-        ValueError: pictures of another size.
+        ValueError: images of another size.
 
     >>> import numpy as np
     >>> from motorcade.tracking import SelfCalibrationError, self_calibrate_motion
@@ -121,17 +121,17 @@ def self_calibrate_motion(
     ...     self_calibrate_motion(gray, (640, 480), 33_000_000 * np.arange(6))
     ... except SelfCalibrationError as error:
     ...     print(error)
-    pictures: expected 80 corners to follow, got 0: the scene is too plain to tell the camera from
+    images: expected 80 corners to follow, got 0: the scene is too plain to tell the camera from
     """
-    frames = _reduced(pictures, size, checked_stamps(np.asarray(time_ns), "time_ns"))
-    some = np.unique(np.linspace(0, len(frames.pictures) - 1, _PLACES).astype(int))
-    corners = max(len(find_corners(frames.pictures[row], 4 * FEWEST_CORNERS)) for row in some)
+    frames = _reduced(images, size, checked_stamps(np.asarray(time_ns), "time_ns"))
+    some = np.unique(np.linspace(0, len(frames.images) - 1, _PLACES).astype(int))
+    corners = max(len(find_corners(frames.images[row], 4 * FEWEST_CORNERS)) for row in some)
     if corners < FEWEST_CORNERS:
         raise SelfCalibrationError(
-            f"pictures: expected {FEWEST_CORNERS} corners to follow, got {corners}: the scene is "
+            f"images: expected {FEWEST_CORNERS} corners to follow, got {corners}: the scene is "
             "too plain to tell the camera from"
         )
-    refuse_turning(frames.pictures, frames.size)
+    refuse_turning(frames.images, frames.size)
     mapped = _first_map(frames)
     if mapped is None:
         return _guessed(frames, USUAL_FOCAL, np.inf, "no focal length lets SLAM keep most frames")
@@ -153,7 +153,7 @@ def self_calibrate_motion(
         reason = f"things are seen from directions {parallax:.1f} degrees apart in the middle"
     elif (aside := _aside(fit, frames)) > _FARTHEST_ASIDE:
         reason = (
-            f"its centre came out {aside:.0%} of the picture beside the middle, where no lens has "
+            f"its centre came out {aside:.0%} of the image beside the middle, where no lens has "
             "it; of a clip cut from the side of another, state the camera"
         )
     if reason:
@@ -161,15 +161,15 @@ def self_calibrate_motion(
     return replace(_checked(frames, fit, sigma), readout=readout)
 
 
-def _reduced(pictures: Iterable[GrayImage], size: tuple[int, int], time_ns: IntArray) -> _Frames:
+def _reduced(images: Iterable[GrayImage], size: tuple[int, int], time_ns: IntArray) -> _Frames:
     step = max(1, -(-max(size) // _LONG_SIDE))
     small = (size[0] // step, size[1] // step)
     kept: list[GrayImage] = []
-    for number, picture in enumerate(islice(pictures, _MOST_FRAMES)):
-        gray = checked_gray(picture)
+    for number, image in enumerate(islice(images, _MOST_FRAMES)):
+        gray = checked_gray(image)
         if gray.shape != (size[1], size[0]):
             raise ValueError(
-                f"pictures[{number}]: expected {size[0]} x {size[1]} pixels, got "
+                f"images[{number}]: expected {size[0]} x {size[1]} pixels, got "
                 f"{gray.shape[1]} x {gray.shape[0]}"
             )
         part = gray[: small[1] * step, : small[0] * step]
@@ -177,7 +177,7 @@ def _reduced(pictures: Iterable[GrayImage], size: tuple[int, int], time_ns: IntA
         kept.append(np.asarray(reduced, np.uint8))
     if len(kept) < _FEWEST_VIEWS or len(time_ns) < len(kept):
         raise SelfCalibrationError(
-            f"pictures: expected at least {_FEWEST_VIEWS} frames and a stamp each, got "
+            f"images: expected at least {_FEWEST_VIEWS} frames and a stamp each, got "
             f"{len(kept)} with {len(time_ns)}"
         )
     return _Frames(time_ns[: len(kept)], kept, (small[0] * step, small[1] * step))
@@ -202,24 +202,24 @@ def _first_map(frames: _Frames) -> tuple[SlamResult, Camera] | None:
 def _mapped(frames: _Frames, camera: Camera, least: float = _TRACKED_SHARE) -> SlamResult | None:
     """SLAM over all frames; None where it follows too few of them."""
     slam = VisualSlam(camera)
-    for stamp, picture in zip(frames.time_ns.tolist(), frames.pictures, strict=True):
-        slam.track(stamp, picture)
+    for stamp, image in zip(frames.time_ns.tolist(), frames.images, strict=True):
+        slam.track(stamp, image)
     result = slam.finish()
     if result.trajectory is None or len(result.map.points) < _FEWEST_POINTS:
         return None
-    enough = len(result.trajectory) >= least * len(frames.pictures)
+    enough = len(result.trajectory) >= least * len(frames.images)
     return result if enough and len(result.map.time_ns) >= 2 else None
 
 
 def _of_map(
     frames: _Frames, result: SlamResult, camera: Camera
-) -> tuple[PointSightings, PointState]:
-    """What the keyframes saw, in the pixels of the pictures."""
+) -> tuple[PointObservations, PointState]:
+    """What the keyframes saw, in the pixels of the images."""
     layout = result.map
     px = camera.distort(layout.px)
     rows = np.flatnonzero(np.isfinite(px).all(axis=-1))
     points, which = np.unique(layout.point_of[rows], return_inverse=True)
-    seen = PointSightings(frames.small, layout.keyframe_of[rows], which, px[rows])
+    seen = PointObservations(frames.small, layout.keyframe_of[rows], which, px[rows])
     poses, places = layout.world_T_camera, layout.points[points]
     return seen, PointState(_KIND, _numbers(camera), poses, places)
 
@@ -231,7 +231,7 @@ def _numbers(camera: Camera) -> FloatArray:
 
 def _densified(
     frames: _Frames, result: SlamResult, camera: Camera
-) -> tuple[PointSightings, PointState, FloatArray]:
+) -> tuple[PointObservations, PointState, FloatArray]:
     """The map's points found again in frames spread over the path, from the nearest keyframe.
 
     Returns:
@@ -256,7 +256,7 @@ def _densified(
         )
         rows, guess = rows[np.isfinite(guess).all(axis=-1)], guess[np.isfinite(guess).all(axis=-1)]
         there, good = track_corners(
-            frames.pictures[keyframes[nearest]], frames.pictures[number], shown[rows], guess
+            frames.images[keyframes[nearest]], frames.images[number], shown[rows], guess
         )
         if np.count_nonzero(good) < _FEWEST_POINTS // 2:
             continue
@@ -266,8 +266,8 @@ def _densified(
         poses.append(pose)
         moved.append(velocity[row])
     if len(poses) < _FEWEST_VIEWS:
-        raise SelfCalibrationError("pictures: expected frames that show one scene, got too few")
-    seen = PointSightings(
+        raise SelfCalibrationError("images: expected frames that show one scene, got too few")
+    seen = PointObservations(
         frames.small, np.concatenate(views), np.concatenate(points), np.concatenate(pixels)
     )
     start = PointState(_KIND, _numbers(camera), Motor.stack(poses), layout.points)
@@ -275,8 +275,8 @@ def _densified(
 
 
 def _often_seen(
-    seen: PointSightings, state: PointState, least: int = 3
-) -> tuple[PointSightings, PointState]:
+    seen: PointObservations, state: PointState, least: int = 3
+) -> tuple[PointObservations, PointState]:
     """Only points that enough views see, numbered anew; views keep their numbers."""
     counts = np.bincount(seen.point, minlength=len(state.points))
     rows = np.flatnonzero(counts[seen.point] >= least)
@@ -285,7 +285,7 @@ def _often_seen(
     return kept, replace(state, points=state.points[points])
 
 
-def _focal_sigma(seen: PointSightings, fit: PointFit) -> float:
+def _focal_sigma(seen: PointObservations, fit: PointFit) -> float:
     """Relative standard deviation of the focal length, by the residuals and by halves."""
     numbers = fit.state.numbers
     halves = [float(fit_points(*_half(seen, fit.state, one)).state.numbers[0]) for one in (0, 1)]
@@ -311,22 +311,22 @@ def _guessed(frames: _Frames, focal: float, sigma: float, why: str) -> SelfCalib
         result = _mapped(frames, middle_camera(frames.small, share), _LEAST_TRACKED)
         path = None if result is None else result.trajectory
         tried.append((0 if path is None else len(path), share))
-        if tried[-1][0] > 0.95 * len(frames.pictures):
+        if tried[-1][0] > 0.95 * len(frames.images):
             break
     kept, share = max(tried, key=lambda row: row[0])
     if not kept:
         views = ", ".join(f"{view_deg(share):.0f}" for _, share in tried)
         raise SelfCalibrationError(
-            f"pictures: expected a motion that visual SLAM can follow, got one of which it keeps "
-            f"fewer than {_LEAST_TRACKED:.0%} of {len(frames.pictures)} frames, whether the lens "
+            f"images: expected a motion that visual SLAM can follow, got one of which it keeps "
+            f"fewer than {_LEAST_TRACKED:.0%} of {len(frames.images)} frames, whether the lens "
             f"sees {views} degrees; move sideways past things at different depths, slowly"
         )
     doubts = (
         f"{doubt_of(share, spread)} ({why})",
         *(
             []
-            if kept > 0.95 * len(frames.pictures)
-            else [f"SLAM keeps {kept} of the first {len(frames.pictures)} frames"]
+            if kept > 0.95 * len(frames.images)
+            else [f"SLAM keeps {kept} of the first {len(frames.images)} frames"]
         ),
     )
     reason = "pinhole: motion does not tell more"
@@ -335,13 +335,13 @@ def _guessed(frames: _Frames, focal: float, sigma: float, why: str) -> SelfCalib
 
 
 def _aside(fit: PointFit, frames: _Frames) -> float:
-    """How far the lens's centre is from the picture's, in long sides."""
+    """How far the lens's centre is from the image's, in long sides."""
     middle = 0.5 * (np.array(frames.small) - 1.0)
     return float(np.linalg.norm(fit.state.numbers[1:3] - middle) / max(frames.small))
 
 
 def _checked(frames: _Frames, fit: PointFit, sigma: float) -> SelfCalibration:
-    """The camera in the pictures' own pixels."""
+    """The camera in the images' own pixels."""
     views = int(fit.state.world_T_camera.shape[0])
     inside = np.linalg.norm(fit.residuals_px, axis=-1) < 6.0 * fit.noise_px
     rms = float(np.sqrt((fit.residuals_px[inside] ** 2).sum(axis=-1).mean()))
@@ -359,7 +359,9 @@ def _checked(frames: _Frames, fit: PointFit, sigma: float) -> SelfCalibration:
     )
 
 
-def _focal_of(seen: PointSightings, fit: PointFit, views: IntArray) -> tuple[float, float] | None:
+def _focal_of(
+    seen: PointObservations, fit: PointFit, views: IntArray
+) -> tuple[float, float] | None:
     """What some views alone tell of the focal length, and its deviation, pixels as tracked."""
     rows = np.flatnonzero(np.isin(seen.view, views))
     part = replace(seen.only(rows), view=np.searchsorted(views, seen.view[rows]))
@@ -371,8 +373,8 @@ def _focal_of(seen: PointSightings, fit: PointFit, views: IntArray) -> tuple[flo
     return float(alone.state.numbers[0]), float(np.sqrt(alone.covariance[0, 0]))
 
 
-def _unfolded(frames: _Frames, seen: PointSightings, fit: PointFit) -> PointFit:
-    """The same; where its terms fold back in the picture, the fit with as many as do not."""
+def _unfolded(frames: _Frames, seen: PointObservations, fit: PointFit) -> PointFit:
+    """The same; where its terms fold back in the image, the fit with as many as do not."""
     for kind in (_KIND, *_SIMPLER):
         if kind.terms < fit.state.kind.terms:
             numbers = kind.start(fit.state.numbers, kind.terms)
@@ -382,14 +384,16 @@ def _unfolded(frames: _Frames, seen: PointSightings, fit: PointFit) -> PointFit:
     return fit
 
 
-def _half(seen: PointSightings, state: PointState, odd: int) -> tuple[PointSightings, PointState]:
+def _half(
+    seen: PointObservations, state: PointState, odd: int
+) -> tuple[PointObservations, PointState]:
     """Every second point, and the others: what they have in common is not halved."""
     rows = np.flatnonzero(seen.point % 2 == odd)
     return _often_seen(seen.only(rows), state)
 
 
 def _full_size(fit: PointFit, frames: _Frames) -> Camera:
-    """The camera of the pictures before they were made smaller by whole pixels."""
+    """The camera of the images before they were made smaller by whole pixels."""
     scale, numbers = frames.scale, fit.state.numbers.copy()
     numbers[0] *= scale
     numbers[1:3] = scale * (numbers[1:3] + 0.5) - 0.5
@@ -405,20 +409,20 @@ def middle_camera(size: tuple[int, int], share: float) -> Camera:
     return KINDS[0].camera(start_numbers(share * max(size), size), size)
 
 
-def refuse_turning(pictures: Sequence[GrayImage], size: tuple[int, int]) -> None:
+def refuse_turning(images: Sequence[GrayImage], size: tuple[int, int]) -> None:
     """Refuse a clip in which every motion of the corners is a turn about the lens.
 
     Args:
-        pictures: as they are tracked.
-        size: width and height of the pictures as given, for the message.
+        images: as they are tracked.
+        size: width and height of the images as given, for the message.
 
     Raises:
         OnlyTurnsError: such a clip.
         SelfCalibrationError: corners that cannot be followed.
     """
-    small = pictures[0].shape[1], pictures[0].shape[0]
+    small = images[0].shape[1], images[0].shape[0]
     least: list[tuple[float, float, float]] = []
-    for first_px, px in _followed(pictures):
+    for first_px, px in _followed(images):
         flow = float(np.median(np.linalg.norm(px - first_px, axis=-1)))
         shares = np.geomspace(0.35, 2.5, 24)
         left = [
@@ -428,30 +432,30 @@ def refuse_turning(pictures: Sequence[GrayImage], size: tuple[int, int]) -> None
         least.append((left[best], flow, shares[best]))
     if not least:
         raise SelfCalibrationError(
-            "pictures: expected corners that move through the picture, got none: the camera "
+            "images: expected corners that move through the image, got none: the camera "
             "stands still, or moves too fast to be followed"
         )
     beyond, moved, focals = np.array(least).T
     if np.all(beyond < np.maximum(_TURN_PX, _TURN_SHARE * moved)):
         focal = float(np.median(focals)) * max(size)
         raise OnlyTurnsError(
-            "pictures: expected a camera that changes its place, got one that only turns (a focal "
+            "images: expected a camera that changes its place, got one that only turns (a focal "
             f"length of about {focal:.0f} pixels explains all motion); no path and no depth "
             "follow from that: move sideways past things at different depths",
             float(np.median(focals)),
         )
 
 
-def _followed(pictures: Sequence[GrayImage]) -> list[tuple[FloatArray, FloatArray]]:
+def _followed(images: Sequence[GrayImage]) -> list[tuple[FloatArray, FloatArray]]:
     """Corners of some frames, and where they are when they have moved far."""
-    far = 0.12 * max(pictures[0].shape)
+    far = 0.12 * max(images[0].shape)
     flows = []
-    for first in np.linspace(0, len(pictures) - 2, 6).astype(int):
-        start = find_corners(pictures[first], 300).px
+    for first in np.linspace(0, len(images) - 2, 6).astype(int):
+        start = find_corners(images[first], 300).px
         rows, px = np.arange(len(start)), start
-        motion, before = np.zeros_like(px), Pyramid(pictures[first])
-        for picture in pictures[first + 1 :]:
-            after = Pyramid(picture)
+        motion, before = np.zeros_like(px), Pyramid(images[first])
+        for image in images[first + 1 :]:
+            after = Pyramid(image)
             there, good = track_corners(before, after, px, px + motion)
             motion, before = (there - px)[good], after
             rows, px = rows[good], there[good]

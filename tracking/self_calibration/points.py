@@ -40,12 +40,12 @@ _NOISE_FLOOR_PX = 0.05
 
 
 @dataclass(frozen=True, eq=False)
-class PointSightings:
+class PointObservations:
     """Points in views.
 
     Fields:
-        size: width and height of the pictures.
-        view, point: ``(N,)`` of each sighting; a pair stands once, each has some.
+        size: width and height of the images.
+        view, point: ``(N,)`` of each observation; a pair stands once, each has some.
         px: ``(N, 2)``.
     """
 
@@ -54,8 +54,8 @@ class PointSightings:
     point: IntArray
     px: FloatArray
 
-    def only(self, rows: IntArray) -> PointSightings:
-        """Some sightings; views and points keep their numbers."""
+    def only(self, rows: IntArray) -> PointObservations:
+        """Some observations; views and points keep their numbers."""
         return replace(self, view=self.view[rows], point=self.point[rows], px=self.px[rows])
 
 
@@ -81,9 +81,9 @@ class PointFit:
 
     Fields:
         state: where it ended.
-        residuals_px: ``(N, 2)`` reprojection minus sighting; infinite behind the camera.
+        residuals_px: ``(N, 2)`` reprojection minus observation; infinite behind the camera.
         noise_px: of a coordinate, by the median.
-        covariance: ``(3 + terms, 3 + terms)`` of the lens's numbers, for independent sightings.
+        covariance: ``(3 + terms, 3 + terms)`` of the lens's numbers, for independent observations.
     """
 
     state: PointState
@@ -93,9 +93,9 @@ class PointFit:
 
 
 class _Reprojection:
-    """All sightings against their reprojection; those behind the camera count as far off."""
+    """All observations against their reprojection; those behind the camera count as far off."""
 
-    def __init__(self, seen: PointSightings, noise_px: float, state: PointState) -> None:
+    def __init__(self, seen: PointObservations, noise_px: float, state: PointState) -> None:
         self._seen, self._state = seen, state
         self.cost = np.inf
         if not (np.isfinite(state.numbers).all() and state.numbers[0] > 0.0):
@@ -180,7 +180,7 @@ class _Reprojection:
         return information, gradient
 
 
-def fit_points(seen: PointSightings, start: PointState) -> PointFit:
+def fit_points(seen: PointObservations, start: PointState) -> PointFit:
     """Minimise the reprojection error over lens, views and points; wrong matches hardly count.
 
     Raises:
@@ -220,7 +220,7 @@ def _retract(state: PointState, step: tuple[FloatArray, FloatArray]) -> PointSta
     )
 
 
-def parallax_deg(seen: PointSightings, state: PointState) -> float:
+def parallax_deg(seen: PointObservations, state: PointState) -> float:
     """Median over the points of the largest angle between directions that they were seen from."""
     towards = state.points[seen.point] - state.world_T_camera.translation_m[seen.view]
     towards /= np.linalg.norm(towards, axis=-1, keepdims=True)
@@ -242,8 +242,8 @@ _NAMES: tuple[tuple[ReadoutAxis, ReadoutAxis], ...] = (("right", "left"), ("down
 
 
 def fit_with_shutter(
-    seen: PointSightings, start: PointState, velocity: FloatArray
-) -> tuple[PointSightings, PointFit, ShutterReadout | None]:
+    seen: PointObservations, start: PointState, velocity: FloatArray
+) -> tuple[PointObservations, PointFit, ShutterReadout | None]:
     """Fit points, lens and views, with the rolling shutter that they show, if they show one.
 
     Args:
@@ -273,7 +273,7 @@ def fit_with_shutter(
 
 
 def _told(
-    seen: PointSightings, state: PointState, velocity: FloatArray, axis: int
+    seen: PointObservations, state: PointState, velocity: FloatArray, axis: int
 ) -> tuple[float, float]:
     """Read-out along an axis, seconds, and its standard deviation; infinite where none is best.
 
@@ -300,8 +300,8 @@ def _told(
 
 
 def _unrolled(
-    seen: PointSightings, state: PointState, velocity: FloatArray, shutter_s: FloatArray
-) -> PointSightings:
+    seen: PointObservations, state: PointState, velocity: FloatArray, shutter_s: FloatArray
+) -> PointObservations:
     camera = state.kind.camera(state.numbers, seen.size)
     in_camera = state.world_T_camera[seen.view].inverse().apply(state.points[seen.point])
     ahead = in_camera[:, 2] > 0.0

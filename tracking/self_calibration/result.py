@@ -29,7 +29,7 @@ class OnlyTurnsError(SelfCalibrationError):
     """A clip in which the camera changes its direction and not its place.
 
     Attributes:
-        focal: the focal length, in longer sides of the picture, that explains most of it.
+        focal: the focal length, in longer sides of the image, that explains most of it.
     """
 
     def __init__(self, message: str, focal: float) -> None:
@@ -39,13 +39,13 @@ class OnlyTurnsError(SelfCalibrationError):
 
 @dataclass(frozen=True)
 class ShutterReadout:
-    """How a rolling shutter reads a picture.
+    """How a rolling shutter reads an image.
 
     Fields:
         seconds: from the first line to the last.
         sigma_s: standard deviation of it.
-        axis: which way the lines follow one another in the picture as it is seen: of a phone held
-            upright the sensor's rows are the picture's columns.
+        axis: which way the lines follow one another in the image as it is seen: of a phone held
+            upright the sensor's rows are the image's columns.
 
     >>> from motorcade.tracking.self_calibration.result import ShutterReadout
     >>> ShutterReadout(0.021, 0.0004, "down").seconds
@@ -62,7 +62,7 @@ class SelfCalibration:
     """A camera found in a clip, and what speaks for and against it.
 
     Fields:
-        camera: of the clip's upright pictures; square pixels.
+        camera: of the clip's upright images; square pixels.
         basis: what it was found from.
         sigma_focal: relative standard deviation of the focal length, the larger of what the
             residuals say and of half the difference between two halves of the clip.
@@ -105,5 +105,5 @@ class SelfCalibration:
 
     @property
     def readout_s(self) -> float | None:
-        """Seconds from the first line of a picture to the last; None where it is not known."""
+        """Seconds from the first line of an image to the last; None where it is not known."""
         return None if self.readout is None else self.readout.seconds

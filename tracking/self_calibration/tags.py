@@ -18,7 +18,7 @@ from motorcade.tracking.markers.mapping.estimate import MappedRecording, map_mar
 from motorcade.tracking.pose import TrackingError
 from motorcade.tracking.self_calibration.bodies import (
     LEAST_VIEWS,
-    BodySightings,
+    BodyObservations,
     BodyState,
     spread_runs,
 )
@@ -28,7 +28,7 @@ from motorcade.tracking.self_calibration.lens import PINHOLE, start_numbers
 from motorcade.tracking.self_calibration.result import SelfCalibration, SelfCalibrationError
 
 _MOST_VIEWS = 240
-_MOST_ERROR = 5.0  # a sighting's error in the first map, over the median
+_MOST_ERROR = 5.0  # an observation's error in the first map, over the median
 
 
 def self_calibrate_tags(
@@ -42,7 +42,7 @@ def self_calibrate_tags(
         detections: of each frame, as `detect_markers` gives them; every frame of the clip if there
             is time, neighbours at least. An id that a frame shows twice is left out there. The
             markers lie still and are of one size; those never seen beside the others are left out.
-        size: width and height of the pictures, pixels.
+        size: width and height of the images, pixels.
         time_ns: ``(F,)`` stamps of all frames, strictly increasing.
 
     Raises:
@@ -110,8 +110,8 @@ def _once(frame: Sequence[Detection]) -> list[Detection]:
 
 def _started(
     stream: CornerStream, mapped: MappedRecording, focal: float
-) -> tuple[BodySightings, BodyState]:
-    """Sightings of the map's markers in frames that have a pose, and where the fit begins."""
+) -> tuple[BodyObservations, BodyState]:
+    """Observations of the map's markers in frames that have a pose, and where the fit begins."""
     layout, path = mapped.marker_map, mapped.trajectory
     sides = layout.world_T_marker
     size = stream.camera.width, stream.camera.height
@@ -131,7 +131,7 @@ def _started(
         raise SelfCalibrationError("markers: expected frames that fit one layout, got too few")
     first = sides[bodies[:1]].inverse()
     corners = np.repeat(np.flatnonzero(good), 4)
-    seen = BodySightings(
+    seen = BodyObservations(
         size,
         1e-9 * (path.time_ns[views] - stream.time_ns[0]),
         np.searchsorted(views, view[corners]),

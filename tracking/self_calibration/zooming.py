@@ -19,7 +19,7 @@ import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.zoom import MOST_KNOTS, Zoom
-from motorcade.tracking.self_calibration.bodies import BodySightings, BodyState
+from motorcade.tracking.self_calibration.bodies import BodyObservations, BodyState
 from motorcade.tracking.self_calibration.fitting import BodyFit, fit
 
 PARTS, FEWEST_VIEWS = 5, 5
@@ -48,13 +48,13 @@ class FollowedZoom:
 
     log_focal: FloatArray
     zoom: Zoom
-    seen: BodySightings
+    seen: BodyObservations
     state: BodyState
     sigma: float
 
 
 def follow_zoom(
-    seen: BodySightings, start: BodyState, log_focal: FloatArray | None = None
+    seen: BodyObservations, start: BodyState, log_focal: FloatArray | None = None
 ) -> FollowedZoom | None:
     """The focal length of each moment; None where it hardly changes or the views do not tell.
 
@@ -103,7 +103,7 @@ def follow_zoom(
     return FollowedZoom(curve, zoom, brought, replace(state, numbers=numbers), sigma)
 
 
-def may_zoom(seen: BodySightings, found: BodyFit) -> bool:
+def may_zoom(seen: BodyObservations, found: BodyFit) -> bool:
     """Whether views of a fit with one focal length ask for quite different ones, in their order."""
     if len(seen.time_s) < PARTS * FEWEST_VIEWS:
         return False
@@ -122,8 +122,8 @@ def _asked(found: BodyFit) -> tuple[FloatArray, FloatArray]:
 
 
 def _brought(
-    seen: BodySightings, state: BodyState, log_focal: FloatArray, log_wanted: float
-) -> BodySightings:
+    seen: BodyObservations, state: BodyState, log_focal: FloatArray, log_wanted: float
+) -> BodyObservations:
     """Corners where another focal length shows them, about the centre of a state's lens."""
     ratio = np.exp(log_wanted - log_focal)[seen.view][:, None]
     centre = state.numbers[1:3]

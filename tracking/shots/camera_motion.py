@@ -1,6 +1,6 @@
 """What a camera does in a shot: it stands, only turns, zooms, or moves through the scene.
 
-Corners are tracked over stretches of a shot. Where most rest, all over the picture, the camera
+Corners are tracked over segments of a shot. Where most rest, all over the image, the camera
 stands, whatever else moves. Where a rotation about the lens explains them, it turns; the focal
 length with which it explains them best is then that of the lens. With two focal lengths it zooms.
 Whatever neither explains is parallax.
@@ -23,7 +23,7 @@ from motorcade.ga.arrays import FloatArray
 MotionKind = Literal["stands", "turns", "zooms", "moves", "unknown"]
 
 REST_PX, _SLIP_PX = 3.0, 0.4
-"""Of a picture 320 px long: what a held camera moves, and what a rotation may leave over."""
+"""Of an image 320 px long: what a held camera moves, and what a rotation may leave over."""
 _SLIP_SHARE = 0.02
 _AT_REST, _FEWEST_AT_REST, _FAST, _BORDER_AT_REST = 0.6, 8, 4.0, 0.3
 _EXPLAINED = 0.6
@@ -39,9 +39,9 @@ class CameraMotion:
     """What the camera does.
 
     Fields:
-        kind: "unknown" where the pictures are too plain or too blurred to tell.
+        kind: "unknown" where the images are too plain or too blurred to tell.
         moving: share of the corners that go another way than a standing or turning camera says.
-        focal: focal length in longer sides of the picture, where a turning camera tells it.
+        focal: focal length in longer sides of the image, where a turning camera tells it.
         focal_sigma: relative standard deviation of it; infinite where nothing is told.
     """
 
@@ -64,14 +64,14 @@ class CameraMotion:
 
 @dataclass(frozen=True)
 class Rest:
-    """Places of a picture that are found again in a later one.
+    """Places of an image that are found again in a later one.
 
     Fields:
-        still: where they were, to a pixel of a picture 320 px long: a camera on a stand.
+        still: where they were, to a pixel of an image 320 px long: a camera on a stand.
         rest: to 3 px: one that a hand holds.
         elsewhere: at another place.
-        quarters: of the picture, in so many some are at rest.
-        border: share of all places near the picture's edge that are at rest: where a camera moves,
+        quarters: of the image, in so many some are at rest.
+        border: share of all places near the image's edge that are at rest: where a camera moves,
             everything comes and goes there.
     """
 
@@ -101,13 +101,13 @@ class TrackedCorners:
         return np.asarray(np.linalg.norm(self.px - self.first_px, axis=-1))
 
 
-def motion_of(stretches: Sequence[TrackedCorners], size: tuple[int, int]) -> CameraMotion:
-    """What the camera does over stretches of a shot in previews of this width and height.
+def motion_of(segments: Sequence[TrackedCorners], size: tuple[int, int]) -> CameraMotion:
+    """What the camera does over segments of a shot in previews of this width and height.
 
-    Of stretches that begin at the same frame, each is as the one before, and goes on.
+    Of segments that begin at the same frame, each is as the one before, and goes on.
     """
     unit = max(size) / 320.0
-    longest = list({each.first: each for each in stretches}.values())
+    longest = list({each.first: each for each in segments}.values())
     usable = [
         each
         for each in longest
@@ -117,23 +117,23 @@ def motion_of(stretches: Sequence[TrackedCorners], size: tuple[int, int]) -> Cam
             or np.median(each.flow_px) > _FLOW_SHARE * max(size)
         )
     ]
-    if _stands([each for each in stretches if each.last - each.first >= _FEWEST_FRAMES], unit):
-        flow = np.concatenate([each.flow_px for each in stretches])
+    if _stands([each for each in segments if each.last - each.first >= _FEWEST_FRAMES], unit):
+        flow = np.concatenate([each.flow_px for each in segments])
         return CameraMotion("stands", float(np.mean(flow > REST_PX * unit)) if len(flow) else 0.0)
     if not usable:
         return CameraMotion("unknown")
     return _by_rotation(usable, size, unit)
 
 
-def _stands(stretches: Sequence[TrackedCorners], unit: float) -> bool:
-    """Whether most of what is found again lies where it did, all over the picture, to the end.
+def _stands(segments: Sequence[TrackedCorners], unit: float) -> bool:
+    """Whether most of what is found again lies where it did, all over the image, to the end.
 
     On a stand that is so to a pixel. A hand moves the camera a little, as a slow travel does; but
     where the camera travels, what moves fast and what rests are not apart.
     """
-    if not stretches:
+    if not segments:
         return False
-    later = [each.rest for each in stretches[len(stretches) // 2 :]]  # a slow travel shows by then
+    later = [each.rest for each in segments[len(segments) // 2 :]]  # a slow travel shows by then
     still, rest, elsewhere, quarters = (
         np.array([getattr(each, name) for each in later])
         for name in ("still", "rest", "elsewhere", "quarters")
@@ -142,7 +142,7 @@ def _stands(stretches: Sequence[TrackedCorners], unit: float) -> bool:
         return False
     if np.median(still / np.maximum(rest + elsewhere, 1)) > _AT_REST:
         return True
-    longest = {each.first: each for each in stretches}.values()
+    longest = {each.first: each for each in segments}.values()
     fast = [np.median(each.flow_px) > _FAST * REST_PX * unit for each in longest if len(each.px)]
     return bool(
         np.mean(fast) > 0.5
@@ -152,17 +152,17 @@ def _stands(stretches: Sequence[TrackedCorners], unit: float) -> bool:
 
 
 def _by_rotation(
-    stretches: Sequence[TrackedCorners], size: tuple[int, int], unit: float
+    segments: Sequence[TrackedCorners], size: tuple[int, int], unit: float
 ) -> CameraMotion:
-    """Whether one focal length, or two of a zoom, and a rotation explain every stretch."""
+    """Whether one focal length, or two of a zoom, and a rotation explain every segment."""
     allowed = [
-        max(_SLIP_PX * unit, _SLIP_SHARE * float(np.median(each.flow_px))) for each in stretches
+        max(_SLIP_PX * unit, _SLIP_SHARE * float(np.median(each.flow_px))) for each in segments
     ]
-    # (stretches, focal lengths) median slip, in what is allowed.
+    # (segments, focal lengths) median slip, in what is allowed.
     slips = np.array(
         [
             [np.quantile(slip_px(each, size, focal), _EXPLAINED) / limit for focal in _FOCALS]
-            for each, limit in zip(stretches, allowed, strict=True)
+            for each, limit in zip(segments, allowed, strict=True)
         ]
     )
     total = np.sqrt(np.mean(slips**2, axis=0))
@@ -174,15 +174,15 @@ def _by_rotation(
         moving = np.mean(
             [
                 np.mean(slip_px(each, size, _FOCALS[best]) > 3.0 * limit)
-                for each, limit in zip(stretches, allowed, strict=True)
+                for each, limit in zip(segments, allowed, strict=True)
             ]
         )
         focal, sigma = (_USUAL_FOCAL, math.inf) if edge else (float(_FOCALS[best]), sigma)
         return CameraMotion("turns", float(moving), focal, sigma)
-    zooms = np.array([_zoom(each) for each in stretches])
+    zooms = np.array([_zoom(each) for each in segments])
     slip = [
         np.quantile(slip_px(each, size, _USUAL_FOCAL, zoom), _EXPLAINED) / (2.0 * limit)
-        for each, zoom, limit in zip(stretches, zooms, allowed, strict=True)
+        for each, zoom, limit in zip(segments, zooms, allowed, strict=True)
     ]
     if np.max(np.abs(np.log(zooms))) > _ZOOM and np.mean(np.array(slip) < 1.0) > 0.9:
         return CameraMotion("zooms")
@@ -190,7 +190,7 @@ def _by_rotation(
 
 
 def slip_px(
-    stretch: TrackedCorners, size: tuple[int, int], focal: float, zoom: float = 1.0
+    segment: TrackedCorners, size: tuple[int, int], focal: float, zoom: float = 1.0
 ) -> FloatArray:
     """How far corners lie ``(n,)`` from where the best rotation puts them.
 
@@ -201,15 +201,15 @@ def slip_px(
     length = focal * max(size)
     rays = [
         _unit((px - middle) / part)
-        for px, part in ((stretch.first_px, length), (stretch.px, zoom * length))
+        for px, part in ((segment.first_px, length), (segment.px, zoom * length))
     ]
-    weight, left = np.ones(len(stretch.px)), np.zeros(len(stretch.px))
+    weight, left = np.ones(len(segment.px)), np.zeros(len(segment.px))
     for _ in range(5):
         u, _, vt = np.linalg.svd((rays[1] * weight[:, None]).T @ rays[0])
         turn = u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))]) @ vt
         ahead = rays[0] @ turn.T
         ahead /= np.where(ahead[:, 2:] > 0.05, ahead[:, 2:], 0.05)
-        left = np.linalg.norm(zoom * length * ahead[:, :2] + middle - stretch.px, axis=-1)
+        left = np.linalg.norm(zoom * length * ahead[:, :2] + middle - segment.px, axis=-1)
         weight = 1.0 / (1.0 + left**2)
     return np.asarray(left)
 
@@ -219,12 +219,12 @@ def _unit(plane: FloatArray) -> FloatArray:
     return np.asarray(rays / np.linalg.norm(rays, axis=-1, keepdims=True))
 
 
-def _zoom(stretch: TrackedCorners) -> float:
+def _zoom(segment: TrackedCorners) -> float:
     """By how much distances between corners grow, in the middle."""
-    rows = np.arange(len(stretch.px))
+    rows = np.arange(len(segment.px))
     other = np.roll(rows, len(rows) // 2)
     before, after = (
-        np.linalg.norm(px - px[other], axis=-1) for px in (stretch.first_px, stretch.px)
+        np.linalg.norm(px - px[other], axis=-1) for px in (segment.first_px, segment.px)
     )
     apart: NDArray[np.bool_] = before > 1.0
     return float(np.median(after[apart] / before[apart])) if apart.any() else 1.0

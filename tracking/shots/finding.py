@@ -1,15 +1,15 @@
-"""Shots of a clip, from one pass over small copies of its pictures.
+"""Shots of a clip, from one pass over small copies of its images.
 
-Corners are tracked from each picture to the next. Where they are lost, the pictures around are
+Corners are tracked from each image to the next. Where they are lost, the images around are
 compared as scenes: a cut is where none of the last few shows what any of the next few shows, so
-that a flash, a step of exposure, a blurred pan or one broken picture is none. A dissolve is where
-pictures are mixtures of two that show different scenes. Pictures are held only as long as
+that a flash, a step of exposure, a blurred pan or one broken image is none. A dissolve is where
+images are mixtures of two that show different scenes. Images are held only as long as
 comparing them takes; of each a thumbnail stays.
 
 Sources: Boreczky & Rowe 1996 (cuts, and what is mistaken for them); Lienhart 1999 (fades by their
 contrast, dissolves as linear mixtures).
 
-Frames are counted from 0; a stretch holds its first and its last frame.
+Frames are counted from 0; a segment holds its first and its last frame.
 """
 
 from __future__ import annotations
@@ -24,36 +24,36 @@ import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.checks import GrayImage, checked_gray
+from motorcade.tracking.images import track_corners
 from motorcade.tracking.native._flow import Pyramid
-from motorcade.tracking.pictures import track_corners
 from motorcade.tracking.shots.camera_motion import CameraMotion, TrackedCorners, motion_of
 from motorcade.tracking.shots.rotation import FEWEST_CORNERS, corners_in, rest_of, shows_same_scene
 
 _LONG_SIDE = 320
 _DARK, _FAINT, _PLAIN = 40.0, 3.0, 2.0
-"""Of 255: nearly all of a black picture is darker, with less contrast than one taken in poor light
+"""Of 255: nearly all of a black image is darker, with less contrast than one taken in poor light
 has; a plain one has less still."""
 _KEPT_SHARE = 0.5
 _AROUND = 3
 _FEWEST_FRAMES = 8
-_SNAPSHOT, _STRETCH_FRAMES, _STRETCH_FLOW, _STRETCH_KEPT = 15, 60, 0.12, 0.6
+_SNAPSHOT, _SEGMENT_FRAMES, _SEGMENT_FLOW, _SEGMENT_KEPT = 15, 60, 0.12, 0.6
 _FADED = 0.6
 _WINDOWS = (8, 14, 24, 42)
 _MIXED, _THUMB = 0.8, (64, 48)
 _REPEATS, _MOVES_GREY, _FROZEN_FRAMES = 0.1, 0.8, 12
 
 
-def find_shots(pictures: Iterable[GrayImage]) -> Shots:
+def find_shots(images: Iterable[GrayImage]) -> Shots:
     """Take a clip apart into shots.
 
     Args:
-        pictures: upright grey pictures ``(height, width)`` uint8 of one size, in order.
+        images: upright grey images ``(height, width)`` uint8 of one size, in order.
 
-    A shot has at least 8 frames. Pictures that do not follow one another (photographs in a folder)
+    A shot has at least 8 frames. Images that do not follow one another (photographs in a folder)
     are no film: they are given as one shot, whose motion is unknown.
 
     Raises:
-        ValueError: something that is no grey picture.
+        ValueError: something that is no grey image.
 
     >>> import numpy as np
     >>> from motorcade.tracking.shots import find_shots
@@ -63,13 +63,13 @@ def find_shots(pictures: Iterable[GrayImage]) -> Shots:
     2 shots: frames 0-11, 12-31; taken is the second, in which the camera stands
     """
     reading = _Reading()
-    for picture in pictures:
-        reading.add(_preview(checked_gray(picture)))
+    for image in images:
+        reading.add(_preview(checked_gray(image)))
     return reading.shots()
 
 
 def _preview(gray: GrayImage) -> GrayImage:
-    """The picture, its longer side 320 pixels."""
+    """The image, its longer side 320 pixels."""
     scale = _LONG_SIDE / max(gray.shape)
     size = max(16, round(gray.shape[1] * scale)), max(16, round(gray.shape[0] * scale))
     return np.asarray(cv2.resize(gray, size, interpolation=cv2.INTER_AREA), np.uint8)
@@ -82,20 +82,20 @@ class _Reading:
         self.count = 0
         self.size = (0, 0)
         self._recent: deque[GrayImage] = deque(maxlen=_WINDOWS[-1] + 1)
-        self._kinds: list[BreakKind | None] = []  # None: a picture with something in it
+        self._kinds: list[BreakKind | None] = []  # None: an image with something in it
         self._contrast: list[float] = []
         self._change: list[float] = []
         self._thumbs: deque[FloatArray] = deque(maxlen=_WINDOWS[-1] + 1)
         self._suspects: deque[int] = deque()
         self._cuts: list[int] = []  # frames that begin another scene
-        self._stretches: list[TrackedCorners] = []
+        self._segments: list[TrackedCorners] = []
         self._tracks: tuple[int, FloatArray, FloatArray] | None = None  # since, from, to
         self._first_count = 0
         self._pyramid: Pyramid | None = None
         self._anchor: GrayImage | None = None  # where the scene began
 
     def add(self, preview: GrayImage) -> None:
-        """Read on by one picture."""
+        """Read on by one image."""
         number, before = self.count, self._recent[-1] if self._recent else None
         self.count += 1
         self.size = preview.shape[1], preview.shape[0]
@@ -121,9 +121,9 @@ class _Reading:
     def _tracked_on(
         self, number: int, pyramid: Pyramid, preview: GrayImage, kind: BreakKind | None
     ) -> bool:
-        """Track corners into this picture; False where most of them are lost."""
+        """Track corners into this image; False where most of them are lost."""
         if kind is not None:
-            self._end_stretch(number - 1)
+            self._end_segment(number - 1)
             self._anchor = None
             return True
         linked = number == 0 or self._kinds[number - 1] is not None
@@ -135,9 +135,9 @@ class _Reading:
             if linked:
                 self._tracks = since, first_px[tracked], there[tracked]
                 if (number - since) % _SNAPSHOT == 0:
-                    self._keep_stretch(number)
+                    self._keep_segment(number)
             if not linked or self._is_long(number):
-                self._end_stretch(number if linked else number - 1)
+                self._end_segment(number if linked else number - 1)
         if not linked or self._anchor is None:
             self._anchor = preview
         if self._tracks is None:
@@ -151,19 +151,19 @@ class _Reading:
         since, first_px, px = self._tracks
         flow = float(np.median(np.linalg.norm(px - first_px, axis=-1)))
         return (
-            number - since >= _STRETCH_FRAMES
-            or flow > _STRETCH_FLOW * max(self.size)
-            or len(px) < _STRETCH_KEPT * self._first_count
+            number - since >= _SEGMENT_FRAMES
+            or flow > _SEGMENT_FLOW * max(self.size)
+            or len(px) < _SEGMENT_KEPT * self._first_count
         )
 
-    def _end_stretch(self, last: int) -> None:
-        self._keep_stretch(last)
+    def _end_segment(self, last: int) -> None:
+        self._keep_segment(last)
         self._tracks = None
 
-    def _keep_stretch(self, last: int) -> None:
+    def _keep_segment(self, last: int) -> None:
         if self._tracks is not None and last > self._tracks[0] and self._anchor is not None:
             rest = rest_of(self._anchor, self._recent[last - self.count])
-            self._stretches.append(TrackedCorners(self._tracks[0], last, *self._tracks[1:], rest))
+            self._segments.append(TrackedCorners(self._tracks[0], last, *self._tracks[1:], rest))
 
     def _judge(self, frame: int) -> None:
         """Whether a cut lies before a frame into which corners were lost."""
@@ -182,7 +182,7 @@ class _Reading:
         self._cuts.append(frame)
 
     def _look_for_dissolve(self, last: int) -> None:
-        """Whether the pictures up to this one are mixtures of one scene and another."""
+        """Whether the images up to this one are mixtures of one scene and another."""
         for window in _WINDOWS:
             if window >= len(self._thumbs) or any(self._kinds[last - window :]):
                 return
@@ -195,13 +195,13 @@ class _Reading:
                 and not shows_same_scene(self._recent[-1 - window], self._recent[-1])
             ):
                 self._kinds[last - window + 1 : last] = ["dissolve"] * (window - 1)
-                self._end_stretch(last)
+                self._end_segment(last)
                 self._anchor = None
                 return
 
     def shots(self) -> Shots:
         """All that was read, taken apart."""
-        self._end_stretch(self.count - 1)
+        self._end_segment(self.count - 1)
         for frame in self._suspects:
             self._judge(frame)
         spans = self._spans()
@@ -215,7 +215,7 @@ class _Reading:
         return Shots(tuple(self._shot(*span) for span in spans), self._breaks(spans), self.count)
 
     def _spans(self) -> list[tuple[int, int]]:
-        """Stretches with something to see and without a cut, of enough frames."""
+        """Segments with something to see and without a cut, of enough frames."""
         starts = set(self._cuts)
         spans: list[tuple[int, int]] = []
         for number, kind in enumerate(self._kinds):
@@ -238,13 +238,13 @@ class _Reading:
                 number += step
 
     def _shot(self, first: int, last: int) -> ClipShot:
-        stretches = [one for one in self._stretches if one.first >= first and one.last <= last]
+        segments = [one for one in self._segments if one.first >= first and one.last <= last]
         change = np.array(self._change[first + 1 : last + 1])
         repeats = _repeats(change)
         ends = np.flatnonzero(np.diff(np.concatenate([[0], repeats, [0]])))
         runs: IntArray = np.diff(ends)[::2]
         frozen = int(runs[runs >= _FROZEN_FRAMES].sum())
-        return ClipShot(first, last, motion_of(stretches, self.size), int(repeats.sum()), frozen)
+        return ClipShot(first, last, motion_of(segments, self.size), int(repeats.sum()), frozen)
 
     def _breaks(self, spans: list[tuple[int, int]]) -> tuple[ShotBreak, ...]:
         inside = np.zeros(self.count, dtype=bool)
@@ -269,7 +269,7 @@ def _repeats(change: FloatArray) -> IntArray:
 
 
 def _later_share(ends: tuple[FloatArray, FloatArray], mixed: FloatArray) -> float:
-    """How much of the later picture's structure is in a mixture; NaN where it is none."""
+    """How much of the later image's structure is in a mixture; NaN where it is none."""
     base = np.stack(ends, axis=-1)
     gram = base.T @ base
     if np.linalg.det(gram) < 1e-3 * gram[0, 0] * gram[1, 1]:
@@ -298,8 +298,8 @@ class ClipShot:
     Fields:
         first, last: its frames.
         motion: what the camera does in it.
-        repeated: frames that show the picture before once more.
-        frozen: of those, how many lie in stretches of `FROZEN_FRAMES` and more.
+        repeated: frames that show the image before once more.
+        frozen: of those, how many lie in segments of `FROZEN_FRAMES` and more.
 
     >>> from motorcade.tracking.shots import CameraMotion, ClipShot
     >>> print(ClipShot(0, 60, CameraMotion("moves"), repeated=12))

@@ -1,16 +1,16 @@
 """Attitudes of a camera that stays at its place: it stands, or turns about its lens.
 
-Corners are tracked from picture to picture and kept as directions in the world, so that nothing
-drifts as long as they stay in view. Each picture's attitude is Kabsch's rotation between these
+Corners are tracked from image to image and kept as directions in the world, so that nothing
+drifts as long as they stay in view. Each image's attitude is Kabsch's rotation between these
 directions and where they are seen, reweighted; a corner that moves on its own loses its weight. In
-pictures of a camera that is held still all are looked for from the first picture on, faint ones all
+images of a camera that is held still all are looked for from the first image on, faint ones all
 over it too, near their place: things that move before it leave that.
 
 Source: Kabsch 1976; Holland & Welsch 1977 (reweighting, Cauchy's weight).
 
-Pictures far apart are linked: corners of one are looked for in the other, from the shift that
-correlation of the whole pictures suggests, and count where a homography or the neighbourhood
-agrees; or the pictures, laid on each other by that shift, correlate by themselves (blur of a fast
+Images far apart are linked: corners of one are looked for in the other, from the shift that
+correlation of the whole images suggests, and count where a homography or the neighbourhood
+agrees; or the images, laid on each other by that shift, correlate by themselves (blur of a fast
 pan leaves no corners). Grey levels are made comparable first: a flash or a fade changes level and
 contrast, not structure.
 
@@ -29,8 +29,8 @@ import numpy as np
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
+from motorcade.tracking.images import shrunk, track_corners
 from motorcade.tracking.native._flow import Pyramid
-from motorcade.tracking.pictures import shrunk, track_corners
 from motorcade.tracking.shots.camera_motion import REST_PX, Rest
 from motorcade.tracking.slam.features import find_corners
 
@@ -63,18 +63,18 @@ class Rotations:
     slip_px: FloatArray
 
 
-def track_rotation(pictures: Iterable[GrayImage], camera: Camera, *, held: bool) -> Rotations:
+def track_rotation(images: Iterable[GrayImage], camera: Camera, *, held: bool) -> Rotations:
     """Track the attitude of a camera that stays where it is.
 
     Args:
-        pictures: upright grey pictures of the camera's size, in order.
+        images: upright grey images of the camera's size, in order.
         camera: that took them.
         held: it stands, on a stand or in a hand: corners that leave their place are on things that
             move, however many they are, and where it moves by less than half a pixel it rests.
     """
     tracker = _Tracker(camera, held)
-    for picture in pictures:
-        tracker.add(picture)
+    for image in images:
+        tracker.add(image)
     return tracker.result()
 
 
@@ -93,9 +93,9 @@ class _Tracker:
         self._slips: list[float] = []
         self._seen: list[tuple[int, FloatArray, FloatArray]] = []
 
-    def add(self, picture: GrayImage) -> None:
-        small = shrunk(picture, _LONG_SIDE)
-        self.scale = picture.shape[1] / small.shape[1]
+    def add(self, image: GrayImage) -> None:
+        small = shrunk(image, _LONG_SIDE)
+        self.scale = image.shape[1] / small.shape[1]
         pyramid = Pyramid(small)
         row, self.count = self.count, self.count + 1
         if self.held and self._before is not None:
@@ -202,13 +202,13 @@ _BLOCK_ALIKE, _ALIKE_SHARE = 0.7, 0.3
 
 
 def corners_in(preview: GrayImage) -> FloatArray:
-    """Corners ``(n, 2)`` of a small picture, spread over it; fewer where it is plain."""
+    """Corners ``(n, 2)`` of a small image, spread over it; fewer where it is plain."""
     corners = cv2.goodFeaturesToTrack(preview, MOST_CORNERS, 0.01, 7.0, blockSize=5)
     return np.zeros((0, 2)) if corners is None else corners.reshape(-1, 2).astype(np.float64)
 
 
 def levelled(preview: GrayImage) -> GrayImage:
-    """The picture with its levels stretched to a common mean and contrast."""
+    """The image with its levels stretched to a common mean and contrast."""
     mean, deviation = cv2.meanStdDev(preview)
     gain = 48.0 / max(float(deviation[0, 0]), _LEAST_CONTRAST)
     levels = gain * (np.arange(256) - float(mean[0, 0])) + 128.0
@@ -216,7 +216,7 @@ def levelled(preview: GrayImage) -> GrayImage:
 
 
 def shows_same_scene(before: GrayImage, after: GrayImage) -> bool:
-    """Whether two small pictures ``(h, w)`` of a clip show the same scene."""
+    """Whether two small images ``(h, w)`` of a clip show the same scene."""
     before, after = levelled(before), levelled(after)
     details = [_details(preview) for preview in (before, after)]
     shift, correlation = _shift(*details)
@@ -244,7 +244,7 @@ def _details(preview: GrayImage) -> FloatArray:
 
 
 def _shift(before: FloatArray, after: FloatArray) -> tuple[FloatArray, float]:
-    """By how much ``(2,)`` one picture lies beside the other, and how alike they are then."""
+    """By how much ``(2,)`` one image lies beside the other, and how alike they are then."""
     height, width = before.shape
     window = cv2.createHanningWindow((width, height), cv2.CV_32F)
     (dx, dy), _ = cv2.phaseCorrelate(before, after, window)
@@ -293,7 +293,7 @@ def corners_all_over(gray: GrayImage, cells: int = 16, border_px: int = _HALF_PX
 
 
 def rest_of(before: GrayImage, after: GrayImage) -> Rest:
-    """How much of a scene lies still between two pictures, faint structure included.
+    """How much of a scene lies still between two images, faint structure included.
 
     The most corner-like place in each cell of a grid is looked for where it was, and around.
     """

@@ -1,4 +1,4 @@
-"""Visual SLAM: one camera, a camera with depth, or a rectified pair; pictures to poses and map.
+"""Visual SLAM: one camera, a camera with depth, or a rectified pair; images to poses and map.
 
 Sources: ORB-SLAM2 (Mur-Artal & Tardos 2017) for keyframes, adjustment and relocalisation;
 VINS-Mono (Qin et al. 2018) for corners tracked between them.

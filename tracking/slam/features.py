@@ -1,7 +1,7 @@
-"""Pictures ready for tracking, corners spread over them, and corners tracked between them.
+"""Images ready for tracking, corners spread over them, and corners tracked between them.
 
-Pictures are undistorted once, so all pixels here belong to a pinhole camera. Corners are ORB's
-(FAST, ranked by Harris) with their descriptors; between pictures `track_corners` finds them again.
+Images are undistorted once, so all pixels here belong to a pinhole camera. Corners are ORB's
+(FAST, ranked by Harris) with their descriptors; between images `track_corners` finds them again.
 
 Source: Rublee et al. 2011 (ORB).
 """
@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.checks import GrayImage
+from motorcade.tracking.images import track_corners
 from motorcade.tracking.native._flow import Pyramid
-from motorcade.tracking.pictures import track_corners
 
 DepthImage = NDArray[np.float32]
 Descriptors = NDArray[np.uint8]
@@ -36,14 +36,14 @@ _LEAST_DISPARITY_PX = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class SlamPicture:
-    """One undistorted picture.
+class SlamImage:
+    """One undistorted image.
 
     Args:
         time_ns: stamp.
         gray: ``(height, width)`` uint8.
         depth_m: ``(height, width)`` float32, NaN where unknown; None without depth.
-        right: the rectified right picture; None without one.
+        right: the rectified right image; None without one.
     """
 
     time_ns: int
@@ -53,7 +53,7 @@ class SlamPicture:
 
     @cached_property
     def pyramid(self) -> Pyramid:
-        """The picture as corners are tracked in it."""
+        """The image as corners are tracked in it."""
         return Pyramid(self.gray)
 
 
@@ -78,9 +78,9 @@ def grid_cells(px: FloatArray, shape: tuple[int, ...], count: int) -> IntArray:
 
 
 def find_corners(gray: GrayImage, count: int, taken_px: FloatArray | None = None) -> Corners:
-    """New corners, which together with `taken_px` make `count`, spread over the picture.
+    """New corners, which together with `taken_px` make `count`, spread over the image.
 
-    Fewer where the picture has no texture; always in the same order.
+    Fewer where the image has no texture; always in the same order.
     """
     taken = np.zeros((0, 2)) if taken_px is None else taken_px
     keypoints = _orb(count * _CANDIDATES_A_CORNER).detect(gray, None)
@@ -148,10 +148,10 @@ def depth_at(depth_m: DepthImage, px: FloatArray) -> FloatArray:
 def stereo_depth(
     left: GrayImage | Pyramid, right: GrayImage, px: FloatArray, disparity_px_m: float
 ) -> FloatArray:
-    """Depths ``(n,)`` of pixels of a rectified pair; NaN where the right picture shows no match.
+    """Depths ``(n,)`` of pixels of a rectified pair; NaN where the right image shows no match.
 
     Args:
-        left: the picture that holds the pixels.
+        left: the image that holds the pixels.
         right: the other one, its rows level with `left`.
         px: ``(n, 2)``.
         disparity_px_m: focal length (pixels) times baseline (metres).

@@ -1,4 +1,4 @@
-"""Triangulation and the pose of one picture: what every part of SLAM shares.
+"""Triangulation and the pose of one image: what every part of SLAM shares.
 
 Poses are ``world_T_camera``, the camera is an undistorted pinhole or a fisheye as it is, points are
 metres (or the free unit of a monocular map). A covariance belongs to the perturbation
@@ -53,16 +53,16 @@ class FittedPose:
 
 
 def is_native(camera: Camera) -> bool:
-    """Whether SLAM works in the pictures as the lens made them.
+    """Whether SLAM works in the images as the lens made them.
 
-    So it does for a fisheye: a pinhole's picture ends where the rays do long before 90 degrees. Of
-    other lenses the pictures are undistorted once, which is faster.
+    So it does for a fisheye: a pinhole's image ends where the rays do long before 90 degrees. Of
+    other lenses the images are undistorted once, which is faster.
     """
     return camera.model == "equidistant"
 
 
 def seen_through(camera: Camera) -> Camera:
-    """The camera whose pictures SLAM works in, and whose pixels its map holds."""
+    """The camera whose images SLAM works in, and whose pixels its map holds."""
     return camera if is_native(camera) else camera.undistorted()
 
 

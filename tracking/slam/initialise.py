@@ -19,8 +19,8 @@ import numpy as np
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera, project
-from motorcade.tracking.pictures import track_corners
-from motorcade.tracking.slam.features import Corners, SlamPicture, find_corners
+from motorcade.tracking.images import track_corners
+from motorcade.tracking.slam.features import Corners, SlamImage, find_corners
 from motorcade.tracking.slam.geometry import (
     BoolArray,
     flattened,
@@ -59,16 +59,16 @@ class TwoViews:
 
 @dataclass(frozen=True, eq=False)
 class TwoViewStart:
-    """Two pictures from which a map can start, and the corners tracked between them.
+    """Two images from which a map can start, and the corners tracked between them.
 
     Args:
-        first, second: the pictures; corners: those of the first that were tracked to the second.
+        first, second: the images; corners: those of the first that were tracked to the second.
         second_px: ``(n, 2)`` where they are there; views: the geometry.
-        between: of each picture in between its stamp, rows of `corners` and pixels.
+        between: of each image in between its stamp, rows of `corners` and pixels.
     """
 
-    first: SlamPicture
-    second: SlamPicture
+    first: SlamImage
+    second: SlamImage
     corners: Corners
     second_px: FloatArray
     views: TwoViews
@@ -199,7 +199,7 @@ def _support(pose: Motor, first_px: FloatArray, px: FloatArray, camera: Camera) 
 
 
 class TwoViewInitialiser:
-    """Tracks the corners of a first picture until a later one gives a map.
+    """Tracks the corners of a first image until a later one gives a map.
 
     Args:
         camera: the pinhole; features: corners to track.
@@ -208,12 +208,12 @@ class TwoViewInitialiser:
     def __init__(self, camera: Camera, features: int) -> None:
         self._camera = camera
         self._features = features
-        self._first: SlamPicture | None = None
+        self._first: SlamImage | None = None
 
-    def feed(self, picture: SlamPicture) -> TwoViewStart | None:
-        """Take the next picture; a `TwoViewStart` once one is found."""
-        if self._first is None or not self._tracked(picture):
-            self._restart(picture)
+    def feed(self, image: SlamImage) -> TwoViewStart | None:
+        """Take the next image; a `TwoViewStart` once one is found."""
+        if self._first is None or not self._tracked(image):
+            self._restart(image)
             return None
         rows = self._rows
         first_px = self._corners.px[rows]
@@ -224,7 +224,7 @@ class TwoViewInitialiser:
         if views is None:
             kept = np.zeros(len(self._corners), dtype=np.bool_)
             kept[rows] = True
-            self._between.append((picture.time_ns, kept, self._px))
+            self._between.append((image.time_ns, kept, self._px))
             del self._between[:-_MOST_PENDING]
             return None
         corners = Corners(first_px, self._corners.descriptors[rows])
@@ -235,20 +235,20 @@ class TwoViewInitialiser:
             mask = np.zeros(len(rows), dtype=np.bool_)
             mask[position[np.flatnonzero(kept)[still]]] = True
             between.append((stamp, mask, px[still]))
-        return TwoViewStart(self._first, picture, corners, self._px, views, tuple(between))
+        return TwoViewStart(self._first, image, corners, self._px, views, tuple(between))
 
-    def _restart(self, picture: SlamPicture) -> None:
-        self._corners = find_corners(picture.gray, self._features)
-        self._first = picture if len(self._corners) >= FEWEST_CORNERS else None
-        self._last, self._px = picture, self._corners.px
+    def _restart(self, image: SlamImage) -> None:
+        self._corners = find_corners(image.gray, self._features)
+        self._first = image if len(self._corners) >= FEWEST_CORNERS else None
+        self._last, self._px = image, self._corners.px
         self._rows = np.arange(len(self._corners))
         self._motion = np.zeros_like(self._px)
         self._between: list[tuple[int, BoolArray, FloatArray]] = []
 
-    def _tracked(self, picture: SlamPicture) -> bool:
-        """Track the corners one picture on; False where too few remain."""
+    def _tracked(self, image: SlamImage) -> bool:
+        """Track the corners one image on; False where too few remain."""
         guess = self._px + self._motion
-        px, tracked = track_corners(self._last.pyramid, picture.pyramid, self._px, guess)
+        px, tracked = track_corners(self._last.pyramid, image.pyramid, self._px, guess)
         self._motion = (px - self._px)[tracked]
-        self._rows, self._px, self._last = self._rows[tracked], px[tracked], picture
+        self._rows, self._px, self._last = self._rows[tracked], px[tracked], image
         return len(self._rows) >= max(FEWEST_CORNERS, _KEPT_SHARE * len(self._corners))

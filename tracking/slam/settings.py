@@ -14,7 +14,7 @@ class SlamSettings:
     """How much is tracked and mapped.
 
     Fields:
-        features: corners tracked in a picture of 640 x 480 (more in a larger one), spread out.
+        features: corners tracked in an image of 640 x 480 (more in a larger one), spread out.
         window: newest keyframes that each local adjustment moves.
         adjust: adjust the window at each keyframe, after a loop an older one beside it until the
             whole loop was, and the whole map at the end; off shows what that is worth.
@@ -24,7 +24,7 @@ class SlamSettings:
         new_maps: begin a new map, with a world of its own, where the camera stays lost; off leaves
             it lost until it is found.
         threads: map in a second thread, so that no frame waits for a keyframe to be worked in. What
-            comes out then depends on how fast that goes; without, the same pictures give the same
+            comes out then depends on how fast that goes; without, the same images give the same
             bytes.
         baseline_m: distance of the right camera of a rectified stereo pair; None without one.
         depth_sigma_px: noise of a depth, as disparity of a pair 8 cm apart (or of the stereo pair).
@@ -55,6 +55,6 @@ class SlamSettings:
             check_length(self.baseline_m, "SlamSettings.baseline_m")
 
     def for_size(self, width: int, height: int) -> SlamSettings:
-        """The same density of corners in larger pictures."""
+        """The same density of corners in larger images."""
         share = max(width * height / _USUAL_PIXELS, 1.0)
         return replace(self, features=round(self.features * share))

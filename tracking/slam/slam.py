@@ -1,4 +1,4 @@
-"""Visual SLAM: pictures in, a pose and a state a frame out, and a map in the end.
+"""Visual SLAM: images in, a pose and a state a frame out, and a map in the end.
 
 World: the camera of the first keyframe (OpenCV axes). Lengths are metres with depth or a stereo
 pair; with one camera alone their unit is free (the median depth of the first map is 1), and only a
@@ -21,7 +21,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.frame_history import SlamState
-from motorcade.tracking.slam.features import DepthImage, SlamPicture, find_corners
+from motorcade.tracking.slam.features import DepthImage, SlamImage, find_corners
 from motorcade.tracking.slam.geometry import (
     FittedPose,
     in_world,
@@ -50,8 +50,8 @@ class VisualSlam:
     """Tracks a camera and maps what it sees; feed frames in order of time.
 
     Args:
-        camera: the camera; its lens is taken out of every picture first, but for a fisheye's
-            (equidistant), whose pictures are tracked as they are, to 90 degrees and beyond.
+        camera: the camera; its lens is taken out of every image first, but for a fisheye's
+            (equidistant), whose images are tracked as they are, to 90 degrees and beyond.
         settings: see `SlamSettings`.
         known: a map to go on in. The camera is lost until it is found there; then it is tracked.
         extend: whether keyframes are inserted into a known map; if not, it is left as it is.
@@ -65,8 +65,8 @@ class VisualSlam:
     >>> wall = np.kron(noise, np.ones((6, 6), np.uint8))  # 2 m away; the camera moves to the right
     >>> slam = VisualSlam(Camera(320, 240, 250.0, 250.0, 159.5, 119.5))
     >>> for step in range(3):
-    ...     picture = wall[50:290, 50 + 5 * step : 370 + 5 * step]  # 5 px = 0.04 m
-    ...     frame = slam.track(step * 33_000_000, picture, np.full((240, 320), 2.0, np.float32))
+    ...     image = wall[50:290, 50 + 5 * step : 370 + 5 * step]  # 5 px = 0.04 m
+    ...     frame = slam.track(step * 33_000_000, image, np.full((240, 320), 2.0, np.float32))
     >>> frame.state, bool(abs(frame.world_T_camera.translation_m[0] - 0.08) < 0.01)
     ('tracking', True)
     >>> result = slam.finish()
@@ -120,25 +120,25 @@ class VisualSlam:
             time_ns: its stamp, later than that of the frame before.
             gray: ``(height, width)`` uint8, of the camera's size.
             depth_m: depth registered to `gray`, the same size, NaN where unknown.
-            right: the right picture of a rectified pair, which needs `SlamSettings.baseline_m`.
+            right: the right image of a rectified pair, which needs `SlamSettings.baseline_m`.
             predicted: world_T_camera that something else (an IMU, say) expects, in the map's units:
                 points are looked for where it puts them, in tracking and when lost.
 
         Raises:
-            ValueError: another type or size of picture, a stamp that is not later, or a right
-                picture without a baseline.
+            ValueError: another type or size of image, a stamp that is not later, or a right
+                image without a baseline.
         """
         started = time.perf_counter()
         waited = self._seconds["mapping"]
-        picture = self._picture(time_ns, gray, depth_m, right)
+        image = self._image(time_ns, gray, depth_m, right)
         if self._inserting is not None and self._inserting.done():
             self._settle()
         if self._state == "initialising":
-            frame = self._started(picture) or SlamFrame(picture.time_ns, "initialising")
+            frame = self._started(image) or SlamFrame(image.time_ns, "initialising")
         elif self._state == "lost":
-            frame = self._found_again(picture, predicted)
+            frame = self._found_again(image, predicted)
         else:
-            frame = self._tracked(picture, predicted)
+            frame = self._tracked(image, predicted)
         self._state = frame.state
         self._log.saw(frame, self._map.keyframe_count)
         spent = time.perf_counter() - started
@@ -154,7 +154,7 @@ class VisualSlam:
 
         Args:
             world_T_map: from the map's world and unit.
-            adjuster: adjusts keyframes and points from now on, by more than pictures.
+            adjuster: adjusts keyframes and points from now on, by more than images.
 
         Raises:
             ValueError: a scale that is not 1 for a map that is in metres already.
@@ -213,9 +213,9 @@ class VisualSlam:
 
     # Frames in each state ------------------------------------------------------------------------
 
-    def _started(self, picture: SlamPicture) -> SlamFrame | None:
-        """Begin a map, once the pictures allow it."""
-        started = self._starter.feed(picture)
+    def _started(self, image: SlamImage) -> SlamFrame | None:
+        """Begin a map, once the images allow it."""
+        started = self._starter.feed(image)
         if started is None:
             return None
         self._anchor = KeyframeAnchor(started.row, self._mapper.active, Motor.identity())
@@ -223,46 +223,46 @@ class VisualSlam:
             self._remember(stamp, pose, covariance, online=False)
         self._tracker.restart(started.tracked)
         if started.fit is not None:
-            return self._mapped(picture, started.fit)
+            return self._mapped(image, started.fit)
         if started.inserted is not None:
             self._take(started.inserted)
         pose, covariance = self._anchor.world_T_camera, np.eye(6) * 1e-12
-        self._remember(picture.time_ns, pose, covariance)
+        self._remember(image.time_ns, pose, covariance)
         count = int(np.count_nonzero(started.tracked.located))
         number = self._anchor.map_number
-        return SlamFrame(picture.time_ns, "tracking", pose, covariance, count, True, number)
+        return SlamFrame(image.time_ns, "tracking", pose, covariance, count, True, number)
 
     def _refined(self, pose: Motor, ids: IntArray, px: FloatArray) -> FittedPose:
         return refine_pose(pose, self._map.points[ids], px, self._pinhole)
 
-    def _tracked(self, picture: SlamPicture, predicted: Motor | None) -> SlamFrame:
-        fit = self._tracker.step(picture, predicted)
+    def _tracked(self, image: SlamImage, predicted: Motor | None) -> SlamFrame:
+        fit = self._tracker.step(image, predicted)
         if fit is None and self._inserting is not None:
             # Without the points that are being made the camera would be lost: wait for them.
             self._settle()
-            fit = self._tracker.step(picture, predicted)
+            fit = self._tracker.step(image, predicted)
         if fit is None:
             self._tracker.lose()
             self._starter.forget()
             self._lost_frames = 0
-            return self._found_again(picture, predicted)
+            return self._found_again(image, predicted)
         if self._inserting is None and self._tracker.wants_keyframe():
             if self._extends:
-                return self._mapped(picture, fit)
+                return self._mapped(image, fit)
             tracked = self._tracker.tracked
             self._tracker.anchor(self._mapper.seen_again(tracked), tracked.world_T_camera)
-        row = self._remember(picture.time_ns, fit.world_T_camera, fit.covariance)
+        row = self._remember(image.time_ns, fit.world_T_camera, fit.covariance)
         tracked = self._tracker.tracked
         self._between.append((row, tracked.ids, tracked.px))
         state: SlamState = "weak" if self._tracker.is_weak else "tracking"
-        return self._frame(picture, fit, state, fit.world_T_camera, False)
+        return self._frame(image, fit, state, fit.world_T_camera, False)
 
-    def _mapped(self, picture: SlamPicture, fit: FittedPose) -> SlamFrame:
-        """Make a keyframe of a tracked picture; without threads its pose is the adjusted one."""
+    def _mapped(self, image: SlamImage, fit: FittedPose) -> SlamFrame:
+        """Make a keyframe of a tracked image; without threads its pose is the adjusted one."""
         pose = fit.world_T_camera
         tracked = self._tracker.tracked
         state: SlamState = "weak" if self._tracker.is_weak else "tracking"
-        work = (picture, pose, tracked.ids, tracked.px)
+        work = (image, pose, tracked.ids, tracked.px)
         self._anchor = KeyframeAnchor(len(self._map.keyframes), self._mapper.active, pose)
         if self.settings.threads:
             self._worker = self._worker or ThreadPoolExecutor(1, "slam mapping")
@@ -270,8 +270,8 @@ class VisualSlam:
         else:
             self._take(self._mapper.insert_keyframe(*work))
             pose = self._anchor.world_T_camera
-        self._remember(picture.time_ns, pose, fit.covariance)
-        return self._frame(picture, fit, state, pose, True)
+        self._remember(image.time_ns, pose, fit.covariance)
+        return self._frame(image, fit, state, pose, True)
 
     def _settle(self) -> None:
         """Wait for the keyframe that is being made, if one is, and take over what became of it."""
@@ -302,62 +302,60 @@ class VisualSlam:
             if len(seen) >= _ENOUGH_POINTS:
                 self._log.refine(self._map, row, partial(self._refined, ids=ids[known], px=seen))
 
-    def _found_again(self, picture: SlamPicture, predicted: Motor | None) -> SlamFrame:
+    def _found_again(self, image: SlamImage, predicted: Motor | None) -> SlamFrame:
         """Look for the camera in the maps there are; where it stays lost, begin a new one."""
         self._settle()
-        frame = self._found_as_predicted(picture, predicted) or self._relocalised(picture)
+        frame = self._found_as_predicted(image, predicted) or self._relocalised(image)
         if frame is not None:
             return frame
         self._lost_frames += 1
         begins = self._extends and self.settings.new_maps
         if begins and self._lost_frames >= _LOST_FRAMES:
-            frame = self._started(picture)
-        return frame or SlamFrame(picture.time_ns, "lost")
+            frame = self._started(image)
+        return frame or SlamFrame(image.time_ns, "lost")
 
-    def _found_as_predicted(
-        self, picture: SlamPicture, predicted: Motor | None
-    ) -> SlamFrame | None:
+    def _found_as_predicted(self, image: SlamImage, predicted: Motor | None) -> SlamFrame | None:
         """Look for points of the newest keyframes where a predicted pose puts them."""
         if predicted is None:
             return None
-        ids, px = self._mapper.recover(picture, predicted, self._mapper.active)
+        ids, px = self._mapper.recover(image, predicted, self._mapper.active)
         fit = self._refined(predicted, ids, px)
         row = int(self._map.rows_of(self._mapper.active)[-1])
-        return self._gone_on(picture, fit, ids, px, row)
+        return self._gone_on(image, fit, ids, px, row)
 
-    def _relocalised(self, picture: SlamPicture) -> SlamFrame | None:
-        """Look for the maps in the picture; what is found is refined, then checked."""
-        corners = find_corners(picture.gray, self.settings.features)
+    def _relocalised(self, image: SlamImage) -> SlamFrame | None:
+        """Look for the maps in the image; what is found is refined, then checked."""
+        corners = find_corners(image.gray, self.settings.features)
         rows = candidates(self._map, corners, _CANDIDATES)
         recognised = verified(self._map, corners, rows, self._pinhole)
         if recognised is None:
             return None
         number = self._map.keyframes[recognised.keyframe].map_number
-        ids, px = self._mapper.recover(picture, recognised.fit.world_T_camera, number)
+        ids, px = self._mapper.recover(image, recognised.fit.world_T_camera, number)
         if len(ids) < len(recognised.ids):
             ids, px = recognised.ids, recognised.px
         fit = self._refined(recognised.fit.world_T_camera, ids, px)
-        return self._gone_on(picture, fit, ids, px, recognised.keyframe)
+        return self._gone_on(image, fit, ids, px, recognised.keyframe)
 
     def _gone_on(
-        self, picture: SlamPicture, fit: FittedPose, ids: IntArray, px: FloatArray, row: int
+        self, image: SlamImage, fit: FittedPose, ids: IntArray, px: FloatArray, row: int
     ) -> SlamFrame | None:
         """Track on from a pose that was found again by the keyframe `row`, if it is reliable."""
-        if not is_reliable(fit, px, picture.gray.shape):
+        if not is_reliable(fit, px, image.gray.shape):
             return None
         pose, ids, px = fit.world_T_camera, ids[fit.inliers], px[fit.inliers]
-        self._tracker.restart(TrackedPoints(picture, pose, ids, px, self._map.points[ids]))
+        self._tracker.restart(TrackedPoints(image, pose, ids, px, self._map.points[ids]))
         anchor = self._map.keyframes[row]
         self._mapper.active = anchor.map_number
         self._anchor = KeyframeAnchor(row, anchor.map_number, anchor.world_T_camera, anchor.scale)
-        self._remember(picture.time_ns, pose, fit.covariance)
-        return self._frame(picture, fit, "relocalised", pose, False)
+        self._remember(image.time_ns, pose, fit.covariance)
+        return self._frame(image, fit, "relocalised", pose, False)
 
     def _frame(
-        self, picture: SlamPicture, fit: FittedPose, state: SlamState, pose: Motor, keyframe: bool
+        self, image: SlamImage, fit: FittedPose, state: SlamState, pose: Motor, keyframe: bool
     ) -> SlamFrame:
         count, number = int(np.count_nonzero(fit.inliers)), self._anchor.map_number
-        return SlamFrame(picture.time_ns, state, pose, fit.covariance, count, keyframe, number)
+        return SlamFrame(image.time_ns, state, pose, fit.covariance, count, keyframe, number)
 
     # Bookkeeping ---------------------------------------------------------------------------------
 
@@ -366,9 +364,9 @@ class VisualSlam:
     ) -> int:
         return self._log.note(time_ns, self._anchor, pose, covariance, online=online)
 
-    def _picture(
+    def _image(
         self, time_ns: int, gray: GrayImage, depth_m: DepthImage | None, right: GrayImage | None
-    ) -> SlamPicture:
+    ) -> SlamImage:
         if isinstance(time_ns, bool) or not isinstance(time_ns, (int, np.integer)):
             raise ValueError(f"time_ns: expected whole nanoseconds, got {time_ns!r}")
         if self._log.frames and time_ns <= self._log.frames[-1].time_ns:
@@ -376,27 +374,25 @@ class VisualSlam:
                 f"time_ns: expected more than {self._log.frames[-1].time_ns}, got {time_ns}"
             )
         if right is not None and self.settings.baseline_m is None:
-            raise ValueError(
-                "right: expected SlamSettings.baseline_m with a right picture, got None"
-            )
+            raise ValueError("right: expected SlamSettings.baseline_m with a right image, got None")
         if is_native(self.camera):
             return self._fisheye(time_ns, gray, depth_m, right)
         straight = self.camera.undistort_image(checked_gray(gray))
         depth = None if depth_m is None else self.camera.undistort_depth(depth_m)
         other = None if right is None else self.camera.undistort_image(checked_gray(right))
-        return SlamPicture(int(time_ns), straight, depth, other)
+        return SlamImage(int(time_ns), straight, depth, other)
 
     def _fisheye(
         self, time_ns: int, gray: GrayImage, depth_m: DepthImage | None, right: GrayImage | None
-    ) -> SlamPicture:
-        """The picture as it is; checked as those are that a lens is taken out of."""
+    ) -> SlamImage:
+        """The image as it is; checked as those are that a lens is taken out of."""
         size = (self.camera.height, self.camera.width)
         for name, image in (("gray", checked_gray(gray)), ("depth_m", depth_m)):
             if image is not None and image.shape != size:
                 raise ValueError(f"{name}: expected shape {size}, got {image.shape}")
         if right is not None:
             raise ValueError("right: expected none with a fisheye, whose pairs are not rectified")
-        return SlamPicture(int(time_ns), gray, depth_m)
+        return SlamImage(int(time_ns), gray, depth_m)
 
 
 _FEWEST_WITH_DEPTH = 60
@@ -408,9 +404,9 @@ class StartedMap:
 
     Args:
         row: of the first keyframe.
-        tracked: the newest picture's points.
-        inserted: what became of the first keyframe, where the newest picture is that itself.
-        fit: the newest picture's pose where it is not.
+        tracked: the newest image's points.
+        inserted: what became of the first keyframe, where the newest image is that itself.
+        fit: the newest image's pose where it is not.
         between: stamp, pose and covariance of frames that came before the newest one.
     """
 
@@ -422,7 +418,7 @@ class StartedMap:
 
 
 class MapStarter:
-    """Starts maps from pictures.
+    """Starts maps from images.
 
     Args:
         mapper: makes their keyframes; where it has some already, those belong to another map.
@@ -433,27 +429,27 @@ class MapStarter:
         self.forget()
 
     def forget(self) -> None:
-        """Begin with the next picture, whatever came before."""
+        """Begin with the next image, whatever came before."""
         features = self._mapper.settings.features
         self._initialiser = TwoViewInitialiser(self._mapper.camera, features)
 
-    def feed(self, picture: SlamPicture) -> StartedMap | None:
-        """Take the next picture; a map once one is started."""
-        if picture.depth_m is not None or picture.right is not None:
-            return self._by_depth(picture)
-        start = self._initialiser.feed(picture)
+    def feed(self, image: SlamImage) -> StartedMap | None:
+        """Take the next image; a map once one is started."""
+        if image.depth_m is not None or image.right is not None:
+            return self._by_depth(image)
+        start = self._initialiser.feed(image)
         return None if start is None else self._by_two_views(start)
 
-    def _by_depth(self, picture: SlamPicture) -> StartedMap | None:
+    def _by_depth(self, image: SlamImage) -> StartedMap | None:
         mapper = self._mapper
-        corners = find_corners(picture.gray, mapper.settings.features)
-        known = np.isfinite(mapper.depths(picture, corners.px))
+        corners = find_corners(image.gray, mapper.settings.features)
+        known = np.isfinite(mapper.depths(image, corners.px))
         if len(corners) < FEWEST_CORNERS or np.count_nonzero(known) < _FEWEST_WITH_DEPTH:
             return None
         self._make_room(metric=True)
         nothing = np.zeros(0, dtype=np.int64), np.zeros((0, 2))
         row = len(mapper.map.keyframes)
-        inserted = mapper.insert_keyframe(picture, Motor.identity(), *nothing)
+        inserted = mapper.insert_keyframe(image, Motor.identity(), *nothing)
         return StartedMap(row, inserted.tracked, inserted=inserted)
 
     def _by_two_views(self, start: TwoViewStart) -> StartedMap:

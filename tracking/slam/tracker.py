@@ -1,7 +1,7 @@
-"""Frame by frame: where the points of the map are in the next picture, and the pose that results.
+"""Frame by frame: where the points of the map are in the next image, and the pose that results.
 
 The pose is predicted at constant velocity, corners are tracked from their predicted places, and the
-pose is refined on them. If the prediction does not explain the picture, the pose is searched from
+pose is refined on them. If the prediction does not explain the image, the pose is searched from
 scratch. A pose is returned only if there are enough inliers, spread widely enough.
 """
 
@@ -14,8 +14,8 @@ import numpy as np
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera, project
-from motorcade.tracking.pictures import track_corners
-from motorcade.tracking.slam.features import SlamPicture, grid_cells
+from motorcade.tracking.images import track_corners
+from motorcade.tracking.slam.features import SlamImage, grid_cells
 from motorcade.tracking.slam.geometry import (
     BoolArray,
     FittedPose,
@@ -38,12 +38,12 @@ _FEW_POINTS = 150
 
 
 def is_reliable(fit: FittedPose | None, px: FloatArray, shape: tuple[int, ...]) -> bool:
-    """Whether a pose stands on enough inliers, in number, as a share, and over the picture.
+    """Whether a pose stands on enough inliers, in number, as a share, and over the image.
 
     Args:
         fit: the pose; None is never reliable.
         px: ``(n, 2)`` the corners it was fitted to.
-        shape: (height, width) of the picture.
+        shape: (height, width) of the image.
     """
     if fit is None:
         return False
@@ -56,17 +56,17 @@ def is_reliable(fit: FittedPose | None, px: FloatArray, shape: tuple[int, ...]) 
 
 @dataclass(frozen=True, eq=False)
 class TrackedPoints:
-    """Points of the map in one picture, as they are tracked from there.
+    """Points of the map in one image, as they are tracked from there.
 
     What the tracker knows of the map is copied here, so the map may change meanwhile.
 
     Args:
-        picture: the picture; world_T_camera: its pose.
+        image: the image; world_T_camera: its pose.
         ids: ``(n,)`` numbers of the points; px: ``(n, 2)`` where they are seen.
         points: ``(n, 3)`` where they are in the world, NaN where that is not known yet.
     """
 
-    picture: SlamPicture
+    image: SlamImage
     world_T_camera: Motor
     ids: IntArray
     px: FloatArray
@@ -86,7 +86,7 @@ class _Moment:
 
 
 class Tracker:
-    """Tracks points of the map through pictures; it never looks at the map itself.
+    """Tracks points of the map through images; it never looks at the map itself.
 
     Args:
         camera: the pinhole.
@@ -101,20 +101,20 @@ class Tracker:
 
     @property
     def tracked(self) -> TrackedPoints:
-        """What is tracked, in the newest picture.
+        """What is tracked, in the newest image.
 
         Raises:
             RuntimeError: nothing is tracked.
         """
         if self._tracked is None:
-            raise RuntimeError("Tracker.tracked: expected a picture that was tracked, got none")
+            raise RuntimeError("Tracker.tracked: expected an image that was tracked, got none")
         return self._tracked
 
     @property
     def is_weak(self) -> bool:
-        """Whether half of the located corners in the newest picture would be too few."""
+        """Whether half of the located corners in the newest image would be too few."""
         px = self.tracked.px[self.tracked.located]
-        cells = np.unique(grid_cells(px, self.tracked.picture.gray.shape, _CELLS))
+        cells = np.unique(grid_cells(px, self.tracked.image.gray.shape, _CELLS))
         return len(px) < 2 * _FEWEST_INLIERS or len(cells) < 2 * _FEWEST_CELLS
 
     def restart(self, tracked: TrackedPoints) -> None:
@@ -124,9 +124,9 @@ class Tracker:
         self._accept(tracked)
 
     def anchor(self, keyframe: TrackedPoints, before: Motor, stretch: float | None = None) -> None:
-        """Take over what the map made of a picture that was tracked: the newest, or one before.
+        """Take over what the map made of an image that was tracked: the newest, or one before.
 
-        New points are tracked from the keyframe to the newest picture; poses since then move as
+        New points are tracked from the keyframe to the newest image; poses since then move as
         the keyframe moved.
 
         Args:
@@ -140,7 +140,7 @@ class Tracker:
         last = self._tracked
         if last is None:
             return
-        newest = last.picture.time_ns == keyframe.picture.time_ns
+        newest = last.image.time_ns == keyframe.image.time_ns
         now = Similarity.from_motor_scale(keyframe.world_T_camera, stretch or 1.0)
         correction = now @ Similarity.from_motor_scale(before).inverse()
         if stretch is not None or not newest:
@@ -158,11 +158,11 @@ class Tracker:
         px = self._guess(keyframe, pose)
         px[rows] = last.px[last_rows]
         new = np.setdiff1d(np.arange(len(px)), rows)
-        pictures = keyframe.picture.pyramid, last.picture.pyramid
-        px[new], tracked = track_corners(*pictures, keyframe.px[new], px[new])
+        images = keyframe.image.pyramid, last.image.pyramid
+        px[new], tracked = track_corners(*images, keyframe.px[new], px[new])
         kept = np.sort(np.concatenate([rows, new[tracked]]))
         self._tracked = TrackedPoints(
-            last.picture, pose, keyframe.ids[kept], px[kept], keyframe.points[kept]
+            last.image, pose, keyframe.ids[kept], px[kept], keyframe.points[kept]
         )
 
     def rescale(self, world_T_map: Similarity) -> None:
@@ -182,17 +182,17 @@ class Tracker:
         self._tracked, self._moments = None, []
 
     def wants_keyframe(self) -> bool:
-        """Whether the newest picture should become a keyframe, by what is tracked in it."""
+        """Whether the newest image should become a keyframe, by what is tracked in it."""
         now, then = self.tracked, self._reference
         located = int(np.count_nonzero(now.located))
         if then is None or located < max(_FEW_POINTS, _KEPT_SHARE * self._located_then):
             return True
         _, old, new = np.intersect1d(then.ids, now.ids, assume_unique=True, return_indices=True)
         motion = np.linalg.norm(then.px[old] - now.px[new], axis=1)
-        return bool(np.median(motion) > _MOTION_SHARE * now.picture.gray.shape[1])
+        return bool(np.median(motion) > _MOTION_SHARE * now.image.gray.shape[1])
 
-    def step(self, picture: SlamPicture, predicted: Motor | None = None) -> FittedPose | None:
-        """Find the pose of the next picture; None where it is lost.
+    def step(self, image: SlamImage, predicted: Motor | None = None) -> FittedPose | None:
+        """Find the pose of the next image; None where it is lost.
 
         Where nothing else predicts the pose, the motion is taken to go on as it was.
         On success `tracked` holds the inliers; on failure what it held before.
@@ -201,26 +201,26 @@ class Tracker:
         if before is None:
             return None
         if predicted is None:
-            predicted = self._predicted(picture.time_ns)
+            predicted = self._predicted(image.time_ns)
         guess = self._guess(before, predicted)
-        px, tracked = track_corners(before.picture.pyramid, picture.pyramid, before.px, guess)
+        px, tracked = track_corners(before.image.pyramid, image.pyramid, before.px, guess)
         ids, points = before.ids[tracked], before.points[tracked]
         px, old_px = px[tracked], before.px[tracked]
         located = np.isfinite(points[:, 0])
         fit = self._fitted(predicted, points[located], px[located])
-        if not is_reliable(fit, px[located], picture.gray.shape) or fit is None:
+        if not is_reliable(fit, px[located], image.gray.shape) or fit is None:
             return None
         kept = np.ones(len(ids), dtype=np.bool_)
         kept[located] = fit.inliers
         kept[~located] = self._on_epipolar_line(fit, old_px[~located], px[~located])
         pose = fit.world_T_camera
-        self._accept(TrackedPoints(picture, pose, ids[kept], px[kept], points[kept]))
+        self._accept(TrackedPoints(image, pose, ids[kept], px[kept], points[kept]))
         return fit
 
     def _accept(self, tracked: TrackedPoints) -> None:
-        """Take this picture, pose and corners as where the next picture is tracked from."""
+        """Take this image, pose and corners as where the next image is tracked from."""
         self._tracked = tracked
-        time_ns = tracked.picture.time_ns
+        time_ns = tracked.image.time_ns
         moment = _Moment(time_ns, tracked.world_T_camera)
         if self._moments and self._moments[-1].time_ns == time_ns:
             self._moments.pop()

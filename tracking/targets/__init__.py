@@ -1,4 +1,4 @@
-"""Printed targets that pictures show, of which nothing was told: families, boards, their sizes."""
+"""Printed targets that images show, of which nothing was told: families, boards, their sizes."""
 
 from __future__ import annotations
 

@@ -1,11 +1,11 @@
-"""How many inner corners a checkerboard has, by what several pictures and two detectors say.
+"""How many inner corners a checkerboard has, by what several images and two detectors say.
 
 OpenCV's sector-based detector (Duda & Frese 2018) needs no size: what it finds is grown or trimmed
-to where the board ends (`targets.grids`), and a picture in which that is on all sides votes for its
+to where the board ends (`targets.grids`), and an image in which that is on all sides votes for its
 size. Every size with votes is then asked of the product's own detector, which must find it by its
-size in pictures of its own. The best supported is taken, the others are told.
+size in images of its own. The best supported is taken, the others are told.
 
-Where no picture shows the end on all sides, the largest extent is taken that most pictures do not
+Where no image shows the end on all sides, the largest extent is taken that most images do not
 deny, and said to be the least that the board is.
 """
 
@@ -19,7 +19,7 @@ import numpy as np
 
 from motorcade.tracking.boards.checkerboard import Checkerboard
 from motorcade.tracking.checks import GrayImage, checked_gray
-from motorcade.tracking.pictures import shrunk
+from motorcade.tracking.images import shrunk
 from motorcade.tracking.targets.grids import SeenGrid, grown_grid, seed_grid
 
 _LONGEST_PX = 1280
@@ -36,20 +36,20 @@ class CountedBoard:
 
     Fields:
         columns, rows: inner corners, the longer way first.
-        pictures: rising indices of those that show all of them.
-        others: sizes that a fair share of the pictures shows instead.
-        ends: whether some pictures show where it ends on all sides; without, it may be larger.
+        images: rising indices of those that show all of them.
+        others: sizes that a fair share of the images shows instead.
+        ends: whether some images show where it ends on all sides; without, it may be larger.
 
     >>> from motorcade.tracking import Checkerboard
     >>> from motorcade.tracking.targets import checkerboard_seen
-    >>> picture, _ = Checkerboard(7, 5, 0.03).draw(pixels_per_m=1500.0)
-    >>> checkerboard_seen([picture, picture])
-    CountedBoard(columns=7, rows=5, pictures=(0, 1), others=(), ends=True)
+    >>> image, _ = Checkerboard(7, 5, 0.03).draw(pixels_per_m=1500.0)
+    >>> checkerboard_seen([image, image])
+    CountedBoard(columns=7, rows=5, images=(0, 1), others=(), ends=True)
     """
 
     columns: int
     rows: int
-    pictures: tuple[int, ...]
+    images: tuple[int, ...]
     others: tuple[tuple[int, int], ...] = ()
     ends: bool = True
 
@@ -63,9 +63,9 @@ class CountedBoard:
         """Why the count may be wrong, and how to say it; empty where nothing speaks against it."""
         if self.others:
             sizes = [f"{columns} x {rows}" for columns, rows in self.others]
-            why, columns, rows = f"other pictures show {', '.join(sizes)}", *self.others[0]
+            why, columns, rows = f"other images show {', '.join(sizes)}", *self.others[0]
         elif not self.ends:
-            why, columns, rows = "no picture shows all its sides", self.columns + 1, self.rows
+            why, columns, rows = "no image shows all its sides", self.columns + 1, self.rows
         else:
             return ""
         count = f"the board is counted as {self.columns} x {self.rows}"
@@ -74,22 +74,22 @@ class CountedBoard:
         )
 
 
-def checkerboard_seen(pictures: Sequence[GrayImage]) -> CountedBoard | None:
-    """Count the inner corners of the checkerboard that pictures show; None where they show none.
+def checkerboard_seen(images: Sequence[GrayImage]) -> CountedBoard | None:
+    """Count the inner corners of the checkerboard that images show; None where they show none.
 
     Args:
-        pictures: grey uint8 ``(height, width)``. Of three and more, at least two must agree, and a
+        images: grey uint8 ``(height, width)``. Of three and more, at least two must agree, and a
             fifth of those that show any checkerboard.
 
     Raises:
-        ValueError: not grey uint8 pictures.
+        ValueError: not grey uint8 images.
     """
-    small = [shrunk(checked_gray(image), _LONGEST_PX) for image in pictures]
+    small = [shrunk(checked_gray(image), _LONGEST_PX) for image in images]
     grids = [grown_grid(image, seed_grid(image)) for image in small]
     for size in _for_second(grids):
         grids = [_better(grid, image, size) for grid, image in zip(grids, small, strict=True)]
     shown = [grid for grid in grids if grid is not None]
-    least = max(1 if len(pictures) < 3 else 2, _LEAST_SHARE * len(shown))
+    least = max(1 if len(images) < 3 else 2, _LEAST_SHARE * len(shown))
     votes = Counter(grid.size for grid in shown if grid.whole)
     agreed = [size for size, count in votes.most_common(_MOST_SIZES) if count >= least]
     sure = [size for size in agreed if _confirmed(size, grids, small)]
@@ -126,18 +126,18 @@ def _better(grid: SeenGrid | None, image: GrayImage, size: tuple[int, int]) -> S
 
 
 def _showing(size: tuple[int, int], grids: Sequence[SeenGrid | None]) -> tuple[int, ...]:
-    """The pictures whose grid has this size, whether it ends there or not."""
+    """The images whose grid has this size, whether it ends there or not."""
     return tuple(row for row, grid in enumerate(grids) if grid is not None and grid.size == size)
 
 
 def _confirmed(
-    size: tuple[int, int], grids: Sequence[SeenGrid | None], pictures: Sequence[GrayImage]
+    size: tuple[int, int], grids: Sequence[SeenGrid | None], images: Sequence[GrayImage]
 ) -> bool:
-    """Whether a board of a size is found by it, in half of some pictures that show so many."""
+    """Whether a board of a size is found by it, in half of some images that show so many."""
     shown = _showing(size, grids)
     places = np.unique(np.linspace(0, len(shown) - 1, min(len(shown), _MOST_ASKED)).astype(int))
     board = Checkerboard(*size, 1.0)
-    found = sum(board.detect(pictures[shown[place]]) is not None for place in places)
+    found = sum(board.detect(images[shown[place]]) is not None for place in places)
     return 2 * found >= len(places)
 
 

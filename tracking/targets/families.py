@@ -1,9 +1,9 @@
-"""Which marker families pictures show: every family is read at once, and chance is kept out.
+"""Which marker families images show: every family is read at once, and chance is kept out.
 
 A quad's bits are random where it is no marker, so a family of n words of b bits finds one in every
 ``2^b / (8 n)`` quads by chance (four turns, read plain and sharpened). That is never for 36 bits,
-and in every picture for ``aruco_4x4_1000``. So a sighting counts where every cell of the print,
-borders included, is right; an id counts where several pictures show it; and where chance is likely
+and in every image for ``aruco_4x4_1000``. So an observation counts where every cell of the print,
+borders included, is right; an id counts where several images show it; and where chance is likely
 its print must look like it, too. What stronger families claim is no marker of a weaker one: the
 middle of a 6 x 6 print passes for a 4 x 4 one now and then. Dictionaries of ArUco that differ in
 size alone begin with the same words: the smallest that holds the ids seen is named.
@@ -19,6 +19,7 @@ import numpy as np
 
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.checks import GrayImage, checked_gray
+from motorcade.tracking.images import shrunk
 from motorcade.tracking.markers.families import FAMILIES, layout
 from motorcade.tracking.markers.native._quads import find_quads
 from motorcade.tracking.markers.reading import (
@@ -27,14 +28,13 @@ from motorcade.tracking.markers.reading import (
     decode_quads,
     read_markers,
 )
-from motorcade.tracking.pictures import shrunk
 
 SMALL_PX = 1280
-"""A longer picture is searched at half its size or less."""
+"""A longer image is searched at half its size or less."""
 _REACHES_PX = (0, 2)
 _NESTED = (50, 100, 250, 1000)
 _UNLIKELY = 1e-3
-"""Chance of a quad above which a family's sightings must look like their prints."""
+"""Chance of a quad above which a family's observations must look like their prints."""
 _LOOKS_RIGHT = 0.9
 _LEGIBLE = 0.75
 _SAME_SHARE = 0.6
@@ -42,7 +42,7 @@ _LEAST_SHARE = 0.15
 _FAR_IDS = 4
 """Ids beyond the first 250 of a likely dictionary that are no chance together."""
 _FIRST = 8
-"""Pictures that are read for all families; the others for what these mostly show."""
+"""Images that are read for all families; the others for what these mostly show."""
 _MOSTLY = 0.5
 
 
@@ -53,55 +53,55 @@ class SeenFamily:
     Fields:
         family: its name.
         marker_ids: ids that count, rising.
-        pictures: rising indices of those that show one of them.
-        sightings: how often one of them was seen.
+        images: rising indices of those that show one of them.
+        observations: how often one of them was seen.
 
     >>> from motorcade.tracking import MarkerGrid
     >>> from motorcade.tracking.targets import families_seen
-    >>> picture, _ = MarkerGrid("aruco_5x5_100", 3, 2, 0.05, 0.02).draw(pixels_per_m=1500.0)
-    >>> [found] = families_seen([picture, picture])
-    >>> found.family, found.marker_ids, found.sightings
+    >>> image, _ = MarkerGrid("aruco_5x5_100", 3, 2, 0.05, 0.02).draw(pixels_per_m=1500.0)
+    >>> [found] = families_seen([image, image])
+    >>> found.family, found.marker_ids, found.observations
     ('aruco_5x5_50', (0, 1, 2, 3, 4, 5), 12)
     """
 
     family: str
     marker_ids: tuple[int, ...]
-    pictures: tuple[int, ...]
-    sightings: int
+    images: tuple[int, ...]
+    observations: int
 
 
 @dataclass(frozen=True)
-class _Sighting:
+class _Reading:
     """A marker read without a wrong cell."""
 
     family: str
     marker_id: int
-    picture: int
+    image: int
     centre: tuple[float, float]
     side_px: float
     agreement: float
 
 
-def families_seen(pictures: Sequence[GrayImage], *, whole: bool = False) -> tuple[SeenFamily, ...]:
-    """The marker families that pictures of one place show, those seen most often first.
+def families_seen(images: Sequence[GrayImage], *, whole: bool = False) -> tuple[SeenFamily, ...]:
+    """The marker families that images of one place show, those seen most often first.
 
     Where most of the first few show a family, the others are read for the families of those alone.
 
     Args:
-        pictures: grey uint8 pictures ``(height, width)``, some seconds apart where they are
+        images: grey uint8 images ``(height, width)``, some seconds apart where they are
             frames of a clip. Of one or two, more ids must be seen before a small family counts.
-        whole: search large pictures as they are, for small markers; they are halved otherwise.
+        whole: search large images as they are, for small markers; they are halved otherwise.
 
     Raises:
-        ValueError: not grey uint8 pictures.
+        ValueError: not grey uint8 images.
     """
-    grays = [checked_gray(one) for one in pictures]
+    grays = [checked_gray(one) for one in images]
     searched = grays if whole else [shrunk(gray, SMALL_PX) for gray in grays]
     # The first are spread over all, so that they show what the clip shows.
     first = range(0, len(grays), -(-len(grays) // _FIRST)) if grays else range(0)
     seen = [one for index in first for one in _exact(searched[index], index, _widest())]
     found = _listed(_widest(), seen, len(first))
-    clear = any(len(one.pictures) >= _MOSTLY * len(first) for one in found)
+    clear = any(len(one.images) >= _MOSTLY * len(first) for one in found)
     counted = {words_of(one.family) for one in found}
     families = [one for one in _widest() if one in counted or not clear]
     others = sorted(set(range(len(grays))) - set(first))
@@ -110,11 +110,11 @@ def families_seen(pictures: Sequence[GrayImage], *, whole: bool = False) -> tupl
 
 
 def _listed(
-    families: Sequence[str], seen: Sequence[_Sighting], searched: int
+    families: Sequence[str], seen: Sequence[_Reading], searched: int
 ) -> tuple[SeenFamily, ...]:
     """Families that count, those seen most often first."""
     found = [_counted(family, seen, searched) for family in families]
-    return tuple(sorted((one for one in found if one), key=lambda one: -one.sightings))
+    return tuple(sorted((one for one in found if one), key=lambda one: -one.observations))
 
 
 def words_of(family: str) -> str:
@@ -136,8 +136,8 @@ def _chance(family: str) -> float:
     return float(8.0 * len(shape.words) / 2.0 ** len(shape.bit_rows))
 
 
-def _exact(gray: GrayImage, number: int, families: Sequence[str]) -> list[_Sighting]:
-    """Markers in a picture, read without a wrong cell; each place is one's.
+def _exact(gray: GrayImage, number: int, families: Sequence[str]) -> list[_Reading]:
+    """Markers in an image, read without a wrong cell; each place is one's.
 
     Families come with the least likely by chance first.
     """
@@ -148,7 +148,7 @@ def _exact(gray: GrayImage, number: int, families: Sequence[str]) -> list[_Sight
         ).astype(np.float64)
         for white_inside in {layout(family).white_inside for family in families}
     }
-    found: list[_Sighting] = []
+    found: list[_Reading] = []
     for family in families:
         read = decode_quads(image, quads[layout(family).white_inside], family)
         for one in _legible(image, read, family, number):
@@ -157,13 +157,13 @@ def _exact(gray: GrayImage, number: int, families: Sequence[str]) -> list[_Sight
     return found
 
 
-def _legible(image: GrayImage, read: Quads, family: str, number: int) -> list[_Sighting]:
+def _legible(image: GrayImage, read: Quads, family: str, number: int) -> list[_Reading]:
     reading = read_markers(image, read.corners_px, family, read.ids)
     good = (reading.wrong_cells == 0) & (reading.agreement >= _LEGIBLE)
     rows = np.flatnonzero(good & (reading.contrast >= LEAST_CONTRAST))
     centres, sides = read.corners_px.mean(axis=1), _sides_px(read.corners_px)
     return [
-        _Sighting(
+        _Reading(
             family,
             int(read.ids[row]),
             number,
@@ -181,20 +181,20 @@ def _sides_px(corners_px: FloatArray) -> FloatArray:
     return mean
 
 
-def _same_place(one: _Sighting, other: _Sighting) -> bool:
+def _same_place(one: _Reading, other: _Reading) -> bool:
     apart = np.hypot(*np.subtract(one.centre, other.centre))
     return bool(apart < _SAME_SHARE * max(one.side_px, other.side_px))
 
 
-def _counted(family: str, sightings: Sequence[_Sighting], searched: int) -> SeenFamily | None:
+def _counted(family: str, observations: Sequence[_Reading], searched: int) -> SeenFamily | None:
     """What is seen of a family, without ids that chance may have given; None without any."""
-    own = [one for one in sightings if one.family == family]
+    own = [one for one in observations if one.family == family]
     likely = _chance(family) > _UNLIKELY
     least = 1 if searched < 3 else max(2, round(_LEAST_SHARE * searched)) if likely else 2
     ids = []
     for marker in sorted({one.marker_id for one in own}):
         these = [one for one in own if one.marker_id == marker]
-        steady = len({one.picture for one in these}) >= least
+        steady = len({one.image for one in these}) >= least
         looks = not likely or float(np.median([one.agreement for one in these])) >= _LOOKS_RIGHT
         if steady and looks:
             ids.append(marker)
@@ -204,7 +204,7 @@ def _counted(family: str, sightings: Sequence[_Sighting], searched: int) -> Seen
     own = [one for one in own if one.marker_id in ids]
     if not own:
         return None
-    shown = tuple(sorted({one.picture for one in own}))
+    shown = tuple(sorted({one.image for one in own}))
     return SeenFamily(name, tuple(ids), shown, len(own))
 
 

@@ -1,4 +1,4 @@
-"""What printed target pictures show, of which nothing was told: the one that tells most."""
+"""What printed target images show, of which nothing was told: the one that tells most."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from motorcade.tracking.targets.families import SMALL_PX, SeenFamily, families_s
 from motorcade.tracking.targets.layouts import SeenMarkers, board_of_markers
 
 _ENOUGH_SHARE = 0.5
-"""Of the pictures: markers seen in so many are not set against a checkerboard."""
+"""Of the images: markers seen in so many are not set against a checkerboard."""
 _MANY = 12
 _LEAST_SHARE = 0.5
-"""Of the pictures with a ChArUco board's markers, in which its corners must be found as well."""
+"""Of the images with a ChArUco board's markers, in which its corners must be found as well."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,23 +34,23 @@ class FoundTarget:
             None for markers that make up no board known here.
         family: of its markers; None for a checkerboard.
         marker_ids: those seen, rising.
-        markers: those of each picture searched, sharp ones alone; ids that stand twice left out.
-        pictures: rising indices of the pictures that show it.
+        markers: those of each image searched, sharp ones alone; ids that stand twice left out.
+        images: rising indices of the images that show it.
         searched: how many were looked at.
         doubt: why it may be another; empty where nothing speaks against it.
 
     >>> from motorcade.tracking import Checkerboard
     >>> from motorcade.tracking.targets import find_target
-    >>> picture, _ = Checkerboard(7, 5, 0.03).draw(pixels_per_m=1500.0)
-    >>> find_target([picture] * 3).summary
-    'a checkerboard of 7 x 5 inner corners, in 3 of 3 pictures'
+    >>> image, _ = Checkerboard(7, 5, 0.03).draw(pixels_per_m=1500.0)
+    >>> find_target([image] * 3).summary
+    'a checkerboard of 7 x 5 inner corners, in 3 of 3 images'
     """
 
     board: Board | None
     family: str | None
     marker_ids: tuple[int, ...]
     markers: tuple[SeenMarkers, ...]
-    pictures: tuple[int, ...]
+    images: tuple[int, ...]
     searched: int
     doubt: str = ""
 
@@ -63,7 +63,7 @@ class FoundTarget:
 
     @property
     def summary(self) -> str:
-        """The target in words, and in how many pictures it is."""
+        """The target in words, and in how many images it is."""
         board = self.board
         if isinstance(board, Checkerboard):
             what = f"a checkerboard of {board.columns} x {board.rows} inner corners"
@@ -76,107 +76,107 @@ class FoundTarget:
         else:
             count = len(self.marker_ids)
             what = f"{count} loose {'marker' if count == 1 else 'markers'} {self.family}"
-        return f"{what}, in {len(self.pictures)} of {self.searched} pictures"
+        return f"{what}, in {len(self.images)} of {self.searched} images"
 
 
-def find_target(pictures: Sequence[GrayImage]) -> FoundTarget | None:
-    """Look for a board or markers that pictures of one place show; None where there are none.
+def find_target(images: Sequence[GrayImage]) -> FoundTarget | None:
+    """Look for a board or markers that images of one place show; None where there are none.
 
     All families of `tracking.FAMILIES` are looked for, ChArUco boards and grids of them, and
     checkerboards. Of several families the one seen most often is taken; a checkerboard where more
-    pictures show one than show markers.
+    images show one than show markers.
 
     Args:
-        pictures: grey uint8 ``(height, width)``; a dozen or more, spread over a clip, tell chance
+        images: grey uint8 ``(height, width)``; a dozen or more, spread over a clip, tell chance
             from markers best.
 
-    Breaks down for markers smaller than about 15 px, and for boards that never lie whole in a
-    picture and have no markers. Circles are not looked for (see `circles.circles_seen`).
+    Breaks down for markers smaller than about 15 px, and for boards that never lie whole in an
+    image and have no markers. Circles are not looked for (see `circles.circles_seen`).
 
     Raises:
-        ValueError: not grey uint8 pictures.
+        ValueError: not grey uint8 images.
     """
-    seen = families_seen(pictures)
-    marked = _marked(seen[0], pictures) if seen else None
-    if marked is not None and len(marked.pictures) >= _ENOUGH_SHARE * len(pictures):
+    seen = families_seen(images)
+    marked = _marked(seen[0], images) if seen else None
+    if marked is not None and len(marked.images) >= _ENOUGH_SHARE * len(images):
         return marked
-    counted = checkerboard_seen(pictures)
-    large = max((max(one.shape) for one in pictures), default=0) > SMALL_PX
+    counted = checkerboard_seen(images)
+    large = max((max(one.shape) for one in images), default=0) > SMALL_PX
     if large and counted is None and marked is None:
-        # Small markers in large pictures: where a third show none, the others are not asked.
-        some = pictures[::3] if len(pictures) >= _MANY else pictures
-        seen = families_seen(some, whole=True) and families_seen(pictures, whole=True)
-        return _marked(seen[0], pictures) if seen else None
-    if counted is None or (marked and len(marked.pictures) >= len(counted.pictures)):
+        # Small markers in large images: where a third show none, the others are not asked.
+        some = images[::3] if len(images) >= _MANY else images
+        seen = families_seen(some, whole=True) and families_seen(images, whole=True)
+        return _marked(seen[0], images) if seen else None
+    if counted is None or (marked and len(marked.images) >= len(counted.images)):
         return marked
-    nothing = (_markers_of(()),) * len(pictures)
-    shown, doubt = counted.pictures, counted.doubt
-    return FoundTarget(counted.board, None, (), nothing, shown, len(pictures), doubt)
+    nothing = (_markers_of(()),) * len(images)
+    shown, doubt = counted.images, counted.doubt
+    return FoundTarget(counted.board, None, (), nothing, shown, len(images), doubt)
 
 
-def seen_board(board: Board, pictures: Sequence[GrayImage]) -> FoundTarget:
-    """Where pictures show a board that is known.
+def seen_board(board: Board, images: Sequence[GrayImage]) -> FoundTarget:
+    """Where images show a board that is known.
 
     Raises:
-        ValueError: not grey uint8 pictures.
+        ValueError: not grey uint8 images.
 
     >>> from motorcade.tracking import Checkerboard
     >>> from motorcade.tracking.targets import seen_board
     >>> board = Checkerboard(7, 5, 0.03)
-    >>> seen_board(board, [board.draw(pixels_per_m=1500.0)[0]]).pictures
+    >>> seen_board(board, [board.draw(pixels_per_m=1500.0)[0]]).images
     (0,)
     """
     if isinstance(board, MarkerGrid):
-        found = seen_markers(board.family, pictures, set(board.marker_ids.tolist()))
+        found = seen_markers(board.family, images, set(board.marker_ids.tolist()))
         return replace(found, board=board)
-    shown = tuple(row for row, one in enumerate(pictures) if board.detect(one) is not None)
-    nothing = (_markers_of(()),) * len(pictures)
-    return FoundTarget(board, None, (), nothing, shown, len(pictures))
+    shown = tuple(row for row, one in enumerate(images) if board.detect(one) is not None)
+    nothing = (_markers_of(()),) * len(images)
+    return FoundTarget(board, None, (), nothing, shown, len(images))
 
 
 def seen_markers(
-    family: str, pictures: Sequence[GrayImage], wanted: Set[int] | None = None
+    family: str, images: Sequence[GrayImage], wanted: Set[int] | None = None
 ) -> FoundTarget:
-    """Where pictures show markers of a family, wherever they stand; those wanted, or all.
+    """Where images show markers of a family, wherever they stand; those wanted, or all.
 
     Raises:
-        ValueError: an unknown family, or not grey uint8 pictures.
+        ValueError: an unknown family, or not grey uint8 images.
 
     >>> from motorcade.tracking import MarkerGrid
     >>> from motorcade.tracking.targets import seen_markers
-    >>> picture, _ = MarkerGrid("aruco_5x5_100", 3, 2, 0.05, 0.02).draw(pixels_per_m=1500.0)
-    >>> seen_markers("aruco_5x5_100", [picture], {4, 5}).marker_ids
+    >>> image, _ = MarkerGrid("aruco_5x5_100", 3, 2, 0.05, 0.02).draw(pixels_per_m=1500.0)
+    >>> seen_markers("aruco_5x5_100", [image], {4, 5}).marker_ids
     (4, 5)
     """
     markers = tuple(
         _markers_of(
             one
-            for one in detect_markers(picture, family)
+            for one in detect_markers(image, family)
             if one.sharp and (wanted is None or one.marker_id in wanted)
         )
-        for picture in pictures
+        for image in images
     )
     ids = sorted({marker for one in markers for marker in one.ids.tolist()})
     shown = tuple(row for row, one in enumerate(markers) if len(one.ids))
-    return FoundTarget(None, family, tuple(ids), markers, shown, len(pictures))
+    return FoundTarget(None, family, tuple(ids), markers, shown, len(images))
 
 
-def _marked(seen: SeenFamily, pictures: Sequence[GrayImage]) -> FoundTarget:
+def _marked(seen: SeenFamily, images: Sequence[GrayImage]) -> FoundTarget:
     """Markers of a family, and the board that they make up."""
-    found = seen_markers(seen.family, pictures, set(seen.marker_ids))
-    markers, shown = found.markers, found.pictures or seen.pictures
+    found = seen_markers(seen.family, images, set(seen.marker_ids))
+    markers, shown = found.markers, found.images or seen.images
     board = board_of_markers(seen.family, markers)
     if isinstance(board, CharucoBoard):
         sample = shown[:: max(1, len(shown) // 8)]
-        if sum(board.detect(pictures[one]) is not None for one in sample) < _LEAST_SHARE * len(
+        if sum(board.detect(images[one]) is not None for one in sample) < _LEAST_SHARE * len(
             sample
         ):
             board = None
-    return FoundTarget(board, seen.family, seen.marker_ids, markers, shown, len(pictures))
+    return FoundTarget(board, seen.family, seen.marker_ids, markers, shown, len(images))
 
 
 def _markers_of(found: Iterable[Detection]) -> SeenMarkers:
-    """Markers of a picture whose ids stand there once."""
+    """Markers of an image whose ids stand there once."""
     listed = list(found)
     ids = [one.marker_id for one in listed]
     once = [one for one in listed if ids.count(one.marker_id) == 1]

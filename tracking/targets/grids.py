@@ -1,9 +1,9 @@
-"""Grids of checkerboard corners in one picture: where a board ends, and where only the view ends.
+"""Grids of checkerboard corners in one image: where a board ends, and where only the view ends.
 
 A detector's grid is a seed. Lines of it that are no saddles are dropped: a line printed beside a
 board, or a screen's edge, has the colours in turn on one side only. Then it grows by extrapolated
 lines as long as most of their corners are saddles, which carries it through glare. Each side then
-either ends (a ring of squares in turn, and no saddles behind it) or is open: it leaves the picture,
+either ends (a ring of squares in turn, and no saddles behind it) or is open: it leaves the image,
 or something hides it. A grid that ends on all sides is a whole board, and tells its size; any other
 tells the least that it is.
 """
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.boards.checkerboard import QUICK
 from motorcade.tracking.checks import GrayImage
-from motorcade.tracking.pictures import grey_levels
+from motorcade.tracking.images import grey_levels
 
 _FEWEST, _MOST, _SEED = 3, 60, 1
 _PROBE = 0.3
@@ -40,7 +40,7 @@ _MOSTLY = 0.5
 
 @dataclass(frozen=True, eq=False)
 class SeenGrid:
-    """Corners of a checkerboard in a picture.
+    """Corners of a checkerboard in an image.
 
     Fields:
         corners_px: ``(rows, columns, 2)``.
@@ -74,7 +74,7 @@ def seed_grid(gray: GrayImage, size: tuple[int, int] | None = None) -> FloatArra
         found, corners = cv2.findChessboardCorners(gray, size, flags=QUICK)
         return np.asarray(corners, np.float64).reshape(*size[::-1], 2) if found else None
     flags = cv2.CALIB_CB_LARGER | cv2.CALIB_CB_NORMALIZE_IMAGE
-    cv2.setRNGSeed(_SEED)  # the detector draws random numbers: the same picture, the same grid
+    cv2.setRNGSeed(_SEED)  # the detector draws random numbers: the same image, the same grid
     found, corners, grid = cv2.findChessboardCornersSBWithMeta(gray, (_FEWEST, _FEWEST), flags)[:3]
     if not found or grid is None or max(grid.shape[:2]) > _MOST:
         return None
@@ -85,7 +85,7 @@ def grown_grid(gray: GrayImage, seed_px: FloatArray | None) -> SeenGrid | None:
     """Drop a grid's lines that are no saddles, and add those that are; None where nothing stays.
 
     Args:
-        gray: the picture.
+        gray: the image.
         seed_px: ``(rows, columns, 2)`` corners in it, at least 3 by 3, or None.
     """
     if seed_px is None:

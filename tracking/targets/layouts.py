@@ -1,7 +1,7 @@
 """How markers stand on a board: grids and ChArUco boards, told from ids and corners alone.
 
 A guess of the layout (how many columns, where the first row begins, whether rows run down or up)
-says where each id stands. The plane homography of a picture from these places to the markers'
+says where each id stands. The plane homography of an image from these places to the markers'
 centres then maps the markers' own corners back, where they must be squares of one size in the
 middle of their cells, all turned alike. A wrong guess leaves them askew. What no guess explains is
 no board known here: its markers stand anywhere, and are mapped.
@@ -24,7 +24,7 @@ from motorcade.tracking.markers.families import OPENCV_FAMILIES, layout
 
 _FEWEST_MARKERS = 4
 _MOST_COLUMNS = 40
-_MOST_PICTURES = 8
+_MOST_IMAGES = 8
 _ASKEW = 0.08
 """Of a marker's side, RMS: what lens distortion and a quad's corners leave of a right guess."""
 _ASKEW_ANYWHERE = 0.2
@@ -33,7 +33,7 @@ _CORNERS = np.array([[-0.5, 0.5], [0.5, 0.5], [0.5, -0.5], [-0.5, -0.5]])
 
 @dataclass(frozen=True, eq=False)
 class SeenMarkers:
-    """Markers of one picture: ids ``(m,)`` and corners ``(m, 4, 2)`` px, clockwise from top left.
+    """Markers of one image: ids ``(m,)`` and corners ``(m, 4, 2)`` px, clockwise from top left.
 
     >>> import numpy as np
     >>> from motorcade.tracking.targets import SeenMarkers
@@ -86,14 +86,14 @@ class _Guess:
 
 @dataclass(frozen=True)
 class LayoutFit:
-    """How a picture's markers stand in the cells of a layout.
+    """How an image's markers stand in the cells of a layout.
 
     Fields:
         askew: RMS of how far they are from squares within their cells, in sides; infinite where
             the cells lie on a line, or no homography maps them.
         side: of a marker, in pitches of the cells.
         turned_deg: clockwise, of all markers in their cells.
-        side_px: of a marker in the picture.
+        side_px: of a marker in the image.
     """
 
     askew: float
@@ -103,14 +103,14 @@ class LayoutFit:
 
     @property
     def good(self) -> bool:
-        """Whether the layout explains the picture."""
+        """Whether the layout explains the image."""
         return self.askew <= _ASKEW
 
 
 def layout_fits(
     board: MarkerGrid | CharucoBoard, seen: Sequence[SeenMarkers], camera: Camera | None = None
 ) -> list[LayoutFit]:
-    """How the layout of a board fits each picture that tells; straightened where a camera is given.
+    """How the layout of a board fits each image that tells; straightened where a camera is given.
 
     >>> import numpy as np
     >>> from motorcade.tracking import MarkerGrid
@@ -136,10 +136,10 @@ def board_of_markers(family: str, seen: Sequence[SeenMarkers]) -> MarkerGrid | C
 
     Args:
         family: of all markers.
-        seen: markers of several pictures; ids that stand twice in a picture are not for here.
+        seen: markers of several images; ids that stand twice in an image are not for here.
 
     Breaks down for a lens that bends straight lines by more than a tenth of a marker's side
-    between neighbours, and for fewer than four markers in every picture.
+    between neighbours, and for fewer than four markers in every image.
 
     >>> import numpy as np
     >>> from motorcade.tracking import MarkerGrid
@@ -174,7 +174,7 @@ def regapped(board: MarkerGrid, seen: Sequence[SeenMarkers], camera: Camera) -> 
 
     Args:
         board: the grid, its columns and ids right.
-        seen: its markers, in pictures of that camera.
+        seen: its markers, in images of that camera.
         camera: undistorts their corners.
 
     >>> import numpy as np
@@ -194,12 +194,12 @@ def regapped(board: MarkerGrid, seen: Sequence[SeenMarkers], camera: Camera) -> 
 
 
 def _telling(seen: Sequence[SeenMarkers]) -> list[SeenMarkers]:
-    """Some pictures with many markers, and of the others those that show further ids."""
+    """Some images with many markers, and of the others those that show further ids."""
     many = [one for one in seen if len(one.ids) >= _FEWEST_MARKERS]
     kept: list[SeenMarkers] = []
     known: set[int] = set()
     for one in sorted(many, key=lambda one: -len(one.ids)):
-        if len(kept) < _MOST_PICTURES or not known.issuperset(one.ids.tolist()):
+        if len(kept) < _MOST_IMAGES or not known.issuperset(one.ids.tolist()):
             kept.append(one)
             known.update(one.ids.tolist())
     return kept

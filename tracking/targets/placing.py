@@ -1,4 +1,4 @@
-"""Which corners of a known checkerboard a picture shows, where it shows a part of it.
+"""Which corners of a known checkerboard an image shows, where it shows a part of it.
 
 A part says where it lies by the sides at which the board ends: a part with a left end and a top end
 has its place, one that is open at the left and at the right may be anywhere between. The colours of
@@ -27,19 +27,19 @@ def corners_in_view(board: Checkerboard, image: GrayImage) -> BoardCorners | Non
 
     Args:
         board: known by its inner corners.
-        image: grey uint8 picture, in which the board may be cut off, or partly hidden.
+        image: grey uint8 image, in which the board may be cut off, or partly hidden.
 
     Breaks down where something covers the board just along its squares: it then seems to end there.
     Its place is then wrong by whole squares, unless the opposite side is in view, too.
 
     Raises:
-        ValueError: not a grey uint8 picture.
+        ValueError: not a grey uint8 image.
 
     >>> from motorcade.tracking import Checkerboard
     >>> from motorcade.tracking.targets import corners_in_view
     >>> board = Checkerboard(8, 5, 0.03)
-    >>> picture, _ = board.draw(pixels_per_m=1500.0)
-    >>> part = corners_in_view(board, picture[:, :300])  # its right side is cut off
+    >>> image, _ = board.draw(pixels_per_m=1500.0)
+    >>> part = corners_in_view(board, image[:, :300])  # its right side is cut off
     >>> sorted({int(corner) % 8 for corner in part.ids})
     [0, 1, 2, 3, 4]
     """

@@ -1,4 +1,4 @@
-"""What is stated of a board's markers against how they stand in the pictures, and what mends it.
+"""What is stated of a board's markers against how they stand in the images, and what mends it.
 
 The stated layout is tried first. Where it does not explain how the markers stand, all layouts known
 here are tried, and the one that does names the key that is wrong.
@@ -33,17 +33,17 @@ NAME = "board_layout"
 _PITCH_SHARE, _EDGE_PX = 0.02, 1.0
 """What printing, and bright or blurred edges, take off a side: a share of it, and pixels."""
 _MANY, _MOST = 7, 0.5
-"""Of the pictures: so many must deny a layout."""
+"""Of the images: so many must deny a layout."""
 
 
 def compare_layout(
-    board: Board, pictures: Sequence[GrayImage], camera: Camera | None = None
+    board: Board, images: Sequence[GrayImage], camera: Camera | None = None
 ) -> AuditFinding | None:
-    """Compare the layout of a grid of markers, or of a ChArUco board, with pictures of it.
+    """Compare the layout of a grid of markers, or of a ChArUco board, with images of it.
 
     Args:
         board: as stated.
-        pictures: grey, a few spread over a recording.
+        images: grey, a few spread over a recording.
         camera: straightens what its lens bends.
 
     Returns:
@@ -57,12 +57,12 @@ def compare_layout(
     'ids run upwards from the bottom row, not downwards; say order = "up"'
     """
     if isinstance(board, Checkerboard):
-        return _counted(board, pictures)
+        return _counted(board, images)
     if isinstance(board, CircleGrid):
-        return _circled(board, pictures)
+        return _circled(board, images)
     if not isinstance(board, MarkerGrid | CharucoBoard):
         return None
-    seen = seen_markers(board.family, pictures)
+    seen = seen_markers(board.family, images)
     own = [_only(markers, _ids(board)) for markers in seen.markers]
     fits = [
         min(pair, key=lambda fit: fit.askew)
@@ -74,7 +74,7 @@ def compare_layout(
     wrong = float(np.mean([not fit.good for fit in fits]))
     if wrong <= _MOST:
         return _details(board, [fit for fit in fits if fit.good])
-    target = find_target(pictures)
+    target = find_target(images)
     other = None if target is None else target.board
     if not isinstance(other, MarkerGrid | CharucoBoard):
         shown = [own, seen.markers]
@@ -89,10 +89,10 @@ def compare_layout(
     return _otherwise(board, other, wrong)
 
 
-def _counted(board: Checkerboard, pictures: Sequence[GrayImage]) -> AuditFinding:
+def _counted(board: Checkerboard, images: Sequence[GrayImage]) -> AuditFinding:
     """The finding on how many corners a checkerboard has; where it ends must be in view."""
     name, stated = "board_corners", (board.columns, board.rows)
-    counted, printed = checkerboard_seen(pictures), _charuco_seen(pictures)
+    counted, printed = checkerboard_seen(images), _charuco_seen(images)
     looks = None if counted is None else (counted.columns, counted.rows)
     if printed is not None:
         inner = {printed.columns - 1, printed.rows - 1}
@@ -110,11 +110,11 @@ def _counted(board: Checkerboard, pictures: Sequence[GrayImage]) -> AuditFinding
     return AuditFinding(name, "contradicted", off, "corners", summary, _keys(board, counted.board))
 
 
-def _circled(board: CircleGrid, pictures: Sequence[GrayImage]) -> AuditFinding:
+def _circled(board: CircleGrid, images: Sequence[GrayImage]) -> AuditFinding:
     """The finding on how many circles a grid has, and how its rows stand."""
-    name, looks = "board_corners", circles_seen(pictures)
+    name, looks = "board_corners", circles_seen(images)
     if looks is None:
-        target = find_target(pictures)
+        target = find_target(images)
         if target is None or target.board is None:
             return AuditFinding(name, "unknown", None, "corners", "no image shows a whole grid")
         summary, keys = f"the images show {target.summary}", _keys(board, target.board)
@@ -132,22 +132,22 @@ def _same_circles(looks: CircleGrid, board: CircleGrid) -> bool:
     return (board.columns, board.rows) in ways and looks.asymmetric == board.asymmetric
 
 
-def _charuco_seen(pictures: Sequence[GrayImage]) -> CharucoBoard | None:
+def _charuco_seen(images: Sequence[GrayImage]) -> CharucoBoard | None:
     """The ChArUco board whose markers images show, its squares of length 1."""
-    some = pictures[::3] if len(pictures) >= _MANY else pictures  # markers in squares are in all
-    families = families_seen(some) and families_seen(pictures)
+    some = images[::3] if len(images) >= _MANY else images  # markers in squares are in all
+    families = families_seen(some) and families_seen(images)
     for family in families[:1]:
-        seen = seen_markers(family.family, pictures, set(family.marker_ids))
+        seen = seen_markers(family.family, images, set(family.marker_ids))
         board = board_of_markers(family.family, seen.markers)
         return board if isinstance(board, CharucoBoard) else None
     return None
 
 
-def name_target(pictures: Sequence[GrayImage], stated: Board | str) -> str:
+def name_target(images: Sequence[GrayImage], stated: Board | str) -> str:
     """What target images show in place of a stated one that was seen in none, and what mends it.
 
     Args:
-        pictures: grey, a few spread over a recording.
+        images: grey, a few spread over a recording.
         stated: the board, or the family of loose markers.
 
     Returns:
@@ -157,18 +157,18 @@ def name_target(pictures: Sequence[GrayImage], stated: Board | str) -> str:
     >>> from motorcade.tracking.targets.stated import name_target
     >>> image, _ = MarkerGrid("tag36h11", 4, 3, marker_m=0.06, gap_m=0.018).draw(1000.0)
     >>> name_target([image], MarkerGrid("tag25h9", 4, 3, marker_m=0.06, gap_m=0.018))
-    'the images show a grid of 4 x 3 markers tag36h11, in 1 of 1 pictures; say family = "tag36h11"'
+    'the images show a grid of 4 x 3 markers tag36h11, in 1 of 1 images; say family = "tag36h11"'
     """
-    target = find_target(pictures)
+    target = find_target(images)
     if target is None or (target.family is None and not isinstance(stated, Checkerboard)):
-        mirrored = find_target([np.ascontiguousarray(image[:, ::-1]) for image in pictures])
+        mirrored = find_target([np.ascontiguousarray(image[:, ::-1]) for image in images])
         if mirrored is not None and mirrored.family is not None:
             return (
                 f"the images are mirrored: as in a mirror they show {mirrored.summary}; mirror "
                 "them back, left to right"
             )
     unmarked = target is None or isinstance(target.board, Checkerboard)
-    circles = circles_seen(pictures) if unmarked else None
+    circles = circles_seen(images) if unmarked else None
     if circles is not None and isinstance(stated, Board):
         shape = f"{circles.columns} x {circles.rows} circles" + ", shifted" * circles.asymmetric
         return f"the images show {shape}; {_keys(stated, circles)}"

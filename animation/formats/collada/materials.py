@@ -21,7 +21,7 @@ import numpy as np
 from motorcade.animation.appearance import Filter, Material, TextureMap, Wrap, to_linear
 from motorcade.animation.formats.collada.library import Element, Library
 from motorcade.animation.formats.images import Texture, Textures
-from motorcade.animation.formats.limits import picture_beside, read_bounded, shown
+from motorcade.animation.formats.limits import image_beside, read_bounded, shown
 from motorcade.ga.arrays import FloatArray
 
 PLAIN = (0.8, 0.8, 0.8)
@@ -86,22 +86,22 @@ class ColladaMaterials:
         return plain
 
     def _shaded(self, plain: Material, effect: Element, kind: str, shader: Element) -> Material:
-        color, picture = self._value(effect, shader.first("diffuse"))
+        color, image = self._value(effect, shader.first("diffuse"))
         glow, lamp = self._value(effect, shader.first("emission"))
         if kind == "constant" and shader.first("diffuse") is None:
-            color, picture, glow, lamp = glow, lamp, None, None
+            color, image, glow, lamp = glow, lamp, None, None
         base = np.array(plain.base_color[:3])
-        if picture is not None:
+        if image is not None:
             base = np.ones(3)
         elif color is not None:
             base = to_linear(np.clip(color[:3], 0.0, 1.0))
-        alpha, see_through = self._alpha(effect, shader, picture, plain.name)
+        alpha, see_through = self._alpha(effect, shader, image, plain.name)
         emission = (0.0, 0.0, 0.0) if glow is None else to_linear(np.clip(glow[:3], 0, 1)).tolist()
         self._note_left_out(effect, shader)
         return replace(
             plain,
             base_color=(*base.tolist(), alpha),
-            base_map=picture,
+            base_map=image,
             roughness=_roughness(kind, shader),
             emission=(1.0, 1.0, 1.0) if lamp is not None else tuple(emission),
             emission_map=lamp,
@@ -111,7 +111,7 @@ class ColladaMaterials:
         )
 
     def _alpha(
-        self, effect: Element, shader: Element, picture: TextureMap | None, name: str
+        self, effect: Element, shader: Element, image: TextureMap | None, name: str
     ) -> tuple[float, bool]:
         """Opacity, and whether the image's own alpha is meant."""
         transparent = shader.first("transparent")
@@ -120,7 +120,7 @@ class ColladaMaterials:
             return 1.0, False
         color, veil = self._value(effect, transparent)
         if veil is not None:
-            own = picture is not None and veil.pixels is picture.pixels
+            own = image is not None and veil.pixels is image.pixels
             if not own:
                 self._lost.add("images of transparency")
             return 1.0, own and bool((veil.pixels[..., 3] < 255).any())
@@ -172,14 +172,14 @@ class ColladaMaterials:
             name = source.text.strip()
         stored = self._library.find(f"#{name}")
         start = None if stored is None else next(stored.every("init_from"), None)
-        picture = None if start is None else self._picture(start.text.strip())
-        if picture is None:
+        image = None if start is None else self._image(start.text.strip())
+        if image is None:
             return None
-        return TextureMap(picture.pixels, encoded=picture.encoded, **_sampling(sampler))
+        return TextureMap(image.pixels, encoded=image.encoded, **_sampling(sampler))
 
-    def _picture(self, uri: str) -> Texture | None:
+    def _image(self, uri: str) -> Texture | None:
         return self._textures.read(
-            uri, lambda: read_bounded(picture_beside(self._folder, uri, "texture"))
+            uri, lambda: read_bounded(image_beside(self._folder, uri, "texture"))
         )
 
 

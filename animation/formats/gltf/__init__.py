@@ -33,7 +33,7 @@ KEEPS_UNITS = "Open Asset Import Library"
 """A generator that copies numbers from files in other units without converting them."""
 
 
-def read_gltf(path: Path, *, pictures: Path | None = None) -> Rig:
+def read_gltf(path: Path, *, images: Path | None = None) -> Rig:
     """Read a `.glb`, `.gltf` or `.vrm`; its images may lie in another folder, below any name.
 
     Raises:
@@ -41,7 +41,7 @@ def read_gltf(path: Path, *, pictures: Path | None = None) -> Rig:
             `unpack_draco`, `Meshes.surfaces`, `read_animations`.
         ModuleNotFoundError: a package of the extra `pipeline` is needed and not installed.
     """
-    document = open_gltf(path, pictures)
+    document = open_gltf(path, images)
     unpack_meshopt(document)
     accessors = Accessors(document)
     unpack_draco(document, accessors)

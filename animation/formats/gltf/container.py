@@ -109,16 +109,16 @@ class Document:
 
     Args:
         folder: where files that it names are looked for.
-        pictures: where images are looked for whatever folder they are said to be in, if another.
+        images: where images are looked for whatever folder they are said to be in, if another.
     """
 
     def __init__(
-        self, root: dict[str, Any], buffers: list[bytes], folder: Path, pictures: Path | None = None
+        self, root: dict[str, Any], buffers: list[bytes], folder: Path, images: Path | None = None
     ) -> None:
         self.root = root
         self.buffers = buffers
         self.folder = folder
-        self.pictures = pictures
+        self.images = images
 
     def entries(self, name: str) -> list[Any]:
         """A list of the document; empty where it is missing."""
@@ -143,7 +143,7 @@ class Document:
         return data[start : start + size]
 
 
-def open_gltf(path: Path, pictures: Path | None = None) -> Document:
+def open_gltf(path: Path, images: Path | None = None) -> Document:
     """Read a `.glb` or `.gltf` with its buffers.
 
     Raises:
@@ -174,7 +174,7 @@ def open_gltf(path: Path, pictures: Path | None = None) -> Document:
     for name in listed(root.get("extensionsRequired", []), "extensionsRequired"):
         _check_required(text(name, "extensionsRequired"))
     folder = path.parent
-    return Document(root, _buffers(root, binary, folder), folder, pictures)
+    return Document(root, _buffers(root, binary, folder), folder, images)
 
 
 def _check_required(name: str) -> None:

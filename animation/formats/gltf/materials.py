@@ -37,7 +37,7 @@ from motorcade.animation.formats.gltf.container import (
     text,
 )
 from motorcade.animation.formats.images import Texture, Textures
-from motorcade.animation.formats.limits import expected, picture_beside, shown
+from motorcade.animation.formats.limits import expected, image_beside, shown
 from motorcade.ga.arrays import FloatArray
 
 PLAIN = 0.6
@@ -190,8 +190,8 @@ class GltfMaterials:
         named = self._source(texture)
         if named is None:
             return None
-        picture = self._texture(integer(named, "texture.source", 0, 1 << 30))
-        if picture is None:
+        image = self._texture(integer(named, "texture.source", 0, 1 << 30))
+        if image is None:
             return None
         if which >= MOST_SETS:
             self._plainer.add(f"{field}s of more than {MOST_SETS} sets of coordinates")
@@ -203,14 +203,14 @@ class GltfMaterials:
         minify = _code(sampler, "minFilter", 9987, (NEAREST, LINEAR, 9984, 9985, 9986, 9987))
         s, t = (_code(sampler, key, 10497, tuple(WRAPS)) for key in ("wrapS", "wrapT"))
         return TextureMap(
-            picture.pixels,
+            image.pixels,
             which,
             (WRAPS[s], WRAPS[t]),
             "nearest" if magnify == NEAREST else "linear",
             "nearest" if minify in (NEAREST, 9984, 9986) else "linear",
             None if minify < 9984 else ("nearest" if minify < 9986 else "linear"),
             _transform(moved),
-            picture.encoded,
+            image.encoded,
         )
 
     def _texture(self, source: int) -> Texture | None:
@@ -222,9 +222,9 @@ class GltfMaterials:
 
     def _bytes(self, image: dict[str, Any], field: str) -> bytes:
         if "uri" in image:
-            uri, place = text(image["uri"], f"{field}.uri"), self._document.pictures
+            uri, place = text(image["uri"], f"{field}.uri"), self._document.images
             if place is not None and not uri.startswith("data:"):
-                return load_file(picture_beside(place, uri, f"{field}.uri"), f"{field}.uri")
+                return load_file(image_beside(place, uri, f"{field}.uri"), f"{field}.uri")
             return load(uri, self._document.folder, f"{field}.uri")
         return self._document.view(image.get("bufferView"), f"{field}.bufferView")
 

@@ -1,4 +1,4 @@
-"""The figure put together: skin and pieces, weights, picture, morph targets and clips."""
+"""The figure put together: skin and pieces, weights, image, morph targets and clips."""
 
 from __future__ import annotations
 
@@ -184,7 +184,7 @@ class _Sheet:
 
 
 @dataclass(frozen=True)
-class _Pictures:
+class _Images:
     """Channels (H, W, C) from 0 to 1."""
 
     base: FloatArray
@@ -193,7 +193,7 @@ class _Pictures:
 
 
 def _material(charts: list[Chart], texels: Texels, free: FloatArray, scale: float) -> Material:
-    """Base colour; occlusion, roughness and metal in one picture; normals of the relief."""
+    """Base colour; occlusion, roughness and metal in one image; normals of the relief."""
     drawn = _painted(charts, texels)
     shade = 1.0 - SHADED * (1.0 - free)
     base = drawn.base * shade[..., None] ** np.array([0.9, 1.0, 1.0])
@@ -214,7 +214,7 @@ def _material(charts: list[Chart], texels: Texels, free: FloatArray, scale: floa
     )
 
 
-def _painted(charts: list[Chart], texels: Texels) -> _Pictures:
+def _painted(charts: list[Chart], texels: Texels) -> _Images:
     shape = texels.chart.shape
     base, surface, relief = np.zeros((*shape, 3)), np.zeros((*shape, 3)), np.zeros(shape)
     for number, chart in enumerate(charts):
@@ -222,7 +222,7 @@ def _painted(charts: list[Chart], texels: Texels) -> _Pictures:
         paint = painted(chart.name, texels.points[here], texels.flat_m[here])
         base[here], relief[here] = paint.color, paint.relief_m
         surface[here, 1], surface[here, 2] = paint.rough, paint.metal
-    return _Pictures(np.clip(base, 0.0, 1.0), surface, relief)
+    return _Images(np.clip(base, 0.0, 1.0), surface, relief)
 
 
 def _bent(relief_m: FloatArray, per_m: FloatArray, chart: IntArray) -> FloatArray:
@@ -238,11 +238,11 @@ def _bent(relief_m: FloatArray, per_m: FloatArray, chart: IntArray) -> FloatArra
 
 
 def _map(values: FloatArray, quality: int) -> TextureMap:
-    """A picture (H, W, 3) from 0 to 1 as JPEG, with the pixels that it decodes to."""
+    """An image (H, W, 3) from 0 to 1 as JPEG, with the pixels that it decodes to."""
     from PIL import Image
 
     held = io.BytesIO()
-    picture = Image.fromarray(np.round(255.0 * values).astype(np.uint8))
-    picture.save(held, "JPEG", quality=quality, optimize=True, subsampling=2)
+    image = Image.fromarray(np.round(255.0 * values).astype(np.uint8))
+    image.save(held, "JPEG", quality=quality, optimize=True, subsampling=2)
     pixels = np.asarray(Image.open(io.BytesIO(held.getvalue())).convert("RGBA"))
     return TextureMap(pixels, encoded=held.getvalue())

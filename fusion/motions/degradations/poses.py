@@ -219,9 +219,9 @@ class Quantised(Degradation):
 def wrong_planar_pose(
     world_T_camera: Motor, marker_m: ArrayLike, marker_normal: ArrayLike
 ) -> Motor:
-    """The other pose that a small flat marker's picture allows.
+    """The other pose that a small flat marker's image allows.
 
-    Seen from afar a marker keeps its picture when the depths of its points change sign: its normal
+    Seen from afar a marker keeps its image when the depths of its points change sign: its normal
     ``n`` is mirrored about the line of sight ``v`` to ``2 (v·n) v - n``, the centre stays. In the
     camera's frame that is the turn with the rotor ``v n``, by twice the angle between the two,
     about the marker's centre; here the camera moves instead of the marker. Head on both agree.

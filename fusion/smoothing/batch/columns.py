@@ -124,7 +124,7 @@ class ColumnPath:
 
 
 @dataclass(frozen=True, eq=False)
-class ColumnStretch:
+class ColumnSegment:
     """Columns ``(N, K)`` at stamps ``(N,)`` with the weights ``(N,)`` of their rows; 0 is none.
 
     Before the rows `jumps` their level jumps.
@@ -159,25 +159,25 @@ def splined(
             the value and one of its slope before each row would differ from none.
         memory_s: of the model's errors.
     """
-    stretch = ColumnStretch(time_s, np.ascontiguousarray(column[:, None]), weights, jumps)
-    path, _ = _splined(stretch, order, ratio, memory_s, shocks)
+    segment = ColumnSegment(time_s, np.ascontiguousarray(column[:, None]), weights, jumps)
+    path, _ = _splined(segment, order, ratio, memory_s, shocks)
     return replace(path, values=path.values[:, 0], left_out=path.left_out[:, 0])
 
 
 def _splined(
-    stretch: ColumnStretch,
+    segment: ColumnSegment,
     order: int,
     ratio: float,
     memory_s: float,
     shocks: FloatArray | None = None,
 ) -> tuple[ColumnPath, tuple[float, list[float], float]]:
     """Splines of columns ``(N, K)``; of their innovations how many, squares and logarithms."""
-    columns, weights = stretch.values, stretch.weights
+    columns, weights = segment.values, segment.weights
     values, left_out = np.empty(columns.shape), np.empty(columns.shape)
     variance, spread = np.empty((2, len(columns)))
     out = (values, left_out, variance, spread)
     innovations = _columns.spline(
-        stretch.time_s, columns, weights, stretch.jumps, order, ratio, memory_s, out, shocks
+        segment.time_s, columns, weights, segment.jumps, order, ratio, memory_s, out, shocks
     )
     return ColumnPath(*out), innovations
 
@@ -192,32 +192,32 @@ def noise_of(paths: Sequence[ColumnPath], weights: Sequence[FloatArray]) -> floa
 
 
 def chosen(
-    stretches: Sequence[ColumnStretch],
+    segments: Sequence[ColumnSegment],
     orders: tuple[int, ...] = ORDERS,
     equal: float = EQUAL,
     known: FloatArray | None = None,
 ) -> list[ChosenColumn]:
-    """The models that the columns of some stretches call for; see the module.
+    """The models that the columns of some segments call for; see the module.
 
     Args:
-        stretches: of the path.
+        segments: of the path.
         orders: that come into question.
         equal: standard errors up to which predictions count as equal; infinite takes the likeliest.
         known: ``(K,)`` deviations of the columns' values, NaN where they are to be found out.
             Where they are known, predictions are judged by them: an unbiased estimate of the risk
             (C. L. Mallows, Some comments on Cp, Technometrics 15, 1973) for cross-validation.
     """
-    interval_s = float(np.median(np.diff(stretches[0].time_s)))
+    interval_s = float(np.median(np.diff(segments[0].time_s)))
     tried: dict[tuple[int, float], Prediction] = {}
 
     def predicted(order: int, level: float) -> Prediction:
         if (order, level) not in tried:
             tried[order, level] = Prediction.by(
-                stretches, order, ratio_of(level, order, interval_s), 0.0
+                segments, order, ratio_of(level, order, interval_s), 0.0
             )
         return tried[order, level]
 
-    columns = stretches[0].values.shape[1]
+    columns = segments[0].values.shape[1]
     picked = []
     for column, noise in enumerate(np.full(columns, np.nan) if known is None else known):
         searched = not np.isfinite(noise)
@@ -235,7 +235,7 @@ def chosen(
         taken = max(equals, key=lambda candidate: candidate.likelihood(column, noise))
         size = float(taken.noise[column] if searched else noise)
         model = ColumnModel(taken.order, taken.ratio, size)
-        rows = sum(len(stretch.weights) for stretch in stretches)
+        rows = sum(len(segment.weights) for segment in segments)
         density = -0.5 * rows * float(np.log(max(best_of_all.scores[column], 1e-300)))
         likelihood = max(candidate.likelihood(column, noise) for candidate in own)
         picked.append(ChosenColumn(model, density, best_of_all, likelihood))
@@ -283,11 +283,11 @@ class Prediction:
 
     @classmethod
     def by(
-        cls, stretches: Sequence[ColumnStretch], order: int, ratio: float, memory_s: float
+        cls, segments: Sequence[ColumnSegment], order: int, ratio: float, memory_s: float
     ) -> Prediction:
-        """How well a model predicts the values of some stretches that have a weight."""
-        splines = [_splined(one, order, ratio, memory_s) for one in stretches]
-        weights = np.concatenate([one.weights for one in stretches])
+        """How well a model predicts the values of some segments that have a weight."""
+        splines = [_splined(one, order, ratio, memory_s) for one in segments]
+        weights = np.concatenate([one.weights for one in segments])
         used = np.flatnonzero(weights)
         kept = weights[used]
         off = np.concatenate([path.left_out for path, _ in splines])[used]
@@ -349,14 +349,14 @@ def ratio_of(level: float, order: int, interval_s: float) -> float:
 
 
 def likelihoods(
-    stretches: Sequence[ColumnStretch], order: int, ratio: float, memory_s: float
+    segments: Sequence[ColumnSegment], order: int, ratio: float, memory_s: float
 ) -> FloatArray:
     """Logarithms of the likelihood of columns ``(K,)``, each at its likeliest noise."""
     innovations = [
         _columns.spline(
-            stretch.time_s, stretch.values, stretch.weights, stretch.jumps, order, ratio, memory_s
+            segment.time_s, segment.values, segment.weights, segment.jumps, order, ratio, memory_s
         )
-        for stretch in stretches
+        for segment in segments
     ]
     rows = sum(part[0] for part in innovations)
     squares = np.maximum(np.sum([part[1] for part in innovations], axis=0), 1e-300)

@@ -20,7 +20,7 @@ from motorcade.fusion.smoothing.batch.columns import (
     ORDERS,
     ChosenColumn,
     ColumnModel,
-    ColumnStretch,
+    ColumnSegment,
     Prediction,
     likelihoods,
     ratio_of,
@@ -35,7 +35,7 @@ _FIRST, _OTHERS = 0.5, (0.3, 0.7, 0.8, 0.9, 0.95)
 
 
 def with_lasting_errors(
-    stretches: Sequence[ColumnStretch],
+    segments: Sequence[ColumnSegment],
     chosen: Sequence[ChosenColumn],
     ends: Sequence[int],
     known: FloatArray,
@@ -43,19 +43,19 @@ def with_lasting_errors(
     """The models of columns, with errors that last where these are likelier.
 
     Args:
-        stretches: of the path.
+        segments: of the path.
         chosen: models with white errors, a column each.
         ends: of the groups of columns whose errors have one memory.
         known: ``(K,)`` deviations that are given, NaN where they are not: given errors are white.
     """
     models = [one.model for one in chosen]
-    interval_s = float(np.median(np.diff(stretches[0].time_s)))
+    interval_s = float(np.median(np.diff(segments[0].time_s)))
     for first, end in zip((0, *ends), (*ends, len(chosen)), strict=True):
         group = range(first, end)
         # What goes through its values shows no errors that could last.
         if any(np.isfinite(known[k]) or models[k].noise_alone(interval_s) < _FEWEST for k in group):
             continue
-        for k, lasting in _likeliest(stretches, chosen, group).items():
+        for k, lasting in _likeliest(segments, chosen, group).items():
             if standard_errors(lasting.squares[k] - chosen[k].best.squares[k]) <= EQUAL:
                 noise = float(lasting.noise[k])
                 models[k] = ColumnModel(lasting.order, lasting.ratio, noise, lasting.memory_s)
@@ -63,7 +63,7 @@ def with_lasting_errors(
 
 
 def _likeliest(
-    stretches: Sequence[ColumnStretch], chosen: Sequence[ChosenColumn], group: range
+    segments: Sequence[ColumnSegment], chosen: Sequence[ChosenColumn], group: range
 ) -> dict[int, Prediction]:
     """The likeliest models of a group whose errors last; none where white ones do as well.
 
@@ -71,27 +71,27 @@ def _likeliest(
     (Estimating the dimension of a model, Annals of Statistics 6, 1978). Where all motion would be
     errors that last, as stiff as splines get, it is no memory that was found.
     """
-    interval_s = float(np.median(np.diff(stretches[0].time_s)))
+    interval_s = float(np.median(np.diff(segments[0].time_s)))
     white = sum(chosen[k].likelihood for k in group)
-    tried = {_FIRST: _searched(stretches, group, interval_s, _FIRST)}
+    tried = {_FIRST: _searched(segments, group, interval_s, _FIRST)}
     if tried[_FIRST][0] <= white:
         return {}
-    tried |= {kept: _searched(stretches, group, interval_s, kept) for kept in _OTHERS}
+    tried |= {kept: _searched(segments, group, interval_s, kept) for kept in _OTHERS}
     kept = max(tried, key=lambda share: tried[share][0])
     best, models = tried[kept]
-    rows = sum(len(share.time_s) for share in stretches) * len(group)
+    rows = sum(len(share.time_s) for share in segments) * len(group)
     stiffest = min(level for _, level in models)
     if best <= white + 0.5 * float(np.log(rows)) or stiffest <= COARSE[0]:
         return {}
     memory_s = -interval_s / float(np.log(kept))
     return {
-        k: Prediction.by(stretches, order, ratio_of(level, order, interval_s), memory_s)
+        k: Prediction.by(segments, order, ratio_of(level, order, interval_s), memory_s)
         for k, (order, level) in zip(group, models, strict=True)
     }
 
 
 def _searched(
-    stretches: Sequence[ColumnStretch], group: range, interval_s: float, kept: float
+    segments: Sequence[ColumnSegment], group: range, interval_s: float, kept: float
 ) -> tuple[float, list[tuple[int, float]]]:
     """How likely a group is with a memory, at its likeliest orders and levels, and these."""
     memory_s = -interval_s / float(np.log(kept))
@@ -101,7 +101,7 @@ def _searched(
         if model not in tried:
             order, level = model
             tried[model] = likelihoods(
-                stretches, order, ratio_of(level, order, interval_s), memory_s
+                segments, order, ratio_of(level, order, interval_s), memory_s
             )
         return float(tried[model][k])
 

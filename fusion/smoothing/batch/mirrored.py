@@ -1,6 +1,6 @@
 """Runs of poses that are a flat marker's other candidate, read as what they tell nevertheless.
 
-The picture of a flat marker allows two poses, mirrored about the line of sight to its centre
+The image of a flat marker allows two poses, mirrored about the line of sight to its centre
 (`wrong_planar_pose`); the mirror of the wrong one is the right one again. Where a tracker takes the
 wrong one the path leaps, and leaps back. For each run of poses that the chain of `inliers`
 leaves out, the marker is searched for, centre and normal at rest in the world, whose mirror puts
@@ -116,12 +116,12 @@ class _Expected(NamedTuple):
 
 
 class _Run:
-    """A stretch of a path with a run of poses left out."""
+    """A segment of a path with a run of poses left out."""
 
     @classmethod
-    def likelier(cls, *stretch: Any) -> _Run:
-        """The stretch as a body in free flight or as a screw, whichever its good poses tell."""
-        return min((cls(REPRESENTATIONS[name], *stretch) for name in _MODELS), key=_Run._doubt)
+    def likelier(cls, *segment: Any) -> _Run:
+        """The segment as a body in free flight or as a screw, whichever its good poses tell."""
+        return min((cls(REPRESENTATIONS[name], *segment) for name in _MODELS), key=_Run._doubt)
 
     def __init__(
         self,
@@ -234,7 +234,7 @@ class _Run:
         return turned
 
     def _with(self, marker: FloatArray) -> Problem:
-        """The stretch with the run mirrored."""
+        """The segment with the run mirrored."""
         coefficients = np.array(self.problem.poses.rigid.coefficients)
         coefficients[self.run] = self._mirrored(marker).coefficients
         poses = Motor(coefficients)

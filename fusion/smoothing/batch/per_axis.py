@@ -28,7 +28,7 @@ from motorcade.fusion.smoothing.batch.columns import (
     EQUAL,
     ORDERS,
     ColumnModel,
-    ColumnStretch,
+    ColumnSegment,
     chosen,
     noise_of,
     splined,
@@ -46,8 +46,8 @@ LAST_STEPS = 5
 _TAILS = (3.0, HEAVY_TAILS, 12.0, 25.0, 50.0, NORMAL_TAILS)
 # Poses that would count less under the first are left out.
 _REJECTED = 0.1
-# The models are chosen on so many rows at most, in a few stretches of the path.
-_STRETCHES, _STRETCH = 4, 1000
+# The models are chosen on so many rows at most, in a few segments of the path.
+_SEGMENTS, _SEGMENT = 4, 1000
 _TAIL_ROUNDS = 20
 # Poses that lie off by less than this share of a usual step are as good as any, whatever is found
 # of their noise: where there is none, splines miss the motion itself by so much.
@@ -132,12 +132,12 @@ def chosen_models(
 
     Given `known`, for the last time, errors that last are looked for too; see `lasting`.
     """
-    stretches = _stretches(measured, path, weights)
-    found = chosen(stretches, orders, equal, known)
+    segments = _segments(measured, path, weights)
+    found = chosen(segments, orders, equal, known)
     models = [one.model for one in found]
     if known is not None:
-        models = with_lasting_errors(stretches, found, measured.representation.ends, known)
-        interval_s = float(np.median(np.diff(stretches[0].time_s)))
+        models = with_lasting_errors(segments, found, measured.representation.ends, known)
+        interval_s = float(np.median(np.diff(segments[0].time_s)))
         searched = np.isnan(known)
         models = [
             model.told(interval_s) if search else model
@@ -317,28 +317,28 @@ def developed(measured: Measured, path: FloatArray) -> tuple[FloatArray, FloatAr
     return summed, offset
 
 
-def _stretches(measured: Measured, path: FloatArray, weights: FloatArray) -> list[ColumnStretch]:
-    if len(path) <= _STRETCHES * _STRETCH:
+def _segments(measured: Measured, path: FloatArray, weights: FloatArray) -> list[ColumnSegment]:
+    if len(path) <= _SEGMENTS * _SEGMENT:
         _, offset = developed(measured, path)
-        return [ColumnStretch(measured.time_s, offset, weights, measured.jumps)]
-    # Rows of no weight tell nothing, and long runs of them leave a stretch without any.
+        return [ColumnSegment(measured.time_s, offset, weights, measured.jumps)]
+    # Rows of no weight tell nothing, and long runs of them leave a segment without any.
     kept = np.flatnonzero(weights)
     rows = [kept]
-    if len(kept) > _STRETCHES * _STRETCH:
-        starts = np.linspace(0, len(kept) - _STRETCH, _STRETCHES).astype(np.int64)
-        rows = [kept[start : start + _STRETCH] for start in starts]
-    return [_stretch(measured, path, weights, row) for row in rows]
+    if len(kept) > _SEGMENTS * _SEGMENT:
+        starts = np.linspace(0, len(kept) - _SEGMENT, _SEGMENTS).astype(np.int64)
+        rows = [kept[start : start + _SEGMENT] for start in starts]
+    return [_segment(measured, path, weights, row) for row in rows]
 
 
-def _stretch(
+def _segment(
     measured: Measured, path: FloatArray, weights: FloatArray, rows: IntArray
-) -> ColumnStretch:
+) -> ColumnSegment:
     """Some rows of a path, of which but these and those between need be developed."""
     between = slice(int(rows[0]), int(rows[-1]) + 1)
     part = replace(measured, coordinates=measured.coordinates[between])
     _, offset = developed(part, path[between])
     time_s, jumps = measured.time_s[rows], _among(rows, measured.jumps)
-    return ColumnStretch(time_s, offset[rows - rows[0]], weights[rows], jumps)
+    return ColumnSegment(time_s, offset[rows - rows[0]], weights[rows], jumps)
 
 
 def _among(rows: IntArray, jumps: IntArray) -> IntArray:

@@ -2,7 +2,7 @@
 
 That a run of poses lies off the path that bridges it says nothing where such a bridge errs as much
 over good poses: where motion is jerky, or the run is long. How much it errs is told by the path
-itself: stretches of good poses as long as the run, next to it, are left out and bridged likewise
+itself: segments of good poses as long as the run, next to it, are left out and bridged likewise
 (cross-validation that leaves out blocks: P. Burman, E. Chow, D. Nolan, A cross-validatory method
 for dependent data, Biometrika 81, 1994).
 """
@@ -30,7 +30,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 
 # A run is wrong where it lies off by more than so many times what good poses do: three deviations.
 _WRONG = 3.0
-# Stretches to both sides of a run that its prediction is judged by, and good poses between them,
+# Segments to both sides of a run that its prediction is judged by, and good poses between them,
 # which tell the speed.
 _BESIDE, _BETWEEN = 6, 4
 _FEWEST = 2

@@ -15,7 +15,7 @@ from motorcade.fusion.smoothing.representations import Representation, restored
 from motorcade.ga import CumulativeBSpline, Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_positive
 from motorcade.ga.splines import ORDER, bridged_gaps, cumulative_weights, located, segments_of
-from motorcade.ga.stamps import stretches
+from motorcade.ga.stamps import segments
 
 # As the fit of motors: decides what the poses leave open, and nothing else.
 _SMOOTHNESS = 1e-6
@@ -31,7 +31,7 @@ def spline(
     Args:
         trajectory: two poses or more, at any sampling. A gap longer than four knots and three
             median intervals is bridged by the screw between its ends; one of more than ten seconds
-            splits the path, and each stretch has a spline of its own.
+            splits the path, and each segment has a spline of its own.
         representation: what is fitted; see the module. Turns must stay below π from knot to knot.
         knot_spacing_s: seconds from knot to knot. Motion faster than about 1 / (3 spacing) Hz is
             smoothed away; as dense as the poses, the spline follows their noise.
@@ -44,7 +44,7 @@ def spline(
     spacing_s = checked_positive(knot_spacing_s, "knot_spacing_s", "seconds")
     checked_length(trajectory, 2, "spline")
     trajectory = in_double(trajectory)
-    parts = [trajectory[part] for part in stretches(trajectory.time_ns)]
+    parts = [trajectory[part] for part in segments(trajectory.time_ns)]
     made = [
         _smoothed(part, representation, spacing_s).poses.coefficients
         if len(part) > 1

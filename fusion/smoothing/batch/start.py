@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from motorcade.fusion.smoothing.batch.columns import (
     EQUAL,
     NO_JUMPS,
-    ColumnStretch,
+    ColumnSegment,
     standard_errors,
 )
 from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, first_sizes, inlier_poses
@@ -310,7 +310,7 @@ def of_one_twist(
         by_twist = _stiff(models, np.zeros(columns))
         twisted = smoothed_per_axis(poses, path, smoothed.weights, by_twist, tails, LAST_STEPS)
         beyond = poses.representation.local(poses.coordinates, twisted.coordinates)
-        lasting = memories_beside(ColumnStretch(poses.time_s, beyond, twisted.weights), columns)
+        lasting = memories_beside(ColumnSegment(poses.time_s, beyond, twisted.weights), columns)
         if lasting is not None:
             by_twist = _stiff(models, lasting)
             if np.any(lasting):

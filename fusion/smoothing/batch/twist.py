@@ -18,7 +18,7 @@ from motorcade.fusion.smoothing.batch.columns import (
     FINE,
     ColumnModel,
     ColumnPath,
-    ColumnStretch,
+    ColumnSegment,
     likelihoods,
     ratio_of,
 )
@@ -184,7 +184,7 @@ def turning_model(
     return min(tried, key=lambda trial: trial[0])[1]
 
 
-def memories_beside(stretch: ColumnStretch, columns: int) -> FloatArray | None:
+def memories_beside(segment: ColumnSegment, columns: int) -> FloatArray | None:
     """For how many seconds errors ``(columns,)`` last of which poses beyond a path consist; else
     None, where the first of some columns hold motion too.
 
@@ -192,16 +192,16 @@ def memories_beside(stretch: ColumnStretch, columns: int) -> FloatArray | None:
     alone do, white or lasting, by what G. Schwarz asks for of two numbers more: how large that is,
     and where it starts. What is much finer than errors about the other axes is none.
     """
-    interval_s, rows = float(np.median(np.diff(stretch.time_s))), np.count_nonzero(stretch.weights)
+    interval_s, rows = float(np.median(np.diff(segment.time_s))), np.count_nonzero(segment.weights)
     memories_s = [0.0] + [
         -interval_s / float(np.log(kept)) for kept in _KEPT if -np.log(kept) * rows >= _MEMORIES
     ]
     ratios = [ratio_of(level, 1, interval_s) for level in COARSE]
     likelihood = np.array(
-        [[likelihoods([stretch], 1, ratio, one) for ratio in ratios] for one in memories_s]
+        [[likelihoods([segment], 1, ratio, one) for ratio in ratios] for one in memories_s]
     )[..., :columns]
     gained = np.max(likelihood, axis=(0, 1)) - np.max(likelihood[:, 0], axis=0)
-    parts = np.sqrt(np.mean(stretch.values[:, :columns] ** 2, axis=0)).reshape(-1, 3)
+    parts = np.sqrt(np.mean(segment.values[:, :columns] ** 2, axis=0)).reshape(-1, 3)
     counts = parts > FINEST * np.sqrt(np.mean(parts**2, axis=1, keepdims=True))
     if np.any(gained[counts.ravel()] > np.log(rows)):
         return None

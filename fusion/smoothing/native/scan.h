@@ -124,7 +124,7 @@ void write_state(const State &state, std::size_t k, const Smoothed &out) {
 }
 
 // Runs a Kalman filter over a path, and back over it with the smoother. Filtered means are kept,
-// their spreads a stretch at a time and found again from the one before the stretch, so that memory
+// their spreads a segment at a time and found again from the one before the segment, so that memory
 // does not grow with them. `write` is called for each pose from the last to the first.
 template <Representation R, std::size_t Order> class Smoother {
 public:
@@ -137,18 +137,18 @@ public:
     template <bool WITH_COVARIANCE, class Write> double run(Write &&write) {
         std::vector<Spread> marks;
         std::vector<Mean> means;
-        marks.reserve(count_ / STRETCH + 1);
+        marks.reserve(count_ / SEGMENT + 1);
         means.reserve(count_);
         for (std::size_t k = 0; k < count_; ++k) {
             advance(k);
             means.push_back(filter_.state());
-            if (k % STRETCH == 0) marks.push_back(filter_.state());
+            if (k % SEGMENT == 0) marks.push_back(filter_.state());
         }
         typename Filter::template Smoothed<WITH_COVARIANCE> later = filter_.state();
         write(later, count_ - 1);
-        std::vector<Spread> predicted(STRETCH);
+        std::vector<Spread> predicted(SEGMENT);
         for (std::size_t mark = marks.size(); mark-- > 0;) {
-            const std::size_t first = mark * STRETCH, last = std::min(first + STRETCH, count_ - 1);
+            const std::size_t first = mark * SEGMENT, last = std::min(first + SEGMENT, count_ - 1);
             for (std::size_t k = first; k < last; ++k) {
                 Spread &spread = predicted[k - first];
                 spread = k == first ? marks[mark] : predicted[k - 1 - first];
@@ -174,7 +174,7 @@ private:
     using Filter = Kalman<R, Order>;
     using Mean = typename Filter::Mean;
     using Spread = typename Filter::Spread;
-    static constexpr std::size_t STRETCH = 64;
+    static constexpr std::size_t SEGMENT = 64;
 
     void measure(Spread &spread, std::size_t k) {
         filter_.measured_with(noise_.row(k));

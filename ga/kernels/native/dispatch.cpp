@@ -59,8 +59,8 @@ void scatter(const Real *from, std::size_t step, const Rows &to, std::size_t sta
     }
 }
 
-// One stretch of rows, of which all operands marked direct are used in place.
-template <typename Real> struct Stretch {
+// One segment of rows, of which all operands marked direct are used in place.
+template <typename Real> struct Segment {
     const motorcade_kernel &kernel;
     const Rows *operands;
     bool checked;
@@ -132,7 +132,7 @@ template <typename Real> struct Stretch {
 template <typename Real>
 bool run_range(const motorcade_kernel &kernel, const Rows *operands, bool checked,
                std::size_t start, std::size_t end) {
-    Stretch<Real> whole{kernel, operands, checked, {}}, rest{kernel, operands, checked, {}};
+    Segment<Real> whole{kernel, operands, checked, {}}, rest{kernel, operands, checked, {}};
     const std::size_t padded = (end + LANES - 1) / LANES * LANES;
     bool all_padded = true;
     for (int k = 0; k < kernel.inputs + kernel.outputs; ++k) {

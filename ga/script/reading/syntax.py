@@ -124,7 +124,7 @@ class Break:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Screen:
-    """``:IPNS;``, ``:Red;`` or ``:Color(1, 0, 0);``: a word for the picture, the call as its value.
+    """``:IPNS;``, ``:Red;`` or ``:Color(1, 0, 0);``: a word for the image, the call as its value.
 
     Without a word the value is drawn, as of ``:a^b;``.
     """

@@ -12,7 +12,7 @@ import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.backends.fast.materials import DrawnPart, Pictures, tell
+from motorcade.render.backends.fast.materials import DrawnPart, Images, tell
 from motorcade.render.backends.fast.meshes import MeshParts, draw_triangles
 from motorcade.render.backends.fast.programs import (
     FRAMEBUFFER_SRGB,
@@ -61,9 +61,9 @@ class Canvas:
             self._light = self._hold(gl.texture(size, 4, dtype="f2"))
             marks = self._hold(gl.depth_renderbuffer(size))
             self._lit = self._hold(gl.framebuffer([self._light], marks))
-            picture = self._hold(gl.texture(size, 4))
+            image = self._hold(gl.texture(size, 4))
             metres = self._hold(gl.texture(size, 1, dtype="f4"))
-            self._resolved = self._hold(gl.framebuffer([picture, metres]))
+            self._resolved = self._hold(gl.framebuffer([image, metres]))
         except moderngl.Error as refused:
             self.release()
             raise RenderUnavailable(
@@ -196,7 +196,7 @@ def draw_materials(
     gl: Any,
     bare: BareFunctions,
     canvas: Canvas,
-    pictures: Pictures,
+    images: Images,
     scene: Sequence[tuple[MeshParts, Box | None]],
     clip_from_world: bytes,
     camera: Camera,
@@ -215,7 +215,7 @@ def draw_materials(
             part.use_covering()
             _cull(gl, part)
             _cover(gl, bare, canvas, part)
-    pictures.use_table()
+    images.use_table()
     _blend(gl, canvas, [mesh for mesh, _ in in_view], clip_from_world, world_T_camera)
     canvas.shade()
     rays = _rays(camera, world_T_camera)

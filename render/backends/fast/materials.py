@@ -45,7 +45,7 @@ TABLE_UNIT = FIRST_UNIT + len(MAPS)
 TEXTURE_2D, WRAP_S, WRAP_T, MIRRORED_REPEAT = 0x0DE1, 0x2802, 0x2803, 0x8370
 
 
-class Pictures:
+class Images:
     """Textures of one context; surfaces that show the same pixels share one.
 
     Args:
@@ -144,7 +144,7 @@ class DrawnPart:
     def __init__(
         self,
         programs: Programs,
-        pictures: Pictures,
+        images: Images,
         part: MaterialPart,
         *,
         lit: bool,
@@ -181,7 +181,7 @@ class DrawnPart:
             covering["BASE_MAP"] = ""
         self.covering = programs.covered(covering if self.masked else {})
         self._textures = {
-            name: pictures.texture(texture, encoded=name in ENCODED)
+            name: images.texture(texture, encoded=name in ENCODED)
             for name, texture in self.maps.items()
         }
         self.array: Any = None

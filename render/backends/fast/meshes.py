@@ -16,7 +16,7 @@ from motorcade.animation.skin import SKIN_KERNELS, SkinMethod, checked_method
 from motorcade.animation.vectors import box_corners
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.render.backends.fast.materials import DrawnPart, Pictures, appearance_of
+from motorcade.render.backends.fast.materials import DrawnPart, Images, appearance_of
 from motorcade.render.backends.fast.programs import NUMBERS, PAIRS, QUADS, BareFunctions, Programs
 from motorcade.render.backends.renderer import check_vertices
 from motorcade.render.scene import Surface
@@ -237,7 +237,7 @@ class MeshParts:
         gl: Any,
         bare: BareFunctions,
         programs: Programs,
-        pictures: Pictures,
+        images: Images,
         surface: Surface,
         vertices: Any,
         *,
@@ -267,7 +267,7 @@ class MeshParts:
         for look_part in look.parts:
             if look_part.stop == look_part.first:
                 continue
-            part = DrawnPart(programs, pictures, look_part, lit=lit, colored=colored, lamps=lamps)
+            part = DrawnPart(programs, images, look_part, lit=lit, colored=colored, lamps=lamps)
             part.first_number = first_number + look_part.first
             self._arrange(part)
             if part.blended:

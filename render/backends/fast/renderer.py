@@ -19,7 +19,7 @@ from motorcade.animation.vectors import box_corners
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.backends.fast.canvas import Canvas, draw_materials
-from motorcade.render.backends.fast.materials import Pictures, tell
+from motorcade.render.backends.fast.materials import Images, tell
 from motorcade.render.backends.fast.meshes import MeshParts, RenderMesh, SkinnedMesh, column_major
 from motorcade.render.backends.fast.programs import BareFunctions, Box, Programs, ShadowMap
 from motorcade.render.backends.platform import Context, RenderUnavailable
@@ -60,7 +60,7 @@ class FastRenderer(Renderer):
         self._gl = _moderngl_context(self._context)
         check_size(*self._size, self._gl.info["GL_MAX_RENDERBUFFER_SIZE"])
         self._bare = BareFunctions(self._context.address)
-        self._pictures = Pictures(self._gl, self._bare.texture_parameter)
+        self._images = Images(self._gl, self._bare.texture_parameter)
         self._programs = Programs(self._gl)
         self._canvas = Canvas(self._gl, self._bare, self._programs, self._size)
         self._gl.enable_only(self._gl.CULL_FACE | self._gl.DEPTH_TEST)
@@ -81,7 +81,7 @@ class FastRenderer(Renderer):
                 self._gl,
                 self._bare,
                 self._programs,
-                self._pictures,
+                self._images,
                 surface,
                 vertices,
                 lit=lit,
@@ -173,7 +173,7 @@ class FastRenderer(Renderer):
             skinned.release()
         for mesh in self._meshes:
             mesh.release()
-        self._pictures.release()
+        self._images.release()
         self._forget()
 
     def _light(self, lighting: Lighting) -> None:
@@ -223,7 +223,7 @@ class FastRenderer(Renderer):
             self._gl,
             self._bare,
             self._canvas,
-            self._pictures,
+            self._images,
             [(mesh.parts, box) for mesh, box in zip(self._meshes, boxes, strict=True)],
             seen,
             camera,

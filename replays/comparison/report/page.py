@@ -14,8 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from motorcade.replays.comparison.report import matrix, names
-from motorcade.replays.comparison.report.names import CAUSAL, LABELS, METRICS, RATIOS, listed, shown
-from motorcade.replays.comparison.report.pictures import (
+from motorcade.replays.comparison.report.images import (
     Crossing,
     can_be_drawn,
     crossing,
@@ -25,6 +24,7 @@ from motorcade.replays.comparison.report.pictures import (
     replay,
     small_panels,
 )
+from motorcade.replays.comparison.report.names import CAUSAL, LABELS, METRICS, RATIOS, listed, shown
 from motorcade.replays.comparison.report.results import (
     REFERENCE,
     Figure,

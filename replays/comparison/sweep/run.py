@@ -280,14 +280,14 @@ def _groups(
     legend = [{"name": path, "colour": colours[path]} for path in paths]
     groups = []
     for axis in axes:
-        pictures = []
+        images = []
         for key in figures:
             values = _spread(rows, axis, key) if key in _DRAWN else {}
             if 1 < len(values) <= _MOST_VALUES:
                 svg = strip(values, colours, f"{_heading(key)} by {axis}")
-                pictures.append({"title": _heading(key), "svg": svg})
-        if pictures:
-            groups.append({"axis": axis, "pictures": pictures, "legend": legend})
+                images.append({"title": _heading(key), "svg": svg})
+        if images:
+            groups.append({"axis": axis, "images": images, "legend": legend})
     return groups
 
 

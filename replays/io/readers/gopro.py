@@ -50,9 +50,9 @@ class GoProCamera:
         model: as people call it.
         order: of the IMU's columns where their stream does not say it; a small letter is the
             opposite of an axis.
-        diagonal_fov_deg: how wide the pictures see from corner to corner.
+        diagonal_fov_deg: how wide the images see from corner to corner.
         linear: whether the camera took the lens's distortion out itself.
-        readout_s: from the first row of a picture to the last.
+        readout_s: from the first row of an image to the last.
     """
 
     model: str | None = None

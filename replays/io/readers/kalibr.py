@@ -1,7 +1,7 @@
 """Kalibr's camera chains, as Kalibr, OpenVINS and TUM-VI keep them: `cam0`, `cam1`, ... in a file.
 
-`T_cam_imu` maps IMU coordinates to the camera's; OpenVINS may give its inverse, `T_imu_cam`. To a
-picture's stamp `timeshift_cam_imu` is added to make it the IMU's.
+`T_cam_imu` maps IMU coordinates to the camera's; OpenVINS may give its inverse, `T_imu_cam`. To an
+image's stamp `timeshift_cam_imu` is added to make it the IMU's.
 
 `read_extrinsics` tells where a camera sits on an IMU, from files of several programs.
 """

@@ -18,7 +18,7 @@ def open_recording(path: Path | str, manifest: Path | str | None = None) -> Reco
 
     Args:
         path: a recording of a layout in `docs/recordings.md` (`BAG:/topic` names a bag's
-            pictures), or any folder with a manifest.
+            images), or any folder with a manifest.
         manifest: TOML file that describes the recording or adds to its layout (see
             `docs/manifests`). It may lie anywhere. Without it, `motorcade.toml` in the folder is
             used where there is one; since that one came with the recording, it may not point
@@ -28,7 +28,7 @@ def open_recording(path: Path | str, manifest: Path | str | None = None) -> Reco
         RecordingError: nothing there, no known layout (the message lists what was looked for), or
             whatever the layout's reader refuses.
 
-    Twenty grey pictures at 30 Hz, described by a manifest:
+    Twenty grey images at 30 Hz, described by a manifest:
 
     >>> import tempfile
     >>> import cv2, numpy as np
@@ -73,11 +73,11 @@ def recording_and_topic(path: Path | str) -> tuple[Path, str | None]:
 
 
 def read_frames_of(path: Path) -> FrameSequence:
-    """The pictures of a recording whose camera need not be known yet.
+    """The images of a recording whose camera need not be known yet.
 
     Raises:
         RecordingError: as `open_recording`.
     """
     if path.is_dir() and euroc.recognise(path) and not (path / manifests.LOCAL_NAME).exists():
-        return euroc.read_pictures(path)
+        return euroc.read_images(path)
     return open_recording(path).frames

@@ -1,4 +1,4 @@
-"""Recordings of which nothing was told: what their files and pictures tell, written as a manifest.
+"""Recordings of which nothing was told: what their files and images tell, written as a manifest.
 
 A recording whose camera is known needs none of this. Of any other, targets are looked for, the
 camera is found by them or by the motion, telemetry is taken up where its axes are known, and the

@@ -22,9 +22,9 @@ from motorcade.replays.engine.graph import Graph, Knobs
 from motorcade.replays.engine.stage import GraphError
 from motorcade.replays.io.files import read_bounded, write_bytes
 from motorcade.replays.io.readers.frames.corners import CornerFrames
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.frames.video import VideoFrames
-from motorcade.replays.io.readers.layouts import loose_pictures
+from motorcade.replays.io.readers.layouts import loose_images
 from motorcade.replays.io.readers.manifest import LOCAL_NAME
 from motorcade.replays.io.readers.manifest.section import (
     TOML_LIMIT,
@@ -56,7 +56,7 @@ from motorcade.replays.pipeline.described.values import (
     AGREES_SHARE,
     Assumption,
     Description,
-    SampledPictures,
+    SampledImages,
     StatedLens,
     stated_lens,
 )
@@ -80,7 +80,7 @@ class OpenedRecording:
     """A recording, and what of it was not told.
 
     Fields:
-        recording: complete as far as its files and pictures bear it.
+        recording: complete as far as its files and images bear it.
         manifest: the text that repeats this, None where nothing was lacking.
         assumed: what stands in it without having been told.
         seconds: what finding that out took, now or when it was done.
@@ -127,7 +127,7 @@ def open_described(
 
     Raises:
         RecordingError: as `open_recording`.
-        StageError: pictures that tell too little; the message says what to do.
+        StageError: images that tell too little; the message says what to do.
         GraphError: knobs for a recording that lacks nothing.
     """
     path = getattr(recording.frames, "named", recording.root)  # a bag's topic with it
@@ -167,13 +167,13 @@ def summary(opened: OpenedRecording) -> dict[str, Any]:
 
 
 _ENOUGH_SHARE = 0.4
-"""Of the pictures: a target seen in fewer is no good to track by."""
+"""Of the images: a target seen in fewer is no good to track by."""
 _BY_TURNING = 0.1
 """Relative deviation of a focal length that turning alone tells."""
 
 
 def lacks_description(recording: Recording) -> bool:
-    """Whether a recording has pictures, and neither a camera nor a truth to go by."""
+    """Whether a recording has images, and neither a camera nor a truth to go by."""
     unknown = recording.camera is None and recording.truth is None
     return unknown and not isinstance(recording.frames, CornerFrames)
 
@@ -185,21 +185,21 @@ def described(
     board: str | None = None,
     size_m: float | None = None,
     fov_deg: float | None = None,
-    rate_hz: float = loose_pictures.RATE_HZ,
+    rate_hz: float = loose_images.RATE_HZ,
     shot: int = 0,
 ) -> Description:
     """Find out what a recording does not tell, and write it as a manifest.
 
-    Boards and markers are looked for in pictures spread over it, unless the recording names some or
+    Boards and markers are looked for in images spread over it, unless the recording names some or
     `target=none` says that there are none. Without `size_m`, the side of a square or of a marker's
     black square in metres, lengths are counted in those. The camera is found by them, or by the
     motion where there are none; `board` names the board in view, as `boards.board_named` does, or
-    `checkerboard_8x6` without the size of its squares; `fov_deg` says instead how wide the pictures
-    see along their longer side. `rate_hz` is that of pictures without times. Of a
+    `checkerboard_8x6` without the size of its squares; `fov_deg` says instead how wide the images
+    see along their longer side. `rate_hz` is that of images without times. Of a
     recording with cuts its longest shot is taken, or number `shot`, counted from 1.
 
     Raises:
-        ValueError: a size that is not above zero, a shot that is not there, or pictures from which
+        ValueError: a size that is not above zero, a shot that is not there, or images from which
             no camera follows.
     """
     if size_m is not None:
@@ -220,21 +220,21 @@ def described(
         camera = describing.camera(sample, target_seen, fov_deg)
     if told is None:
         unit_m = None if board is None else board_in_units(board)[1]
-        source = f"its name, {board}" if board else "counting in pictures spread over the recording"
+        source = f"its name, {board}" if board else "counting in images spread over the recording"
         describing.target(named or camera.target, unit_m if size_m is None else size_m, source)
     describing.telemetry(camera.camera)
     describing.up(camera.target)
     return describing.description()
 
 
-def _told(recording: Recording, pictures: tuple[GrayImage, ...]) -> FoundTarget | None:
+def _told(recording: Recording, images: tuple[GrayImage, ...]) -> FoundTarget | None:
     """The board or markers that the recording names; None where it names none."""
     if recording.board is not None:
-        return seen_board(recording.board, pictures)
-    return seen_markers(recording.markers.family, pictures) if recording.markers else None
+        return seen_board(recording.board, images)
+    return seen_markers(recording.markers.family, images) if recording.markers else None
 
 
-def _named(recording: Recording, name: str, pictures: tuple[GrayImage, ...]) -> FoundTarget:
+def _named(recording: Recording, name: str, images: tuple[GrayImage, ...]) -> FoundTarget:
     """Where the board of a name is seen.
 
     Raises:
@@ -244,13 +244,13 @@ def _named(recording: Recording, name: str, pictures: tuple[GrayImage, ...]) -> 
     if recording.board is not None or recording.markers is not None:
         problem = "expected no board's name beside a manifest's [board] or [markers]"
         raise ValueError(f"{recording.name}: described.board: {problem}, got {name}; say it once")
-    named = seen_board(board, pictures)
-    if len(named.pictures) >= _ENOUGH_SHARE * named.searched:
+    named = seen_board(board, images)
+    if len(named.images) >= _ENOUGH_SHARE * named.searched:
         return named
-    counted = find_target(pictures)
-    seen = f"{name} is in {len(named.pictures)} of {named.searched} pictures"
+    counted = find_target(images)
+    seen = f"{name} is in {len(named.images)} of {named.searched} images"
     other = "" if counted is None else f"; they show {counted.summary}"
-    if not named.pictures:
+    if not named.images:
         raise ValueError(
             f"{recording.name}: described.board: expected a board that is in view, but {seen}"
             f"{other}; leave --board out, or name the one in view"
@@ -278,25 +278,25 @@ class _Describing:
         return Description(tables, *lists, self._span)
 
     def frames(self, rate_hz: float, chosen: ChosenShot, all_frames: FrameSequence) -> None:
-        """Which pictures are the frames, and how fast they follow one another."""
+        """Which images are the frames, and how fast they follow one another."""
         self._span = chosen.span_toml(1e-9 * all_frames.time_ns)
         if not chosen.shots.whole:
-            source = "comparing each picture with those before it"
+            source = "comparing each image with those before it"
             self._assume("shots", chosen.said, source, "--shot 2")
         frames, root = all_frames, self.recording.root
-        if self.recording.layout != loose_pictures.LAYOUT or not isinstance(frames, PictureFrames):
+        if self.recording.layout != loose_images.LAYOUT or not isinstance(frames, ImageFrames):
             return
         folder = frames.files[0].parent.relative_to(root)
         lines = ["[frames]"] if folder.parts == () else ["[frames]", f'images = "{folder}/*.*"']
         self._tables.append("\n".join([*lines, f"rate_hz = {rate_hz!r}"]) + "\n")
         self._tables[-1] += chosen.span_toml(np.arange(len(frames)) * (1.0 / rate_hz))
         self._span = ""
-        said = f"{len(frames)} pictures in the order of their names, {rate_hz:g} a second"
-        self._assume("times", said, "pictures that hold no times", "described.rate_hz=30")
+        said = f"{len(frames)} images in the order of their names, {rate_hz:g} a second"
+        self._assume("times", said, "images that hold no times", "described.rate_hz=30")
 
     def camera(
         self,
-        sample: SampledPictures,
+        sample: SampledImages,
         target: FoundTarget | None,
         fov_deg: float | None,
     ) -> FoundCamera:
@@ -314,7 +314,7 @@ class _Describing:
                     camera_by_target(target, sample, self.recording.frames)
                 )
             except ValueError as why:
-                if len(target.pictures) < _ENOUGH_SHARE * target.searched:
+                if len(target.images) < _ENOUGH_SHARE * target.searched:
                     problem = (
                         f"{self.recording.name}: {target.summary}, do not tell its camera: {why}"
                     )
@@ -324,7 +324,7 @@ class _Describing:
                 else:
                     camera_of_footage = self._as_stated(target, size, why)
         else:
-            problem = f"{self.recording.name}: no camera known, no board or markers in its pictures"
+            problem = f"{self.recording.name}: no camera known, no board or markers in its images"
             camera_of_footage = self._camera_of_motion(size, problem)
         if target is None:
             self._tracked_without_target()
@@ -341,7 +341,7 @@ class _Describing:
         readout = ""
         if readout_s > 0.0:
             readout = f"readout_s = {readout_s!r}\n"
-            said = f"{1e3 * readout_s:.1f} ms from a picture's first row to its last"
+            said = f"{1e3 * readout_s:.1f} ms from an image's first row to its last"
             self._assume("rolling shutter", said, source, "readout_s under [camera]")
         if camera_of_footage.sigma:
             readout += f"focal_sigma = {camera_of_footage.sigma!r}\n"
@@ -352,9 +352,9 @@ class _Describing:
         return camera_of_footage
 
     def _turned_deg(self) -> int:
-        """By how much the pictures are turned to be shown: the camera is of those shown."""
+        """By how much the images are turned to be shown: the camera is of those shown."""
         frames = self.recording.frames
-        if not isinstance(frames, VideoFrames | PictureFrames):
+        if not isinstance(frames, VideoFrames | ImageFrames):
             return 0
         return frames.orientation.degrees
 
@@ -381,7 +381,7 @@ class _Describing:
                     self.motion = CameraMotion("turns")
                     return camera_of_fixed_place(self.motion, size, self.stated)
                 if self.stated is not None and self.stated.camera is not None:
-                    doubt = f"the pictures do not tell it ({why})"
+                    doubt = f"the images do not tell it ({why})"
                     fixed_camera = camera_of_fixed_place(self.motion, size, self.stated)
                     return replace(fixed_camera, doubts=(doubt,))
                 problem += f", in which {self.motion}, and no path follows: {why}"
@@ -417,7 +417,7 @@ class _Describing:
             camera_found = camera_of_fixed_place(CameraMotion("unknown"), size, None)
             doubts = (*camera_found.doubts, f"{target.summary}, do not tell it: {why}")
             return replace(camera_found, target=target, doubts=doubts)
-        doubts = (f"good to look at, not to measure with: the pictures do not tell it ({why})",)
+        doubts = (f"good to look at, not to measure with: the images do not tell it ({why})",)
         return FoundCamera(
             stated.camera, stated.said, "the file's own notes", target, doubts=doubts
         )
@@ -443,7 +443,7 @@ class _Describing:
             how = "visual SLAM, whose lengths have a unit only where an IMU tells it"
             if self._stays:
                 how = f"attitudes alone, without lengths, since {self.motion}"
-            source, override = "neither board nor markers in the pictures", "tracked.by=slam"
+            source, override = "neither board nor markers in the images", "tracked.by=slam"
             self._assume("tracking", how, source, override)
             return
         if target.doubt:
@@ -454,23 +454,23 @@ class _Describing:
         self._tables.append(table if size_m is not None else f"{table}metric = false\n")
         if size_m is None:
             said = f"unknown, so lengths are counted in {target.unit}s"
-            self._assume("size", said, "no ruler in the pictures", "described.size_m=0.03")
-        if len(target.pictures) < _ENOUGH_SHARE * target.searched:
+            self._assume("size", said, "no ruler in the images", "described.size_m=0.03")
+        if len(target.images) < _ENOUGH_SHARE * target.searched:
             self._settings.append("tracked.by=slam")
-            seen = f"a target in only {len(target.pictures)} of {target.searched} pictures"
+            seen = f"a target in only {len(target.images)} of {target.searched} images"
             self._assume("tracking", "visual SLAM", seen, "tracked.by=auto")
         else:
             by = "tracked.by=slam"
             self._assume("tracking", f"by the {_word(target)}", "the target in view", by)
 
     def telemetry(self, camera: Camera) -> None:
-        """How the camera sits on the IMU of a GoPro's telemetry, if the pictures do not deny it."""
+        """How the camera sits on the IMU of a GoPro's telemetry, if the images do not deny it."""
         imu = self.recording.imu
         if imu is None or self.recording.imu_T_camera is not None:
             return
         checked = check_axes(self._turns(imu), camera, GOPRO_IMU_R_CAMERA)
         if checked.verdict == "contradict":
-            said = "left aside: the pictures turn otherwise than GoPro's axes say"
+            said = "left aside: the images turn otherwise than GoPro's axes say"
             self._assume(
                 "imu", said, f"a likeness of {checked.likeness:.2f}", "[imu] in a manifest"
             )
@@ -480,8 +480,8 @@ class _Describing:
         rows = ",\n".join(f"    {row}" for row in pose.tolist())
         self._tables.append(f"[imu]\nimu_T_camera = [\n{rows},\n]\n")
         agree = {
-            "agree": f"the pictures agree, likeness {checked.likeness:.2f}",
-            "do not tell": "the pictures do not tell",
+            "agree": f"the images agree, likeness {checked.likeness:.2f}",
+            "do not tell": "the images do not tell",
         }[checked.verdict]
         source = f"GoPro's axes; {agree}"
         said = "the telemetry's, the lens looking along its -y, upright along z"
@@ -498,7 +498,7 @@ class _Describing:
         else:
             said = "weighed from how the camera was held, surfaces and lines that it saw"
             if target is None and self._stays:
-                said = "the first picture's own"
+                said = "the first image's own"
             self._assume("up", said, "nothing that measured gravity", "placed.on=floor")
 
     def _assume(self, what: str, said: str, source: str, override: str) -> None:

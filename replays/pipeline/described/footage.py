@@ -18,15 +18,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga.progress import track
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.frames.span import frames_between
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.recording import FrameSequence, Recording
 from motorcade.replays.pipeline.described.values import (
-    SampledPictures,
+    SampledImages,
     StatedLens,
     sample_rows,
-    sampled_pictures,
+    sampled_images,
 )
 from motorcade.replays.stages.camera.turning_poses import turning_poses
 from motorcade.tracking import (
@@ -62,7 +62,7 @@ class FoundCamera:
     """A camera and what speaks for it.
 
     Fields:
-        camera: of the pictures.
+        camera: of the images.
         said: the same in words.
         source: what it was found by.
         target: as it was given, or with the gaps that this camera shows.
@@ -84,7 +84,7 @@ class FoundCamera:
 
 
 def camera_by_view(size: tuple[int, int], fov_deg: float) -> Camera:
-    """A lens without distortion that sees `fov_deg` along the longer side of its pictures."""
+    """A lens without distortion that sees `fov_deg` along the longer side of its images."""
     focal = 0.5 * max(size) / math.tan(math.radians(0.5 * fov_deg))
     return Camera(*size, focal, focal, 0.5 * (size[0] - 1), 0.5 * (size[1] - 1))
 
@@ -99,7 +99,7 @@ def camera_of_fixed_place(
     focal, sigma = with_prior(motion.focal, motion.focal_sigma)
     said = f"a lens without distortion that sees {view_deg(focal):.0f} degrees"
     is_known = math.isfinite(motion.focal_sigma)
-    source = "how the picture turns, and what is usual" if is_known else "what is usual"
+    source = "how the image turns, and what is usual" if is_known else "what is usual"
     camera = camera_by_view(size, view_deg(focal))
     return FoundCamera(camera, said, source, None, doubts=(doubt_of(focal, sigma),), sigma=sigma)
 
@@ -114,17 +114,17 @@ def explained_by_rotation(recording: Recording, size: tuple[int, int]) -> bool:
 
 
 def camera_by_target(
-    target: FoundTarget, sample: SampledPictures, frames: FrameSequence
+    target: FoundTarget, sample: SampledImages, frames: FrameSequence
 ) -> FoundCamera:
     """The camera that saw a target, whose size does not matter.
 
     Of `frames` more are looked at where the lens zooms, and the sample is too thin to follow it.
 
     Raises:
-        SelfCalibrationError: pictures that show it too seldom, or always from one side.
+        SelfCalibrationError: images that show it too seldom, or always from one side.
     """
     if target.family is not None and (target.board is None or isinstance(target.board, MarkerGrid)):
-        seen = seen_markers(target.family, sample.pictures, set(target.marker_ids))
+        seen = seen_markers(target.family, sample.images, set(target.marker_ids))
         frames = [_detections(str(target.family), one) for one in seen.markers]
         calibrated = self_calibrate_tags(frames, sample.size, sample.time_ns)
         if isinstance(target.board, MarkerGrid):
@@ -133,11 +133,11 @@ def camera_by_target(
     board = target.board
     if board is None:
         raise ValueError("target: expected a board or markers, got neither")
-    views = [board.detect(image) for image in sample.pictures]
+    views = [board.detect(image) for image in sample.images]
     if isinstance(board, Checkerboard):
         for row in sample.places:
             # A whole board's neighbours tell of the shutter; a part of one only of the lens.
-            views[row] = views[row] or corners_in_view(board, sample.pictures[row])
+            views[row] = views[row] or corners_in_view(board, sample.images[row])
     calibrated = self_calibrate_board(views, sample.size, sample.time_ns)
     gap_s = 1e-9 * float(np.ptp(sample.time_ns)) / len(sample.places)
     if calibrated.zoom is not None and gap_s > _ZOOM_GAP_S:
@@ -153,8 +153,8 @@ def camera_by_motion(frames: FrameSequence, size: tuple[int, int]) -> FoundCamer
     Raises:
         SelfCalibrationError: motion or texture from which no camera follows.
     """
-    pictures = (frame.gray() for frame in track(frames, "finding the camera", len(frames)))
-    return _said(self_calibrate_motion(pictures, size, frames.time_ns), "the motion of the scene")
+    images = (frame.gray() for frame in track(frames, "finding the camera", len(frames)))
+    return _said(self_calibrate_motion(images, size, frames.time_ns), "the motion of the scene")
 
 
 def _said(
@@ -209,12 +209,12 @@ class ChosenShot:
     Args:
         recording: all of it.
         number: of the shot, from 1; 0 for the longest.
-        lenient: whether pictures with nothing to see are taken as a shot.
+        lenient: whether images with nothing to see are taken as a shot.
 
     Attributes:
         recording: its frames alone.
         shot, shots: what it is, and beside which others.
-        sample: pictures spread over it.
+        sample: images spread over it.
 
     Raises:
         ValueError: a number that no shot has, nothing to see, or a part of frames without parts.
@@ -233,7 +233,7 @@ class ChosenShot:
                 f"{each.first}-{each.last} {each.kind}" for each in self.shots.breaks[:4]
             )
             raise ValueError(
-                f"{name}: expected pictures with something to see, got {len(frames)} that are "
+                f"{name}: expected images with something to see, got {len(frames)} that are "
                 f"black, plain or too few to follow one another: {between}"
             )
         if number > count:
@@ -242,12 +242,12 @@ class ChosenShot:
         self.shot: ClipShot = self.shots.shots[self.row]
         log.info("%s: %s", name, self.said)
         self.whole = len(self.shot) == len(frames)
-        if not self.whole and isinstance(frames, VideoFrames | PictureFrames):
+        if not self.whole and isinstance(frames, VideoFrames | ImageFrames):
             stamps = frames.time_ns[[self.shot.first, self.shot.last]]
             part = frames_between(frames, int(stamps[0]), int(stamps[1]))
             recording, kept = replace(recording, frames=part), {}
         self.recording = recording
-        self.sample: SampledPictures = sampled_pictures(recording.frames, kept)
+        self.sample: SampledImages = sampled_images(recording.frames, kept)
 
     @property
     def said(self) -> str:
@@ -273,7 +273,7 @@ class ChosenShot:
 
 
 def _read(frames: FrameSequence, kept: dict[int, GrayImage]) -> Iterator[GrayImage]:
-    """Grey pictures one after another; those that a sample takes are kept."""
+    """Grey images one after another; those that a sample takes are kept."""
     rows: set[int] = set()
     for number, frame in enumerate(track(frames, "looking for shots", len(frames))):
         gray = np.asarray(frame.gray())

@@ -1,8 +1,8 @@
-"""How a GoPro's camera sits on the IMU of its telemetry, and whether the pictures agree.
+"""How a GoPro's camera sits on the IMU of its telemetry, and whether the images agree.
 
 Telemetry is named by its axes: "up/down, right/left, forward/back" are stored as z, x, y, on
 cameras since HERO8 as ORIN says, and `readers.gpmf` turns both to x, y, z. The lens looks along -y,
-the pictures' right is -x, their down is -z. (Sources: gpmf-parser's README for the order; the signs
+the images' right is -x, their down is -z. (Sources: gpmf-parser's README for the order; the signs
 from a HERO5's own footage, so a clip is asked whether it agrees.) The lens is taken to be where the
 IMU is: they are some 3 cm apart, and no maker says how.
 
@@ -27,7 +27,7 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.recording import FrameSequence
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
-from motorcade.tracking.pictures import track_corners
+from motorcade.tracking.images import track_corners
 
 GOPRO_IMU_R_CAMERA = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, -1.0, 0.0]])
 _PAIRS = 24
@@ -44,10 +44,10 @@ Verdict = Literal["agree", "contradict", "do not tell"]
 
 @dataclass(frozen=True)
 class AxesCheck:
-    """Whether pictures and gyroscope agree on how the camera sits.
+    """Whether images and gyroscope agree on how the camera sits.
 
     Fields:
-        verdict: what the pictures say of it.
+        verdict: what the images say of it.
         likeness: of both rates, as stated: their correlation about zero, 1 where they are alike.
         best: the same, of the best of all ways.
 
@@ -140,7 +140,7 @@ def seen_turns(frames: FrameSequence, imu: ImuStream) -> SeenTurns:
 
 
 def _followed(before: GrayImage, after: GrayImage) -> tuple[FloatArray, FloatArray]:
-    """Features ``(n, 2)`` of one picture, and where they are in the other."""
+    """Features ``(n, 2)`` of one image, and where they are in the other."""
     corners = cv2.goodFeaturesToTrack(before, _FEATURES, 0.01, _APART_PX)
     if corners is None:
         return np.zeros((0, 2)), np.zeros((0, 2))
@@ -150,7 +150,7 @@ def _followed(before: GrayImage, after: GrayImage) -> tuple[FloatArray, FloatArr
 
 
 def _turn(before: FloatArray, after: FloatArray, camera: Camera) -> FloatArray:
-    """The camera's rotation vector ``(3,)`` between two pictures, as if it only turned."""
+    """The camera's rotation vector ``(3,)`` between two images, as if it only turned."""
     first, second = camera.bearings(before), camera.bearings(after)
     known = np.isfinite(first).all(axis=-1) & np.isfinite(second).all(axis=-1)
     if np.count_nonzero(known) < _FEWEST:
@@ -171,7 +171,7 @@ def _turn(before: FloatArray, after: FloatArray, camera: Camera) -> FloatArray:
 
 @dataclass(frozen=True)
 class TurnedFocal:
-    """A focal length by what the pictures and the gyroscope say of the same turns.
+    """A focal length by what the images and the gyroscope say of the same turns.
 
     Fields:
         camera: square pixels, centre in the middle, no distortion.
@@ -185,7 +185,7 @@ class TurnedFocal:
 
 
 def camera_by_turning(turns: SeenTurns, size: tuple[int, int]) -> TurnedFocal | None:
-    """The focal length with which the pictures pan and tilt as fast as a GoPro's gyroscope says.
+    """The focal length with which the images pan and tilt as fast as a GoPro's gyroscope says.
 
     None where the camera hardly pans, or both disagree. Near things that pass by, and a lens that
     bends, are errors here, and not told.

@@ -1,9 +1,9 @@
-"""What was found out about a recording, and the pictures that tell it.
+"""What was found out about a recording, and the images that tell it.
 
 The lens as a file states it: a phone's focal length in 35 mm terms, a GoPro's field of view.
 
 Such figures are rounded, and video shows less than a still does: stabilisation and formats cut the
-picture. So they serve where pictures tell nothing, and as a check of what pictures tell.
+image. So they serve where images tell nothing, and as a check of what images tell.
 
 Sources: EXIF 2.3, tag 41989, and CIPA DCG-001 (equal diagonals: 43.27 mm); Apple's QuickTime key
 ``com.apple.quicktime.camera.focal_length.35mm_equivalent``; `readers.gopro` for a GoPro's ZFOV.
@@ -26,8 +26,8 @@ from motorcade.ga.arrays import IntArray
 from motorcade.render.video import open_video
 from motorcade.replays.io.files import read_bounded, refused
 from motorcade.replays.io.readers.frames.exif import focal_35mm
-from motorcade.replays.io.readers.frames.files import PictureFrames
-from motorcade.replays.io.readers.frames.pictures import FILE_LIMIT
+from motorcade.replays.io.readers.frames.files import ImageFrames
+from motorcade.replays.io.readers.frames.images import FILE_LIMIT
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.readers.gopro import GoProCamera, gopro_camera
 from motorcade.replays.io.recording import FrameSequence, Recording
@@ -107,44 +107,44 @@ class Description:
 
 
 @dataclass(frozen=True, eq=False)
-class SampledPictures:
-    """Grey pictures of a recording: a few places, at each some neighbouring frames.
+class SampledImages:
+    """Grey images of a recording: a few places, at each some neighbouring frames.
 
     Fields:
-        pictures: in the order of time.
+        images: in the order of time.
         time_ns: ``(P,)`` their stamps.
-        places: rows of `pictures`, one a place.
+        places: rows of `images`, one a place.
     """
 
-    pictures: tuple[GrayImage, ...]
+    images: tuple[GrayImage, ...]
     time_ns: IntArray
     places: tuple[int, ...]
 
     @property
     def size(self) -> tuple[int, int]:
         """Width and height, pixels."""
-        height, width = self.pictures[0].shape
+        height, width = self.images[0].shape
         return width, height
 
     @property
     def spread(self) -> tuple[GrayImage, ...]:
-        """One picture of each place."""
-        return tuple(self.pictures[row] for row in self.places)
+        """One image of each place."""
+        return tuple(self.images[row] for row in self.places)
 
 
-def sampled_pictures(
+def sampled_images(
     frames: FrameSequence, kept: Mapping[int, GrayImage] = MappingProxyType({})
-) -> SampledPictures:
+) -> SampledImages:
     """Three neighbouring frames at each of some places that are spread over a recording.
 
-    Neighbours tell how fast the camera moved; places, what it saw. Of large pictures fewer are
+    Neighbours tell how fast the camera moved; places, what it saw. Of large images fewer are
     taken, so that all of them fit into a quarter of a GiB (above 16 million pixels no neighbours);
     of a few frames every one is a place.
-    `kept` are pictures that were read already, by their rows.
+    `kept` are images that were read already, by their rows.
     """
     rows, places = sample_rows(len(frames), kept[0].size if kept else frames[0].gray().size)
-    pictures = tuple(kept[row] if row in kept else frames[row].gray() for row in rows.tolist())
-    return SampledPictures(pictures, np.asarray(frames.time_ns[rows]), places)
+    images = tuple(kept[row] if row in kept else frames[row].gray() for row in rows.tolist())
+    return SampledImages(images, np.asarray(frames.time_ns[rows]), places)
 
 
 def sample_rows(count: int, pixels: int) -> tuple[IntArray, tuple[int, ...]]:
@@ -185,11 +185,11 @@ def stated_lens(recording: Recording, size: tuple[int, int]) -> StatedLens | Non
     """What the files of a recording say of its lens; None where they say nothing.
 
     Args:
-        recording: a video, or pictures of which the first is asked.
-        size: width and height of the upright pictures.
+        recording: a video, or images of which the first is asked.
+        size: width and height of the upright images.
     """
     frames = recording.frames
-    if isinstance(frames, PictureFrames):
+    if isinstance(frames, ImageFrames):
         return _in_35mm(focal_35mm(read_bounded(frames.files[0], FILE_LIMIT)), size)
     if not isinstance(frames, VideoFrames):
         return None
@@ -198,7 +198,7 @@ def stated_lens(recording: Recording, size: tuple[int, int]) -> StatedLens | Non
 
 
 def _video_35mm(path: Path) -> float | None:
-    """Of the film as a whole, or of its first track of pictures."""
+    """Of the film as a whole, or of its first track of images."""
     with refused(), open_video(path) as container:
         notes = [container.metadata, *(one.metadata for one in container.streams.video[:1])]
     stated = next((one[_KEY] for one in notes if _KEY in one), "")

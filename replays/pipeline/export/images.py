@@ -27,8 +27,8 @@ _QUALITY = 95
 
 
 @dataclass(frozen=True, eq=False)
-class PosedPictures:
-    """Pictures that were written, each with where the camera stood.
+class PosedImages:
+    """Images that were written, each with where the camera stood.
 
     Attributes:
         names: (N,) relative to the folder, such as ``images/frame_000012.jpg``.
@@ -41,11 +41,11 @@ class PosedPictures:
     camera: Camera
 
 
-def write_pictures(shown: Shown, folder: Path, every: int = 1) -> PosedPictures:
+def write_images(shown: Shown, folder: Path, every: int = 1) -> PosedImages:
     """Write each `every`-th frame that has a pose as a JPEG, as it was filmed.
 
     Raises:
-        ValueError: a step below 1, or a folder that holds pictures already, which would be mixed.
+        ValueError: a step below 1, or a folder that holds images already, which would be mixed.
         OSError: a file cannot be written.
     """
     import cv2
@@ -60,8 +60,8 @@ def write_pictures(shown: Shown, folder: Path, every: int = 1) -> PosedPictures:
     rows = shown.frames_posed
     for number in map(int, rows[rows % every == 0]):
         frame = shown.recording.frames[number]
-        picture = frame.image()
-        ordered = picture if picture.ndim == 2 else picture[..., ::-1]
+        image = frame.image()
+        ordered = image if image.ndim == 2 else image[..., ::-1]
         _, data = cv2.imencode(".jpg", ordered, [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])
         names.append(f"images/frame_{number:06}.jpg")
         write_bytes(folder / names[-1], data.tobytes())
@@ -70,7 +70,7 @@ def write_pictures(shown: Shown, folder: Path, every: int = 1) -> PosedPictures:
     if camera is None:
         raise refusal(shown.recording.root, "expected a camera, got none")
     poses = shown.path.motors_at(np.array(stamps, dtype=np.int64))
-    return PosedPictures(tuple(names), poses, camera)
+    return PosedImages(tuple(names), poses, camera)
 
 
 _GREY = 128
@@ -79,22 +79,22 @@ _GREY = 128
 def write_colmap(shown: Shown, folder: Path, every: int = 1) -> None:
     """Write ``images/`` and ``sparse/0/{cameras,images,points3D}.txt``, as `colmap gui` opens them.
 
-    Mapped points have no tracks: the run keeps where they lie, not which pictures saw them.
+    Mapped points have no tracks: the run keeps where they lie, not which images saw them.
 
     Args:
         shown: the run.
-        folder: new, or without pictures.
+        folder: new, or without images.
         every: of how many frames one is written.
 
     Raises:
-        ValueError: a step below 1, or a folder that holds pictures already.
+        ValueError: a step below 1, or a folder that holds images already.
         OSError: a file cannot be written.
     """
-    pictures = write_pictures(shown, folder, every)
+    images = write_images(shown, folder, every)
     model = folder / "sparse" / "0"
     model.mkdir(parents=True, exist_ok=True)
-    write_bytes(model / "cameras.txt", _cameras(pictures.camera).encode())
-    write_bytes(model / "images.txt", _images(pictures).encode())
+    write_bytes(model / "cameras.txt", _cameras(images.camera).encode())
+    write_bytes(model / "images.txt", _images(images).encode())
     points = thinned(shown.points_m)
     rows = (
         f"{number} {x!r} {y!r} {z!r} {_GREY} {_GREY} {_GREY} 0"
@@ -130,14 +130,14 @@ def _cameras(camera: Camera) -> str:
     return f"{head}\n1 {model} {camera.width} {camera.height} {text}\n"
 
 
-def _images(pictures: PosedPictures) -> str:
-    """Two lines a picture; the second, of what is seen in it, is empty."""
-    camera_T_world = pictures.world_T_camera.inverse()
+def _images(images: PosedImages) -> str:
+    """Two lines an image; the second, of what is seen in it, is empty."""
+    camera_T_world = images.world_T_camera.inverse()
     wxyz = camera_T_world.rotor.as_quaternion()
     numbers = np.concatenate([wxyz, camera_T_world.translation_m], axis=-1).tolist()
     rows = (
         f"{number} {' '.join(map(repr, row))} 1 {name.removeprefix('images/')}\n\n"
-        for number, (row, name) in enumerate(zip(numbers, pictures.names, strict=True), 1)
+        for number, (row, name) in enumerate(zip(numbers, images.names, strict=True), 1)
     )
     head = "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME; then POINTS2D[]"
     return head + "\n" + "".join(rows)
@@ -152,22 +152,22 @@ def write_nerfstudio(shown: Shown, folder: Path, every: int = 1) -> None:
 
     Args:
         shown: the run.
-        folder: new, or without pictures.
+        folder: new, or without images.
         every: of how many frames one is written.
 
     Raises:
-        ValueError: a step below 1, a folder that holds pictures already, or a lens with more
+        ValueError: a step below 1, a folder that holds images already, or a lens with more
             coefficients than nerfstudio knows.
         OSError: a file cannot be written.
     """
     camera = shown.recording.camera
     lens = _lens(camera, shown.recording.root) if camera is not None else {}
-    pictures = write_pictures(shown, folder, every)
-    matrices = pictures.world_T_camera.as_matrix() @ OPENCV_T_OPENGL
+    images = write_images(shown, folder, every)
+    matrices = images.world_T_camera.as_matrix() @ OPENCV_T_OPENGL
     content: dict[str, Any] = lens | {
         "frames": [
             {"file_path": name, "transform_matrix": matrix}
-            for name, matrix in zip(pictures.names, matrices.tolist(), strict=True)
+            for name, matrix in zip(images.names, matrices.tolist(), strict=True)
         ]
     }
     points = thinned(shown.points_m)

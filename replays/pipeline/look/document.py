@@ -1,4 +1,4 @@
-"""The look of a run: all that a page shows of it but the pictures of its film.
+"""The look of a run: all that a page shows of it but the images of its film.
 
 Plots and states for a page: errors, jitter, the filter's squares, and what tracking lost.
 
@@ -6,7 +6,7 @@ Characters for a page: each as glTF, with the poses of its joints at every frame
 
 What hides characters in a page's view through the camera: recorded depth, prints, the ground.
 
-The film hides a figure pixel by pixel. A page gets, for every frame, a smaller picture of the depth
+The film hides a figure pixel by pixel. A page gets, for every frame, a smaller image of the depth
 of all that may be nearer than the figures, and nothing of what lies behind them.
 """
 
@@ -76,7 +76,7 @@ class LookedAt:
         return as_found(self.findings.recording, poses.camera, poses.depth_camera)
 
     @property
-    def has_pictures(self) -> bool:
+    def has_images(self) -> bool:
         """Whether there is footage, and not corners alone."""
         return not isinstance(self.recording.frames, CornerFrames)
 
@@ -115,7 +115,7 @@ def look_of(run: LookedAt, clips: list[dict[str, str]]) -> dict[str, Any]:
             "clips": clips,
         },
         "camera": shown_camera(recording.camera),
-        "grey": run.has_pictures and is_grey(recording.frames[0].image()),
+        "grey": run.has_images and is_grey(recording.frames[0].image()),
         "drawn": drawn_name(findings),
         "paths": shown_paths(findings, stamps),
         "boards": shown_boards(recording, findings.camera_poses),
@@ -321,29 +321,29 @@ def shown_boards(recording: Recording, camera_poses: CameraPoses) -> list[dict[s
     board = recording.board
     if board is None or camera_poses.origin not in ("board", "simulated"):
         return []
-    picture, corners_m = _printed(board)
-    written, data = cv2.imencode(".png", picture)
+    image, corners_m = _printed(board)
+    written, data = cv2.imencode(".png", image)
     if not written:
         raise OSError(f"{recording.name}: the board cannot be written as PNG")
     return [
         {
             "name": board.name,
             "corners_m": packed(recording.world_T_board.apply(corners_m), "f64"),
-            "picture": f"data:image/png;base64,{text(data.tobytes())}",
+            "image": f"data:image/png;base64,{text(data.tobytes())}",
         }
     ]
 
 
 def _printed(board: Board) -> tuple[np.ndarray, FloatArray]:
-    """The board's picture, and the corners ``(4, 3)`` of that sheet from its top left on."""
+    """The board's image, and the corners ``(4, 3)`` of that sheet from its top left on."""
     scale = LONGEST_PX / max(board.size_m)
-    picture, (column, row) = board.draw(scale)
-    high, wide = picture.shape
+    image, (column, row) = board.draw(scale)
+    high, wide = image.shape
     # A pixel's centre is at its number; rows run down, y of the board's frame up.
     x = (np.array([-0.5, wide - 0.5]) - column) / scale
     y = (row - np.array([-0.5, high - 0.5])) / scale
     corners = [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])]
-    return picture, np.array([(*one, 0.0) for one in corners])
+    return image, np.array([(*one, 0.0) for one in corners])
 
 
 def shown_markers(marker_map: MarkerMap | None) -> list[dict[str, Any]]:
@@ -372,9 +372,9 @@ def shown_points(camera_poses: CameraPoses) -> dict[str, Any]:
 
 
 LONGEST_DEPTH_PX, MOST_BYTES = 320, 24 * 2**20
-"""Of a picture of depth, and of all of them before they are compressed."""
+"""Of an image of depth, and of all of them before they are compressed."""
 FEWEST_PX = 32
-"""Pictures so small would hide by blocks: the page then does without."""
+"""Images so small would hide by blocks: the page then does without."""
 LEVELS = 254
 """Steps of depth between the nearest and the farthest, evenly in its logarithm; 0 hides nothing."""
 
@@ -421,7 +421,7 @@ def _corners(prints: Prints | None) -> dict[str, Any]:
 def _depth(
     recording: Recording, figures: list[Performer], drawn: FloatArray
 ) -> dict[str, Any] | None:
-    """Depth of all that is nearer than a figure's far side, a picture a frame; None without.
+    """Depth of all that is nearer than a figure's far side, an image a frame; None without.
 
     `deflated` holds ``shape`` ``(F, h, w)`` bytes: 0 for nothing, then `near_m` to `far_m`.
     """
@@ -438,7 +438,7 @@ def _depth(
     size = (max(1, int(share * camera.height)), max(1, int(share * camera.width)))
     behind_m = _farthest_m(figures, drawn, time_ns)
     small = np.zeros((len(time_ns), *size), dtype=np.float16)
-    for k, frame in enumerate(track(recording.frames, "pictures of depth", len(time_ns))):
+    for k, frame in enumerate(track(recording.frames, "images of depth", len(time_ns))):
         depth_m = frame.depth_m()
         if depth_m is not None and behind_m[k] > 0.0:
             small[k] = _nearer(depth_m, size, behind_m[k])
@@ -469,7 +469,7 @@ def _reach_m(figure: Performer) -> float:
 
 
 def _nearer(depth_m: DepthArray, size: tuple[int, int], behind_m: float) -> FloatArray:
-    """A smaller picture ``size``, of single pixels, 0 where unknown or behind."""
+    """A smaller image ``size``, of single pixels, 0 where unknown or behind."""
     rows, columns = (
         ((np.arange(few) + 0.5) * many / few).astype(np.intp)
         for few, many in zip(size, depth_m.shape, strict=True)

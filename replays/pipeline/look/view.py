@@ -92,14 +92,14 @@ def write_view(folders: list[Path], out: Path) -> list[Path]:
 
 def _small(run: LookedAt, clips: dict[str, Path]) -> dict[str, Path]:
     """A small copy of the footage for inside the page: browsers let no film that lies beside it
-    into their graphics, where the camera's sign has its picture. None where that is too large too.
+    into their graphics, where the camera's sign has its image. None where that is too large too.
     """
     if not clips:
         return {}
     path = clips["footage"].with_name(clips["footage"].name.replace("footage", "small"))
     stamps, (width, height) = run.recording.frames.time_ns, _size_of(run, "small")["size"]
-    pictures = (picture for _, picture in read_frames(clips["footage"]))
-    tracked = track(pictures, "small pictures copied", len(stamps))
+    images = (image for _, image in read_frames(clips["footage"]))
+    tracked = track(images, "small images copied", len(stamps))
     write_film(path, tracked, stamps, (width, height))
     return {"small": path} if path.stat().st_size <= INSIDE_BYTES else {}
 
@@ -113,7 +113,7 @@ def _size_of(run: LookedAt, name: str) -> dict[str, Any]:
 
 def _films(run: LookedAt, number: int, place: Path) -> dict[str, Path]:
     """Copies of a run's footage, and of its film where it has one, that can be sought quickly."""
-    if not run.has_pictures:
+    if not run.has_images:
         return {}
     stamps = run.recording.frames.time_ns
     films = {"footage": _footage(run)}
@@ -121,9 +121,9 @@ def _films(run: LookedAt, number: int, place: Path) -> dict[str, Path]:
     if run.findings.overlay is not None and not zooms:
         films["overlay"] = _overlay(run)
     paths = {}
-    for name, pictures in films.items():
+    for name, images in films.items():
         paths[name] = place / f"{name}-{number}.mp4"
-        copied = track(pictures, f"pictures of the {name} copied", len(stamps))
+        copied = track(images, f"images of the {name} copied", len(stamps))
         write_film(paths[name], copied, stamps)
     return paths
 
@@ -138,5 +138,5 @@ def _overlay(run: LookedAt) -> Iterator[ImageArray]:
     film, camera = run.findings.overlay, run.recording.camera
     assert film is not None  # asked for by `_films` alone
     assert camera is not None  # `look_of` refuses that before
-    for _, picture in read_frames(film.path):
-        yield picture[: camera.height, : camera.width]
+    for _, image in read_frames(film.path):
+        yield image[: camera.height, : camera.width]

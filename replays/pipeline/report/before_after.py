@@ -45,7 +45,7 @@ def steps_between(frames: int) -> int:
 
 @dataclass(frozen=True)
 class Stills:
-    """Pictures of a run as JPEG: a sheet of its film, and one frame before and after."""
+    """Images of a run as JPEG: a sheet of its film, and one frame before and after."""
 
     sheet: bytes
     before: bytes = b""
@@ -57,7 +57,7 @@ def stills(film: OverlayVideo, footage: dict[int, ImageArray], camera: Camera | 
 
     Args:
         film: of two frames or more.
-        footage: its pictures by their numbers, as far as they were kept.
+        footage: its images by their numbers, as far as they were kept.
         camera: what took them.
 
     Raises:
@@ -84,33 +84,33 @@ def stills(film: OverlayVideo, footage: dict[int, ImageArray], camera: Camera | 
 
 
 def _as_filmed(
-    picture: ImageArray | None, film: OverlayVideo, camera: Camera | None
+    image: ImageArray | None, film: OverlayVideo, camera: Camera | None
 ) -> ImageArray | None:
-    """A picture of the footage as the film has it; None where it was moved about."""
-    if picture is None or film.footage not in ("original", "undistorted"):
+    """An image of the footage as the film has it; None where it was moved about."""
+    if image is None or film.footage not in ("original", "undistorted"):
         return None
     if film.footage == "undistorted" and camera is not None:
-        picture = camera.undistort_image(picture)
-    return picture if picture.ndim == 3 else np.repeat(picture[..., None], 3, axis=2)
+        image = camera.undistort_image(image)
+    return image if image.ndim == 3 else np.repeat(image[..., None], 3, axis=2)
 
 
-def _still(picture: ImageArray) -> bytes:
-    size = film_size(picture.shape[1], picture.shape[0], STILL_PX)
-    small = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
+def _still(image: ImageArray) -> bytes:
+    size = film_size(image.shape[1], image.shape[0], STILL_PX)
+    small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
     return _jpeg(np.asarray(small, np.uint8), STILL_QUALITY)
 
 
-def _jpeg(picture: ImageArray, quality: int) -> bytes:
-    done, data = cv2.imencode(".jpg", picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])
+def _jpeg(image: ImageArray, quality: int) -> bytes:
+    done, data = cv2.imencode(".jpg", image[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])
     if not done:
-        raise OSError(f"a picture of {picture.shape} cannot be written as JPEG")
+        raise OSError(f"an image of {image.shape} cannot be written as JPEG")
     return bytes(data)
 
 
 def sheet_jpeg(chosen: list[tuple[int, ImageArray]]) -> bytes:
     """Frames and their stamps in ns on one sheet, with their times, as JPEG of 300 kB at most."""
     labels = [f"{1e-9 * time_ns:.1f} s" for time_ns, _ in chosen]
-    sheet = contact_sheet([picture for _, picture in chosen], COLUMNS, WIDTH_PX, labels)
+    sheet = contact_sheet([image for _, image in chosen], COLUMNS, WIDTH_PX, labels)
     for quality in _QUALITIES:
         data = _jpeg(sheet, quality)
         if len(data) <= MOST_BYTES:
@@ -125,7 +125,7 @@ class SpotCourse:
     Fields:
         time_s: seconds after the first measured pose ``(P,)``.
         measured_px, smoothed_px: pixels from the course ``(P,)``.
-        sideways: whether across the picture, or up and down in it.
+        sideways: whether across the image, or up and down in it.
     """
 
     time_s: FloatArray
@@ -192,7 +192,7 @@ def _slow(values: FloatArray, time_s: FloatArray, at_s: FloatArray) -> FloatArra
 
 
 def _most_different(off: FloatArray, time_s: FloatArray) -> slice:
-    """The stretch of `WINDOW_S` in which the paths differ most."""
+    """The segment of `WINDOW_S` in which the paths differ most."""
     ends = np.searchsorted(time_s, time_s + WINDOW_S, side="right")
     summed = np.concatenate([[0.0], np.cumsum(off**2)])
     whole = time_s <= max(float(time_s[-1]) - WINDOW_S, float(time_s[0]))

@@ -31,9 +31,9 @@ class FilmView:
     Fields:
         frames: how many the film has.
         in_view: how many of them show something of the figure.
-        height_px: how high it is in the picture, as far as the picture shows it, in the median over
+        height_px: how high it is in the image, as far as the image shows it, in the median over
             these; None of several figures.
-        height_share: the same as a share of the picture's height.
+        height_share: the same as a share of the image's height.
         stands_on: what it stands on, in words.
     """
 
@@ -49,7 +49,7 @@ class FilmView:
 
         >>> from motorcade.replays.pipeline.report.film import FilmView
         >>> FilmView(180, 172, 216.0, 0.2, "the board").sentence
-        'the figure stands on the board, in view in 172 of 180 frames, a fifth of the picture high'
+        'the figure stands on the board, in view in 172 of 180 frames, a fifth of the image high'
         """
         text = f"the figure stands on {self.stands_on}, in view in {self._counted}"
         if self.height_share is None or not self.in_view:
@@ -66,10 +66,10 @@ class FilmView:
     def _size(self) -> str:
         share = float(self.height_share or 0.0)
         if share > _WHOLE:
-            return "as the picture is" if share <= 1.0 else "more than the picture is"
+            return "as the image is" if share <= 1.0 else "more than the image is"
         near = round(1.0 / max(share, 1e-6))
         name = _SHARES.get(near)
-        return f"{name} of the picture" if name else f"{100.0 * share:.0f} % of the picture"
+        return f"{name} of the image" if name else f"{100.0 * share:.0f} % of the image"
 
 
 def film_of(findings: Findings) -> FilmView | None:
@@ -93,12 +93,12 @@ _TAKEN, _OTHER = (255, 170, 0), (0, 200, 255)
 
 
 def standing_sheet(findings: Findings, footage: dict[int, ImageArray]) -> bytes:
-    """A JPEG with a picture for each candidate, its outline and number in it, in another
+    """A JPEG with an image for each candidate, its outline and number in it, in another
     colour where the figure stands; empty without any.
 
     Args:
         findings: of the run.
-        footage: pictures by their numbers; the one in the middle is drawn on.
+        footage: images by their numbers; the one in the middle is drawn on.
     """
     recording, places = findings.recording, findings.placed.choices
     camera, path = findings.camera_poses.camera or recording.camera, findings.integrity.drawn
@@ -114,20 +114,20 @@ def standing_sheet(findings: Findings, footage: dict[int, ImageArray]) -> bytes:
         outlined(footage[number], camera, camera_T_world, place, str(k), colour)
         for k, (place, colour) in enumerate(zip(places, colours, strict=True), 1)
     ]
-    return sheet_jpeg([(int(stamps[number]), picture) for picture in drawn])
+    return sheet_jpeg([(int(stamps[number]), image) for image in drawn])
 
 
 def outlined(
-    picture: ImageArray,
+    image: ImageArray,
     camera: Camera,
     camera_T_world: Motor,
     place: StandingPlace,
     label: str,
     colour: tuple[int, int, int],
 ) -> ImageArray:
-    """A copy of a picture with a place's outline, as far as it is ahead, and a label."""
+    """A copy of an image with a place's outline, as far as it is ahead, and a label."""
     canvas = np.ascontiguousarray(
-        picture if picture.ndim == 3 else np.repeat(picture[..., None], 3, axis=2)
+        image if image.ndim == 3 else np.repeat(image[..., None], 3, axis=2)
     ).copy()
     width = max(2, camera.width // 240)
     ahead = _round(camera_T_world.apply(place.corners_m))

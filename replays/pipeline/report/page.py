@@ -1,7 +1,7 @@
 """Stage `report`: its figures as JSON, and one HTML page; what is large lies beside it.
 
 Films lie in the report too where all is small, else beside it; so does a viewer that would make the
-report too large, as characters with large pictures do.
+report too large, as characters with large images do.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from motorcade.replays.pipeline.look.packing import packed
 from motorcade.replays.pipeline.report.before_after import Stills, steadiness, steps_between, stills
 from motorcade.replays.pipeline.report.film import FilmView, film_of, standing_sheet
 from motorcade.replays.pipeline.report.findings import Findings, told_paths
-from motorcade.replays.pipeline.report.pictures import sections
+from motorcade.replays.pipeline.report.images import sections
 from motorcade.replays.pipeline.report.summary import (
     LEFT_AS_IT_WAS,
     heading,
@@ -92,8 +92,8 @@ def report(
     frames = 0 if overlay is None else overlay.frames
     kept = Kept(max(1, steps_between(frames)))
     viewer = embedded(run, kept)
-    shown = stills(overlay, kept.pictures, run.recording.camera) if overlay and frames > 1 else None
-    standing = standing_sheet(findings, kept.pictures)
+    shown = stills(overlay, kept.images, run.recording.camera) if overlay and frames > 1 else None
+    standing = standing_sheet(findings, kept.images)
     written = ReportFiles(
         new_file("report.html"), new_file("report.json"), viewer.footage, viewer.file
     )
@@ -108,7 +108,7 @@ NO_VIDEO = (
     "this machine has no headless OpenGL. Debian and Ubuntu bring it with "
     "apt-get install libegl1 libgl1-mesa-dri; then run the same command again"
 )
-NO_PICTURES = "the recording holds corners of markers and no pictures to draw into"
+NO_IMAGES = "the recording holds corners of markers and no images to draw into"
 
 
 def page(
@@ -120,7 +120,7 @@ def page(
 ) -> str:
     """The whole page as HTML text, with what `viewer` has inside and the stills of the film.
 
-    `standing` is the sheet of what there is to stand on, where pictures were kept.
+    `standing` is the sheet of what there is to stand on, where images were kept.
     """
     template = page_environment(TEMPLATE.parent).get_template(TEMPLATE.name)
     told = told_paths(findings)
@@ -173,16 +173,16 @@ def _why_no_film(findings: Findings) -> str:
     if findings.overlay is not None:
         return ""
     corners = isinstance(findings.recording.frames, CornerFrames)
-    return NO_PICTURES if corners else NO_VIDEO
+    return NO_IMAGES if corners else NO_VIDEO
 
 
 def _film_caption(findings: Findings) -> str:
     film = findings.overlay
     if film is None:
         return ""
-    footage = {"original": "the pictures as filmed", "undistorted": "straightened pictures"}
+    footage = {"original": "the images as filmed", "undistorted": "straightened images"}
     return (
-        f"Drawn into {footage.get(film.footage, f'{film.footage} pictures')} along the "
+        f"Drawn into {footage.get(film.footage, f'{film.footage} images')} along the "
         f"{film.along} path, standing on {film.stands_on}, in {film.lit_by}."
     )
 
@@ -265,10 +265,10 @@ class Viewer:
 
 @dataclass
 class Kept:
-    """Pictures of the footage that are kept by their numbers while it is copied: every n-th."""
+    """Images of the footage that are kept by their numbers while it is copied: every n-th."""
 
     every: int
-    pictures: dict[int, ImageArray] = field(default_factory=dict)
+    images: dict[int, ImageArray] = field(default_factory=dict)
 
 
 def embedded(run: LookedAt, kept: Kept) -> Viewer:
@@ -281,7 +281,7 @@ def embedded(run: LookedAt, kept: Kept) -> Viewer:
     if run.recording.camera is None:
         return Viewer(_films(paths))
     clips: list[dict[str, Any]] = []
-    if run.has_pictures:
+    if run.has_images:
         paths["footage"] = new_file(FOOTAGE)
         clips.append(_copy_footage(run, paths["footage"], kept))
     frames = run.recording.frames
@@ -312,14 +312,14 @@ def _copy_footage(run: LookedAt, path: Path, kept: Kept) -> dict[str, Any]:
     assert camera is not None  # asked for before
     size = film_size(camera.width, camera.height, LONGEST_PX)
 
-    def pictures() -> Iterator[ImageArray]:
+    def images() -> Iterator[ImageArray]:
         for number, frame in enumerate(frames):
-            picture = frame.image()
+            image = frame.image()
             if number % kept.every == 0:
-                kept.pictures[number] = picture
-            yield picture
+                kept.images[number] = image
+            yield image
 
-    write_film(path, pictures(), frames.time_ns, size)
+    write_film(path, images(), frames.time_ns, size)
     return {"name": "footage", "src": "#film-footage", "size": list(size)}
 
 

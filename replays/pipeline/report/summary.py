@@ -122,7 +122,7 @@ def _camera_poses(findings: Findings) -> dict[str, Any]:
         "frames": len(poses.frame_times_ns),
         "measured": len(poses.measurements.trajectory),
         "reprojection_median_px": float(np.median(poses.reprojection_px)),
-        "damaged_pictures": list(findings.recording.damaged),
+        "damaged_images": list(findings.recording.damaged),
         "slam": None if poses.slam_history is None else poses.slam_history.as_dict(),
         "inertial": None if poses.inertial is None else poses.inertial.as_dict(),
     }

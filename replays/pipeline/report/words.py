@@ -20,9 +20,9 @@ IMU_ORIGINS = {
 FOUND_BY = {
     "board": "measured by the board in view",
     "markers": "measured by the markers in view",
-    "slam": "found from the pictures alone",
+    "slam": "found from the images alone",
     "simulated": "simulated from the ground truth",
-    "turning": "found from the pictures alone, of a camera that stays at its place",
+    "turning": "found from the images alone, of a camera that stays at its place",
 }
 FUSED_WITH = {"imu": " and made one path with the IMU", "odometry": " and the odometry"}
 VERDICTS = {
@@ -32,7 +32,7 @@ VERDICTS = {
     "contradicted": "Contradicted",
 }
 IN_ORDER = {
-    "coverage": "enough pictures have a camera pose",
+    "coverage": "enough images have a camera pose",
     "registration": "what is drawn stays where it stands in the footage",
     "innovations": "camera and IMU agree",
     "inertial": "the IMU shows no fault",
@@ -80,7 +80,7 @@ def lead(findings: Findings) -> str:
     poses = findings.camera_poses
     times_ns = poses.frame_times_ns
     measured, frames = len(poses.measurements.trajectory), len(times_ns)
-    share = f"in all {frames} pictures" if measured == frames else f"in {measured} of {frames}"
+    share = f"in all {frames} images" if measured == frames else f"in {measured} of {frames}"
     lasting = 1e-9 * float(times_ns[-1] - times_ns[0])
     fused = FUSED_WITH.get(findings.fused.by, "")
     return f"The camera's path over {lasting:.1f} s, {FOUND_BY[poses.origin]} {share}{fused}."
@@ -100,7 +100,7 @@ def headline(findings: Findings) -> str:
     if damaged:
         # A video says how many in a line of its own.
         several = findings.recording.layout != "video"
-        text += f" {len(damaged)} damaged pictures were left" if several else " Left"
+        text += f" {len(damaged)} damaged images were left" if several else " Left"
         text += f" out: {'; '.join(damaged[:MOST_NAMED])}"
         text += " and others." if len(damaged) > MOST_NAMED else "."
     return text
@@ -165,7 +165,7 @@ def _how_good(findings: Findings) -> list[Tile]:
     poses, first = findings.camera_poses, next(iter(findings.smoothed.trajectories))
     figures = findings.errors.figures.get(first, {})
     measured = len(poses.measurements.trajectory)
-    how_good = [Tile(f"{measured} of {len(poses.frame_times_ns)}", "pictures with a camera pose")]
+    how_good = [Tile(f"{measured} of {len(poses.frame_times_ns)}", "images with a camera pose")]
     off_px = figures.get("registration_rmse_px")
     if off_px is not None:
         how_good.append(Tile(f"{plainly(off_px, 0.01)} px", "what is drawn is off the footage"))
@@ -185,7 +185,7 @@ def _how_good(findings: Findings) -> list[Tile]:
 
 
 def _shake(findings: Findings) -> list[Tile]:
-    """How much far things would shake in the picture, frame by frame: before and after smoothing.
+    """How much far things would shake in the image, frame by frame: before and after smoothing.
 
     It is the camera's turning alone that moves them. What stands near moves with the camera's
     place as well, which the plot of the character's spot shows (`before_after.steadiness`).
@@ -206,8 +206,8 @@ def _shake(findings: Findings) -> list[Tile]:
     step_s = 1e-9 * float(np.median(np.diff(times_ns)))
     before, after = (plainly(one * step_s**2 * camera.fx, 0.01) for one in known)
     if before == after:
-        return [Tile(f"{before} px", "far things shake from picture to picture")]
-    label = "far things shake from picture to picture, measured → smoothed"
+        return [Tile(f"{before} px", "far things shake from image to image")]
+    label = "far things shake from image to image, measured → smoothed"
     return [Tile(f"{before} → {after} px", label)]
 
 

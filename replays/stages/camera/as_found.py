@@ -1,10 +1,10 @@
-"""A recording seen through the cameras that its pictures say have taken it."""
+"""A recording seen through the cameras that its images say have taken it."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.offered import camera_of
 from motorcade.tracking.cameras.camera import Camera
@@ -18,7 +18,7 @@ def as_found(
     if camera is not None:
         recording = replace(recording, camera=camera)
     frames = recording.frames
-    if not isinstance(frames, PictureFrames):
+    if not isinstance(frames, ImageFrames):
         return recording
     sensor = depth_camera or frames.depth_camera
     if sensor is None or (camera is None and depth_camera is None):

@@ -17,7 +17,7 @@ from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.calibrate import choose_lens, try_lenses, view_error_px
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.measurements import MarkerObservation
-from motorcade.tracking.self_calibration.boards import board_sightings
+from motorcade.tracking.self_calibration.boards import board_observations
 from motorcade.tracking.self_calibration.bodies import spread_runs
 from motorcade.tracking.self_calibration.choosing import ChosenFit, as_kind, weighed_fit
 from motorcade.tracking.self_calibration.fitting import fit
@@ -26,7 +26,7 @@ from motorcade.tracking.self_calibration.lens import KINDS
 _VIEWS, _CALIBRATED, _OUTLIERS = 60, 20, 0.1
 _TERMS = next(kind for kind in KINDS if kind.name == "radtan with k1 k2")
 _FOCAL_SHARE = 0.02
-"""A focal length wrong by so much puts a corner of the picture several pixels off."""
+"""A focal length wrong by so much puts a corner of the image several pixels off."""
 _SIGMAS, _SHUTTER_SIGMAS = 3.0, 4.0
 _SEPARABLE = 0.1
 """Views that would not deny a focal length off by so much do not confirm one either."""
@@ -114,7 +114,7 @@ def _camera(
         camera: that the board was tracked with.
         board: that was tracked.
         tracked: where.
-        found_sigma: of the camera's focal length where it was found in these pictures, relative; 0
+        found_sigma: of the camera's focal length where it was found in these images, relative; 0
             where it was stated.
     """
     name, focal = "camera_on_board", float(np.sqrt(camera.fx * camera.fy))
@@ -131,7 +131,7 @@ def _camera(
         and (view := BoardCorners(sighted.ids, px, board.points_m[sighted.ids])).spanning
     ]
     try:
-        seen, start = board_sightings(
+        seen, start = board_observations(
             views, np.array([sighted.time_ns for sighted in some]), size, focal
         )
         held = fit(seen, start, readout=True, lens=False)

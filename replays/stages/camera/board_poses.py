@@ -1,7 +1,7 @@
 """Stage `board_poses`: camera poses by a board in view.
 
-If the board in the pictures looks unlike the one described, the log says so; nothing is corrected.
-What is stated of a board's markers is compared with the pictures before anything is tracked.
+If the board in the images looks unlike the one described, the log says so; nothing is corrected.
+What is stated of a board's markers is compared with the images before anything is tracked.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from motorcade.ga.progress import track
 from motorcade.replays.engine.stage import NotOffered
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.board_audit import audited_board, pixels_finding
-from motorcade.replays.stages.camera.offered import camera_of, require_pictures, spread_frames
+from motorcade.replays.stages.camera.offered import camera_of, require_images, spread_frames
 from motorcade.replays.stages.values.camera_poses import BoardPoses
 from motorcade.tracking import (
     Board,
@@ -27,7 +27,7 @@ from motorcade.tracking import (
 )
 from motorcade.tracking.audit import AuditFinding, scatter_px
 from motorcade.tracking.board_tracking.track import guessed_turns
-from motorcade.tracking.pictures import corner_noise_px
+from motorcade.tracking.images import corner_noise_px
 from motorcade.tracking.rolling import unrolled_track
 from motorcade.tracking.targets.stated import compare_layout, name_target
 
@@ -47,7 +47,7 @@ def warn_of_size(board: Board) -> None:
 
 
 def warn_of_contradictions(audit: tuple[AuditFinding, ...]) -> None:
-    """Warn of what the pictures contradict: poses from a wrong board or camera are wrong."""
+    """Warn of what the images contradict: poses from a wrong board or camera are wrong."""
     for finding in audit:
         if finding.verdict == "contradicted":
             log.warning("camera_poses: %s; %s", finding.summary, finding.advice)
@@ -67,14 +67,14 @@ def _guessed_turns(board: Board, tracked: BoardTrack) -> tuple[AuditFinding, ...
 
 
 def board_poses(recording: Recording) -> BoardPoses:
-    """Track the board that the recording names, through all its pictures.
+    """Track the board that the recording names, through all its images.
 
     Raises:
-        NotOffered: no camera, no pictures, or no board known.
+        NotOffered: no camera, no images, or no board known.
         TrackingError: no frame shows the board.
     """
     camera = camera_of(recording)
-    require_pictures(recording)
+    require_images(recording)
     board, frames = recording.board, recording.frames
     if board is None:
         raise NotOffered(f"{recording.name}: no board known; describe it in a manifest")
@@ -86,11 +86,11 @@ def board_poses(recording: Recording) -> BoardPoses:
     layout = compare_layout(board, sample, camera)
     before = () if layout is None else (layout,)
     warn_of_contradictions(before)
-    pictures = ahead(
+    images = ahead(
         lambda frame: (frame.time_ns, frame.gray()), track(frames, "tracking", len(frames))
     )
     try:
-        tracked = track_board(pictures, camera, board)
+        tracked = track_board(images, camera, board)
     except TrackingError as fault:
         reasons = [finding.sentence for finding in before if not finding.passed] or [
             name_target(sample, board)

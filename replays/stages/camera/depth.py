@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from motorcade.ga import Motor
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.recording import DepthArray, Recording
 from motorcade.replays.stages.camera.offered import camera_of
 from motorcade.tracking.depth.cameras import DepthCamera
@@ -22,12 +22,12 @@ MeasuredDepth = Callable[[int], DepthArray | None]
 
 
 def measured_depth(recording: Recording) -> tuple[DepthCamera, MeasuredDepth]:
-    """The pinhole that took the depth pictures, and their undistorted pixels.
+    """The pinhole that took the depth images, and their undistorted pixels.
 
     Depth that was recorded on colour's pixels counts as taken by the colour camera.
     """
     frames = recording.frames
-    if isinstance(frames, PictureFrames) and frames.depth_camera is not None:
+    if isinstance(frames, ImageFrames) and frames.depth_camera is not None:
         lens, colour_T_depth = frames.depth_camera.camera, frames.depth_camera.colour_T_depth
         read: MeasuredDepth = frames.measured_depth
     else:

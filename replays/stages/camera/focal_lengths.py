@@ -1,4 +1,4 @@
-"""The cameras of an RGB-D recording, found where its pictures contradict those that are stated.
+"""The cameras of an RGB-D recording, found where its images contradict those that are stated.
 
 Edges tell how depth lies on colour, so also the ratio of both focal lengths, but not which of the
 two is wrong. That is asked of the recording's first frames: they are tracked once more than needed,
@@ -35,7 +35,7 @@ _NAME = "focal_lengths"
 
 @dataclass(frozen=True, eq=False)
 class FoundCameras:
-    """What took pictures and depth, None where it is as stated, and what the audit says."""
+    """What took images and depth, None where it is as stated, and what the audit says."""
 
     camera: Camera | None
     depth_camera: DepthCamera | None

@@ -28,8 +28,9 @@ from motorcade.tracking import (
     detect_markers,
 )
 from motorcade.tracking.audit import AuditFinding, scatter_px
+from motorcade.tracking.images import blur_bias_px, corner_noise_px
 from motorcade.tracking.markers.corner_stream import CornerStream
-from motorcade.tracking.markers.disambiguate import Sightings
+from motorcade.tracking.markers.disambiguate import MarkerObservations
 from motorcade.tracking.markers.families import border_share
 from motorcade.tracking.markers.mapping import MappedRecording, map_markers, track_rig
 from motorcade.tracking.markers.mapping.moving import moving_markers, without
@@ -42,7 +43,6 @@ from motorcade.tracking.markers.photometric import (
 )
 from motorcade.tracking.markers.refinding import refind_markers
 from motorcade.tracking.markers.scenes import MarkerScene, map_scene
-from motorcade.tracking.pictures import blur_bias_px, corner_noise_px
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
 from motorcade.tracking.rolling import unrolled_stream
 from motorcade.tracking.targets.stated import name_target
@@ -60,7 +60,7 @@ def marker_poses(
 
     The world is the map's; of a map made here, the frame of the marker seen most.
 
-    `refine=photometric` refines the poses of loose markers in pictures on their whole print; it
+    `refine=photometric` refines the poses of loose markers in images on their whole print; it
     needs torch and kornia (the extra `photometric`), and pays on small markers and for steadiness
     (`make bench SUITE=tracking` says how much), at 30 to 150 ms a marker on one core.
 
@@ -69,7 +69,7 @@ def marker_poses(
 
     Raises:
         NotOffered: no camera known, or neither recorded corners nor a family to look for.
-        ValueError: refinement where there are no pictures or some markers move.
+        ValueError: refinement where there are no images or some markers move.
         TrackingError: no marker seen.
         Unavailable: refinement without torch and kornia.
     """
@@ -229,24 +229,24 @@ class _SeenMarkers:
     streams: Mapping[str, CornerStream]
     side_m: Mapping[int, float]
     rig_T_camera: Mapping[str, Motor]
-    posed: dict[str, Sightings] | None = None
+    posed: dict[str, MarkerObservations] | None = None
 
 
 def _seen_markers(recording: Recording, refine: Refine) -> _SeenMarkers:
-    """What was recorded of markers, or is found in the pictures."""
+    """What was recorded of markers, or is found in the images."""
     frames = recording.frames
     if isinstance(frames, CornerFrames):
         if refine != "none":
-            raise ValueError(f"{recording.name}: refine={refine} needs pictures, got corners")
+            raise ValueError(f"{recording.name}: refine={refine} needs images, got corners")
         return _SeenMarkers(frames.streams, frames.side_m, frames.rig_T_camera)
     if recording.markers is None:
         raise NotOffered(
             f"{recording.name}: no markers to look for; name their family in a manifest ([markers])"
         )
     loose = recording.markers
-    stream, sightings = markers_found(recording, loose, refine)
+    stream, observations = markers_found(recording, loose, refine)
     side_m = dict.fromkeys(np.unique(stream.marker_ids).tolist(), loose.side_m)
-    posed = None if sightings is None else {_ONLY: sightings}
+    posed = None if observations is None else {_ONLY: observations}
     return _SeenMarkers({_ONLY: stream}, side_m, {_ONLY: Motor.identity()}, posed)
 
 
@@ -263,8 +263,8 @@ def _of_camera(mapped: MappedRecording, camera: str) -> PoseMeasurements:
 
 def markers_found(
     recording: Recording, markers: LooseMarkers, refine: Refine = "none"
-) -> tuple[CornerStream, Sightings | None]:
-    """Detect the markers of every picture; with refinement, both their poses as well.
+) -> tuple[CornerStream, MarkerObservations | None]:
+    """Detect the markers of every image; with refinement, both their poses as well.
 
     Where a frame has sharp corners the others are left out; so is an id that stands there twice,
     since no map can tell its copies apart.
@@ -304,7 +304,7 @@ def _refined(*arguments: Any) -> RefinedFrame:
 
 
 def _sighted(seen: CornerStream, known: MarkerMap) -> SightedPoints:
-    """Four corners of every sighting of a mapped marker."""
+    """Four corners of every observation of a mapped marker."""
     mapped = np.isin(seen.marker_ids, known.marker_ids)
     rows = np.searchsorted(known.marker_ids, seen.marker_ids[mapped])
     return SightedPoints(

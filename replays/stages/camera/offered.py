@@ -31,13 +31,13 @@ def camera_of(recording: Recording) -> Camera:
 
 
 def rows_readout_s(recording: Recording) -> float:
-    """The rolling shutter's time where its rows run down the picture, as SLAM with an IMU takes it.
+    """The rolling shutter's time where its rows run down the image, as SLAM with an IMU takes it.
 
-    Of turned pictures it is left aside, which the log says.
+    Of turned images it is left aside, which the log says.
     """
     if recording.readout_s and recording.rows_run.tolist() != [0, 1]:
         log.warning(
-            "%s: readout_s is left aside by SLAM: the pictures are turned, and their rows are not "
+            "%s: readout_s is left aside by SLAM: the images are turned, and their rows are not "
             "read one after the other from the first",
             recording.name,
         )
@@ -51,14 +51,14 @@ def spread_frames(recording: Recording) -> list[Frame]:
     return [frames[k] for k in np.unique(np.linspace(0, len(frames) - 1, _SPREAD, dtype=int))]
 
 
-def require_pictures(recording: Recording) -> None:
+def require_images(recording: Recording) -> None:
     """Refuse a recording of marker corners alone.
 
     Raises:
-        NotOffered: there are no pictures.
+        NotOffered: there are no images.
     """
     if isinstance(recording.frames, CornerFrames):
-        raise NotOffered(f"{recording.name}: it holds corners of markers, and no pictures")
+        raise NotOffered(f"{recording.name}: it holds corners of markers, and no images")
 
 
 def sampled_images(recording: Recording) -> list[ImageArray]:

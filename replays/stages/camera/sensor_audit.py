@@ -1,8 +1,8 @@
-"""Whether what is told of the depth sensor, or of the right camera, fits the pictures.
+"""Whether what is told of the depth sensor, or of the right camera, fits the images.
 
-Depth against colour: edges of surfaces against edges in the picture (`edge_offset`). The scale of
+Depth against colour: edges of surfaces against edges in the image (`edge_offset`). The scale of
 the first Kinect's depth: by the steps that it is measured in. Left against right: points of a
-rectified pair lie further left in its right picture.
+rectified pair lie further left in its right image.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.recording import DepthArray, ImageArray, Recording
 from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.camera.depth import measured_depth
@@ -22,7 +22,7 @@ from motorcade.tracking import Camera
 from motorcade.tracking.audit import DEPTH_ON_COLOUR_PX, AuditFinding, Verdict, centre_finding
 from motorcade.tracking.depth.cameras import DepthCamera, inverse_depth_step
 from motorcade.tracking.depth.edges import EdgeOffset, edge_offset
-from motorcade.tracking.pictures import track_corners
+from motorcade.tracking.images import track_corners
 from motorcade.tracking.slam.features import find_corners
 
 _FRAMES = 12
@@ -169,7 +169,7 @@ def _baseline(
         return (AuditFinding("baseline", "consistent", times, "times", summary),)
     advice = f"say baseline_m = {baseline_m / times:.3g} if depth is right"
     frames = recording.frames
-    if isinstance(frames, PictureFrames):
+    if isinstance(frames, ImageFrames):
         units = frames.depth_units_per_m
         advice += f"; depth would be in units of {units / times:.4g} to the metre, not {units:g}"
     return (AuditFinding("baseline", "contradicted", times, "times", summary, advice),)
@@ -202,7 +202,7 @@ def _corrected(recording: Recording, off: EdgeOffset) -> DepthCamera:
     """The depth camera, turned and zoomed so that edges meet."""
     frames, colour = recording.frames, camera_of(recording)
     taken_by, _ = measured_depth(recording)
-    stated = frames.depth_camera if isinstance(frames, PictureFrames) else None
+    stated = frames.depth_camera if isinstance(frames, ImageFrames) else None
     lens = taken_by.camera if stated is None else stated.camera
     turn = Rotor.from_rotation_vector([-off.down_px / colour.fy, off.right_px / colour.fx, 0.0])
     return DepthCamera(
@@ -215,7 +215,7 @@ def _unit(recording: Recording, numbers: list[int]) -> AuditFinding:
     """The scale of the first Kinect's depth."""
     frames = recording.frames
     name, steps = "depth_scale", []
-    if isinstance(frames, PictureFrames):
+    if isinstance(frames, ImageFrames):
         for number in numbers:
             depth_m = frames.measured_depth(number)
             step = (

@@ -32,7 +32,7 @@ from motorcade.replays.stages.camera.inertial_slam import (
     carries_imu,
     mapped_with_imu,
 )
-from motorcade.replays.stages.camera.offered import camera_of, require_pictures, rows_readout_s
+from motorcade.replays.stages.camera.offered import camera_of, require_images, rows_readout_s
 from motorcade.replays.stages.camera.sensor_audit import audited_pair
 from motorcade.replays.stages.inertial.filter_input import assumed_noise
 from motorcade.replays.stages.values.camera_poses import SightedPoints
@@ -56,7 +56,7 @@ def slam_poses(
     threads: bool = False,
     imu_inside: bool = True,
 ) -> SlamPoses:
-    """Track a recording by what it sees, with its depth or else its right pictures if it has any.
+    """Track a recording by what it sees, with its depth or else its right images if it has any.
 
     In a saved map of the place, where the recording brings one, it goes on: the world is then that
     map's, and until the camera finds itself in it there is no pose. The covariance is that of each
@@ -65,18 +65,18 @@ def slam_poses(
     With depth, the surfaces of keyframes are laid on each other in the end, and the path follows.
     One camera or a pair that was recorded with an IMU goes over to metres and up as soon as the IMU
     tells them, and is mapped and tracked with it from then on; if it never tells them, what one
-    camera's pictures alone gave is adjusted with the IMU afterwards.
+    camera's images alone gave is adjusted with the IMU afterwards.
 
     `adjust` and `close_loops` switched off show what the map's adjustment and its loops are worth;
     `threads` maps in a second thread, after which two runs may differ, and `imu_inside` switched
     off keeps the IMU till afterwards, as `threads` or no `adjust` do.
 
     Raises:
-        NotOffered: no camera known, or no pictures.
-        TrackingError: nothing in the pictures from which a map could start.
+        NotOffered: no camera known, or no images.
+        TrackingError: nothing in the images from which a map could start.
     """
     camera_of(recording)
-    require_pictures(recording)
+    require_images(recording)
     from motorcade.tracking.slam import SlamSettings
 
     start = time.perf_counter()
@@ -116,7 +116,7 @@ def slam_poses(
 
 
 def _by_vision(recording: Recording, settings: SlamSettings) -> SlamResult:
-    """A finished run by pictures, and depth or right pictures where there are some."""
+    """A finished run by images, and depth or right images where there are some."""
     from motorcade.tracking.slam import VisualSlam
 
     known = recording.slam_map

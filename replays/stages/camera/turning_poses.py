@@ -1,7 +1,7 @@
 """Stage `turning_poses`: attitudes of a camera that stands, or only turns about its lens.
 
 Nothing tells lengths then. The world has the camera above its origin, at the height at which eyes
-and hands are, and the first picture's up is its z.
+and hands are, and the first image's up is its z.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.progress import track
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.stages.camera.offered import camera_of, require_pictures
+from motorcade.replays.stages.camera.offered import camera_of, require_images
 from motorcade.replays.stages.values.camera_poses import HELD_HEIGHT, CameraPoses, SightedPoints
 from motorcade.tracking import PoseMeasurements, TrackingError
 from motorcade.tracking.shots.rotation import track_rotation
@@ -29,17 +29,17 @@ _TRACKED_SHARE, _MOST_SLIP_PX = 0.5, 3.0
 def turning_poses(recording: Recording, *, held: bool = False) -> CameraPoses:
     """Track the attitude of a camera that stays at its place.
 
-    With `held` it stands, and what moves in the pictures moves by itself, however much it is.
+    With `held` it stands, and what moves in the images moves by itself, however much it is.
 
     Raises:
-        NotOffered: no camera known, or no pictures.
-        TrackingError: pictures whose corners no rotation explains.
+        NotOffered: no camera known, or no images.
+        TrackingError: images whose corners no rotation explains.
     """
     camera = camera_of(recording)
-    require_pictures(recording)
+    require_images(recording)
     start, frames = time.perf_counter(), recording.frames
-    pictures = (frame.gray() for frame in track(frames, "following the camera", len(frames)))
-    turned = track_rotation(pictures, camera, held=held)
+    images = (frame.gray() for frame in track(frames, "following the camera", len(frames)))
+    turned = track_rotation(images, camera, held=held)
     share, slip = len(turned.known) / len(frames), float(np.median(turned.slip_px))
     if share < _TRACKED_SHARE or slip > _MOST_SLIP_PX * max(1.0, camera.width / 960.0):
         raise TrackingError(

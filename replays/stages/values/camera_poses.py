@@ -50,21 +50,21 @@ class CameraPoses:
         slam_history: what became of every frame, where SLAM tracked them.
         inertial: when and how the IMU told metres, where SLAM ran with one inside.
         audit: whether what was told of cameras, rig, board or markers agrees with what was seen.
-        camera, depth_camera: what took the pictures and their depth, where the recording states
-            otherwise than was found; whatever shows pictures along these poses takes these.
+        camera, depth_camera: what took the images and their depth, where the recording states
+            otherwise than was found; whatever shows images along these poses takes these.
         corner_px: how far noise lets a corner scatter in these images, standard deviation; 0 where
             that was not looked at.
         has_odometry: whether the recorded odometry is in the poses already.
-        seconds: what tracking took, reading and decoding the pictures included.
+        seconds: what tracking took, reading and decoding the images included.
 
     >>> import numpy as np
     >>> from pathlib import Path
     >>> from motorcade.fusion.motions import MOTIONS
     >>> from motorcade.replays import Recording
-    >>> from motorcade.replays.io.readers.frames.files import PictureFrames
+    >>> from motorcade.replays.io.readers.frames.files import ImageFrames
     >>> from motorcade.replays.stages.camera.simulated_poses import simulated_poses
     >>> truth = MOTIONS["handheld"].sampled(rate_hz=100.0, duration_s=1.0)
-    >>> frames = PictureFrames((Path("0.png"),), np.array([0]))
+    >>> frames = ImageFrames((Path("0.png"),), np.array([0]))
     >>> recording = Recording("by hand", Path(), "images", frames, truth=truth)
     >>> poses = simulated_poses(recording, rate_hz=20.0)
     >>> poses.origin, len(poses.measurements), poses.metric
@@ -118,7 +118,7 @@ class SightedPoints:
     Fields:
         camera: who saw them, with the distortion of `px`.
         time_ns: ``(F,)`` stamps of frames.
-        frame: ``(n,)`` row of `time_ns` of each sighting.
+        frame: ``(n,)`` row of `time_ns` of each observation.
         points: ``(n, 3)`` in the world of the measured poses and in its unit.
         px: ``(n, 2)`` where they were seen.
 

@@ -96,7 +96,7 @@ class Integrity:
         checks: those that this run allows: what the stage found, then what measuring the poses
             found of what it was told.
         registration_px: of each path, ``(M,)`` how far what is drawn along it lies from the
-            footage, a frame; empty where no poses were measured in pictures.
+            footage, a frame; empty where no poses were measured in images.
         drawn: the first smoothed path, or the measured one where that contradicts the measurements.
         drawn_is: which of them.
 

@@ -85,7 +85,7 @@ class InertialHistory:
     Fields:
         time_ns: ``(f,)`` stamps of the frames that were tracked.
         states: theirs: "initialising" without a map, "visual" before it had metres, "tracking" by
-            pictures and IMU, "inertial" by the IMU alone, "lost" where that was too long ago.
+            images and IMU, "inertial" by the IMU alone, "lost" where that was too long ago.
         metric_from_ns: stamp of the frame at which the map got metres.
         metres_a_unit, scale_sigma: of the map's own unit at that frame, and the relative deviation.
         gravity_direction: ``(3,)`` unit vector along gravity in the axes of the map's first camera.

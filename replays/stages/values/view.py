@@ -118,7 +118,7 @@ class PlacedCharacter:
     looks_at_m: FloatArray | None = None
 
 
-# Of the frames, of a figure's pixels, and of the picture's height: less than this is hardly seen.
+# Of the frames, of a figure's pixels, and of the image's height: less than this is hardly seen.
 SEEN_FRAMES, SEEN_PIXELS, SEEN_HEIGHT = 0.5, 0.5, 0.05
 # In its heights: lower it is sunk, higher it hovers, and farther a foot slides.
 OFF_GROUND, SLIDES = 0.02, 0.02
@@ -133,9 +133,9 @@ class FigureCheck:
     Fields:
         name: what it is called.
         visible_px: ``(F,)`` pixels of it that are seen.
-        drawn_px: ``(F,)`` those in the picture, were nothing before it.
-        inside: ``(F,)`` the share of it that is in the picture.
-        height_px: ``(F,)`` how high it is in the picture.
+        drawn_px: ``(F,)`` those in the image, were nothing before it.
+        inside: ``(F,)`` the share of it that is in the image.
+        height_px: ``(F,)`` how high it is in the image.
         bottom: ``(F,)`` how high its lowest point lies over its ground, in its heights.
         astray_rad: ``(F,)`` how far it faces off its way; NaN where it stands as well.
         slide: the farthest that a foot goes on the ground in one contact, in its heights.
@@ -152,7 +152,7 @@ class FigureCheck:
 
     @property
     def hidden(self) -> float:
-        """The share of its pixels in the picture that something hides, over all frames."""
+        """The share of its pixels in the image that something hides, over all frames."""
         drawn = float(np.nansum(self.drawn_px))
         seen = float(np.nansum(self.visible_px))
         return max(0.0, 1.0 - seen / drawn) if drawn > 0.0 else 0.0
@@ -186,11 +186,11 @@ class FigureCheck:
             "heading_off_way_deg": float(np.degrees(np.median(astray))) if len(astray) else None,
         }
 
-    def doubts(self, picture_px: int) -> tuple[str, ...]:
+    def doubts(self, image_px: int) -> tuple[str, ...]:
         """What somebody who looks at the film would object to.
 
         Args:
-            picture_px: height of the picture.
+            image_px: height of the image.
         """
         seen, frames = self.shown
         if not frames:
@@ -200,8 +200,8 @@ class FigureCheck:
             doubts.append(f"is seen in {seen} of {frames} frames")
         if self.hidden > SEEN_PIXELS:
             doubts.append(f"is hidden for {self.hidden:.0%} by what is before it")
-        if seen and figures["height_px"] < SEEN_HEIGHT * picture_px:
-            doubts.append(f"is {figures['height_px']:.0f} of {picture_px} pixels high")
+        if seen and figures["height_px"] < SEEN_HEIGHT * image_px:
+            doubts.append(f"is {figures['height_px']:.0f} of {image_px} pixels high")
         low, far = figures["lowest_share_of_height"], figures["heading_off_way_deg"]
         if low < -OFF_GROUND:
             doubts.append(f"reaches {-low:.0%} of its height below its ground")
@@ -225,7 +225,7 @@ class OverlayVideo:
         stands_on, lit_by: on what the character stands, and what lights it.
         footage: "original", "undistorted", or "steadied".
         along: which path it was drawn along: "measured", or "smoothed".
-        checks: what it shows of each figure, and the height of its pictures.
+        checks: what it shows of each figure, and the height of its images.
         seconds: what drawing took.
     """
 

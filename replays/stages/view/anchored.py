@@ -166,7 +166,7 @@ class Grounds:
         camera = self.recording.camera
         if self.camera_poses.origin == "turning" and camera is not None:
             ground = level_ground(camera, self.seen_from, floor_m)
-            return replace(ground, doubt="that up is the picture's is a guess")
+            return replace(ground, doubt="that up is the image's is a guess")
         return ground_on_world(self.seen_from, floor_m)
 
     def _of_print(self, face: Ground, up: UpEstimate) -> list[Ground]:
@@ -201,13 +201,13 @@ class Grounds:
 
 
 _FEET = 0.88
-"""Of the picture's height: so far down the soles are seen."""
+"""Of the image's height: so far down the soles are seen."""
 
 
 def level_ground(camera: Camera, path: Trajectory, floor_m: float) -> Ground:
     """The floor, and a place on it where the first camera sees a figure down to its soles.
 
-    The picture's up is taken for the world's, and a camera that looks up or down for one that
+    The image's up is taken for the world's, and a camera that looks up or down for one that
     looks level: nothing in poses that only turn tells otherwise. How high the camera is held is
     a guess, and so the figure is as high as one sees it well.
     """
@@ -218,12 +218,12 @@ def level_ground(camera: Camera, path: Trajectory, floor_m: float) -> Ground:
     place = path.motors[0].translation_m[:2] + reach * gaze[:2]
     plane, x, y = Motor.from_translation([0.0, 0.0, floor_m]), float(place[0]), float(place[1])
     height_m = min(FLOOR_HEIGHT_M, tall_at((x, y), camera, plane.inverse() @ path.motors))
-    name = "a level floor below the camera, up being the picture's"
+    name = "a level floor below the camera, up being the image's"
     return Ground(plane, (x, y), height_m, name)
 
 
 FIXED_PX = 1.5
-"""A marker that one pose brings this near to nine in ten of its sightings does not move."""
+"""A marker that one pose brings this near to nine in ten of its observations does not move."""
 FASTEST_SIDES_S = 25.0
 """A marker carried by hand passes no more of its own sides in a second; more is a leap."""
 LEAST_SIGMA_PX, TURNING_RAD_S, TURNING_RAD = 0.3, 3.0, 0.1
@@ -251,15 +251,15 @@ def find_marker(
     """Find a marker in all frames that have a pose.
 
     Args:
-        recording: with pictures and a family of markers, or with recorded corners.
+        recording: with images and a family of markers, or with recorded corners.
         world_T_camera: the camera's path, smoothed, by what does not move.
         marker_id: of the marker.
-        known: its pose in the world, where a map tells one; taken if the pictures do not refute it.
+        known: its pose in the world, where a map tells one; taken if the images do not refute it.
 
     Raises:
         ValueError: no camera, no family to look for, or a marker that no frame shows.
     """
-    stream, side_m = _sightings_of(recording, marker_id)
+    stream, side_m = _observations_of(recording, marker_id)
     inside = (stream.time_ns[stream.frame] >= world_T_camera.time_ns[0]) & (
         stream.time_ns[stream.frame] <= world_T_camera.time_ns[-1]
     )
@@ -285,7 +285,7 @@ def find_marker(
     return FoundMarker(side_m, path.motors[0], path)
 
 
-def _sightings_of(recording: Recording, marker_id: int) -> tuple[CornerStream, float]:
+def _observations_of(recording: Recording, marker_id: int) -> tuple[CornerStream, float]:
     """Corners of one marker, all frames counting, and its size."""
     frames = recording.frames
     if isinstance(frames, CornerFrames):
@@ -313,7 +313,7 @@ def _looked_for(recording: Recording, marker_id: int) -> LooseMarkers:
 
 
 def _likeliest(both: Motor, error_px: FloatArray, time_s: FloatArray) -> IntArray:
-    """Which of the two poses of each sighting: small errors, and little turning between them."""
+    """Which of the two poses of each observation: small errors, and little turning between them."""
     sigma = max(LEAST_SIGMA_PX, float(np.median(error_px[:, 0])))
     unary = 4.0 * (error_px / sigma) ** 2
     between = both[:-1, :, None].rotor.inverse() @ both[1:, None, :].rotor

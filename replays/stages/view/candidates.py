@@ -218,7 +218,7 @@ def _fitted(
         tall_m = tall_at(place, camera, seen_from)
         if attempt or height_m == FLOOR_HEIGHT_M:
             break
-        if scene.unit == "m":  # a doll, which the room there is allows; not out of the picture
+        if scene.unit == "m":  # a doll, which the room there is allows; not out of the image
             height_m = min(height_m, _LARGEST_SHARE * tall_m)
         else:
             height_m = max(height_m, min(room_m, tall_m))

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from motorcade.animation.ik.feet import stretches
+from motorcade.animation.ik.feet import segments
 from motorcade.animation.retarget import body_of, facing_rad, legs_of
 from motorcade.animation.vectors import wrapped
 from motorcade.ga import Similarity
@@ -82,7 +82,7 @@ def _feet_and_way(performer: Performer, time_ns: IntArray) -> tuple[float, Float
     for leg in legs_of(skeleton):
         ball = skeleton.index(leg.ball)
         low = at[:, ball, 2] <= skeleton.rest_world.translation_m[ball, 2] + TOUCHES * tall
-        for start, end in stretches(low):
+        for start, end in segments(low):
             off = at[start:end, ball, :2] - np.median(at[start:end, ball, :2], axis=0)
             slide = max(slide, float(np.linalg.norm(off, axis=1).max()) / tall)
     facing = facing_rad(skeleton, at)

@@ -31,14 +31,14 @@ def best_place(
     """The place on a plane where the character is in view best, taken over the camera's path.
 
     A frame counts fully where it shows the character whole and at least a fifth as tall as the
-    picture, less where it is smaller, only its feet are shown, or points lie before it. Of places
+    image, less where it is smaller, only its feet are shown, or points lie before it. Of places
     that are seen alike the one nearest the plane's middle is taken. Places where something stands
     are skipped, unless there are no others.
 
     Args:
         outline_m: ``(k, 2)`` convex, anticlockwise, about the origin of the plane's frame.
         height_m: of the character.
-        camera: that takes the pictures; its distortion is left aside.
+        camera: that takes the images; its distortion is left aside.
         plane_T_camera: Motor ``(N,)``, its poses in the plane's frame.
         points_m: ``(p, 3)`` seen or mapped, in the plane's frame.
         noise_m: of these.
@@ -92,7 +92,7 @@ def share_seen(
 
 
 def tall_at(place: tuple[float, float], camera: Camera, plane_T_camera: Motor) -> float:
-    """The height of a character that reaches over a fifth of the picture, upwards or aside.
+    """The height of a character that reaches over a fifth of the image, upwards or aside.
 
     From above it looks short: there it is taller, but by no more than twice.
     """
@@ -101,7 +101,7 @@ def tall_at(place: tuple[float, float], camera: Camera, plane_T_camera: Motor) -
     feet, up = feet[feet[:, 2] > 0.0], up[feet[:, 2] > 0.0]
     if not len(feet):
         return 0.0
-    # How the picture of one with its height grows, in pictures, if it were as far as its feet.
+    # How the image of one with its height grows, in images, if it were as far as its feet.
     size = np.array([camera.width / camera.fx, camera.height / camera.fy])
     reach = np.abs(up[:, :2] - up[:, 2:] * feet[:, :2] / feet[:, 2:]) / size
     reach = np.maximum(reach.max(axis=1), _FORESHORTENED / size.min())

@@ -85,13 +85,13 @@ def overlay(
     `representation` says along which of the smoothed paths; without it, what `integrity` chose.
     `renderer` draws: "fast", or "pyrender" (docs/rendering.md says when to take which).
     `light=estimated` takes sun and ambient light from frames with depth; without depth it takes
-    brightness and colour from board or markers, else from the pictures' mean, and the direction
+    brightness and colour from board or markers, else from the images' mean, and the direction
     from shadows, faces and shading where they tell it; what is drawn follows the exposure.
     The footage stays as it was taken, and what is drawn is distorted as the lens does;
     `lens=undistort` undistorts the footage instead.
-    `view=steady` turns each picture, footage and all, so that the figure moves evenly in it, and
+    `view=steady` turns each image, footage and all, so that the figure moves evenly in it, and
     `view=live` does so by the past alone: what is drawn shakes less and slides no more (the footage
-    is then undistorted, and its edge repeated where the picture reaches beyond it).
+    is then undistorted, and its edge repeated where the image reaches beyond it).
     `gain` brightens what is drawn, `exposure_s` blurs it by the motion in that time, `noise` (of
     255; none: each frame's own) grains it. In footage without colour the character has none.
     The path is extrapolated to measured poses within 0.1 s of its ends, as fusion may end before
@@ -103,7 +103,7 @@ def overlay(
     if recording.camera is None:
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
     if isinstance(recording.frames, CornerFrames):
-        raise Unavailable("the recording holds corners of markers and no pictures to draw into")
+        raise Unavailable("the recording holds corners of markers and no images to draw into")
     path = extrapolated(
         _chosen(smoothed, integrity, representation), camera_poses.measurements.trajectory
     )
@@ -126,7 +126,7 @@ def overlay(
     if view != "footage":
         path = footage.turned(path, steady_view(path, middle_m, live=view == "live"))
     visibility: list[tuple[FigureSeen, ...] | None] = []
-    pictures = render_performers(
+    images = render_performers(
         footage.frames(track(recording.frames, "drawing", len(recording.frames))),
         footage.camera,
         path,
@@ -142,7 +142,7 @@ def overlay(
     )
     file, frames = new_file("overlay.mp4"), recording.frames
     try:
-        write_video(file, footage.counted(pictures), frames.time_ns, _original(frames))
+        write_video(file, footage.counted(images), frames.time_ns, _original(frames))
     except RenderUnavailable as missing:
         raise Unavailable(str(missing)) from missing
     return OverlayVideo(
@@ -202,7 +202,7 @@ def _estimated(
     seen = [frame[:3] for frame in straight.frames(frames[int(k)].still() for k in some)]
     camera, stand = straight.camera, placed.placement
     ground = None
-    if placed.ground_motion is None:  # else it is at one place in one picture only
+    if placed.ground_motion is None:  # else it is at one place in one image only
         ground = ground_of_footage(seen, camera, path, stand, prints)
     meter = None if ground is None else ExposureMeter(ground)
     height_m = stand.scale * character.height_m
@@ -233,7 +233,7 @@ class _Footage:
         return shown
 
     def frames(self, frames: Iterable[Frame]) -> Iterator[ZoomedFrame]:
-        """Stamp, picture, depth and mask of frames, and their focal length over the camera's."""
+        """Stamp, image, depth and mask of frames, and their focal length over the camera's."""
         for prepared in ahead(self._prepared, frames):
             self._given.append(prepared[1])
             yield prepared
@@ -241,10 +241,10 @@ class _Footage:
     def _prepared(self, frame: Frame) -> ZoomedFrame:
         zoom = frame.zoom if self._distorted else 1.0
         frame = (frame.taken or frame) if self._distorted else frame
-        picture, depth_m, mask = frame.image(), frame.depth_m(), frame.mask()
-        mask = None if mask is None else refine_mask(mask, picture)
+        image, depth_m, mask = frame.image(), frame.depth_m(), frame.mask()
+        mask = None if mask is None else refine_mask(mask, image)
         if not self._distorted:
-            picture = self._taken_by.undistort_image(picture)
+            image = self._taken_by.undistort_image(image)
             depth_m = None if depth_m is None else self._taken_by.undistort_depth(depth_m)
             mask = None if mask is None else self._taken_by.undistort_image(mask)
         if self._turn is not None:
@@ -252,18 +252,18 @@ class _Footage:
             if taken.time_ns[0] <= frame.time_ns <= taken.time_ns[-1]:
                 rotors = (one.motors_at(np.int64(frame.time_ns)).rotor for one in (taken, shown))
                 turn = turned_homography(self.camera.matrix, *rotors)
-                picture = warped(picture, turn)
+                image = warped(image, turn)
                 depth_m = None if depth_m is None else warped(depth_m, turn)
                 mask = None if mask is None else warped(mask, turn)
-        return frame.time_ns, picture, depth_m, mask, zoom
+        return frame.time_ns, image, depth_m, mask, zoom
 
-    def counted(self, pictures: Iterable[ImageArray]) -> Iterator[ImageArray]:
+    def counted(self, images: Iterable[ImageArray]) -> Iterator[ImageArray]:
         """The drawn frames as they are."""
-        for picture in pictures:
+        for image in images:
             given = self._given.popleft()
             before = given if given.ndim == 3 else given[..., None]
-            self.drawn_into += bool(np.any(picture != before))
-            yield picture
+            self.drawn_into += bool(np.any(image != before))
+            yield image
 
 
 def extrapolated(path: Trajectory, measured: Trajectory) -> Trajectory:

@@ -104,7 +104,7 @@ def placed(
     first camera, or up to where the camera usually is where that is steeply above. `height_m` is
     the character's; without it, half the shorter side of the board or plane, a marker's side, and
     at most 1.75 m, or 1.75 m on a floor; where lengths have no unit, as tall as the camera is high
-    above the plane, at most a quarter of the scene's depth, and a fifth of the picture at least
+    above the plane, at most a quarter of the scene's depth, and a fifth of the image at least
     where there is room.
     Raises ValueError for a board or plane that is asked for and not there.
     """

@@ -166,7 +166,7 @@ export function projectionMatrix(camera, near, far) {
 
 /**
  * How far from the axis the lens's formula holds: r² of the ideal plane (radtan), or an angle
- * (equidistant), up to where the picture would fold back.
+ * (equidistant), up to where the image would fold back.
  *
  * @param {Camera} camera
  * @returns {number} infinite where it never does

@@ -9,7 +9,7 @@ import { icon } from "studio/editor_icons.js";
 import { Lanes } from "studio/editor_lanes.js";
 import { Link } from "studio/editor_link.js";
 import { Panel } from "studio/editor_panel.js";
-import { Pictures } from "studio/editor_pictures.js";
+import { Images } from "studio/editor_images.js";
 import { Posing } from "studio/editor_posing.js";
 import { EditorStage } from "studio/editor_stage.js";
 import { EditorTimeline, button, made } from "studio/editor_timeline.js";
@@ -25,7 +25,7 @@ const HANDS = MOUSE
   ? "Drag to move, the ring turns, the wheel resizes."
   : "Drag to move. Two fingers turn and resize.";
 const HINTS = {
-  empty: `${MOUSE ? "Click" : "Tap"} Add to put somebody into the picture.`,
+  empty: `${MOUSE ? "Click" : "Tap"} Add to put somebody into the image.`,
   chosen: `${HANDS} Walk lets them go.`,
   prop: HANDS,
   none: `${MOUSE ? "Click" : "Tap"} somebody to choose them.`,
@@ -49,7 +49,7 @@ export class Editor {
     this.handles = new Handles();
     this.posing = new Posing(this.stage.element, this);
     this.stage.scene.add(this.handles.object);
-    this.pictures = new Pictures(this.base, about.frames, () => this.redraw());
+    this.images = new Images(this.base, about.frames, () => this.redraw());
     this.gestures = new Gestures(this.stage.element, this);
     const address = new URL(`${this.base}edit`, location.href);
     address.protocol = address.protocol === "https:" ? "wss:" : "ws:";
@@ -259,7 +259,7 @@ export class Editor {
     return this.about.time_s.data.at(-1) - this.about.time_s.data[0];
   }
 
-  /** Draw soon; the picture on show and the drawing are always of one frame. */
+  /** Draw soon; the image on show and the drawing are always of one frame. */
   redraw() {
     if (this.drawing_soon) return;
     this.drawing_soon = true;
@@ -270,10 +270,10 @@ export class Editor {
   }
 
   draw() {
-    const picture = this.pictures.at(this.frame);
-    if (!picture && this.stage.shown !== this.frame) return;
+    const image = this.images.at(this.frame);
+    if (!image && this.stage.shown !== this.frame) return;
     this.stage.shown = this.frame;
-    this.stage.show(this.frame, picture);
+    this.stage.show(this.frame, image);
     for (const actor of this.actors.values()) actor.show(this.frame, this.seconds);
     this.#placeHandles();
     this.stage.draw();

@@ -1,4 +1,4 @@
-// The scene on the footage: the picture below, characters and props above it, and what is touched.
+// The scene on the footage: the image below, characters and props above it, and what is touched.
 
 import {
   DirectionalLight,
@@ -50,7 +50,7 @@ export class EditorStage {
     this.#light();
     this.raycaster = new Raycaster();
     this.frame = 0;
-    /** The frame whose picture lies below the drawing; none at first. */
+    /** The frame whose image lies below the drawing; none at first. */
     this.shown = -1;
     this.hasPose = false;
     this.box = { x: 0, y: 0, width: 1, height: 1 };
@@ -67,7 +67,7 @@ export class EditorStage {
     this.scene.add(sky, sun);
   }
 
-  /** Follow the size of the page: the picture whole, in the middle. */
+  /** Follow the size of the page: the image whole, in the middle. */
   fit() {
     const { clientWidth: wide, clientHeight: high } = this.element;
     const { width, height } = this.about.camera;
@@ -84,7 +84,7 @@ export class EditorStage {
     this.renderer.setSize(Math.max(1, size.width), Math.max(1, size.height), false);
   }
 
-  /** The picture's pixel below a place of the page; (0, 0) is the middle of the top left one. */
+  /** The image's pixel below a place of the page; (0, 0) is the middle of the top left one. */
   pixelAt(clientX, clientY) {
     const corner = this.ground.getBoundingClientRect();
     const { width, height } = this.about.camera;
@@ -161,12 +161,12 @@ export class EditorStage {
     this.sketched.append(line);
   }
 
-  /** Show a frame: its picture, once it is there, and the view of its camera. */
-  show(frame, picture) {
+  /** Show a frame: its image, once it is there, and the view of its camera. */
+  show(frame, image) {
     this.frame = frame;
-    if (picture) {
+    if (image) {
       const { width, height } = this.ground;
-      this.ground.getContext("2d").drawImage(picture, 0, 0, width, height);
+      this.ground.getContext("2d").drawImage(image, 0, 0, width, height);
     }
     const pose = row(this.about.world_T_camera, frame);
     this.hasPose = !Number.isNaN(pose[0]);

@@ -1,6 +1,6 @@
-// A film that is sought frame by frame; its picture and the number of that frame go together.
+// A film that is sought frame by frame; its image and the number of that frame go together.
 //
-// The picture is copied off a hidden video whenever a frame was presented, so whoever draws over it
+// The image is copied off a hidden video whenever a frame was presented, so whoever draws over it
 // draws over the frame whose number is told, also while the film plays.
 
 import { frameAt } from "studio/look.js";
@@ -10,7 +10,7 @@ const PATIENCE_MS = 250;
 export class Film {
   /**
    * @param {string} source address of an H.264 file
-   * @param {{width: number, height: number, rate_hz: number, frames: number}} about the pictures
+   * @param {{width: number, height: number, rate_hz: number, frames: number}} about the images
    * @param {{size?: [number, number], time_s?: import("./look.js").Packed}} own how large the film has them,
    *   and its stamps where its clock is uneven
    */
@@ -20,16 +20,16 @@ export class Film {
     /** @type {[number, number]} */
     this.size = own.size ?? [about.width, about.height];
     this.times = own.time_s?.data;
-    /** @type {number} the frame that `picture` holds; -1 before the first */
+    /** @type {number} the frame that `image` holds; -1 before the first */
     this.shown = -1;
     this.playing = false;
     /** @type {(frame: number) => void} */
     this.onshown = () => {};
     /** @type {(problem: string) => void} */
     this.onproblem = () => {};
-    this.picture = document.createElement("canvas");
-    [this.picture.width, this.picture.height] = [about.width, about.height];
-    this.brush = this.picture.getContext("2d", { alpha: false });
+    this.image = document.createElement("canvas");
+    [this.image.width, this.image.height] = [about.width, about.height];
+    this.brush = this.image.getContext("2d", { alpha: false });
     this.wanted = 0;
     this.target = -1;
     this.asked = 0;
@@ -100,7 +100,7 @@ export class Film {
   }
 
   #presented(frame) {
-    const { width, height } = this.picture;
+    const { width, height } = this.image;
     this.shown = Math.min(Math.max(frame, 0), this.frames - 1);
     this.brush.drawImage(this.video, 0, 0, ...this.size, 0, 0, width, height);
     if (this.shown === this.target) this.target = -1;

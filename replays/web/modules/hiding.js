@@ -133,7 +133,7 @@ export class Hiding {
     return `No depth was recorded: only ${prints} what is drawn`;
   }
 
-  /** Unpack the pictures of depth. */
+  /** Unpack the images of depth. */
   async load() {
     const { depth } = this.told;
     if (!depth) return;

@@ -1,6 +1,6 @@
 // Panes of the stage: the film, the view through the camera, and the world from outside.
 //
-// One WebGL canvas lies over them all, and each pane is a part of it; pictures lie under it.
+// One WebGL canvas lies over them all, and each pane is a part of it; images lie under it.
 
 import { Matrix4, OrbitControls, PerspectiveCamera, Vector3, WebGLRenderer } from "studio/vendor.js";
 import { projectionMatrix } from "studio/camera.js";
@@ -131,12 +131,12 @@ export class Pane {
     this.controls.update();
   }
 
-  /** The frame that is shown: the film's, so that picture and drawing never part. */
+  /** The frame that is shown: the film's, so that image and drawing never part. */
   get frame() {
     return this.film ? Math.max(this.film.shown, 0) : this.frameNow();
   }
 
-  /** Where the view lies within the pane, CSS pixels: the picture whole, in the middle. */
+  /** Where the view lies within the pane, CSS pixels: the image whole, in the middle. */
   fit() {
     const { clientWidth: wide, clientHeight: high } = this.element;
     if (this.kind === "world") {
@@ -159,7 +159,7 @@ export class Pane {
   draw(renderer, stage) {
     if (!this.box || !this.box.width || !this.box.height) return;
     const { frame } = this;
-    if (this.ground && this.film) this.ground.getContext("2d").drawImage(this.film.picture, 0, 0);
+    if (this.ground && this.film) this.ground.getContext("2d").drawImage(this.film.image, 0, 0);
     if (this.kind === "film" || !renderer) return;
     const outside = this.kind === "world";
     const posed = outside || this.#look(frame);

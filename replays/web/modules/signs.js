@@ -1,4 +1,4 @@
-// Signs in the 3-D view: the camera with its picture, the grid on the ground, how large it all is.
+// Signs in the 3-D view: the camera with its image, the grid on the ground, how large it all is.
 
 import {
   BufferGeometry,
@@ -19,11 +19,11 @@ const SHARE = 0.2;
 const [COLUMNS, ROWS] = [16, 12];
 const LINES = 12;
 
-/** A camera as an open pyramid, its picture as the lens saw it at the far end. */
+/** A camera as an open pyramid, its image as the lens saw it at the far end. */
 export class CameraSign {
   /**
    * @param {import("./camera.js").Camera} camera
-   * @param {import("three").Texture} texture the picture
+   * @param {import("three").Texture} texture the image
    * @param {number} radius of the world
    */
   constructor(camera, texture, radius) {
@@ -31,12 +31,12 @@ export class CameraSign {
     this.object.matrixAutoUpdate = false;
     const depth = SHARE * radius;
     const corner = (u, v) => rayAt(camera, u, v).map((one) => depth * one);
-    this.picture = new Mesh(pictureGeometry(corner), pictureMaterial(texture));
+    this.image = new Mesh(imageGeometry(corner), imageMaterial(texture));
     this.edges = new LineSegments2(
       new LineSegmentsGeometry().setPositions(pyramid(corner)),
       new LineMaterial({ linewidth: 1.5 }),
     );
-    this.object.add(this.picture, this.edges);
+    this.object.add(this.image, this.edges);
   }
 
   /** @param {import("three").Matrix4|null} world_T_camera hidden where there is no pose */
@@ -52,7 +52,7 @@ export class CameraSign {
   }
 }
 
-/** The ray through a share of the picture's width and height; a straight lens where it has none. */
+/** The ray through a share of the image's width and height; a straight lens where it has none. */
 function rayAt(camera, u, v) {
   /** @type {import("./camera.js").Pair} */
   const pixel = [u * camera.width - 0.5, v * camera.height - 0.5];
@@ -60,11 +60,11 @@ function rayAt(camera, u, v) {
   return unproject(camera, pixel) ?? unproject(straight, pixel);
 }
 
-function pictureMaterial(map) {
+function imageMaterial(map) {
   return new MeshBasicMaterial({ map, side: DoubleSide, transparent: true, opacity: 0.92 });
 }
 
-function pictureGeometry(corner) {
+function imageGeometry(corner) {
   const [places, uvs, index] = [[], [], []];
   for (let j = 0; j <= ROWS; j++) {
     for (let i = 0; i <= COLUMNS; i++) {
@@ -81,7 +81,7 @@ function pictureGeometry(corner) {
   return geometry.setIndex(index);
 }
 
-/** Segments from the camera's centre to the corners, and around the picture. */
+/** Segments from the camera's centre to the corners, and around the image. */
 function pyramid(corner) {
   const around = [];
   for (const [from, to] of [[[0, 0], [1, 0]], [[1, 0], [1, 1]], [[1, 1], [0, 1]], [[0, 1], [0, 0]]]) {

@@ -42,7 +42,7 @@ class Shown {
     }
     const { footage, overlay, small } = this.films;
     const film = small ?? footage ?? overlay;
-    this.world = new World(look, film?.picture ?? document.createElement("canvas"));
+    this.world = new World(look, film?.image ?? document.createElement("canvas"));
   }
 
   /** What lies under a kind of view. */

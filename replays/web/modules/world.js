@@ -43,14 +43,14 @@ export const PARTS = {
 };
 
 const SHADOW = 0.34;
-// Width of the picture that hangs in the camera's sign, pixels.
+// Width of the image that hangs in the camera's sign, pixels.
 const SMALL = 256;
 // Milliseconds between two of them at least: a copy waits for all that is being drawn.
 const COPY_EVERY_MS = 120;
 
 export class World {
-  /** @param {import("./look.js").Look} look @param {HTMLCanvasElement} picture of its film */
-  constructor(look, picture) {
+  /** @param {import("./look.js").Look} look @param {HTMLCanvasElement} image of its film */
+  constructor(look, image) {
     this.look = look;
     this.scene = new Scene();
     this.up = new Vector3(...look.up).normalize();
@@ -59,7 +59,7 @@ export class World {
     for (const name of Object.keys(PARTS)) this.#add(name);
     this.bounds = nearSphere(look);
     this.lines = new Map(look.paths.map((path) => [path.name, this.#path(path)]));
-    this.picture = picture;
+    this.image = image;
     this.small = document.createElement("canvas");
     this.small.width = SMALL;
     this.small.height = Math.round((SMALL * look.camera.height) / look.camera.width);
@@ -158,7 +158,7 @@ export class World {
     return pose && setPose(into, pose);
   }
 
-  /** Whether the sign's picture is to be copied later, as frames go by too quickly. */
+  /** Whether the sign's image is to be copied later, as frames go by too quickly. */
   #waits() {
     const wait = (this.copied ?? -Infinity) + COPY_EVERY_MS - performance.now();
     if (wait <= 0) {
@@ -173,10 +173,10 @@ export class World {
   }
 
   /** A small copy for the camera's sign; browsers keep films beside a local page from WebGL. */
-  #copyPicture() {
+  #copyImage() {
     const { width, height } = this.small;
     const brush = this.small.getContext("2d", { willReadFrequently: true });
-    brush.drawImage(this.picture, 0, 0, width, height);
+    brush.drawImage(this.image, 0, 0, width, height);
     try {
       return brush.getImageData(0, 0, 1, 1).data.length > 0;
     } catch {
@@ -204,7 +204,7 @@ export class World {
     this.sign.place(outside ? this.cameraAt(frame, pathName, new Matrix4()) : null);
     if (!outside || this.held === frame || this.#waits()) return;
     this.held = frame;
-    this.texture.needsUpdate = this.sign.picture.visible = this.#copyPicture();
+    this.texture.needsUpdate = this.sign.image.visible = this.#copyImage();
   }
 }
 
@@ -213,7 +213,7 @@ function paint(part, colour) {
   part.traverse((/** @type {any} what is drawn has a material */ one) => one.material?.color.set(colour));
 }
 
-/** A printed sheet with its picture on it. */
+/** A printed sheet with its image on it. */
 function sheet(board) {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new Float32BufferAttribute(board.corners_m.data, 3));
@@ -230,7 +230,7 @@ function sheet(board) {
     texture.needsUpdate = true;
     dispatchEvent(new Event("studio-changed"));
   };
-  image.src = board.picture;
+  image.src = board.image;
   // Behind everything that stands on it: the two lie in one plane.
   const material = new MeshBasicMaterial({
     map: texture,

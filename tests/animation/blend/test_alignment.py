@@ -11,7 +11,7 @@ from motorcade.animation import Character, Clip, Skeleton, legs_of, mannequin
 from motorcade.animation.behaviour import gait_between
 from motorcade.animation.blend import closed, grounded, in_step
 from motorcade.animation.blend.alignment import contacts
-from motorcade.animation.ik.feet import stretches
+from motorcade.animation.ik.feet import segments
 from motorcade.animation.place import on_the_spot
 from motorcade.animation.retarget import facing_rad
 from motorcade.animation.vectors import turn_z
@@ -62,7 +62,7 @@ def test_feet_of_a_blend_stand_still_on_its_way(who):
         ball = who.skeleton.index(leg.ball)
         at, rest = world[:, ball].translation_m, who.skeleton.rest_world[ball].translation_m
         low = at[:, 2] <= rest[2] + 0.003 * who.height_m
-        slides = [np.ptp(at[a:b, :2], axis=0).max() for a, b in stretches(low)]
+        slides = [np.ptp(at[a:b, :2], axis=0).max() for a, b in segments(low)]
         assert slides
         assert max(slides) < 0.01 * who.height_m
 

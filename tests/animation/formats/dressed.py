@@ -1,4 +1,4 @@
-"""A small glTF file with everything that a surface may have: pictures, samplers, morphs, scenes."""
+"""A small glTF file with everything that a surface may have: images, samplers, morphs, scenes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MAPS = ("normalTexture", "occlusionTexture", "emissiveTexture")
 
 
 def encoded(kind: str, size: tuple[int, int] = (4, 2), color: Any = (250, 20, 0, 100)) -> bytes:
-    """A picture of one colour, as a file of that kind."""
+    """An image of one colour, as a file of that kind."""
     from PIL import Image
 
     made = io.BytesIO()
@@ -24,14 +24,14 @@ def encoded(kind: str, size: tuple[int, int] = (4, 2), color: Any = (250, 20, 0,
     return made.getvalue()
 
 
-def dressed_gltf(pictures: tuple[bytes, ...]) -> Gltf:
+def dressed_gltf(images: tuple[bytes, ...]) -> Gltf:
     """The tower with a skin and every map, a hat on an animated node, and a mesh in no scene.
 
     Args:
-        pictures: one or more files, which its five maps show in turn.
+        images: one or more files, which its five maps show in turn.
     """
     made = gltf_tower()
-    _materials(made, pictures)
+    _materials(made, images)
     meshes, nodes = made.document["meshes"], made.document["nodes"]
     part = meshes[0]["primitives"][0]
     part["attributes"] |= _attributes(made)
@@ -73,8 +73,8 @@ def _attributes(made: Gltf) -> dict[str, int]:
     }
 
 
-def _materials(made: Gltf, pictures: tuple[bytes, ...]) -> None:
-    count = len(pictures)
+def _materials(made: Gltf, images: tuple[bytes, ...]) -> None:
+    count = len(images)
     moved = {"offset": [0.25, 0.5], "rotation": 1.0, "scale": [2.0, 3.0], "texCoord": 1}
     links: list[dict[str, Any]] = [{"index": number % count} for number in range(5)]
     links[0]["extensions"] = {"KHR_texture_transform": moved}
@@ -107,9 +107,9 @@ def _materials(made: Gltf, pictures: tuple[bytes, ...]) -> None:
     made.document |= {
         "images": [
             {"bufferView": made.view(np.frombuffer(one, np.uint8)), "mimeType": "image/png"}
-            for one in pictures
+            for one in images
         ],
-        "textures": [{"source": number, "sampler": number % 2} for number in range(len(pictures))],
+        "textures": [{"source": number, "sampler": number % 2} for number in range(len(images))],
         "samplers": [
             {"wrapS": 33648, "wrapT": 33071, "magFilter": 9728, "minFilter": 9729},
             {"wrapS": 10497, "minFilter": 9985},

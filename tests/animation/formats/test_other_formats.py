@@ -121,7 +121,7 @@ def test_roots_of_md5_stand_in_the_world(write: Write) -> None:
     )
 
 
-def test_a_picture_beside_paints_the_mesh_of_md5(write: Write, tmp_path: Path) -> None:
+def test_an_image_beside_paints_the_mesh_of_md5(write: Write, tmp_path: Path) -> None:
     Image.new("RGB", (1, 1), (255, 0, 0)).save(tmp_path / "tower.png")
     found = read_character(write("red.md5mesh", mesh(('"tower"', '"tower.png"'))))
     np.testing.assert_allclose(found.colors, np.tile([1.0, 0.0, 0.0], (12, 1)))

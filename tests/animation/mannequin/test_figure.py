@@ -49,7 +49,7 @@ def document_of(data: bytes) -> tuple[dict, bytes]:
     return json.loads(data[20 : 20 + length]), data[28 + length :]
 
 
-def test_its_file_has_pictures_and_a_material_with_every_map_that_it_needs() -> None:
+def test_its_file_has_images_and_a_material_with_every_map_that_it_needs() -> None:
     document, buffer = document_of(SHIPPED.read_bytes())
     (material,) = document["materials"]
     surface = material["pbrMetallicRoughness"]
@@ -65,7 +65,7 @@ def test_its_file_has_pictures_and_a_material_with_every_map_that_it_needs() -> 
 
 @pytest.mark.slow
 def test_the_generator_makes_the_file_that_ships(figure: Character, tmp_path: Path) -> None:
-    """To the last bit with one set of libraries; others may round and pack pictures otherwise."""
+    """To the last bit with one set of libraries; others may round and pack images otherwise."""
     write_gltf(tmp_path / "anew.glb", made_anew())
     again = read_character(tmp_path / "anew.glb")
     assert len(again.vertices) == len(figure.vertices)

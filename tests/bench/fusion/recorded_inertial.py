@@ -37,7 +37,7 @@ def track_recorded(path: Path, manifest: Path | None, frames: int | None) -> str
     """Track a recording, and say what was found.
 
     Raises:
-        ValueError: no camera or no IMU, or no map by pictures alone.
+        ValueError: no camera or no IMU, or no map by images alone.
     """
     recording = open_recording(path, manifest)
     imu = recording.imu if recording.imu is not None else open_recording(path).imu
@@ -45,23 +45,23 @@ def track_recorded(path: Path, manifest: Path | None, frames: int | None) -> str
     if imu is None or camera is None:
         raise ValueError(f"{path}: expected a recording with a camera and an IMU")
     noise = recording.imu_noise or ImuNoise(*(_TIMES_WORSE * one for one in astuple(ADIS16448)))
-    pictures = [(int(one.time_ns), one.gray()) for one in islice(recording.frames, frames)]
-    pictures = [one for one in pictures if imu.time_ns[0] <= one[0] <= imu.time_ns[-3]]
-    sits = recording.imu_T_camera or _turned(camera, pictures, imu, noise)
+    images = [(int(one.time_ns), one.gray()) for one in islice(recording.frames, frames)]
+    images = [one for one in images if imu.time_ns[0] <= one[0] <= imu.time_ns[-3]]
+    sits = recording.imu_T_camera or _turned(camera, images, imu, noise)
     slam, fed = InertialSlam(camera, noise, sits), 0
-    for time_ns, gray in pictures:
+    for time_ns, gray in images:
         fed = feed(slam, imu, fed, time_ns)
         slam.track(time_ns, gray)
     found = slam.finish()
     lines = [
-        f"{path.name}: {len(pictures)} frames, states {dict(Counter(found.states))}",
+        f"{path.name}: {len(images)} frames, states {dict(Counter(found.states))}",
         f"  camera on IMU, rotation vector {sits.rotor.as_rotation_vector().round(3).tolist()}",
     ]
     if found.start is None or found.fused is None or found.metric_from_ns is None:
         lines.append("  the IMU did not tell metres: too little acceleration for its noise")
     else:
         lines.append(
-            f"  metres {1e-9 * (found.metric_from_ns - pictures[0][0]):.1f} s after the first "
+            f"  metres {1e-9 * (found.metric_from_ns - images[0][0]):.1f} s after the first "
             f"frame, scale to {100 * found.start.log_scale_sigma:.1f} % at first; "
             f"{len(found.fused.trajectory)} poses, {_length_m(found.fused.trajectory):.1f} m long"
         )
@@ -69,15 +69,15 @@ def track_recorded(path: Path, manifest: Path | None, frames: int | None) -> str
 
 
 def _turned(
-    camera: Camera, pictures: list[tuple[int, np.ndarray]], imu: ImuStream, noise: ImuNoise
+    camera: Camera, images: list[tuple[int, np.ndarray]], imu: ImuStream, noise: ImuNoise
 ) -> Motor:
     """imu_T_camera by turns alone, without a lever arm."""
     slam = VisualSlam(camera)
-    for time_ns, gray in pictures:
+    for time_ns, gray in images:
         slam.track(time_ns, gray)
     path = slam.finish(adjust=False).trajectory
     if path is None or len(path) <= 2 * _STEP:
-        raise ValueError("pictures: expected a map by visual SLAM alone, got none")
+        raise ValueError("images: expected a map by visual SLAM alone, got none")
     path = path[::_STEP]
     rotor = path.motors.rotor
     seen = (rotor[:-1].inverse() @ rotor[1:]).as_rotation_vector()

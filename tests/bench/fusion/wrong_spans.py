@@ -134,7 +134,7 @@ def _rms(values: NDArray[np.float64]) -> float:
 def drawn(
     flights: tuple[str, ...], draws: int, seed: int, longest_s: float
 ) -> Iterator[tuple[str, WrongSpan, Flight, PoseMeasurements]]:
-    """Stretches of flights, up to so long, and spans of them."""
+    """Segments of flights, up to so long, and spans of them."""
     for name in flights:
         one = flight(name, data_folder())
         if one is None:
@@ -156,7 +156,7 @@ def main() -> None:
     parser.add_argument("--flights", default=",".join(FLIGHTS), help="by commas")
     parser.add_argument("--draws", type=int, default=20, help="of each flight")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--longest-s", type=float, default=60.0, help="stretches are from 8 s on")
+    parser.add_argument("--longest-s", type=float, default=60.0, help="segments are from 8 s on")
     parser.add_argument("--lag", type=float, default=np.inf, help="0: live")
     parser.add_argument("--upright", action="store_true", help="the vertical is not estimated")
     asked = parser.parse_args()

@@ -23,7 +23,7 @@ __all__ = ["write_footage", "write_long_stream"]
 
 RATE_HZ, IMU_HZ, TRUTH_HZ = 30.0, 200.0, 20.0
 TURN_FRAMES = 300
-"""The camera goes round so often; its pictures are drawn once and repeated."""
+"""The camera goes round so often; its images are drawn once and repeated."""
 CAMERA = Camera(160, 120, 150.0, 150.0, 79.5, 59.5)
 BOARD = Checkerboard(columns=7, rows=5, square_m=0.03)
 _CAMERA_TOML = """
@@ -78,7 +78,7 @@ def write_footage(folder: Path, frames: int) -> None:
 
 
 def write_long_stream(folder: Path, duration_s: float) -> None:
-    """Write an IMU's stream on a turning path, the true path, a single picture, measured poses."""
+    """Write an IMU's stream on a turning path, the true path, a single image, measured poses."""
     folder.mkdir(parents=True)
     made = simulate_imu(
         ContinuousPath.along(gimbal_crossing(), duration_s),

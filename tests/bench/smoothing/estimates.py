@@ -2,8 +2,8 @@
 
 Step errors are those from one pose to the next (RPE of `motorcade.fusion.metrics`). The world and
 the scale of an estimate are aligned once, by its raw path. Stamps are taken as they come; where its
-turns run whole pictures ahead of the ground truth's, the estimate is judged a second time, in step.
-So it is of S-PTAM, whose rows are one picture early: turns that do not match look like noise there,
+turns run whole images ahead of the ground truth's, the estimate is judged a second time, in step.
+So it is of S-PTAM, whose rows are one image early: turns that do not match look like noise there,
 which whatever flattens them seems to take off.
 
 `python -m tests.bench.smoothing.estimates` tells what `smooth` leaves of step errors and of jitter
@@ -66,8 +66,8 @@ def estimates(folder: Path) -> Iterator[Estimate]:
         if not (folder / "trajectories" / file).exists():
             continue
         raw, true = (_read(folder / "trajectories" / one) for one in (file, reference))
-        pictures = _pictures_behind(true, raw)
-        for ahead in (0, pictures) if pictures else (0,):
+        images = _images_behind(true, raw)
+        for ahead in (0, images) if images else (0,):
             matched = match(raw, _moved(true, raw, ahead), align, max_difference_s=0.02)
             yield Estimate(
                 f"{name}{IN_STEP if ahead else ''}",
@@ -88,14 +88,14 @@ def _read(file: Path) -> Trajectory:
     return read_trajectory(file, times=times)
 
 
-def _pictures_behind(true: Trajectory, raw: Trajectory) -> int:
-    """By how many whole pictures an estimate's turns lag."""
+def _images_behind(true: Trajectory, raw: Trajectory) -> int:
+    """By how many whole images an estimate's turns lag."""
     return round(1e9 * angular_rate_lag_s(raw, true) / _interval_ns(raw))
 
 
-def _moved(true: Trajectory, raw: Trajectory, pictures: int) -> Trajectory:
-    """Ground truth with its stamps later by so many pictures of an estimate."""
-    moved_ns = true.time_ns + round(pictures * _interval_ns(raw))
+def _moved(true: Trajectory, raw: Trajectory, images: int) -> Trajectory:
+    """Ground truth with its stamps later by so many images of an estimate."""
+    moved_ns = true.time_ns + round(images * _interval_ns(raw))
     return Trajectory(moved_ns, true.poses, true.parent, true.child)
 
 

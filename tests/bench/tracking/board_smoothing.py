@@ -56,8 +56,8 @@ def bench_board(folder: Path | None = None) -> list[dict[str, Any]]:
     if recording.camera is None or recording.board is None:
         raise ValueError(f"{root}: expected a camera and a board, got a recording without")
     start = time.perf_counter()
-    pictures = ((frame.time_ns, frame.gray()) for frame in recording.frames)
-    plain = track_board(pictures, recording.camera, recording.board).measurements.trajectory
+    images = ((frame.time_ns, frame.gray()) for frame in recording.frames)
+    plain = track_board(images, recording.camera, recording.board).measurements.trajectory
     rows = [_row("as tracked", plain, recording.truth, time.perf_counter() - start)]
     for label, (method, parameters) in (("causal", CAUSAL), ("offline", OFFLINE)):
         start = time.perf_counter()

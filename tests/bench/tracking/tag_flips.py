@@ -26,8 +26,8 @@ from motorcade.replays.io.readers.tagslam.recording import TagSlamReference, rea
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import (
     FixedLagResolver,
+    MarkerObservations,
     Resolution,
-    Sightings,
     best_single,
     pose_stream,
     resolve,
@@ -144,7 +144,7 @@ def _near(a: FloatArray, b: FloatArray) -> np.ndarray[Any, Any]:
 def _normals(stream: CornerStream, answer: Resolution) -> FloatArray:
     """Chosen normals ``(N, 3)`` of all detections; NaN for those that are not in the answer."""
     normals = np.full((len(stream), 3), np.nan)
-    seen = answer.sightings
+    seen = answer.observations
     place = {
         key: row
         for row, key in enumerate(
@@ -157,7 +157,7 @@ def _normals(stream: CornerStream, answer: Resolution) -> FloatArray:
 
 
 def resolve_online(
-    sightings: Sightings, lag_frames: int, sigma_px: float | None = None
+    observations: MarkerObservations, lag_frames: int, sigma_px: float | None = None
 ) -> Resolution:
     """A recording resolved as `FixedLagResolver` would have done while it was taken.
 
@@ -165,17 +165,17 @@ def resolve_online(
         ValueError: a lag below 0, or a noise that is not above zero.
     """
     resolver = FixedLagResolver(lag_frames, sigma_px)
-    frames = range(len(sightings.time_ns))
-    answers = [resolver.update(sightings.of_frames(np.array([row]))) for row in frames]
+    frames = range(len(observations.time_ns))
+    answers = [resolver.update(observations.of_frames(np.array([row]))) for row in frames]
     done = [answer for answer in answers if answer is not None] + list(resolver.finish())
     return Resolution(
-        sightings,
+        observations,
         np.concatenate([answer.choice for answer in done]) if done else np.zeros(0, np.int64),
         np.concatenate([answer.probability for answer in done]) if done else np.zeros(0),
     )
 
 
-def _methods() -> Iterator[tuple[str, Callable[[Sightings], Resolution]]]:
+def _methods() -> Iterator[tuple[str, Callable[[MarkerObservations], Resolution]]]:
     yield "best reprojection", best_single
     for lag in LAGS:
         yield f"online, {lag} frames late", partial(resolve_online, lag_frames=lag)
@@ -197,10 +197,10 @@ def bench_flips(folder: Path | None = None) -> list[dict[str, Any]]:
         recording = tagslam.read(root / name)
         stream = recording.streams["cam0"]
         true = reference_rotors(stream, read_reference(root / name), "cam0")
-        sightings = pose_stream(stream, recording.side_m)
+        observations = pose_stream(stream, recording.side_m)
         for method, answer in _methods():
             start = time.perf_counter()
-            found = answer(sightings)
+            found = answer(observations)
             seconds = time.perf_counter() - start
             counted = count_flips(stream, _normals(stream, found), true)
             rows.append(

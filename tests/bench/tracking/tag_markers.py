@@ -1,7 +1,7 @@
 """`make bench SUITE=tracking`, markers: how many are found, and how long it takes.
 
-On the pictures of tags in the recordings' folder, beside pupil-apriltags alone (`quad_decimate=1`)
-and OpenCV's detector alone, each on one thread. The three take turns on each picture, and each
+On the images of tags in the recordings' folder, beside pupil-apriltags alone (`quad_decimate=1`)
+and OpenCV's detector alone, each on one thread. The three take turns on each image, and each
 time is the median of the thread's own seconds, so that other load on the machine hardly counts.
 """
 
@@ -16,7 +16,7 @@ from typing import Any
 
 from tests.bench.data import data_folder
 
-__all__ = ["apriltag_detector", "bench_markers", "markers_table", "measure_pictures"]
+__all__ = ["apriltag_detector", "bench_markers", "markers_table", "measure_images"]
 
 FAMILY = "tag36h11"
 ROUNDS = 15
@@ -24,7 +24,7 @@ _FOLDERS = ("rotations", "multi", "photos")
 
 
 def bench_markers() -> dict[str, Any]:
-    """Markers found and milliseconds for each folder of pictures, each way."""
+    """Markers found and milliseconds for each folder of images, each way."""
     folder = data_folder() / "tags"
     rows = []
     for name in _FOLDERS:
@@ -32,35 +32,35 @@ def bench_markers() -> dict[str, Any]:
             path for path in (folder / name).glob("*") if path.suffix in (".png", ".jpg")
         )
         if files:
-            rows.append({"pictures": name, **measure_pictures(files, ROUNDS)})
+            rows.append({"images": name, **measure_images(files, ROUNDS)})
     return {"family": FAMILY, "rows": rows}
 
 
-def measure_pictures(files: list[Path], rounds: int) -> dict[str, Any]:
-    """Markers found in picture files, milliseconds a picture, and times relative to AprilTag.
+def measure_images(files: list[Path], rounds: int) -> dict[str, Any]:
+    """Markers found in image files, milliseconds an image, and times relative to AprilTag.
 
     Raises:
-        RecordingError: a picture that cannot be read.
+        RecordingError: an image that cannot be read.
     """
-    from motorcade.replays.io.readers.frames.pictures import read_gray
+    from motorcade.replays.io.readers.frames.images import read_gray
 
     found: dict[str, int] = {}
     spent_ms: dict[str, float] = {}
     with _one_opencv_thread():
         for path in files:
-            picture = read_gray(path, None, None)
-            for name, (count, seconds) in _take_turns(_ways(picture), rounds).items():
+            image = read_gray(path, None, None)
+            for name, (count, seconds) in _take_turns(_ways(image), rounds).items():
                 found[name] = found.get(name, 0) + count
                 spent_ms[name] = spent_ms.get(name, 0.0) + 1e3 * seconds
     return {
         "count": len(files),
         "found": found,
-        "ms_a_picture": {name: ms / len(files) for name, ms in spent_ms.items()},
+        "ms_an_image": {name: ms / len(files) for name, ms in spent_ms.items()},
         "times_apriltag": {name: ms / spent_ms["apriltag"] for name, ms in spent_ms.items()},
     }
 
 
-def _ways(picture: Any) -> dict[str, Callable[[], int]]:
+def _ways(image: Any) -> dict[str, Callable[[], int]]:
     import cv2
 
     from motorcade.tracking.markers import detect_markers
@@ -69,9 +69,9 @@ def _ways(picture: Any) -> dict[str, Callable[[], int]]:
     peer = apriltag_detector(FAMILY)
     aruco = cv2.aruco.ArucoDetector(dictionary(FAMILY))
     return {
-        "motorcade": lambda: len(detect_markers(picture, FAMILY)),
-        "apriltag": lambda: len(peer.detect(picture)),
-        "opencv": lambda: len(aruco.detectMarkers(picture)[0]),
+        "motorcade": lambda: len(detect_markers(image, FAMILY)),
+        "apriltag": lambda: len(peer.detect(image)),
+        "opencv": lambda: len(aruco.detectMarkers(image)[0]),
     }
 
 
@@ -113,11 +113,11 @@ def _one_opencv_thread() -> Iterator[None]:
 def markers_table(found: Mapping[str, Any]) -> str:
     """A row a folder and way: markers found, milliseconds, times AprilTag's."""
     if not found["rows"]:
-        return "markers: no pictures of tags here; set MOTORCADE_DATA to the recordings' folder"
+        return "markers: no images of tags here; set MOTORCADE_DATA to the recordings' folder"
     lines = [f"{found['family'] + ', one thread':<38}{'found':>10}{'ms':>10}{'x apriltag':>12}"]
     for row in found["rows"]:
-        for name, ms in row["ms_a_picture"].items():
-            label = f"{row['pictures']} ({row['count']}), {name}"
+        for name, ms in row["ms_an_image"].items():
+            label = f"{row['images']} ({row['count']}), {name}"
             count, times = row["found"][name], row["times_apriltag"][name]
             lines.append(f"{label:<38}{count:>10}{ms:>10.1f}{times:>12.2f}")
     return "\n".join(lines)

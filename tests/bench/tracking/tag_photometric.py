@@ -20,8 +20,8 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.tracking import Camera, detect_markers
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import (
+    MarkerObservations,
     Resolution,
-    Sightings,
     best_single,
     pose_stream,
     resolve,
@@ -46,7 +46,7 @@ class _Way:
     """What one way made of a sequence: corners, both poses of each, seconds."""
 
     stream: CornerStream
-    sightings: Sightings
+    observations: MarkerObservations
     seconds: float
 
 
@@ -71,13 +71,13 @@ def _sequence(distance_m: float) -> tuple[TagScene, Motor, dict[str, _Way]]:
     frames, ids, corners, refined = [], [], [], []
     seconds = 0.0
     for row in range(FRAMES):
-        picture = scene.picture(path[row], rng)
-        found = detect_markers(picture, FAMILY, _CAMERA)
+        image = scene.image(path[row], rng)
+        found = detect_markers(image, FAMILY, _CAMERA)
         own = np.array([one.marker_id for one in found], np.int64)
         places = np.array([one.corners_px for one in found]).reshape(-1, 4, 2)
         start = time.perf_counter()
         sides = np.full(len(own), SIDE_M)
-        refined.append(refine_frame(picture, _CAMERA, FAMILY, own, places, sides))
+        refined.append(refine_frame(image, _CAMERA, FAMILY, own, places, sides))
         seconds += time.perf_counter() - start
         frames.append(np.full(len(own), row))
         ids.append(own)
@@ -97,7 +97,7 @@ def _sequence(distance_m: float) -> tuple[TagScene, Motor, dict[str, _Way]]:
 
 
 def _row(scene: TagScene, path: Motor, distance_m: float, name: str, way: _Way) -> dict[str, Any]:
-    seen = way.sightings
+    seen = way.observations
     true = path[seen.frame].inverse() @ scene.world_T_marker[seen.marker_ids]
     corners = np.stack([scene.corners_px(path[row]) for row in range(FRAMES)])
     off = way.stream.corners_px - corners[way.stream.frame, way.stream.marker_ids]
@@ -127,7 +127,7 @@ def _wrong(answer: Resolution, true: Motor) -> int:
 def _jitter(answer: Resolution, true: Motor) -> tuple[float, float]:
     """RMS over axes of the errors' second differences: metres, radians."""
     errors = (true.inverse() @ answer.camera_T_marker).as_twist()
-    seen = answer.sightings
+    seen = answer.observations
     parts: list[FloatArray] = []
     for marker in np.unique(seen.marker_ids):
         rows = np.flatnonzero(seen.marker_ids == marker)

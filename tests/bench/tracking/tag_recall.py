@@ -32,7 +32,7 @@ Tags = list[tuple[int, FloatArray]]
 def draw_scene(
     rng: np.random.Generator, family: str = FAMILY, width: int = 640, height: int = 480
 ) -> tuple[GrayImage, Tags]:
-    """A picture, and the id and centre of each tag in it."""
+    """An image, and the id and centre of each tag in it."""
     from motorcade.tracking.markers.families import family_size
 
     size = (width * _FINE, height * _FINE)
@@ -57,10 +57,10 @@ def draw_scene(
         corners = rng.uniform(-100.0, (width + 100.0, height + 100.0), (3, 2))
         cv2.fillPoly(shade, [np.int32(corners * _FINE)], 1)
         fine[shade > 0] *= rng.uniform(0.25, 0.7)
-    picture = cv2.resize(fine, (width, height), interpolation=cv2.INTER_AREA)
-    picture = cv2.GaussianBlur(picture, (0, 0), rng.uniform(0.4, 1.1))
-    picture += rng.uniform(0.5, 6.0) * rng.standard_normal(picture.shape)
-    return np.clip(np.rint(picture), 0, 255).astype(np.uint8), tags
+    image = cv2.resize(fine, (width, height), interpolation=cv2.INTER_AREA)
+    image = cv2.GaussianBlur(image, (0, 0), rng.uniform(0.4, 1.1))
+    image += rng.uniform(0.5, 6.0) * rng.standard_normal(image.shape)
+    return np.clip(np.rint(image), 0, 255).astype(np.uint8), tags
 
 
 def _view(centre_px: FloatArray, rng: np.random.Generator) -> FloatArray:
@@ -101,11 +101,11 @@ def measure_recall(scenes: int, first_seed: int = 0) -> dict[str, Any]:
     right, false = dict.fromkeys(ways, 0), dict.fromkeys(ways, 0)
     seconds, together = dict.fromkeys(ways, 0.0), 0
     for seed in range(first_seed, first_seed + scenes):
-        picture, tags = draw_scene(np.random.default_rng(seed))
+        image, tags = draw_scene(np.random.default_rng(seed))
         hits: dict[str, set[int]] = {}
         for name, way in ways.items():
             start = time.thread_time()
-            found = way(picture)
+            found = way(image)
             seconds[name] += time.thread_time() - start
             which = [_which(one, tags) for one in found]
             hits[name] = {one for one in which if one is not None}
@@ -117,7 +117,7 @@ def measure_recall(scenes: int, first_seed: int = 0) -> dict[str, Any]:
         "right": right,
         "false": false,
         "libraries_together": together,
-        "ms_a_picture": {name: 1e3 * one / scenes for name, one in seconds.items()},
+        "ms_an_image": {name: 1e3 * one / scenes for name, one in seconds.items()},
     }
 
 
@@ -128,8 +128,8 @@ def _ways() -> dict[str, Callable[[GrayImage], Tags]]:
     library = apriltag_detector(FAMILY)
     aruco = cv2.aruco.ArucoDetector(dictionary(FAMILY))
 
-    def opencv(picture: GrayImage) -> Tags:
-        quads, ids, _ = aruco.detectMarkers(picture)
+    def opencv(image: GrayImage) -> Tags:
+        quads, ids, _ = aruco.detectMarkers(image)
         if ids is None:
             return []
         return [
@@ -137,12 +137,10 @@ def _ways() -> dict[str, Callable[[GrayImage], Tags]]:
         ]
 
     return {
-        "motorcade": lambda picture: [
-            (one.marker_id, one.corners_px.mean(axis=0)) for one in detect_markers(picture, FAMILY)
+        "motorcade": lambda image: [
+            (one.marker_id, one.corners_px.mean(axis=0)) for one in detect_markers(image, FAMILY)
         ],
-        "apriltag": lambda picture: [
-            (one.tag_id, one.center - 0.5) for one in library.detect(picture)
-        ],
+        "apriltag": lambda image: [(one.tag_id, one.center - 0.5) for one in library.detect(image)],
         "opencv": opencv,
     }
 
@@ -164,7 +162,7 @@ def bench_recall() -> dict[str, Any]:
 def recall_table(found: Mapping[str, Any]) -> str:
     """A row a way: right ones, false ones, milliseconds."""
     lines = [f"{found['scenes']} drawn scenes, {FAMILY:<18}{'right':>10}{'false':>10}{'ms':>10}"]
-    for name, ms in found["ms_a_picture"].items():
+    for name, ms in found["ms_an_image"].items():
         lines.append(f"{name:<36}{found['right'][name]:>10}{found['false'][name]:>10}{ms:>10.1f}")
     lines.append(f"{'apriltag and opencv together':<36}{found['libraries_together']:>10}")
     return "\n".join(lines)

@@ -1,7 +1,7 @@
 """Markers drawn as a camera sees them, with exact truth: for measuring what detectors do to them.
 
 Each marker is a flat print with a white margin, drawn through its homography at four times the
-picture's resolution and averaged down; then lens blur, light, noise and rounding. A pinhole camera:
+image's resolution and averaged down; then lens blur, light, noise and rounding. A pinhole camera:
 what lenses do is measured elsewhere.
 """
 
@@ -48,7 +48,7 @@ class TagScene:
     blur_px: float = 0.7
     noise: float = 3.0
 
-    def picture(self, world_T_camera: Motor, rng: np.random.Generator) -> GrayImage:
+    def image(self, world_T_camera: Motor, rng: np.random.Generator) -> GrayImage:
         """What the camera sees from a pose."""
         height, width = self.camera.height, self.camera.width
         fine: NDArray[np.float32] = np.full((height * _FINE, width * _FINE), _AROUND, np.float32)

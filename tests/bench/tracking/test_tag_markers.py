@@ -1,4 +1,4 @@
-"""The marker benchmark counts what each detector finds in the same pictures, on one thread."""
+"""The marker benchmark counts what each detector finds in the same images, on one thread."""
 
 from pathlib import Path
 
@@ -10,22 +10,22 @@ from tests.bench.tracking import tag_markers
 from tests.bench.tracking.tag_markers import (
     bench_markers,
     markers_table,
-    measure_pictures,
+    measure_images,
 )
 from tests.bench.tracking.tag_recall import measure_recall, recall_table
 
 
 def test_all_three_count_the_same_print(tmp_path: Path) -> None:
-    picture, _ = MarkerGrid("tag36h11", 3, 2, 0.04, 0.01).draw(1500.0)
+    image, _ = MarkerGrid("tag36h11", 3, 2, 0.04, 0.01).draw(1500.0)
     for name in ("a.png", "b.png"):
-        cv2.imwrite(str(tmp_path / name), cv2.GaussianBlur(picture, (0, 0), 0.8))
+        cv2.imwrite(str(tmp_path / name), cv2.GaussianBlur(image, (0, 0), 0.8))
     threads = cv2.getNumThreads()
-    found = measure_pictures([tmp_path / "a.png", tmp_path / "b.png"], 1)
+    found = measure_images([tmp_path / "a.png", tmp_path / "b.png"], 1)
     assert cv2.getNumThreads() == threads
     assert found["count"] == 2
     assert found["found"] == {"motorcade": 12, "apriltag": 12, "opencv": 12}
     assert found["times_apriltag"]["apriltag"] == 1.0
-    assert all(ms > 0.0 for ms in found["ms_a_picture"].values())
+    assert all(ms > 0.0 for ms in found["ms_an_image"].values())
 
 
 def test_the_table_has_a_row_a_detector_or_says_what_is_missing(
@@ -33,9 +33,9 @@ def test_the_table_has_a_row_a_detector_or_says_what_is_missing(
 ) -> None:
     monkeypatch.setenv("MOTORCADE_DATA", str(tmp_path))
     assert "set MOTORCADE_DATA" in markers_table(bench_markers())
-    picture, _ = MarkerGrid("tag36h11", 1, 1, 0.04, 0.01, first_id=9).draw(1500.0)
+    image, _ = MarkerGrid("tag36h11", 1, 1, 0.04, 0.01, first_id=9).draw(1500.0)
     (tmp_path / "tags" / "multi").mkdir(parents=True)
-    cv2.imwrite(str(tmp_path / "tags" / "multi" / "a.png"), picture)
+    cv2.imwrite(str(tmp_path / "tags" / "multi" / "a.png"), image)
     monkeypatch.setattr(tag_markers, "ROUNDS", 1)
     table = markers_table(bench_markers())
     assert [line.split(",")[1].split()[:2] for line in table.splitlines()[1:]] == [

@@ -127,7 +127,7 @@ def write_drawn(folder: Path, width: int, height: int) -> Path:
     """Draw ten seconds of a board as a video beside its manifest, which is returned."""
     count = round(LASTS_S * RATE_HZ)
     stamps = np.rint(np.arange(count) * 1e9 / RATE_HZ).astype(np.int64)
-    write_video(folder / "board.mp4", _pictures(width, height, count), stamps)
+    write_video(folder / "board.mp4", _images(width, height, count), stamps)
     focal = 0.8 * width
     text = f"""name = "drawn board"
 [frames]
@@ -151,7 +151,7 @@ square_m = {SQUARE_M}
     return path
 
 
-def _pictures(width: int, height: int, count: int) -> Iterator[ImageArray]:
+def _images(width: int, height: int, count: int) -> Iterator[ImageArray]:
     """What the swaying camera sees, with a sensor's noise."""
     rng = np.random.default_rng(0)
     table = _table(rng)

@@ -2,8 +2,8 @@
 
 The room is lit by a sun of some width and light from all sides, and rendered once with the
 character and once without; shadows fall by shadow maps, from many points of the sun. The character
-is then set into the empty room's picture as into any footage: along the true path in the true
-light, and along the tracked path in the light that the pictures told. The room's own surfaces are
+is then set into the empty room's image as into any footage: along the true path in the true
+light, and along the tracked path in the light that the images told. The room's own surfaces are
 chalk, since footage does not tell what would gleam. The frames on one sheet:
 
     python -m tests.bench.view.ground_truth SHEET.jpg
@@ -70,7 +70,7 @@ TOUCHED = 3
 
 @dataclass(frozen=True, eq=False)
 class Shots:
-    """Pictures of every stamp: with the character, without, where the character is seen, and the
+    """Images of every stamp: with the character, without, where the character is seen, and the
     room as its own lamps light it, with its depth.
     """
 
@@ -84,7 +84,7 @@ class Shots:
 
 @dataclass(frozen=True)
 class Alike:
-    """How far a picture is from another where figure or shadow are: mean difference of 255, mean
+    """How far an image is from another where figure or shadow are: mean difference of 255, mean
     structural similarity, and how many pixels that is.
     """
 
@@ -123,7 +123,7 @@ def take_shots() -> Shots:
 
 
 def set_into(shots: Shots, poses: Trajectory, lighting: Lighting) -> list[ImageArray]:
-    """The character in the empty room's pictures, as in any footage."""
+    """The character in the empty room's images, as in any footage."""
     frames = list(zip(TIME_NS.tolist(), shots.empty, strict=True))
     look = ShadowLook(lamp_radius_rad=SUN_RADIUS_RAD, contact=0.0)
     figure = _figure()
@@ -157,7 +157,7 @@ def overlap(one: NDArray[np.bool_], two: NDArray[np.bool_]) -> float:
 
 
 def alike(direct: ImageArray, made: ImageArray, empty: ImageArray) -> Alike:
-    """Compare where either picture differs from the empty room."""
+    """Compare where either image differs from the empty room."""
     region = np.any(np.abs(direct.astype(int) - empty) > TOUCHED, axis=2)
     region |= np.any(np.abs(made.astype(int) - empty) > TOUCHED, axis=2)
     _, local = structural_similarity(direct, made, channel_axis=2, full=True)
@@ -166,10 +166,10 @@ def alike(direct: ImageArray, made: ImageArray, empty: ImageArray) -> Alike:
 
 
 def found_light(shots: Shots) -> LightEstimate:
-    """The light of the room's own lamps, as pictures and depth tell it."""
+    """The light of the room's own lamps, as images and depth tell it."""
     seen = [
-        shaded_points(picture, depth_m, CAMERA, pose)
-        for (picture, depth_m), pose in zip(shots.painted, shots.poses.motors, strict=True)
+        shaded_points(image, depth_m, CAMERA, pose)
+        for (image, depth_m), pose in zip(shots.painted, shots.poses.motors, strict=True)
     ]
     return estimate_light(ShadedPoints.joined(seen), [0.0, 0.0, 0.5 * HEIGHT_M], 2.0 * HEIGHT_M)
 
@@ -194,8 +194,8 @@ def room_light() -> FloatArray:
 def tracked_path(shots: Shots) -> Trajectory:
     """The camera's path by the board in the painted room."""
     frames = [
-        (int(stamp), picture[..., 1].copy())
-        for stamp, (picture, _) in zip(TIME_NS, shots.painted, strict=True)
+        (int(stamp), image[..., 1].copy())
+        for stamp, (image, _) in zip(TIME_NS, shots.painted, strict=True)
     ]
     track = track_board(frames, CAMERA, BOARD)
     return track.measurements.trajectory.transformed_by(left=world_T_board())
@@ -245,7 +245,7 @@ def _suns() -> list[FloatArray]:
 
 
 def _mean_light(renderer: Renderer, surfaces: list[Surface], poses: Motor) -> list[ImageArray]:
-    """Pictures of all poses, their light averaged over the points of the sun."""
+    """Images of all poses, their light averaged over the points of the sun."""
     light = np.zeros((len(poses), CAMERA.height, CAMERA.width, 3))
     for towards in _suns():
         renderer.show(surfaces, _lit_from(towards))
@@ -273,8 +273,8 @@ def main(path: str) -> None:
     shots = take_shots()
     true = set_into(shots, shots.poses, true_light())
     made = set_into(shots, tracked_path(shots), found_lighting(shots, found_light(shots)))
-    picture = sheet(shots, true, made)[..., ::-1]
-    if not cv2.imwrite(path, picture, [cv2.IMWRITE_JPEG_QUALITY, 85]):
+    image = sheet(shots, true, made)[..., ::-1]
+    if not cv2.imwrite(path, image, [cv2.IMWRITE_JPEG_QUALITY, 85]):
         raise OSError(f"{path}: the sheet cannot be written there")
 
 

@@ -4,7 +4,7 @@
     python -m tests.bench.view.pages out/demo --seeks 500
 
 Of the viewer: from opening the page until it is drawn, random seeks until the asked frame is shown,
-and frames a second while scrubbing. Of the editor: from a move of mouse or finger until the picture
+and frames a second while scrubbing. Of the editor: from a move of mouse or finger until the image
 with its answer is drawn, and frames a second while scrubbing; a scene is kept in a folder of its
 own, and the run stays as it is.
 """
@@ -62,7 +62,7 @@ SCRUB = """(async () => {
   film.onshown = told;
   return shown / (performance.now() - start);
 })()"""
-# From each move that is sent until a picture is drawn after its answer; some moves are passed over
+# From each move that is sent until an image is drawn after its answer; some moves are passed over
 # for newer ones.
 WATCH = """{
   window.waited = [];
@@ -83,7 +83,7 @@ WATCH = """{
 
 
 # Frames that were drawn, footage and figure, while the bar is pulled along; the first time round
-# brings the pictures here.
+# brings the images here.
 PULL = """(async () => {
   const start = performance.now(), last = editor.about.frames - 1;
   let drawn = 0, seen = -1;

@@ -3,7 +3,7 @@
 The board is drawn into every frame along the path, and its drawn corners are found again by the
 detector that found the real ones. Once on the frames as they were taken, drawn through the lens,
 and once on frames whose distortion was taken out. Beside it, how much a virtual point above the
-board jitters in the picture along each path. Smoothing steadies the point, but the footage itself
+board jitters in the image along each path. Smoothing steadies the point, but the footage itself
 is shaken by the hand that took it: what is smoother than that slides against it, and the distances
 of corners say by how much.
 """
@@ -84,8 +84,8 @@ def drawn_corner_distances_px(
     """Draw the board over the real one along a path, find it again, and measure.
 
     Args:
-        frames: stamps and pictures, of `camera`'s size.
-        camera: whose pictures these are, with its distortion.
+        frames: stamps and images, of `camera`'s size.
+        camera: whose images these are, with its distortion.
         path: `world_T_camera`.
         track: where the real corners were found, in pixels of the camera that tracked; straight
             ones are taken where `camera` has no distortion and the track's had.
@@ -93,8 +93,8 @@ def drawn_corner_distances_px(
         world_T_board: where it is.
     """
     lens = LensWarp(camera)
-    picture, origin = board.draw(PIXELS_PER_M)
-    tone = picture[..., None] / 255.0
+    image, origin = board.draw(PIXELS_PER_M)
+    tone = image[..., None] / 255.0
     colored = np.rint(INK + (PAPER - INK) * tone).astype(np.uint8)
     surface = printed_surface(colored, PIXELS_PER_M, origin, world_T_board)
     real = {seen.time_ns: seen for seen in track.observations}
@@ -119,7 +119,7 @@ def drawn_corner_distances_px(
 
 
 def _found(board: Checkerboard, image: ImageArray, real_px: FloatArray) -> BoardCorners:
-    """The drawn corners: all of them, or where the board reaches out of the picture, those in it.
+    """The drawn corners: all of them, or where the board reaches out of the image, those in it.
 
     The latter are sought as saddles about where the real ones are.
     """
@@ -133,7 +133,7 @@ def _found(board: Checkerboard, image: ImageArray, real_px: FloatArray) -> Board
 
 
 def jitter_px(path: Trajectory, camera: Camera, point_m: FloatArray) -> float:
-    """How much a point of the world jitters in the pictures along a path, pixels.
+    """How much a point of the world jitters in the images along a path, pixels.
 
     Root mean square of third differences over √20: the deviation of white noise that would give
     them, while smooth motion hardly counts.
@@ -158,12 +158,12 @@ def vamr_board() -> tuple[Recording, Checkerboard, Camera, BoardTrack]:
     recording = open_recording(data_folder() / "replays" / "vamr_board", _MANIFEST)
     if recording.camera is None or not isinstance(recording.board, Checkerboard):
         raise ValueError(f"{recording.name}: expected a camera and a checkerboard, got none")
-    pictures = ((frame.time_ns, frame.gray()) for frame in recording.frames)
+    images = ((frame.time_ns, frame.gray()) for frame in recording.frames)
     return (
         recording,
         recording.board,
         recording.camera,
-        track_board(pictures, recording.camera, recording.board),
+        track_board(images, recording.camera, recording.board),
     )
 
 
@@ -186,12 +186,12 @@ def bench_registration() -> dict[str, Any]:
     paths = {"as tracked": raw}
     for name, (method, settings) in (("causal", CAUSAL), ("offline", OFFLINE)):
         paths[name] = smooth(raw, method, "motor", **settings)
-    pictures = [(frame.time_ns, frame.image()) for frame in recording.frames]
-    straight = [(stamp, camera.undistort_image(one)) for stamp, one in pictures]
+    images = [(frame.time_ns, frame.image()) for frame in recording.frames]
+    straight = [(stamp, camera.undistort_image(one)) for stamp, one in images]
     corners = []
     for name, path in paths.items():
         for kind, frames, lens, seen in (
-            ("distorted", pictures, camera, track),
+            ("distorted", images, camera, track),
             ("undistorted", straight, camera.undistorted(), straightened(track, camera)),
         ):
             found = drawn_corner_distances_px(frames, lens, path, seen, board, Motor.identity())
@@ -221,7 +221,7 @@ def steadied_view(
     path: Trajectory, track: BoardTrack, board: Checkerboard, camera: Camera, *, live: bool
 ) -> dict[str, float]:
     """Jitter of the virtual point in a steadied view, over that in the footage as tracked, and how
-    far drawn corners lie from the real ones in the pictures so turned.
+    far drawn corners lie from the real ones in the images so turned.
     """
     straight = camera.undistorted()
     view = steady_view(path, ABOVE_M, live=live)
@@ -238,7 +238,7 @@ def steadied_view(
 
 
 def least_slide_px(path: Trajectory, camera: Camera, point_m: FloatArray, ratio: float) -> float:
-    """Least root mean square distance that any path's picture of a point has from the tracked one's
+    """Least root mean square distance that any path's image of a point has from the tracked one's
     where it jitters by `ratio` of that at most: the smoothest line near a line (Whittaker 1923).
     """
     seen = camera.undistorted().project(path.motors.inverse().apply(point_m))

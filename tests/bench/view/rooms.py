@@ -1,8 +1,8 @@
-"""Drawn rooms with a light that is known, to be found from their pictures without depth.
+"""Drawn rooms with a light that is known, to be found from their images without depth.
 
 A table top with a checkerboard on it, things that stand about, and in some rooms markers on the
 sides of boxes, drawn by the house's renderer with shadows from many points of a sun of some width
-and of the sky, which things hide from the table; then vignetted, exposed anew for every picture,
+and of the sky, which things hide from the table; then vignetted, exposed anew for every image,
 and grained. Poses are the true ones. The five rooms that are judged, and as many others as asked
 for, whose constants may be looked at:
 
@@ -43,7 +43,7 @@ __all__ = [
     "FIVE",
     "HEIGHT_M",
     "Room",
-    "RoomPictures",
+    "RoomImages",
     "draw_room",
     "found_in",
     "mean_light",
@@ -99,8 +99,8 @@ FIVE = (
 
 
 @dataclass(frozen=True, eq=False)
-class RoomPictures:
-    """What was drawn: stamped pictures, their poses, the prints, and the light in them."""
+class RoomImages:
+    """What was drawn: stamped images, their poses, the prints, and the light in them."""
 
     frames: tuple[tuple[int, ImageArray, None], ...]
     path: Trajectory
@@ -117,16 +117,16 @@ def off_deg(room: Room, found: LightDirection) -> float:
     return float(np.rad2deg(np.arccos(np.clip(room.towards @ found.towards, -1.0, 1.0))))
 
 
-def found_in(made: RoomPictures) -> LightDirection:
-    """The direction of light that the pictures tell."""
+def found_in(made: RoomImages) -> LightDirection:
+    """The direction of light that the images tell."""
     seen = monocular._posed(made.frames, made.path)
     ground = ground_map(seen, CAMERA, made.placement.world_T_character, made.prints)
     on_prints = monocular._on_prints(seen, CAMERA, made.prints)
     return monocular._direction(ground, made.placement, made.prints, on_prints)
 
 
-def draw_room(room: Room) -> RoomPictures:
-    """Draw a room's pictures.
+def draw_room(room: Room) -> RoomImages:
+    """Draw a room's images.
 
     Raises:
         RenderUnavailable: this machine has no OpenGL.
@@ -141,11 +141,11 @@ def draw_room(room: Room) -> RoomPictures:
     )
     placement = place_on_plane(mannequin(), (0.0, 0.0), 0.0, height_m=HEIGHT_M)
     path = Trajectory(stamps, poses, "world", "camera")
-    return RoomPictures(frames, path, prints, placement, _lit(room.towards, room.share), surfaces)
+    return RoomImages(frames, path, prints, placement, _lit(room.towards, room.share), surfaces)
 
 
 def mean_light(surfaces: list[Surface], poses: Motor, room: Room) -> FloatArray:
-    """Linear pictures (N, h, w, 3) of all poses in the room's light: sun and sky by points."""
+    """Linear images (N, h, w, 3) of all poses in the room's light: sun and sky by points."""
     points = [(towards, room.share / towards[2] / SUN_POINTS) for towards in _suns(room.towards)]
     points += [(towards, 2.0 * (1.0 - room.share) / SKY_POINTS) for towards in _sky()]
     light = np.zeros((len(poses), CAMERA.height, CAMERA.width, 3), np.float32)
@@ -210,13 +210,13 @@ def _cameras(rng: np.random.Generator) -> Motor:
 
 def furniture(room: Room, rng: np.random.Generator) -> tuple[list[Surface], Prints]:
     """The table, its board and things, and what is printed."""
-    picture, origin = BOARD.draw(PIXELS_PER_M)
+    image, origin = BOARD.draw(PIXELS_PER_M)
     low = BOARD.points_m[:, :2].min(axis=0)
     high = BOARD.points_m[:, :2].max(axis=0)
     world_T_board = Motor.from_translation([*(-0.5 * (low + high)), 0.0005])
     wood = rng.integers(0, 3)
     table = _table((0.62, 0.55, 0.45) if wood == 0 else (0.78, 0.78, 0.76), rng)
-    surfaces = [table, printed_surface(picture, PIXELS_PER_M, origin, world_T_board)]
+    surfaces = [table, printed_surface(image, PIXELS_PER_M, origin, world_T_board)]
     poses, lows, highs = [world_T_board], [low], [high]
     for k in range(room.things):
         turn = 2.0 * np.pi * (k + rng.uniform(-0.2, 0.2)) / room.things

@@ -1,7 +1,7 @@
 """Drawn shadows beside the footage's own, in pixels.
 
-In the drawn rooms (`rooms`) a figure is drawn standing in the room, and is set into the pictures of
-the empty one as into any footage, in the light that these pictures tell: what both take from the
+In the drawn rooms (`rooms`) a figure is drawn standing in the room, and is set into the images of
+the empty one as into any footage, in the light that these images tell: what both take from the
 same pixels of the ground is compared. In `vamr_board` the body of the computer mouse, an ellipsoid
 fitted to its outlines in five frames, is given the shadow that a figure in its place would get, and
 that is compared with the shadow that the mouse throws on the desk:
@@ -38,7 +38,7 @@ from tests.bench.view.rooms import CAMERA, FIVE, HEIGHT_M, Room, draw_room, mean
 __all__ = ["Shade", "mouse_shade", "room_shades"]
 
 SHOWN = (1, 6, 11)
-"""Pictures of a room that are compared."""
+"""Images of a room that are compared."""
 LEAST_LIGHT, TOUCHED = 0.15, 0.04
 """Ground is compared where it is bright enough to tell, and either shadow takes more than this."""
 FULL = 0.9
@@ -105,10 +105,10 @@ def room_shades(room: Room) -> tuple[Shade, float]:
         lighting=lighting,
     )
     parts = []
-    for k, picture in enumerate(drawn):
+    for k, image in enumerate(drawn):
         body = _standing(made.placement, 1e-9 * float(time_ns[k] - time_ns[0]))
         full = mean_light([body, *made.surfaces], poses[k : k + 1], room)[0]
-        before, after = (to_linear(one / 255.0).mean(axis=2) for one in (given[k], picture))
+        before, after = (to_linear(one / 255.0).mean(axis=2) for one in (given[k], image))
         ground_m = _on_ground(poses[k])
         seen = (
             ~_covered(body, poses[k])
@@ -181,9 +181,9 @@ def mouse_shade() -> tuple[Shade, float, int]:
     share = sun_share(lighting, np.array([*MOUSE_M, 0.0]), np.array([0.0, 0.0, 1.0]))
     at_m, drawn = _mouse_drawn(lighting, share)
     parts = []
-    for stamp, picture, _ in footage.frames(recording.frames[k] for k in range(0, 250, 5)):
+    for stamp, image, _ in footage.frames(recording.frames[k] for k in range(0, 250, 5)):
         if path.time_ns[0] <= stamp <= path.time_ns[-1]:
-            lost = _mouse_lost(picture, camera, path.motors_at(np.int64(stamp)), at_m)
+            lost = _mouse_lost(image, camera, path.motors_at(np.int64(stamp)), at_m)
             if lost is not None:
                 parts.append(lost)
     true = np.nanmedian(parts, axis=0)
@@ -233,9 +233,9 @@ def _beside(at_m: FloatArray) -> NDArray[np.bool_]:
 
 
 def _mouse_lost(
-    picture: ImageArray, camera: Camera, pose: Motor, at_m: FloatArray
+    image: ImageArray, camera: Camera, pose: Motor, at_m: FloatArray
 ) -> FloatArray | None:
-    """Share of light (N,) that is gone from the desk in one picture, by desk farther out; NaN where
+    """Share of light (N,) that is gone from the desk in one image, by desk farther out; NaN where
     that is not told; None where too little of it is seen.
     """
     own = pose.inverse().apply(np.pad(at_m, ((0, 0), (0, 1))))
@@ -243,7 +243,7 @@ def _mouse_lost(
     inside = (x > 4) & (y > 4) & (x < camera.width - 5) & (y < camera.height - 5)
     if not inside[_beside(at_m)].all():
         return None
-    grey = picture if picture.ndim == 2 else picture[..., 0]
+    grey = image if image.ndim == 2 else image[..., 0]
     shown = cv2.remap(grey, x.reshape(GRID, -1), y.reshape(GRID, -1), cv2.INTER_LINEAR).ravel()
     off, light = _off_mouse_m(at_m), to_linear(shown / 255.0)
     clear = inside & (off > CLEAR_M[0]) & (off < CLEAR_M[1]) & (at_m[:, 0] < MOUSE_M[0])
@@ -252,7 +252,7 @@ def _mouse_lost(
         return None
     basis = np.column_stack([at_m - MOUSE_M, np.ones(len(at_m))])
     fitted = np.linalg.lstsq(basis[told], np.log(light[told]), rcond=None)[0]
-    # Where the desk would be brighter than a picture can show, what it shows is what is darkened.
+    # Where the desk would be brighter than an image can show, what it shows is what is darkened.
     desk = np.minimum(np.exp(basis @ fitted), 1.0)
     return np.asarray(np.where(inside, 1.0 - light / desk, np.nan))
 

@@ -36,7 +36,7 @@ def bench_view() -> dict[str, Any]:
 def view_table(found: Mapping[str, Any]) -> str:
     """A line a figure."""
     room = found["ground_truth"]
-    lines = ["a character set into a room's pictures, against the room rendered with it"]
+    lines = ["a character set into a room's images, against the room rendered with it"]
     for name, rows in room["by"].items():
         worst = max(row["mean_of_255"] for row in rows), min(row["similarity"] for row in rows)
         least = min(row["overlap"] for row in rows)
@@ -74,8 +74,8 @@ def _compared(shots: truth.Shots, poses: Trajectory, lighting: Lighting) -> list
     """A row a frame."""
     rows = []
     made, drawn = truth.set_into(shots, poses, lighting), truth.drawn_silhouettes(shots, poses)
-    for k, picture in enumerate(made):
-        found = truth.alike(shots.direct[k], picture, shots.empty[k])
+    for k, image in enumerate(made):
+        found = truth.alike(shots.direct[k], image, shots.empty[k])
         rows.append(
             {
                 "mean_of_255": found.mean_of_255,

@@ -13,8 +13,8 @@ def test_the_drawn_board_is_found_where_its_manifest_says_it_can_be(tmp_path: Pa
     assert recording.camera is not None
     assert isinstance(recording.board, Checkerboard)
     assert len(recording.frames) == 300
-    pictures = [(frame.time_ns, frame.gray()) for frame in islice(recording.frames, 4)]
-    found = track_board(pictures, recording.camera, recording.board)
+    images = [(frame.time_ns, frame.gray()) for frame in islice(recording.frames, 4)]
+    found = track_board(images, recording.camera, recording.board)
     assert len(found.observations) == 4
     assert all(len(seen.ids) == COLUMNS * ROWS for seen in found.observations)
     assert found.error_px.max() < 0.5

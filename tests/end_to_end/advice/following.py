@@ -94,7 +94,7 @@ def _key(found: re.Match[str], words: Words, known: Known) -> list[Words]:
 
 def _left_out(found: re.Match[str], words: Words, known: Known) -> list[Words]:
     file, what = Path(found[1]), found[2]
-    if what == "the picture":
+    if what == "the image":
         file.unlink()
         return [words]
     kept = [line for line in file.read_text().splitlines() if not line.startswith(what)]
@@ -207,8 +207,8 @@ RULES: tuple[tuple[str, Rule], ...] = (
     (r"(--[\w-]+): expected one file", _one_file),
     (r"expected a run up to (\w+) or a later stage", _until),
     (r": (\S+), line \d+: .*; sort the file by its stamps", _sorted),
-    (r": (\S+?),(?: \[.*)?.* leave (the picture|\w+) out", _left_out),
-    (r": ([^\s,]+\.\w+)[,:] .*copy the (?:file|picture) again", _copied),
+    (r": (\S+?),(?: \[.*)?.* leave (the image|\w+) out", _left_out),
+    (r": ([^\s,]+\.\w+)[,:] .*copy the (?:file|image) again", _copied),
     (r": (\S+\.toml), \[(\w+)\] (\w+): the key is missing", _key),
     (r": (\S+\.toml), \[(\w+)\] .*? with (\w+), or give", _key),
     (r"(?:give|choose another|expected|--?\w[\w-]*: expected|; or) .*", _option),

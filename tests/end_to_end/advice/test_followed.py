@@ -54,7 +54,7 @@ QUICK = (
     Case(f"run nokey {POSES}", "[camera] cx: the key is missing", {"cx": "11.5"}),
     Case(f"run long {POSES}", "say how many of its first rows", {"rows": "41"}),
     Case(f"run turned {POSES}", "leave rotation_deg out"),
-    Case(f"run odd {POSES}", "or leave the picture out"),
+    Case(f"run odd {POSES}", "or leave the image out"),
     Case(f"run cut {POSES}", "copy the file again", {"copy": "tiny/images"}),
     Case(f"run tiny two/tiny {POSES}", "recordings are called 'tiny'"),
     Case(f"run tiny {POSES} --out file/out", "choose another --out", {"--out": "o"}),

@@ -24,7 +24,7 @@ from motorcade.replays.cli.main import main
 from motorcade.replays.comparison.report.results import Results
 from motorcade.replays.io.imu import read_imu, read_noise
 from motorcade.replays.io.readers.calibration import read_matrix, read_numbers, read_yaml
-from motorcade.replays.io.readers.frames.pictures import read_picture
+from motorcade.replays.io.readers.frames.images import read_image
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.readers.ros.reader import read_bag
 from motorcade.replays.io.trajectories import read_trajectory
@@ -80,7 +80,7 @@ FUNCTIONS: dict[str, tuple[str, Callable[[Path], object]]] = {
     "read_trajectory bag": ("a.bag", lambda path: read_trajectory(f"{path}:/odom")),
     "read_trajectory packed bag": ("a.bag.bz2", lambda path: read_trajectory(f"{path}:/odom")),
     "read_trajectory mcap": ("a.mcap", lambda path: read_trajectory(f"{path}:map/base_link")),
-    "read_picture": ("a.png", lambda path: read_picture(path, "a", None)),
+    "read_image": ("a.png", lambda path: read_image(path, "a", None)),
     "read_frames": ("a.mp4", lambda path: list(read_frames(path))),
     "read_bag": ("a.bag", lambda path: list(read_bag(path, ("tf/msg/tfMessage",)))),
     "read_bag packed": ("a.bag.bz2", lambda path: list(read_bag(path, ("tf/msg/tfMessage",)))),

@@ -4,7 +4,7 @@
 
 By mouse and keyboard alone, on the first seconds of vamr_board (below `MOTORCADE_DATA`, where that
 is set) and on a drawn recording with a marker that is carried about. The command that the page
-shows then draws the film; pictures of the page and of the film go to OUT, with a glTF file.
+shows then draws the film; images of the page and of the film go to OUT, with a glTF file.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Authored:
         film: the folder of the run that drew it.
         gltf: the same as a file of glTF.
         world_m: by object where the page had it at each frame ``(F, 3)``.
-        page: a picture of the page at the end.
+        page: an image of the page at the end.
     """
 
     film: Path
@@ -268,7 +268,7 @@ def _rounded(places: Iterable[FloatArray]) -> list[tuple[int, int]]:
 
 
 def main() -> None:
-    """Author both, and write pictures to look at."""
+    """Author both, and write images to look at."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument("out", type=Path, metavar="OUT")
@@ -283,7 +283,7 @@ def main() -> None:
         for name, (recording, manifest, anchor) in given.items():
             made = authored(browser, recording, manifest, out / name, anchor)
             (out / f"{name}-page.png").write_bytes(made.page)
-            film = [picture for _, picture in read_frames(made.film / "overlay.mp4")]
+            film = [image for _, image in read_frames(made.film / "overlay.mp4")]
             sheet = contact_sheet(film[:: max(1, len(film) // SHOWN)][:SHOWN], 3, 640)
             cv2.imwrite(str(out / f"{name}-film.png"), sheet[..., ::-1])
             print(f"{name}: {len(film)} frames in {made.film}, glTF in {made.gltf}")

@@ -107,12 +107,12 @@ class Standing:
         return figure.world_T_character(stamp).apply(vertices)
 
     def pixels(self, who: Character, figure: Performer, frame: int) -> FloatArray:
-        """The same in the picture; NaN where the lens shows none."""
+        """The same in the image; NaN where the lens shows none."""
         own_m = self.world_T_camera[frame].inverse().apply(self.world_m(who, figure, frame))
         return self.camera.project(own_m)
 
     def inside(self, pixels: FloatArray) -> np.ndarray:
-        """Which ``(..., 2)`` lie in the picture."""
+        """Which ``(..., 2)`` lie in the image."""
         size = np.array([self.camera.width, self.camera.height])
         with np.errstate(invalid="ignore"):
             return np.asarray(np.all((pixels > -0.5) & (pixels < size - 0.5), axis=-1))
@@ -120,7 +120,7 @@ class Standing:
 
 @dataclass(frozen=True)
 class Apart:
-    """How far the page is from Python, pixels, at most, and of how many in the picture."""
+    """How far the page is from Python, pixels, at most, and of how many in the image."""
 
     vertices_px: float
     vertices: int
@@ -166,7 +166,7 @@ def apart(page: Any, at: Standing, frames: Sequence[int], rng: np.random.Generat
 def _clear(
     at: Standing, who: Character, pixels: FloatArray, rng: np.random.Generator
 ) -> list[tuple[int, FloatArray]]:
-    """Some triangles of the page's first mesh that lie in the picture, and are not too small."""
+    """Some triangles of the page's first mesh that lie in the image, and are not too small."""
     corners = pixels[who.triangles]
     edges = corners[:, 1:] - corners[:, :1]
     area = 0.5 * np.abs(edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0])

@@ -59,7 +59,7 @@ class DraggedRing:
         asked_deg: how far the drag went, by what the page recorded of it.
         rotor_off_deg: between where that leads and where the page's scene has the object.
         euler_off_deg: the same with the recorded gesture on Euler angles.
-        pictures: of the page with either, where they were asked for.
+        images: of the page with either, where they were asked for.
     """
 
     pitch_deg: float
@@ -67,7 +67,7 @@ class DraggedRing:
     asked_deg: float
     rotor_off_deg: float
     euler_off_deg: float
-    pictures: tuple[np.ndarray, ...] = ()
+    images: tuple[np.ndarray, ...] = ()
 
 
 def typed_turn(tab: Tab, angles_deg: tuple[float, float, float]) -> None:
@@ -90,7 +90,7 @@ def typed(tab: Tab, field: str, text: str) -> None:
     tab.settled()
 
 
-def dragged_rings(tab: Tab, at: RunDesk, pictures: bool = False) -> Iterator[DraggedRing]:
+def dragged_rings(tab: Tab, at: RunDesk, images: bool = False) -> Iterator[DraggedRing]:
     """Each axis at each pitch, by the mouse on the page."""
     tab.somebody()
     tab.press("Axes")
@@ -116,8 +116,8 @@ def dragged_rings(tab: Tab, at: RunDesk, pictures: bool = False) -> Iterator[Dra
             by_rotor = after.pose("Person").as_similarity().rotor
             editor = SceneEditor(before.on_euler_angles())
             by_euler = editor.do(gesture).pose("Person").as_similarity().rotor
-            drawn = [shot(tab)] if pictures else []
-            if pictures:
+            drawn = [shot(tab)] if images else []
+            if images:
                 x, y, z = np.degrees(by_euler.as_euler())
                 typed_turn(tab, (x, y, z))
                 drawn.append(shot(tab))
@@ -148,9 +148,9 @@ def shot(tab: Tab) -> np.ndarray:
     """The stage as it is seen."""
     tab.settled()
     data = base64.b64decode(tab.ask("Page.captureScreenshot", format="png")["data"])
-    picture = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
+    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
     x, y = np.round(tab.place(0.5)).astype(int)
-    return np.asarray(picture[max(y - 150, 0) : y + 150, max(x - 150, 0) : x + 150])
+    return np.asarray(image[max(y - 150, 0) : y + 150, max(x - 150, 0) : x + 150])
 
 
 def main() -> int:
@@ -168,10 +168,10 @@ def main() -> int:
         drawn = []
         with running(at) as (access, _, _):
             tab = Tab(browser, access.link(), 1400, 900, "light")
-            for row in dragged_rings(tab, at, pictures=True):
+            for row in dragged_rings(tab, at, images=True):
                 offs = f"{row.rotor_off_deg:12.2e}  {row.euler_off_deg:6.2f}"
                 print(f"{row.pitch_deg:5.1f}  {row.axis:4}  {row.asked_deg:7.2f}  {offs}")
-                drawn.append(np.hstack(row.pictures))
+                drawn.append(np.hstack(row.images))
         browser.close()
     rows = [np.hstack(drawn[k : k + 3]) for k in range(0, len(drawn), 3)]
     cv2.imwrite(str(given.out), np.vstack(rows))

@@ -30,11 +30,11 @@ def numbered(frames: int, camera: Camera) -> Iterator[np.ndarray]:
     rows, columns = np.mgrid[: camera.height, : camera.width]
     for number in range(frames):
         wave = 40 * np.sin(0.05 * columns + 0.21 * number) * np.cos(0.04 * rows - 0.13 * number)
-        picture = (128 + wave).astype(np.uint8)
+        image = (128 + wave).astype(np.uint8)
         for bit in range(BITS):
             square = np.s_[:SIDE_PX, SIDE_PX * bit : SIDE_PX * (bit + 1)]
-            picture[square] = 255 * (number >> bit & 1)
-        yield picture
+            image[square] = 255 * (number >> bit & 1)
+        yield image
 
 
 def looking_at(target_m: np.ndarray, from_m: np.ndarray, roll_rad: np.ndarray) -> Motor:

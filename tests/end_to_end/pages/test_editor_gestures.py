@@ -19,7 +19,7 @@ from tests.replays.studio.server.test_session import LENSES
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("pages")]
 DRAGS, PINCHES = 50, 12
-# A picture that reaches above the horizon.
+# An image that reaches above the horizon.
 WIDE = Camera(848, 800, 200.0, 200.0, 417.0, 403.0, "equidistant", (-0.009, 0.05, -0.047, 0.009))
 
 
@@ -52,7 +52,7 @@ def grabbed(one: Tab, rng: np.random.Generator) -> tuple[int, int] | None:
     return (x, y) if held else None
 
 
-def picture_box(one: Tab) -> np.ndarray:
+def image_box(one: Tab) -> np.ndarray:
     return np.array(
         one.evaluate(
             "(({x, y, width, height}) => [x, y, width, height])("
@@ -69,7 +69,7 @@ def test_what_is_grabbed_stays_under_the_mouse_on_every_lens(
     at = desk(tmp_path, LENSES[lens])
     one = tab(at)
     one.somebody()
-    left, top, wide, high = picture_box(one)
+    left, top, wide, high = image_box(one)
     off, moved = [], 0
     for _ in range(3 * DRAGS):
         if moved == DRAGS:
@@ -129,7 +129,7 @@ def test_a_drag_above_the_horizon_is_refused(tab: Callable[..., Tab], tmp_path: 
     one = tab(at)
     one.somebody()
     x, y = one.place(0.4).round().astype(int).tolist()
-    left, top, wide, _ = picture_box(one)
+    left, top, wide, _ = image_box(one)
     # Near the upper edge: far more up from the axis than the camera looks down.
     sky = (round(left + 0.49 * wide), round(top + 8))
     _, rays = at.filmed.rays(0, [one.evaluate(f"editor.pixelAt({sky[0]}, {sky[1]})")])

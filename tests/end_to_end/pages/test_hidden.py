@@ -56,7 +56,7 @@ def drawn(page: Any, look: MadeLook, frame: int, enabled: bool = True) -> np.nda
 
 
 def hiding(look: MadeLook, depth_m: np.ndarray | None, prints: Prints | None) -> dict[str, Any]:
-    """Of a recording with one picture of depth for all frames, or with none."""
+    """Of a recording with one image of depth for all frames, or with none."""
     frames = [SimpleNamespace(depth_m=lambda: depth_m) for _ in look.time_ns]
     recording: Any = SimpleNamespace(camera=look.camera, frames=_Frames(frames, look.time_ns))
     path = Trajectory(look.time_ns, look.world_T_camera, "world", "camera")
@@ -79,7 +79,7 @@ def opened_on(look: MadeLook, folder: Path, opened: Callable[..., Any]) -> Any:
 def test_nearer_depth_hides_and_farther_depth_does_not(
     tmp_path: Path, opened: Callable[..., Any]
 ) -> None:
-    """A wall before one half of the picture, one behind the other."""
+    """A wall before one half of the image, one behind the other."""
     look = made(CAMERAS["radtan"], 3)
     depth_m = np.full((look.camera.height, look.camera.width), 9.0, np.float32)
     middle = look.camera.width // 2

@@ -51,9 +51,9 @@ SHOWN = """new Promise((done) => {
   look();
 })"""
 
-# The camera's sign has its picture in the world, also of a film that lies beside the page.
-PICTURED = """new Promise((done) => {
-  const look = () => (viewer.runs.every(({ world }) => world.sign.picture.visible) ? done(true)
+# The camera's sign has its image in the world, also of a film that lies beside the page.
+IMAGED = """new Promise((done) => {
+  const look = () => (viewer.runs.every(({ world }) => world.sign.image.visible) ? done(true)
     : setTimeout(look, 20));
   look();
 })"""
@@ -150,7 +150,7 @@ def test_two_runs_stand_side_by_side_with_films_beside_the_page(
     assert page.evaluate(SHOWN.replace("FRAME", "5"))
     assert page.evaluate("viewer.stage.panes.length") == 4
     assert page.evaluate("new Set(viewer.stage.panes.map((one) => one.world)).size") == 2
-    assert page.evaluate(PICTURED)
+    assert page.evaluate(IMAGED)
     assert page.evaluate(
         "viewer.plots.charts.map(({ plot }) => plot.series.map((s) => s.run))"
     ) == [

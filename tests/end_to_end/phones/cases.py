@@ -3,8 +3,8 @@
 Two sets of seeds: constants of self-calibration are set on "setting", figures are given for
 "judging". Seeds change paths, textures, stamps and noise, and lenses by some per cent.
 
-Focal lengths are those of phones' main (26 mm), wide (13 to 16 mm) and long (52 mm) cameras for a
-picture of 36 mm across its long side.
+Focal lengths are those of phones' main (26 mm), wide (13 to 16 mm) and long (52 mm) cameras for an
+image of 36 mm across its long side.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ class Case:
     Fields:
         name: of its file.
         shows: what is laid on the desk.
-        focal_mm: for 36 mm along the picture's long side.
+        focal_mm: for 36 mm along the image's long side.
         lens: distortion, by model.
-        rotation: clockwise degrees by which a player turns the stored picture.
+        rotation: clockwise degrees by which a player turns the stored image.
         readout_s: of the sensor, in its own rows.
         exposure_s: of a line.
         breathing: amplitude of the relative change of the focal length.

@@ -59,8 +59,8 @@ def write_clip(folder: Path, case: Case, seed: int, seconds: float = SECONDS) ->
     time_s = ticks / 90_000.0
     file = folder / f"{case.name}.mp4"
     turns = {0: 0, 90: 1, 270: -1}[case.rotation]
-    pictures = (np.rot90(studio.frame(float(at)), turns) for at in time_s)
-    _encode(file, pictures, ticks, case)
+    images = (np.rot90(studio.frame(float(at)), turns) for at in time_s)
+    _encode(file, images, ticks, case)
     if case.rotation:
         _turn(file, case.rotation)
     _write_truth(folder / f"{case.name}.truth.npz", case, phone, seed, time_s)
@@ -81,7 +81,7 @@ def _write_truth(file: Path, case: Case, phone: PhoneCamera, seed: int, time_s: 
     )
 
 
-def _encode(file: Path, pictures: object, ticks: IntArray, case: Case) -> None:
+def _encode(file: Path, images: object, ticks: IntArray, case: Case) -> None:
     """H.264 with the frames' own times, and AAC: a rising tone, so that a shift would be heard."""
     with av.open(str(file), "w") as out:
         video = out.add_stream("libx264", rate=30, options={"crf": "19", "preset": "veryfast"})
@@ -90,8 +90,8 @@ def _encode(file: Path, pictures: object, ticks: IntArray, case: Case) -> None:
         video.codec_context.color_range = 1
         sound = out.add_stream("aac", rate=_SOUND_HZ)
         sound.layout = "mono"
-        for tick, picture in zip(ticks.tolist(), pictures, strict=True):  # type: ignore[call-overload]
-            frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="gray")
+        for tick, image in zip(ticks.tolist(), images, strict=True):  # type: ignore[call-overload]
+            frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(image), format="gray")
             frame = frame.reformat(format="yuv420p", dst_color_range="MPEG")
             frame.pts, frame.time_base = tick, _TIME_BASE
             out.mux(video.encode(frame))

@@ -1,4 +1,4 @@
-"""What a film keeps of the clip it was made from: upright pictures, their times, colours, sound.
+"""What a film keeps of the clip it was made from: upright images, their times, colours, sound.
 
 All is read with PyAV from both files; nothing of this library has a part in it.
 """
@@ -30,11 +30,11 @@ class Video:
 
     Fields:
         size: width and height, upright.
-        turned: whether a player turns the stored pictures.
+        turned: whether a player turns the stored images.
         time_s: of its frames; the first is at 0.
         coding: colour matrix, primaries, transfer and levels, by their numbers.
-        codec: of the pictures, and its pixels' form.
-        first: a small grey picture of the first frame, upright.
+        codec: of the images, and its pixels' form.
+        first: a small grey image of the first frame, upright.
         sound: by track its codec, and digest and time (from the first frame) of each packet
             (of samples as they are: of all).
     """
@@ -49,7 +49,7 @@ class Video:
 
 
 def read_video(path: Path) -> Video:
-    """Read all of it but the pictures after the first."""
+    """Read all of it but the images after the first."""
     with av.open(str(path)) as file:
         stream = file.streams.video[0]
         frame = next(file.decode(stream))
@@ -106,7 +106,7 @@ def faults_of_film(clip: Video, film: Video) -> list[str]:
         ways = [np.rot90(one, k) for one in (clip.first, clip.first[:, ::-1]) for k in range(4)]
         alike = [float(np.corrcoef(one.ravel(), film.first.ravel())[0, 1]) for one in ways]
         if not alike[0] >= max(_ALIKE, *alike):
-            faults.append(f"its first picture is unlike the clip's upright one: {alike[0]:.2f}")
+            faults.append(f"its first image is unlike the clip's upright one: {alike[0]:.2f}")
     if len(film.time_s) != len(clip.time_s):
         faults.append(f"{len(film.time_s)} frames of {len(clip.time_s)}")
     elif np.abs(film.time_s - clip.time_s).max() > _NEAR_S:
@@ -119,7 +119,7 @@ def faults_of_film(clip: Video, film: Video) -> list[str]:
 
 
 def _while_shown(video: Video) -> list[list[tuple[str, float]]]:
-    """Sound by track, without what ends before the first picture."""
+    """Sound by track, without what ends before the first image."""
     tracks = [track for _, track in video.sound]
     return [[one for one in track if one[1] > -_PACKET_S] for track in tracks]
 
@@ -134,5 +134,5 @@ def _faults_of_sound(clip: Video, film: Video) -> list[str]:
         elif (
             max((abs(a - b) for (_, a), (_, b) in zip(told, heard, strict=True)), default=0) > 1e-3
         ):
-            faults.append("sound: out of step with the pictures")
+            faults.append("sound: out of step with the images")
     return faults

@@ -24,7 +24,7 @@ from tests.bench.data import data_folder
 
 __all__ = ["recorded_lines"]
 
-# name, folder of pictures, rate (Hz), given focal length (px), where that is from
+# name, folder of images, rate (Hz), given focal length (px), where that is from
 _SCENES = (
     ("7scenes_redkitchen", "7scenes_redkitchen", "*.color.*", 30.0, 525.0, "the colour camera's"),
     ("kitti_short", "kitti_short", "*.png", 10.0, 718.856, "calib.txt"),
@@ -52,9 +52,9 @@ def _stamps(count: int, rate_hz: float) -> IntArray:
 
 
 def _gray(file: Path) -> NDArray[np.uint8]:
-    picture = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE)
-    assert picture is not None, file
-    return np.asarray(picture, np.uint8)
+    image = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE)
+    assert image is not None, file
+    return np.asarray(image, np.uint8)
 
 
 def _board(folder: Path) -> str:
@@ -68,10 +68,10 @@ def _board(folder: Path) -> str:
 
 
 def _scene(name: str, files: list[Path], rate_hz: float, focal: float, source: str) -> str:
-    pictures = [_gray(file) for file in files]
-    height, width = pictures[0].shape
+    images = [_gray(file) for file in files]
+    height, width = images[0].shape
     try:
-        found = self_calibrate_motion(pictures, (width, height), _stamps(len(files), rate_hz))
+        found = self_calibrate_motion(images, (width, height), _stamps(len(files), rate_hz))
     except SelfCalibrationError as refusal:
         return f"     {name:24s} refused: {refusal}"
     return _line(name, found.camera.fx, found.sigma_focal, focal, source)

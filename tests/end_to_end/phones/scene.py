@@ -63,13 +63,13 @@ def desk(rng: np.random.Generator, *, boxes: bool) -> list[Panel]:
 def print_on(board: Board, middle_m: FloatArray, turn: Rotor) -> Panel:
     """A board printed on stiff paper, its middle somewhere; x right and y up as printed."""
     scale = _PRINT_PIXELS / max(board.size_m)
-    picture, (left, top) = board.draw(scale)
-    height, width = picture.shape
+    image, (left, top) = board.draw(scale)
+    height, width = image.shape
     low, high = board.points_m.min(axis=0), board.points_m.max(axis=0)
     # From the board's origin to the texture's corner; pixel (0, 0) is a centre.
     corner = np.array([-(left + 0.5) / scale, (top + 0.5) / scale, 0.0]) - 0.5 * (low + high)
     right, down = np.array([width / scale, 0.0, 0.0]), np.array([0.0, -height / scale, 0.0])
-    return Panel(turn.apply(corner) + middle_m, turn.apply(right), turn.apply(down), picture)
+    return Panel(turn.apply(corner) + middle_m, turn.apply(right), turn.apply(down), image)
 
 
 def tag_panels(family: str, side_m: float, tags: tuple[LaidTag, ...]) -> list[Panel]:

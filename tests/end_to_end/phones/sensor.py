@@ -1,8 +1,8 @@
 """A phone's camera: lens, rolling shutter, exposure, focus that breathes, noise; all truth exact.
 
-Along rays the panels' texture coordinates divided by depth are nearly affine in the picture, so
+Along rays the panels' texture coordinates divided by depth are nearly affine in the image, so
 they are computed on a grid of every eighth pixel, each with its own line's pose, and interpolated.
-Motion blur is one line for the whole picture, centred: it moves no edge.
+Motion blur is one line for the whole image, centred: it moves no edge.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _SOFT_PX = 0.6
 
 @dataclass(frozen=True)
 class PhoneCamera:
-    """How a phone films, in upright pictures.
+    """How a phone films, in upright images.
 
     Fields:
         camera: at rest.
@@ -88,14 +88,14 @@ class Studio:
         ]
 
     def frame(self, time_s: float) -> NDArray[np.uint8]:
-        """The upright grey picture of a time, which is its middle line's."""
+        """The upright grey image of a time, which is its middle line's."""
         width, height = self._phone.camera.width, self._phone.camera.height
-        picture = np.full((height, width), 96, np.uint8)
+        image = np.full((height, width), 96, np.uint8)
         near = np.zeros((height, width), np.float32)
         rays, place = self._rays(time_s)
         for panel, pyramid in zip(self._panels, self._pyramids, strict=True):
-            _draw(panel, pyramid, rays, place, picture, near)
-        seen = cv2.filter2D(picture.astype(np.float32), -1, self._blur(time_s))
+            _draw(panel, pyramid, rays, place, image, near)
+        seen = cv2.filter2D(image.astype(np.float32), -1, self._blur(time_s))
         noise = self._noises[int(self._rng.integers(_NOISES))]
         noise = np.roll(noise, int(self._rng.integers(height)), axis=0)
         return np.asarray(np.clip(seen + noise + 0.5, 0, 255), np.uint8)
@@ -119,7 +119,7 @@ class Studio:
         return turned, np.broadcast_to(poses.translation_m[:, None], rays.shape)
 
     def _blur(self, time_s: float) -> NDArray[np.float32]:
-        """The line that the picture's middle draws while it is exposed, softened by the lens."""
+        """The line that the image's middle draws while it is exposed, softened by the lens."""
         phone, half = self._phone, 0.5 * self._phone.exposure_s
         pose = self._path(np.array(time_s))
         ahead = pose.apply(np.array([[0.0, 0.0, 1.0]]))
@@ -147,7 +147,7 @@ def _draw(
     pyramid: list[NDArray[np.uint8]],
     rays: FloatArray,
     place: FloatArray,
-    picture: NDArray[np.uint8],
+    image: NDArray[np.uint8],
     near: NDArray[np.float32],
 ) -> None:
     """Draw what of a panel is nearer than what was drawn."""
@@ -190,7 +190,7 @@ def _draw(
         cv2.INTER_LINEAR,
         borderMode=cv2.BORDER_REPLICATE,
     )
-    np.copyto(picture[box], seen, where=inside)
+    np.copyto(image[box], seen, where=inside)
     np.copyto(near[box], own, where=inside)
 
 

@@ -39,8 +39,8 @@ def with_bag(kind: str, folder: Path) -> Path:
 
 
 def repainted_message(path: Path) -> None:
-    """One value of a picture in a bag is another one."""
-    pixels = test_ros_recordings.picture(3).tobytes()[:24]
+    """One value of an image in a bag is another one."""
+    pixels = test_ros_recordings.image(3).tobytes()[:24]
     data = path.read_bytes()
     assert pixels in data
     path.write_bytes(data.replace(pixels, bytes([pixels[0] ^ 1]) + pixels[1:], 1))

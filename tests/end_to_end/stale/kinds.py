@@ -1,6 +1,6 @@
 """Files that a run reads, one of each kind, and what is done to them.
 
-The character is a small tower, alone in its folder; the recording is a folder of tiny pictures, to
+The character is a small tower, alone in its folder; the recording is a folder of tiny images, to
 whose manifest each kind of file is added.
 """
 
@@ -92,13 +92,13 @@ def displaced(path: Path) -> None:
 
 
 def png(path: Path, seed: int = 0, shape: tuple[int, ...] = (16, 24)) -> None:
-    """A small picture; another one for another seed."""
+    """A small image; another one for another seed."""
     rng = np.random.default_rng(seed)
     assert cv2.imwrite(str(path), rng.integers(0, 255, shape, dtype=np.uint8))
 
 
 def repainted(path: Path) -> None:
-    """Another picture in a file's place, or the first one there."""
+    """Another image in a file's place, or the first one there."""
     png(path, 1)
 
 
@@ -224,7 +224,7 @@ def with_depth(folder: Path) -> Path:
 
 
 def deeper(path: Path) -> None:
-    """Another depth picture."""
+    """Another depth image."""
     cv2.imwrite(str(path), np.full((16, 24), 901, np.uint16))
 
 
@@ -340,9 +340,9 @@ CHARACTERS = (
     Kind(".fbx", fbx, swapped('"top"', '"tip"'), "hero.fbx"),
 )
 RECORDINGS = (
-    Kind("picture", lambda folder: folder / "images" / "7.png", repainted),
-    Kind("depth picture", with_depth, deeper),
-    Kind("right picture", with_right, repainted),
+    Kind("image", lambda folder: folder / "images" / "7.png", repainted),
+    Kind("depth image", with_depth, deeper),
+    Kind("right image", with_right, repainted),
     Kind("video", with_video, flipped(0.99)),
     Kind("stamps", with_stamps, swapped("0.050", "0.051")),
     Kind("camera matrix", with_matrix, swapped("11.5", "11.4")),

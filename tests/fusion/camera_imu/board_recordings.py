@@ -2,7 +2,7 @@
 
 The camera swings around the board and rolls, with a shake on top: turns about all axes and
 accelerations along them, as one is told to move for Kalibr. Corners have Gaussian noise; for
-pictures that are drawn and searched see `drawn`.
+images that are drawn and searched see `drawn`.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class BoardRecording:
     """What a camera and an IMU recorded over a board, and what is true.
 
     Fields:
-        time_ns, views: of the pictures.
+        time_ns, views: of the images.
         imu, noise: the stream, on its own clock.
         gyro_correction, accel_correction: what makes true rates and forces of readings.
         gravity_m_s2: ``(3,)`` in the board's axes.
@@ -156,10 +156,10 @@ def recording(
 
 
 def drawn(poses: Motor, camera: Camera = CAMERA) -> list[NDArray[np.uint8]]:
-    """Pictures of the board from these poses, through the camera's lens."""
+    """Images of the board from these poses, through the camera's lens."""
     scale = 4000.0
-    picture, origin = BOARD.draw(scale)
-    large = cv2.GaussianBlur(picture, (0, 0), 2.5)
+    image, origin = BOARD.draw(scale)
+    large = cv2.GaussianBlur(image, (0, 0), 2.5)
     columns, rows = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
     rays = camera.unproject(np.stack([columns, rows], axis=-1).astype(np.float64))
     made = []

@@ -109,7 +109,7 @@ def test_bad_input_is_refused(record: Record, rng):
     with pytest.raises(ValueError, match="correction_sigma"):
         calibrated(run, correction_sigma=0.0)
     late = run.imu.time_ns + 20 * 10**9 * (run.imu.time_ns > run.imu.time_ns[50])
-    with pytest.raises(ValueError, match="imu: expected one stretch"):
+    with pytest.raises(ValueError, match="imu: expected one segment"):
         calibrated(replace(run, imu=replace(run.imu, time_ns=late)))
 
 
@@ -119,8 +119,8 @@ CAMERA = Camera(752, 480, 460.0, 457.0, 367.0, 248.0, "radtan", (-0.28, 0.07, 2e
 SPREAD_PX = 0.3
 
 
-def pictures(run: Any, rng: np.random.Generator, **options: Any) -> CornerMeasurements:
-    """Twelve points of a board two metres ahead, in a picture every fifth of a second."""
+def images(run: Any, rng: np.random.Generator, **options: Any) -> CornerMeasurements:
+    """Twelve points of a board two metres ahead, in an image every fifth of a second."""
     stamps, poses = run.truth.time_ns[::20], run.camera.motors[::20]
     board = np.stack(np.meshgrid([-0.9, -0.3, 0.3, 0.9], [-0.6, 0.0, 0.6]), axis=-1).reshape(-1, 2)
     board = np.column_stack([board, rng.uniform(1.8, 2.4, 12)])
@@ -151,7 +151,7 @@ def test_readings_that_are_not_of_the_motion_are_refused_rather_than_corrected_a
 
 def test_derivatives_of_corners_are_those_of_differences(record: Record, rng):
     run = record(rng, 1.0)
-    given = pictures(run, rng, shift_s=-0.003)
+    given = images(run, rng, shift_s=-0.003)
     pose, speed = run.truth.motors[20], run.velocity_m_s[20]
     camera = run.imu_T_camera.coefficients
     state = replace(PredictedState.at(pose, speed, np.array([0.1, -0.2, 0.3])), imu_T_camera=camera)
@@ -172,7 +172,7 @@ def test_derivatives_of_corners_are_those_of_differences(record: Record, rng):
 def test_intrinsics_are_found_to_within_their_deviations(record: Record, rng):
     run = record(rng, 3.0)
     rough = with_intrinsics(CAMERA, np.array([470.0, 450.0, 360.0, 255.0, -0.25, 0.05, 0.0, 0.0]))
-    given = pictures(run, rng, camera=rough, pinhole_sigma_px=10.0, distortion_sigma=0.05)
+    given = images(run, rng, camera=rough, pinhole_sigma_px=10.0, distortion_sigma=0.05)
     found = calibrated(run, also=[given])
     (camera,), (sigma,) = found.also, found.parameter_sigma
     true = np.array([CAMERA.fx, CAMERA.fy, CAMERA.cx, CAMERA.cy, *CAMERA.distortion])

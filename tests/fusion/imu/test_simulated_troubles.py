@@ -236,7 +236,7 @@ def test_the_filter_lets_through_what_a_butterworth_does():
     assert abs(response - expected) < 2e-3
 
 
-def test_a_filter_is_settled_where_a_stretch_begins():
+def test_a_filter_is_settled_where_a_segment_begins():
     stamps = 50_000_000 * np.arange(40) + np.where(np.arange(40) > 20, 10**11, 0)
     path = Trajectory(stamps, Motor.identity((40,)))
     faults = ImuFaults(accel_lowpass_hz=5.0)

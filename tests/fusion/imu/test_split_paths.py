@@ -21,7 +21,7 @@ def split(gap_s: float) -> Trajectory:
 
 
 @pytest.mark.parametrize("gap_s", [20.0, DAY_S, YEARS_S])
-def test_an_imu_is_read_in_each_stretch_as_if_it_were_alone(gap_s, rng):
+def test_an_imu_is_read_in_each_segment_as_if_it_were_alone(gap_s, rng):
     path = split(gap_s)
     whole = simulate_imu(path, 200.0, None, rng)
     alone = [simulate_imu(part, 200.0, None, rng) for part in (path[:61], path[61:])]
@@ -34,7 +34,7 @@ def test_an_imu_is_read_in_each_stretch_as_if_it_were_alone(gap_s, rng):
     assert np.abs(whole.stream.time_ns - stamps).max() <= 256
 
 
-def test_between_stretches_a_path_follows_the_screw(rng):
+def test_between_segments_a_path_follows_the_screw(rng):
     path = split(DAY_S)
     continuous = ContinuousPath.through(path)
     ends = [3.0, DAY_S + 3.05]
@@ -85,7 +85,7 @@ def test_cameras_see_nothing_in_a_gap(gap_s, rng):
 
 
 @pytest.mark.parametrize("representation", ["motor", "rotor", "euler", "similarity"])
-def test_each_stretch_has_a_spline_of_its_own(representation):
+def test_each_segment_has_a_spline_of_its_own(representation):
     path = split(DAY_S)
     made = smooth(path, "spline", representation, knot_spacing_s=0.2)
     alone = [smooth(part, "spline", representation) for part in (path[:61], path[61:])]

@@ -200,7 +200,7 @@ def test_gaps_split_the_kinds_too(record: Record, rng):
     )
     (found,) = fused.also
     assert len(found.nis) == len(given)
-    assert np.sum(np.isnan(found.nis)) <= 1  # between the last pose's stretch and the next
+    assert np.sum(np.isnan(found.nis)) <= 1  # between the last pose's segment and the next
     assert np.mean(found.accepted) > 0.9
 
 

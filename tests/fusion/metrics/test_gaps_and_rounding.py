@@ -108,7 +108,7 @@ def test_jitter_above_is_the_root_of_scipys_band_power():
 
 def test_sixteen_poses_without_a_gap_are_a_spectrum_and_fewer_are_none():
     assert jitter_above(sine(16, 100.0, 30.0), 10.0).linear_m_s2 > 1.0
-    with pytest.raises(NotObservableError, match="a stretch of 16 poses without a gap, got none"):
+    with pytest.raises(NotObservableError, match="a segment of 16 poses without a gap, got none"):
         jitter_above(sine(15, 100.0, 30.0), 10.0)
     # one interval and a half is no gap, more is one
     for gap_ms, told in ((15, True), (15.1, False)):
@@ -120,8 +120,8 @@ def test_sixteen_poses_without_a_gap_are_a_spectrum_and_fewer_are_none():
                 jitter_above(still(stamps), 10.0)
 
 
-def test_longer_stretches_weigh_more_and_short_ones_do_not_count():
-    """A quiet stretch of 300 poses and a jittering one of 100, beside 15 that jitter wildly."""
+def test_longer_segments_weigh_more_and_short_ones_do_not_count():
+    """A quiet segment of 300 poses and a jittering one of 100, beside 15 that jitter wildly."""
     rate_hz, frequency_hz, size = 100.0, 25.0, 1e-3
     counts, sizes = (300, 100, 15), (0.0, size, 100.0 * size)
     index = np.concatenate(
@@ -131,7 +131,7 @@ def test_longer_stretches_weigh_more_and_short_ones_do_not_count():
     seconds = index / rate_hz
     path = along(1e3 * seconds, amplitude * np.sin(2.0 * np.pi * frequency_hz * seconds))
     seen = size * (2.0 * np.sin(np.pi * frequency_hz / rate_hz) * rate_hz) ** 2 / np.sqrt(2.0)
-    # Differences at both ends are lost, and a stretch has one time step less than it has stamps.
+    # Differences at both ends are lost, and a segment has one time step less than it has stamps.
     share = 98 / (98 + 298)
     found = jitter_above(path, 10.0)
     assert found.linear_m_s2 == pytest.approx(seen * np.sqrt(share), rel=0.02)
@@ -147,11 +147,11 @@ def test_frequencies_lie_between_zero_and_half_the_rate():
         jitter_above(path[:1], 1.0)
 
 
-def test_energy_needs_a_stretch_within_the_truth():
+def test_energy_needs_a_segment_within_the_truth():
     truth = still(np.arange(0, 1000, 10))
     for stamps, message in [
         ([990, 1000, 1010], "expected 2 or more stamps within the ground truth, got 1"),
-        ([980, 990, 1000], "a stretch of 16 poses without a gap, got none"),
+        ([980, 990, 1000], "a segment of 16 poses without a gap, got none"),
         ([2000, 2010], "expected 2 or more stamps within the ground truth, got 0"),
     ]:
         with pytest.raises(NotObservableError, match=message):

@@ -169,5 +169,5 @@ def test_relative_errors_need_two_pairs(rng):
     assert flat["rpe_by_length_trans_rmse_m"] is None
     flat = evaluate(at(5, 6), at(5, 6)).as_dict()
     assert flat["rpe_trans_rmse_m"] == pytest.approx(0.0, abs=1e-12)
-    assert flat["rpe_length_m"] == 1.0  # both metres apart: one stretch
+    assert flat["rpe_length_m"] == 1.0  # both metres apart: one segment
     assert flat["rpe_by_length_trans_rmse_m"] == pytest.approx(0.0, abs=1e-12)

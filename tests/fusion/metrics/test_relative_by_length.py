@@ -120,8 +120,8 @@ def test_lengths_are_numbers_above_zero(pair, bad):
             refused()
 
 
-def test_a_stretch_ends_when_its_length_is_reached():
-    """Steps of 1 m and stretches of 2: at every second pose, and the odd one is left out."""
+def test_a_segment_ends_when_its_length_is_reached():
+    """Steps of 1 m and segments of 2: at every second pose, and the odd one is left out."""
     along = np.arange(6.0)[:, None] * [0.0, 1.0, 0.0]
     truth = Motor.from_rotor_translation(Rotor.identity((6,)), along)
     estimate = Motor.from_rotor_translation(Rotor.identity((6,)), along * 1.5)

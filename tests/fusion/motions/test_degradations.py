@@ -133,7 +133,7 @@ def looking_at(marker_m, eye_m):
 
 def test_the_wrong_planar_pose_is_opencvs_second_candidate(rng):
     cv2 = pytest.importorskip("cv2")
-    half = 0.01  # so small a marker that the picture is affine to 1e-5
+    half = 0.01  # so small a marker that the image is affine to 1e-5
     corners = half * np.array([[-1, 1, 0], [1, 1, 0], [1, -1, 0], [-1, -1, 0]], dtype=float)
     for _ in range(10):
         eye = 2.0 * np.array([*rng.uniform(-0.6, 0.6, 2), 1.0])

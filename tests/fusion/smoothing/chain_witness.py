@@ -50,7 +50,7 @@ def witnessed_chain(
 
 
 class _Pieces(NamedTuple):
-    """Stretches without leaps; arrays of ends have the start first, ``(K, 2)``.
+    """Segments without leaps; arrays of ends have the start first, ``(K, 2)``.
 
     `rate` is the twist a second at either end, from steps that span `span_s`; 0 and infinity where
     a pose stands alone.

@@ -154,7 +154,7 @@ def test_what_is_refused_leaves_a_filter_as_it_was(header: Header) -> None:
 
 @needs_gcc
 @pytest.mark.slow
-def test_short_paths_and_those_at_the_ends_of_stretches(header: Header) -> None:
+def test_short_paths_and_those_at_the_ends_of_segments(header: Header) -> None:
     model = header.c.motorcade_constant_velocity()
     for count in (1, 2, 3, 255, 256, 257, 258, 512, 513):
         path = noisy(600)[:count]

@@ -9,7 +9,7 @@ from motorcade.fusion.smoothing import REPRESENTATIONS
 from motorcade.fusion.smoothing.batch.columns import (
     NO_JUMPS,
     ColumnModel,
-    ColumnStretch,
+    ColumnSegment,
     chosen,
     splined,
 )
@@ -89,7 +89,7 @@ def test_shocks_are_what_a_jump_of_the_value_or_of_its_slope_saves(
 @pytest.mark.parametrize("noise", [1e-3, 0.03, 0.3])
 def test_noise_is_told_from_motion(noise: float, rng: np.random.Generator) -> None:
     time_s, values = column(rng, noise)
-    [(model, *_)] = chosen([ColumnStretch(time_s, values[:, None], np.ones(200))])
+    [(model, *_)] = chosen([ColumnSegment(time_s, values[:, None], np.ones(200))])
     assert model.noise == pytest.approx(noise, rel=0.2)
     smoothed = splined(time_s, values, np.ones(200), model.order, model.ratio).values
     truth = np.sin(2.0 * time_s)
@@ -148,7 +148,7 @@ def test_rows_that_only_open_the_state_tell_no_model(rng: np.random.Generator) -
     time_s, values = column(rng, 0.1)
     weights = np.zeros(200)
     weights[:4] = 1.0
-    [(model, score, *_)] = chosen([ColumnStretch(time_s, values[:, None], weights)], (3,))
+    [(model, score, *_)] = chosen([ColumnSegment(time_s, values[:, None], weights)], (3,))
     assert model.order == 3
     assert np.isfinite(score)
 
@@ -191,7 +191,7 @@ def test_motion_that_stamps_do_not_resolve_is_left(seed: int) -> None:
     sizes = np.minimum(1.0, 0.5 / rates_hz) ** 1.5 * rng.standard_normal(len(rates_hz))
     phases = rng.uniform(0.0, 2.0 * np.pi, len(rates_hz))
     motion = np.sin(2.0 * np.pi * time_s[:, None] * rates_hz + phases) @ sizes
-    [(model, *_)] = chosen([ColumnStretch(time_s, motion[:, None], np.ones(1000))])
+    [(model, *_)] = chosen([ColumnSegment(time_s, motion[:, None], np.ones(1000))])
     model = model.told(0.1)
     left = splined(time_s, motion, np.ones(1000), model.order, model.ratio).values
     assert np.std(left - motion) < 0.002 * np.std(motion)

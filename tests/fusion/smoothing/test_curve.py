@@ -81,7 +81,7 @@ def test_rotations_follow_scipys_spline(seed: int) -> None:
 
 @given(st.lists(st.sampled_from([1, 1, 1, 5, 60]), min_size=1, max_size=12), st.integers(0, 99))
 def test_across_gaps_it_is_the_screw(steps: list[int], seed: int) -> None:
-    """Single poses too; elsewhere one stretch knows nothing of the other."""
+    """Single poses too; elsewhere one segment knows nothing of the other."""
     time_ns = np.concatenate([[0], np.cumsum(steps)]) * (NS // 10)
     twists = 0.3 * np.random.default_rng(seed).normal(size=(len(time_ns), 6))
     path = Trajectory(time_ns, Motor.from_twist(twists))

@@ -213,7 +213,7 @@ def test_another_world_changes_nothing_of_the_smoother(
 def test_the_poses_alone_are_those_of_the_states(
     order: int, name: str, rng: np.random.Generator
 ) -> None:
-    """Over more poses than one stretch, so that the second pass over the filter counts too."""
+    """Over more poses than one segment, so that the second pass over the filter counts too."""
     trajectory = Gaussian(0.005, 0.01).apply(MOTIONS["handheld"].sampled(30.0, 30.0), rng)
     kind = (ConstantVelocityFilter, ConstantAccelerationFilter)[order - 1]
     method = ("rts_constant_velocity", "rts_constant_acceleration")[order - 1]

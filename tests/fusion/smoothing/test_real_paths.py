@@ -60,7 +60,7 @@ def test_trajectories_of_slam_come_no_farther_from_the_truth_and_jitter_less(
 @pytest.mark.slow
 @pytest.mark.parametrize("estimate", ["KITTI_00_ORB.txt", "KITTI_00_SPTAM.txt"])
 def test_a_car_turns_from_pose_to_pose_as_it_was_estimated(estimate: str, data_dir: Path) -> None:
-    """Its body shakes faster than pictures at 10 Hz resolve."""
+    """Its body shakes faster than images at 10 Hz resolve."""
     raw, reference = _kitti(data_dir, estimate), _kitti(data_dir, "KITTI_00_gt.txt")
     before, after = (evaluate(path, reference, "se3") for path in (raw, choose(raw).smooth(raw)))
     for kind in ("rpe_rot_deg", "rpe_trans_m", "ape_m", "rotation_deg"):
@@ -68,8 +68,8 @@ def test_a_car_turns_from_pose_to_pose_as_it_was_estimated(estimate: str, data_d
 
 
 @pytest.mark.slow
-def test_what_looks_like_noise_of_s_ptam_is_a_picture_that_it_runs_ahead(data_dir: Path) -> None:
-    """Its rows are a picture early: the lag says so, and put right they turn to 0.12° as they are.
+def test_what_looks_like_noise_of_s_ptam_is_an_image_that_it_runs_ahead(data_dir: Path) -> None:
+    """Its rows are an image early: the lag says so, and put right they turn to 0.12° as they are.
 
     Against the early stamps an average over five poses seems to help, for it flattens turns that do
     not match; at the right ones it takes away what the car did.
@@ -101,7 +101,7 @@ def _kitti(data_dir: Path, file: str) -> Trajectory:
 
 @pytest.mark.slow
 def test_a_tracked_board_is_left_where_it_is_and_jitters_less(data_dir: Path) -> None:
-    """The reference was measured from the same pictures and jitters as they do: jitter is told
+    """The reference was measured from the same images and jitters as they do: jitter is told
     without it, and what leaves that jitter out lies farther from it, here by 5 of 1,212 µm.
     """
     recording = open_recording(data_dir / "replays" / "vamr_board", MANIFESTS / "vamr_board.toml")

@@ -145,8 +145,8 @@ def test_a_pose_alone_in_its_window_stays(rng: np.random.Generator) -> None:
     assert np.abs((found.poses[6].inverse() @ path.poses[6]).as_twist()).max() < 1e-9
 
 
-def test_long_windows_and_long_paths_agree_with_short_stretches(rng: np.random.Generator) -> None:
-    """Stretches of different lengths are computed in different batches; poses do not notice."""
+def test_long_windows_and_long_paths_agree_with_short_segments(rng: np.random.Generator) -> None:
+    """Segments of different lengths are computed in different batches; poses do not notice."""
     path = noisy_path(rng, uneven(rng, 5000))
     whole = smooth(path, "gaussian", sigma_s=0.05)
     part = smooth(path[1500:2600], "gaussian", sigma_s=0.05)

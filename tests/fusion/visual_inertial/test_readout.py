@@ -1,4 +1,4 @@
-"""Pictures whose rows are read one after the other, adjusted with the IMU's motion between them."""
+"""Images whose rows are read one after the other, adjusted with the IMU's motion between them."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_the_readout_time_mends_what_rolling_bends(rolling: Scene):
 
 @pytest.mark.parametrize("model", ["pinhole", "radtan", "equidistant"])
 def test_rows_are_those_of_the_sensor(model: str):
-    """The lens moves corners by 50 rows and more in the undistorted picture."""
+    """The lens moves corners by 50 rows and more in the undistorted image."""
     numbers = {"pinhole": (), "radtan": (-0.3, 0.08), "equidistant": (0.01, 0.0, 0.0, 0.0)}[model]
     camera = Camera(640, 480, 300.0, 300.0, 319.5, 239.5, model, numbers)
     recorded = np.array([[20.0, 0.0], [319.5, 239.5], [600.0, 479.0]])

@@ -40,7 +40,7 @@ def history(time_ns: IntArray, states: tuple[SlamState, ...]) -> SlamHistory:
 
 @dataclass(frozen=True)
 class Scene:
-    """True keyframes and landmarks, what was seen, and which sightings are wrong."""
+    """True keyframes and landmarks, what was seen, and which observations are wrong."""
 
     keyframes: Trajectory
     landmarks_m: FloatArray

@@ -174,7 +174,7 @@ def test_no_samples_are_told_where_some_are_asked_for(asked: Callable[[GrowingIm
         asked(GrowingImu())
 
 
-class _Pictures:
+class _Images:
     """Visual SLAM of a camera at rest; the world moves by `moved_m` where a loop is closed."""
 
     metric = True
@@ -204,10 +204,10 @@ class _Pictures:
         return Motor.from_translation([self._moved_m * len(self.loops), 0.0, 0.0])
 
 
-def _at_rest(pictures: _Pictures, rate_hz: int) -> tuple[InertialSlam, IntArray]:
+def _at_rest(images: _Images, rate_hz: int) -> tuple[InertialSlam, IntArray]:
     """SLAM that has a map since 0 ns, the samples of a minute at rest, and the frames' stamps."""
     slam = InertialSlam(CAMERA, ADIS16448, Motor.identity())
-    slam._slam = cast("VisualSlam", pictures)
+    slam._slam = cast("VisualSlam", images)
     still = np.zeros((12_020, 3))
     stamps = 5_000_000 * np.arange(len(still))
     slam.imu(ImuStream(stamps, still, still + np.array([0.0, 0.0, 9.81])))
@@ -215,8 +215,8 @@ def _at_rest(pictures: _Pictures, rate_hz: int) -> tuple[InertialSlam, IntArray]
 
 
 def test_the_filter_goes_into_the_world_that_a_late_loop_leaves(monkeypatch: pytest.MonkeyPatch):
-    pictures = _Pictures(loop_ns=3_000_000_000, moved_m=1.0)
-    slam, stamps = _at_rest(pictures, 20)
+    images = _Images(loop_ns=3_000_000_000, moved_m=1.0)
+    slam, stamps = _at_rest(images, 20)
     monkeypatch.setattr(slam, "_start", object())
     monkeypatch.setattr(slam, "_adjusted_s", np.inf)  # nothing but the loop feeds it again
     slam._mapped_ns = 0
@@ -225,7 +225,7 @@ def test_the_filter_goes_into_the_world_that_a_late_loop_leaves(monkeypatch: pyt
     slam._replay()
     for stamp in stamps[20:62].tolist():
         slam.track(stamp, np.zeros(0))
-    assert pictures.asked == [950_000_000, 3_000_000_000]
+    assert images.asked == [950_000_000, 3_000_000_000]
     state = slam._filter.state if slam._filter is not None else None
     assert state is not None
     np.testing.assert_allclose(state.world_T_imu.translation_m, [1.0, 0.0, 0.0], atol=0.01)
@@ -235,11 +235,11 @@ def test_a_start_that_the_imu_never_tells_is_tried_at_growing_intervals(
     monkeypatch: pytest.MonkeyPatch,
 ):
     monkeypatch.setattr(online, "start_inertial", _too_little_motion)
-    pictures = _Pictures(loop_ns=-1, moved_m=0.0)
-    slam, stamps = _at_rest(pictures, 10)
+    images = _Images(loop_ns=-1, moved_m=0.0)
+    slam, stamps = _at_rest(images, 10)
     for stamp in stamps.tolist():
         slam.track(stamp, np.zeros(0))
-    tried = np.array(pictures.asked) * 1e-9
+    tried = np.array(images.asked) * 1e-9
     np.testing.assert_allclose(tried[:3], [2.0, 2.5, 3.0])
     assert len(tried) < 22
     assert np.all(np.diff(tried[3:]) >= 0.2 * tried[3:-1] - 1e-9)

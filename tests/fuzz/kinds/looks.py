@@ -1,4 +1,4 @@
-"""Characters with pictures, samplers, morph targets and scenes that are not as they should be.
+"""Characters with images, samplers, morph targets and scenes that are not as they should be.
 
 What is read must be a valid character, and must be written and read again as the same one.
 """
@@ -14,22 +14,22 @@ import numpy as np
 from motorcade.animation.formats import FormatError, read_character, write_gltf
 from tests.animation.formats.dressed import dressed_gltf, encoded
 from tests.animation.formats.samples import Gltf
+from tests.fuzz.images import broken, hostile_images
 from tests.fuzz.kinds.rigs import outcome
 from tests.fuzz.mutations import changed_tree, mutated, one_of
-from tests.fuzz.pictures import broken, hostile_pictures
 from tests.fuzz.runner import Feed
 
 WILD = (-1, 0, 1, 2, 5, 12, 13, 40, 255, 65_535, 2**31, 2**40, 1.5, "0", None, [0], True)
 WRITTEN_SHARE = 0.25
 LARGE_SHARE = 0.2
-"""Of hostile pictures: how often those are among them that take a second."""
+"""Of hostile images: how often those are among them that take a second."""
 SMALL_BYTES = 5000
 
 
 def prepare(folder: Path) -> Feed:
     """Dressed towers, attacked in one of several ways, read, written and read again."""
     honest = tuple(encoded(kind) for kind in ("PNG", "JPEG", "WEBP"))
-    hostile = hostile_pictures()
+    hostile = hostile_images()
 
     def feed(rng: np.random.Generator) -> str:
         path = folder / "given.glb"
@@ -149,7 +149,7 @@ def _hierarchy(made: Gltf, rng: np.random.Generator) -> None:
 
 
 def _many(made: Gltf, rng: np.random.Generator) -> None:
-    """Thousands of pictures, materials and meshes that share what they are made of."""
+    """Thousands of images, materials and meshes that share what they are made of."""
     document, count = made.document, int(rng.choice([20, 100, 1500], p=[0.6, 0.35, 0.05]))
     kind = rng.random()
     if kind < 0.5:

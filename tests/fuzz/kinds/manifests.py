@@ -152,7 +152,7 @@ STAGES = ("tracked", "camera_poses", "imu", "fused", "smoothed", "errors", "conv
 
 def prepare(folder: Path) -> Feed:
     """A described folder and a video beside a manifest of any keys; opened, looked at, run."""
-    layouts.write_pictures(folder, ["secret.png"])
+    layouts.write_images(folder, ["secret.png"])
     root = folder / "recording"
     names = _write(root)
     bare = folder / "euroc"
@@ -192,11 +192,11 @@ def prepare(folder: Path) -> Feed:
 
 def _write(root: Path) -> tuple[str, ...]:
     """The recording, and names of the files that keys may point to."""
-    pictures = [f"{index}.png" for index in range(COUNT)]
+    images = [f"{index}.png" for index in range(COUNT)]
     for name in ("images", "right"):
-        layouts.write_pictures(root / name, pictures, channels=1)
+        layouts.write_images(root / name, images, channels=1)
     (root / "depth").mkdir()
-    for name in pictures:
+    for name in images:
         depth = np.full((layouts.HEIGHT, layouts.WIDTH), 1500, np.uint16)
         cv2.imwrite(str(root / "depth" / name), depth)
     (root / "made").mkdir()

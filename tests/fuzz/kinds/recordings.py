@@ -2,7 +2,7 @@
 
 Small recordings of every layout, a described folder, ROS bags, a video, TagSLAM's bag and loose
 trajectories are made here; one of their files is mutated: bytes, words, lines, paths. Then the
-recording is opened, checked, digested, and its first pictures are read. A file outside the
+recording is opened, checked, digested, and its first images are read. A file outside the
 recording that is named is a fault.
 """
 
@@ -18,7 +18,7 @@ from motorcade.ga import Trajectory
 from motorcade.replays.io.errors import RecordingError
 from motorcade.replays.io.imu import read_imu, read_noise
 from motorcade.replays.io.readers import gpmf
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.io.trajectories import read_trajectory
@@ -93,7 +93,7 @@ class Samples:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        layouts.write_pictures(folder, [SECRET])
+        layouts.write_images(folder, [SECRET])
         self.made: list[tuple[Reader, Path]] = []
         for name in layouts.MAKERS:
             self.made.append((opened, layouts.MAKERS[name](_new(folder / name)).root))
@@ -243,7 +243,7 @@ def look(recording: Recording) -> None:
 def expect_inside(recording: Recording) -> None:
     """A recording that was opened by its own word names no file outside of it."""
     root = recording.root.resolve()
-    if isinstance(recording.frames, PictureFrames):
+    if isinstance(recording.frames, ImageFrames):
         frames = recording.frames
         for path in (*frames.files, *filter(None, frames.depth_files), *frames.right_files):
             if not path.resolve().is_relative_to(root):

@@ -30,17 +30,17 @@ def drawn(text: str, **values: object) -> Drawing:
 
 
 def test_marks_words_and_expressions_are_drawn() -> None:
-    picture = drawn(SCENE, h=0.5)
-    assert repr(picture) == "Drawing(s: sphere, g: plane, circle, l: line)"
-    assert [one.color for one in picture.objects] == ["blue", "orange", "red", "green"]
-    circle = picture.objects[2].shapes[0]
+    image = drawn(SCENE, h=0.5)
+    assert repr(image) == "Drawing(s: sphere, g: plane, circle, l: line)"
+    assert [one.color for one in image.objects] == ["blue", "orange", "red", "green"]
+    circle = image.objects[2].shapes[0]
     assert isinstance(circle, Circle)
     assert circle.radius == pytest.approx(0.75**0.5)
 
 
 def test_a_name_is_drawn_as_it_is_there() -> None:
-    picture = drawn("p = VecN3(1, 0, 0); :p; p = VecN3(2, 0, 0); :p; p = VecN3(3, 0, 0);")
-    shapes = [one.shapes[0] for one in picture.objects]
+    image = drawn("p = VecN3(1, 0, 0); :p; p = VecN3(2, 0, 0); :p; p = VecN3(3, 0, 0);")
+    shapes = [one.shapes[0] for one in image.objects]
     assert [s.positions[0, 0] for s in shapes if isinstance(s, Points)] == [1.0, 2.0]
 
 
@@ -53,10 +53,10 @@ def test_what_is_drawn_changes_nothing_of_what_is_computed() -> None:
 
 
 def test_outputs_are_drawn_where_nothing_is_marked() -> None:
-    picture = drawn("?s = SphereN3(0, 0, 0, r); ?d = 2*r;", r=1.5)
-    (one,) = picture.objects
+    image = drawn("?s = SphereN3(0, 0, 0, r); ?d = 2*r;", r=1.5)
+    (one,) = image.objects
     assert (one.name, one.shapes[0].kind) == ("s", "sphere")
-    assert picture.left_out == ("d is not drawn: it is the number 3",)
+    assert image.left_out == ("d is not drawn: it is the number 3",)
     inner = drawn(":IPNS; ?s = VecN3(0, 0, 0) - 0.5*r*r*einf;", r=1.5).objects[0].shapes[0]
     assert isinstance(inner, Sphere)
     assert inner.radius == pytest.approx(1.5)
@@ -64,8 +64,8 @@ def test_outputs_are_drawn_where_nothing_is_marked() -> None:
 
 def test_batches_draw_many_and_algebras_are_the_scripts_own() -> None:
     t = np.linspace(0.0, 1.0, 7)
-    picture = drawn(":p = VecN3(cos(t), sin(t), t);", t=t)
-    points = picture.objects[0].shapes[0]
+    image = drawn(":p = VecN3(cos(t), sin(t), t);", t=t)
+    points = image.objects[0].shapes[0]
     assert isinstance(points, Points)
     np.testing.assert_allclose(points.positions, np.stack([np.cos(t), np.sin(t), t], 1), atol=1e-12)
     flat = drawn("//#pragma algebra cga2\n:IPNS; :c = e0 - 0.5*einf; :l = e1;")
@@ -102,16 +102,16 @@ loop {
 """
 
 
-def places(picture: Drawing) -> list[list[float]]:
-    shapes = [one.shapes[0] for one in picture.objects]
+def places(image: Drawing) -> list[list[float]]:
+    shapes = [one.shapes[0] for one in image.objects]
     return [s.positions.tolist() for s in shapes if isinstance(s, Points)]
 
 
 def test_each_round_of_a_loop_is_drawn() -> None:
-    picture = drawn(LOOP)
-    assert places(picture) == [[[k, y, 0.0]] for k in (0.0, 1.0, 2.0) for y in (0.0, 1.0)]
-    assert [one.name for one in picture.objects] == ["p", ""] * 3
-    assert [one.color for one in picture.objects] == ["blue"] * 2 + ["red"] * 2 + ["blue"] * 2
+    image = drawn(LOOP)
+    assert places(image) == [[[k, y, 0.0]] for k in (0.0, 1.0, 2.0) for y in (0.0, 1.0)]
+    assert [one.name for one in image.objects] == ["p", ""] * 3
+    assert [one.color for one in image.objects] == ["blue"] * 2 + ["red"] * 2 + ["blue"] * 2
 
 
 def test_the_branch_that_is_taken_is_drawn() -> None:
@@ -126,9 +126,9 @@ def test_of_several_values_those_are_drawn_that_take_a_branch() -> None:
         "if (x > 0) { :p; if (x > 2) :VecN3(x, 5, 0); } else { :q = VecN3(x, 1, 0); }\n"
         "if (x > 100 && x < 0) { :p; }"
     )
-    picture = drawn(text, x=np.array([1.0, -2.0, 3.0, -4.0]))
-    assert [one.name for one in picture.objects] == ["p", "", "q"]
-    assert places(picture) == [
+    image = drawn(text, x=np.array([1.0, -2.0, 3.0, -4.0]))
+    assert [one.name for one in image.objects] == ["p", "", "q"]
+    assert places(image) == [
         [[1.0, 0.0, 0.0], [3.0, 0.0, 0.0]],
         [[3.0, 5.0, 0.0]],
         [[-2.0, 1.0, 0.0], [-4.0, 1.0, 0.0]],
@@ -143,8 +143,8 @@ def test_what_branches_draw_changes_nothing_of_what_is_computed() -> None:
 
 
 def test_macros_draw_nothing() -> None:
-    picture = drawn("m = { :k = VecN3(_P(1), 0, 0); :k ^ e1; k } :p = m(1);")
-    assert [one.name for one in picture.objects] == ["p"]
+    image = drawn("m = { :k = VecN3(_P(1), 0, 0); :k ^ e1; k } :p = m(1);")
+    assert [one.name for one in image.objects] == ["p"]
 
 
 def test_so_many_objects_are_refused() -> None:

@@ -1,4 +1,4 @@
-"""What is read of an object is what closed formulas say of it, in every algebra with pictures."""
+"""What is read of an object is what closed formulas say of it, in every algebra with images."""
 
 from typing import Any
 
@@ -216,18 +216,18 @@ def test_what_rounding_leaves_of_other_blades_is_not_looked_at() -> None:
         (CGA3.multivector({"1": 1.0, "e1": 1.0}), "inner", "neither an object of one grade nor a"),
         (PGA3.blade("e0"), "inner", "it lies at infinity"),
         (PGA3.blade("e1^e0"), "inner", "it lies at infinity"),
-        (EGA3.blade("e1^e2^e3"), "inner", "a pseudoscalar has no picture"),
-        (Algebra(1, 3).blade("e1"), "inner", "there is no picture of objects of Algebra"),
+        (EGA3.blade("e1^e2^e3"), "inner", "a pseudoscalar has no image"),
+        (Algebra(1, 3).blade("e1"), "inner", "there is no image of objects of Algebra"),
         ("text", "inner", "expected multivectors, versors or points, got str"),
         ([1.0, np.nan, 2.0], "inner", r"expected finite points of shape \(\*, 2\) or \(\*, 3\)"),
     ],
 )
-def test_what_has_no_picture_says_why(made: Any, form: Any, why: str) -> None:
+def test_what_has_no_image_says_why(made: Any, form: Any, why: str) -> None:
     with pytest.raises(ValueError, match=why):
         shapes_of(made, form)
 
 
-def test_symbols_have_no_picture() -> None:
+def test_symbols_have_no_image() -> None:
     ca = pytest.importorskip("casadi", reason="CasADi is not installed")
     with pytest.raises(ValueError, match="expected numbers, got symbols"):
         shapes_of(CGA3.scalar(ca.SX.sym("x")) * CGA3.blade("e1"))

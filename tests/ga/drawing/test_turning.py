@@ -1,4 +1,4 @@
-"""The script that turns a picture in the browser draws what Python draws."""
+"""The script that turns an image in the browser draws what Python draws."""
 
 import json
 import re
@@ -23,7 +23,7 @@ VIEWS = [View(), View(213.0, -41.0, 500, 300), View(10.0, 90.0), View(-77.0, 3.0
 pytestmark = pytest.mark.skipif(NODE is None, reason="no node here")
 
 
-def picture() -> Drawing:
+def image() -> Drawing:
     ball, ground = conformal.sphere([0, 0, 1], 1.0), conformal.plane([0, 0, 1], 0.6)
     line = conformal.line_through([-1, -1, 0], [1, 1, 1.6])
     far = conformal.meet(conformal.sphere([4, 0, 0], 1.0), conformal.sphere([7, 0, 0], 1.0))
@@ -85,7 +85,7 @@ def halves_before(text: str) -> np.ndarray:
 
 @pytest.mark.parametrize("view", VIEWS, ids=str)
 def test_the_browser_draws_what_python_draws(view: View) -> None:
-    drawing = replace(picture(), view=view)
+    drawing = replace(image(), view=view)
     marks, projection = drawing._placed()
     mine = svg.elements(marks, projection).replace("url(#", "url(#own-")
     theirs = in_node(drawing)
@@ -109,7 +109,7 @@ def test_the_browser_draws_what_python_draws(view: View) -> None:
     assert np.abs(places(mine).sum(axis=0) - places(theirs).sum(axis=0)).max() < 5.0
 
 
-def test_a_turned_picture_is_the_one_of_that_view() -> None:
-    front = in_node(replace(picture(), view=View(0.0, 0.0)))
+def test_a_turned_image_is_the_one_of_that_view() -> None:
+    front = in_node(replace(image(), view=View(0.0, 0.0)))
     assert pieces(front) != pieces("")
-    assert front != in_node(replace(picture(), view=View(1.0, 0.0)))
+    assert front != in_node(replace(image(), view=View(1.0, 0.0)))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import CumulativeBSpline, Motor, Trajectory
-from motorcade.ga.stamps import STAMP_LIMIT_NS, stamps_at_rate, stretches
+from motorcade.ga.stamps import STAMP_LIMIT_NS, segments, stamps_at_rate
 
 SECOND = 10**9
 DAY = 86_400 * SECOND
@@ -44,16 +44,16 @@ def test_the_farthest_stamps_have_a_difference():
     [(2 * SECOND, 1), (10 * SECOND, 1), (10 * SECOND + 1, 2), (DAY, 2), (YEARS, 2)],
 )
 def test_gaps_of_more_than_ten_seconds_split(gap_ns, parts):
-    assert len(stretches(with_gap(gap_ns))) == parts
+    assert len(segments(with_gap(gap_ns))) == parts
 
 
-def test_poses_that_are_evenly_far_apart_are_one_stretch():
-    assert stretches(np.arange(50) * DAY) == [slice(0, 50)]
-    assert stretches(np.array([5])) == [slice(0, 1)]
+def test_poses_that_are_evenly_far_apart_are_one_segment():
+    assert segments(np.arange(50) * DAY) == [slice(0, 50)]
+    assert segments(np.array([5])) == [slice(0, 1)]
 
 
 @pytest.mark.parametrize("gap_ns", [11 * SECOND, DAY, YEARS])
-def test_each_stretch_is_resampled_for_itself(gap_ns):
+def test_each_segment_is_resampled_for_itself(gap_ns):
     path = walk(with_gap(gap_ns))
     made = path.at_rate(4.0)
     alone = [path[:10].at_rate(4.0), path[10:].at_rate(4.0)]

@@ -75,10 +75,10 @@ def test_detect_and_print_take_a_board(kind: str, tmp_path: Path, capsys) -> Non
     assert main([*asked, "--json", "--draw", str(tmp_path / "drawn")]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["board"] == board.name
-    for picture in found["pictures"]:
-        assert len(picture["corners"]) >= 0.9 * len(board.points_m)
-        assert picture["reprojection_rmse_px"] < 0.2
-        assert 0.1 < picture["camera_T_board"]["translation_m"][2] < 2.0
+    for image in found["images"]:
+        assert len(image["corners"]) >= 0.9 * len(board.points_m)
+        assert image["reprojection_rmse_px"] < 0.2
+        assert 0.1 < image["camera_T_board"]["translation_m"][2] < 2.0
     assert cv2.imread(str(tmp_path / "drawn" / "0000.png")) is not None
     assert main(["print", str(path), "-o", str(tmp_path / "sheet.pdf"), "--paper", "a2"]) == 0
     assert read_board(str(tmp_path / "sheet.toml")) == board

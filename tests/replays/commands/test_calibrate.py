@@ -1,4 +1,4 @@
-"""`motorcade calibrate`: pictures and videos of a board in, a camera file and a picture out."""
+"""`motorcade calibrate`: images and videos of a board in, a camera file and an image out."""
 
 import json
 from pathlib import Path
@@ -28,12 +28,12 @@ CAMERA = Camera(320, 240, 300.0, 298.0, 161.0, 117.0)
 def take(pose: Motor) -> np.ndarray:
     """The drawn board as the camera sees it from `pose` (world_T_camera)."""
     scale = 4000.0
-    picture, origin = BOARD.draw(scale)
+    image, origin = BOARD.draw(scale)
     corners = BOARD.points_m[[0, 6, 27, 21]]
     plane = np.array(origin) + scale * corners[:, :2] * (1.0, -1.0)
     pixels = CAMERA.project(pose.inverse().apply(corners))
     warp = cv2.getPerspectiveTransform(plane.astype(np.float32), pixels.astype(np.float32))
-    small = cv2.GaussianBlur(picture, (0, 0), 3.0)
+    small = cv2.GaussianBlur(image, (0, 0), 3.0)
     return cv2.warpPerspective(small, warp, (320, 240), flags=cv2.INTER_AREA, borderValue=128)
 
 
@@ -56,7 +56,7 @@ def folder(tmp_path: Path) -> Path:
     return images
 
 
-def test_a_folder_of_pictures_gives_the_camera(folder: Path, tmp_path: Path, capsys) -> None:
+def test_a_folder_of_images_gives_the_camera(folder: Path, tmp_path: Path, capsys) -> None:
     cv2.imwrite(str(folder / "small.png"), np.zeros((100, 100), np.uint8))
     cv2.imwrite(str(folder / "nothing.png"), np.full((240, 320), 90, np.uint8))
     (folder / "torn.png").write_bytes((folder / "view_0.png").read_bytes()[:2000])
@@ -65,7 +65,7 @@ def test_a_folder_of_pictures_gives_the_camera(folder: Path, tmp_path: Path, cap
     assert main(["calibrate", str(folder), *named]) == 0
     printed, err = capsys.readouterr()
     found = json.loads(printed)
-    assert (found["pictures_searched"], found["pictures_with_board"]) == (10, 9)
+    assert (found["images_searched"], found["images_with_board"]) == (10, 9)
     assert len(found["unreadable"]) == len(err.strip().splitlines()) == 2
     assert "small.png" in err
     assert "torn.png" in err
@@ -77,9 +77,9 @@ def test_a_folder_of_pictures_gives_the_camera(folder: Path, tmp_path: Path, cap
         away = abs(getattr(camera, key) - getattr(CAMERA, key))
         assert away < 3.0 * found["standard_deviation"][f"{key}_px"] < 12.0
     assert camera.fx == found["camera"]["fx_px"]
-    picture = cv2.imread(str(out.with_name("camera_coverage.png")))
-    assert picture.shape[0] > 300
-    assert picture.std() > 10.0
+    image = cv2.imread(str(out.with_name("camera_coverage.png")))
+    assert image.shape[0] > 300
+    assert image.std() > 10.0
 
 
 def test_the_file_is_a_manifest_for_the_video_that_it_came_from(
@@ -92,8 +92,8 @@ def test_the_file_is_a_manifest_for_the_video_that_it_came_from(
         stream = container.add_stream("h264", rate=30, options={"crf": "12"})
         stream.width, stream.height, stream.pix_fmt = 320, 240, "yuv420p"
         for index in range(9):
-            picture = take(tilted(index))
-            container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="gray")))
+            image = take(tilted(index))
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(image, format="gray")))
         container.mux(stream.encode())
     out = tmp_path / "camera.toml"
     named = ["--board", BOARD.name, "-o", str(out), "--model", "pinhole"]

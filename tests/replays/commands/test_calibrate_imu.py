@@ -1,4 +1,4 @@
-"""`motorcade calibrate --imu`: pictures drawn of a board and an IMU in, files to be read back."""
+"""`motorcade calibrate --imu`: images drawn of a board and an IMU in, files to be read back."""
 
 from __future__ import annotations
 
@@ -126,8 +126,8 @@ def test_a_drawn_recording_gives_what_it_was_drawn_with(tmp_path: Path, capsys) 
     (mav / "cam0" / "data").mkdir(parents=True)
     (mav / "imu0").mkdir()
     rows = ["#timestamp [ns],filename"]
-    for stamp, picture in zip(true.time_ns.tolist(), drawn(true.board_T_camera), strict=True):
-        cv2.imwrite(str(mav / "cam0" / "data" / f"{stamp}.png"), picture)
+    for stamp, image in zip(true.time_ns.tolist(), drawn(true.board_T_camera), strict=True):
+        cv2.imwrite(str(mav / "cam0" / "data" / f"{stamp}.png"), image)
         rows.append(f"{stamp},{stamp}.png")
     (mav / "cam0" / "data.csv").write_text("\n".join(rows) + "\n")
     write_imu(true.imu, mav / "imu0" / "data.csv")
@@ -135,7 +135,7 @@ def test_a_drawn_recording_gives_what_it_was_drawn_with(tmp_path: Path, capsys) 
     named = ["--board", BOARD.name, "--imu", "-o", str(out), "--gravity", "9.81", "--json"]
     assert main(["calibrate", str(tmp_path / "rig"), *named]) == 0
     said = json.loads(capsys.readouterr().out)
-    assert said["pictures_with_board"] > 0.95 * len(true.views)
+    assert said["images_with_board"] > 0.95 * len(true.views)
     found = {one["name"]: (one["value"], one["sigma"]) for one in said["parameters"]}
     expected = {"offset_s": OFFSET_S}
     for k, axis in enumerate("xyz"):

@@ -1,4 +1,4 @@
-"""`motorcade detect`: what it prints and writes, for pictures of every kind and for bad ones."""
+"""`motorcade detect`: what it prints and writes, for images of every kind and for bad ones."""
 
 import json
 from pathlib import Path
@@ -10,7 +10,7 @@ import pytest
 from motorcade.ga import Motor, Rotor
 from motorcade.replays.cli import main
 from motorcade.replays.io.readers.manifest.section import camera_toml, read_camera
-from motorcade.replays.tasks.pictures import draw, drawing_names, markers_in
+from motorcade.replays.tasks.images import draw, drawing_names, markers_in
 from motorcade.tracking import Camera, MarkerGrid, SingleMarker
 
 GRID = MarkerGrid("tag36h11", 3, 2, 0.04, 0.01, first_id=5)
@@ -21,9 +21,9 @@ CAMERA = Camera(400, 300, 400.0, 401.0, 199.0, 151.0)
 @pytest.fixture
 def printed() -> tuple[np.ndarray, np.ndarray]:
     """The drawn grid, softened, and where its corners lie in it: ``(6, 4, 2)``."""
-    picture, origin = GRID.draw(SCALE)
+    image, origin = GRID.draw(SCALE)
     corners = np.array(origin) + SCALE * GRID.points_m[:, :2] * (1.0, -1.0)
-    return cv2.GaussianBlur(picture, (0, 0), 0.8), corners.reshape(-1, 4, 2)
+    return cv2.GaussianBlur(image, (0, 0), 0.8), corners.reshape(-1, 4, 2)
 
 
 def run_json(capsys, *arguments: object) -> tuple[int, dict, str]:
@@ -33,24 +33,24 @@ def run_json(capsys, *arguments: object) -> tuple[int, dict, str]:
 
 
 def test_grey_colour_and_sixteen_bits_give_the_same(printed, tmp_path: Path, capsys) -> None:
-    picture, corners = printed
-    dark = np.clip(picture.astype(float) * 16.0, 0, 4095).astype(np.uint16)  # 12 bits used
+    image, corners = printed
+    dark = np.clip(image.astype(float) * 16.0, 0, 4095).astype(np.uint16)  # 12 bits used
     kinds = {
-        "grey.png": picture,
-        "colour.png": np.dstack([picture] * 3),
-        "alpha.png": np.dstack([picture] * 3 + [np.full_like(picture, 255)]),
+        "grey.png": image,
+        "colour.png": np.dstack([image] * 3),
+        "alpha.png": np.dstack([image] * 3 + [np.full_like(image, 255)]),
         "deep.png": dark,
         "deep_colour.png": np.dstack([dark] * 3),
-        "grey.pgm": picture,
-        "colour.bmp": np.dstack([picture] * 3),
+        "grey.pgm": image,
+        "colour.bmp": np.dstack([image] * 3),
     }
     for name, pixels in kinds.items():
         cv2.imwrite(str(tmp_path / name), pixels)
     status, found, _ = run_json(capsys, *(tmp_path / name for name in kinds))
     assert status == 0
-    assert [Path(one["file"]).name for one in found["pictures"]] == list(kinds)
-    for one in found["pictures"]:
-        assert (one["width_px"], one["height_px"]) == picture.shape[::-1]
+    assert [Path(one["file"]).name for one in found["images"]] == list(kinds)
+    for one in found["images"]:
+        assert (one["width_px"], one["height_px"]) == image.shape[::-1]
         assert [row["id"] for row in one["markers"]] == [5, 6, 7, 8, 9, 10]
         seen = np.array([row["corners_px"] for row in one["markers"]])
         np.testing.assert_allclose(seen, corners, atol=0.05)
@@ -58,32 +58,32 @@ def test_grey_colour_and_sixteen_bits_give_the_same(printed, tmp_path: Path, cap
         assert "candidates" not in one["markers"][0]
 
 
-def test_bad_pictures_are_told_and_the_others_done(printed, tmp_path: Path, capsys) -> None:
-    picture, _ = printed
-    cv2.imwrite(str(tmp_path / "good.png"), picture)
+def test_bad_images_are_told_and_the_others_done(printed, tmp_path: Path, capsys) -> None:
+    image, _ = printed
+    cv2.imwrite(str(tmp_path / "good.png"), image)
     whole = (tmp_path / "good.png").read_bytes()
     (tmp_path / "half.png").write_bytes(whole[: len(whole) // 2])
-    (tmp_path / "words.png").write_text("no picture")
+    (tmp_path / "words.png").write_text("no image")
     names = ["half.png", "missing.png", "good.png", "words.png"]
     status, found, err = run_json(capsys, *(tmp_path / name for name in names))
     assert status == 1
-    assert [len(one.get("markers", [])) for one in found["pictures"]] == [0, 0, 6, 0]
+    assert [len(one.get("markers", [])) for one in found["images"]] == [0, 0, 6, 0]
     lines = err.strip().splitlines()
     assert len(lines) == 4
     for line, told in zip(lines, ("half.png", "missing.png", "words.png", "3 of 4"), strict=True):
         assert told in line
-    assert "truncated" in found["pictures"][0]["error"]
+    assert "truncated" in found["images"][0]["error"]
 
 
 def test_poses_come_with_a_camera_and_a_size(tmp_path: Path, capsys) -> None:
     board = SingleMarker("tag36h11", 7, 0.065)
     turn = Rotor.from_rotation_vector([0.0, 0.6, 0.0]) @ Rotor.from_rotation_vector([np.pi, 0, 0])
     camera_T_marker = Motor.from_rotor_translation(turn, [-0.03, -0.02, 0.3])
-    picture, origin = board.draw(4000.0)
+    image, origin = board.draw(4000.0)
     corners = CAMERA.project(camera_T_marker.apply(board.points_m)).astype(np.float32)
     plane = (np.array(origin) + 4000.0 * board.points_m[:, :2] * (1.0, -1.0)).astype(np.float32)
     warp = cv2.getPerspectiveTransform(plane, corners)
-    seen = cv2.warpPerspective(picture, warp, (400, 300), flags=cv2.INTER_AREA, borderValue=255)
+    seen = cv2.warpPerspective(image, warp, (400, 300), flags=cv2.INTER_AREA, borderValue=255)
     cv2.imwrite(str(tmp_path / "tag.png"), cv2.GaussianBlur(seen, (0, 0), 0.8))
     (tmp_path / "camera.toml").write_text(camera_toml(CAMERA))
     status, found, _ = run_json(
@@ -97,7 +97,7 @@ def test_poses_come_with_a_camera_and_a_size(tmp_path: Path, capsys) -> None:
         tmp_path / "drawn",
     )
     assert status == 0
-    (row,) = found["pictures"][0]["markers"]
+    (row,) = found["images"][0]["markers"]
     first, second = row["candidates"]
     assert first["reprojection_rmse_px"] < second["reprojection_rmse_px"]
     ratio = first["reprojection_rmse_px"] / second["reprojection_rmse_px"]
@@ -126,7 +126,7 @@ def test_the_table_for_people(printed, tmp_path: Path, capsys) -> None:
 def test_what_cannot_be_is_told_in_one_line(printed, tmp_path: Path, capsys) -> None:
     cv2.imwrite(str(tmp_path / "a.png"), printed[0])
     (tmp_path / "camera.toml").write_text(camera_toml(CAMERA))
-    picture, camera = str(tmp_path / "a.png"), str(tmp_path / "camera.toml")
+    image, camera = str(tmp_path / "a.png"), str(tmp_path / "camera.toml")
     for extra, told in (
         (["--family", "qr"], "family: expected one of"),
         (["--family", "tag36h11", "--size-m", "0.1"], "--size-m: expected --camera FILE with it"),
@@ -134,14 +134,14 @@ def test_what_cannot_be_is_told_in_one_line(printed, tmp_path: Path, capsys) -> 
         (["--family", "tag36h11", "--camera", str(tmp_path / "no.toml")], "no.toml"),
         (["--family", "tag36h11", "--camera", camera, "--size-m", "-1"], "size_m: expected metres"),
     ):
-        assert main(["detect", picture, *extra]) == 1
+        assert main(["detect", image, *extra]) == 1
         assert told in capsys.readouterr().err
     with pytest.raises(SystemExit) as stopped:
-        main(["detect", picture])
+        main(["detect", image])
     assert stopped.value.code == 2
 
 
-def test_drawings_keep_apart_and_pictures_stay_as_they_were(printed, tmp_path: Path) -> None:
+def test_drawings_keep_apart_and_images_stay_as_they_were(printed, tmp_path: Path) -> None:
     names = drawing_names([Path("x/a.png"), Path("y/a.jpg"), Path("b.png"), Path("z/a.png")])
     assert names == ["a.png", "a_2.png", "b.png", "a_3.png"]
     cv2.imwrite(str(tmp_path / "a.png"), printed[0])

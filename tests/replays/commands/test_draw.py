@@ -1,4 +1,4 @@
-"""`motorcade draw` writes pictures of scripts, and says in one line what it cannot draw."""
+"""`motorcade draw` writes images of scripts, and says in one line what it cannot draw."""
 
 import xml.etree.ElementTree as ET
 from pathlib import Path
@@ -21,7 +21,7 @@ def draw(*arguments: object) -> int:
     return main(["draw", *map(str, arguments)])
 
 
-def test_a_picture_of_values_and_lists_of_them(script: Path, tmp_path: Path) -> None:
+def test_an_image_of_values_and_lists_of_them(script: Path, tmp_path: Path) -> None:
     out = tmp_path / "new" / "ball.svg"
     size = ("--size", 400, 300, "--view", 10, 30)
     assert draw(script, "r=0.5", "t=0,1,2", "-o", out, *size) == 0

@@ -92,14 +92,14 @@ def test_what_was_asked_for_is_printed(walk: Path, capsys: pytest.CaptureFixture
     assert float(found["drift_rotation_deg_100m"]) > 0.0
 
 
-def test_errors_and_a_picture_are_written_where_asked(walk: Path) -> None:
+def test_errors_and_an_image_are_written_where_asked(walk: Path) -> None:
     errors, plot = walk / "errors.csv", walk / "errors.svg"
     words = ["--errors", str(errors), "--plot", str(plot), "--project", "yz"]
     assert evaluated(walk, "near.tum", "far.tum", "truth.tum", *words) == 0
     assert len(errors.read_text().splitlines()) == 1 + 2 * 161
-    picture = plot.read_text()
-    assert "far" in picture
-    assert "z (m)" in picture
+    image = plot.read_text()
+    assert "far" in image
+    assert "z (m)" in image
 
 
 @pytest.mark.parametrize(

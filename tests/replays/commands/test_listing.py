@@ -38,7 +38,7 @@ def bag(tmp_path: Path, kind: str) -> Path:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_topics_of_a_bag_without_pictures_are_listed_with_what_reads_them(kind, tmp_path, capsys):
+def test_topics_of_a_bag_without_images_are_listed_with_what_reads_them(kind, tmp_path, capsys):
     path = bag(tmp_path, kind)
     found = told(capsys, path)
     topics = {one["name"]: one for one in found["topics"]}

@@ -319,7 +319,7 @@ def test_the_drawn_passage_is_that_of_the_first_seed(folder: Path) -> None:
     found = re.search(r'id="crossing-data">(.*?)</script>', text, re.DOTALL)
     assert found is not None
     data = json.loads(found[1])
-    method = re.search(r"Each\s+picture holds what <code>(\w+)</code>", text)
+    method = re.search(r"Each\s+image holds what <code>(\w+)</code>", text)
     assert method is not None
     degraded, evaluator = inputs_of("gimbal_crossing", "gaussian", 7, PLAN.rate_hz, PLAN.duration_s)
     true = Rotation.from_matrix(evaluator.true.as_matrix()[:, :3, :3])

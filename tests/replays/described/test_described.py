@@ -16,7 +16,7 @@ from motorcade.render import write_video
 from motorcade.replays import Job, open_recording, run_job
 from motorcade.replays.cli.main import main
 from motorcade.replays.demo import write_recording
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.pipeline.described.describing import described
 from motorcade.replays.pipeline.described.footage import camera_by_view
@@ -26,7 +26,7 @@ from motorcade.replays.pipeline.described.telemetry import (
     check_axes,
     seen_turns,
 )
-from motorcade.replays.pipeline.described.values import sampled_pictures
+from motorcade.replays.pipeline.described.values import sampled_images
 from motorcade.tracking import Checkerboard, MarkerGrid
 
 FOCAL_PX = 510.0  # of the room's camera, which is not told here
@@ -38,8 +38,8 @@ def clip(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("room")
     write_recording(folder / "room", frames=60)
     names = sorted((folder / "room" / "images").glob("*.jpg"))
-    pictures = [cv2.imread(str(name))[..., ::-1] for name in names]
-    write_video(folder / "clip.mp4", pictures, np.arange(len(names)) * 33_333_333)
+    images = [cv2.imread(str(name))[..., ::-1] for name in names]
+    write_video(folder / "clip.mp4", images, np.arange(len(names)) * 33_333_333)
     return folder / "clip.mp4"
 
 
@@ -105,7 +105,7 @@ def test_knobs_for_a_recording_that_names_its_camera_are_refused(
     assert "described.size_m" in capsys.readouterr().err
 
 
-def test_pictures_that_tell_nothing_are_refused_with_what_to_do(
+def test_images_that_tell_nothing_are_refused_with_what_to_do(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = tmp_path / "grey"
@@ -114,14 +114,14 @@ def test_pictures_that_tell_nothing_are_refused_with_what_to_do(
         cv2.imwrite(str(folder / f"{number}.png"), np.full((120, 160), 90, np.uint8))
     assert main(["run", str(folder), "--out", str(tmp_path / "out")]) == 1
     error = capsys.readouterr().err
-    assert "expected pictures with something to see" in error
+    assert "expected images with something to see" in error
     assert "0-5 plain" in error
     assert "described.fov_deg" not in error  # no view makes a path of them
     assert main(["inspect", str(folder)]) == 0
     assert "with something to see" in capsys.readouterr().out
 
 
-def test_a_folder_of_pictures_says_its_rate_and_where_they_lie(tmp_path: Path) -> None:
+def test_a_folder_of_images_says_its_rate_and_where_they_lie(tmp_path: Path) -> None:
     (tmp_path / "set" / "shots").mkdir(parents=True)
     (tmp_path / "set" / "notes").mkdir()
     for number in range(4):
@@ -136,7 +136,7 @@ def test_a_folder_of_pictures_says_its_rate_and_where_they_lie(tmp_path: Path) -
 
 
 def turned_clip(path: Path, turned_deg: int = 0, pixel_aspect: Fraction | None = None) -> Path:
-    """Four pictures of texture, to be shown turned, or wider than they are stored."""
+    """Four images of texture, to be shown turned, or wider than they are stored."""
     with av.open(str(path), "w") as container:
         stream = container.add_stream("libx264", rate=30)
         stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
@@ -146,15 +146,15 @@ def turned_clip(path: Path, turned_deg: int = 0, pixel_aspect: Fraction | None =
             stream.set_display_matrix([-65536, 0, 0, 0, -65536, 0, 0, 0, 1 << 30])
         rng = np.random.default_rng(2)
         for index in range(4):
-            picture = rng.integers(0, 255, (64, 96, 3), dtype=np.uint8)
-            frame = av.VideoFrame.from_ndarray(picture, format="rgb24").reformat(format="yuv420p")
+            image = rng.integers(0, 255, (64, 96, 3), dtype=np.uint8)
+            frame = av.VideoFrame.from_ndarray(image, format="rgb24").reformat(format="yuv420p")
             frame.pts, frame.time_base = index, Fraction(1, 30)
             container.mux(stream.encode(frame))
         container.mux(stream.encode(None))
     return path
 
 
-def test_a_camera_that_was_found_is_said_to_be_of_the_pictures_as_shown(
+def test_a_camera_that_was_found_is_said_to_be_of_the_images_as_shown(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     clip = turned_clip(tmp_path / "clip.mp4", turned_deg=180)
@@ -172,8 +172,8 @@ def test_oblong_pixels_are_refused_with_what_makes_them_square(tmp_path: Path) -
         described(open_recording(clip), target="none")
 
 
-def test_of_a_few_pictures_every_one_is_looked_at(tmp_path: Path) -> None:
-    sample = sampled_pictures(open_recording(turned_clip(tmp_path / "clip.mp4")).frames)
+def test_of_a_few_images_every_one_is_looked_at(tmp_path: Path) -> None:
+    sample = sampled_images(open_recording(turned_clip(tmp_path / "clip.mp4")).frames)
     assert sample.places == (0, 1, 2, 3)
 
 
@@ -189,21 +189,21 @@ def turning_frames(folder: Path, imu_R_camera: np.ndarray) -> tuple[Recording, I
     far = np.array([[900.0, 0.0, 449.5], [0.0, 900.0, 449.5], [0.0, 0.0, 1.0]])
     files = []
     for number, pose in enumerate(world_R_camera.as_matrix()):
-        to_picture = camera.matrix @ pose.T @ np.linalg.inv(far)
+        to_image = camera.matrix @ pose.T @ np.linalg.inv(far)
         files.append(folder / f"{number}.png")
-        cv2.imwrite(str(files[-1]), cv2.warpPerspective(wall, to_picture, (320, 240)))
+        cv2.imwrite(str(files[-1]), cv2.warpPerspective(wall, to_image, (320, 240)))
     time_ns = np.rint(1e9 * seconds).astype(np.int64)
     poses = Motor.from_rotor_translation(world_R_camera, np.zeros((20, 3)))
     rates = 30.0 * poses[:-1].local(poses[1:])[:, :3] @ imu_R_camera.T
     stamps = (time_ns[:-1] + time_ns[1:]) // 2
     imu = ImuStream(stamps, rates, np.tile([0.0, 0.0, 9.81], (19, 1)))
-    return Recording("turning", folder, "images", PictureFrames(tuple(files), time_ns)), imu
+    return Recording("turning", folder, "images", ImageFrames(tuple(files), time_ns)), imu
 
 
 @pytest.mark.parametrize(
     ("imu_R_camera", "verdict"), [(GOPRO_IMU_R_CAMERA, "agree"), (np.eye(3), "contradict")]
 )
-def test_pictures_say_whether_an_imu_sits_as_stated(
+def test_images_say_whether_an_imu_sits_as_stated(
     imu_R_camera: np.ndarray, verdict: str, tmp_path: Path
 ) -> None:
     recording, imu = turning_frames(tmp_path, imu_R_camera)
@@ -231,17 +231,17 @@ def test_a_board_that_is_named_is_taken_in_its_own_units(clip: Path, tmp_path: P
     assert "metric" not in board
 
 
-def test_a_board_that_no_picture_shows_is_refused_with_the_one_that_is_counted(
+def test_a_board_that_no_image_shows_is_refused_with_the_one_that_is_counted(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = tmp_path / "boards"
     folder.mkdir()
-    picture, _ = Checkerboard(7, 5, 0.03).draw(pixels_per_m=1000.0)
+    image, _ = Checkerboard(7, 5, 0.03).draw(pixels_per_m=1000.0)
     for number in range(4):
-        cv2.imwrite(str(folder / f"{number}.png"), picture)
+        cv2.imwrite(str(folder / f"{number}.png"), image)
     options = ["--board", "checkerboard_9x6", "--out", str(tmp_path / "out")]
     assert main(["run", str(folder), *options]) == 1
     error = capsys.readouterr().err
-    assert "checkerboard_9x6 is in 0 of 4 pictures; they show a checkerboard of 7 x 5" in error
+    assert "checkerboard_9x6 is in 0 of 4 images; they show a checkerboard of 7 x 5" in error
     assert main(["run", str(folder), "--board", "9x6", "--out", str(tmp_path / "out")]) == 1
     assert "expected a name such as checkerboard_9x6" in capsys.readouterr().err

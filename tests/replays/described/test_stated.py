@@ -17,7 +17,7 @@ KEY = "com.apple.quicktime.camera.focal_length.35mm_equivalent"
 
 
 def write_clip(path: Path, size: tuple[int, int] = (640, 360), **notes: str) -> Path:
-    """Six pictures of a wall before which nothing moves, with notes as phones write them."""
+    """Six images of a wall before which nothing moves, with notes as phones write them."""
     drawn = np.random.default_rng(3).integers(0, 255, (size[1] // 8, size[0] // 8), np.uint8)
     wall = cv2.cvtColor(cv2.resize(drawn, size), cv2.COLOR_GRAY2RGB)
     options = {"movflags": "use_metadata_tags"}
@@ -122,7 +122,7 @@ def test_damaged_notes_state_nothing_and_other_videos_are_no_gopros(tmp_path: Pa
     assert gopro_camera(write_clip(tmp_path / "b.mp4")) is None
 
 
-def test_what_pictures_do_not_tell_is_taken_as_the_file_states_it(
+def test_what_images_do_not_tell_is_taken_as_the_file_states_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     clip = write_clip(tmp_path / "clip.mov", **{KEY: "26"})

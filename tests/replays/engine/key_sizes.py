@@ -1,4 +1,4 @@
-"""How much code stands under the cache key of each stage, for a run on a board's pictures.
+"""How much code stands under the cache key of each stage, for a run on a board's images.
 
     python -m tests.replays.engine.key_sizes
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from motorcade.replays.engine.provenance import reach, types_within
 from motorcade.replays.engine.stage import Choice
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.pipeline.job import pipeline_graph
 from motorcade.tracking.boards import Checkerboard
@@ -25,8 +25,8 @@ ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
 
 
 def recording_of_a_board() -> Recording:
-    """What a folder of pictures and a manifest with a camera and a board are read as."""
-    frames = PictureFrames((Path("0.png"), Path("1.png")), np.array([0, 10**8]), (640, 480))
+    """What a folder of images and a manifest with a camera and a board are read as."""
+    frames = ImageFrames((Path("0.png"), Path("1.png")), np.array([0, 10**8]), (640, 480))
     camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
     board = Checkerboard(8, 5, 0.03)
     return Recording("board", Path(), "images", frames, camera=camera, board=board)

@@ -33,7 +33,7 @@ class Outer:
 
 def outer(tmp_path: Path, seconds: float = 1.0) -> Outer:
     film = tmp_path / "film.bin"
-    film.write_bytes(b"moving pictures")
+    film.write_bytes(b"moving images")
     inner = Inner("a", np.array([0.1, np.nan, -0.0]))
     return Outer(inner, {"b": Inner("b", np.arange(3))}, (1.0, 2.5), None, film, seconds)
 
@@ -45,7 +45,7 @@ def test_a_value_comes_back_as_it_was(tmp_path: Path) -> None:
     np.testing.assert_array_equal(read.parts["b"].weights, [0, 1, 2])
     assert read.parts["b"].weights.dtype == np.int64
     assert (read.spans, read.note, read.seconds) == ((1.0, 2.5), None, 1.0)
-    assert read.film.read_bytes() == b"moving pictures"
+    assert read.film.read_bytes() == b"moving images"
 
 
 @pytest.mark.parametrize("kind", [Motor, Similarity])

@@ -43,13 +43,13 @@ def row(length: Number, *, count: int = 3) -> Row:
     return Row(np.full(count, length.value))
 
 
-def picture(length: Number) -> Text:
-    raise Unavailable("no pictures here: install a camera")
+def image(length: Number) -> Text:
+    raise Unavailable("no images here: install a camera")
 
 
-def total(row: Row, picture: Text | None) -> Number:
+def total(row: Row, image: Text | None) -> Number:
     calls.append("total")
-    return Number(float(row.values.sum()) + (100.0 if picture else 0.0))
+    return Number(float(row.values.sum()) + (100.0 if image else 0.0))
 
 
 @pytest.fixture(autouse=True)
@@ -58,7 +58,7 @@ def _forget_calls() -> None:
 
 
 def graph() -> Graph:
-    return Graph([total, picture, row, length], {"text": Text})
+    return Graph([total, image, row, length], {"text": Text})
 
 
 def test_a_target_runs_what_it_needs_in_order(tmp_path: Path) -> None:
@@ -96,12 +96,12 @@ def test_equal_content_upstream_stops_recomputation(tmp_path: Path) -> None:
 def test_an_optional_stage_that_cannot_run_is_left_out(tmp_path: Path) -> None:
     run = graph().run("total", {"text": Text("four")}, tmp_path)
     assert run.outputs["total"].value == 12.0
-    assert run.unavailable == {"picture": "no pictures here: install a camera"}
+    assert run.unavailable == {"image": "no images here: install a camera"}
 
 
 def test_a_stage_asked_for_by_name_says_what_it_lacks(tmp_path: Path) -> None:
     with pytest.raises(Unavailable, match="install a camera"):
-        graph().run("picture", {"text": Text("four")}, tmp_path)
+        graph().run("image", {"text": Text("four")}, tmp_path)
 
 
 def test_unknown_names_are_refused_with_those_that_exist(tmp_path: Path) -> None:
@@ -138,7 +138,7 @@ def test_cycles_are_refused() -> None:
 def test_drawings_hold_every_stage_and_edge() -> None:
     text = draw_mermaid(graph())
     assert "length --> row" in text
-    assert "picture -.-> total" in text
+    assert "image -.-> total" in text
     svg = draw_svg(graph())
     assert svg.count("<rect") == 5
     assert svg.count('class="edge optional"') == 1

@@ -28,7 +28,7 @@ class Place:
     def digest(self) -> str:
         return read_bounded(self.folder / "source.txt", 100).decode()
 
-    def picture(self) -> str:
+    def image(self) -> str:
         with off_record():
             return read_bounded(self.folder / "source.txt", 100).decode()
 
@@ -42,7 +42,7 @@ def told(place: Place, *, script: Path = Path("nobody")) -> Words:
     """The words of a script; one that begins with @ names a file beside it, if that is there."""
     calls.append("told")
     if not is_there(script):
-        return Words(f"{place.picture()}: silence")
+        return Words(f"{place.image()}: silence")
     lines = []
     for line in read_bounded(script, 1000).decode().split():
         beside = script.with_name(line[1:])
@@ -59,7 +59,7 @@ def louder(told: Words) -> Words:
 
 def counted(place: Place) -> Words:
     calls.append("counted")
-    return Words(str(len(place.picture())))
+    return Words(str(len(place.image())))
 
 
 def joined(louder: Words, counted: Words) -> Words:

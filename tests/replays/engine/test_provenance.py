@@ -217,7 +217,7 @@ def test_types_are_found_in_fields_and_containers_of_values_of_ours() -> None:
     assert types_within({"a": (path, 3)}) == {Trajectory, Motor}
     assert types_within(Held(path)) == set()
     names = {one.__name__ for one in types_within(recording_of_a_board())}
-    assert {"Recording", "PictureFrames", "Camera", "Checkerboard"} <= names
+    assert {"Recording", "ImageFrames", "Camera", "Checkerboard"} <= names
 
 
 def test_what_reads_a_recording_counts_for_the_stages_that_are_given_it() -> None:

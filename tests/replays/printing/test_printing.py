@@ -54,13 +54,13 @@ def page(data: bytes, number: int = 0) -> tuple[np.ndarray, tuple[float, float]]
 def test_the_page_that_another_program_draws_holds_the_board_at_true_size(name):
     board = board_named(name)
     sheet = one_sheet(board)
-    picture, size_mm = page(sheets_pdf([sheet]))
+    image, size_mm = page(sheets_pdf([sheet]))
     assert size_mm == pytest.approx((sheet.paper.width_mm, sheet.paper.height_mm), abs=1e-3)
-    found = board.detect(picture)
+    found = board.detect(image)
     assert found is not None
     assert len(found.ids) == len(board.points_m)
     printed_mm = sheet.origins_mm[0] + 1e3 * found.points_m[:, :2] * [1.0, -1.0]
-    per_mm = np.array(picture.shape[::-1]) / size_mm  # a page is drawn in whole pixels
+    per_mm = np.array(image.shape[::-1]) / size_mm  # a page is drawn in whole pixels
     seen_mm = (found.corners_px + 0.5) / per_mm
     assert np.abs(seen_mm - printed_mm).max() < 0.06  # 0.7 px at 300 dots an inch
     spread = np.linalg.norm(seen_mm - seen_mm.mean(0)) / np.linalg.norm(
@@ -71,14 +71,14 @@ def test_the_page_that_another_program_draws_holds_the_board_at_true_size(name):
 
 def test_rulers_measure_what_they_say():
     sheet = one_sheet(board_named("checkerboard_9x6_22mm"))
-    picture, _ = page(sheets_pdf([sheet]))
+    image, _ = page(sheets_pdf([sheet]))
     long = sheet.lines[np.linalg.norm(np.diff(sheet.lines, axis=1)[:, 0], axis=1) > 20.0]
     assert len(long) == 2
     for start, end in long:
         assert np.linalg.norm(end - start) == 100.0
         for at in (start, 0.5 * (start + end), end):
             column, row = np.round(at * PER_MM - 0.5).astype(int)
-            assert picture[row - 2 : row + 3, column - 2 : column + 3].min() < 128
+            assert image[row - 2 : row + 3, column - 2 : column + 3].min() < 128
     words = [one.text for one in sheet.words]
     assert "100 mm across" in words
     assert "100 mm" in words
@@ -127,9 +127,9 @@ def test_single_markers_share_sheets_without_touching():
     assert [board for sheet in sheets for board in sheet.boards] == boards
     assert len(sheets) < len(boards) / 2
     for number, sheet in enumerate(sheets):
-        picture, _ = page(sheets_pdf(sheets), number)
+        image, _ = page(sheets_pdf(sheets), number)
         for board in sheet.boards:
-            found = board.detect(picture)
+            found = board.detect(image)
             assert found is not None
             assert len(found.ids) == 4
     assert manifest_lines(boards) == ('[markers]\nfamily = "tag36h11"\nside_m = 0.05\n',)

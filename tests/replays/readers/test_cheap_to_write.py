@@ -82,7 +82,7 @@ def test_long_numbers_are_refused_without_advice_to_programmers(tmp_path: Path) 
         assert "sys" not in str(caught.value)
 
 
-def pictures(folder: Path) -> Path:
+def images(folder: Path) -> Path:
     folder.mkdir()
     for number in range(3):
         cv2.imwrite(str(folder / f"{number}.png"), np.zeros((16, 24), np.uint8))
@@ -90,12 +90,12 @@ def pictures(folder: Path) -> Path:
 
 
 def test_letters_that_turn_others_about_stand_in_no_name(tmp_path: Path) -> None:
-    assert open_recording(pictures(tmp_path / "a\u202egpj")).name == "a?gpj"
+    assert open_recording(images(tmp_path / "a\u202egpj")).name == "a?gpj"
     manifest = tmp_path / "m.toml"
     frames = "[frames]\nrate_hz = 30.0\n"
     manifest.write_text(f'name = "a\u202eb"\n{frames}', encoding="utf-8")
     with pytest.raises(RecordingError, match="letters that show"):
-        open_recording(pictures(tmp_path / "plain"), manifest)
+        open_recording(images(tmp_path / "plain"), manifest)
 
 
 @pytest.mark.parametrize("scale", [0, 1, 7, 2**31 - 1, 2**32 - 1])

@@ -20,7 +20,7 @@ DEPTH = FRAMES + 'depth = "depth/*.png"\ndepth_units_per_m = 1000\n'
 
 
 def half_as_fine(make: Make) -> Path:
-    """Half as many pixels as the pictures have, 2 m everywhere."""
+    """Half as many pixels as the images have, 2 m everywhere."""
     root: Path = make("folder").root
     (root / "depth").mkdir()
     for index in range(len(list((root / "images").iterdir()))):
@@ -47,7 +47,7 @@ def test_depth_on_its_own_pixels_is_registered(make: Make) -> None:
 @pytest.mark.parametrize(
     ("tables", "message"),
     [
-        ((FRAMES, CAMERA, TABLE, ASIDE), "expected depth pictures, got none; say"),
+        ((FRAMES, CAMERA, TABLE, ASIDE), "expected depth images, got none; say"),
         ((DEPTH, TABLE, ASIDE), r"expected a \[camera\] to register depth to"),
         ((DEPTH, CAMERA, TABLE), "colour_T_depth: the key is missing"),
         ((DEPTH, CAMERA, TABLE.replace("10.0", "0.01"), ASIDE), "at least a 64th"),

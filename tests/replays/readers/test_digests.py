@@ -89,7 +89,7 @@ def _blanked(text: str, pattern: str | None) -> str:
 
 UNUSED = {
     "calib.txt": r"P[01]: .*|P3: .*|Tr: .*",  # of other cameras
-    "depth.txt": r".*",  # says only which of the pictures, here all alike, go together
+    "depth.txt": r".*",  # says only which of the images, here all alike, go together
     "data.csv": r"(,1\.0)+$",  # velocities and biases
     "sensor.yaml": r"%YAML.*|(cols|rows): 4",
 }

@@ -168,17 +168,15 @@ def test_telemetry_is_used_only_where_the_camera_sits_on_it(
     assert "give imu_T_camera" in caplog.text
 
 
-def test_the_gyroscopes_z_turns_with_the_pictures_upward_axis(data_dir: Path) -> None:
-    """Pictures shift sideways as the camera turns: a witness of the tutorial's extrinsics."""
+def test_the_gyroscopes_z_turns_with_the_images_upward_axis(data_dir: Path) -> None:
+    """Images shift sideways as the camera turns: a witness of the tutorial's extrinsics."""
     recording = open_recording(data_dir / "replays" / "gopro" / "karma.mp4")
     frames, imu = recording.frames, recording.imu
     assert imu is not None
     stamps = frames.time_ns[::4]
-    pictures = [
-        cv2.cvtColor(frames[k].image(), cv2.COLOR_RGB2GRAY) for k in range(0, len(frames), 4)
-    ]
+    images = [cv2.cvtColor(frames[k].image(), cv2.COLOR_RGB2GRAY) for k in range(0, len(frames), 4)]
     shifts = []
-    for before, after in itertools.pairwise(pictures):
+    for before, after in itertools.pairwise(images):
         found = cv2.goodFeaturesToTrack(before, 200, 0.01, 10)
         moved, seen, _ = cv2.calcOpticalFlowPyrLK(before, after, found, None)
         shifts.append(np.median((moved - found)[seen.ravel() > 0, 0, 0]))

@@ -36,7 +36,7 @@ def test_databases_are_looked_at_for_so_long_and_no_longer(
 
 
 def fill(writer: Any, stores: Stores) -> None:
-    """Three grey pictures of 16 x 24 pixels, a second apart."""
+    """Three grey images of 16 x 24 pixels, a second apart."""
     store = get_typestore(stores)
     types: Any = store.types
     ros1 = stores is Stores.ROS1_NOETIC

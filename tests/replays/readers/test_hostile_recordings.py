@@ -14,7 +14,7 @@ import pytest
 from motorcade.ga.names import one_line
 from motorcade.replays.io.errors import RecordingError, refusal
 from motorcade.replays.io.readers.calibration import read_numbers, read_yaml
-from motorcade.replays.io.readers.frames.files import picture_glob
+from motorcade.replays.io.readers.frames.files import image_glob
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.readers.tables import read_listing
 
@@ -68,9 +68,9 @@ def test_a_pipe_in_place_of_a_file_does_not_hang(make: Make) -> None:
     pose.unlink()
     os.mkfifo(pose)
     assert "frame-000002.pose.txt" in refused(lambda: open_recording(made.root))
-    picture = made.root / "frame-000002.color.png"
-    picture.unlink()
-    os.mkfifo(picture)
+    image = made.root / "frame-000002.color.png"
+    image.unlink()
+    os.mkfifo(image)
     pose.unlink()
     pose.write_text("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1")
     assert "expected a file" in refused(open_recording(made.root).check)
@@ -105,7 +105,7 @@ def test_more_numbers_than_a_calibration_has_are_refused(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("name", ["x" * 5000, "../" * 50 + "etc/passwd", "/dev/zero", "a\0b", "."])
-def test_a_name_that_cannot_be_a_picture_is_refused(make: Make, name: str) -> None:
+def test_a_name_that_cannot_be_an_image_is_refused(make: Make, name: str) -> None:
     made = make("tum_rgbd")
     (made.root / "rgb.txt").write_text(f"1.0 rgb/0.png\n2.0 {name}\n")
     refused(lambda: open_recording(made.root))
@@ -120,12 +120,12 @@ def test_names_that_are_not_utf8_are_refused(tmp_path: Path) -> None:
 def test_odd_digits_in_names_do_not_confuse_the_order(tmp_path: Path) -> None:
     for name in ("²", "٣", "1", "10", "9", "9" * 60):
         (tmp_path / f"{name}.png").touch()
-    names = [path.stem for path in picture_glob(tmp_path, "*.png")]
+    names = [path.stem for path in image_glob(tmp_path, "*.png")]
     assert [name for name in names if name in ("1", "9", "10")] == ["1", "9", "10"]
 
 
 def test_patterns_that_walk_the_tree_again_and_again_are_refused(tmp_path: Path) -> None:
-    assert "at most one **" in refused(lambda: picture_glob(tmp_path, "**/**/**/*.png"))
+    assert "at most one **" in refused(lambda: image_glob(tmp_path, "**/**/**/*.png"))
 
 
 def test_a_message_is_short_and_printable_whatever_it_quotes() -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from motorcade.ga import Motor
 from motorcade.replays.io.errors import RecordingError
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.layouts.detect import LAYOUTS
 from motorcade.replays.io.readers.layouts.tum_rgbd import nearest
 from motorcade.replays.io.readers.opening import open_recording
@@ -33,7 +33,7 @@ def replace_line(path: Path, number: int, text: str) -> None:
 
 
 @pytest.mark.parametrize("layout", KNOWN)
-def test_frames_stamps_and_pictures_are_found(make: Make, layout: str) -> None:
+def test_frames_stamps_and_images_are_found(make: Make, layout: str) -> None:
     made = make(layout)
     recording = open_recording(made.root)
     assert recording.layout == layout
@@ -65,9 +65,9 @@ def test_the_digest_is_of_content_and_not_of_place(make: Make, layout: str) -> N
     recording = open_recording(moved)
     assert recording.digest() == recording.digest() == digest
     path = next(moved.rglob(recording.frames[1].name))
-    picture = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
-    picture[0, 0] ^= 1
-    cv2.imwrite(str(path), picture)
+    image = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+    image[0, 0] ^= 1
+    cv2.imwrite(str(path), image)
     assert open_recording(moved).digest() != digest
 
 
@@ -105,7 +105,7 @@ class TestEuroc:
     def test_mav0_itself_opens_too(self, make: Make) -> None:
         assert len(open_recording(make("euroc").root / "mav0").frames) == 6
 
-    def test_pictures_may_be_missing_at_the_end_only(self, make: Make) -> None:
+    def test_images_may_be_missing_at_the_end_only(self, make: Make) -> None:
         made = make("euroc")
         data = made.root / "mav0" / "cam0" / "data"
         (data / f"{made.time_ns[5]}.png").unlink()
@@ -115,7 +115,7 @@ class TestEuroc:
             open_recording(made.root)
         for path in data.iterdir():
             path.unlink()
-        with pytest.raises(RecordingError, match=r"expected the pictures that .* got none"):
+        with pytest.raises(RecordingError, match=r"expected the images that .* got none"):
             open_recording(made.root)
 
     def test_truth_beside_mav0_is_taken_and_superseded_files_are_not(self, make: Make) -> None:
@@ -199,7 +199,7 @@ class TestSevenScenes:
         made = make("seven_scenes")
         recording = open_recording(made.root)
         frames, scale = recording.frames, WIDTH / 640
-        assert isinstance(frames, PictureFrames)
+        assert isinstance(frames, ImageFrames)
         assert frames.depth_camera is not None
         assert recording.truth is not None
         colour_T_depth = frames.depth_camera.colour_T_depth
@@ -220,7 +220,7 @@ class TestSevenScenes:
         made = make("seven_scenes")
         np.savetxt(made.root / "camera-intrinsics.txt", [[70, 0, 31], [0, 71, 23], [0, 0, 1]])
         recording = open_recording(made.root)
-        assert isinstance(recording.frames, PictureFrames)
+        assert isinstance(recording.frames, ImageFrames)
         assert recording.frames.depth_camera is not None
         assert recording.frames.depth_camera.camera.fy == 71.0
         assert recording.camera is not None
@@ -262,7 +262,7 @@ class TestTumRgbd:
     def test_depth_is_the_nearest_within_reach(self, make: Make) -> None:
         recording = open_recording(make("tum_rgbd").root)
         found = [frame.depth_m() for frame in recording.frames]
-        # The third depth picture is 0.05 s late and so 0.0167 s after the fourth colour one.
+        # The third depth image is 0.05 s late and so 0.0167 s after the fourth colour one.
         assert [depth is not None for depth in found] == [True, True, False, True, True]
         assert found[0] is not None
         assert found[0][0, 0] == pytest.approx(1.5)
@@ -277,7 +277,7 @@ class TestTumRgbd:
         recording = open_recording(made.root)
         assert not any(frame.depth_m() is not None for frame in recording.frames)
         (doubt,) = recording.doubts
-        assert doubt.startswith("0 of 5 colour pictures have one of depth within 0.02 s")
+        assert doubt.startswith("0 of 5 colour images have one of depth within 0.02 s")
         assert "begins +1.0" in doubt
 
     def test_association_agrees_with_trying_all_pairs(self) -> None:
@@ -299,13 +299,13 @@ class TestTumRgbd:
         with pytest.raises(RecordingError, match=r"frame 0: expected 640 x 480 .* got 24 x 16"):
             recording.check()
 
-    def test_a_listed_picture_that_is_missing_is_named(self, make: Make) -> None:
+    def test_a_listed_image_that_is_missing_is_named(self, make: Make) -> None:
         made = make("tum_rgbd")
         (made.root / "rgb" / "4.png").unlink()
         with pytest.raises(RecordingError, match=r"4\.png, frame 4: .* line 6 of .*rgb\.txt"):
             open_recording(made.root)
 
-    def test_equal_stamps_keep_the_first_picture(
+    def test_equal_stamps_keep_the_first_image(
         self, make: Make, caplog: pytest.LogCaptureFixture
     ) -> None:
         made = make("tum_rgbd")
@@ -366,8 +366,8 @@ class TestKitti:
             ("calib.txt", 3, "P2: 20 1 9 0 0 20 7 0 0 0 1 0", "expected fx 0 cx"),
             ("calib.txt", 3, "P2: -20 0 9 0 0 20 7 0 0 0 1 0", "expected focal lengths from"),
             ("poses.txt", 2, "nan " * 12, "line 2, m11: expected a finite number"),
-            ("poses.txt", 2, "# gone", "expected 4 poses for as many pictures, got 3"),
-            ("times.txt", 2, "# gone", "expected 4 stamps for as many pictures, got 3"),
+            ("poses.txt", 2, "# gone", "expected 4 poses for as many images, got 3"),
+            ("times.txt", 2, "# gone", "expected 4 stamps for as many images, got 3"),
             ("times.txt", 3, "0.0001", "line 3: expected increasing stamps"),
         ],
     )
@@ -392,14 +392,14 @@ def test_an_empty_or_unknown_folder_is_refused_with_what_was_looked_for(tmp_path
         open_recording(tmp_path / "notes.txt")
 
 
-def test_a_truncated_picture_is_found_by_the_check_and_when_read(make: Make) -> None:
+def test_a_truncated_image_is_found_by_the_check_and_when_read(make: Make) -> None:
     made = make("euroc")
     path = made.root / "mav0" / "cam0" / "data" / f"{made.time_ns[3]}.png"
     path.write_bytes(path.read_bytes()[:-20])
     recording = open_recording(made.root)
     recording.frames[2].image()
     for act in (recording.check, recording.frames[3].image):
-        with pytest.raises(RecordingError, match=f"{path.name}, frame 3: the picture is truncated"):
+        with pytest.raises(RecordingError, match=f"{path.name}, frame 3: the image is truncated"):
             act()
 
 
@@ -409,7 +409,7 @@ def test_each_layout_is_on_the_page_of_recordings_and_has_a_sample() -> None:
         assert f"| {what.partition(' (')[0]}" in rows, what
     folder = REPOSITORY / "replays" / "io" / "readers" / "layouts"
     modules = {path.stem for path in folder.glob("*.py")}
-    assert modules - {"__init__", "detect", "loose_pictures"} == set(KNOWN)
+    assert modules - {"__init__", "detect", "loose_images"} == set(KNOWN)
 
 
 @pytest.mark.parametrize("name", ["calibration.txt", "imu.txt"])

@@ -40,7 +40,7 @@ def same_poses(a: Motor, b: Motor) -> bool:
     return bool(np.allclose(a.as_matrix(), b.as_matrix(), rtol=0, atol=1e-9))
 
 
-def test_any_folder_of_pictures_opens(make: Make) -> None:
+def test_any_folder_of_images_opens(make: Make) -> None:
     made = make("folder")
     recording = described(made.root, 'name = "desk"\n', FRAMES, CAMERA, BOARD, TRUTH)
     recording.check()
@@ -55,7 +55,7 @@ def test_any_folder_of_pictures_opens(make: Make) -> None:
     assert same_poses(recording.truth.poses, made.poses)
 
 
-def test_pictures_of_a_lens_that_zooms_come_as_one_focal_length_shows_them(make: Make) -> None:
+def test_images_of_a_lens_that_zooms_come_as_one_focal_length_shows_them(make: Make) -> None:
     made = make("folder")
     plain = described(made.root, FRAMES, CAMERA)
     zoomed = described(made.root, FRAMES, CAMERA, "zoom_s = [0.0, 0.4]\nzoom = [1.0, 4.0]\n")
@@ -323,12 +323,12 @@ class TestOnTopOfALayout:
             described(make("folder").root, CAMERA)
 
 
-def test_a_missing_or_truncated_picture_is_named(make: Make) -> None:
+def test_a_missing_or_truncated_image_is_named(make: Make) -> None:
     made = make("folder")
     path = made.root / "images" / "img_7.jpg"
     data = path.read_bytes()
     path.write_bytes(data[: len(data) // 2])
-    with pytest.raises(RecordingError, match=r"img_7\.jpg, frame 6: the picture is truncated"):
+    with pytest.raises(RecordingError, match=r"img_7\.jpg, frame 6: the image is truncated"):
         described(made.root, FRAMES, CAMERA).check()
     path.unlink()
     with pytest.raises(RecordingError, match=r"img_6\.jpg followed by img_8\.jpg"):

@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, RotationSpline
 
 from motorcade.replays.io.errors import RecordingError
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.tracking.boards import Checkerboard
 
@@ -91,7 +91,7 @@ def test_redkitchen_is_read_with_depth_and_unit_rotations(data_dir: Path) -> Non
     assert recording.truth is not None
     steps = np.linalg.norm(np.diff(recording.truth.poses.translation_m, axis=0), axis=1)
     assert steps.sum() == pytest.approx(1.32, abs=0.05)
-    assert isinstance(recording.frames, PictureFrames)
+    assert isinstance(recording.frames, ImageFrames)
     depth = recording.frames.measured_depth(7)
     path = data_dir / "replays/7scenes_redkitchen/frame-000007.depth.png"
     stored = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
@@ -102,7 +102,7 @@ def test_redkitchen_is_read_with_depth_and_unit_rotations(data_dir: Path) -> Non
 
 
 def test_depth_and_truth_of_redkitchen_agree(data_dir: Path) -> None:
-    """A point of one depth picture, moved by the poses, lies on the surface of another."""
+    """A point of one depth image, moved by the poses, lies on the surface of another."""
     recording = open_recording(data_dir / "replays" / "7scenes_redkitchen")
     camera, truth = recording.camera, recording.truth
     assert camera is not None
@@ -139,7 +139,7 @@ def test_gopro_video_keeps_its_stamps(data_dir: Path) -> None:
     assert recording.frames[361].image().shape == (480, 854, 3)
 
 
-def test_a_deleted_picture_of_vamr_board_is_named(data_dir: Path, tmp_path: Path) -> None:
+def test_a_deleted_image_of_vamr_board_is_named(data_dir: Path, tmp_path: Path) -> None:
     root = tmp_path / "vamr_board"
     (root / "images").mkdir(parents=True)
     for name in ("K.txt", "D.txt", "poses.txt"):

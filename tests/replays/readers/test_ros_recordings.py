@@ -36,7 +36,7 @@ cam0:
 KINDS = ("bag", "folder", "mcap")
 
 
-def picture(index: int) -> np.ndarray:
+def image(index: int) -> np.ndarray:
     return np.random.default_rng(index).integers(0, 255, (HEIGHT, WIDTH, 3), dtype=np.uint8)
 
 
@@ -98,11 +98,11 @@ class Messages:
 
 
 def messages(made: Messages, encoding: str) -> list[tuple[str, str, int, Any]]:
-    """Topic, type, stamp and message, the pictures recorded a little after they were taken."""
+    """Topic, type, stamp and message, the images recorded a little after they were taken."""
     sent: list[tuple[str, str, int, Any]] = []
     for index in range(COUNT):
         stamp = START_NS + 50_000_000 * index
-        pixels = picture(index)
+        pixels = image(index)
         if encoding == "png":
             one = made.compressed(stamp, pixels)
             sent.append(("/cam0/image_raw/compressed", one.__msgtype__, stamp + 7, one))
@@ -137,27 +137,27 @@ def write_bag(folder: Path, kind: str, encoding: str = "rgb8") -> Path:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_pictures_and_imu_come_back(kind: str, tmp_path: Path) -> None:
+def test_images_and_imu_come_back(kind: str, tmp_path: Path) -> None:
     recording = open_recording(write_bag(tmp_path / "bags", kind))
     assert recording.layout == "ros"
     np.testing.assert_array_equal(
         recording.frames.time_ns, START_NS + 50_000_000 * np.arange(COUNT)
     )
     for index in (4, 0, 5, 1):
-        np.testing.assert_array_equal(recording.frames[index].image(), picture(index))
+        np.testing.assert_array_equal(recording.frames[index].image(), image(index))
     assert recording.imu is not None
     np.testing.assert_array_equal(recording.imu.time_ns, START_NS + 5_000_000 * np.arange(40))
     np.testing.assert_array_equal(recording.imu.angular_rate_rad_s, RATE)
     np.testing.assert_array_equal(recording.imu.specific_force_m_s2, FORCE)
     elsewhere = pickle.loads(pickle.dumps(recording.frames))
-    np.testing.assert_array_equal(elsewhere[2].image(), picture(2))
+    np.testing.assert_array_equal(elsewhere[2].image(), image(2))
     recording.check()
 
 
 @pytest.mark.parametrize("encoding", ["bgr8", "mono8", "png"])
 def test_encodings(encoding: str, tmp_path: Path) -> None:
     frames = open_recording(write_bag(tmp_path / "bags", "bag", encoding)).frames
-    expected = picture(3)[..., 0] if encoding == "mono8" else picture(3)
+    expected = image(3)[..., 0] if encoding == "mono8" else image(3)
     np.testing.assert_array_equal(frames[3].image(), expected)
 
 
@@ -223,7 +223,7 @@ def test_two_connections_of_one_number_are_refused(tmp_path: Path) -> None:
         open_recording(path)
 
 
-def test_a_bag_without_pictures_is_refused(tmp_path: Path, monkeypatch: Any) -> None:
+def test_a_bag_without_images_is_refused(tmp_path: Path, monkeypatch: Any) -> None:
     every = messages
     monkeypatch.setitem(
         globals(), "messages", lambda made, e: [one for one in every(made, e) if "imu" in one[0]]

@@ -1,4 +1,4 @@
-"""Rectified pairs: right pictures are read beside the left ones, and give SLAM its scale."""
+"""Rectified pairs: right images are read beside the left ones, and give SLAM its scale."""
 
 from pathlib import Path
 
@@ -41,7 +41,7 @@ def kitti(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_kitti_brings_its_right_pictures_and_baseline(kitti: Path) -> None:
+def test_kitti_brings_its_right_images_and_baseline(kitti: Path) -> None:
     recording = open_recording(kitti)
     recording.check()
     assert recording.baseline_m == pytest.approx(0.54)
@@ -50,19 +50,19 @@ def test_kitti_brings_its_right_pictures_and_baseline(kitti: Path) -> None:
         np.testing.assert_array_equal(frame.right(), gray(10 + index))
 
 
-def test_right_pictures_count_in_the_digest(kitti: Path) -> None:
+def test_right_images_count_in_the_digest(kitti: Path) -> None:
     before = open_recording(kitti).digest()
     cv2.imwrite(str(kitti / "image_1" / "000002.png"), gray(99))
     assert open_recording(kitti).digest() != before
 
 
-def test_a_pair_without_its_right_picture_is_refused(kitti: Path) -> None:
+def test_a_pair_without_its_right_image_is_refused(kitti: Path) -> None:
     (kitti / "image_1" / "000002.png").unlink()
-    with pytest.raises(RecordingError, match="expected the 3 names of the left pictures"):
+    with pytest.raises(RecordingError, match="expected the 3 names of the left images"):
         open_recording(kitti)
 
 
-def test_a_damaged_right_picture_takes_its_frame_along(kitti: Path) -> None:
+def test_a_damaged_right_image_takes_its_frame_along(kitti: Path) -> None:
     path = kitti / "image_1" / "000001.png"
     path.write_bytes(path.read_bytes()[:-20])
     frames, told = open_recording(kitti).frames.intact(None)
@@ -110,7 +110,7 @@ def test_pairs_give_poses_in_metres(room: Path) -> None:
         ("[stereo]\nbaseline_m = 0.12\n", r"\[stereo\] right: the key is missing"),
         ('[stereo]\nright = "right/*.png"\n', r"\[stereo\] baseline_m: the key is missing"),
         (PAIRS.replace("0.12", "-1.0"), "baseline_m"),
-        (PAIRS.replace("right/*.png", "right/0.0*.png"), "expected 60 pictures, got"),
+        (PAIRS.replace("right/*.png", "right/0.0*.png"), "expected 60 images, got"),
     ],
 )
 def test_pairs_that_cannot_be_are_refused(room: Path, change: str, message: str) -> None:

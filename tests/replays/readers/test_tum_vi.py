@@ -1,4 +1,4 @@
-"""TUM-VI: EuRoC's folders with Kalibr's calibration, 16-bit pictures and truth of the IMU."""
+"""TUM-VI: EuRoC's folders with Kalibr's calibration, 16-bit images and truth of the IMU."""
 
 import shutil
 from collections.abc import Callable
@@ -50,9 +50,9 @@ def tum_vi(make: Callable[[str], Any]) -> tuple[Any, Motor]:
         CHAIN.format(camera_T_imu.as_matrix().tolist())
     )
     (made.root / "dso" / "imu_config.yaml").write_text(NOISE)
-    for picture in (mav / "cam0" / "data").iterdir():
-        grey = cv2.imread(str(picture), cv2.IMREAD_GRAYSCALE)
-        assert cv2.imwrite(str(picture), grey.astype(np.uint16) * 256)
+    for image in (mav / "cam0" / "data").iterdir():
+        grey = cv2.imread(str(image), cv2.IMREAD_GRAYSCALE)
+        assert cv2.imwrite(str(image), grey.astype(np.uint16) * 256)
     return made, camera_T_imu
 
 

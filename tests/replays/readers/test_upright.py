@@ -1,4 +1,4 @@
-"""Pictures as people see them: display matrices, EXIF, and calibrations for whatever axes."""
+"""Images as people see them: display matrices, EXIF, and calibrations for whatever axes."""
 
 import shutil
 import subprocess
@@ -18,23 +18,23 @@ from motorcade.replays.io.readers.opening import open_recording
 from motorcade.tracking import Camera
 from motorcade.tracking.cameras.orientation import (
     AS_STORED,
-    PictureOrientation,
+    ImageOrientation,
     camera_T_turned,
     turned_camera,
 )
 
 WIDTH, HEIGHT = 96, 64
-EVERY = [PictureOrientation(turns, flip) for turns in range(4) for flip in (False, True)]
+EVERY = [ImageOrientation(turns, flip) for turns in range(4) for flip in (False, True)]
 SENSOR = Camera(WIDTH, HEIGHT, 90.0, 91.0, 45.0, 33.0, "radtan", (-0.1, 0.02, 3e-3, -2e-3))
 
 
 def _stored() -> np.ndarray:
-    """A picture whose corners all differ, in large even patches."""
-    picture = np.full((HEIGHT, WIDTH, 3), 90, np.uint8)
-    picture[:24, :40] = 250
-    picture[-24:, :40] = 200
-    picture[:24, -40:] = 20
-    return picture
+    """An image whose corners all differ, in large even patches."""
+    image = np.full((HEIGHT, WIDTH, 3), 90, np.uint8)
+    image[:24, :40] = 250
+    image[-24:, :40] = 200
+    image[:24, -40:] = 20
+    return image
 
 
 def _write(
@@ -59,26 +59,26 @@ def _write(
     return path
 
 
-def _matrix(orientation: PictureOrientation) -> list[int]:
+def _matrix(orientation: ImageOrientation) -> list[int]:
     (a, c), (b, d) = (orientation.matrix << 16).tolist()
     return [a, b, 0, c, d, 0, 0, 0, 1 << 30]
 
 
 @pytest.mark.parametrize("orientation", EVERY, ids=str)
 def test_videos_are_read_as_ffmpeg_shows_them(
-    tmp_path: Path, orientation: PictureOrientation
+    tmp_path: Path, orientation: ImageOrientation
 ) -> None:
     path = _write(tmp_path / "clip.mp4", _matrix(orientation))
     frames = VideoFrames(path)
-    picture = frames[1].image()
-    assert frames.size == picture.shape[1::-1] == orientation.size((WIDTH, HEIGHT))
-    assert np.abs(picture.astype(int) - orientation.upright(_stored())).mean() < 4.0
+    image = frames[1].image()
+    assert frames.size == image.shape[1::-1] == orientation.size((WIDTH, HEIGHT))
+    assert np.abs(image.astype(int) - orientation.upright(_stored())).mean() < 4.0
     if shutil.which("ffmpeg") is None:
         pytest.skip("ffmpeg, the second witness, is not installed")
     command = ["ffmpeg", "-v", "error", "-i", str(path), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
     shown = subprocess.run(command, capture_output=True, check=True).stdout
-    first = np.frombuffer(shown, np.uint8)[: picture.size].reshape(picture.shape)
-    assert np.abs(picture.astype(int) - first).mean() < 4.0
+    first = np.frombuffer(shown, np.uint8)[: image.size].reshape(image.shape)
+    assert np.abs(image.astype(int) - first).mean() < 4.0
 
 
 def test_a_matrix_of_zeros_turns_nothing_and_one_askew_is_refused(tmp_path: Path) -> None:
@@ -114,7 +114,7 @@ def _opened(folder: Path, video: Path, camera: str, more: str = "") -> Camera:
 def test_the_size_tells_for_which_axes_a_camera_was_made(
     tmp_path: Path, turns: int, caplog: pytest.LogCaptureFixture
 ) -> None:
-    video = _write(tmp_path / "clip.mp4", _matrix(PictureOrientation(turns)))
+    video = _write(tmp_path / "clip.mp4", _matrix(ImageOrientation(turns)))
     upright = turned_camera(SENSOR, turns)
     assert _opened(tmp_path, video, camera_toml(SENSOR)) == upright
     assert f"the camera is turned clockwise by {90 * turns} degrees" in caplog.text
@@ -130,9 +130,9 @@ def test_the_size_tells_for_which_axes_a_camera_was_made(
 def test_a_half_turn_is_told_by_the_key_or_said_to_be_taken_for_granted(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    video = _write(tmp_path / "clip.mp4", _matrix(PictureOrientation(2)))
+    video = _write(tmp_path / "clip.mp4", _matrix(ImageOrientation(2)))
     assert _opened(tmp_path, video, camera_toml(SENSOR)) == SENSOR
-    assert "it is taken to be of the pictures as shown" in caplog.text
+    assert "it is taken to be of the images as shown" in caplog.text
     # Doing what the line advises:
     as_stored = camera_toml(SENSOR) + "rotation_deg = 0\n"
     assert _opened(tmp_path, video, as_stored) == turned_camera(SENSOR, 2)
@@ -142,7 +142,7 @@ def test_a_half_turn_is_told_by_the_key_or_said_to_be_taken_for_granted(
 
 
 def test_extrinsics_and_truth_turn_with_the_camera(tmp_path: Path) -> None:
-    video = _write(tmp_path / "clip.mp4", _matrix(PictureOrientation(1)))
+    video = _write(tmp_path / "clip.mp4", _matrix(ImageOrientation(1)))
     lines = [f"{k},0,0,9.8,0,0,0" for k in range(0, 2 * 10**8, 10**7)]
     header = "#t,w_x,w_y,w_z,a_x,a_y,a_z"
     (tmp_path / "imu.csv").write_text("\n".join([header, *lines]))
@@ -178,12 +178,12 @@ convention = "world_T_camera"
     [
         (Camera(64, 96, 90, 90, 32, 48), None, AS_STORED, "held the other way"),
         (Camera(64, 96, 90, 90, 32, 48), 0, AS_STORED, "expected width and height 96 x 64"),
-        (Camera(80, 60, 90, 90, 40, 30), None, PictureOrientation(1), "with pictures of 64 x 96"),
-        (SENSOR, None, PictureOrientation(1, mirrored=True), "stored mirrored"),
+        (Camera(80, 60, 90, 90, 40, 30), None, ImageOrientation(1), "with images of 64 x 96"),
+        (SENSOR, None, ImageOrientation(1, mirrored=True), "stored mirrored"),
     ],
 )
 def test_cameras_that_do_not_fit_are_refused(
-    camera: Camera, rotation_deg: int | None, orientation: PictureOrientation, said: str
+    camera: Camera, rotation_deg: int | None, orientation: ImageOrientation, said: str
 ) -> None:
     with pytest.raises(ValueError, match=said):
         upright_camera(camera, rotation_deg, (WIDTH, HEIGHT), orientation)
@@ -199,13 +199,13 @@ def test_a_camera_held_the_other_way_works_as_the_error_advises(tmp_path: Path) 
     assert found.distortion == SENSOR.distortion
 
 
-def test_pictures_held_differently_are_refused(tmp_path: Path) -> None:
-    from tests.replays.readers.test_pictures import with_orientation
+def test_images_held_differently_are_refused(tmp_path: Path) -> None:
+    from tests.replays.readers.test_images import with_orientation
 
     data = cv2.imencode(".jpg", _stored())[1].tobytes()
     for index, value in enumerate((3, 3, 1)):
         (tmp_path / f"{index}.jpg").write_bytes(with_orientation(data, value))
     manifest = tmp_path / "motorcade.toml"
     manifest.write_text('[frames]\nimages = "*.jpg"\nrate_hz = 30\n' + camera_toml(SENSOR))
-    with pytest.raises(RecordingError, match=r"2\.jpg, frame 2: expected a picture .* 180 degrees"):
+    with pytest.raises(RecordingError, match=r"2\.jpg, frame 2: expected an image .* 180 degrees"):
         open_recording(tmp_path).intact()

@@ -1,4 +1,4 @@
-"""Videos: the container's stamps, pictures equal to a plain pass, whatever the order asked for."""
+"""Videos: the container's stamps, images equal to a plain pass, whatever the order asked for."""
 
 import pickle
 from fractions import Fraction
@@ -18,7 +18,7 @@ from motorcade.replays.io.readers.opening import open_recording
 
 @pytest.fixture
 def shown(video_file: Path) -> list[tuple[int, np.ndarray]]:
-    """Stamps (ns) and pictures by a plain pass of PyAV."""
+    """Stamps (ns) and images by a plain pass of PyAV."""
     with av.open(str(video_file)) as container:
         return [
             (round(1e9 * frame.pts * frame.time_base), frame.to_ndarray(format="rgb24"))
@@ -26,17 +26,17 @@ def shown(video_file: Path) -> list[tuple[int, np.ndarray]]:
         ]
 
 
-def test_stamps_and_pictures_are_those_of_a_plain_pass(
+def test_stamps_and_images_are_those_of_a_plain_pass(
     video_file: Path, shown: list[tuple[int, np.ndarray]]
 ) -> None:
     frames = open_recording(video_file).frames
     assert frames.time_ns.tolist() == [stamp for stamp, _ in shown]
     assert len(set(np.diff(frames.time_ns).tolist())) > 1
-    for frame, (_, picture) in zip(frames, shown, strict=True):
-        assert np.array_equal(frame.image(), picture)
+    for frame, (_, image) in zip(frames, shown, strict=True):
+        assert np.array_equal(frame.image(), image)
 
 
-def test_any_order_gives_the_same_pictures(
+def test_any_order_gives_the_same_images(
     video_file: Path, shown: list[tuple[int, np.ndarray]]
 ) -> None:
     frames = VideoFrames(video_file)
@@ -130,14 +130,14 @@ def test_a_video_whose_index_stands_in_front_is_counted(video_file: Path, tmp_pa
         assert np.array_equal(frames[index].image(), whole[index].image())
 
 
-def test_fewer_pictures_than_the_index_promises_are_said(
+def test_fewer_images_than_the_index_promises_are_said(
     video_file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from motorcade.replays.io.readers.frames import packets
 
     plain = packets.stored_packets
     monkeypatch.setattr(packets, "stored_packets", lambda *given: islice(plain(*given), 50))
-    assert "expected 60 pictures, got 50: what is there is read" in VideoFrames(video_file).notes[0]
+    assert "expected 60 images, got 50: what is there is read" in VideoFrames(video_file).notes[0]
     monkeypatch.setattr(packets, "_unedited", lambda path: 60)
     packets.scan.cache_clear()
     assert not VideoFrames(video_file).notes  # as where an edit list cuts the others away
@@ -147,7 +147,7 @@ def test_fewer_pictures_than_the_index_promises_are_said(
 def test_a_clip_trimmed_by_an_edit_list_holds_what_is_shown(
     tmp_path: Path, keys_apart: str
 ) -> None:
-    """As phones trim: all pictures stay in the file, from the keyframe on, and some are hidden.
+    """As phones trim: all images stay in the file, from the keyframe on, and some are hidden.
 
     Where keyframes are far apart, the only one is among the hidden.
     """
@@ -198,8 +198,8 @@ def test_of_a_cut_file_what_is_there_is_read_and_that_is_said(
         assert abs(int(frames[index].image()[0, 0, 0]) - 4 * index) <= 6
 
 
-def test_an_avi_that_dropped_pictures_is_read_in_any_order(tmp_path: Path) -> None:
-    path = tmp_path / "dropped.avi"  # whose sound lies behind all pictures, too
+def test_an_avi_that_dropped_images_is_read_in_any_order(tmp_path: Path) -> None:
+    path = tmp_path / "dropped.avi"  # whose sound lies behind all images, too
     with av.open(str(path), "w") as container:
         stream = container.add_stream("mjpeg", rate=30)
         sound = container.add_stream("pcm_s16le", rate=48_000, layout="mono")

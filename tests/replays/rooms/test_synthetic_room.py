@@ -1,4 +1,4 @@
-"""The synthetic room: its path, its pictures against its ground truth, and the files it leaves."""
+"""The synthetic room: its path, its images against its ground truth, and the files it leaves."""
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -60,7 +60,7 @@ def test_the_path_is_band_limited(path: HandheldPath) -> None:
     assert power[hertz > 2.5].sum() < 1e-6 * power.sum()
 
 
-def test_the_whole_board_stays_in_the_picture_and_faces_the_camera(path: HandheldPath) -> None:
+def test_the_whole_board_stays_in_the_image_and_faces_the_camera(path: HandheldPath) -> None:
     times = np.arange(FRAMES) / 30.0
     camera_T_board = path.at(times).inverse() @ world_T_board()
     pixels = CAMERA.project(camera_T_board[:, None].apply(BOARD.points_m))
@@ -103,9 +103,9 @@ def test_the_recording_reads_like_any_other(recording: Recording) -> None:
         (recording.imu_T_camera, IMU_T_CAMERA),
     ):
         assert np.abs((given.inverse() @ made).as_twist()).max() < 1e-12
-    picture = recording.frames[0].image()
-    assert picture.shape == (480, 640, 3)
-    assert 60.0 < picture.mean() < 200.0
+    image = recording.frames[0].image()
+    assert image.shape == (480, 640, 3)
+    assert 60.0 < image.mean() < 200.0
 
 
 def test_truth_is_the_path_at_the_stamps_of_the_frames(recording: Recording) -> None:

@@ -38,10 +38,10 @@ def test_an_interpolation_without_a_scene_is_refused() -> None:
 @pytest.mark.usefixtures("opengl")
 def test_the_film_shows_the_spin_of_euler_angles_alone() -> None:
     """On the way Euler angles are off both others by more than these are off each other."""
-    pictures = [one[40:440].astype(int) for _, one in spins(read_scene(SCENE), "diver", 2.0)]
-    assert len(pictures) == 9
-    for k, picture in enumerate(pictures):
-        euler, quaternion, motor = np.split(picture, 3, axis=1)
+    images = [one[40:440].astype(int) for _, one in spins(read_scene(SCENE), "diver", 2.0)]
+    assert len(images) == 9
+    for k, image in enumerate(images):
+        euler, quaternion, motor = np.split(image, 3, axis=1)
         spun, beside = (np.abs(one - motor).mean() for one in (euler, quaternion))
         if k in (0, 8):  # all begin and end in the keyframes
             assert max(spun, beside) < 0.05

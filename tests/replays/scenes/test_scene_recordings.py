@@ -54,10 +54,10 @@ def check_film(out: Path, least: float) -> None:
     assert len(shown.cast) == 5
     differs: dict[str, list[bool]] = {name: [] for name in shown.cast}
     for frame in shown.recording.frames:
-        read, picture = film.read()
+        read, image = film.read()
         assert read
-        before = np.asarray(frame.image()).reshape(*picture.shape[:2], -1)[..., ::-1]
-        changed = np.abs(picture.astype(int) - before).max(axis=-1) > 20
+        before = np.asarray(frame.image()).reshape(*image.shape[:2], -1)[..., ::-1]
+        changed = np.abs(image.astype(int) - before).max(axis=-1) > 20
         eye = shown.path.motors_at(np.int64(frame.time_ns)).inverse()
         for name, one in shown.cast.items():
             pose = one.world_T_character(frame.time_ns)
@@ -75,8 +75,8 @@ def write_board(data_dir: Path, folder: Path, frames: int = FRAMES) -> tuple[Pat
     """The first frames of vamr_board, and their manifest."""
     source, recording = data_dir / "replays" / "vamr_board", folder / "board"
     (recording / "images").mkdir(parents=True)
-    for picture in sorted((source / "images").iterdir())[:frames]:
-        shutil.copy(picture, recording / "images")
+    for image in sorted((source / "images").iterdir())[:frames]:
+        shutil.copy(image, recording / "images")
     for name in ("K.txt", "D.txt"):
         shutil.copy(source / name, recording)
     lines = [line for line in (source / "poses.txt").read_text().splitlines() if line.strip()]

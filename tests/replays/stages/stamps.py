@@ -1,4 +1,4 @@
-"""Frames of a recording whose pictures no test looks at."""
+"""Frames of a recording whose images no test looks at."""
 
 from __future__ import annotations
 

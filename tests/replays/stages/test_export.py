@@ -169,7 +169,7 @@ def test_frames_in_a_gap_are_said_or_left_out(
     """A path without poses for a while: no pose is invented there without a word."""
     from dataclasses import replace
 
-    from motorcade.replays.pipeline.export.images import write_pictures
+    from motorcade.replays.pipeline.export.images import write_images
 
     stamps = shown.recording.frames.time_ns
     lost = (shown.path.time_ns > stamps[4]) & (shown.path.time_ns < stamps[11])
@@ -179,7 +179,7 @@ def test_frames_in_a_gap_are_said_or_left_out(
     told = replace(gap, max_gap_s=2.5e-9 * float(stamps[1] - stamps[0]))
     assert len(told.frames_posed) == len(shown.frames_posed) - 6
     assert "6 of 16 frames lie in gaps" in caplog.text
-    written = write_pictures(told, tmp_path)
+    written = write_images(told, tmp_path)
     assert [int(name[-10:-4]) for name in written.names] == told.frames_posed.tolist()
     with pytest.raises(ValueError, match="max_gap_s: expected seconds above 0"):
         _ = replace(gap, max_gap_s=0.0).frames_posed
@@ -204,7 +204,7 @@ def test_rerun_reads_what_is_written(finished: Path, tmp_path: Path) -> None:
     data = file.read_bytes()
     assert data[:4] == b"RRF2"
     assert len(data) > 100_000
-    assert data.count(b"ftypisom") == 1  # pictures are one encoded film
+    assert data.count(b"ftypisom") == 1  # images are one encoded film
 
 
 @pytest.mark.parametrize(

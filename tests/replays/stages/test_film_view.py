@@ -30,12 +30,12 @@ def test_the_first_tile_is_about_the_film_and_names_what_is_not_sure() -> None:
 @pytest.mark.parametrize(
     ("height_share", "words"),
     [
-        (0.5, "half of the picture"),
-        (0.21, "a fifth of the picture"),
+        (0.5, "half of the image"),
+        (0.21, "a fifth of the image"),
         (0.31, "a third"),
         (0.09, "9 %"),
-        (0.95, "as the picture is"),
-        (1.4, "more than the picture is"),
+        (0.95, "as the image is"),
+        (1.4, "more than the image is"),
     ],
 )
 def test_sizes_in_words(height_share: float, words: str) -> None:
@@ -67,7 +67,7 @@ def test_frames_in_view_are_those_in_which_pixels_of_the_figure_are_seen() -> No
     assert (film.frames, film.in_view, film.height_px) == (6, 3, 96.0)
     assert (
         film.sentence
-        == "the figure stands on the floor, in view in 3 of 6 frames, a fifth of the picture high"
+        == "the figure stands on the floor, in view in 3 of 6 frames, a fifth of the image high"
     )
 
 

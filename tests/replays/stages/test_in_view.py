@@ -24,7 +24,7 @@ def level(eyes_m: FloatArray, heading_rad: float = 0.0) -> Motor:
 
 
 def whole(place: tuple[float, float], plane_T_camera: Motor) -> FloatArray:
-    """Whether each camera has the character whole in its picture."""
+    """Whether each camera has the character whole in its image."""
     seen = plane_T_camera.inverse().reshape(-1, 1).apply(ENDS + np.array([*place, 0.0]))
     ahead = np.all(seen[..., 2] > 0.0, axis=1)
     pixels = CAMERA.project(np.where(ahead[:, None, None], seen, [0.0, 0.0, 1.0]))
@@ -103,6 +103,6 @@ def test_from_any_height_it_is_no_speck_and_no_giant(
         assert 0.12 < share < 0.32
 
 
-def test_a_fifth_of_the_picture() -> None:
+def test_a_fifth_of_the_image() -> None:
     look = level(np.tile([-5.0, 0.0, 0.8], (5, 1)))
     assert tall_at((1.0, 0.0), CAMERA, look) == pytest.approx(0.2 * 240 * 6.0 / 300.0)

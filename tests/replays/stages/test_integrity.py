@@ -1,4 +1,4 @@
-"""Runs whose stages contradict each other or the pictures are called doubtful, others are not."""
+"""Runs whose stages contradict each other or the images are called doubtful, others are not."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Given:
 
 @functools.cache
 def given(seed: int) -> Given:
-    """The demo's camera, its board's corners and its IMU, without any picture."""
+    """The demo's camera, its board's corners and its IMU, without any image."""
     rng = np.random.default_rng(seed)
     path = HandheldPath.of(rng)
     stamps = np.rint(np.arange(FRAMES) / RATE_HZ * 1e9).astype(np.int64)
@@ -86,15 +86,15 @@ def by_board(found: PoseMeasurements, truth: Motor, rng: np.random.Generator) ->
 
 
 def judged(one: Given, **knobs: Any) -> tuple[Integrity, Integrity]:
-    """What the stages make of it, as judged by the pictures and without them."""
+    """What the stages make of it, as judged by the images and without them."""
     poses = camera_poses(Chosen(one.poses, skipped=one.poses.skipped), **knobs)
     sensor = imu(one.recording, poses)
     joined = fused(one.recording, poses, sensor, noise_factor=1.0)
     paths = smoothed(joined, representations=("motor",))
-    by_pictures, blind = (
+    by_images, blind = (
         integrity(one.recording, poses, sensor, joined, paths, board) for board in (one.poses, None)
     )
-    return by_pictures, blind
+    return by_images, blind
 
 
 def with_imu(one: Given, stream: ImuStream | None, imu_T_camera: Motor = IMU_T_CAMERA) -> Given:
@@ -145,21 +145,21 @@ def test_a_healthy_run_is_not_doubted(seed: int) -> None:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_an_imu_that_contradicts_the_camera_is_never_silent(seed: int, fault: str) -> None:
     one = wrong(given(seed), fault)
-    by_pictures, blind = judged(one)
-    if fault == "extrinsics" and "registration" not in failed(by_pictures):
+    by_images, blind = judged(one)
+    if fault == "extrinsics" and "registration" not in failed(by_images):
         # The filter, which may turn them, found the true ones: the path is right, the fault told.
-        assert failed(by_pictures) == failed(blind) == {"inertial"}
+        assert failed(by_images) == failed(blind) == {"inertial"}
         return
-    for found in (by_pictures, blind):
+    for found in (by_images, blind):
         assert "innovations" in failed(found)
         assert any("measured poses contradict the IMU" in doubt for doubt in found.doubts)
     if fault == "units of g":  # the bias takes up what it can: the path is bad, not absurd
         return
     # What is drawn holds to the board, whatever the filter made of its IMU.
-    assert "registration" in failed(by_pictures)
-    assert by_pictures.drawn_is == "measured"
+    assert "registration" in failed(by_images)
+    assert by_images.drawn_is == "measured"
     seen = registration_px(
-        by_pictures.drawn, one.poses.track, BOARD, CAMERA, one.recording.world_T_board
+        by_images.drawn, one.poses.track, BOARD, CAMERA, one.recording.world_T_board
     )
     assert np.max(seen) < 3.0
 
@@ -229,15 +229,15 @@ def outliers(one: Given, share: float) -> Given:
 def test_a_tracked_path_with_many_outliers_is_doubted_and_one_with_few_is_not(seed: int) -> None:
     for found in judged(outliers(given(seed), 0.1)):
         assert found.doubts == ()
-    by_pictures, blind = judged(outliers(given(seed), 0.3))
-    assert failed(by_pictures) == {"innovations"}
+    by_images, blind = judged(outliers(given(seed), 0.3))
+    assert failed(by_images) == {"innovations"}
     assert failed(blind) == {"innovations", "agreement"}
     # The filter left them out: its path is the better one.
-    assert by_pictures.drawn_is == blind.drawn_is == "smoothed"
+    assert by_images.drawn_is == blind.drawn_is == "smoothed"
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_pictures_deny_outliers_where_no_imu_does(seed: int) -> None:
+def test_images_deny_outliers_where_no_imu_does(seed: int) -> None:
     found, _ = judged(outliers(with_imu(given(seed), None), 0.3))
     assert failed(found) == {"registration"}
 
@@ -253,10 +253,10 @@ def test_no_limit_grows_with_what_it_judges(seed: int) -> None:
     wrong_board = replace(one.poses, track=replace(track, observations=missed))
     found, _ = judged(replace(one, poses=wrong_board))
     assert failed(found) == {"registration"}
-    assert "the measured poses do not explain the pictures" in found.doubts[0]
+    assert "the measured poses do not explain the images" in found.doubts[0]
 
 
-def test_intrinsics_of_pictures_twice_as_large_are_doubted() -> None:
+def test_intrinsics_of_images_twice_as_large_are_doubted() -> None:
     one = with_imu(given(0), None)
     found, _ = judged(replace(one, recording=replace(one.recording, camera=doubled(CAMERA))))
     assert "camera_centre" in failed(found)
@@ -284,7 +284,7 @@ def scaled(one: Given, factor: float) -> Given:
 
 
 def test_a_wrong_size_of_the_board_is_not_seen_but_by_an_imu() -> None:
-    """Board, poses and pictures scale together: no picture tells metres, an accelerometer does."""
+    """Board, poses and images scale together: no image tells metres, an accelerometer does."""
     one = scaled(given(0), 2.0)
     for found in judged(with_imu(one, None)):
         assert found.doubts == ()

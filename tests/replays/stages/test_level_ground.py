@@ -1,4 +1,4 @@
-"""Before a camera that stays at its place a figure is seen whole, a fifth of the picture high."""
+"""Before a camera that stays at its place a figure is seen whole, a fifth of the image high."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ LEVEL = Motor.from_rotor_translation(
 
 @pytest.mark.parametrize("size", [(640, 480), (1920, 1080), (576, 1024)])
 @pytest.mark.parametrize("sees_deg", [48.0, 64.0, 83.0])
-def test_the_figure_is_a_fifth_of_the_picture_and_within_it(
+def test_the_figure_is_a_fifth_of_the_image_and_within_it(
     rng: np.random.Generator, size: tuple[int, int], sees_deg: float
 ) -> None:
     focal_px = 0.5 * max(size) / np.tan(np.deg2rad(0.5 * sees_deg))

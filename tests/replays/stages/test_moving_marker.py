@@ -30,7 +30,7 @@ from tests.replays.carried_marker import (
     RATE_HZ,
     SIDE_M,
     TIME_NS,
-    Pictures,
+    Images,
     recorded,
     still,
     wandering,
@@ -171,12 +171,12 @@ def test_what_is_asked_for_and_not_there_is_refused() -> None:
 def test_a_marker_that_is_said_to_move_does_no_harm_to_the_map() -> None:
     rng = np.random.default_rng(8)
     wall = wall_of_markers(3, 1, 0.16, 20.0, rng)
-    cameras, pictures = handheld_path(FRAMES, 0.7), []
+    cameras, images = handheld_path(FRAMES, 0.7), []
     for k in range(0, FRAMES, 3):
         poses = Motor.concatenate([wall, Motor.stack([wandering(k)])])
         scene = TagScene(CAMERA, "tag36h11", np.array([1, 2, 3, ID]), SIDE_M, poses)
-        pictures.append(scene.picture(cameras[k], rng))
-    frames = Pictures(pictures)
+        images.append(scene.image(cameras[k], rng))
+    frames = Images(images)
     frames.time_ns = TIME_NS[::3]
     loose = LooseMarkers("tag36h11", SIDE_M)
     recording = Recording("wall", Path("wall"), "images", frames, CAMERA, markers=loose)

@@ -10,7 +10,7 @@ import pytest
 from motorcade.animation import mannequin, skin, write_gltf
 from motorcade.fusion.imu import ImuStream
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.characters.acting import (
@@ -103,7 +103,7 @@ def test_a_board_goes_before_the_plane_and_the_floor_can_be_asked_for(
 def test_the_floor_is_chosen_against_gravity_where_an_imu_tells_it(
     looking_down: Recording, rng: np.random.Generator
 ) -> None:
-    """A camera on its side: the picture's up is a wall's, the accelerometer's is the floor's."""
+    """A camera on its side: the image's up is a wall's, the accelerometer's is the floor's."""
     truth = looking_down.truth
     assert truth is not None
     rate_ns = 5_000_000
@@ -133,7 +133,7 @@ def test_on_a_map_without_unit_the_size_follows_the_scene(
 ) -> None:
     """A level plane 1.5 below a camera that looks ahead, in a world of any unit."""
     frames = looking_down.frames
-    assert isinstance(frames, PictureFrames)
+    assert isinstance(frames, ImageFrames)
     blind = replace(looking_down, frames=replace(frames, depth_files=()))
     truth = looking_down.truth
     assert truth is not None
@@ -160,7 +160,7 @@ def test_without_depth_it_stands_on_the_floor_and_a_plane_is_refused(
     looking_down: Recording, tmp_path: Path
 ) -> None:
     frames = looking_down.frames
-    assert isinstance(frames, PictureFrames)
+    assert isinstance(frames, ImageFrames)
     blind = replace(looking_down, frames=replace(frames, depth_files=()))
     assert stood(blind, drawn(blind)).stands_on == "the world's z = 0 m"
     covered = Scenario(handheld, 3, covered=(0, 3))
@@ -301,7 +301,7 @@ def test_depth_is_seen_as_the_poses_were_found_with_it(
     The character stands, and is hidden, by the depth that the poses were tracked with.
     """
     frames, camera = looking_down.frames, looking_down.camera
-    assert isinstance(frames, PictureFrames)
+    assert isinstance(frames, ImageFrames)
     assert camera is not None
     aside = DepthCamera(camera, Motor.from_translation([0.5, 0.0, 0.0]))
     stated = replace(frames, depth_camera=aside, colour_camera=camera)
@@ -315,7 +315,7 @@ def test_depth_is_seen_as_the_poses_were_found_with_it(
     hiding: list[np.ndarray] = []
     monkeypatch.setattr(
         "motorcade.replays.stages.view.overlay.render_performers",
-        lambda pictures, *_, **__: hiding.extend(depth_m for _, _, depth_m in pictures),
+        lambda images, *_, **__: hiding.extend(depth_m for _, _, depth_m in images),
     )
     monkeypatch.setattr("motorcade.replays.stages.view.overlay.write_video", lambda *_: None)
     overlay(told_wrong, given, SmoothedPaths({"motor": path.drawn}, None, {}), path, found)

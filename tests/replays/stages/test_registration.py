@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.marker_poses import _sighted as of_markers
 from motorcade.replays.stages.camera.slam_poses import _sighted as of_keyframes
@@ -44,7 +44,7 @@ def shifted(path: Trajectory) -> Trajectory:
 
 
 def recording(camera: Camera = CAMERA) -> Recording:
-    frames = PictureFrames((Path("0.png"),), np.array([0]))
+    frames = ImageFrames((Path("0.png"),), np.array([0]))
     return Recording("made up", Path(), "images", frames, camera)
 
 

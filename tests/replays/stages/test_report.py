@@ -130,7 +130,7 @@ def test_the_first_tile_says_whether_the_result_can_be_relied_on(
     assert tile.wrong == bool(failed)
     told = "; ".join(f"{name} is off" for name in failed)
     assert tile.label == {
-        "Looks right": "Nothing that was checked speaks against it: enough pictures have a camera "
+        "Looks right": "Nothing that was checked speaks against it: enough images have a camera "
         "pose. This recording cannot tell: extrinsics.",
         "Cannot be told": "This recording cannot tell: coverage, extrinsics.",
     }.get(value, f"{told.capitalize()}. The character stands along the measured path.")

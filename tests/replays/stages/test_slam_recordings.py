@@ -126,7 +126,7 @@ def test_the_stage_gives_poses_in_metres_from_the_first_camera(data_dir: Path) -
     assert ape_m(found.measurements.trajectory, recording, "se3") <= 0.03
 
 
-def test_pictures_without_texture_are_refused_by_name(tmp_path: Path) -> None:
+def test_images_without_texture_are_refused_by_name(tmp_path: Path) -> None:
     root = tmp_path / "grey"
     (root / "images").mkdir(parents=True)
     for index in range(3):

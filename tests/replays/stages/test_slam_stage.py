@@ -11,7 +11,7 @@ import pytest
 from motorcade.fusion.imu import ImuStream
 from motorcade.fusion.visual_inertial import InertialSlamResult, InertialStart
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera import depth, inertial_slam, slam_poses
 from motorcade.replays.stages.camera.focal_lengths import FoundCameras
@@ -29,7 +29,7 @@ FOUND_OUT = AuditFinding("depth_on_colour", "unknown", None, "px", "edges do not
 
 
 def recording(camera: Camera) -> Recording:
-    frames = PictureFrames((Path("0.png"), Path("1.png")), STAMPS)
+    frames = ImageFrames((Path("0.png"), Path("1.png")), STAMPS)
     return Recording("made up", Path(), "images", frames, camera)
 
 
@@ -57,7 +57,7 @@ def mapped(*, metric: bool) -> SlamResult:
 def test_depth_refines_a_map_through_the_camera_of_its_pixels(
     camera: Camera, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A fisheye's map holds its own pixels, any other lens's those of the undistorted picture."""
+    """A fisheye's map holds its own pixels, any other lens's those of the undistorted image."""
     through = []
 
     def refined(_map: object, _path: object, colour: Camera, *_: object) -> None:
@@ -82,7 +82,7 @@ def test_what_was_found_of_the_sensors_stays_with_the_poses(
     monkeypatch.setattr("motorcade.tracking.slam.VisualSlam", Tracked)
     cameras = FoundCameras(None, None, (FOUND_OUT,))
     monkeypatch.setattr(slam_poses, "found_cameras", lambda _: cameras)
-    monkeypatch.setattr(slam_poses, "track", lambda *_: ())  # no picture is read
+    monkeypatch.setattr(slam_poses, "track", lambda *_: ())  # no image is read
     found = slam_poses.slam_poses(given, adjust=False)
     assert found.metric == metric
     assert found.audit == (FOUND_OUT,)
@@ -91,7 +91,7 @@ def test_what_was_found_of_the_sensors_stays_with_the_poses(
 def carried(
     first_ns: int = -10_000_000, last_ns: int = 130_000_000, step_ns: int = 5_000_000
 ) -> Recording:
-    """Two pictures by a rolling shutter, and an IMU at rest."""
+    """Two images by a rolling shutter, and an IMU at rest."""
     stamps = np.arange(first_ns, last_ns, step_ns)
     still = np.zeros((len(stamps), 3))
     imu = ImuStream(stamps, still, still + np.array([0.0, 0.0, 9.81]))
@@ -99,7 +99,7 @@ def carried(
 
 
 class FedInertialSlam:
-    """Takes what it is given, and says that the IMU told metres with the second picture."""
+    """Takes what it is given, and says that the IMU told metres with the second image."""
 
     told = True
 
@@ -142,7 +142,7 @@ def fed(monkeypatch: pytest.MonkeyPatch) -> type[FedInertialSlam]:
     return Fed
 
 
-@pytest.mark.parametrize("step_ns", [5_000_000, 60_000_000])  # 200 Hz; fewer than two a picture
+@pytest.mark.parametrize("step_ns", [5_000_000, 60_000_000])  # 200 Hz; fewer than two an image
 def test_an_imu_goes_into_slam_and_what_it_told_stays_with_the_poses(
     step_ns: int, fed: type[FedInertialSlam]
 ) -> None:
@@ -176,7 +176,7 @@ def test_cameras_that_were_found_stay_with_poses_by_an_imu(
     assert found.audit == (FOUND_OUT,)
 
 
-def test_an_imu_that_tells_no_metres_leaves_pictures_alone(
+def test_an_imu_that_tells_no_metres_leaves_images_alone(
     fed: type[FedInertialSlam], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     class Tracked:
@@ -205,7 +205,7 @@ def test_an_imu_that_tells_no_metres_leaves_pictures_alone(
         (700_000_000, 900_000_000, False),
     ],
 )
-def test_an_imu_goes_in_where_it_covers_the_pictures(
+def test_an_imu_goes_in_where_it_covers_the_images(
     first_ns: int, last_ns: int, carries: bool
 ) -> None:
     one = carried(first_ns, last_ns)

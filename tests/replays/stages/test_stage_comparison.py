@@ -88,7 +88,7 @@ def test_an_imu_that_harms_is_said_to(with_truth: bool, stream: ImuStream) -> No
     assert "the IMU contradicts the measured poses (mean NIS " in worse
 
 
-def test_a_stretch_where_a_path_is_lost_does_not_hide_that_it_is_worse_everywhere() -> None:
+def test_a_segment_where_a_path_is_lost_does_not_hide_that_it_is_worse_everywhere() -> None:
     rng = np.random.default_rng(7)
     before, after = np.abs(rng.normal(0.0, 0.01, (2, 60)))
     assert not _beyond_chance(before, after)

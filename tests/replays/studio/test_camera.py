@@ -1,4 +1,4 @@
-"""The pages' cameras (camera.js) against `Camera`: every model, in the picture and beyond it."""
+"""The pages' cameras (camera.js) against `Camera`: every model, in the image and beyond it."""
 
 import json
 import shutil
@@ -43,7 +43,7 @@ if node is None or not (WEB / "package.json").exists():
 
 
 def asked_of(camera: Camera, rng: np.random.Generator) -> dict[str, object]:
-    """Points near, far, beside and behind; pixels all over the picture and outside it."""
+    """Points near, far, beside and behind; pixels all over the image and outside it."""
     size = np.array([camera.width, camera.height])
     points = rng.normal(size=(200, 3)) * np.exp(rng.uniform(-3, 3, (200, 1)))
     points[0], points[1], points[2] = (0, 0, 1), (0, 0, -1), (1e-9, 0, 2)

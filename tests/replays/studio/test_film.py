@@ -9,7 +9,7 @@ import pytest
 from motorcade.replays.web.film import KEYFRAME_FRAMES, film_rate_hz, film_size, write_film
 
 
-def pictures(count: int, shape: tuple[int, ...] = (48, 64, 3)) -> list[np.ndarray]:
+def images(count: int, shape: tuple[int, ...] = (48, 64, 3)) -> list[np.ndarray]:
     return [np.full(shape, 8 + 5 * k, np.uint8) for k in range(count)]
 
 
@@ -24,7 +24,7 @@ def test_frames_stand_at_their_numbers_whatever_the_stamps(tmp_path: Path, rate_
     time_ns[7:] += 1_000_000  # a late frame changes no clock
     time_ns[31:] += 4_000_000_000  # nor does a gap
     path = tmp_path / "film.mp4"
-    write_film(path, iter(pictures(count)), time_ns)
+    write_film(path, iter(images(count)), time_ns)
     rate = film_rate_hz(time_ns)
     assert abs(rate / rate_hz - 1.0) < 1e-3
     with av.open(str(path)) as file:
@@ -38,14 +38,14 @@ def test_frames_stand_at_their_numbers_whatever_the_stamps(tmp_path: Path, rate_
     assert max(np.diff([*keys, count])) <= max(1, min(KEYFRAME_FRAMES, 0.5 * rate))
 
 
-def test_grey_pictures_of_odd_size_are_padded(tmp_path: Path) -> None:
+def test_grey_images_of_odd_size_are_padded(tmp_path: Path) -> None:
     path = tmp_path / "odd.mp4"
-    write_film(path, pictures(3, (47, 63)), stamps(3, 30.0))
+    write_film(path, images(3, (47, 63)), stamps(3, 30.0))
     with av.open(str(path)) as file:
         assert (file.streams.video[0].width, file.streams.video[0].height) == (64, 48)
 
 
-def test_pictures_are_made_smaller_whole(tmp_path: Path) -> None:
+def test_images_are_made_smaller_whole(tmp_path: Path) -> None:
     size = film_size(192, 108, 96)
     assert size == (96, 54)
     assert film_size(30, 20, 96) == (30, 20)
@@ -60,10 +60,10 @@ def test_pictures_are_made_smaller_whole(tmp_path: Path) -> None:
     assert abs(int(frame[:, 50:].min()) - 200) < 12
 
 
-def test_another_number_of_pictures_leaves_no_file(tmp_path: Path) -> None:
+def test_another_number_of_images_leaves_no_file(tmp_path: Path) -> None:
     path = tmp_path / "film.mp4"
     with pytest.raises(ValueError, match="expected 5 images, got 3"):
-        write_film(path, pictures(3), stamps(5, 30.0))
+        write_film(path, images(3), stamps(5, 30.0))
     with pytest.raises(ValueError, match=r"ends in \.mp4"):
-        write_film(tmp_path / "film.avi", pictures(3), stamps(3, 30.0))
+        write_film(tmp_path / "film.avi", images(3), stamps(3, 30.0))
     assert not list(tmp_path.iterdir())

@@ -1,4 +1,4 @@
-"""Memory grows by what is observed, not by pictures: long recordings fit."""
+"""Memory grows by what is observed, not by images: long recordings fit."""
 
 import gc
 import tracemalloc
@@ -13,23 +13,23 @@ from motorcade.tracking import BoardTracker, Camera, SingleMarker
 from tests.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 
 CAMERA = Camera(320, 240, 300.0, 300.0, 159.5, 119.5)
-PICTURE_BYTES = 320 * 240
+IMAGE_BYTES = 320 * 240
 EARLY, LATE = 10, 40
 
 
 @pytest.fixture(scope="module")
-def pictures() -> list[np.ndarray]:
+def images() -> list[np.ndarray]:
     rng = np.random.default_rng(1)
     scene = TagScene(CAMERA, "tag36h11", np.arange(4), 0.1, wall_of_markers(2, 2, 0.2, 20.0, rng))
     path = handheld_path(8, 0.7)
-    return [scene.picture(path[index], rng) for index in range(8)]
+    return [scene.image(path[index], rng) for index in range(8)]
 
 
 class Sequence:
     """Frames that are made anew each time, and what memory is in use at some of them."""
 
-    def __init__(self, pictures: list[np.ndarray]) -> None:
-        self.pictures, self.used = pictures, dict[int, int]()
+    def __init__(self, images: list[np.ndarray]) -> None:
+        self.images, self.used = images, dict[int, int]()
         self.time_ns = np.arange(LATE + 1, dtype=np.int64) * 33_333_333
 
     def __len__(self) -> int:
@@ -40,7 +40,7 @@ class Sequence:
             if index in (EARLY, LATE):
                 gc.collect()
                 self.used[index] = tracemalloc.get_traced_memory()[0]
-            yield Frame(int(time_ns), str(index), self.pictures[index % 8].copy)
+            yield Frame(int(time_ns), str(index), self.images[index % 8].copy)
 
     @property
     def bytes_a_frame(self) -> float:
@@ -55,20 +55,20 @@ def traced() -> Iterator[None]:
 
 
 @pytest.mark.slow
-def test_tracking_a_board_keeps_no_pictures(pictures: list[np.ndarray], traced: None) -> None:
-    frames = Sequence(pictures)
+def test_tracking_a_board_keeps_no_images(images: list[np.ndarray], traced: None) -> None:
+    frames = Sequence(images)
     tracker = BoardTracker(CAMERA, SingleMarker("tag36h11", 0, 0.1))
     kept = [tracker.update(frame.gray(), frame.time_ns) for frame in frames]
     assert sum(one is not None for one in kept) > LATE // 2
-    assert 0 < frames.bytes_a_frame < 0.1 * PICTURE_BYTES
+    assert 0 < frames.bytes_a_frame < 0.1 * IMAGE_BYTES
 
 
 @pytest.mark.slow
-def test_finding_loose_markers_keeps_no_pictures(
-    pictures: list[np.ndarray], traced: None, tmp_path
+def test_finding_loose_markers_keeps_no_images(
+    images: list[np.ndarray], traced: None, tmp_path
 ) -> None:
-    frames = Sequence(pictures)
+    frames = Sequence(images)
     recording = Recording("made", tmp_path, "images", frames, CAMERA)  # type: ignore[arg-type]
     stream, _ = markers_found(recording, LooseMarkers("tag36h11", 0.1))
     assert len(stream) > 2 * LATE
-    assert 0 < frames.bytes_a_frame < 0.05 * PICTURE_BYTES
+    assert 0 < frames.bytes_a_frame < 0.05 * IMAGE_BYTES

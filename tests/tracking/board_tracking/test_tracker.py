@@ -40,25 +40,25 @@ every_board = pytest.mark.parametrize(
 
 @pytest.fixture(scope="module")
 def sequence(render, look_at):
-    """``sequence(board, camera, frames)`` -> true poses and pictures along a smooth path."""
+    """``sequence(board, camera, frames)`` -> true poses and images along a smooth path."""
     known: dict[tuple[Board, Camera], tuple[list[Motor], list[np.ndarray]]] = {}
 
     def make(board: Board, camera: Camera, frames: int) -> tuple[list[Motor], list[np.ndarray]]:
-        poses, pictures = known.setdefault((board, camera), ([], []))
+        poses, images = known.setdefault((board, camera), ([], []))
         for frame in range(len(poses), frames):
             phase = frame / 20.0
             distance = (1.15 + 0.2 * np.sin(5.0 * phase)) * 1e-3 * camera.fx
             tilt = 15.0 + 25.0 * np.sin(3.0 * phase)
             pose = look_at(board, distance, tilt, 60.0 + 150.0 * phase, -30.0 + 80.0 * phase)
             poses.append(pose)
-            pictures.append(render(board, camera, pose, blur_px=0.8, noise=2.0, seed=frame))
-        return poses[:frames], [picture.copy() for picture in pictures[:frames]]
+            images.append(render(board, camera, pose, blur_px=0.8, noise=2.0, seed=frame))
+        return poses[:frames], [image.copy() for image in images[:frames]]
 
     return make
 
 
-def stamped(pictures: list[np.ndarray]) -> list[tuple[int, np.ndarray]]:
-    return [(frame * STEP_NS, picture) for frame, picture in enumerate(pictures)]
+def stamped(images: list[np.ndarray]) -> list[tuple[int, np.ndarray]]:
+    return [(frame * STEP_NS, image) for frame, image in enumerate(images)]
 
 
 def errors(found: Motor, true: Motor) -> tuple[np.ndarray, np.ndarray]:
@@ -76,8 +76,8 @@ def rms(values: np.ndarray) -> float:
 def test_a_rendered_path_is_followed(
     board: Board, position_mm: float, angle_deg: float, wide_camera, sequence
 ) -> None:
-    poses, pictures = sequence(board, wide_camera, 12)
-    track = track_board(stamped(pictures), wide_camera, board)
+    poses, images = sequence(board, wide_camera, 12)
+    track = track_board(stamped(images), wide_camera, board)
     assert track.count("lost") == 0
     assert track.count("tracked") >= 10
     found = track.measurements.trajectory.poses
@@ -92,18 +92,18 @@ def test_a_rendered_path_is_followed(
 
 def test_claimed_covariance_covers_the_error(straight_camera, sequence) -> None:
     board = MarkerGrid("tag36h11", 4, 3, 0.05, 0.015)
-    poses, pictures = sequence(board, straight_camera, 12)
-    measurements = track_board(stamped(pictures), straight_camera, board).measurements
+    poses, images = sequence(board, straight_camera, 12)
+    measurements = track_board(stamped(images), straight_camera, board).measurements
     delta = (measurements.trajectory.poses.inverse() @ Motor.stack(poses)).as_twist()
     squared = np.einsum("ni,nij,nj->n", delta, np.linalg.inv(measurements.covariance), delta)
     assert 0.02 < squared.mean() < 6.0
 
 
 def test_what_is_covered_is_lost_and_comes_back(straight_camera, sequence) -> None:
-    poses, pictures = sequence(CHECKERS, straight_camera, 10)
+    poses, images = sequence(CHECKERS, straight_camera, 10)
     for frame in (3, 4, 5):
-        pictures[frame] = np.full_like(pictures[frame], 120)
-    track = track_board(stamped(pictures), straight_camera, CHECKERS)
+        images[frame] = np.full_like(images[frame], 120)
+    track = track_board(stamped(images), straight_camera, CHECKERS)
     assert list(track.states[3:6]) == ["lost"] * 3
     assert track.states[6] == "detected"
     assert track.count("lost") == 3
@@ -119,10 +119,10 @@ def test_what_is_covered_is_lost_and_comes_back(straight_camera, sequence) -> No
 def test_frames_in_any_order_are_measured_as_those_in_theirs(
     board: Board, straight_camera, sequence
 ) -> None:
-    poses, pictures = sequence(board, straight_camera, 40)
+    poses, images = sequence(board, straight_camera, 40)
     for seed in range(4):
         order = np.random.default_rng(seed).permutation(40)
-        track = track_board(stamped([pictures[row] for row in order]), straight_camera, board)
+        track = track_board(stamped([images[row] for row in order]), straight_camera, board)
         seen = order[track.states != "lost"]
         moved, _ = errors(
             track.measurements.trajectory.poses, Motor.stack([poses[k] for k in seen])
@@ -147,10 +147,10 @@ def test_a_board_that_looks_the_same_turned_is_doubted_where_it_jumps(
 def test_a_hand_over_the_board_costs_corners_not_the_pose(
     board: Board, straight_camera, sequence
 ) -> None:
-    poses, pictures = sequence(board, straight_camera, 12)
+    poses, images = sequence(board, straight_camera, 12)
     for frame in range(3, 8):
-        cv2.circle(pictures[frame], (150 + 15 * frame, 170), 40, 150, -1)
-    track = track_board(stamped(pictures), straight_camera, board)
+        cv2.circle(images[frame], (150 + 15 * frame, 170), 40, 150, -1)
+    track = track_board(stamped(images), straight_camera, board)
     counts = np.array([len(one.ids) for one in track.observations])
     assert track.count("lost") == 0
     assert counts[3:8].max() < counts[1]
@@ -165,9 +165,9 @@ def test_a_symmetric_board_keeps_its_numbering_while_it_turns(
 ) -> None:
     board = Checkerboard(5, 5, 0.04)
     poses = [look_at(board, 0.5, 20.0, 30.0, 20.0 * frame) for frame in range(11)]
-    pictures = [render(board, straight_camera, pose) for pose in poses]
+    images = [render(board, straight_camera, pose) for pose in poses]
     tracker = BoardTracker(straight_camera, board, redetect_every=2)
-    frames = [tracker.update(picture, time) for time, picture in stamped(pictures)]
+    frames = [tracker.update(image, time) for time, image in stamped(images)]
     assert {frame.state for frame in frames} == {"detected", "tracked"}
     for frame, pose in zip(frames, poses, strict=True):
         assert errors(frame.world_T_camera, pose)[1] < 0.5
@@ -183,11 +183,11 @@ def test_a_jump_is_caught_by_a_new_search(straight_camera, render, look_at) -> N
     assert errors(frame.world_T_camera, there)[0] < 1.0
 
 
-def test_the_same_pictures_give_the_same_bytes(straight_camera, sequence) -> None:
+def test_the_same_images_give_the_same_bytes(straight_camera, sequence) -> None:
     board = BOARDS[4][0]
-    _, pictures = sequence(board, straight_camera, 5)
-    copies = [picture.copy() for picture in pictures]
-    tracks = [track_board(stamped(pictures), straight_camera, board) for _ in range(2)]
+    _, images = sequence(board, straight_camera, 5)
+    copies = [image.copy() for image in images]
+    tracks = [track_board(stamped(images), straight_camera, board) for _ in range(2)]
     first, second = (
         b"".join(
             array.tobytes()
@@ -202,8 +202,8 @@ def test_the_same_pictures_give_the_same_bytes(straight_camera, sequence) -> Non
         for track in tracks
     )
     assert first == second
-    for picture, copy in zip(pictures, copies, strict=True):
-        np.testing.assert_array_equal(picture, copy)
+    for image, copy in zip(images, copies, strict=True):
+        np.testing.assert_array_equal(image, copy)
 
 
 def test_frames_that_cannot_be_are_refused(straight_camera) -> None:
@@ -254,8 +254,8 @@ def test_observations_that_do_not_fit_are_refused() -> None:
 
 
 def test_a_track_must_agree_with_itself(straight_camera, sequence) -> None:
-    _, pictures = sequence(CHECKERS, straight_camera, 2)
-    track = track_board(stamped(pictures), straight_camera, CHECKERS)
+    _, images = sequence(CHECKERS, straight_camera, 2)
+    track = track_board(stamped(images), straight_camera, CHECKERS)
     rest = (track.observations, track.measurements, track.error_px)
     with pytest.raises(ValueError, match="states: expected lost, detected, tracked only"):
         BoardTrack(track.time_ns, np.array(["seen", "seen"]), *rest)
@@ -274,12 +274,12 @@ def checkerboard_track(data_dir: Path) -> tuple[BoardTrack, np.ndarray]:
     camera = Camera(
         752, 480, matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2], "radtan", distortion
     )
-    pictures = sorted((folder / "images").glob("*.jpg"))
+    images = sorted((folder / "images").glob("*.jpg"))
     frames = (
-        (round(frame * 1e9 / 30), cv2.imread(str(picture), cv2.IMREAD_GRAYSCALE))
-        for frame, picture in enumerate(pictures)
+        (round(frame * 1e9 / 30), cv2.imread(str(image), cv2.IMREAD_GRAYSCALE))
+        for frame, image in enumerate(images)
     )
-    reference = np.loadtxt(folder / "poses.txt")[: len(pictures)]
+    reference = np.loadtxt(folder / "poses.txt")[: len(images)]
     return track_board(frames, camera, Checkerboard(9, 6, 0.04)), reference
 
 

@@ -12,8 +12,8 @@ from motorcade.tracking.audit import scatter_px
 from motorcade.tracking.board_tracking.track import with_pooled_noise
 from motorcade.tracking.board_tracking.witness import pixel_offsets
 from motorcade.tracking.boards import BoardCorners
+from motorcade.tracking.images import corner_noise_px
 from motorcade.tracking.measurements import MarkerObservation
-from motorcade.tracking.pictures import corner_noise_px
 from motorcade.tracking.pose import refine
 
 BOARDS = [Checkerboard(7, 4, 0.03), MarkerGrid("tag36h11", 3, 2, 0.05, 0.015)]

@@ -46,8 +46,8 @@ def test_corners_lie_where_they_are(
     errors = []
     for tilt_deg, azimuth_deg, roll_deg in ((8, 20, 0), (35, 200, 70), (30, 100, 185)):
         pose = look_at(board, 0.0012 * camera.fx, tilt_deg, azimuth_deg, roll_deg)
-        picture = render(board, camera, pose, blur_px=0.8, noise=2.0, seed=roll_deg)
-        found = board.detect(picture, camera)
+        image = render(board, camera, pose, blur_px=0.8, noise=2.0, seed=roll_deg)
+        found = board.detect(image, camera)
         assert found is not None
         assert len(found) >= 0.6 * len(board.points_m)
         np.testing.assert_array_equal(found.points_m, board.points_m[found.ids])
@@ -74,8 +74,8 @@ def test_circles_that_look_the_same_turned_are_numbered_one_of_the_ways(
 def test_the_first_corner_is_the_printed_top_left_one(
     board: Board, tolerance_px: float, straight_camera, render, look_at
 ) -> None:
-    picture = render(board, straight_camera, look_at(board, 0.5))
-    found = board.detect(picture)
+    image = render(board, straight_camera, look_at(board, 0.5))
+    found = board.detect(image)
     first, last = found.corners_px[0], found.corners_px.mean(axis=0)
     assert found.ids[0] == 0
     assert np.all(first < last)
@@ -85,8 +85,8 @@ def test_the_first_corner_is_the_printed_top_left_one(
 
 
 def test_marker_corners_run_clockwise(straight_camera, render, look_at) -> None:
-    picture = render(GRID, straight_camera, look_at(GRID, 0.5, roll_deg=100))
-    found = detect_markers(picture, "tag36h11")
+    image = render(GRID, straight_camera, look_at(GRID, 0.5, roll_deg=100))
+    found = detect_markers(image, "tag36h11")
     assert [one.marker_id for one in found] == list(range(12))
     quads = np.stack([one.corners_px for one in found])
     sides = np.roll(quads, -1, axis=1) - quads
@@ -129,9 +129,9 @@ def test_parts_of_a_board_are_enough_where_corners_carry_numbers(
 ) -> None:
     for board in (GRID, CharucoBoard("aruco_5x5_100", 7, 5, 0.04, 0.03)):
         pose = look_at(board, 0.45, 10.0)
-        picture = render(board, straight_camera, pose)
-        picture[:, :200] = 90
-        found = board.detect(picture, straight_camera)
+        image = render(board, straight_camera, pose)
+        image[:, :200] = 90
+        found = board.detect(image, straight_camera)
         expected = true_corners(board, straight_camera, pose)[found.ids]
         assert 4 <= len(found) < len(board.points_m)
         assert found.corners_px[:, 0].min() > 199
@@ -139,7 +139,7 @@ def test_parts_of_a_board_are_enough_where_corners_carry_numbers(
 
 
 @every_board
-def test_nothing_is_found_in_an_empty_picture(board: Board, tolerance_px: float) -> None:
+def test_nothing_is_found_in_an_empty_image(board: Board, tolerance_px: float) -> None:
     assert board.detect(np.full((240, 320), 128, np.uint8)) is None
     noise = np.random.default_rng(1).integers(0, 256, (240, 320), dtype=np.uint8)
     assert board.detect(noise) is None
@@ -149,11 +149,11 @@ def test_sharpening_leaves_out_covered_corners(straight_camera, render, look_at)
     for board in (CHECKERS, GRID):
         pose = look_at(board, 0.5)
         expected = true_corners(board, straight_camera, pose)
-        picture = render(board, straight_camera, pose)
+        image = render(board, straight_camera, pose)
         middle = np.rint(expected.mean(axis=0)).astype(int)
-        cv2.circle(picture, tuple(map(int, middle)), 30, 160, -1)
+        cv2.circle(image, tuple(map(int, middle)), 30, 160, -1)
         given = BoardCorners(np.arange(len(expected)), expected + 0.6, board.points_m)
-        sharp = board.refine_corners(picture, given, straight_camera)
+        sharp = board.refine_corners(image, given, straight_camera)
         covered = np.linalg.norm(expected - middle, axis=1) < 24
         assert covered.any()
         assert not np.isin(np.flatnonzero(covered), sharp.ids).any()
@@ -164,34 +164,34 @@ def test_sharpening_leaves_out_covered_corners(straight_camera, render, look_at)
 
 
 def test_corners_on_one_spot_are_left_out_of_a_sharpening() -> None:
-    picture = np.full((100, 100), 90, np.uint8)
+    image = np.full((100, 100), 90, np.uint8)
     spot = BoardCorners(np.arange(54), np.full((54, 2), 50.0), CHECKERS.points_m)
-    assert len(CHECKERS.refine_corners(picture, spot)) == 0
+    assert len(CHECKERS.refine_corners(image, spot)) == 0
 
 
-def test_the_picture_and_the_corners_given_stay_as_they_were(
+def test_the_image_and_the_corners_given_stay_as_they_were(
     straight_camera, render, look_at
 ) -> None:
-    picture = render(GRID, straight_camera, look_at(GRID, 0.5))
-    copy = picture.copy()
-    found = GRID.detect(picture, straight_camera)
+    image = render(GRID, straight_camera, look_at(GRID, 0.5))
+    copy = image.copy()
+    found = GRID.detect(image, straight_camera)
     with pytest.raises(ValueError, match="read-only"):
         found.corners_px[0] = 0.0
     before = found.corners_px.copy()
-    GRID.refine_corners(picture, found, straight_camera)
-    np.testing.assert_array_equal(picture, copy)
+    GRID.refine_corners(image, found, straight_camera)
+    np.testing.assert_array_equal(image, copy)
     np.testing.assert_array_equal(found.corners_px, before)
 
 
 def test_sharper_than_the_librarys_own_marker_corners(straight_camera, render, look_at) -> None:
     pose = look_at(GRID, 0.5, 25.0, 30.0, 20.0)
-    picture = render(GRID, straight_camera, pose, noise=2.0)
+    image = render(GRID, straight_camera, pose, noise=2.0)
     expected = true_corners(GRID, straight_camera, pose)
-    ours = GRID.detect(picture, straight_camera)
+    ours = GRID.detect(image, straight_camera)
     error = np.linalg.norm(ours.corners_px - expected[ours.ids], axis=1)
     start = ours.corners_px.astype(np.float32).reshape(-1, 1, 2)
     stop = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 40, 1e-3)
-    theirs = cv2.cornerSubPix(picture, start.copy(), (3, 3), (-1, -1), stop).reshape(-1, 2)
+    theirs = cv2.cornerSubPix(image, start.copy(), (3, 3), (-1, -1), stop).reshape(-1, 2)
     their_error = np.linalg.norm(theirs - expected[ours.ids], axis=1)
     assert np.sqrt((error**2).mean()) < 0.4 * np.sqrt((their_error**2).mean())
 
@@ -223,14 +223,14 @@ def test_boards_that_cannot_be_are_refused(make, told: str) -> None:
 
 @every_board
 @pytest.mark.parametrize(
-    "picture",
+    "image",
     [np.zeros((40, 40, 3), np.uint8), np.zeros((40, 40)), np.zeros((0, 40), np.uint8), "photo.png"],
 )
-def test_pictures_that_are_not_grey_are_refused(
-    board: Board, tolerance_px: float, picture: object
+def test_images_that_are_not_grey_are_refused(
+    board: Board, tolerance_px: float, image: object
 ) -> None:
-    with pytest.raises(ValueError, match="image: expected a grey uint8 picture"):
-        board.detect(picture)
+    with pytest.raises(ValueError, match="image: expected a grey uint8 image"):
+        board.detect(image)
 
 
 @pytest.mark.parametrize(
@@ -258,9 +258,7 @@ def test_tags_of_the_recorded_rotations_are_found(data_dir) -> None:
     folder = data_dir / "tags" / "rotations"
     camera = Camera(1056, 792, 329.87297, 332.94611, 528.0, 396.0)
     tag = SingleMarker("tag36h11", 76, 0.065)
-    pictures = sorted(folder.glob("*.png"))
-    seen = [
-        tag.detect(cv2.imread(str(picture), cv2.IMREAD_GRAYSCALE), camera) for picture in pictures
-    ]
-    assert len(pictures) == 15
+    images = sorted(folder.glob("*.png"))
+    seen = [tag.detect(cv2.imread(str(image), cv2.IMREAD_GRAYSCALE), camera) for image in images]
+    assert len(images) == 15
     assert sum(one is not None for one in seen) >= 14

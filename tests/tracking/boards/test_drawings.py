@@ -1,4 +1,4 @@
-"""Printed pictures: against OpenCV's, against the official tags, and back through the detector."""
+"""Printed images: against OpenCV's, against the official tags, and back through the detector."""
 
 import cv2
 import numpy as np
@@ -60,11 +60,11 @@ def test_marker_grids_are_opencvs() -> None:
     board = MarkerGrid("aruco_4x4_50", 5, 3, 0.036, 0.012, first_id=4)
     book = dictionary("aruco_4x4_50")
     theirs = cv2.aruco.GridBoard((5, 3), 0.036, 0.012, book, ids=np.arange(4, 19))
-    picture, origin = board.draw(1000.0)
+    image, origin = board.draw(1000.0)
     left, top = (round(place + 0.5) for place in origin)
     width, height = (round(1000 * side) for side in board.size_m)
     expected = theirs.generateImage((width, height), marginSize=0)
-    np.testing.assert_array_equal(picture[top : top + height, left : left + width], expected)
+    np.testing.assert_array_equal(image[top : top + height, left : left + width], expected)
     points = np.concatenate(theirs.getObjPoints()) * (1, -1, -1)
     np.testing.assert_allclose(board.points_m, points, atol=1e-7)
 
@@ -73,11 +73,11 @@ def test_marker_grids_are_opencvs() -> None:
 def test_charuco_boards_are_opencvs(rows: int) -> None:
     board = CharucoBoard("aruco_5x5_100", 7, rows, 0.049, 0.035)
     theirs = cv2.aruco.CharucoBoard((7, rows), 0.049, 0.035, dictionary("aruco_5x5_100"))
-    picture, origin = board.draw(1000.0)
+    image, origin = board.draw(1000.0)
     left, top = (round(place + 0.5) - 49 for place in origin)
     width, height = (round(1000 * side) for side in board.size_m)
     expected = theirs.generateImage((width, height), marginSize=0)
-    ours = picture[top : top + height, left : left + width]
+    ours = image[top : top + height, left : left + width]
     assert np.mean(ours != expected) < 1e-3
     corners = (theirs.getChessboardCorners() - (0.049, 0.049, 0.0)) * (1, -1, -1)
     np.testing.assert_allclose(board.points_m, corners, atol=1e-7)
@@ -90,21 +90,21 @@ def test_a_drawing_keeps_its_quiet_zone_white_and_its_mean(board: Board) -> None
     np.testing.assert_allclose(areas.sum(), np.prod(board.size_m))
     ink_m2 = areas[~pattern.white].sum()
     for scale in (731.3, 2000.0):
-        picture, origin = board.draw(scale)
-        np.testing.assert_allclose((1 - picture / 255.0).sum() / scale**2, ink_m2, rtol=2e-3)
+        image, origin = board.draw(scale)
+        np.testing.assert_allclose((1 - image / 255.0).sum() / scale**2, ink_m2, rtol=2e-3)
         band = int(pattern.quiet_m * scale) - 1
         assert band > 0
-        assert picture[:band].min() == picture[:, :band].min() == 255
-        assert picture[-band:].min() == picture[:, -band:].min() == 255
-        assert 0 < origin[0] < picture.shape[1]
+        assert image[:band].min() == image[:, :band].min() == 255
+        assert image[-band:].min() == image[:, -band:].min() == 255
+        assert 0 < origin[0] < image.shape[1]
 
 
-def warped(picture: np.ndarray, homography: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+def warped(image: np.ndarray, homography: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     """Warp by a homography of pixel centres, every pixel the mean of 6 x 6 samples."""
     samples = 6
     finer = np.array([[samples, 0, (samples - 1) / 2], [0, samples, (samples - 1) / 2], [0, 0, 1]])
     fine = cv2.warpPerspective(
-        picture,
+        image,
         finer @ homography,
         (samples * size[0], samples * size[1]),
         flags=cv2.INTER_LINEAR,
@@ -119,16 +119,16 @@ def warped(picture: np.ndarray, homography: np.ndarray, size: tuple[int, int]) -
 @pytest.mark.parametrize("turn_deg", [0.0, 37.0, 180.0])
 def test_corners_come_back_from_a_drawing(board: Board, turn_deg: float) -> None:
     scale = 4000.0
-    picture, origin = board.draw(scale)
+    image, origin = board.draw(scale)
     width, height = 640, 480
-    turn = cv2.getRotationMatrix2D((picture.shape[1] / 2, picture.shape[0] / 2), turn_deg, 1.0)
-    fit = 0.72 * min(width, height) / max(picture.shape)
+    turn = cv2.getRotationMatrix2D((image.shape[1] / 2, image.shape[0] / 2), turn_deg, 1.0)
+    fit = 0.72 * min(width, height) / max(image.shape)
     place = np.array([[fit, 0.02, 0], [-0.01, fit, 0], [8e-5, -5e-5, 1]])
     homography = place @ np.vstack([turn, [0, 0, 1]])
-    centre = homography @ [picture.shape[1] / 2, picture.shape[0] / 2, 1]
+    centre = homography @ [image.shape[1] / 2, image.shape[0] / 2, 1]
     shift = np.array([width / 2 + 0.37, height / 2 - 0.21]) - centre[:2] / centre[2]
     homography = np.array([[1, 0, shift[0]], [0, 1, shift[1]], [0, 0, 1]]) @ homography
-    found = board.detect(warped(picture, homography, (width, height)))
+    found = board.detect(warped(image, homography, (width, height)))
     assert found is not None
     assert len(found) >= 0.9 * len(board.points_m)
     printed = np.array(origin) + scale * found.points_m[:, :2] * (1, -1)

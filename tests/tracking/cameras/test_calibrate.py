@@ -32,7 +32,7 @@ def truth_of(camera: Camera) -> np.ndarray:
 
 
 def seen_by(camera: Camera, poses: list[Motor], noise_px: float, rng) -> list[BoardCorners]:
-    """Corners with noise, of poses from which the whole board is in the picture."""
+    """Corners with noise, of poses from which the whole board is in the image."""
     views = []
     for pose in poses:
         pixels = camera.project(pose.inverse().apply(BOARD.points_m))
@@ -44,7 +44,7 @@ def seen_by(camera: Camera, poses: list[Motor], noise_px: float, rng) -> list[Bo
 
 
 def around(look_at, camera: Camera, rng, count: int, tilt_deg: float = 45.0) -> list[Motor]:
-    """Poses on all sides of the board, moved so that it fills different parts of the picture."""
+    """Poses on all sides of the board, moved so that it fills different parts of the image."""
     poses = []
     for _ in range(count):
         distance = 0.0006 * camera.fx * rng.uniform(0.8, 1.6)
@@ -102,7 +102,7 @@ def test_as_opencv_calibrates(look_at, rng) -> None:
     ],
     ids=["checkerboard", "charuco", "marker_grid"],
 )
-def test_pictures_of_every_kind_of_board(board, render, look_at, rng) -> None:
+def test_images_of_every_kind_of_board(board, render, look_at, rng) -> None:
     camera = Camera(480, 360, 300.0, 301.0, 238.0, 183.0, "radtan", (-0.28, 0.07, 2e-4, -3e-4))
     views = []
     for index in range(8):

@@ -49,7 +49,7 @@ def test_projection_is_opencvs(camera: Camera) -> None:
 
 
 @every_camera
-def test_unprojection_undoes_projection_over_the_whole_picture(camera: Camera) -> None:
+def test_unprojection_undoes_projection_over_the_whole_image(camera: Camera) -> None:
     columns, rows = np.meshgrid(np.linspace(0, 751, 40), np.linspace(0, 479, 30))
     pixels = np.stack([columns, rows], axis=-1)
     rays = camera.unproject(pixels)
@@ -104,19 +104,19 @@ def test_pixels_beyond_the_fold_have_no_ray() -> None:
     assert 0.88 < near[0] < 0.9129
 
 
-def test_undistorted_pictures_are_opencvs() -> None:
+def test_undistorted_images_are_opencvs() -> None:
     camera = CAMERAS[2]
-    picture = np.random.default_rng(0).integers(0, 256, (480, 752, 3), dtype=np.uint8)
-    picture = cv2.GaussianBlur(picture, (0, 0), 3.0)
-    expected = cv2.undistort(picture, camera.matrix, np.array(camera.distortion))
-    difference = np.abs(camera.undistort_image(picture).astype(int) - expected)
+    image = np.random.default_rng(0).integers(0, 256, (480, 752, 3), dtype=np.uint8)
+    image = cv2.GaussianBlur(image, (0, 0), 3.0)
+    expected = cv2.undistort(image, camera.matrix, np.array(camera.distortion))
+    difference = np.abs(camera.undistort_image(image).astype(int) - expected)
     assert difference.max() <= 2
-    grey = camera.undistort_image(np.ascontiguousarray(picture[..., 0]))
+    grey = camera.undistort_image(np.ascontiguousarray(image[..., 0]))
     assert np.abs(grey.astype(int) - expected[..., 0]).max() <= 2
 
 
 @every_camera
-def test_undistorted_pictures_show_what_the_straight_camera_projects(camera: Camera) -> None:
+def test_undistorted_images_show_what_the_straight_camera_projects(camera: Camera) -> None:
     spot = np.array([0.21, -0.13, 1.0])
     columns, rows = np.meshgrid(np.arange(752), np.arange(480))
     u, v = camera.project(spot)
@@ -158,7 +158,7 @@ def test_bad_intrinsics_are_refused(change: dict[str, object], told: str) -> Non
         Camera(**{**good, "model": "radtan", "distortion": (0.1, 0.2), **change})
 
 
-def test_bad_points_and_pictures_are_refused() -> None:
+def test_bad_points_and_images_are_refused() -> None:
     camera = CAMERAS[1]
     with pytest.raises(ValueError, match=r"points_camera: expected shape \(\*, 3\)"):
         camera.project([1.0, 2.0])
@@ -166,5 +166,5 @@ def test_bad_points_and_pictures_are_refused() -> None:
         camera.unproject([1.0, np.nan])
     with pytest.raises(ValueError, match="expected 752 x 480 pixels, got 480 x 752"):
         camera.undistort_image(np.zeros((752, 480), np.uint8))
-    with pytest.raises(ValueError, match="expected a uint8 picture"):
+    with pytest.raises(ValueError, match="expected a uint8 image"):
         camera.undistort_image(np.zeros((480, 752)))

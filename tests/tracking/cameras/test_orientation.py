@@ -1,11 +1,11 @@
-"""Turned cameras: exactly where turned pictures have what the camera saw."""
+"""Turned cameras: exactly where turned images have what the camera saw."""
 
 import numpy as np
 import pytest
 
 from motorcade.tracking import Camera
 from motorcade.tracking.cameras.orientation import (
-    PictureOrientation,
+    ImageOrientation,
     camera_T_turned,
     turned_camera,
 )
@@ -16,7 +16,7 @@ every_camera = pytest.mark.parametrize("camera", CAMERAS, ids=name)
 
 @every_camera
 @pytest.mark.parametrize("turns", range(-1, 5))
-def test_a_turned_camera_sees_points_where_the_turned_picture_has_them(
+def test_a_turned_camera_sees_points_where_the_turned_image_has_them(
     camera: Camera, turns: int
 ) -> None:
     points = in_view(camera, (200,))
@@ -52,11 +52,11 @@ def test_four_quarter_turns_are_none(camera: Camera) -> None:
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("turns", range(4))
 def test_the_matrix_says_where_pixels_go(turns: int, mirrored: bool) -> None:
-    orientation = PictureOrientation(turns, mirrored)
-    picture = np.zeros((5, 7), np.uint8)
-    picture[2, 3] = 1  # the middle stays
-    picture[2 + 1, 3 + 2] = 2  # two to the right of it, one down
-    upright = orientation.upright(picture)
+    orientation = ImageOrientation(turns, mirrored)
+    image = np.zeros((5, 7), np.uint8)
+    image[2, 3] = 1  # the middle stays
+    image[2 + 1, 3 + 2] = 2  # two to the right of it, one down
+    upright = orientation.upright(image)
     assert orientation.size((7, 5)) == upright.shape[::-1]
     middle, other = (np.argwhere(upright == value)[0][::-1] for value in (1, 2))
     assert (other - middle).tolist() == (orientation.matrix @ [2, 1]).tolist()
@@ -64,4 +64,4 @@ def test_the_matrix_says_where_pixels_go(turns: int, mirrored: bool) -> None:
 
 def test_other_turns_are_refused() -> None:
     with pytest.raises(ValueError, match="quarter_turns: expected 0 to 3, got 4"):
-        PictureOrientation(4)
+        ImageOrientation(4)

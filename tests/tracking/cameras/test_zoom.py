@@ -1,4 +1,4 @@
-"""Pictures of a lens that zooms, scaled to one focal length about its centre, and back."""
+"""Images of a lens that zooms, scaled to one focal length about its centre, and back."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ def test_a_point_lies_where_the_cameras_own_focal_length_shows_it(ratio: float) 
     columns, rows = np.meshgrid(np.arange(160), np.arange(120))
     point = np.array([90.0, 50.0])
     far = (columns - point[0]) ** 2 + (rows - point[1]) ** 2
-    picture = np.asarray(255.0 * np.exp(-far / 18.0), np.uint8)
-    shown = Zoom(np.zeros(1), np.array([ratio])).unzoomed(picture, CAMERA, 0).astype(float)
+    image = np.asarray(255.0 * np.exp(-far / 18.0), np.uint8)
+    shown = Zoom(np.zeros(1), np.array([ratio])).unzoomed(image, CAMERA, 0).astype(float)
     middle = np.array([(shown * columns).sum(), (shown * rows).sum()]) / shown.sum()
     centre = np.array([CAMERA.cx, CAMERA.cy])
     np.testing.assert_allclose(middle, centre + (point - centre) / ratio, atol=0.05)

@@ -35,7 +35,7 @@ def surfaces() -> DepthSurfaces:
 
 
 def matches(rng: np.random.Generator) -> Matches:
-    """Points of the colour pictures, where all frames see them, with tracking's noise."""
+    """Points of the colour images, where all frames see them, with tracking's noise."""
     poses, depth_m = truth(), seen(FRAMES[0])[0].depth_m
     px = rng.uniform((30.0, 30.0), (290.0, 210.0), (400, 2)).round()
     points = COLOUR.unproject(px) * depth_m[px[:, 1].astype(int), px[:, 0].astype(int), None]
@@ -90,7 +90,7 @@ def test_a_wrong_registration_is_found() -> None:
 
 
 def test_what_is_counted_twice_is_not_known_better() -> None:
-    """The pixels of a picture share its errors: only other frames add to what is known."""
+    """The pixels of an image share its errors: only other frames add to what is known."""
     given, one = surfaces(), matches(np.random.default_rng(5))
     there = one.first, one.second, one.px, one.second_px
     back = one.second, one.first, one.second_px, one.px

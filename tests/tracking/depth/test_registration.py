@@ -61,13 +61,13 @@ def test_what_is_nearer_hides_what_is_behind_it() -> None:
     assert np.isnan(registered[90:150, right + 2 : round(200 - shift_px / 4) - 1]).all()
 
 
-def test_a_depth_picture_of_half_the_size_leaves_no_gaps() -> None:
+def test_a_depth_image_of_half_the_size_leaves_no_gaps() -> None:
     small = Camera(160, 120, 131.0, 131.0, 79.5, 59.5)
     registered = register_depth(np.full((120, 160), 2.0, np.float32), DepthCamera(small), COLOUR)
     assert np.all(registered[4:-4, 4:-4] == 2.0)
 
 
-def test_a_depth_picture_of_a_sixteenth_of_the_size_leaves_no_gaps() -> None:
+def test_a_depth_image_of_a_sixteenth_of_the_size_leaves_no_gaps() -> None:
     tiny = Camera(20, 15, 16.375, 16.375, 9.5, 7.0)
     registered = register_depth(np.full((15, 20), 2.0, np.float32), DepthCamera(tiny), COLOUR)
     assert np.all(registered[8:-8, 8:-8] == 2.0)
@@ -99,7 +99,7 @@ def test_unknown_depth_stays_unknown_and_other_sizes_are_refused() -> None:
 
 
 def cluttered(seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """A picture of boards that hang before each other, and its depth."""
+    """An image of boards that hang before each other, and its depth."""
     rng = np.random.default_rng(seed)
     gray = rng.normal(120.0, 4.0, (240, 320))
     depth = np.full((240, 320), 6.0, np.float32)
@@ -132,13 +132,13 @@ def test_other_edges_that_fit_hardly_better_are_not_preferred() -> None:
     assert found.px < 1.5
 
 
-def test_a_picture_without_edges_tells_nothing() -> None:
+def test_an_image_without_edges_tells_nothing() -> None:
     flat = np.full((240, 320), 90, np.uint8)
     found = edge_offset([flat], [np.full((240, 320), 2.0, np.float32)])
     assert np.isnan(found.px)
 
 
-def test_opposite_sides_of_a_depth_picture_make_no_edges() -> None:
+def test_opposite_sides_of_a_depth_image_make_no_edges() -> None:
     """A floor that rises gently from the bottom to the top, and a wall that turns away."""
     gray = np.full((240, 320), 90, np.uint8)
     down, right = np.linspace(1.0, 3.0, 240), np.linspace(1.0, 3.0, 320)

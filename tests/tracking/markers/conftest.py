@@ -69,7 +69,7 @@ def seen_by(
     step_ns: int = 100_000_000,
     start_ns: int = 1_000_000_000,
 ) -> Scene:
-    """What the camera sees of markers that face it, in its picture."""
+    """What the camera sees of markers that face it, in its image."""
     points = np.stack([marker_points_m(side_m[one]) for one in sorted(side_m)])
     frames, ids, corners = [], [], []
     for frame in range(len(world_T_camera)):

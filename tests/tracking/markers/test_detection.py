@@ -1,6 +1,6 @@
 """Marker detection: on photographs reviewed by eye, on exact renderings, and on no markers at all.
 
-`reviewed.json` lists, for each picture, markers that a person can make out whole: id, then column
+`reviewed.json` lists, for each image, markers that a person can make out whole: id, then column
 and row of the centre. Every one of the cubes in the photograph carries tag 0, on its top too.
 """
 
@@ -35,9 +35,9 @@ GRID = MarkerGrid("tag36h11", 4, 3, 0.05, 0.015)
 
 
 def load(path: Path) -> np.ndarray:
-    picture = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
-    assert picture is not None, path
-    return picture
+    image = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
+    assert image is not None, path
+    return image
 
 
 def matched(found: list[tuple[int, np.ndarray]], truth: list[list[int]]) -> tuple[int, int]:
@@ -54,14 +54,12 @@ def matched(found: list[tuple[int, np.ndarray]], truth: list[list[int]]) -> tupl
 
 @pytest.mark.parametrize("name", REVIEWED)
 def test_all_that_apriltag_or_opencv_find_and_none_that_is_false(name: str, data_dir: Path) -> None:
-    picture = load(data_dir / "tags" / name)
+    image = load(data_dir / "tags" / name)
     ours = [
-        (one.marker_id, one.corners_px.mean(axis=0)) for one in detect_markers(picture, "tag36h11")
+        (one.marker_id, one.corners_px.mean(axis=0)) for one in detect_markers(image, "tag36h11")
     ]
-    peers = [
-        (one.tag_id, one.center - 0.5) for one in apriltag_detector("tag36h11").detect(picture)
-    ]
-    quads, ids, _ = cv2.aruco.ArucoDetector(dictionary("tag36h11")).detectMarkers(picture)
+    peers = [(one.tag_id, one.center - 0.5) for one in apriltag_detector("tag36h11").detect(image)]
+    quads, ids, _ = cv2.aruco.ArucoDetector(dictionary("tag36h11")).detectMarkers(image)
     peers += [(int(i), quad[0].mean(axis=0)) for i, quad in zip(ids.ravel(), quads, strict=True)]
     theirs = [one for one in REVIEWED[name] if matched(peers, [one])[0]]
     right, false = matched(ours, REVIEWED[name])
@@ -86,8 +84,8 @@ def test_the_photographs_reference_corners(data_dir: Path) -> None:
 
 @pytest.mark.parametrize("yaw_deg", range(-70, 71, 10))
 def test_every_rotation_image(yaw_deg: int, data_dir: Path) -> None:
-    picture = load(data_dir / f"tags/rotations/test_image_rotation_{yaw_deg}.png")
-    (one,) = detect_markers(picture, "tag36h11")
+    image = load(data_dir / f"tags/rotations/test_image_rotation_{yaw_deg}.png")
+    (one,) = detect_markers(image, "tag36h11")
     assert one.marker_id == 76
     assert one.sharp
     assert one.wrong_cells == 0
@@ -100,10 +98,10 @@ def test_every_family_is_found_upright(family: str, render, look_at, straight_ca
     for marker in (0, 13):
         board = SingleMarker(family, marker, 0.12)
         pose = look_at(board, 0.6, 20.0, 50.0, 100.0)
-        picture = render(board, straight_camera, pose, noise=2.0)
+        image = render(board, straight_camera, pose, noise=2.0)
         truth = straight_camera.project(pose.inverse().apply(board.points_m))
         for backend in ("opencv", "loops") if family in OPENCV_FAMILIES else ("loops",):
-            (one,) = detect_markers(picture, family, straight_camera, backend=backend)
+            (one,) = detect_markers(image, family, straight_camera, backend=backend)
             assert (one.family, one.marker_id, one.sharp) == (family, marker, True)
             assert np.abs(one.corners_px - truth).max() < 0.15
 
@@ -115,15 +113,15 @@ def test_nearer_than_either_library_and_than_corner_refinement(render, look_at) 
     stop = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 40, 1e-3)
     for tilt, azimuth, roll in ((8, 20, 0), (35, 200, 70), (30, 100, 185)):
         pose = look_at(GRID, 0.5, tilt, azimuth, roll)
-        picture = render(GRID, camera, pose, blur_px=0.8, noise=2.0, seed=roll)
+        image = render(GRID, camera, pose, blur_px=0.8, noise=2.0, seed=roll)
         truth = camera.project(pose.inverse().apply(GRID.points_m)).reshape(-1, 4, 2)
-        for one in detect_markers(picture, "tag36h11", camera):
+        for one in detect_markers(image, "tag36h11", camera):
             ours.append(one.corners_px - truth[one.marker_id])
-        for one in peer.detect(picture):
+        for one in peer.detect(image):
             corners = one.corners[::-1] - 0.5
             theirs.append(corners - truth[one.tag_id])
             start = corners.astype(np.float32).reshape(-1, 1, 2).copy()
-            sharp = cv2.cornerSubPix(picture, start, (3, 3), (-1, -1), stop).reshape(-1, 2)
+            sharp = cv2.cornerSubPix(image, start, (3, 3), (-1, -1), stop).reshape(-1, 2)
             refined.append(sharp - truth[one.tag_id])
     assert len(ours) == len(theirs) == 36
     rms = [
@@ -142,7 +140,7 @@ def test_texture_is_no_marker(family: str, rng: np.random.Generator) -> None:
         assert detect_markers(texture, family, backend="opencv") == ()
 
 
-def test_real_pictures_without_markers_hold_none(data_dir: Path) -> None:
+def test_real_images_without_markers_hold_none(data_dir: Path) -> None:
     folder = data_dir / "replays"
     files = sorted(folder.glob("kitti_short/**/*.png"))[::17]
     files += sorted(folder.glob("7scenes_redkitchen/**/*color*"))[::70]
@@ -157,14 +155,14 @@ def test_a_wrong_print_is_seen_when_it_is_read_again(render, look_at, straight_c
     """AprilTag's decoder mends two wrong bits of 16 and so finds tags in other families' prints."""
     board = SingleMarker("tag16h5", 3, 0.12)
     pose = look_at(board, 0.5)
-    picture = render(board, straight_camera, pose)
+    image = render(board, straight_camera, pose)
     truth = straight_camera.project(pose.inverse().apply(board.points_m))[None]
-    right = read_markers(picture, truth, "tag16h5", np.array([3]))
+    right = read_markers(image, truth, "tag16h5", np.array([3]))
     assert right.wrong_cells[0] == 0
     assert right.agreement[0] > 0.97
     known = marker_cells("tag16h5", 3)
     for other in (0, 7, 29):
-        wrong = read_markers(picture, truth, "tag16h5", np.array([other]))
+        wrong = read_markers(image, truth, "tag16h5", np.array([other]))
         assert wrong.wrong_cells[0] == np.count_nonzero(known != marker_cells("tag16h5", other))
         assert wrong.agreement[0] < 0.75
 
@@ -182,38 +180,38 @@ def test_a_marker_printed_twice_is_found_twice_and_each_once(
         np.testing.assert_allclose(gap, np.tile([480.0, 0.0], (4, 1)), atol=0.02)
 
 
-def test_at_the_rim_of_the_picture_corners_are_not_sharp(render, look_at, straight_camera) -> None:
+def test_at_the_rim_of_the_image_corners_are_not_sharp(render, look_at, straight_camera) -> None:
     board = SingleMarker("tag36h11", 4, 0.12)
     pose = look_at(board, 0.5)
     left = straight_camera.project(pose.inverse().apply(board.points_m))[:, 0].min()
     cut = int(left) - 3
     camera = replace(straight_camera, cx=straight_camera.cx + int(left) + 0.3 - left)
     truth = camera.project(pose.inverse().apply(board.points_m)) - np.array([cut, 0.0])
-    picture = np.ascontiguousarray(render(board, camera, pose)[:, cut:])
-    (one,) = detect_markers(picture, "tag36h11", backend="opencv")
+    image = np.ascontiguousarray(render(board, camera, pose)[:, cut:])
+    (one,) = detect_markers(image, "tag36h11", backend="opencv")
     assert not one.sharp
     assert np.abs(one.corners_px - truth).max() < 2.0
-    assert board.detect(picture) is None
+    assert board.detect(image) is None
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.5])
 def test_prints_without_noise_are_found(shift: float) -> None:
     """There errors on both sides of a corner are equal to the last bit."""
-    picture, _ = GRID.draw(1200.0)
+    image, _ = GRID.draw(1200.0)
     move = np.array([[1.0, 0.0, shift], [0.0, 1.0, shift]])
-    moved = cv2.warpAffine(picture, move, picture.shape[::-1], borderValue=255)
+    moved = cv2.warpAffine(image, move, image.shape[::-1], borderValue=255)
     found = detect_markers(cv2.GaussianBlur(moved, (0, 0), 0.8), "tag36h11")
     assert [one.marker_id for one in found] == list(range(12))
 
 
 def test_threads_do_not_share_a_detector(render, look_at, straight_camera) -> None:
-    picture = render(GRID, straight_camera, look_at(GRID, 0.5))
-    expected = [one.corners_px.tolist() for one in detect_markers(picture, "tag36h11")]
+    image = render(GRID, straight_camera, look_at(GRID, 0.5))
+    expected = [one.corners_px.tolist() for one in detect_markers(image, "tag36h11")]
     results: list[object] = []
 
     def work() -> None:
         for _ in range(3):
-            found = detect_markers(picture, "tag36h11")
+            found = detect_markers(image, "tag36h11")
             results.append([one.corners_px.tolist() for one in found])
 
     threads = [threading.Thread(target=work) for _ in range(3)]
@@ -231,9 +229,9 @@ import numpy as np
 from motorcade.tracking.markers import detect_markers
 
 def work():
-    picture = np.random.default_rng(0).integers(0, 256, (200, 200)).astype(np.uint8)
+    image = np.random.default_rng(0).integers(0, 256, (200, 200)).astype(np.uint8)
     for family in ("tag16h5", "tag36h11", "tagStandard41h12"):
-        detect_markers(picture, family)
+        detect_markers(image, family)
 
 for _ in range(5):
     thread = threading.Thread(target=work)
@@ -253,16 +251,16 @@ def test_threads_may_end_after_they_searched() -> None:
 
 @pytest.mark.parametrize("shape", [(1, 1), (2, 2), (2, 500), (5, 5), (6, 6), (7, 300)])
 @pytest.mark.parametrize("backend", ["loops", "opencv"])
-def test_tiny_pictures_hold_nothing(shape: tuple[int, int], backend, rng) -> None:
-    picture = rng.integers(0, 256, shape).astype(np.uint8)
-    assert detect_markers(picture, "tag36h11", backend=backend) == ()
+def test_tiny_images_hold_nothing(shape: tuple[int, int], backend, rng) -> None:
+    image = rng.integers(0, 256, shape).astype(np.uint8)
+    assert detect_markers(image, "tag36h11", backend=backend) == ()
 
 
 def test_parts_of_larger_arrays_are_read_as_they_lie(render, look_at, straight_camera) -> None:
-    picture = render(GRID, straight_camera, look_at(GRID, 0.5))
-    wide = np.zeros((picture.shape[0], picture.shape[1], 3), np.uint8)
-    wide[..., 1] = picture
-    expected = [one.corners_px.tolist() for one in detect_markers(picture, "tag36h11")]
+    image = render(GRID, straight_camera, look_at(GRID, 0.5))
+    wide = np.zeros((image.shape[0], image.shape[1], 3), np.uint8)
+    wide[..., 1] = image
+    expected = [one.corners_px.tolist() for one in detect_markers(image, "tag36h11")]
     found = detect_markers(wide[..., 1], "tag36h11")
     assert [one.corners_px.tolist() for one in found] == expected
 
@@ -277,7 +275,7 @@ def test_parts_of_larger_arrays_are_read_as_they_lie(render, look_at, straight_c
             "family: OpenCV does not know tagCircle21h7; it knows tag16h5",
         ),
         (lambda p: detect_markers(p, "tag36h11", backend="zbar"), "backend: .* got 'zbar'"),
-        (lambda p: detect_markers(p[None], "tag36h11"), "image: expected a grey uint8 picture"),
+        (lambda p: detect_markers(p[None], "tag36h11"), "image: expected a grey uint8 image"),
     ],
 )
 def test_bad_input_is_refused(call, told: str) -> None:
@@ -303,5 +301,5 @@ def test_photographs_of_other_tags_hold_none_of_few_bits(data_dir: Path) -> None
     files = sorted(data_dir.glob("tags/photos/*.jpg"))
     if not files:
         pytest.skip(f"no photographs below {data_dir}/tags; set MOTORCADE_DATA")
-    pictures = [cv2.imread(str(file), cv2.IMREAD_GRAYSCALE) for file in files]
-    assert [found for picture in pictures for found in detect_markers(picture, "tag16h5")] == []
+    images = [cv2.imread(str(file), cv2.IMREAD_GRAYSCALE) for file in files]
+    assert [found for image in images for found in detect_markers(image, "tag16h5")] == []

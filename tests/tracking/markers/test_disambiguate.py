@@ -10,8 +10,8 @@ from motorcade.ga import Motor, Rotor
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import (
     FixedLagResolver,
+    MarkerObservations,
     Resolution,
-    Sightings,
     best_single,
     chain_probabilities,
     forward_messages,
@@ -22,20 +22,22 @@ from motorcade.tracking.markers.disambiguate import (
 from tests.bench.tracking.tag_flips import resolve_online
 
 
-def right_choice(scene, sightings: Sightings) -> np.ndarray:
+def right_choice(scene, observations: MarkerObservations) -> np.ndarray:
     """The candidate nearest to the true orientation, ``(N,)``."""
-    seen = np.isin(_keys(scene.stream), _keys(sightings))  # markers nearly edge-on have no pose
+    seen = np.isin(_keys(scene.stream), _keys(observations))  # markers nearly edge-on have no pose
     true = scene.camera_T_marker().rotor[seen]
-    return np.argmin((true[:, None].inverse() @ sightings.camera_T_marker.rotor).angle(), axis=-1)
+    return np.argmin(
+        (true[:, None].inverse() @ observations.camera_T_marker.rotor).angle(), axis=-1
+    )
 
 
-def _keys(detections: CornerStream | Sightings) -> np.ndarray:
+def _keys(detections: CornerStream | MarkerObservations) -> np.ndarray:
     """One number for each detection: its frame and its marker."""
     return detections.frame * 1000 + detections.marker_ids
 
 
 def wrong(answer: Resolution, scene) -> int:
-    return int(np.count_nonzero(answer.choice != right_choice(scene, answer.sightings)))
+    return int(np.count_nonzero(answer.choice != right_choice(scene, answer.observations)))
 
 
 # Chains ------------------------------------------------------------------------------------------
@@ -107,10 +109,10 @@ def test_chains_whose_shapes_disagree_are_refused(rng) -> None:
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_time_resolves_what_single_pictures_cannot(make_scene, seed: int) -> None:
+def test_time_resolves_what_single_images_cannot(make_scene, seed: int) -> None:
     scene = make_scene(30, 12, seed)
-    sightings = pose_stream(scene.stream, scene.side_m)
-    alone, together = wrong(best_single(sightings), scene), wrong(resolve(sightings), scene)
+    observations = pose_stream(scene.stream, scene.side_m)
+    alone, together = wrong(best_single(observations), scene), wrong(resolve(observations), scene)
     assert alone > 15
     assert together <= 0.1 * alone
 
@@ -118,31 +120,32 @@ def test_time_resolves_what_single_pictures_cannot(make_scene, seed: int) -> Non
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_growing_lag_comes_to_agree_with_the_whole_recording(make_scene, seed: int) -> None:
     scene = make_scene(20, 10, seed)
-    sightings = pose_stream(scene.stream, scene.side_m)
-    whole = resolve(sightings, 0.3).choice
+    observations = pose_stream(scene.stream, scene.side_m)
+    whole = resolve(observations, 0.3).choice
     apart = [
-        np.count_nonzero(resolve_online(sightings, lag, 0.3).choice != whole) for lag in (0, 4, 20)
+        np.count_nonzero(resolve_online(observations, lag, 0.3).choice != whole)
+        for lag in (0, 4, 20)
     ]
     assert apart[0] >= apart[1] >= apart[2] == 0
 
 
 def test_the_resolver_answers_each_frame_once_and_in_order(make_scene) -> None:
     scene = make_scene(9, 6, 4)
-    sightings = pose_stream(scene.stream, scene.side_m)
+    observations = pose_stream(scene.stream, scene.side_m)
     resolver = FixedLagResolver(3)
-    answers = [resolver.update(sightings.of_frames(np.array([row]))) for row in range(9)]
+    answers = [resolver.update(observations.of_frames(np.array([row]))) for row in range(9)]
     assert [one is None for one in answers] == [True] * 3 + [False] * 6
-    stamps = [one.sightings.time_ns[0] for one in [*answers[3:], *resolver.finish()]]
-    np.testing.assert_array_equal(stamps, sightings.time_ns)
+    stamps = [one.observations.time_ns[0] for one in [*answers[3:], *resolver.finish()]]
+    np.testing.assert_array_equal(stamps, observations.time_ns)
     assert resolver.finish() == ()
 
 
 def test_what_the_future_holds_does_not_change_an_answer_given(make_scene) -> None:
     scene = make_scene(12, 8, 5)
-    sightings = pose_stream(scene.stream, scene.side_m)
-    early = resolve_online(sightings.of_frames(np.arange(8)), 2, 0.3)
-    late = resolve_online(sightings, 2, 0.3)
-    settled = np.count_nonzero(sightings.frame < 6)
+    observations = pose_stream(scene.stream, scene.side_m)
+    early = resolve_online(observations.of_frames(np.arange(8)), 2, 0.3)
+    late = resolve_online(observations, 2, 0.3)
+    settled = np.count_nonzero(observations.frame < 6)
     np.testing.assert_array_equal(early.choice[:settled], late.choice[:settled])
     np.testing.assert_array_equal(early.probability[:settled], late.probability[:settled])
 
@@ -150,11 +153,11 @@ def test_what_the_future_holds_does_not_change_an_answer_given(make_scene) -> No
 @pytest.mark.parametrize("seed", [1, 2])
 def test_online_what_is_remembered_answers_at_once(make_scene, seed: int) -> None:
     scene = make_scene(40, 10, seed)
-    sightings = pose_stream(scene.stream, scene.side_m)
-    late = sightings.frame >= 15
-    right = right_choice(scene, sightings)
-    alone = np.count_nonzero((best_single(sightings).choice != right) & late)
-    together = np.count_nonzero((resolve_online(sightings, 0, 0.3).choice != right) & late)
+    observations = pose_stream(scene.stream, scene.side_m)
+    late = observations.frame >= 15
+    right = right_choice(scene, observations)
+    alone = np.count_nonzero((best_single(observations).choice != right) & late)
+    together = np.count_nonzero((resolve_online(observations, 0, 0.3).choice != right) & late)
     assert alone > 50
     assert together <= 0.1 * alone
 
@@ -172,11 +175,11 @@ def test_a_marker_that_is_carried_is_resolved_beside_the_others(scenes, seed: in
     moving[:, 0] = held.coefficients
     sides = dict.fromkeys(range(markers), 0.08)
     scene = scenes.seen_by(scenes.camera, cameras, Motor(moving), sides, 0.3, rng)
-    sightings = pose_stream(scene.stream, sides)
-    own = sightings.marker_ids == 0
-    right = right_choice(scene, sightings)
-    alone = np.count_nonzero((best_single(sightings).choice != right) & own)
-    together = np.count_nonzero((resolve(sightings).choice != right) & own)
+    observations = pose_stream(scene.stream, sides)
+    own = observations.marker_ids == 0
+    right = right_choice(scene, observations)
+    alone = np.count_nonzero((best_single(observations).choice != right) & own)
+    together = np.count_nonzero((resolve(observations).choice != right) & own)
     assert alone > 10
     assert together <= 0.2 * alone
 
@@ -186,10 +189,10 @@ def test_probabilities_come_true_as_often_as_they_say(make_scene) -> None:
     probability, hit = [], []
     for seed in range(60):
         scene = make_scene(1 + seed % 3, 5, 100 + seed, side_m=0.05, noise_px=0.4)
-        sightings = pose_stream(scene.stream, scene.side_m)
-        answer = resolve(sightings, 0.4)
+        observations = pose_stream(scene.stream, scene.side_m)
+        answer = resolve(observations, 0.4)
         probability.append(answer.probability)
-        hit.append(answer.choice == right_choice(scene, sightings))
+        hit.append(answer.choice == right_choice(scene, observations))
     said, came = np.concatenate(probability), np.concatenate(hit)
     edges = [0.0, 0.7, 0.9, 0.98, 1.01]
     for low, high in pairwise(edges):
@@ -201,15 +204,15 @@ def test_probabilities_come_true_as_often_as_they_say(make_scene) -> None:
 
 def test_frames_without_markers_count_as_frames(make_scene) -> None:
     scene = make_scene(8, 6, 9)
-    sightings = pose_stream(scene.stream, scene.side_m)
-    kept = (sightings.frame < 3) | (sightings.frame > 5)
-    thinned = Sightings(
-        sightings.time_ns,
-        sightings.frame[kept],
-        sightings.marker_ids[kept],
-        sightings.camera_T_marker[kept],
-        sightings.error_px[kept],
-        sightings.rotation_covariance[kept],
+    observations = pose_stream(scene.stream, scene.side_m)
+    kept = (observations.frame < 3) | (observations.frame > 5)
+    thinned = MarkerObservations(
+        observations.time_ns,
+        observations.frame[kept],
+        observations.marker_ids[kept],
+        observations.camera_T_marker[kept],
+        observations.error_px[kept],
+        observations.rotation_covariance[kept],
     )
     for answer in (resolve(thinned), resolve_online(thinned, 0), resolve_online(thinned, 2)):
         assert len(answer.choice) == np.count_nonzero(kept)
@@ -217,7 +220,7 @@ def test_frames_without_markers_count_as_frames(make_scene) -> None:
     assert len(resolve(nothing).choice) == len(resolve_online(nothing, 1).choice) == 0
 
 
-def test_the_covariance_of_a_turn_is_that_of_many_noisy_sightings(scenes) -> None:
+def test_the_covariance_of_a_turn_is_that_of_many_noisy_observations(scenes) -> None:
     """Monte Carlo through IPPE, for a marker so tilted that the second candidate is far."""
     rng = np.random.default_rng(10)
     tilted = Rotor.from_rotation_vector([0.0, 0.8, 0.3])
@@ -225,32 +228,34 @@ def test_the_covariance_of_a_turn_is_that_of_many_noisy_sightings(scenes) -> Non
     cameras = scenes.path(1, rng)
     poses = Motor(np.repeat(cameras.coefficients, 400, axis=0))
     scene = scenes.seen_by(scenes.camera, poses, marker, {0: 0.3}, 0.2, rng)
-    sightings = pose_stream(scene.stream, scene.side_m)
+    observations = pose_stream(scene.stream, scene.side_m)
     true = (cameras[0].inverse() @ marker[0]).rotor
-    turns = (sightings.camera_T_marker[:, 0].rotor @ true.inverse().reshape(1)).as_rotation_vector()
-    expected = 0.2**2 * sightings.rotation_covariance[:, 0].mean(axis=0)
+    turns = (
+        observations.camera_T_marker[:, 0].rotor @ true.inverse().reshape(1)
+    ).as_rotation_vector()
+    expected = 0.2**2 * observations.rotation_covariance[:, 0].mean(axis=0)
     ratio = np.linalg.eigvals(np.linalg.solve(expected, turns.T @ turns / len(turns)))
     assert np.all((ratio.real > 0.75) & (ratio.real < 1.4))
 
 
 def test_bad_input_is_refused_by_name(make_scene) -> None:
     scene = make_scene(3, 4, 11)
-    sightings = pose_stream(scene.stream, scene.side_m)
+    observations = pose_stream(scene.stream, scene.side_m)
     with pytest.raises(ValueError, match=r"side_m: expected the size of marker 0"):
         pose_stream(scene.stream, {})
     with pytest.raises(ValueError, match="sigma_px"):
-        resolve(sightings, 0.0)
+        resolve(observations, 0.0)
     with pytest.raises(ValueError, match="lag_frames"):
         FixedLagResolver(-1)
     with pytest.raises(ValueError, match="one frame"):
-        FixedLagResolver(1).update(sightings)
+        FixedLagResolver(1).update(observations)
     resolver = FixedLagResolver(1)
-    resolver.update(sightings.of_frames(np.array([1])))
+    resolver.update(observations.of_frames(np.array([1])))
     with pytest.raises(ValueError, match="stamp after"):
-        resolver.update(sightings.of_frames(np.array([0])))
+        resolver.update(observations.of_frames(np.array([0])))
     with pytest.raises(ValueError, match="each id once"):
-        Sightings(
-            sightings.time_ns[:1],
+        MarkerObservations(
+            observations.time_ns[:1],
             np.zeros(2, int),
             np.zeros(2, int),
             Motor.identity((2, 2)),
@@ -278,10 +283,10 @@ def wrong_at_first_sight(scenes, tilt_deg: float, seed: int) -> tuple[int, int]:
         stream.corners_px[kept],
     )
     scene = replace(whole, stream=few)
-    sightings = pose_stream(few, sides)
-    late = sightings.marker_ids >= 8
-    right = right_choice(scene, sightings)
-    alone, company = best_single(sightings), resolve_online(sightings, 0)
+    observations = pose_stream(few, sides)
+    late = observations.marker_ids >= 8
+    right = right_choice(scene, observations)
+    alone, company = best_single(observations), resolve_online(observations, 0)
     return (
         int(np.count_nonzero((alone.choice != right)[late])),
         int(np.count_nonzero((company.choice != right)[late])),

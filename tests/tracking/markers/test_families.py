@@ -48,10 +48,10 @@ def test_prints_are_the_librarys(family: str) -> None:
 @pytest.mark.parametrize("family", ["tagStandard41h12", "tagCircle21h7"])  # the others' take long
 def test_the_library_finds_the_same_corners_in_a_drawing(family: str) -> None:
     board = MarkerGrid(family, 3, 2, 0.04, 0.05, first_id=4)
-    picture, origin = board.draw(1500.0)
-    picture = cv2.GaussianBlur(picture, (0, 0), 0.8)
-    theirs = {one.tag_id: one.corners for one in apriltag_detector(family).detect(picture)}
-    ours = {one.marker_id: one.corners_px for one in detect_markers(picture, family)}
+    image, origin = board.draw(1500.0)
+    image = cv2.GaussianBlur(image, (0, 0), 0.8)
+    theirs = {one.tag_id: one.corners for one in apriltag_detector(family).detect(image)}
+    ours = {one.marker_id: one.corners_px for one in detect_markers(image, family)}
     assert sorted(ours) == sorted(theirs) == list(range(4, 10))
     printed = origin + 1500.0 * board.points_m[:, :2].reshape(6, 4, 2) * (1, -1)
     for row, marker in enumerate(board.marker_ids):
@@ -71,8 +71,8 @@ def test_two_wrong_bits_are_corrected_and_three_are_not(family: str, turns: int)
         bits = rng.choice(len(shape.bit_rows), wrong, replace=False)
         cells[shape.bit_rows[bits], shape.bit_columns[bits]] ^= True
         drawn = np.kron(np.pad(cells, 2, constant_values=True), np.full((9, 9), 200, np.uint8))
-        picture = cv2.GaussianBlur(np.rot90(drawn, turns) + np.uint8(20), (0, 0), 0.8)
-        found = detect_markers(picture, family)
+        image = cv2.GaussianBlur(np.rot90(drawn, turns) + np.uint8(20), (0, 0), 0.8)
+        found = detect_markers(image, family)
         assert [one.marker_id for one in found] == ([marker] if wrong < 3 else [])
         assert all(one.wrong_cells == wrong for one in found)
 
@@ -99,11 +99,11 @@ _ALL_FAMILIES = """
 import resource
 import numpy as np
 from motorcade.tracking.markers import FAMILIES, detect_markers
-picture = np.random.default_rng(0).integers(0, 256, (120, 160)).astype(np.uint8)
-detect_markers(picture, "tag36h11")
+image = np.random.default_rng(0).integers(0, 256, (120, 160)).astype(np.uint8)
+detect_markers(image, "tag36h11")
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 for family in FAMILIES:
-    detect_markers(picture, family)
+    detect_markers(image, family)
 print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
 """
 

@@ -10,13 +10,13 @@ import pytest
 
 from motorcade.ga import Motor, Rotor
 from motorcade.tracking import Camera, SingleMarker, TrackingError, detect_markers
+from motorcade.tracking.images import blur_bias_px
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.families import marker_points_m
 from motorcade.tracking.markers.mapping import map_markers, track_rig
 from motorcade.tracking.markers.mapping.adjust import linearised, residuals_px
 from motorcade.tracking.markers.mapping.rig import gather
 from motorcade.tracking.markers.marker_map import MarkerMap
-from motorcade.tracking.pictures import blur_bias_px
 
 RIG_T_RIGHT = Motor.from_rotor_translation(
     Rotor.from_rotation_vector([0.02, 0.2, -0.05]), [0.12, 0.01, -0.02]

@@ -32,21 +32,21 @@ FAMILY, SIDE_M = "tag36h11", 0.08
 
 @pytest.fixture(scope="module")
 def seen():
-    """One picture of four markers: the scene, the pose, the picture, its detections."""
+    """One image of four markers: the scene, the pose, the image, its detections."""
     rng = np.random.default_rng(2)
     wall = wall_of_markers(2, 2, 0.15, 25.0, rng)
     scene = TagScene(CAMERA, FAMILY, np.arange(4), SIDE_M, wall, blur_px=0.9)
     pose = handheld_path(9, 0.6)[4]
-    picture = scene.picture(pose, rng)
-    return scene, pose, picture, detect_markers(picture, FAMILY, CAMERA)
+    image = scene.image(pose, rng)
+    return scene, pose, image, detect_markers(image, FAMILY, CAMERA)
 
 
 def test_refined_corners_are_nearer_to_the_truth_than_detected_ones(seen) -> None:
-    scene, pose, picture, found = seen
+    scene, pose, image, found = seen
     ids = np.array([one.marker_id for one in found])
     assert len(ids) == 4
     detected = np.stack([one.corners_px for one in found])
-    refined = refine_frame(picture, CAMERA, FAMILY, ids, detected, np.full(4, SIDE_M))
+    refined = refine_frame(image, CAMERA, FAMILY, ids, detected, np.full(4, SIDE_M))
     true = scene.corners_px(pose)[ids]
     before = np.sqrt(np.mean((detected - true) ** 2))
     after = np.sqrt(np.mean((refined.corners_px - true) ** 2))
@@ -59,24 +59,24 @@ def test_refined_corners_are_nearer_to_the_truth_than_detected_ones(seen) -> Non
     assert np.degrees(apart.rotor.angle()).max() < 0.5
 
 
-def test_frames_join_to_a_stream_and_sightings_that_agree(seen) -> None:
-    _, _, picture, found = seen
+def test_frames_join_to_a_stream_and_observations_that_agree(seen) -> None:
+    _, _, image, found = seen
     ids = np.array([one.marker_id for one in found])
     corners = np.stack([one.corners_px for one in found])
-    full = refine_frame(picture, CAMERA, FAMILY, ids, corners, np.full(4, SIDE_M))
-    empty = refine_frame(picture, CAMERA, FAMILY, ids[:0], corners[:0], np.zeros(0))
-    stream, sightings = joined_frames(CAMERA, np.array([10, 20, 30]), [full, empty, full])
+    full = refine_frame(image, CAMERA, FAMILY, ids, corners, np.full(4, SIDE_M))
+    empty = refine_frame(image, CAMERA, FAMILY, ids[:0], corners[:0], np.zeros(0))
+    stream, observations = joined_frames(CAMERA, np.array([10, 20, 30]), [full, empty, full])
     np.testing.assert_array_equal(stream.frame, [0, 0, 0, 0, 2, 2, 2, 2])
-    np.testing.assert_array_equal(sightings.marker_ids, [*ids, *ids])
-    best = sightings.camera_T_marker[:, 0]
+    np.testing.assert_array_equal(observations.marker_ids, [*ids, *ids])
+    best = observations.camera_T_marker[:, 0]
     points = CAMERA.project(best[:, None].apply(marker_points_m(SIDE_M)))
     np.testing.assert_allclose(stream.corners_px, points, atol=1e-9)
 
 
 def test_a_covered_marker_is_put_back(seen) -> None:
     """A finger over one corner: the print explains too little, and the corners' poses stay."""
-    scene, pose, picture, found = seen
-    covered = picture.copy()
+    scene, pose, image, found = seen
+    covered = image.copy()
     x, y = np.rint(found[0].corners_px.mean(axis=0)).astype(int)
     covered[y : y + 40, x : x + 40] = 128
     ids = np.array([one.marker_id for one in found])
@@ -96,12 +96,10 @@ def test_pixels_move_with_twists_as_the_camera_says(seen) -> None:
     """The hand-written derivative against differences of `Camera.project`."""
     from motorcade.tracking.markers.photometric.refine import _Batch
 
-    scene, pose, picture, _ = seen
+    scene, pose, image, _ = seen
     start = pose.inverse().reshape(1) @ scene.world_T_marker[:1]
     both = Motor.stack([start, start]).coefficients.swapaxes(0, 1)
-    batch = _Batch.of(
-        picture, CAMERA, FAMILY, np.array([0]), np.array([SIDE_M]), Motor(both), "cpu"
-    )
+    batch = _Batch.of(image, CAMERA, FAMILY, np.array([0]), np.array([SIDE_M]), Motor(both), "cpu")
     ours = batch._pixel_by_twist(batch.start)[0].numpy()
     places = np.pad(batch.points[0].numpy().astype(np.float64), ((0, 0), (0, 1)))
     for axis in range(6):
@@ -126,12 +124,12 @@ def twist_motion(delta):
     return motion
 
 
-def test_the_rectified_picture_is_differentiable_by_the_twist() -> None:
+def test_the_rectified_image_is_differentiable_by_the_twist() -> None:
     """Torch's own derivative through the warp against a difference quotient."""
     down, across = torch.meshgrid(
         torch.linspace(0, 3, 80), torch.linspace(0, 4, 100), indexing="ij"
     )
-    picture = (100.0 * torch.sin(across) * torch.cos(down))[None, None]
+    image = (100.0 * torch.sin(across) * torch.cos(down))[None, None]
     matrix = torch.tensor([[[90.0, 0.0, 49.5], [0.0, 90.0, 39.5], [0.0, 0.0, 1.0]]])
     pose = Motor.from_twist([0.3, -0.4, 0.2, 0.0, 0.0, 0.0]).as_matrix().astype(np.float32)
     pose[:3, 3] = (-0.03, 0.05, 0.2)
@@ -139,7 +137,7 @@ def test_the_rectified_picture_is_differentiable_by_the_twist() -> None:
 
     def total(delta):
         poses = torch.as_tensor(pose)[None] @ twist_motion(delta)
-        view = rectified(picture, matrix, poses, side, side, 16)
+        view = rectified(image, matrix, poses, side, side, 16)
         return (view * torch.linspace(0.0, 1.0, 16)).sum() / 256.0
 
     at = torch.zeros(1, 6, requires_grad=True)
@@ -174,12 +172,12 @@ def test_blur_is_opencv_s_blur() -> None:
 
 
 def test_what_cannot_be_is_refused(seen, monkeypatch: pytest.MonkeyPatch) -> None:
-    _, _, picture, _ = seen
+    _, _, image, _ = seen
     one = Motor.identity((1, 2))
     with pytest.raises(ValueError, match=r"camera_T_marker, side_m: expected \(2, 2\) poses"):
-        refine_photometric(picture, CAMERA, FAMILY, np.arange(2), np.ones(2), one)
+        refine_photometric(image, CAMERA, FAMILY, np.arange(2), np.ones(2), one)
     with pytest.raises(ValueError, match="expected 320 x 240 pixels, got 320 x 9"):
-        refine_photometric(picture[:9], CAMERA, FAMILY, np.arange(1), np.ones(1), one)
+        refine_photometric(image[:9], CAMERA, FAMILY, np.arange(1), np.ones(1), one)
 
     monkeypatch.setitem(__import__("sys").modules, "kornia.geometry.transform", None)
     with pytest.raises(PhotometricUnavailable, match=r'pip install "motorcade\[photometric\]"'):

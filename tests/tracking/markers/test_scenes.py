@@ -354,7 +354,7 @@ def test_a_noisy_marker_alone_turns_no_frame_over(rng: np.random.Generator) -> N
 
 
 @pytest.mark.parametrize("off_px", [0.2, 3.0])
-def test_a_frame_whose_only_sighting_misfits_has_no_pose(
+def test_a_frame_whose_only_observation_misfits_has_no_pose(
     rng: np.random.Generator, off_px: float
 ) -> None:
     truth = rig_path(rng)
@@ -372,7 +372,7 @@ def test_a_frame_whose_only_sighting_misfits_has_no_pose(
     assert posed == (off_px < 1.0) == (not told)
     if told:
         assert told[0].verdict == "doubtful"  # of one such frame, one
-        assert told[0].summary.startswith("1 of 1 frames that one sighting alone places")
+        assert told[0].summary.startswith("1 of 1 frames that one observation alone places")
         assert np.isinf(found.error_px[found.seen.frame == frame]).all()
 
 

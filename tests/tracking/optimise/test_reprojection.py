@@ -133,7 +133,7 @@ def test_what_is_behind_a_pinhole_is_infinitely_far_off(rng: np.random.Generator
 
 @pytest.mark.parametrize("z", [-2.0, 0.0])
 def test_what_is_straight_behind_a_fisheye_is_infinitely_far_off(z: float) -> None:
-    """It would be drawn all around the picture; not in its middle, where it was seen here."""
+    """It would be drawn all around the image; not in its middle, where it was seen here."""
     lens, middle = lens_of(CAMERAS[2]), np.tile([320.0, 240.0], (3, 1))
     points = np.array([[0.0, 0.0, 2.0], [0.0, 0.0, z], [0.1, 0.0, -2.0]])
     view = View(lens, points, middle, 1.5, 3.0)

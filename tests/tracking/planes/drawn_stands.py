@@ -3,7 +3,7 @@
     python -m tests.tracking.planes.drawn_stands [SEED]
 
 A scene has points with noise and outliers, the path of a hand that films it, and what of it is
-right to stand on. Nothing is rendered: lines in pictures tell nothing here.
+right to stand on. Nothing is rendered: lines in images tell nothing here.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def by_hand(
 
 
 def seen(points: FloatArray, path: Trajectory, rng: np.random.Generator) -> FloatArray:
-    """Points that are in the picture at some time, with noise along the ray, and outliers."""
+    """Points that are in the image at some time, with noise along the ray, and outliers."""
     kept = np.zeros(len(points), dtype=bool)
     for k in (0, len(path) // 2, -1):
         local = path.motors[k].inverse().apply(points)
@@ -227,7 +227,7 @@ def stood(scene: DrawnScene, unit: float = 1.0, **knobs: int) -> Outcome:
     sure = np.tile(np.eye(6) * 1e-6, (len(path), 1, 1))
     nothing = np.zeros(0, dtype=np.int64)
     stream = CornerStream(CAMERA, path.time_ns, nothing, nothing, np.zeros((0, 4, 2)))
-    # Corners, of which there are none: no pictures, and so no lines in them.
+    # Corners, of which there are none: no images, and so no lines in them.
     frames = CornerFrames(Path(), {"camera": stream}, {"camera": Motor.identity()}, {})
     recording = Recording("drawn", Path(), "images", frames, camera=CAMERA)
     origin: PoseOrigin = "slam"

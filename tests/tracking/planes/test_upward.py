@@ -75,14 +75,14 @@ def test_upright_edges_tell_the_pitch(rng: np.random.Generator) -> None:
     camera_T_world = Motor.from_rotor_translation(
         Rotor.from_rotation_vector([-np.pi / 2 + pitch, 0.0, 0.0]).inverse(), np.zeros(3)
     )
-    picture = np.full((CAMERA.height, CAMERA.width), 40, np.uint8)
+    image = np.full((CAMERA.height, CAMERA.width), 40, np.uint8)
     up = camera_T_world.rotor.apply([0.0, 0.0, 1.0])
-    assert up[1] < -0.8  # the picture's up, nearly
+    assert up[1] < -0.8  # the image's up, nearly
     for x in np.linspace(-1.2, 1.2, 16):
         foot = np.array([x, 0.3, 3.0])
         ends = CAMERA.project(np.stack([foot, foot + 1.2 * up])).astype(int)
-        cv2.line(picture, *map(tuple, ends.tolist()), int(rng.integers(120, 255)), 5)
-    lines = segment_rays(picture, CAMERA, Motor.identity())
+        cv2.line(image, *map(tuple, ends.tolist()), int(rng.integers(120, 255)), 5)
+    lines = segment_rays(image, CAMERA, Motor.identity())
     assert len(lines) >= 16
     found = estimate_up(Motor.identity((1,)), depth_m=3.0, lines=lines)
     assert off_deg(found.direction, up) < 4.0
@@ -142,7 +142,7 @@ def test_a_board_that_lies_is_not_doubted() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [*range(20, 24), 4471])
 def test_thirty_drawn_scenes_are_stood_on_rightly_or_doubted(seed: int) -> None:
-    """None is wrong in silence, and most are right without any picture to see lines in."""
+    """None is wrong in silence, and most are right without any image to see lines in."""
     outcomes = [stood(scene) for scene in thirty(np.random.default_rng(seed))]
     silent = [one for one in outcomes if not one.right and not one.ground.doubt]
     assert not silent, [one.name for one in silent]

@@ -45,7 +45,7 @@ def pixels(
 def board_views(
     px: np.ndarray, camera: Camera, points: np.ndarray, noise_px: float, rng: np.random.Generator
 ) -> list[BoardCorners | None]:
-    """Frames of a whole board; None where it is not all in the picture."""
+    """Frames of a whole board; None where it is not all in the image."""
     inside = np.all((px > 2.0) & (px < (camera.width - 3.0, camera.height - 3.0)), axis=(1, 2))
     noisy = px + noise_px * rng.standard_normal(px.shape)
     return [
@@ -57,7 +57,7 @@ def board_views(
 def tag_frames(
     px: np.ndarray, camera: Camera, noise_px: float, rng: np.random.Generator
 ) -> list[list[Detection]]:
-    """Frames of tags, four corners each in `px`; those not all in the picture are left out."""
+    """Frames of tags, four corners each in `px`; those not all in the image are left out."""
     corners = px.reshape(len(px), -1, 4, 2)
     inside = np.all((corners > 2.0) & (corners < (camera.width - 3.0, camera.height - 3.0)), (2, 3))
     noisy = corners + noise_px * rng.standard_normal(corners.shape)

@@ -48,7 +48,7 @@ def check(found, camera: Camera, readout_s: tuple[float, float]) -> None:
     assert error < 5.0 * found.sigma_focal + 0.0005
     grid = np.stack(np.meshgrid(np.linspace(0.3, 0.7, 5), np.linspace(0.3, 0.7, 5)), axis=-1)
     px = grid.reshape(-1, 2) * (camera.width, camera.height)
-    # Lenses are told apart by the rays of the picture's middle part, up to a turn of the camera.
+    # Lenses are told apart by the rays of the image's middle part, up to a turn of the camera.
     mine, true = found.camera.bearings(px), camera.bearings(px)
     left, _, right = np.linalg.svd(mine.T @ true)
     assert np.linalg.norm(mine @ left @ right - true, axis=-1).max() * camera.fx < 2.5
@@ -116,7 +116,7 @@ def test_a_board_head_on_gives_a_usual_camera_and_its_doubt(tilt_deg: float) -> 
 
 
 def test_a_lens_is_not_believed_beyond_where_it_was_seen() -> None:
-    """A print that is bent, in the middle of the pictures: no lens that folds or swings there."""
+    """A print that is bent, in the middle of the images: no lens that folds or swings there."""
     rng = np.random.default_rng(7)
     camera = Camera(960, 720, 740.0, 740.0, 479.5, 359.5)
     points = centred(BOARD.points_m)

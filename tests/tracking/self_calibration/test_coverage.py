@@ -19,7 +19,7 @@ def test_a_focal_length_lies_within_its_range(kind: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [18, 24])
-def test_glare_in_one_part_of_the_picture_widens_the_range(number: int) -> None:
+def test_glare_in_one_part_of_the_image_widens_the_range(number: int) -> None:
     """It moves corners there alike in all views, which neither views nor points show."""
     clip = drawn_clip("glare", np.random.default_rng([777, number]))
     found = calibrated(clip)

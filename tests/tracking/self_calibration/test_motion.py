@@ -8,7 +8,7 @@ from motorcade.ga import Motor, Rotor
 from motorcade.tracking import Camera, SelfCalibrationError, self_calibrate_motion
 from motorcade.tracking.self_calibration.lens import KINDS
 from motorcade.tracking.self_calibration.points import (
-    PointSightings,
+    PointObservations,
     PointState,
     fit_points,
     fit_with_shutter,
@@ -48,7 +48,7 @@ def test_a_focal_length_that_is_far_off_comes_back(wrong: float) -> None:
         poses[0].inverse() @ poses,
         poses[0].inverse().apply(points[known]) * [1.0, 1.0, wrong],
     )
-    found = fit_points(PointSightings(SIZE, view, which, noisy), start)
+    found = fit_points(PointObservations(SIZE, view, which, noisy), start)
     sigma = np.sqrt(np.diag(found.covariance))
     error = found.state.numbers - [700.0, 484.0, 266.0, 0.06, -0.08]
     assert abs(error[0]) < 0.005 * 700.0
@@ -56,38 +56,38 @@ def test_a_focal_length_that_is_far_off_comes_back(wrong: float) -> None:
     assert found.noise_px == pytest.approx(0.2, rel=0.2)
 
 
-def turned_pictures(count: int) -> list[np.ndarray]:
+def turned_images(count: int) -> list[np.ndarray]:
     """What a camera sees of a far noisy wall while it only turns: exact homographies."""
     rng = np.random.default_rng(9)
     wall = cv2.GaussianBlur(rng.integers(0, 255, (1500, 2600)).astype(np.float32), (0, 0), 2.5)
     wall = cv2.normalize(wall, None, 0, 255, cv2.NORM_MINMAX).astype(np.uint8)
     matrix = Camera(640, 480, 560.0, 560.0, 319.5, 239.5).matrix
     of_wall = np.array([[560.0, 0.0, 1300.0], [0.0, 560.0, 750.0], [0.0, 0.0, 1.0]])
-    pictures = []
+    images = []
     for at in np.linspace(0.0, 2.0, count):
         turn = Rotor.from_rotation_vector(
             [0.2 * np.sin(2.0 * at), 0.35 * np.sin(1.5 * at), 0.1 * at]
         )
         warp = matrix @ turn.as_matrix().T @ np.linalg.inv(of_wall)
-        pictures.append(cv2.warpPerspective(wall, warp, (640, 480)))
-    return pictures
+        images.append(cv2.warpPerspective(wall, warp, (640, 480)))
+    return images
 
 
 def test_a_camera_that_only_turns_is_refused_and_its_focal_length_told() -> None:
-    pictures = turned_pictures(40)
+    images = turned_images(40)
     with pytest.raises(SelfCalibrationError, match="only turns") as refused:
-        self_calibrate_motion(pictures, (640, 480), np.arange(40) * 33_333_333)
+        self_calibrate_motion(images, (640, 480), np.arange(40) * 33_333_333)
     told = float(str(refused.value).split("length of about ")[1].split()[0])
     assert told == pytest.approx(560.0, rel=0.1)
 
 
-def test_pictures_of_another_size_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"pictures\[0\]: expected 64 x 48 pixels, got 48 x 64"):
+def test_images_of_another_size_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"images\[0\]: expected 64 x 48 pixels, got 48 x 64"):
         self_calibrate_motion([np.zeros((64, 48), np.uint8)], (64, 48), [0])
 
 
 def test_a_camera_that_stands_still_is_refused() -> None:
-    still = turned_pictures(1) * 12
+    still = turned_images(1) * 12
     with pytest.raises(SelfCalibrationError, match="stands still"):
         self_calibrate_motion(still, (640, 480), np.arange(12) * 33_333_333)
 
@@ -122,7 +122,7 @@ def test_points_tell_a_rolling_shutter_and_the_focal_length_in_spite_of_it(
         RADIAL, lens, poses[0].inverse() @ poses, poses[0].inverse().apply(points[known])
     )
     velocity = path(time_s - 0.01).local(path(time_s + 0.01)) / 0.02
-    seen = PointSightings(SIZE, view, which, noisy)
+    seen = PointObservations(SIZE, view, which, noisy)
     _, found, readout = fit_with_shutter(seen, start, velocity)
     assert found.state.numbers[0] == pytest.approx(700.0, rel=0.01)
     assert found.noise_px == pytest.approx(0.2, rel=0.2)
@@ -135,7 +135,7 @@ def test_points_tell_a_rolling_shutter_and_the_focal_length_in_spite_of_it(
     assert fit_points(seen, start).noise_px > 1.15 * found.noise_px  # it does harm here
 
 
-def pictures_of_walls(centre_px: tuple[float, float], count: int) -> list[np.ndarray]:
+def images_of_walls(centre_px: tuple[float, float], count: int) -> list[np.ndarray]:
     """Four textured walls one before the other, passed by a camera whose lens has this centre."""
     rng = np.random.default_rng(12)
     matrix = Camera(640, 480, 560.0, 560.0, *centre_px).matrix
@@ -145,29 +145,29 @@ def pictures_of_walls(centre_px: tuple[float, float], count: int) -> list[np.nda
         wall = cv2.normalize(wall, None, 1, 255, cv2.NORM_MINMAX).astype(np.uint8)
         width = 1800 if depth_m == 6.0 else 200
         walls.append((wall[:, :width], depth_m, left_m))
-    pictures = []
+    images = []
     for at in np.linspace(0.0, 2.5, count):
         turn = Rotor.from_rotation_vector([0.1 * np.sin(at), 0.15 * np.cos(at), 0.05 * at])
         pose = Motor.from_rotor_translation(turn, [0.7 * at - 0.8, 0.3 * np.sin(at), 0.3 * at])
         camera_T_world = pose.inverse().as_matrix()
-        picture = np.zeros((480, 640), np.uint8)
+        image = np.zeros((480, 640), np.uint8)
         for wall, depth_m, left_m in walls:
             # Wall pixels (u, v, 1) are points (left + u / 100, v / 100 - 4.5, depth).
             points = np.array([[0.01, 0.0, left_m], [0.0, 0.01, -4.5], [0.0, 0.0, depth_m]])
             moved = camera_T_world[:3, :3] @ points
             moved[:, 2] += camera_T_world[:3, 3]
             drawn = cv2.warpPerspective(wall, matrix @ moved, (640, 480))
-            picture = np.where(drawn > 0, drawn, picture)
-        pictures.append(picture)
-    return pictures
+            image = np.where(drawn > 0, drawn, image)
+        images.append(image)
+    return images
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("aside_px", [0.0, 190.0])
 def test_a_centre_where_no_lens_has_it_is_not_believed(aside_px: float) -> None:
     """Whether motion misled it or the clip was cut from the side of another cannot be told."""
-    pictures = pictures_of_walls((319.5 + aside_px, 239.5), 30)
-    calibration = self_calibrate_motion(pictures, (640, 480), np.arange(30) * 33_333_333)
+    images = images_of_walls((319.5 + aside_px, 239.5), 30)
+    calibration = self_calibrate_motion(images, (640, 480), np.arange(30) * 33_333_333)
     assert any("beside the middle" in doubt for doubt in calibration.doubts) == (aside_px > 0.0)
     if aside_px == 0.0:
         assert calibration.camera.fx == pytest.approx(560.0, rel=0.03)

@@ -14,7 +14,7 @@ from motorcade.tracking.boards import BoardCorners
 
 SIZE, FRAMES = (640, 480), 100
 BOARD = Checkerboard(7, 5, 1.0)
-NOISE_PX = 0.08  # twice what fits of boards in drawn pictures leave
+NOISE_PX = 0.08  # twice what fits of boards in drawn images leave
 
 
 def _eased(low: float, high: float, share: FloatArray) -> FloatArray:

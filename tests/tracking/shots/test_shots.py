@@ -13,12 +13,12 @@ from tests.tracking.self_calibration.clips import Camera
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_each_kind_of_clip_is_named(kind: str) -> None:
-    pictures, expected = draw(kind, seed=7)
-    assert expected.fault(find_shots(pictures)) == ""
+    images, expected = draw(kind, seed=7)
+    assert expected.fault(find_shots(images)) == ""
 
 
 def blobs(seed: int) -> np.ndarray:
-    """A picture of grey blobs."""
+    """An image of grey blobs."""
     noise = np.random.default_rng(seed).normal(0.0, 1.0, (180, 320)).astype(np.float32)
     smooth = cv2.GaussianBlur(noise, (0, 0), 3.0)
     return np.clip(128.0 + 50.0 * smooth / smooth.std(), 0, 255).astype(np.uint8)
@@ -46,11 +46,11 @@ def test_photographs_are_no_film() -> None:
     assert shots.shots[0].motion.kind == "unknown"
 
 
-def test_black_pictures_have_no_shot() -> None:
+def test_black_images_have_no_shot() -> None:
     assert find_shots([np.zeros((48, 64), np.uint8)] * 20).shots == ()
 
 
-def test_pictures_taken_in_poor_light_are_not_black() -> None:
+def test_images_taken_in_poor_light_are_not_black() -> None:
     """A black frame shows nothing but noise; a dim scene has contrast, however dark it is."""
     dim = [(16 + (blobs(4) // 11)).astype(np.uint8)] * 10
     assert max(int(one.max()) for one in dim) < 40
@@ -60,11 +60,11 @@ def test_pictures_taken_in_poor_light_are_not_black() -> None:
 @pytest.mark.slow
 def test_the_attitudes_of_a_turning_camera_come_back() -> None:
     count = 40
-    pictures = [
+    images = [
         np.clip(one, 0, 255).astype(np.uint8) for one in turning(np.random.default_rng(5), count)
     ]
     middle = 0.5 * (np.array(SIZE) - 1.0)
-    found = track_rotation(pictures, Camera(*SIZE, FOCAL, FOCAL, *middle), held=False)
+    found = track_rotation(images, Camera(*SIZE, FOCAL, FOCAL, *middle), held=False)
     assert len(found.known) == count
     cosine = (np.trace(found.first_R_camera[-1]) - 1.0) / 2.0
     assert np.arccos(cosine) == pytest.approx(0.005 * (count - 1), rel=0.05, abs=0.01)

@@ -20,7 +20,7 @@ Poses = Callable[..., list[Motor]]
 
 @lru_cache(maxsize=1)
 def _walls() -> list[np.ndarray]:
-    """Six pictures of noise in several sizes, smooth over a few texels."""
+    """Six images of noise in several sizes, smooth over a few texels."""
     rng = np.random.default_rng(7)
     walls = []
     for _ in range(6):
@@ -34,7 +34,7 @@ def _walls() -> list[np.ndarray]:
 
 
 def rendered(world_T_camera: Motor, camera: Camera = CAMERA) -> tuple[np.ndarray, np.ndarray]:
-    """Grey picture uint8 of the inside of a box, and metres along each ray (depth of a pinhole)."""
+    """Grey image uint8 of the inside of a box, and metres along each ray (depth of a pinhole)."""
     columns, rows = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
     px = np.stack([columns, rows], axis=-1)
     fisheye = camera.model == "equidistant"
@@ -63,7 +63,7 @@ def rendered(world_T_camera: Motor, camera: Camera = CAMERA) -> tuple[np.ndarray
 
 @pytest.fixture(scope="session")
 def view() -> View:
-    """Picture and depth of the room from a pose; each pose is rendered once."""
+    """Image and depth of the room from a pose; each pose is rendered once."""
     known: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
 
     def seen(world_T_camera: Motor) -> tuple[np.ndarray, np.ndarray]:

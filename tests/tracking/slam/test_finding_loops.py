@@ -21,7 +21,7 @@ def looking(yaw_rad: float, place_m: tuple[float, float, float] = (0.0, 0.0, 0.0
 
 
 def add_keyframe(slam_map: SlamMap, view, world_T_camera: Motor, believed: Motor) -> None:
-    """All corners of a picture as new points, put by its depths where the drifted pose has them."""
+    """All corners of an image as new points, put by its depths where the drifted pose has them."""
     gray, depth_m = view(world_T_camera)
     corners = find_corners(gray, FEATURES)
     column, row = np.rint(corners.px).astype(int).T
@@ -85,7 +85,7 @@ def test_what_the_map_ties_already_is_no_loop(view, tie) -> None:
     assert find_loop(slam_map, FEATURES, CAMERA) is None
 
 
-def test_without_its_picture_nothing_is_looked_for(view) -> None:
+def test_without_its_image_nothing_is_looked_for(view) -> None:
     slam_map = around(view, looking(0.03))
     slam_map.keyframes[-1].gray = None
     assert find_loop(slam_map, FEATURES, CAMERA) is None

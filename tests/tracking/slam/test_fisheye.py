@@ -1,4 +1,4 @@
-"""A fisheye that sees beyond 90 degrees: its pictures are tracked as they are."""
+"""A fisheye that sees beyond 90 degrees: its images are tracked as they are."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from motorcade.tracking.slam import SlamResult, VisualSlam
 from motorcade.tracking.slam.geometry import flattened, triangulate
 from tests.tracking.slam.conftest import rendered
 
-# As wide as a T265: the corners of its pictures stand 115 degrees off the axis.
+# As wide as a T265: the corners of its images stand 115 degrees off the axis.
 FISHEYE = Camera(
     424, 400, 143.4, 143.4, 211.5, 199.5, "equidistant", (-0.007, 0.01, -0.003, 0.0002)
 )
@@ -30,7 +30,7 @@ def tracked() -> tuple[SlamResult, Trajectory]:
     return slam.finish(), Trajectory(STEP_NS * np.arange(len(t)), poses)
 
 
-def test_the_path_is_found_in_the_pictures_of_the_lens_itself(tracked):
+def test_the_path_is_found_in_the_images_of_the_lens_itself(tracked):
     result, truth = tracked
     assert len(result.trajectory) >= 36
     judged = evaluate(result.trajectory, truth, align="sim3")
@@ -76,7 +76,7 @@ def test_only_corners_near_the_axis_are_flattened():
     np.testing.assert_allclose(flat[:3], expected, atol=1e-6)
 
 
-def test_pictures_of_another_size_and_pairs_are_refused():
+def test_images_of_another_size_and_pairs_are_refused():
     slam = VisualSlam(FISHEYE)
     gray = np.zeros((FISHEYE.height, FISHEYE.width), np.uint8)
     with pytest.raises(ValueError, match=r"gray: expected shape \(400, 424\)"):

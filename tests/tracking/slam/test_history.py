@@ -11,7 +11,7 @@ import pytest
 from motorcade.ga import Motor
 from motorcade.tracking import Camera
 from motorcade.tracking.slam import SlamResult, VisualSlam
-from motorcade.tracking.slam.features import SlamPicture
+from motorcade.tracking.slam.features import SlamImage
 from motorcade.tracking.slam.tracker import TrackedPoints, Tracker
 
 View = Callable[[Motor], tuple[np.ndarray, np.ndarray]]
@@ -64,9 +64,9 @@ def test_the_table_holds_every_frame(interrupted: SlamResult, tmp_path: Path) ->
 def test_few_corners_or_all_in_one_place_are_weak(
     rng: np.random.Generator, count: int, width_px: int, weak: bool
 ) -> None:
-    picture = SlamPicture(0, np.zeros((300, 400), dtype=np.uint8))
+    image = SlamImage(0, np.zeros((300, 400), dtype=np.uint8))
     px = rng.uniform((0.0, 0.0), (width_px, 300.0), (count, 2))
     points = np.column_stack([CAMERA.unproject(px)[:, :2], np.ones(count)])
     tracker = Tracker(CAMERA)
-    tracker.restart(TrackedPoints(picture, Motor.identity(), np.arange(count), px, points))
+    tracker.restart(TrackedPoints(image, Motor.identity(), np.arange(count), px, points))
     assert tracker.is_weak == weak

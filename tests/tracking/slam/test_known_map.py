@@ -132,10 +132,10 @@ def test_memory_grows_with_keyframes_and_hardly_with_frames(view: View, swaying:
     assert len(result.states) == 90
 
 
-def test_old_keyframes_keep_no_picture(
+def test_old_keyframes_keep_no_image(
     view: View, swaying: Poses, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(mapper, "_PICTURES_KEPT", 3)
+    monkeypatch.setattr(mapper, "_IMAGES_KEPT", 3)
     slam = VisualSlam(CAMERA)
     for index, pose in enumerate(swaying(AGAIN.stop)[:: AGAIN.step]):
         slam.track(index * STEP_NS, *view(pose))

@@ -109,7 +109,7 @@ def test_one_camera_finds_the_same_path_up_to_scale(view: View, swaying: Poses) 
     assert umeyama_rmse(ours, truth, scaled=True) < 0.005
 
 
-def test_the_same_pictures_give_the_same_bytes(view: View, swaying: Poses, with_depth: Ran) -> None:
+def test_the_same_images_give_the_same_bytes(view: View, swaying: Poses, with_depth: Ran) -> None:
     again, _ = ran(view, swaying(COUNT), depth=True)
     first = with_depth[0]
     assert first.trajectory is not None

@@ -94,6 +94,6 @@ def test_depths_of_a_stereo_pair_are_those_that_were_drawn(view):
     told = np.isfinite(found)
     assert np.mean(told) > 0.7
     assert np.median(np.abs(found[told] / true[told] - 1.0)) < 0.02
-    # a picture that did not move shows nothing at a finite distance
+    # an image that did not move shows nothing at a finite distance
     assert np.all(np.isnan(stereo_depth(left, left, px, 320.0 * baseline_m)))
     assert stereo_depth(left, right, px[:0], 1.0).shape == (0,)

@@ -1,4 +1,4 @@
-"""Keyframes are found by the words that they share with a picture."""
+"""Keyframes are found by the words that they share with an image."""
 
 import numpy as np
 

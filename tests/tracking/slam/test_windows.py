@@ -9,7 +9,7 @@ from motorcade.ga import Motor, Similarity
 from motorcade.tracking import Camera
 from motorcade.tracking.cameras.camera import project
 from motorcade.tracking.slam import SlamSettings
-from motorcade.tracking.slam.features import SlamPicture
+from motorcade.tracking.slam.features import SlamImage
 from motorcade.tracking.slam.mapping import mapper as mapper_module
 from motorcade.tracking.slam.mapping.loops import LoopClosure
 from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
@@ -20,7 +20,7 @@ COUNT, WINDOW, NEW = 30, 6, 40
 NOISE_PX, MOVED_M, MOVED_RAD = 0.2, 0.01, 0.003
 PLACE_M = 0.2 * np.concatenate([np.arange(COUNT // 2), np.arange(COUNT // 2)[::-1] + 0.5])
 SETTINGS = SlamSettings(window=WINDOW)
-PICTURE = SlamPicture(0, np.zeros((240, 320), np.uint8))
+IMAGE = SlamImage(0, np.zeros((240, 320), np.uint8))
 
 
 def _along(rng: np.random.Generator, place_m: np.ndarray = PLACE_M) -> tuple[SlamMap, Motor]:
@@ -78,7 +78,7 @@ def closing(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
 def _insert(mapper: Mapper, times: int) -> None:
     for _ in range(times):
-        mapper.insert_keyframe(PICTURE, Motor.identity(), np.zeros(0, np.int64), np.zeros((0, 2)))
+        mapper.insert_keyframe(IMAGE, Motor.identity(), np.zeros(0, np.int64), np.zeros((0, 2)))
 
 
 def test_no_keyframe_is_followed_by_more_than_a_window(

@@ -1,6 +1,6 @@
 """Drawn scenes whose board is to be counted; `python -m tests.tracking.targets.counting` judges.
 
-Each scene is a dozen pictures of a sheet seen from anywhere: a checkerboard of any size with what
+Each scene is a dozen images of a sheet seen from anywhere: a checkerboard of any size with what
 lies beside or upon it, or a texture that is none. `count_drawn(kind, seed)` draws one.
 """
 
@@ -17,7 +17,7 @@ from motorcade.tracking.targets import checkerboard_seen
 SQUARE = 32
 PAPER, INK, TABLE = 215, 35, 120
 WIDTH, HEIGHT, FOCAL = 640, 480, 600.0
-PICTURES = 12
+IMAGES = 12
 Sheet = FloatArray
 Rng = np.random.Generator
 
@@ -110,12 +110,12 @@ def seen_from(sheet: Sheet, rng: Rng, side_px: float, tilt_deg: float, off: Floa
     return cv2.resize(large, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA)
 
 
-def glared(picture: Sheet, rng: Rng) -> Sheet:
+def glared(image: Sheet, rng: Rng) -> Sheet:
     """A soft bright blob near the middle that leaves a seventh of the contrast."""
-    y, x = np.indices(picture.shape)
+    y, x = np.indices(image.shape)
     at = rng.uniform(-70.0, 70.0, 2) + np.array([0.5 * WIDTH, 0.5 * HEIGHT])
     blob = np.exp(-((x - at[0]) ** 2 + (y - at[1]) ** 2) / (2.0 * 45.0**2))
-    return picture + 0.85 * blob * (225.0 - picture)
+    return image + 0.85 * blob * (225.0 - image)
 
 
 DRESSED: dict[str, Callable[[Sheet], Sheet]] = {
@@ -143,7 +143,7 @@ TEXTURES: dict[str, Callable[[Rng], Sheet]] = {
 
 
 def drawn_scene(kind: str, seed: int) -> tuple[list[np.ndarray], tuple[int, int] | None]:
-    """Pictures of a scene, and the board's columns and rows, the longer way first."""
+    """Images of a scene, and the board's columns and rows, the longer way first."""
     rng = np.random.default_rng([seed, *kind.encode()])
     size = None
     if kind in TEXTURES:
@@ -155,40 +155,38 @@ def drawn_scene(kind: str, seed: int) -> tuple[list[np.ndarray], tuple[int, int]
         sheet = DRESSED.get(kind, lambda same: same)(sheet)
         sheet = sheet if rng.random() < 0.5 else np.rot90(sheet).copy()
     fitting = SQUARE * 0.62 * min(WIDTH / sheet.shape[1], HEIGHT / sheet.shape[0])
-    pictures = []
-    for number in range(PICTURES):
+    images = []
+    for number in range(IMAGES):
         side_px = fitting * rng.uniform(0.8, 1.05)
         tilt = 0.0 if kind == "head on" else rng.uniform(5.0, 45.0)
         off = rng.uniform(-15.0, 15.0, 2)
         if kind == "small":
             side_px = min(rng.uniform(11.0, 14.0), fitting)
-        if kind == "cut off":  # it slides out of the picture, half of the time
+        if kind == "cut off":  # it slides out of the image, half of the time
             off[0] += max(0.0, number - 5) * 55.0
-        picture = seen_from(sheet, rng, side_px, tilt, off)
-        picture = glared(picture, rng) if kind == "glare" else picture
+        image = seen_from(sheet, rng, side_px, tilt, off)
+        image = glared(image, rng) if kind == "glare" else image
         blur = 0.12 * side_px if kind == "blurred" else 0.7
-        picture = cv2.GaussianBlur(picture, (0, 0), blur)
+        image = cv2.GaussianBlur(image, (0, 0), blur)
         if kind == "low contrast":
-            picture = 90.0 + 0.18 * (picture - 120.0)
-        picture = picture + rng.normal(0.0, 1.0 if kind == "low contrast" else 2.0, picture.shape)
-        pictures.append(np.clip(np.rint(picture), 0, 255).astype(np.uint8))
-    return pictures, size
+            image = 90.0 + 0.18 * (image - 120.0)
+        image = image + rng.normal(0.0, 1.0 if kind == "low contrast" else 2.0, image.shape)
+        images.append(np.clip(np.rint(image), 0, 255).astype(np.uint8))
+    return images, size
 
 
 def count_drawn(kind: str, seed: int) -> tuple[tuple[int, int] | None, tuple[int, int] | None, int]:
-    """The board that a scene shows, the one that is counted, and in how many pictures."""
-    pictures, size = drawn_scene(kind, seed)
-    counted = checkerboard_seen(pictures)
+    """The board that a scene shows, the one that is counted, and in how many images."""
+    images, size = drawn_scene(kind, seed)
+    counted = checkerboard_seen(images)
     if counted is None:
         return size, None, 0
-    return size, (counted.columns, counted.rows), len(counted.pictures)
+    return size, (counted.columns, counted.rows), len(counted.images)
 
 
 def main(seeds: range) -> None:
     """Print how many scenes of each kind are counted right, wrong or not at all."""
-    print(
-        "| kind | right | wrong | not counted | pictures | s a scene |\n|---|---|---|---|---|---|"
-    )
+    print("| kind | right | wrong | not counted | images | s a scene |\n|---|---|---|---|---|---|")
     for kind in (*BOARDS, *TEXTURES):
         start = time.process_time()
         results = [count_drawn(kind, seed) for seed in seeds]

@@ -7,9 +7,9 @@ from tests.tracking.targets.counting import BOARDS, TEXTURES, count_drawn, drawn
 
 
 def test_a_board_is_counted_with_lines_beside_it() -> None:
-    size, counted, pictures = count_drawn("lines beside", 101)
+    size, counted, images = count_drawn("lines beside", 101)
     assert counted == size
-    assert pictures >= 6
+    assert images >= 6
 
 
 @pytest.mark.slow
@@ -27,8 +27,8 @@ def test_a_texture_holds_no_board(kind: str, seed: int) -> None:
     assert count_drawn(kind, seed) == (None, None, 0)
 
 
-def test_a_board_of_which_no_picture_shows_all_sides_is_the_least_that_it_can_be() -> None:
-    pictures, size = drawn_scene("head on", 105)
+def test_a_board_of_which_no_image_shows_all_sides_is_the_least_that_it_can_be() -> None:
+    images, size = drawn_scene("head on", 105)
     assert size is not None
-    counted = checkerboard_seen([picture[:, 330:] for picture in pictures[:4]])
+    counted = checkerboard_seen([image[:, 330:] for image in images[:4]])
     assert counted is None or not counted.ends

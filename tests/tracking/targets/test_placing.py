@@ -16,7 +16,7 @@ def off_px(board: Checkerboard, ids: np.ndarray, px: np.ndarray, true_px: np.nda
 
 @pytest.mark.quick_every(3)
 @pytest.mark.parametrize("board", BOARDS, ids=[board.name for board in BOARDS])
-def test_a_board_that_slides_out_of_the_picture_is_never_shifted_by_squares(
+def test_a_board_that_slides_out_of_the_image_is_never_shifted_by_squares(
     board: Checkerboard, straight_camera: Camera, render, look_at
 ) -> None:
     rng = np.random.default_rng(731)
@@ -24,11 +24,11 @@ def test_a_board_that_slides_out_of_the_picture_is_never_shifted_by_squares(
     for share in (0.0, 0.2, 0.35, 0.5):
         tilt, azimuth, roll = rng.uniform((5.0, 0.0, -30.0), (30.0, 360.0, 30.0))
         pose = look_at(board, 1.9 * max(board.size_m), tilt, azimuth, roll)
-        picture = render(board, straight_camera, pose, noise=2.0, seed=int(1000 * share))
+        image = render(board, straight_camera, pose, noise=2.0, seed=int(1000 * share))
         true_px = straight_camera.project(pose.inverse().apply(board.points_m))
         low = np.quantile(true_px[:, 0], share)
         from_px = int(low) if share else 0
-        part = corners_in_view(board, picture[:, from_px:])
+        part = corners_in_view(board, image[:, from_px:])
         if part is not None:
             used += 1
             shifted = part.corners_px + np.array([from_px, 0.0])
@@ -40,5 +40,5 @@ def test_a_part_that_is_open_on_both_sides_has_no_place(
     straight_camera: Camera, render, look_at
 ) -> None:
     board: Board = Checkerboard(11, 5, 0.03)
-    picture = render(board, straight_camera, look_at(board, 0.6, 15.0, 40.0), noise=2.0)
-    assert corners_in_view(Checkerboard(11, 5, 0.03), picture[:, 150:330]) is None
+    image = render(board, straight_camera, look_at(board, 0.6, 15.0, 40.0), noise=2.0)
+    assert corners_in_view(Checkerboard(11, 5, 0.03), image[:, 150:330]) is None

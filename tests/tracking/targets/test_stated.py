@@ -1,4 +1,4 @@
-"""What is stated of a board against pictures of it: each contradiction is named with its mend."""
+"""What is stated of a board against images of it: each contradiction is named with its mend."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ APRILGRID = MarkerGrid("tag36h11_border2", 4, 3, 0.06, 0.018, 0, "up", 0, True)
 CAMERA = Camera(480, 360, 420.0, 420.0, 239.5, 179.5)
 
 
-def pictures(board: Board, count: int = 3) -> list[np.ndarray]:
+def images(board: Board, count: int = 3) -> list[np.ndarray]:
     """A print on a grey table, seen askew, in noise."""
     rng = np.random.default_rng(11)
     drawn, _ = board.draw(1200.0)
@@ -60,7 +60,7 @@ CONTRADICTIONS: list[tuple[Board, Board, str]] = [  # printed, stated, what name
 
 @pytest.mark.parametrize(("printed", "stated", "mend"), CONTRADICTIONS)
 def test_a_contradiction_is_named_with_its_mend(printed: Board, stated: Board, mend: str) -> None:
-    shown = pictures(printed)
+    shown = images(printed)
     found = compare_layout(stated, shown)
     assert found is not None
     assert found.verdict == "contradicted"
@@ -74,24 +74,24 @@ def test_a_contradiction_is_named_with_its_mend(printed: Board, stated: Board, m
     "board", [APRILGRID, replace(GRID, turned_deg=90), MarkerGrid("aruco_4x4_50", 5, 3, 0.05, 0.01)]
 )
 def test_a_board_that_is_as_stated_is_not_doubted(board: MarkerGrid) -> None:
-    found = compare_layout(board, pictures(board))
+    found = compare_layout(board, images(board))
     assert found is not None
     assert found.verdict == "consistent", found.sentence
 
 
 def test_of_few_markers_nothing_is_told() -> None:
     few = MarkerGrid("tag36h11", 3, 1, 0.05, 0.02)
-    found = compare_layout(few, pictures(few, 1))
+    found = compare_layout(few, images(few, 1))
     assert found is not None
     assert found.verdict == "unknown"
-    of_corners = compare_layout(Checkerboard(5, 4, 0.03), pictures(few, 1))
+    of_corners = compare_layout(Checkerboard(5, 4, 0.03), images(few, 1))
     assert of_corners is not None
     assert of_corners.verdict == "unknown"
 
 
 def test_rows_for_columns_end_no_tracking_with_a_number_that_is_none() -> None:
     stated = replace(GRID, columns=3, rows=4)
-    stamped = [(40_000_000 * row, shown) for row, shown in enumerate(pictures(GRID, 6))]
+    stamped = [(40_000_000 * row, shown) for row, shown in enumerate(images(GRID, 6))]
     try:
         track = track_board(stamped, CAMERA, stated)
     except TrackingError:
@@ -100,17 +100,17 @@ def test_rows_for_columns_end_no_tracking_with_a_number_that_is_none() -> None:
 
 
 def test_kalibr_s_grid_is_found_whole() -> None:
-    for shown in pictures(APRILGRID):
+    for shown in images(APRILGRID):
         seen = APRILGRID.detect(shown)
         assert seen is not None
         assert len(seen) == len(APRILGRID.points_m)
-    target = find_target(pictures(APRILGRID))
+    target = find_target(images(APRILGRID))
     assert target is not None
     assert target.family == APRILGRID.family
 
 
 def test_what_is_seen_instead_of_a_board_is_named() -> None:
-    shown = pictures(GRID)
+    shown = images(GRID)
     others = (replace(GRID, family="tag25h9"), replace(GRID, family=APRILGRID.family))
     for stated in (*others, SingleMarker("tag25h9", 3, 0.1), "tag25h9"):
         text = name_target(shown, stated)
@@ -122,6 +122,6 @@ def test_what_is_seen_instead_of_a_board_is_named() -> None:
 
 
 def test_mirrored_images_are_named() -> None:
-    mirrored = [np.ascontiguousarray(image[:, ::-1]) for image in pictures(GRID)]
+    mirrored = [np.ascontiguousarray(image[:, ::-1]) for image in images(GRID)]
     assert "the images are mirrored" in name_target(mirrored, GRID)
     assert "mirror them back, left to right" in name_target(mirrored, "tag36h11")

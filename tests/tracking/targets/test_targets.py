@@ -38,7 +38,7 @@ BOARDS: list[Board] = [
 ]
 
 
-def pictures_of(board: Board, camera: Camera, render, look_at) -> list[np.ndarray]:
+def images_of(board: Board, camera: Camera, render, look_at) -> list[np.ndarray]:
     far = 1.9 * max(board.size_m)
     return [
         render(board, camera, look_at(board, far, *view), noise=2.0, seed=number)
@@ -63,7 +63,7 @@ def in_units(board: Board) -> Board:
 def test_a_board_is_found_with_its_counts_and_shares(
     board: Board, straight_camera: Camera, render, look_at
 ) -> None:
-    found = find_target(pictures_of(board, straight_camera, render, look_at))
+    found = find_target(images_of(board, straight_camera, render, look_at))
     assert found is not None
     assert found.board is not None
     wanted = in_units(board)
@@ -73,18 +73,18 @@ def test_a_board_is_found_with_its_counts_and_shares(
             assert getattr(found.board, name) == pytest.approx(getattr(wanted, name), rel=0.02)
         elif name in ("family", "columns", "rows", "first_id"):
             assert getattr(found.board, name) == getattr(wanted, name)
-    assert len(found.pictures) >= 3
+    assert len(found.images) >= 3
 
 
-def test_a_marker_alone_of_a_small_family_is_found_if_several_pictures_show_it(
+def test_a_marker_alone_of_a_small_family_is_found_if_several_images_show_it(
     straight_camera: Camera, render, look_at
 ) -> None:
     marker = SingleMarker("aruco_4x4_50", 3, 0.1)
-    shown = pictures_of(marker, straight_camera, render, look_at)
+    shown = images_of(marker, straight_camera, render, look_at)
     found = find_target(shown)
     assert found is not None
     assert (found.board, found.family, found.marker_ids) == (None, "aruco_4x4_50", (3,))
-    assert find_target(shown[:1]) is None  # one picture alone may show it by chance
+    assert find_target(shown[:1]) is None  # one image alone may show it by chance
 
 
 @pytest.mark.slow
@@ -92,8 +92,8 @@ def test_texture_holds_no_family() -> None:
     rng = np.random.default_rng(3)
     for size in (12, 24, 48):  # squares of random bits, as a marker's worst likeness
         blocks = rng.integers(0, 2, (480 // size, 640 // size)).astype(np.uint8) * 200 + 25
-        picture = np.kron(blocks, np.ones((size, size), np.uint8))
-        shifted = [np.roll(picture, 3 * step, axis=1) for step in range(4)]
+        image = np.kron(blocks, np.ones((size, size), np.uint8))
+        shifted = [np.roll(image, 3 * step, axis=1) for step in range(4)]
         assert families_seen(shifted) == ()
         assert find_target(shifted) is None
 
@@ -112,12 +112,12 @@ def test_a_board_that_is_partly_hidden_is_counted_where_it_is_whole(
     straight_camera: Camera, render, look_at
 ) -> None:
     board = Checkerboard(8, 5, 0.03)
-    shown = pictures_of(board, straight_camera, render, look_at)
-    for picture in shown[2:]:
-        picture[:, : picture.shape[1] // 2] = 120
+    shown = images_of(board, straight_camera, render, look_at)
+    for image in shown[2:]:
+        image[:, : image.shape[1] // 2] = 120
     counted = checkerboard_seen(shown)
     assert counted is not None
-    assert (counted.columns, counted.rows, counted.pictures) == (8, 5, (0, 1))
+    assert (counted.columns, counted.rows, counted.images) == (8, 5, (0, 1))
 
 
 PHOTOGRAPHS = {  # what of them is known otherwise: AprilTag's own reference, or nothing to find

@@ -1,4 +1,4 @@
-"""Orientations of cameras and markers in one world, from sightings that may be either candidate.
+"""Orientations of cameras and markers in one world, from observations that may be either candidate.
 
 Expectation-maximisation (Dempster, Laird & Rubin 1977): candidates are weighed by how well they fit
 the orientations, orientations are averaged over candidates so weighed, each with its own
@@ -15,7 +15,7 @@ from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.markers.disambiguate.window import MODES, Memory, Window, influence, misfit
 
-# Keeps what no sighting says anything about where it is.
+# Keeps what no observation says anything about where it is.
 _SLACK = 1e-6
 
 
@@ -35,7 +35,7 @@ class Orientations:
 
 
 def seeded(window: Window, world_R_camera: Rotor, memory: Memory) -> Orientations:
-    """Begin with what is remembered; of new markers with the candidates of two clear sightings."""
+    """Begin with what is remembered; of new markers with candidates of two clear observations."""
     clearest = np.linalg.slogdet(window.information[:, 0])[1]
     order = np.lexsort((np.arange(len(clearest)), -clearest, window.marker))
     first = np.searchsorted(window.marker[order], np.arange(len(window.marker_ids)))
@@ -54,7 +54,7 @@ def settle(window: Window, begin: Orientations, memory: Memory, rounds: int) -> 
     """Alternate between candidates and orientations.
 
     Args:
-        window: the sightings.
+        window: the observations.
         begin: where to begin; its information is what was known before.
         memory: gives how probable each remembered orientation is.
         rounds: how often.
@@ -136,13 +136,13 @@ def updated(
     seen: FloatArray,
     vector: FloatArray,
 ) -> tuple[Rotor, FloatArray]:
-    """Orientations at the mean of what was known and of what sightings add, and the information.
+    """Orientations at the mean of what was known and of what observations add, and the information.
 
     Args:
         markers: Rotor ``(k, H)``, near the mean.
         known: Rotor ``(k, H)`` as they were known.
         information: ``(k, H, 3, 3)`` of that, world axes.
-        owner: ``(n,)`` row of `markers` that each sighting belongs to.
+        owner: ``(n,)`` row of `markers` that each observation belongs to.
         weight: ``(n, H, 2)`` how much each candidate counts.
         seen: ``(n, 2, 3, 3)`` information of the candidates, world axes.
         vector: ``(n, H, 2, 3)`` turns from the candidates to the markers, world axes.

@@ -13,7 +13,7 @@ import numpy as np
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.tracking.checks import check_count
-from motorcade.tracking.markers.disambiguate.sightings import Sightings
+from motorcade.tracking.markers.disambiguate.observations import MarkerObservations
 from motorcade.tracking.markers.disambiguate.solving import Recent, Solution, remembered, solve
 from motorcade.tracking.markers.disambiguate.states import empty_memory
 from motorcade.tracking.markers.disambiguate.window import Window, corner_noise_px
@@ -29,10 +29,10 @@ _LEAST_PROBABILITY = 1e-20
 
 @dataclass(frozen=True, eq=False)
 class Resolution:
-    """The chosen candidates of N sightings.
+    """The chosen candidates of N observations.
 
     Args:
-        sightings: what was to be resolved.
+        observations: what was to be resolved.
         choice: ``(N,)`` 0 or 1, row of ``camera_T_marker``.
         probability: ``(N,)`` of the chosen candidate, given all that was used. It takes for granted
             that one of the two is true; where corners are quite wrong neither is.
@@ -42,23 +42,23 @@ class Resolution:
 
     >>> import numpy as np
     >>> from motorcade.ga import Motor
-    >>> from motorcade.tracking.markers.disambiguate import Resolution, Sightings
+    >>> from motorcade.tracking.markers.disambiguate import Resolution, MarkerObservations
     >>> two = Motor.from_euler_translation([[3, 0.2, 0], [3, -0.2, 0]], [[0, 0, 0.6]] * 2)
-    >>> seen = Sightings([0, 50_000_000], [0, 1], [7, 7], Motor.stack([two, two]),
+    >>> seen = MarkerObservations([0, 50_000_000], [0, 1], [7, 7], Motor.stack([two, two]),
     ...     [[0.2, 0.9], [0.3, 0.4]], np.broadcast_to(1e-4 * np.eye(3), (2, 2, 3, 3)))
     >>> chosen = Resolution(seen, [0, 1], [0.99, 0.75])
     >>> chosen.camera_T_marker.shape
     (2,)
     """
 
-    sightings: Sightings
+    observations: MarkerObservations
     choice: IntArray
     probability: FloatArray
 
     def __post_init__(self) -> None:
         choice = np.array(self.choice, np.int64)
         probability = frozen(checked_floats(self.probability, "Resolution.probability", ()))
-        shape = (len(self.sightings),)
+        shape = (len(self.observations),)
         if choice.shape != shape or probability.shape != shape or not np.isin(choice, (0, 1)).all():
             raise ValueError(
                 f"Resolution.choice, probability: expected {shape} of 0 and 1 and of "
@@ -71,10 +71,10 @@ class Resolution:
     @property
     def camera_T_marker(self) -> Motor:
         """Motor ``(N,)``: the chosen poses."""
-        return self.sightings.camera_T_marker[np.arange(len(self.choice)), self.choice]
+        return self.observations.camera_T_marker[np.arange(len(self.choice)), self.choice]
 
 
-def resolve(sightings: Sightings, sigma_px: float | None = None) -> Resolution:
+def resolve(observations: MarkerObservations, sigma_px: float | None = None) -> Resolution:
     """The most probable candidates of a whole recording.
 
     Small markers seen from afar leave two explanations of everything: the scene, and the scene with
@@ -85,18 +85,18 @@ def resolve(sightings: Sightings, sigma_px: float | None = None) -> Resolution:
     markers are moved one by one; the probabilities say so.
 
     Args:
-        sightings: of one camera.
+        observations: of one camera.
         sigma_px: noise of corners a coordinate; None estimates it from the reprojection errors.
 
     Raises:
         ValueError: a noise that is not above zero.
     """
-    if len(sightings) == 0:
-        return Resolution(sightings, np.zeros(0, np.int64), np.zeros(0))
-    window = Window.of(sightings, corner_noise_or(sightings.error_px[:, 0], sigma_px))
+    if len(observations) == 0:
+        return Resolution(observations, np.zeros(0, np.int64), np.zeros(0))
+    window = Window.of(observations, corner_noise_or(observations.error_px[:, 0], sigma_px))
     solution = explained(window, _placed(window, window.evidence), _ROUNDS)
     chosen = np.take_along_axis(solution.candidates, solution.choice[:, None], axis=-1)[:, 0]
-    return Resolution(sightings, solution.choice, chosen)
+    return Resolution(observations, solution.choice, chosen)
 
 
 def explained(window: Window, cameras: Rotor, rounds: int) -> Solution:
@@ -111,11 +111,11 @@ def explained(window: Window, cameras: Rotor, rounds: int) -> Solution:
 
 
 def _placed(window: Window, evidence: FloatArray) -> Rotor:
-    """Every frame's camera by vote against the markers' last sightings."""
-    stamps = window.sightings.time_ns
+    """Every frame's camera by vote against the markers' last observations."""
+    stamps = window.observations.time_ns
     recent, cameras = Recent(), [Rotor.identity()]
     for row in range(len(stamps)):
-        rows = window.sightings.of_frame(row)
+        rows = window.observations.of_frame(row)
         now = replace(window.of_frame(row), evidence=evidence[rows])
         if row:
             elapsed_s = 1e-9 * float(stamps[row] - stamps[row - 1])
@@ -124,17 +124,17 @@ def _placed(window: Window, evidence: FloatArray) -> Rotor:
     return Rotor.stack(cameras)
 
 
-def best_single(sightings: Sightings, sigma_px: float | None = None) -> Resolution:
-    """What each sighting says alone: the smaller reprojection error, and how probable that is.
+def best_single(observations: MarkerObservations, sigma_px: float | None = None) -> Resolution:
+    """What each observation says alone: the smaller reprojection error, and how probable that is.
 
     Raises:
         ValueError: a noise that is not above zero.
     """
-    if len(sightings) == 0:
-        return Resolution(sightings, np.zeros(0, np.int64), np.zeros(0))
-    window = Window.of(sightings, corner_noise_or(sightings.error_px[:, 0], sigma_px))
+    if len(observations) == 0:
+        return Resolution(observations, np.zeros(0, np.int64), np.zeros(0))
+    window = Window.of(observations, corner_noise_or(observations.error_px[:, 0], sigma_px))
     choice = np.argmin(window.evidence, axis=-1)
-    return Resolution(sightings, choice, 1.0 / np.exp(-window.evidence).sum(axis=-1))
+    return Resolution(observations, choice, 1.0 / np.exp(-window.evidence).sum(axis=-1))
 
 
 def corner_noise_or(error_px: FloatArray, sigma_px: float | None) -> float:
@@ -171,10 +171,10 @@ class FixedLagResolver:
     >>> camera_T_marker = Motor.from_rotor_translation(turn, [[0.0, 0.0, 0.6], [0.05, 0.0, 0.6]])
     >>> corners_px = camera.project(camera_T_marker[:, None].apply(marker_points_m(0.1)))
     >>> stream = CornerStream(camera, [0, 33_000_000], [0, 1], [7, 7], corners_px)
-    >>> sightings, resolver = pose_stream(stream, {7: 0.1}), FixedLagResolver(lag_frames=1)
-    >>> resolver.update(sightings.of_frames(np.array([0]))) is None  # not due yet
+    >>> observations, resolver = pose_stream(stream, {7: 0.1}), FixedLagResolver(lag_frames=1)
+    >>> resolver.update(observations.of_frames(np.array([0]))) is None  # not due yet
     True
-    >>> resolver.update(sightings.of_frames(np.array([1]))).choice  # of the first frame
+    >>> resolver.update(observations.of_frames(np.array([1]))).choice  # of the first frame
     array([0])
     """
 
@@ -184,15 +184,15 @@ class FixedLagResolver:
         self.lag_frames = lag_frames
         self._sigma_px = sigma_px
         self._errors_px: list[float] = []
-        self._frames: list[Sightings] = []
+        self._frames: list[MarkerObservations] = []
         self._cameras: list[Rotor] = []
         self._last: tuple[int, Rotor] | None = None
         self._memory = empty_memory()
         self._recent = Recent()
         self._answers: list[Resolution] = []
 
-    def update(self, frame: Sightings) -> Resolution | None:
-        """Take the sightings of the next frame; give the frame that is due, None before the first.
+    def update(self, frame: MarkerObservations) -> Resolution | None:
+        """Take the next frame's observations; give the frame that is due, None before the first.
 
         Raises:
             ValueError: not exactly one frame, or one that is not later.
@@ -219,7 +219,7 @@ class FixedLagResolver:
         self.__init__(self.lag_frames, self._sigma_px)  # type: ignore[misc]
         return waiting
 
-    def _solve(self, frame: Sightings, sigma_px: float) -> Solution | None:
+    def _solve(self, frame: MarkerObservations, sigma_px: float) -> Solution | None:
         """Place the new frame by vote, then settle all frames that wait."""
         now = Window.of(frame, sigma_px)
         camera = Rotor.identity()
@@ -228,8 +228,8 @@ class FixedLagResolver:
             camera = self._recent.vote(now, self._last[1], elapsed_s)
         self._frames.append(frame)
         self._cameras.append(camera)
-        window = Window.of(Sightings.joined(self._frames), sigma_px)
-        if len(window.sightings) == 0:
+        window = Window.of(MarkerObservations.joined(self._frames), sigma_px)
+        if len(window.observations) == 0:
             return None
         cameras = Rotor.stack(self._cameras)
         if len(self._memory.marker_ids) == 0:
@@ -238,16 +238,16 @@ class FixedLagResolver:
             solution = solve(window, cameras, self._memory, _LATE_ROUNDS)
         settled = solution.orientations.world_R_camera
         self._cameras = [settled[row] for row in range(len(settled))]
-        newest = solution.candidates[window.sightings.of_frame(len(settled) - 1)]
+        newest = solution.candidates[window.observations.of_frame(len(settled) - 1)]
         against = -np.log(np.maximum(newest, _LEAST_PROBABILITY))
         self._recent.see(now, self._cameras[-1], against)
         return solution
 
 
-def _answer(frame: Sightings, solution: Solution | None, row: int) -> Resolution:
+def _answer(frame: MarkerObservations, solution: Solution | None, row: int) -> Resolution:
     """What the solution says of one of its frames."""
     if solution is None or len(frame) == 0:
         return Resolution(frame, np.zeros(len(frame), np.int64), np.ones(len(frame)))
-    own = solution.window.sightings.of_frame(row)
+    own = solution.window.observations.of_frame(row)
     choice = np.argmax(solution.candidates[own], axis=-1)
     return Resolution(frame, choice, solution.candidates[own, choice])

@@ -1,4 +1,4 @@
-"""One stretch of frames resolved: cameras, how markers hang, which candidate is true.
+"""One segment of frames resolved: cameras, how markers hang, which candidate is true.
 
 Where a camera looks is put to the vote: a marker seen before and now offers four rotations of the
 camera, of which at most one is true. The true ones of all markers agree; the false ones scatter.
@@ -93,7 +93,7 @@ class Solution:
         window, before: what it was made from; `before` holds the orientations as remembered.
         orientations: of cameras and markers.
         chains: the costs that were weighed.
-        choice: ``(N,)`` candidate of each sighting in the most probable sequence.
+        choice: ``(N,)`` candidate of each observation in the most probable sequence.
         candidates: ``(N, 2)`` probability of either candidate.
     """
 
@@ -129,16 +129,16 @@ class Recent:
         self._seen: dict[int, tuple[FloatArray, FloatArray]] = {}
 
     def see(self, window: Window, world_R_camera: Rotor, against: FloatArray) -> None:
-        """Take in one frame's sightings, with what speaks against their candidates ``(n, 2)``."""
+        """Take in a frame's observations, with what speaks against their candidates ``(n, 2)``."""
         turned = (world_R_camera.reshape(1, 1) @ window.camera_R_marker).coefficients
         for marker, rotors, nats in zip(
-            window.sightings.marker_ids.tolist(), turned, against, strict=True
+            window.observations.marker_ids.tolist(), turned, against, strict=True
         ):
             self._seen[marker] = (rotors, nats)
 
     def vote(self, window: Window, last: Rotor, elapsed_s: float) -> Rotor:
         """The camera's orientation in a new frame; the last one where no marker is known."""
-        ids = window.sightings.marker_ids.tolist()
+        ids = window.observations.marker_ids.tolist()
         known = [row for row, marker in enumerate(ids) if marker in self._seen]
         if not known:
             return last
@@ -152,7 +152,7 @@ class Recent:
 def remembered(solution: Solution, memory: Memory) -> Memory:
     """The memory with the first frame of the solution's window taken in."""
     window, chains = solution.window, solution.chains
-    rows = window.sightings.of_frame(0)
+    rows = window.observations.of_frame(0)
     if len(rows) == 0:
         return memory
     marker = window.marker[rows]
@@ -165,7 +165,7 @@ def remembered(solution: Solution, memory: Memory) -> Memory:
         markers,
         information,
         message,
-        np.full(len(rows), window.sightings.time_ns[0]),
+        np.full(len(rows), window.observations.time_ns[0]),
         camera[:, None] @ window.camera_R_marker[rows],
         axes @ window.covariance[rows] @ axes.swapaxes(-1, -2),
     )
@@ -173,7 +173,7 @@ def remembered(solution: Solution, memory: Memory) -> Memory:
 
 
 def _marker_of_first_frame(solution: Solution, rows: IntArray) -> tuple[Rotor, FloatArray]:
-    """Orientations and information as they were remembered, with one frame's sightings added."""
+    """Orientations and information as they were remembered, with one frame's observations added."""
     window, orientations = solution.window, solution.orientations
     marker = window.marker[rows]
     settled = orientations.world_R_marker[marker]

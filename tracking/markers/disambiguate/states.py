@@ -2,8 +2,8 @@
 
 State ``2 h + c`` is "still, orientation h, candidate c is the true one"; the last two are "moved,
 candidate c". For a still marker the cost is the rotation from its candidate to the orientation; for
-a moved one it is the rotation from one sighting to the next. Both are densities of the same noise,
-so that neither is cheaper for being vaguer.
+a moved one it is the rotation from one observation to the next. Both are densities of the same
+noise, so that neither is cheaper for being vaguer.
 
 Sequences of states in chains are found by dynamic programming. Costs are negative log likelihoods.
 ``first`` ``(*, S)`` is what it costs to begin in a state, ``unary`` ``(*, T, S)`` what the evidence
@@ -25,7 +25,7 @@ from motorcade.tracking.markers.disambiguate.window import MODES, Memory, Window
 
 STATES = 2 * MODES + 2
 _STILL = 2 * MODES
-# One sighting in a hundred thousand begins or ends a move, in nats; a hand turns markers so fast.
+# One in a hundred thousand observations begins or ends a move, in nats; so fast a hand turns them.
 _CHANGE = 12.0
 _TURN_RAD_S = 1.0
 # Markers on one board or wall are parallel to this much.
@@ -143,12 +143,12 @@ def _checked(first: FloatArray, unary: FloatArray, steps: FloatArray) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Chains:
-    """Costs of the states of K markers at up to T sightings each, ready for `most_probable`.
+    """Costs of the states of K markers at up to T observations each, ready for `most_probable`.
 
-    Steps past a marker's last sighting cost nothing and change nothing.
+    Steps past a marker's last observation cost nothing and change nothing.
 
     Args:
-        row: ``(N,)`` place of each sighting in its marker's chain.
+        row: ``(N,)`` place of each observation in its marker's chain.
         first, unary, steps: see the top.
     """
 
@@ -181,7 +181,7 @@ def empty_memory() -> Memory:
 
 
 def _places(window: Window) -> IntArray:
-    """Place of each sighting among those of its marker."""
+    """Place of each observation among those of its marker."""
     order = np.argsort(window.marker, kind="stable")
     starts = np.searchsorted(window.marker[order], window.marker[order])
     places = np.empty(len(order), np.int64)
@@ -192,7 +192,7 @@ def _places(window: Window) -> IntArray:
 def _costs(
     window: Window, orientations: Orientations, memory: Memory, row: IntArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """States ``(N, S)``, steps into each sighting ``(N, S, S)``, first states ``(K, S)``."""
+    """States ``(N, S)``, steps into each observation ``(N, S, S)``, first states ``(K, S)``."""
     _, half = window.excess(orientations.world_R_camera, orientations.world_R_marker)
     known = memory.rows_of(window.marker_ids)[window.marker]
     fresh = (row == 0) & (known < 0)
@@ -238,7 +238,7 @@ def _against_company(window: Window, orientations: Orientations, memory: Memory)
 def _turning_costs(
     window: Window, orientations: Orientations, memory: Memory, row: IntArray
 ) -> FloatArray:
-    """What turning from the sighting before costs a marker that is moved, ``(N, 2, 2)``."""
+    """What turning from the observation before costs a marker that is moved, ``(N, 2, 2)``."""
     rotor, covariance, stamp = _previous(window, orientations, memory, row)
     cameras = orientations.world_R_camera[window.frame]
     axes = cameras.as_matrix()[:, None]
@@ -246,7 +246,7 @@ def _turning_costs(
         :, None
     ].inverse()
     vector = turn.as_rotation_vector()
-    elapsed_s = (window.sightings.time_ns[window.frame] - stamp) * 1e-9
+    elapsed_s = (window.observations.time_ns[window.frame] - stamp) * 1e-9
     seen = axes.swapaxes(-1, -2) @ covariance @ axes
     noise = seen[:, :, None] + window.covariance[:, None]
     noise = noise + ((_TURN_RAD_S * elapsed_s) ** 2)[:, None, None, None, None] * np.eye(3)
@@ -259,15 +259,15 @@ def _turning_costs(
 def _previous(
     window: Window, orientations: Orientations, memory: Memory, row: IntArray
 ) -> tuple[Rotor, FloatArray, IntArray]:
-    """World orientation, its covariance and the stamp of the sighting before each one.
+    """World orientation, its covariance and the stamp of the observation before each one.
 
-    In the window or in memory; where there is none, the sighting's own.
+    In the window or in memory; where there is none, the observation's own.
     """
     cameras = orientations.world_R_camera[window.frame]
     axes = cameras.as_matrix()[:, None]
     rotor = np.array((cameras[:, None] @ window.camera_R_marker).coefficients)
     covariance = axes @ window.covariance @ axes.swapaxes(-1, -2)
-    stamp = window.sightings.time_ns[window.frame]
+    stamp = window.observations.time_ns[window.frame]
     order = np.argsort(window.marker, kind="stable")
     earlier = np.arange(len(order))
     later = row[order] > 0

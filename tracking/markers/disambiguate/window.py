@@ -1,4 +1,4 @@
-"""A stretch of frames with all that their sightings say, and what is remembered of earlier ones.
+"""A segment of frames with all that their observations say, and what is remembered of earlier ones.
 
 Two facts decide between candidates. A motion of the camera moves all markers in view, so that
 candidates of many markers vote for one rotation between frames (`vote`). And most markers do not
@@ -14,7 +14,7 @@ import numpy as np
 
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.markers.disambiguate.sightings import Sightings
+from motorcade.tracking.markers.disambiguate.observations import MarkerObservations
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
 
 # Orientations that are kept for a marker until the evidence has spoken.
@@ -30,19 +30,19 @@ _MEDIAN_CHI2 = 1.3863  # median of chi squared with two degrees of freedom
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """Sightings of some frames, with their noise.
+    """MarkerObservations of some frames, with their noise.
 
     Args:
-        sightings: N sightings of K markers in F frames.
+        observations: N observations of K markers in F frames.
         marker_ids: ``(K,)`` rising.
-        marker: ``(N,)`` row of ``marker_ids`` of each sighting.
+        marker: ``(N,)`` row of ``marker_ids`` of each observation.
         camera_R_marker: Rotor ``(N, 2)``.
         evidence: ``(N, 2)`` what the pixels say against either candidate, nats; the lesser is 0.
         covariance: ``(N, 2, 3, 3)`` of a small turn, rad², camera axes.
         information: ``(N, 2, 3, 3)`` its inverse.
     """
 
-    sightings: Sightings
+    observations: MarkerObservations
     marker_ids: IntArray
     marker: IntArray
     camera_R_marker: Rotor
@@ -51,27 +51,27 @@ class Window:
     information: FloatArray
 
     @classmethod
-    def of(cls, sightings: Sightings, sigma_px: float) -> Window:
-        """All sightings, for corners with this noise a coordinate, pixels."""
-        ids, marker = np.unique(sightings.marker_ids, return_inverse=True)
-        against = misfit(2.0 * (sightings.error_px / sigma_px) ** 2, _FREEDOM)
-        covariance = sightings.rotation_covariance * sigma_px**2 + _SYSTEMATIC_RAD**2 * np.eye(3)
+    def of(cls, observations: MarkerObservations, sigma_px: float) -> Window:
+        """All observations, for corners with this noise a coordinate, pixels."""
+        ids, marker = np.unique(observations.marker_ids, return_inverse=True)
+        against = misfit(2.0 * (observations.error_px / sigma_px) ** 2, _FREEDOM)
+        covariance = observations.rotation_covariance * sigma_px**2 + _SYSTEMATIC_RAD**2 * np.eye(3)
         return cls(
-            sightings,
+            observations,
             ids,
             marker,
-            sightings.camera_T_marker.rotor,
+            observations.camera_T_marker.rotor,
             against - against.min(axis=-1, keepdims=True),
             covariance,
             np.linalg.inv(covariance),
         )
 
     def of_frame(self, row: int) -> Window:
-        """The sightings of one frame only."""
-        rows = self.sightings.of_frame(row)
+        """The observations of one frame only."""
+        rows = self.observations.of_frame(row)
         ids, marker = np.unique(self.marker_ids[self.marker[rows]], return_inverse=True)
         return Window(
-            self.sightings.of_frames(np.array([row])),
+            self.observations.of_frames(np.array([row])),
             ids,
             marker,
             self.camera_R_marker[rows],
@@ -82,8 +82,8 @@ class Window:
 
     @property
     def frame(self) -> IntArray:
-        """``(N,)`` frame of each sighting."""
-        return self.sightings.frame
+        """``(N,)`` frame of each observation."""
+        return self.observations.frame
 
     def excess(self, world_R_camera: Rotor, world_R_marker: Rotor) -> tuple[FloatArray, FloatArray]:
         """How far each candidate would have to turn to stand as the marker's orientations have it.
@@ -111,8 +111,8 @@ class Memory:
         marker_ids: ``(M,)`` rising.
         world_R_marker: Rotor ``(M, H)``, orientations that each may have.
         information: ``(M, H, 3, 3)`` of those, world axes.
-        message: ``(M, S)`` cost of each state at the last sighting (see `states`).
-        last_ns: ``(M,)`` stamp of the last sighting.
+        message: ``(M, S)`` cost of each state at the last observation (see `states`).
+        last_ns: ``(M,)`` stamp of the last observation.
         last_R: Rotor ``(M, 2)``, world orientation by either candidate of it.
         last_covariance: ``(M, 2, 3, 3)`` of those, world axes.
     """
@@ -157,7 +157,7 @@ def influence(half: FloatArray) -> FloatArray:
 
 
 def corner_noise_px(error_px: FloatArray) -> float:
-    """Noise a coordinate of corners, from the better errors ``(N,)`` of many sightings.
+    """Noise a coordinate of corners, from the better errors ``(N,)`` of many observations.
 
     The median is not moved by the few corners that are quite wrong. At least `SIGMA_FLOOR_PX`.
     """

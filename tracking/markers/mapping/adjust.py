@@ -1,8 +1,8 @@
 """Bundle adjustment of rig poses, markers and cameras' places on corners.
 
-All sightings are linearised at once, through the full lens model and with exact derivatives; the
+All observations are linearised at once, through the full lens model and with exact derivatives; the
 frames are eliminated, so a step costs time with the cube of the markers. Huber's loss on the eight
-residuals of a sighting keeps wrong ones from pulling. Source: Triggs et al. 2000.
+residuals of an observation keeps wrong ones from pulling. Source: Triggs et al. 2000.
 
 Poses are perturbed by ``pose.retract(twist)``: rotation (rad), then translation (m).
 """
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import reproject
-from motorcade.tracking.markers.mapping.rig import RigSightings
+from motorcade.tracking.markers.mapping.rig import RigObservations
 from motorcade.tracking.optimise import (
     BlockEquations,
     Stop,
@@ -30,13 +30,13 @@ from motorcade.tracking.optimise import (
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
 
 
-def residuals_px(seen: RigSightings, world_T_rig: Motor, world_T_marker: Motor) -> FloatArray:
+def residuals_px(seen: RigObservations, world_T_rig: Motor, world_T_marker: Motor) -> FloatArray:
     """Reprojection minus corner ``(N, 4, 2)``; NaN where a corner has no image.
 
     Args:
-        seen: N sightings.
-        world_T_rig: Motor ``(N,)``, of each sighting's frame.
-        world_T_marker: Motor ``(N,)``, of each sighting's marker.
+        seen: N observations.
+        world_T_rig: Motor ``(N,)``, of each observation's frame.
+        world_T_marker: Motor ``(N,)``, of each observation's marker.
     """
     camera_T_world = (world_T_rig @ seen.rig_T_camera[seen.camera]).inverse()
     points = (camera_T_world @ world_T_marker)[:, None].apply(seen.points_m)
@@ -48,11 +48,11 @@ def residuals_px(seen: RigSightings, world_T_rig: Motor, world_T_marker: Motor) 
 
 
 def linearised(
-    seen: RigSightings, world_T_rig: Motor, world_T_marker: Motor
+    seen: RigObservations, world_T_rig: Motor, world_T_marker: Motor
 ) -> tuple[FloatArray, FloatArray]:
     """Residuals ``(N, 8)`` and their derivatives ``(N, 3, 8, 6)`` by rig, marker and camera pose.
 
-    Zero, with zero derivatives, for sightings with a corner that has no image.
+    Zero, with zero derivatives, for observations with a corner that has no image.
     """
     camera_T_rig = seen.rig_T_camera[seen.camera].inverse()
     camera_T_marker = camera_T_rig @ world_T_rig.inverse() @ world_T_marker
@@ -70,12 +70,12 @@ def linearised(
     return residuals.reshape(-1, 8), jacobians
 
 
-# Huber's loss turns linear where the eight residuals of a sighting exceed so many deviations.
+# Huber's loss turns linear where the eight residuals of an observation exceed so many deviations.
 _HUBER = 4.0
 _STOP = Stop(steps=60, gain=1e-6, most_damping=1e8, what="adjusting the markers")
 _ROUNDS = 2
 _MOST_LASTING = 0.95
-# What a sighting with a corner behind the camera counts.
+# What an observation with a corner behind the camera counts.
 _NO_IMAGE_PX = 1000.0
 # A frame whose corners leave a direction free is known there to a radian or ten metres.
 _VAGUE = np.diag(1.0 / np.repeat([1.0, 10.0], 3) ** 2)
@@ -86,14 +86,14 @@ class AdjustedRig:
     """Poses after an adjustment.
 
     Args:
-        seen: the sightings, with the places of cameras that were not given refined.
+        seen: the observations, with the places of cameras that were not given refined.
         world_T_rig: Motor ``(F,)``.
         world_T_marker: Motor ``(M,)``.
-        error_px: ``(N,)`` root mean square reprojection error of each sighting.
-        sigma_px: noise a coordinate that the sightings were weighed with.
+        error_px: ``(N,)`` root mean square reprojection error of each observation.
+        sigma_px: noise a coordinate that the observations were weighed with.
     """
 
-    seen: RigSightings
+    seen: RigObservations
     world_T_rig: Motor
     world_T_marker: Motor
     error_px: FloatArray
@@ -101,16 +101,16 @@ class AdjustedRig:
 
 
 def adjust(
-    seen: RigSightings,
+    seen: RigObservations,
     world_T_rig: Motor,
     world_T_marker: Motor,
     held: NDArray[np.bool_],
     floor_px: float = SIGMA_FLOOR_PX,
 ) -> AdjustedRig:
-    """Refine all poses of frames and markers that the sightings name; others stay as they are.
+    """Refine all poses of frames and markers that the observations name; others stay as they are.
 
     Args:
-        seen: the sightings, at least one.
+        seen: the observations, at least one.
         world_T_rig: Motor ``(F,)`` to start from.
         world_T_marker: Motor ``(M,)`` to start from.
         held: ``(M,)`` markers that stay where they are; at least one, which fixes the world.
@@ -125,7 +125,7 @@ def adjust(
     return state
 
 
-def _noise_px(seen: RigSightings, held: NDArray[np.bool_], squares: FloatArray) -> float:
+def _noise_px(seen: RigObservations, held: NDArray[np.bool_], squares: FloatArray) -> float:
     """Noise a coordinate, by the median: of eight residuals poses take the share of an observation.
 
     The median of χ² is that of Wilson and Hilferty (1931).
@@ -140,9 +140,9 @@ def _noise_px(seen: RigSightings, held: NDArray[np.bool_], squares: FloatArray) 
 def pose_covariance(state: AdjustedRig, held: NDArray[np.bool_]) -> FloatArray:
     """Covariance ``(F, 6, 6)`` of each frame's pose beside the others.
 
-    Of the right perturbation, rotation (rad) then translation (m); sightings count as Huber's loss
-    has them. How unsure markers and cameras are is in it, but for what moves all frames as one:
-    inner constraints (Triggs et al. 2000, section 9), weighed by what each frame tells. Errors of
+    Of the right perturbation, rotation (rad) then translation (m); observations count as Huber's
+    loss has them. How unsure markers and cameras are is in it, but for what moves all frames as
+    one: inner constraints (Triggs et al. 2000, section 9), weighed by what each frame tells. Errors of
     corners that last from frame to frame tell a map less than as many that do not.
     """
     adjusted, precision = _Reprojection(held, state), state.sigma_px**-2
@@ -165,7 +165,7 @@ def pose_covariance(state: AdjustedRig, held: NDArray[np.bool_]) -> FloatArray:
     return 0.5 * (covariance + covariance.swapaxes(-1, -2))
 
 
-def _variance_inflation(seen: RigSightings, residuals: FloatArray) -> float:
+def _variance_inflation(seen: RigObservations, residuals: FloatArray) -> float:
     """By how much errors that last make a mean less sure (Bayley & Hammersley 1946), 1 or more.
 
     By the correlation of a marker's residuals in one frame with those in the next that shows it.
@@ -179,7 +179,7 @@ def _variance_inflation(seen: RigSightings, residuals: FloatArray) -> float:
 
 
 class _Reprojection:
-    """All sightings against their reprojection, weighed by Huber's loss, for unit noise."""
+    """All observations against their reprojection, weighed by Huber's loss, for unit noise."""
 
     def __init__(self, held: NDArray[np.bool_], state: AdjustedRig) -> None:
         self._held, self._state = held, state
@@ -244,7 +244,7 @@ class _Reprojection:
         )
 
 
-def _slots(seen: RigSightings, held: NDArray[np.bool_]) -> tuple[IntArray, IntArray]:
+def _slots(seen: RigObservations, held: NDArray[np.bool_]) -> tuple[IntArray, IntArray]:
     """Which of the kept poses each marker ``(M,)`` and each camera ``(C,)`` is; -1 if it stays."""
     free = np.zeros(len(seen.marker_ids), bool)
     free[seen.marker] = True

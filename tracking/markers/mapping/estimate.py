@@ -19,23 +19,23 @@ from numpy.typing import NDArray
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.markers.corner_stream import CornerStream
-from motorcade.tracking.markers.disambiguate import Sightings
+from motorcade.tracking.markers.disambiguate import MarkerObservations
 from motorcade.tracking.markers.mapping.adjust import (
     AdjustedRig,
     adjust,
     pose_covariance,
     residuals_px,
 )
-from motorcade.tracking.markers.mapping.rig import RigSightings, agreed, gather
+from motorcade.tracking.markers.mapping.rig import RigObservations, agreed, gather
 from motorcade.tracking.markers.marker_map import MarkerMap
 from motorcade.tracking.pose import SIGMA_FLOOR_PX, TrackingError
 
-# Two sightings of a pair agree within this share of the distance between the markers, or of a side.
+# Two observations of a pair agree within this share of the markers' distance, or of a side.
 _AGREE_SHARE = 0.1
 _SYNC_S = 0.05
 
 
-def hang_markers(seen: RigSightings) -> tuple[Motor, NDArray[np.bool_]]:
+def hang_markers(seen: RigObservations) -> tuple[Motor, NDArray[np.bool_]]:
     """Pose of every marker in the frame of the marker seen most.
 
     Returns:
@@ -57,12 +57,12 @@ def hang_markers(seen: RigSightings) -> tuple[Motor, NDArray[np.bool_]]:
 
 
 def place_frames(
-    seen: RigSightings, world_T_marker: Motor, known: NDArray[np.bool_]
+    seen: RigObservations, world_T_marker: Motor, known: NDArray[np.bool_]
 ) -> tuple[Motor, NDArray[np.bool_]]:
     """Pose of the rig in every frame that shows a known marker.
 
     Of the poses that its markers propose, the one that reprojects all corners of the frame best
-    (median over its sightings, so that one wrong marker does not decide).
+    (median over its observations, so that one wrong marker does not decide).
 
     Returns:
         Motor ``(F,)``, identity where none is known, and ``(F,)``: where one is.
@@ -80,14 +80,14 @@ def place_frames(
     return Motor.stack(poses), placed
 
 
-def _error_px(frame: RigSightings, world_T_rig: Motor, world_T_marker: Motor) -> float:
+def _error_px(frame: RigObservations, world_T_rig: Motor, world_T_marker: Motor) -> float:
     everywhere = Motor.stack([world_T_rig] * len(frame))
     residuals = residuals_px(frame, everywhere, world_T_marker[frame.marker])
     errors: FloatArray = np.sqrt(np.mean(np.sum(residuals**2, axis=-1), axis=-1))
     return float(np.median(np.nan_to_num(errors, nan=np.inf)))
 
 
-def _pairs(seen: RigSightings) -> dict[tuple[int, int], tuple[Motor, float]]:
+def _pairs(seen: RigObservations) -> dict[tuple[int, int], tuple[Motor, float]]:
     """Motion from each marker to another one seen with it, and how much weight agrees on it."""
     together: dict[tuple[int, int], list[tuple[int, int]]] = {}
     for frame in np.unique(seen.frame):
@@ -106,7 +106,7 @@ def _pairs(seen: RigSightings) -> dict[tuple[int, int], tuple[Motor, float]]:
 
 
 def _motion(
-    seen: RigSightings, rig_T_marker: Motor, a: IntArray, b: IntArray
+    seen: RigObservations, rig_T_marker: Motor, a: IntArray, b: IntArray
 ) -> tuple[Motor, float]:
     motions = rig_T_marker[a].inverse() @ rig_T_marker[b]
     side_m = np.maximum(seen.side_m[seen.marker[a]], seen.side_m[seen.marker[b]])
@@ -127,7 +127,7 @@ class MappedRecording:
         frame_error_px: ``(n,)`` root mean square reprojection error of each of these frames.
         rig_T_camera: by camera; those that were not given are estimated.
         time_ns: ``(F,)`` stamps of all frames.
-        error_px: ``(N,)`` root mean square reprojection errors of all sightings that took part.
+        error_px: ``(N,)`` root mean square reprojection errors of all observations that took part.
         left_out: ids that were seen, but never beside a marker of the map.
 
     >>> import numpy as np
@@ -161,7 +161,7 @@ def map_markers(
     *,
     sync_s: float = _SYNC_S,
     over_time: bool = True,
-    posed: Mapping[str, Sightings] | None = None,
+    posed: Mapping[str, MarkerObservations] | None = None,
     floor_px: float = SIGMA_FLOOR_PX,
 ) -> MappedRecording:
     """Estimate where markers stand and where the rig was, from corners alone.
@@ -193,7 +193,7 @@ def map_markers(
     >>> turn = Rotor.from_rotation_vector([[np.pi - 0.4, 0.0, 0.0], [np.pi, 0.4, 0.0]])
     >>> camera_T_world = Motor.from_rotor_translation(turn, [[-0.1, 0.0, 0.6], [-0.2, 0.0, 0.5]])
     >>> marker = Motor.from_rotor_translation(Rotor.identity(), [[0.0, 0.0, 0.0], [0.2, 0.0, 0.0]])
-    >>> frame, which = [0, 0, 1, 1], [0, 1, 0, 1]  # two markers in both of two pictures
+    >>> frame, which = [0, 0, 1, 1], [0, 1, 0, 1]  # two markers in both of two images
     >>> points = (camera_T_world[frame] @ marker[which])[:, None].apply(marker_points_m(0.1))
     >>> stamps, ids = [0, 100_000_000], [3, 8, 3, 8]
     >>> stream = CornerStream(camera, stamps, frame, ids, camera.project(points))
@@ -257,7 +257,7 @@ def track_rig(
     return _mapped(marker_map, result, everywhere, placed, list(streams), np.zeros(0, np.int64))
 
 
-def _part(seen: RigSightings, reached: NDArray[np.bool_]) -> RigSightings:
+def _part(seen: RigObservations, reached: NDArray[np.bool_]) -> RigObservations:
     return seen.only(np.flatnonzero(reached[seen.marker]))
 
 

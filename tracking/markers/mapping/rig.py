@@ -1,4 +1,4 @@
-"""What the cameras of a rig saw together: one list of sightings by frame, camera and marker."""
+"""What the cameras of a rig saw together: one list of observations by frame, camera and marker."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import (
-    Sightings,
+    MarkerObservations,
     best_single,
     pose_stream,
     resolve,
@@ -48,8 +48,8 @@ def agreed(motions: Motor, weight: FloatArray, reach_m: FloatArray) -> tuple[Mot
 
 
 @dataclass(frozen=True, eq=False)
-class RigSightings:
-    """N sightings of M markers by C cameras in F frames of a rig.
+class RigObservations:
+    """N observations of M markers by C cameras in F frames of a rig.
 
     Args:
         time_ns: ``(F,)`` stamps, strictly increasing; a frame without markers counts.
@@ -58,7 +58,7 @@ class RigSightings:
         given: ``(C,)`` bool, which of those were given; the others are estimated.
         marker_ids: ``(M,)`` rising.
         side_m: ``(M,)``.
-        frame: ``(N,)``, of the sightings, never falling.
+        frame: ``(N,)``, of the observations, never falling.
         camera: ``(N,)``.
         marker: ``(N,)``.
         corners_px: ``(N, 4, 2)``.
@@ -80,7 +80,7 @@ class RigSightings:
     probability: FloatArray
 
     def __len__(self) -> int:
-        """Number of sightings."""
+        """Number of observations."""
         return len(self.frame)
 
     @property
@@ -93,8 +93,8 @@ class RigSightings:
         """``(N, 4, 3)`` corners in the marker's own frame."""
         return marker_points_m(self.side_m[self.marker])
 
-    def only(self, rows: IntArray) -> RigSightings:
-        """Some sightings ``(n,)`` of the same rig, frames and markers."""
+    def only(self, rows: IntArray) -> RigObservations:
+        """Some observations ``(n,)`` of the same rig, frames and markers."""
         names = ("frame", "camera", "marker", "corners_px", "camera_T_marker", "probability")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
@@ -105,8 +105,8 @@ def gather(
     side_m: Mapping[int, float],
     sync_s: float,
     over_time: bool = True,
-    posed: Mapping[str, Sightings] | None = None,
-) -> RigSightings:
+    posed: Mapping[str, MarkerObservations] | None = None,
+) -> RigObservations:
     """Bring the streams of a rig's cameras together, planar poses resolved over time.
 
     Args:
@@ -116,7 +116,7 @@ def gather(
         side_m: side of each marker's black square, metres, by id.
         sync_s: stamps so near are one frame; the rig counts as still meanwhile.
         over_time: choose between planar poses over the whole recording; otherwise by the smaller
-            reprojection error of each single sighting.
+            reprojection error of each single observation.
         posed: by camera, both planar poses of its detections where something better than their
             corners has found them.
 
@@ -146,7 +146,7 @@ def gather(
     )
     order = np.lexsort((ids, camera, frame))
     marker_ids, marker = np.unique(ids[order], return_inverse=True)
-    seen = RigSightings(
+    seen = RigObservations(
         frame_ns,
         tuple(streams[name].camera for name in names),
         Motor.stack([rig_T_camera.get(name, Motor.identity()) for name in names]),
@@ -164,9 +164,12 @@ def gather(
 
 
 def _resolved(
-    stream: CornerStream, side_m: Mapping[int, float], over_time: bool, posed: Sightings | None
+    stream: CornerStream,
+    side_m: Mapping[int, float],
+    over_time: bool,
+    posed: MarkerObservations | None,
 ) -> tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]:
-    """Frame, id, corners, chosen pose and its probability of each sighting with a pose."""
+    """Frame, id, corners, chosen pose and its probability of each observation with a pose."""
     seen = pose_stream(stream, side_m) if posed is None else posed
     answer = resolve(seen) if over_time else best_single(seen)
     keys = zip(stream.frame.tolist(), stream.marker_ids.tolist(), strict=True)
@@ -204,7 +207,7 @@ def merged_frames(stamps: list[IntArray], sync_s: float) -> tuple[IntArray, list
     return np.array(stamp_ns), frames
 
 
-def _rig_poses(seen: RigSightings, names: list[str]) -> Motor:
+def _rig_poses(seen: RigObservations, names: list[str]) -> Motor:
     """Poses of all cameras: the given ones, then those that see markers together with known ones.
 
     Raises:

@@ -1,1 +1,1 @@
-"""Finds quads in pictures, compiled from the C++ files beside this one."""
+"""Finds quads in images, compiled from the C++ files beside this one."""

@@ -1,4 +1,4 @@
-"""Quads in pictures; see motorcade.tracking.markers.detection and reading."""
+"""Quads in images; see motorcade.tracking.markers.detection and reading."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -38,7 +38,7 @@ struct Line {
     double error() const { return spread * points; }
 };
 
-// A loop's points in order, ready for lines through any stretch of them.
+// A loop's points in order, ready for lines through any segment of them.
 class Loop {
 public:
     explicit Loop(const std::vector<EdgePoint> &points)

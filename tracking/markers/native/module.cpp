@@ -22,7 +22,7 @@ Corners find_quads(Grey image, bool white_inside, float least_side, int reach) {
     if (reach < 0) throw std::invalid_argument("find_quads: expected a reach from 0 on");
     if (image.shape(0) > 32767 || image.shape(1) > 32767)
         throw std::invalid_argument("image: expected at most 32767 pixels a side");
-    const Picture pixels{image.data(), static_cast<std::ptrdiff_t>(image.shape(1)),
+    const Image pixels{image.data(), static_cast<std::ptrdiff_t>(image.shape(1)),
                           static_cast<int>(image.shape(1)), static_cast<int>(image.shape(0))};
     auto *found = new std::vector<Quad>;
     nb::capsule owner(found,
@@ -61,7 +61,7 @@ std::pair<Numbers, Numbers> match(const Words &words, Codes seen, int most_wrong
 }  // namespace
 
 NB_MODULE(_quads, module) {
-    module.doc() = "Quads in pictures; see motorcade.tracking.markers.reading.";
+    module.doc() = "Quads in images; see motorcade.tracking.markers.reading.";
     module.def("find_quads", &find_quads, "image"_a, "white_inside"_a, "least_side"_a, "reach"_a);
     nb::class_<Words>(module, "Words")
         .def(

@@ -1,4 +1,4 @@
-// Quads in a grey picture: loops of pixels where black meets white, cut into four straight sides.
+// Quads in a grey image: loops of pixels where black meets white, cut into four straight sides.
 //
 // Olson 2011 and Wang & Olson 2016 (AprilTag 2): local threshold, regions, the loops between
 // pairs of regions, four lines. Here a loop's points lie where the brightness crosses the threshold
@@ -13,7 +13,7 @@
 
 namespace motorcade::quads {
 
-struct Picture {
+struct Image {
     const std::uint8_t *levels;
     std::ptrdiff_t stride;
     int width, height;
@@ -46,12 +46,12 @@ struct Quad {
 };
 
 // Halfway between the darkest and the brightest of a tile of 4 x 4 pixels and its eight neighbours.
-Binary threshold_tiles(const Picture &picture);
+Binary threshold_tiles(const Image &image);
 // The mean of the square of 2 reach + 1 pixels round each pixel.
-Binary threshold_mean(const Picture &picture, int reach);
+Binary threshold_mean(const Image &image, int reach);
 
 // Only of loops that could be convex and as large as a square of this side, pixels.
-Edges find_edges(const Picture &picture, const Binary &binary, float least_side);
+Edges find_edges(const Image &image, const Binary &binary, float least_side);
 
 // Appends the quads whose inside is black, or white. A marker has `least_side` cells along its
 // side.

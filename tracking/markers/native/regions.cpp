@@ -38,31 +38,31 @@ template <class Extreme> Bytes spread(const Bytes &tiles, int across, int down, 
     return made;
 }
 
-void tile_extremes(const Picture &picture, int across, int down, Bytes &least, Bytes &most) {
-    const int whole = picture.width / TILE;
-    Bytes low(picture.width), high(picture.width);
+void tile_extremes(const Image &image, int across, int down, Bytes &least, Bytes &most) {
+    const int whole = image.width / TILE;
+    Bytes low(image.width), high(image.width);
     for (int y = 0; y < down; ++y) {
-        const int first = y * TILE, last = std::min(first + TILE, picture.height);
-        std::copy_n(picture.row(first), picture.width, low.data());
+        const int first = y * TILE, last = std::min(first + TILE, image.height);
+        std::copy_n(image.row(first), image.width, low.data());
         high = low;
         for (int row = first + 1; row < last; ++row) {
-            const std::uint8_t *levels = picture.row(row);
-            for (int x = 0; x < picture.width; ++x) {
+            const std::uint8_t *levels = image.row(row);
+            for (int x = 0; x < image.width; ++x) {
                 low[x] = std::min(low[x], levels[x]);
                 high[x] = std::max(high[x], levels[x]);
             }
         }
         for (int x = 0; x < across; ++x) {
-            const int begin = x * TILE, end = x < whole ? begin + TILE : picture.width;
+            const int begin = x * TILE, end = x < whole ? begin + TILE : image.width;
             least[std::size_t(y) * across + x] = *std::min_element(&low[begin], low.data() + end);
             most[std::size_t(y) * across + x] = *std::max_element(&high[begin], high.data() + end);
         }
     }
 }
 
-Binary empty_like(const Picture &picture) {
-    const std::size_t pixels = std::size_t(picture.width) * picture.height;
-    return {picture.width, picture.height, Bytes(pixels), Bytes(pixels)};
+Binary empty_like(const Image &image) {
+    const std::size_t pixels = std::size_t(image.width) * image.height;
+    return {image.width, image.height, Bytes(pixels), Bytes(pixels)};
 }
 
 struct Run {
@@ -254,18 +254,18 @@ float crossing(int before, int after, int low, int high) {
 
 }  // namespace
 
-Binary threshold_tiles(const Picture &picture) {
-    Binary made = empty_like(picture);
-    const int across = (picture.width + TILE - 1) / TILE, down = (picture.height + TILE - 1) / TILE;
+Binary threshold_tiles(const Image &image) {
+    Binary made = empty_like(image);
+    const int across = (image.width + TILE - 1) / TILE, down = (image.height + TILE - 1) / TILE;
     Bytes least(std::size_t(across) * down), most(least.size());
-    tile_extremes(picture, across, down, least, most);
+    tile_extremes(image, across, down, least, most);
     const auto smaller = [](std::uint8_t a, std::uint8_t b) { return std::min(a, b); };
     const auto larger = [](std::uint8_t a, std::uint8_t b) { return std::max(a, b); };
     least = spread(least, across, down, smaller);
     most = spread(most, across, down, larger);
     const int padded = across * TILE;
     Bytes middle(padded), flat(padded);
-    for (int y = 0; y < picture.height; ++y) {
+    for (int y = 0; y < image.height; ++y) {
         if (y % TILE == 0) {
             const std::size_t first = std::size_t(y / TILE) * across;
             for (int x = 0; x < across; ++x) {
@@ -274,30 +274,30 @@ Binary threshold_tiles(const Picture &picture) {
                 std::fill_n(&flat[x * TILE], TILE, range < LEAST_CONTRAST ? 1 : 0);
             }
         }
-        const std::uint8_t *levels = picture.row(y);
-        std::uint8_t *colour = &made.colour[std::size_t(y) * picture.width];
-        for (int x = 0; x < picture.width; ++x)
+        const std::uint8_t *levels = image.row(y);
+        std::uint8_t *colour = &made.colour[std::size_t(y) * image.width];
+        for (int x = 0; x < image.width; ++x)
             colour[x] = flat[x] ? std::uint8_t(Neither) : std::uint8_t(levels[x] > middle[x]);
-        std::copy_n(middle.data(), picture.width, &made.threshold[std::size_t(y) * picture.width]);
+        std::copy_n(middle.data(), image.width, &made.threshold[std::size_t(y) * image.width]);
     }
     return made;
 }
 
-Binary threshold_mean(const Picture &picture, int reach) {
-    Binary made = empty_like(picture);
-    const int width = picture.width, height = picture.height;
+Binary threshold_mean(const Image &image, int reach) {
+    Binary made = empty_like(image);
+    const int width = image.width, height = image.height;
     std::vector<int> columns(width, 0), sums(width + 1);
     for (int y = 0; y < std::min(reach, height); ++y)
-        for (int x = 0; x < width; ++x) columns[x] += picture.row(y)[x];
+        for (int x = 0; x < width; ++x) columns[x] += image.row(y)[x];
     for (int y = 0; y < height; ++y) {
         if (y + reach < height)
-            for (int x = 0; x < width; ++x) columns[x] += picture.row(y + reach)[x];
+            for (int x = 0; x < width; ++x) columns[x] += image.row(y + reach)[x];
         if (y - reach - 1 >= 0)
-            for (int x = 0; x < width; ++x) columns[x] -= picture.row(y - reach - 1)[x];
+            for (int x = 0; x < width; ++x) columns[x] -= image.row(y - reach - 1)[x];
         sums[0] = 0;
         for (int x = 0; x < width; ++x) sums[x + 1] = sums[x] + columns[x];
         const int rows = std::min(y + reach, height - 1) - std::max(y - reach, 0) + 1;
-        const std::uint8_t *levels = picture.row(y);
+        const std::uint8_t *levels = image.row(y);
         std::uint8_t *colour = &made.colour[std::size_t(y) * width];
         std::uint8_t *threshold = &made.threshold[std::size_t(y) * width];
         for (int x = 0; x < width; ++x) {
@@ -311,9 +311,9 @@ Binary threshold_mean(const Picture &picture, int reach) {
     return made;
 }
 
-Edges find_edges(const Picture &picture, const Binary &binary, float least_side) {
+Edges find_edges(const Image &image, const Binary &binary, float least_side) {
     const Regions regions(binary);
-    const Meetings meetings(regions, picture.height);
+    const Meetings meetings(regions, image.height);
     const std::vector<Extent> &extents = meetings.extents();
     constexpr std::uint32_t NONE = ~0U;
     std::vector<std::uint32_t> next(extents.size(), NONE);
@@ -327,8 +327,8 @@ Edges find_edges(const Picture &picture, const Binary &binary, float least_side)
     for (const Meeting &at : meetings.all()) {
         std::uint32_t &to = next[at.pair];
         if (to == NONE) continue;
-        const std::uint8_t *levels = picture.row(at.y);
-        const std::uint8_t *limit = &binary.threshold[std::size_t(at.y) * picture.width];
+        const std::uint8_t *levels = image.row(at.y);
+        const std::uint8_t *limit = &binary.threshold[std::size_t(at.y) * image.width];
         const auto step = [](int before, int after) { return static_cast<float>(after - before); };
         if (at.end <= at.begin) {
             const int x = at.begin, before = levels[x - 1], after = levels[x];
@@ -337,7 +337,7 @@ Edges find_edges(const Picture &picture, const Binary &binary, float least_side)
                                  step(before, after), 0.0F};
             continue;
         }
-        const std::uint8_t *below = picture.row(at.y + 1), *limit_below = limit + picture.width;
+        const std::uint8_t *below = image.row(at.y + 1), *limit_below = limit + image.width;
         for (int x = at.begin; x < at.end; ++x) {
             const float part = crossing(levels[x], below[x], limit[x], limit_below[x]);
             made.points[to++] = {static_cast<float>(x), static_cast<float>(at.y) + part, 0.0F,

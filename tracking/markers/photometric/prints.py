@@ -1,4 +1,4 @@
-"""Prints of markers as grids of levels, as blurred pictures show them, and pictures rectified."""
+"""Prints of markers as grids of levels, as blurred images show them, and images rectified."""
 
 from __future__ import annotations
 
@@ -128,12 +128,12 @@ def grid_points(samples: int, extent_m: Tensor, side_m: Tensor) -> Tensor:
 
 
 def rectified(
-    pictures: Tensor, matrix: Tensor, poses: Tensor, extent_m: Tensor, side_m: Tensor, samples: int
+    images: Tensor, matrix: Tensor, poses: Tensor, extent_m: Tensor, side_m: Tensor, samples: int
 ) -> Tensor:
-    """Channels ``(b, c, s, s)`` of the pictures at the samples of the markers' grids.
+    """Channels ``(b, c, s, s)`` of the images at the samples of the markers' grids.
 
     Args:
-        pictures: ``(b, c, h, w)``, cut out round the markers.
+        images: ``(b, c, h, w)``, cut out round the markers.
         matrix: ``(b, 3, 3)`` of the pinhole, of the cut-outs' own pixels.
         poses: ``(b, 4, 4)`` camera_T_marker.
         extent_m: ``(b,)`` side of each grid.
@@ -144,8 +144,8 @@ def rectified(
 
     from motorcade.tracking.markers.photometric.prints import homography_warp
 
-    height, width = pictures.shape[-2:]
-    # From a grid's own -1 to 1 (y down) to its plane, to pixels, to the picture's own -1 to 1.
+    height, width = images.shape[-2:]
+    # From a grid's own -1 to 1 (y down) to its plane, to pixels, to the image's own -1 to 1.
     half, count = 0.5 * (1.0 - 1.0 / samples) * extent_m, len(poses)
     to_plane = torch.zeros(count, 3, 3, device=poses.device)
     to_plane[:, 0, 0], to_plane[:, 1, 1] = half, -half
@@ -157,6 +157,6 @@ def rectified(
     )
     homography = own @ matrix @ poses[:, :3, [0, 1, 3]] @ to_plane
     warped: Tensor = homography_warp(
-        pictures, homography, (samples, samples), padding_mode="border", align_corners=True
+        images, homography, (samples, samples), padding_mode="border", align_corners=True
     )
     return warped

@@ -1,7 +1,7 @@
 """Photometric refinement: the rectified marker against its known print, both candidates at once.
 
 Corners use a few dozen pixels along the border; the print has edges all over. Every candidate pose
-straightens the picture of its marker (kornia's homography warp), a linear change of light is taken
+straightens the image of its marker (kornia's homography warp), a linear change of light is taken
 out, and Levenberg-Marquardt on the pose's twist makes what is left agree with the print, which is
 blurred as the lens and the pixels blur it. All candidates of all markers run in one batch, on the
 GPU where there is one. The remaining misfit of the two candidates of a marker is evidence for the
@@ -70,9 +70,9 @@ class PhotometricPoses:
 
     Fields:
         camera_T_marker: Motor ``(m, 2)``, in the order given.
-        mismatch: ``(m, 2)`` share of the picture's contrast that the print leaves unexplained.
+        mismatch: ``(m, 2)`` share of the image's contrast that the print leaves unexplained.
         refined: ``(m, 2)`` whether the pose was changed; otherwise it is the one given.
-        pixels: ``(m,)`` how many pixels of the picture each marker covers.
+        pixels: ``(m,)`` how many pixels of the image each marker covers.
 
     >>> import numpy as np
     >>> from motorcade.ga import Motor
@@ -98,7 +98,7 @@ def refine_photometric(
     camera_T_marker: Motor,
     device: str | None = None,
 ) -> PhotometricPoses:
-    """Refine both candidate poses of every marker on the picture itself.
+    """Refine both candidate poses of every marker on the image itself.
 
     Args:
         image: ``(height, width)`` uint8, of the camera's size.
@@ -110,7 +110,7 @@ def refine_photometric(
         device: "cpu" or "cuda"; None takes the GPU where there is one.
 
     Raises:
-        ValueError: shapes that do not agree, or a picture of another size.
+        ValueError: shapes that do not agree, or an image of another size.
         PhotometricUnavailable: torch or kornia is not installed.
     """
     count = len(marker_ids)
@@ -137,7 +137,7 @@ def refine_photometric(
 
 
 class _Batch:
-    """All candidates of all markers of one picture: 2 m rows, the candidates of one together."""
+    """All candidates of all markers of one image: 2 m rows, the candidates of one together."""
 
     def __init__(
         self,
@@ -304,7 +304,7 @@ class _Batch:
         return torch.cat([by_turn, by_own], -1)
 
     def _choose_blur(self, view: Tensor, poses: Motor) -> None:
-        """Blur the prints as the picture is blurred: one width, which explains most of it.
+        """Blur the prints as the image is blurred: one width, which explains most of it.
 
         A print that is too sharp or too soft by 0.3 pixels draws its marker larger or smaller by
         0.05 pixels, so the best of a few widths is not good enough: a parabola through the best
@@ -336,7 +336,7 @@ class _Batch:
 
 
 def _cut(straight: GrayImage, camera: Camera, corners: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Pictures ``(b, 3, h, w)`` (levels and slopes) round quads ``(b, 4, 2)``; their pinholes."""
+    """Images ``(b, 3, h, w)`` (levels and slopes) round quads ``(b, 4, 2)``; their pinholes."""
     low, high = np.nanmin(corners, axis=1), np.nanmax(corners, axis=1)
     reach = int(np.ceil((0.5 + _AROUND) * (high - low).max())) + 4
     middle = np.rint(np.nan_to_num(0.5 * (low + high))).astype(int)

@@ -1,6 +1,6 @@
 """Whether what was stated of a scene agrees with what was seen of it.
 
-Nothing here needs a ground truth. What no sighting speaks of is called unknown: one marker alone
+Nothing here needs a ground truth. What no observation speaks of is called unknown: one marker alone
 tells nothing of its size, and a rig that turns about one axis little of where its odometry sits.
 """
 
@@ -18,7 +18,7 @@ from motorcade.tracking.markers.families import marker_points_m
 from motorcade.tracking.markers.scenes.mapped import MappedScene
 from motorcade.tracking.markers.scenes.scene import BodyOdometry, MarkerScene
 from motorcade.tracking.markers.scenes.start import stated_rows
-from motorcade.tracking.markers.scenes.table import BODY, CAMERA, CARRIER, MARKER, SceneSightings
+from motorcade.tracking.markers.scenes.table import BODY, CAMERA, CARRIER, MARKER, SceneObservations
 
 _GATE = 37.7
 """χ² with six degrees of freedom exceeds it once in a million: there are thousands of markers."""
@@ -161,9 +161,9 @@ def odometry_finding(name: str, fit: HandEye | None) -> AuditFinding:
 
 
 def misfit_finding(misfit: int, alone: int, limit_px: float) -> AuditFinding:
-    """What is said of frames that were left without a pose, as their only sighting misfits."""
+    """What is said of frames that were left without a pose, as their only observation misfits."""
     summary = (
-        f"{misfit} of {alone} frames that one sighting alone places have no pose: its corners "
+        f"{misfit} of {alone} frames that one observation alone places have no pose: its corners "
         f"misfit by more than {limit_px:.2g} px"
     )
     verdict: Verdict = "doubtful" if misfit > _CONTAMINATION * alone else "consistent"
@@ -232,20 +232,20 @@ def _stated(mapped: MappedScene) -> AuditFinding:
 
 
 def _never_fits(mapped: MappedScene) -> NDArray[np.bool_]:
-    """``(P,)``: cameras and markers most of whose sightings lie far off: stated too surely."""
+    """``(P,)``: cameras and markers most of whose observations lie far off: stated too surely."""
     seen = mapped.seen
     good = np.isfinite(mapped.error_px)
     far = (mapped.error_px > seen.limits_px(mapped.scene.sigma_px))[good]
     rows = np.zeros(seen.rows, bool)
     cameras, markers = len(seen.names), len(seen.marker_ids)
     for first, size, owner in ((0, cameras, seen.camera), (cameras, markers, seen.marker)):
-        sightings = np.bincount(owner[good], minlength=size)
+        observations = np.bincount(owner[good], minlength=size)
         off = np.bincount(owner[good], far, minlength=size)
-        rows[first : first + size] = (2.0 * off > sightings) & (sightings >= _FEWEST_FRAMES)
+        rows[first : first + size] = (2.0 * off > observations) & (observations >= _FEWEST_FRAMES)
     return rows
 
 
-def _called(seen: SceneSightings, scene: MarkerScene, row: int) -> str:
+def _called(seen: SceneObservations, scene: MarkerScene, row: int) -> str:
     if row < len(seen.names):
         return f"camera {seen.names[row]}"
     marker = row - len(seen.names)
@@ -296,14 +296,14 @@ _STEP = 1e-4
 _FEWEST_FRAMES = 5
 
 
-def _in_company(seen: SceneSightings) -> NDArray[np.bool_]:
-    """Whether a sighting's camera sees another marker in the same frame."""
+def _in_company(seen: SceneObservations) -> NDArray[np.bool_]:
+    """Whether an observation's camera sees another marker in the same frame."""
     key = seen.frame * len(seen.cameras) + seen.camera
     return np.asarray(np.bincount(key)[key] > 1)
 
 
 def _corners(mapped: MappedScene) -> AuditFinding:
-    """Sightings whose corners lie far from where everything else puts them."""
+    """MarkerObservations whose corners lie far from where everything else puts them."""
     good = np.isfinite(mapped.error_px)
     errors, limits = mapped.error_px[good], mapped.seen.limits_px(mapped.scene.sigma_px)[good]
     if not len(errors):
@@ -311,7 +311,7 @@ def _corners(mapped: MappedScene) -> AuditFinding:
     usual = float(np.median(errors))
     off = int(np.count_nonzero(errors > limits))
     summary = (
-        f"corners of {off} of {len(errors)} sightings lie more than {limits.max():.2g} px off, of "
+        f"corners of {off} of {len(errors)} observations lie over {limits.max():.2g} px off, of "
         f"all {usual:.2g} px in the median"
     )
     verdict: Verdict = "doubtful" if off > _CONTAMINATION * len(errors) else "consistent"

@@ -22,7 +22,7 @@ from motorcade.tracking.markers.scenes.graph import adjust_scene
 from motorcade.tracking.markers.scenes.mapped import MappedScene
 from motorcade.tracking.markers.scenes.scene import MarkerScene
 from motorcade.tracking.markers.scenes.start import Start
-from motorcade.tracking.markers.scenes.table import BODY, CARRIER, SceneSightings, gather_scene
+from motorcade.tracking.markers.scenes.table import BODY, CARRIER, SceneObservations, gather_scene
 from motorcade.tracking.pose import TrackingError
 
 _SYNC_S = 0.05
@@ -38,7 +38,7 @@ def map_scene(
     """Find all poses of a scene from the corners that its cameras saw.
 
     Poses are found one after another, then adjusted together on corners, stated poses, odometry
-    and measured lengths. A frame that one sighting alone places has no pose where this misfits.
+    and measured lengths. A frame that one observation alone places has no pose where this misfits.
 
     Args:
         streams: by camera.
@@ -95,9 +95,9 @@ def map_scene(
 
 
 def _misfits(
-    seen: SceneSightings, scene: MarkerScene, poses: Motor, known: NDArray[np.bool_]
+    seen: SceneObservations, scene: MarkerScene, poses: Motor, known: NDArray[np.bool_]
 ) -> tuple[IntArray, int, float]:
-    """Rows of frames whose only sighting misfits, how many have but one, and the limit."""
+    """Rows of frames whose only observation misfits, how many have but one, and the limit."""
     limit_px = float(np.sqrt(_MISFIT / 4.0)) * scene.sigma_px
     free = np.array(
         [body.moves and body.odometry is None and body.still is None for body in scene.bodies]
@@ -112,7 +112,7 @@ def _misfits(
 
 
 def _with_good_odometry(
-    seen: SceneSightings, scene: MarkerScene
+    seen: SceneObservations, scene: MarkerScene
 ) -> tuple[MarkerScene, list[AuditFinding]]:
     """The scene without odometry that turns otherwise than what is seen, and what was found."""
     if not any(body.odometry for body in scene.bodies):

@@ -2,7 +2,7 @@
 
 All factors of a kind are linearised at once; the normal equations are sparse (see
 `motorcade.tracking.sparse`). A corner hangs on four poses: gtsam's Python has no such factor, and
-one written in Python costs a hundred times as much. Wrong sightings are bounded by Huber's loss,
+one written in Python costs a hundred times as much. Wrong observations are bounded by Huber's loss,
 then by Cauchy's.
 
 Source: F. Dellaert and M. Kaess, Factor Graphs for Robot Perception, 2017.
@@ -24,12 +24,12 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.markers.families import marker_points_m
 from motorcade.tracking.markers.scenes.scene import BodyOdometry, MarkerScene
 from motorcade.tracking.markers.scenes.start import stated_rows
-from motorcade.tracking.markers.scenes.table import CAMERA, SceneSightings
+from motorcade.tracking.markers.scenes.table import CAMERA, SceneObservations
 from motorcade.tracking.optimise import PairIndex, Stop, huber, huber_cauchy, minimise
 from motorcade.tracking.sparse import PassingEquations
 
 _HUBER, _OUTLIER = 4.0, 12.0
-"""In deviations of the eight residuals of a sighting: where its loss turns straight, and flat."""
+"""In deviations of an observation's eight residuals: where its loss turns straight, and flat."""
 _NO_IMAGE = 1e3
 _STOP = Stop(steps=40, gain=1e-5, most_damping=1e8, what="adjusting the scene")
 _ROUGHLY = replace(_STOP, steps=15, gain=1e-3)
@@ -109,8 +109,8 @@ class Factors:
     linearise: Callable[[Motor], _Linear]
 
 
-def corners(seen: SceneSightings, used: IntArray, sigma_px: float, bounded: bool) -> Factors:
-    """Corners of sightings ``(n,)`` of which every pose is known."""
+def corners(seen: SceneObservations, used: IntArray, sigma_px: float, bounded: bool) -> Factors:
+    """Corners of observations ``(n,)`` of which every pose is known."""
 
     def linearise(poses: Motor) -> _Linear:
         residuals, jacobian, others = seen.linearised(poses, used)
@@ -182,7 +182,7 @@ def measured(
 
 
 def scene_factors(
-    seen: SceneSightings, scene: MarkerScene, known: NDArray[np.bool_]
+    seen: SceneObservations, scene: MarkerScene, known: NDArray[np.bool_]
 ) -> list[Factors]:
     """All that is stated and measured of poses that are known; corners are not among them."""
     factors: list[Factors] = []
@@ -212,7 +212,9 @@ def scene_factors(
     return factors + _wiggles(seen, scene, known) + _lengths(seen, scene, known)
 
 
-def _wiggles(seen: SceneSightings, scene: MarkerScene, known: NDArray[np.bool_]) -> list[Factors]:
+def _wiggles(
+    seen: SceneObservations, scene: MarkerScene, known: NDArray[np.bool_]
+) -> list[Factors]:
     """Poses of cameras in single frames, about their usual ones."""
     usual, own = np.unique(np.stack([seen.usual_camera, seen.chain[:, CAMERA]]), axis=1)
     loose = (usual != own) & known[usual] & known[own]
@@ -239,7 +241,9 @@ def odometry_steps(odometry: BodyOdometry, time_ns: IntArray) -> tuple[Motor, Fl
     return step, sigma
 
 
-def _lengths(seen: SceneSightings, scene: MarkerScene, known: NDArray[np.bool_]) -> list[Factors]:
+def _lengths(
+    seen: SceneObservations, scene: MarkerScene, known: NDArray[np.bool_]
+) -> list[Factors]:
     row_of = {int(one): k for k, one in enumerate(seen.marker_ids)}
 
     def rows_of(marker: int) -> list[int] | None:
@@ -352,7 +356,7 @@ class _Evaluated:
 
 
 def adjust_scene(
-    seen: SceneSightings,
+    seen: SceneObservations,
     scene: MarkerScene,
     poses: Motor,
     known: NDArray[np.bool_],
@@ -363,11 +367,11 @@ def adjust_scene(
     """Refine all known poses at once; the others stay as they are.
 
     Args:
-        seen: the sightings.
+        seen: the observations.
         scene: what is stated.
         poses: the table ``(P,)`` to start from.
         known: ``(P,)``.
-        bounded: whether far sightings pull no more; the start must be near then.
+        bounded: whether far observations pull no more; the start must be near then.
         last: whether nothing comes after; else it ends a hundred times as roughly.
 
     Returns:

@@ -12,7 +12,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.markers.marker_map import MarkerMap
 from motorcade.tracking.markers.scenes.scene import MarkerScene
-from motorcade.tracking.markers.scenes.table import SceneSightings
+from motorcade.tracking.markers.scenes.table import SceneObservations
 from motorcade.tracking.measurements import PoseMeasurements
 from motorcade.tracking.pose import TrackingError
 
@@ -39,16 +39,16 @@ class MappedScene:
 
     Fields:
         scene: what was stated.
-        seen: the sightings.
+        seen: the observations.
         poses: Motor ``(P,)``, the table of `seen`.
         known: ``(P,)`` which of them were found.
-        error_px: ``(N,)`` reprojection error of each sighting; infinite where a pose is unknown.
+        error_px: ``(N,)`` reprojection error of each observation; infinite where a pose is unknown.
         covariance: ``(P, 6, 6)`` of each pose; what stays and other frames taken as they stand.
         audit: whether what was stated agrees with what was seen.
     """
 
     scene: MarkerScene
-    seen: SceneSightings
+    seen: SceneObservations
     poses: Motor
     known: NDArray[np.bool_]
     error_px: FloatArray
@@ -119,7 +119,7 @@ class MappedScene:
         return ScenePath(PoseMeasurements(path, covariance), markers, self._errors_px(frames))
 
     def _errors_px(self, frames: IntArray) -> FloatArray:
-        """Root mean square over the sightings of each frame."""
+        """Root mean square over the observations of each frame."""
         good = np.isfinite(self.error_px)
         count = len(self.seen.time_ns)
         squares = np.bincount(self.seen.frame[good], self.error_px[good] ** 2, minlength=count)

@@ -1,8 +1,8 @@
 """Where a scene's poses are to begin with: one is found after another, by what is seen of it.
 
-A sighting of whose chain one pose alone is missing proposes that pose. Of a frame's proposals the
-one that reprojects the frame best is taken; of a pose that stays, the one that most frames agree
-on, the surest first. Where nothing more is seen, odometry places the next pose; then poses are
+An observation of whose chain one pose alone is missing proposes that pose. Of a frame's proposals
+the one that reprojects the frame best is taken; of a pose that stays, the one that most frames
+agree on, the surest first. Where nothing more is seen, odometry places the next pose; then poses are
 taken that were stated with so much doubt that they were not begun with.
 """
 
@@ -17,7 +17,7 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.markers.mapping.rig import agreed
 from motorcade.tracking.markers.scenes.scene import MarkerScene, StatedPose
-from motorcade.tracking.markers.scenes.table import BODY, CAMERA, CARRIER, MARKER, SceneSightings
+from motorcade.tracking.markers.scenes.table import BODY, CAMERA, CARRIER, MARKER, SceneObservations
 
 _SURE_RAD, _SURE_M = 0.5, 0.5
 """A pose stated with more doubt is worth no more than a guess."""
@@ -41,7 +41,7 @@ class Start:
         known: ``(P,)``.
     """
 
-    def __init__(self, seen: SceneSightings, scene: MarkerScene) -> None:
+    def __init__(self, seen: SceneObservations, scene: MarkerScene) -> None:
         self._seen, self._scene = seen, scene
         self._chain = seen.usual_chain
         self.poses = np.tile(Motor.identity().coefficients, (seen.rows, 1))
@@ -66,7 +66,7 @@ class Start:
     def place_again(self, poses: Motor) -> None:
         """Place frames anew that an adjustment left far from what they show.
 
-        It may have begun in the wrong one of two planar poses, or been pulled off by a sighting
+        It may have begun in the wrong one of two planar poses, or been pulled off by an observation
         that was no marker's.
         """
         self.poses = poses.coefficients.copy()
@@ -130,7 +130,7 @@ class Start:
         self.poses[row], self.known[row] = pose.coefficients, True
 
     def _see(self) -> bool:
-        """Poses that sightings propose; whether any was found."""
+        """Poses that observations propose; whether any was found."""
         missing = ~self.known[self._chain]
         single = np.flatnonzero(np.count_nonzero(missing, axis=1) == 1)
         if not len(single):
@@ -144,7 +144,7 @@ class Start:
         return self._vote(single, target, slot)
 
     def _proposed(self, rows: IntArray, which: IntArray, slot: IntArray) -> Motor:
-        """Missing poses by sightings ``(n,)``, of each by one of its planar poses."""
+        """Missing poses by observations ``(n,)``, of each by one of its planar poses."""
         chain, table = self._chain[rows], Motor(self.poses)
         camera, carrier, body, marker = (table[chain[:, k]] for k in range(4))
         seen = self._seen.camera_T_marker[rows, which]
@@ -162,7 +162,7 @@ class Start:
         return Motor(proposed)
 
     def _place(self, rows: IntArray, target: IntArray, slot: IntArray) -> None:
-        """Each pose of a frame: of its proposals the one that all its sightings fit best.
+        """Each pose of a frame: of its proposals the one that all its observations fit best.
 
         Where another one fits nearly as well, the one nearer to the next frame that is sure.
         """
@@ -230,7 +230,7 @@ class Start:
         return first + int(frames[np.argmin(np.abs(time_ns[frames] - here))])
 
     def _cost(self, rows: IntArray, target: IntArray, proposed: Motor) -> FloatArray:
-        """Squared errors (px²), bounded, of sightings whose missing pose is as proposed."""
+        """Squared errors (px²), bounded, of observations whose missing pose is as proposed."""
         chain, table = self._chain[rows], Motor(self.poses)
         posed = [
             Motor(
@@ -292,7 +292,7 @@ class Start:
         return new
 
 
-def stated_rows(seen: SceneSightings, scene: MarkerScene) -> list[tuple[int, StatedPose]]:
+def stated_rows(seen: SceneObservations, scene: MarkerScene) -> list[tuple[int, StatedPose]]:
     """Row of the table and pose of all that was stated."""
     rows = [
         (row, scene.cameras[name]) for row, name in enumerate(seen.names) if name in scene.cameras

@@ -1,4 +1,4 @@
-"""Sightings of a scene's markers, and one table of all poses that they depend on.
+"""MarkerObservations of a scene's markers, and one table of all poses that they depend on.
 
 A corner is seen through a chain of four poses, ``camera_T_marker = (world_T_carrier @
 carrier_T_camera).inverse() @ world_T_body @ body_T_marker``. The table holds a row for each camera,
@@ -32,8 +32,8 @@ CAMERA, CARRIER, BODY, MARKER = range(4)
 
 
 @dataclass(frozen=True, eq=False)
-class SceneSightings:
-    """N sightings, and where the poses of their chains stand in the table.
+class SceneObservations:
+    """N observations, and where the poses of their chains stand in the table.
 
     Fields:
         time_ns: ``(F,)``.
@@ -72,7 +72,7 @@ class SceneSightings:
     noise_px: float
 
     def __len__(self) -> int:
-        """Number of sightings."""
+        """Number of observations."""
         return len(self.frame)
 
     @property
@@ -93,7 +93,7 @@ class SceneSightings:
         return marker_points_m(self.side_m[self.marker])
 
     def residuals_px(self, which: IntArray, in_camera: FloatArray) -> FloatArray:
-        """Reprojection of points ``(n, 4, 3)`` minus the corners of sightings ``(n,)``."""
+        """Reprojection of points ``(n, 4, 3)`` minus the corners of observations ``(n,)``."""
         residuals = np.full((len(which), 4, 2), np.nan)
         for row, camera in enumerate(self.cameras):
             mine = self.camera[which] == row
@@ -140,14 +140,14 @@ class SceneSightings:
         return np.where(np.isfinite(errors), errors, np.inf)
 
     def limits_px(self, sigma_px: float) -> FloatArray:
-        """``(N,)`` most that a sighting may be off, whatever the others are (`scatter_px`)."""
+        """``(N,)`` most that an observation may be off, whatever the others are (`scatter_px`)."""
         by_camera = np.array([scatter_px(camera, sigma_px) for camera in self.cameras])
         return np.asarray(by_camera[self.camera], np.float64)
 
 
 def gather_scene(
     streams: Mapping[str, CornerStream], scene: MarkerScene, sync_s: float
-) -> SceneSightings:
+) -> SceneObservations:
     """Bring the cameras' streams together.
 
     Markers that the scene ignores are left out, and those that cannot be seen at all: on the body
@@ -190,7 +190,7 @@ def gather_scene(
     chain[:, CAMERA] += np.where(first_wiggle[camera] < 0, 0, frame)
     for column, body in ((CARRIER, carriers[camera]), (BODY, marker_body[marker])):
         chain[:, column] = first_row[body] + np.where(moves[body], frame, 0)
-    return SceneSightings(
+    return SceneObservations(
         time_ns,
         names,
         tuple(streams[name].camera for name in names),

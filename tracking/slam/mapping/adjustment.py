@@ -90,7 +90,7 @@ class AdjustedBundle:
     before: float
 
 
-# Adjusts a bundle by more than pictures. It is given the stamps ``(k,)`` of its poses, which rise
+# Adjusts a bundle by more than images. It is given the stamps ``(k,)`` of its poses, which rise
 # within those that are free, and how many steps it may take.
 Adjuster = Callable[[Bundle, IntArray, int], AdjustedBundle]
 

@@ -36,14 +36,14 @@ GONE = -1
 
 @dataclass(eq=False)
 class Keyframe:
-    """One picture of the map; the mapper moves it and drops observations.
+    """One image of the map; the mapper moves it and drops observations.
 
     Fields:
         time_ns: stamp.
         world_T_camera: its pose.
         ids: ``(n,)`` numbers of the points seen, rising.
         px: ``(n, 2)`` where; depth: ``(n,)`` NaN where not measured.
-        gray: the picture, while it may still serve to find points again; then None.
+        gray: the image, while it may still serve to find points again; then None.
         map_number: in which world; maps that were not connected have worlds of their own. `GONE`
             for a keyframe that left its map, of which only the row remains.
         scale: by how much lengths around it were stretched since it was made.
@@ -73,7 +73,7 @@ class MapSnapshot:
     """A map as it was at one moment, read-only: what is saved, and what other estimators build on.
 
     Where lengths are not metres, poses and points share one free scale. Pixels are those of the
-    undistorted picture, a pinhole with the camera's matrix; or those of a fisheye (equidistant) as
+    undistorted image, a pinhole with the camera's matrix; or those of a fisheye (equidistant) as
     it is. The world is the first keyframe's camera, or that of the map that was gone on in.
 
     Args:
@@ -316,7 +316,7 @@ class SlamMap:
 
     @classmethod
     def of(cls, stored: MapSnapshot) -> SlamMap:
-        """A map that goes on from a stored one; its keyframes have no pictures any more."""
+        """A map that goes on from a stored one; its keyframes have no images any more."""
         slam_map = cls()
         slam_map.metric = [stored.metric]
         ids = slam_map.add_points(stored.descriptors)
@@ -453,7 +453,7 @@ class KeyframeIndex:
                 self._descriptors[-1] = descriptors[:0]
 
     def alike(self, descriptors: Descriptors, allowed: IntArray, count: int) -> IntArray:
-        """Rows of up to `count` keyframes of `allowed` that look most like a picture, best first.
+        """Rows of up to `count` keyframes of `allowed` that look most like an image, best first.
 
         While there are too few keyframes for a vocabulary all are alike, and the newest come first.
         """

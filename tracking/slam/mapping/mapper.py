@@ -20,10 +20,10 @@ import numpy as np
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera, project
-from motorcade.tracking.pictures import track_corners
+from motorcade.tracking.images import track_corners
 from motorcade.tracking.slam.features import (
     Corners,
-    SlamPicture,
+    SlamImage,
     depth_at,
     find_corners,
     stereo_depth,
@@ -45,7 +45,7 @@ _PARALLAX_RAD = np.deg2rad(1.0)
 _GOOD_PX = 2.0
 _DEPTH_BASELINE_M = 0.08
 _MOST_FIXED = 10
-_PICTURES_KEPT = 30
+_IMAGES_KEPT = 30
 _RECOVERED_FROM = 3
 _FEWEST_HIDDEN = 15
 _FEWEST_HELD = 15  # points by which a keyframe that stays holds a window, as for a pose found anew
@@ -79,7 +79,7 @@ class Mapper:
 
     Fields:
         active: number of the map that keyframes are inserted into.
-        adjuster: adjusts by more than pictures (an IMU, say); None: by pictures alone.
+        adjuster: adjusts by more than images (an IMU, say); None: by images alone.
         adjusts_all: whether the next keyframe is followed by an adjustment of the whole map.
 
     A loop moves the whole map, and adjusting all of that at once would hold up the frame that
@@ -116,18 +116,18 @@ class Mapper:
         self.active = len(self.map.metric) - 1
 
     def insert_keyframe(
-        self, picture: SlamPicture, pose: Motor, ids: IntArray, px: FloatArray
+        self, image: SlamImage, pose: Motor, ids: IntArray, px: FloatArray
     ) -> InsertedKeyframe:
-        """Make a keyframe of a tracked picture, and close a loop where it shows one.
+        """Make a keyframe of a tracked image, and close a loop where it shows one.
 
         Args:
-            picture: the picture.
+            image: the image.
             pose: world_T_camera as tracked.
             ids: ``(n,)`` points tracked in it.
             px: ``(n, 2)`` where.
         """
         started = time.perf_counter()
-        self._fill(picture, pose, ids, px)
+        self._fill(image, pose, ids, px)
         newest = self.map.keyframes[-1]
         closed = self._closed() if self.settings.close_loops else None
         windows = self._windows_left.get(self.active)
@@ -136,7 +136,7 @@ class Mapper:
             self.adjusts_all = False
         elif windows and self.settings.adjust:
             self._adjust_between(*windows.pop(0))
-        tracked, culled = self._newest(picture), self._culled()
+        tracked, culled = self._newest(image), self._culled()
         seconds = time.perf_counter() - started
         return InsertedKeyframe(tracked, closed, newest.scale, culled, seconds)
 
@@ -166,73 +166,73 @@ class Mapper:
         self._windows_left[self.active] = windows_along(mine, loop.old, self.settings.window)
         return closed
 
-    def append(self, picture: SlamPicture, pose: Motor, ids: IntArray, px: FloatArray) -> Keyframe:
-        """Make a keyframe of a picture; a measured depth locates points that are not yet."""
+    def append(self, image: SlamImage, pose: Motor, ids: IntArray, px: FloatArray) -> Keyframe:
+        """Make a keyframe of an image; a measured depth locates points that are not yet."""
         order = np.argsort(ids)
         ids, px = ids[order], px[order]
-        depth = self.depths(picture, px) if self.metric else np.full(len(px), np.nan)
-        keyframe = Keyframe(picture.time_ns, pose, ids, px, depth, picture.gray, self.active)
+        depth = self.depths(image, px) if self.metric else np.full(len(px), np.nan)
+        keyframe = Keyframe(image.time_ns, pose, ids, px, depth, image.gray, self.active)
         self.map.keyframes.append(keyframe)
-        if len(self.map.keyframes) > _PICTURES_KEPT:
-            self.map.keyframes[-1 - _PICTURES_KEPT].gray = None
+        if len(self.map.keyframes) > _IMAGES_KEPT:
+            self.map.keyframes[-1 - _IMAGES_KEPT].gray = None
         new = np.isfinite(depth) & ~self.map.located[ids]
         in_camera = self.camera.unproject(px[new]) * depth[new, None]
         self.map.points[ids[new]] = pose.apply(in_camera)
         return keyframe
 
-    def _fill(self, picture: SlamPicture, pose: Motor, ids: IntArray, px: FloatArray) -> None:
+    def _fill(self, image: SlamImage, pose: Motor, ids: IntArray, px: FloatArray) -> None:
         """Make a keyframe, fill it with corners, locate points and adjust the window."""
-        found_ids, found_px = self.recover(picture, pose, self.active, ids)
+        found_ids, found_px = self.recover(image, pose, self.active, ids)
         ids, px = np.concatenate([ids, found_ids]), np.concatenate([px, found_px])
-        corners = find_corners(picture.gray, self.settings.features, px)
+        corners = find_corners(image.gray, self.settings.features, px)
         known_ids, rows = self.recognised(pose, ids, corners)
         new = np.setdiff1d(np.arange(len(corners)), rows)
         ids = np.concatenate([ids, known_ids, self.map.add_points(corners.descriptors[new])])
         px = np.concatenate([px, corners.px[rows], corners.px[new]])
-        self.append(picture, pose, ids, px)
+        self.append(image, pose, ids, px)
         self.triangulate_newest()
         if self.settings.adjust:
             self.adjust_window()
 
-    def _newest(self, picture: SlamPicture) -> TrackedPoints:
-        """All that the newest keyframe, made of this picture, sees and that is still kept."""
+    def _newest(self, image: SlamImage) -> TrackedPoints:
+        """All that the newest keyframe, made of this image, sees and that is still kept."""
         newest = self.map.keyframes[-1]
         alive = self.map.alive[newest.ids]
         ids = newest.ids[alive]
         points = self.map.points[ids]
-        return TrackedPoints(picture, newest.world_T_camera, ids, newest.px[alive], points)
+        return TrackedPoints(image, newest.world_T_camera, ids, newest.px[alive], points)
 
     def seen_again(self, tracked: TrackedPoints) -> TrackedPoints:
-        """Add points of the map, as it is, that the picture shows beside those tracked in it."""
-        picture, pose = tracked.picture, tracked.world_T_camera
+        """Add points of the map, as it is, that the image shows beside those tracked in it."""
+        image, pose = tracked.image, tracked.world_T_camera
         ids, px = tracked.ids, tracked.px
-        corners = find_corners(picture.gray, self.settings.features, px)
+        corners = find_corners(image.gray, self.settings.features, px)
         more, rows = self.recognised(pose, ids, corners)
         ids, px = np.concatenate([ids, more]), np.concatenate([px, corners.px[rows]])
         order = np.argsort(ids)
-        return TrackedPoints(picture, pose, ids[order], px[order], self.map.points[ids[order]])
+        return TrackedPoints(image, pose, ids[order], px[order], self.map.points[ids[order]])
 
-    def depths(self, picture: SlamPicture, px: FloatArray) -> FloatArray:
-        """Depths ``(n,)`` at pixels from the depth image or the right picture; NaN elsewhere."""
-        if picture.depth_m is not None:
-            return depth_at(picture.depth_m, px)
-        if picture.right is not None:
-            return stereo_depth(picture.pyramid, picture.right, px, self.disparity_px_m)
+    def depths(self, image: SlamImage, px: FloatArray) -> FloatArray:
+        """Depths ``(n,)`` at pixels from the depth image or the right image; NaN elsewhere."""
+        if image.depth_m is not None:
+            return depth_at(image.depth_m, px)
+        if image.right is not None:
+            return stereo_depth(image.pyramid, image.right, px, self.disparity_px_m)
         return np.full(len(px), np.nan)
 
     def recover(
-        self, picture: SlamPicture, pose: Motor, number: int, ids: IntArray | None = None
+        self, image: SlamImage, pose: Motor, number: int, ids: IntArray | None = None
     ) -> tuple[IntArray, FloatArray]:
         """Points of a map that should be in view but are not tracked (`ids`), found again.
 
-        They are tracked from the keyframe's own picture, so they come back without drift.
+        They are tracked from the keyframe's own image, so they come back without drift.
         """
         tracked = np.zeros(len(self.map.alive), dtype=np.bool_)
         if ids is not None:
             tracked[ids] = True
         all_ids, all_px = [np.zeros(0, dtype=np.int64)], [np.zeros((0, 2))]
         hidden = []
-        for row in self.map.rows_of(number)[-_PICTURES_KEPT:]:
+        for row in self.map.rows_of(number)[-_IMAGES_KEPT:]:
             keyframe = self.map.keyframes[row]
             usable, expected = in_view(self.map, keyframe, keyframe.ids, pose, self.camera)
             rows = np.flatnonzero(usable & ~tracked[keyframe.ids])
@@ -244,7 +244,7 @@ class Mapper:
             gray = keyframe.gray
             if gray is None or not len(rows):
                 continue
-            px, held = track_corners(gray, picture.pyramid, keyframe.px[rows], expected[rows])
+            px, held = track_corners(gray, image.pyramid, keyframe.px[rows], expected[rows])
             held &= np.linalg.norm(px - expected[rows], axis=1) < OUTLIER_PX
             all_ids.append(keyframe.ids[rows[held]])
             all_px.append(px[held])

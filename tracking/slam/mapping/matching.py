@@ -1,4 +1,4 @@
-"""Points of the map matched to corners of a picture: near where they should be, and alike.
+"""Points of the map matched to corners of an image: near where they should be, and alike.
 
 Likeness is the number of bits in which ORB's descriptors differ (Hamming distance).
 
@@ -78,7 +78,7 @@ def alike_where_expected(
     Args:
         expected_px: ``(n, 2)`` where the points should be.
         descriptors: ``(n, 32)`` theirs.
-        corners: those of the picture.
+        corners: those of the image.
         radius_px: how far off a corner may be.
     """
     apart = np.abs(expected_px[:, None] - corners.px[None])

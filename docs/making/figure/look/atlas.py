@@ -1,7 +1,7 @@
-"""Where a surface lies in the picture: cut into charts, unrolled, and packed.
+"""Where a surface lies in the image: cut into charts, unrolled, and packed.
 
 The body is cut where it turns away from the axes of its parts, so that no chart is seen too much
-aslant; left and right share their place in the picture. Pieces bring their own unrolled form.
+aslant; left and right share their place in the image. Pieces bring their own unrolled form.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ SHARPER = {"head": 1.45, "eye": 2.6, "mouth": 0.6, "brow": 0.6, "sole": 0.6, "le
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """A part of the surface that lies in the picture in one piece.
+    """A part of the surface that lies in the image in one piece.
 
     Attributes:
         name: "body" or that of a piece.
@@ -130,7 +130,7 @@ def _components(label: IntArray, pairs: IntArray, count: int) -> list[IntArray]:
 
 
 def packed(charts: list[Chart], size: int) -> tuple[list[FloatArray], float]:
-    """Pixels (N, 2) of all charts in a square picture, and how many pixels a metre has.
+    """Pixels (N, 2) of all charts in a square image, and how many pixels a metre has.
 
     Charts stand in rows, the tallest first; the largest scale at which all find a place is taken.
     """

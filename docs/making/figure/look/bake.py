@@ -1,4 +1,4 @@
-"""What lies at each pixel of the picture: places and normals of the surface, light kept off.
+"""What lies at each pixel of the image: places and normals of the surface, light kept off.
 
 A pixel takes the place that its triangle has there; those beyond a chart's border take the nearest
 one's, so that no filter draws in what lies beside it.
@@ -22,7 +22,7 @@ SPREADS_M = (0.012, 0.03, 0.075)
 
 @dataclass(frozen=True, eq=False)
 class Texels:
-    """Pixels of the picture.
+    """Pixels of the image.
 
     Attributes:
         chart: (H, W) number of the chart.
@@ -43,13 +43,13 @@ def texels_of(
     surfaces: list[tuple[FloatArray, FloatArray]],
     size: int,
 ) -> Texels:
-    """Fill a square picture.
+    """Fill a square image.
 
     Args:
         charts: as packed.
         pixels: (N, 2) of each.
         surfaces: vertices and normals (N, 3) of each.
-        size: of the picture.
+        size: of the image.
     """
     from scipy.ndimage import distance_transform_edt
 

@@ -27,7 +27,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A closed surface and how it lies in the picture.
+    """A closed surface and how it lies in the image.
 
     Attributes:
         name: what it is; the paint goes by it.

@@ -128,9 +128,9 @@ bool all_finite(const double *values, std::size_t count) {
 }
 
 // Some of the rows, computed by one thread.
-template <typename Real> class Stretch {
+template <typename Real> class Segment {
 public:
-    Stretch(Entry<Real> entry, const Shape &shape, const std::vector<Source> &sources,
+    Segment(Entry<Real> entry, const Shape &shape, const std::vector<Source> &sources,
             const std::vector<Target> &targets, bool finite)
         : entry_(entry), shape_(shape), sources_(sources), targets_(targets), finite_(finite),
           in_(sources.size()), out_(targets.size()) {}
@@ -243,8 +243,8 @@ int run_rows(Entry<Real> entry, Shape shape, std::vector<Source> &sources,
     join_dimensions(shape, sources);
     std::atomic<int> lost{-1};
     const auto some = [&](std::size_t start, std::size_t end) {
-        Stretch<Real> stretch(entry, shape, sources, targets, finite);
-        const int found = stretch.run(start, end);
+        Segment<Real> segment(entry, shape, sources, targets, finite);
+        const int found = segment.run(start, end);
         if (found >= 0) lost = found;
     };
     const std::size_t shares = std::min<std::size_t>(threads, count / PER_THREAD);

@@ -1,7 +1,7 @@
 // A surface that lets shine through what lies behind: light premultiplied by alpha. The framebuffer
 // encodes it. What the light does stands above (reflect.glsl).
 
-out vec4 picture;
+out vec4 image;
 in vec3 world_position;
 in vec3 world_normal;
 #ifdef COLORED
@@ -61,5 +61,5 @@ void main()
 #else
     vec3 light = base.rgb;
 #endif
-    picture = vec4(clamp(light, 0.0, 1.0) * base.a, base.a);
+    image = vec4(clamp(light, 0.0, 1.0) * base.a, base.a);
 }

@@ -1,4 +1,4 @@
-// A vertex with its texture coordinates into the picture; its place and normal stay in the world.
+// A vertex with its texture coordinates into the image; its place and normal stay in the world.
 
 uniform mat4 clip_from_world;
 in vec3 in_position;

@@ -1,4 +1,4 @@
-// A vertex into the picture, for the number of the triangle that each sample shows.
+// A vertex into the image, for the number of the triangle that each sample shows.
 
 uniform mat4 clip_from_world;
 in vec3 in_position;

@@ -1,7 +1,7 @@
-// The picture as it is read: light encoded as sRGB, times alpha, and depth in metres, 0 for none. What
+// The image as it is read: light encoded as sRGB, times alpha, and depth in metres, 0 for none. What
 // is seen through lies over the rest.
 
-layout(location = 0) out vec4 picture;
+layout(location = 0) out vec4 image;
 layout(location = 1) out float depth_m;
 uniform sampler2D light;
 uniform sampler2DMS depths;
@@ -22,7 +22,7 @@ void main()
     vec3 bright = 1.055 * pow(own, vec3(1.0 / 2.4)) - 0.055;
     own = mix(bright, 12.92 * own, lessThanEqual(own, vec3(0.0031308)));
     // White is rounded to the same byte as its alpha.
-    picture = vec4(min(own * seen.a + 1e-5, seen.a), seen.a);
+    image = vec4(min(own * seen.a + 1e-5, seen.a), seen.a);
     // 1 - d has no rounding; a projection matrix is undone in one division.
     float stored = texelFetch(depths, pixel, 0).r;
     float fall = near_and_fall.y;

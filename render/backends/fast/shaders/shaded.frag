@@ -3,7 +3,7 @@
 // fetched, so that how everything changes from pixel to pixel is exact. What the light does stands
 // above (reflect.glsl).
 
-out vec4 picture;
+out vec4 image;
 uniform usampler2DMS covered;
 uniform usamplerBuffer corners;
 uniform samplerBuffer vertices;
@@ -155,5 +155,5 @@ void main()
         total += 0.25 * count * vec4(light, 1.0);
         waiting &= ~same & 1u;
     } while (waiting != uvec4(0u));
-    picture = total;
+    image = total;
 }

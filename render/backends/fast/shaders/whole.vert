@@ -1,4 +1,4 @@
-// One triangle over the whole picture, at a depth that says which part of a mesh is drawn.
+// One triangle over the whole image, at a depth that says which part of a mesh is drawn.
 
 uniform float mark;
 

@@ -1,1 +1,1 @@
-"""Frame sequences, whatever they come from: picture files, videos, or marker corners alone."""
+"""Frame sequences, whatever they come from: image files, videos, or marker corners alone."""

@@ -1,4 +1,4 @@
-"""Frames of a recording that holds marker corners instead of pictures."""
+"""Frames of a recording that holds marker corners instead of images."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class CornerFrames:
         yield from _content(self.scene)
 
     def _no_image(self, index: int) -> ImageArray:
-        problem = "the recording holds corners of markers, and no pictures"
+        problem = "the recording holds corners of markers, and no images"
         raise refusal(self.path, problem, field=f"frame {index}")
 
 

@@ -1,41 +1,41 @@
-"""What a picture file notes beside its pixels (EXIF 2.3): orientation and focal length."""
+"""What an image file notes beside its pixels (EXIF 2.3): orientation and focal length."""
 
 from __future__ import annotations
 
 import struct
 
-from motorcade.tracking.cameras.orientation import AS_STORED, PictureOrientation
+from motorcade.tracking.cameras.orientation import AS_STORED, ImageOrientation
 
 _ORIENTATION, _EXIF, _FOCAL_35MM = 274, 34665, 41989
 _SHORT, _LONG = 3, 4
 _ORIENTATIONS = {
     1: AS_STORED,
-    2: PictureOrientation(0, mirrored=True),
-    3: PictureOrientation(2),
-    4: PictureOrientation(2, mirrored=True),
-    5: PictureOrientation(3, mirrored=True),
-    6: PictureOrientation(1),
-    7: PictureOrientation(1, mirrored=True),
-    8: PictureOrientation(3),
+    2: ImageOrientation(0, mirrored=True),
+    3: ImageOrientation(2),
+    4: ImageOrientation(2, mirrored=True),
+    5: ImageOrientation(3, mirrored=True),
+    6: ImageOrientation(1),
+    7: ImageOrientation(1, mirrored=True),
+    8: ImageOrientation(3),
 }
 
 
-def picture_orientation(data: bytes) -> PictureOrientation:
-    r"""How a JPEG or PNG file says that its picture is to be shown; as stored where it does not.
+def image_orientation(data: bytes) -> ImageOrientation:
+    r"""How a JPEG or PNG file says that its image is to be shown; as stored where it does not.
 
     Args:
-        data: a whole file, as `picture_size` takes it.
+        data: a whole file, as `image_size` takes it.
 
-    >>> from motorcade.replays.io.readers.frames.exif import picture_orientation
+    >>> from motorcade.replays.io.readers.frames.exif import image_orientation
     >>> entry = b"\x01\x12\0\x03\0\0\0\x01\0\x06\0\0"
     >>> body = b"Exif\0\0MM\0*\0\0\0\x08\0\x01" + entry
-    >>> picture_orientation(b"\xff\xd8\xff\xe1" + (len(body) + 2).to_bytes(2, "big") + body)
-    PictureOrientation(quarter_turns=1, mirrored=False)
+    >>> image_orientation(b"\xff\xd8\xff\xe1" + (len(body) + 2).to_bytes(2, "big") + body)
+    ImageOrientation(quarter_turns=1, mirrored=False)
     """
     try:
         tiff = _tiff(data)
         value = 1 if tiff is None else _entries(tiff).get(_ORIENTATION, 1)
-    except struct.error:  # cut short: viewers show such a picture as it is stored
+    except struct.error:  # cut short: viewers show such an image as it is stored
         value = 1
     return _ORIENTATIONS.get(value, AS_STORED)
 

@@ -1,6 +1,6 @@
-"""Frame sequences made of picture files: which files belong to a recording, and reading them.
+"""Frame sequences made of image files: which files belong to a recording, and reading them.
 
-Pictures are numbered in natural order (img_9 before img_10). Where stamps come from a rate, a gap
+Images are numbered in natural order (img_9 before img_10). Where stamps come from a rate, a gap
 in the numbers is refused: every later stamp would be wrong.
 """
 
@@ -21,10 +21,10 @@ from motorcade.ga.names import one_line
 from motorcade.ga.progress import track
 from motorcade.replays.io.errors import DamagedError, refusal
 from motorcade.replays.io.files import read_bounded
-from motorcade.replays.io.readers.frames import pictures
-from motorcade.replays.io.readers.frames.exif import picture_orientation
+from motorcade.replays.io.readers.frames import images
+from motorcade.replays.io.readers.frames.exif import image_orientation
 from motorcade.replays.io.recording import DepthArray, Frame, FrameMasks
-from motorcade.tracking.cameras.orientation import AS_STORED, PictureOrientation
+from motorcade.tracking.cameras.orientation import AS_STORED, ImageOrientation
 
 if TYPE_CHECKING:
     from motorcade.tracking import Camera
@@ -34,20 +34,20 @@ FRAME_LIMIT = 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class PictureFrames:
-    """Pictures in files, one a frame.
+class ImageFrames:
+    """Images in files, one a frame.
 
     Fields:
-        files: ``N`` picture files.
+        files: ``N`` image files.
         time_ns: ``(N,)`` stamps, strictly increasing.
-        size: (width, height) that every picture must have, upright; None before the camera is
+        size: (width, height) that every image must have, upright; None before the camera is
             known.
-        depth_files: depth picture of each frame, None where it has none.
-        depth_units_per_m: what a metre is in the depth pictures.
-        right_files: right picture of each frame, where they are rectified pairs.
-        depth_camera: what took the depth pictures, where they do not lie on the pictures' pixels
+        depth_files: depth image of each frame, None where it has none.
+        depth_units_per_m: what a metre is in the depth images.
+        right_files: right image of each frame, where they are rectified pairs.
+        depth_camera: what took the depth images, where they do not lie on the images' pixels
             yet: they are registered as they are read, to `colour_camera`.
-        orientation: how every picture says that it is to be shown.
+        orientation: how every image says that it is to be shown.
         shown_size: width and height of the first as shown, where `first_look` found them.
         digests: size in bytes and SHA-256 of files that were read whole, when they were checked.
         masks: of what moves before the scene; None without.
@@ -61,7 +61,7 @@ class PictureFrames:
     right_files: tuple[Path, ...] = ()
     depth_camera: DepthCamera | None = None
     colour_camera: Camera | None = None
-    orientation: PictureOrientation = AS_STORED
+    orientation: ImageOrientation = AS_STORED
     shown_size: tuple[int, int] | None = None
     digests: Mapping[Path, tuple[int, bytes]] = field(default_factory=dict, repr=False)
     masks: FrameMasks | None = None
@@ -81,12 +81,12 @@ class PictureFrames:
     def __getitem__(self, index: int) -> Frame:
         index = range(len(self))[index]
         path, name = self.files[index], f"frame {index}"
-        read_image = partial(pictures.read_picture, path, name, self.size)
+        read_image = partial(images.read_image, path, name, self.size)
         known = bool(self.depth_files) and self.depth_files[index] is not None
         read_depth = partial(self._registered, index) if known else None
         read_right = None
         if self.right_files:
-            read_right = partial(pictures.read_gray, self.right_files[index], name, self.size)
+            read_right = partial(images.read_gray, self.right_files[index], name, self.size)
         time_ns = int(self.time_ns[index])
         read_mask = None if self.masks is None else self.masks.reader(time_ns)
         return Frame(time_ns, path.name, read_image, read_depth, read_right, read_mask)
@@ -104,7 +104,7 @@ class PictureFrames:
         if path is None:
             return None
         units = self.depth_units_per_m
-        return pictures.read_depth(path, f"frame {index}", self._depth_size, units)
+        return images.read_depth(path, f"frame {index}", self._depth_size, units)
 
     @property
     def _depth_size(self) -> tuple[int, int] | None:
@@ -115,7 +115,7 @@ class PictureFrames:
     def _registered(self, index: int) -> DepthArray:
         measured = self.measured_depth(index)
         if measured is None:
-            raise ValueError(f"frame {index}: expected a depth picture, got none")
+            raise ValueError(f"frame {index}: expected a depth image, got none")
         if self.depth_camera is None or self.colour_camera is None:
             return measured
         from motorcade.tracking.depth.cameras import register_depth
@@ -126,18 +126,18 @@ class PictureFrames:
         """Read every file and look at its header, end and size, without decoding.
 
         Raises:
-            RecordingError: the first picture that is missing, truncated or of another size.
+            RecordingError: the first image that is missing, truncated or of another size.
         """
         for fault in self._read_through(camera)[0].values():
             raise fault
 
-    def intact(self, camera: Camera | None) -> tuple[PictureFrames, tuple[str, ...]]:
+    def intact(self, camera: Camera | None) -> tuple[ImageFrames, tuple[str, ...]]:
         """Leave out what is truncated or corrupt: a frame, or a frame's depth alone.
 
         Every file is read once, and what it holds is kept as a digest.
 
         Raises:
-            RecordingError: a picture that is missing or of another size, or damage in half of the
+            RecordingError: an image that is missing or of another size, or damage in half of the
                 frames or more.
         """
         damage, digests = self._read_through(camera)
@@ -173,13 +173,13 @@ class PictureFrames:
         damage: dict[Path, DamagedError] = {}
         digests: dict[Path, tuple[int, bytes]] = {}
         depth = set(self.depth_files)
-        for path, name in self._all_files("reading pictures"):
-            advice = pictures.UNALIGNED if path in depth else None
+        for path, name in self._all_files("reading images"):
+            advice = images.UNALIGNED if path in depth else None
             expected = size
             if path in depth and self.depth_camera is not None:
-                expected, advice = self._depth_size, pictures.ANOTHER_DEPTH_SIZE
+                expected, advice = self._depth_size, images.ANOTHER_DEPTH_SIZE
             try:
-                data = pictures.read_picture_bytes(path, name, expected, advice)
+                data = images.read_image_bytes(path, name, expected, advice)
             except DamagedError as fault:
                 damage[path] = fault
                 continue
@@ -189,43 +189,43 @@ class PictureFrames:
         return damage, digests
 
     def _check_orientation(self, path: Path, name: str, data: bytes) -> None:
-        """One camera holds for all pictures, so all must be held alike."""
-        orientation = picture_orientation(data)
+        """One camera holds for all images, so all must be held alike."""
+        orientation = image_orientation(data)
         if orientation != self.orientation:
             raise refusal(
                 path,
-                f"expected a picture that is shown as the others are ({_told(self.orientation)}), "
+                f"expected an image that is shown as the others are ({_told(self.orientation)}), "
                 f"got one {_told(orientation)}",
                 field=name,
-                advice="leave it out: one camera holds for pictures that are held alike",
+                advice="leave it out: one camera holds for images that are held alike",
             )
 
     def content(self) -> Iterator[bytes]:
-        """Size and digest of every picture; files that were not checked yet are read."""
+        """Size and digest of every image; files that were not checked yet are read."""
         yield f"depth units {self.depth_units_per_m!r}".encode()
         if self.depth_camera is not None:
             yield f"depth camera {self.depth_camera!r} {self.colour_camera!r}".encode()
-        for path, name in self._all_files("reading pictures"):
+        for path, name in self._all_files("reading images"):
             known = self.digests.get(path)
-            length, digest = known or _digest(read_bounded(path, pictures.FILE_LIMIT, name))
+            length, digest = known or _digest(read_bounded(path, images.FILE_LIMIT, name))
             yield f"{name} {path.suffix} {length}\n".encode()
             yield digest
 
     def first_size(self) -> tuple[int, int]:
-        """Width and height of the first picture as shown, for calibrations that leave them out.
+        """Width and height of the first image as shown, for calibrations that leave them out.
 
         Raises:
-            RecordingError: the first picture is missing or truncated.
+            RecordingError: the first image is missing or truncated.
         """
         return self.shown_size or first_look(self.files)[0]
 
     def first_depth_size(self) -> tuple[int, int]:
-        """Width and height of the first depth picture; raises as `first_size`."""
+        """Width and height of the first depth image; raises as `first_size`."""
         index, path = next(
             (index, path) for index, path in enumerate(self.depth_files) if path is not None
         )
-        data = pictures.read_picture_bytes(path, f"depth of frame {index}", None)
-        return pictures.picture_size(data)
+        data = images.read_image_bytes(path, f"depth of frame {index}", None)
+        return images.image_size(data)
 
     def _all_files(self, what: str) -> Iterator[tuple[Path, str]]:
         """Every file and what it is called, telling how far along that is."""
@@ -239,17 +239,17 @@ class PictureFrames:
         return track(named, what, sum(len(files) for _, files in kinds))
 
 
-def first_look(files: Sequence[Path]) -> tuple[tuple[int, int], PictureOrientation]:
-    """Width and height of the first of some pictures as shown, and how that is to be done.
+def first_look(files: Sequence[Path]) -> tuple[tuple[int, int], ImageOrientation]:
+    """Width and height of the first of some images as shown, and how that is to be done.
 
     Raises:
-        RecordingError: the picture is missing or truncated.
+        RecordingError: the image is missing or truncated.
     """
-    data = pictures.read_picture_bytes(files[0], "frame 0", None)
-    return pictures.upright_size(data), picture_orientation(data)
+    data = images.read_image_bytes(files[0], "frame 0", None)
+    return images.upright_size(data), image_orientation(data)
 
 
-def _told(orientation: PictureOrientation) -> str:
+def _told(orientation: ImageOrientation) -> str:
     mirrored = "mirrored and " if orientation.mirrored else ""
     return f"{mirrored}turned clockwise by {orientation.degrees} degrees"
 
@@ -275,26 +275,26 @@ def inside(root: Path, name: str, source: Path, line: int | None = None) -> Path
     return root / relative
 
 
-def pictures_in(root: Path) -> tuple[Path, ...]:
-    """Find every picture that lies in a folder itself, in natural order.
+def images_in(root: Path) -> tuple[Path, ...]:
+    """Find every image that lies in a folder itself, in natural order.
 
     Raises:
         RecordingError: nothing found, or a million files or more.
     """
-    paths = [path for path in root.iterdir() if path.suffix.lower() in pictures.SUFFIXES]
+    paths = [path for path in root.iterdir() if path.suffix.lower() in images.SUFFIXES]
     if not paths:
-        known = " ".join(pictures.SUFFIXES)
-        raise refusal(root, f"expected pictures ({known}), got none", advice="say [frames] images")
+        known = " ".join(images.SUFFIXES)
+        raise refusal(root, f"expected images ({known}), got none", advice="say [frames] images")
     if len(paths) > FRAME_LIMIT:
-        raise refusal(root, f"expected at most {FRAME_LIMIT} pictures, got {len(paths)}")
+        raise refusal(root, f"expected at most {FRAME_LIMIT} images, got {len(paths)}")
     return tuple(sorted(paths, key=natural))
 
 
-def picture_glob(root: Path, pattern: str) -> tuple[Path, ...]:
-    """Find picture files by a pattern such as `images/*.jpg`, in natural order.
+def image_glob(root: Path, pattern: str) -> tuple[Path, ...]:
+    """Find image files by a pattern such as `images/*.jpg`, in natural order.
 
     Raises:
-        RecordingError: nothing found, a million files or more, files that are no pictures, a
+        RecordingError: nothing found, a million files or more, files that are no images, a
             pattern that is empty or leads outside.
     """
     inside(root, pattern, root)
@@ -306,13 +306,13 @@ def picture_glob(root: Path, pattern: str) -> tuple[Path, ...]:
         raise refusal(root, f"the pattern {one_line(pattern)} cannot be used: {fault}") from fault
     if not paths:
         advice = "say in [frames] images where they lie in this folder"
-        raise refusal(root, f"expected pictures {one_line(pattern)}, got none", advice=advice)
+        raise refusal(root, f"expected images {one_line(pattern)}, got none", advice=advice)
     if len(paths) > FRAME_LIMIT:
-        raise refusal(root, f"expected at most {FRAME_LIMIT} pictures, got {len(paths)}")
+        raise refusal(root, f"expected at most {FRAME_LIMIT} images, got {len(paths)}")
     for path in paths:
-        if path.suffix.lower() not in pictures.SUFFIXES:
-            known = " ".join(pictures.SUFFIXES)
-            raise refusal(path, f"expected pictures ({known})", advice="narrow the pattern")
+        if path.suffix.lower() not in images.SUFFIXES:
+            known = " ".join(images.SUFFIXES)
+            raise refusal(path, f"expected images ({known})", advice="narrow the pattern")
     return tuple(paths)
 
 
@@ -338,7 +338,7 @@ def _patterns(paths: Sequence[Path]) -> dict[str, list[int]]:
 
 
 def _refuse_several(paths: Sequence[Path]) -> None:
-    """Refuse pictures of several cameras: names of a few patterns that count alike."""
+    """Refuse images of several cameras: names of a few patterns that count alike."""
     patterns = _patterns(paths)
     if not 2 <= len(patterns) <= _SERIES:
         return
@@ -349,14 +349,14 @@ def _refuse_several(paths: Sequence[Path]) -> None:
         listed = " and ".join(patterns)
         raise refusal(
             paths[0].parent,
-            f"expected the pictures of one camera, got {len(patterns)} series that count alike: "
+            f"expected the images of one camera, got {len(patterns)} series that count alike: "
             f"{listed}",
             advice=f'say which: [frames] images = "{next(iter(patterns))}"',
         )
 
 
 def refuse_gaps(paths: Sequence[Path], advice: str) -> None:
-    """Refuse numbered pictures of which one is missing: stamps made from a rate would be wrong.
+    """Refuse numbered images of which one is missing: stamps made from a rate would be wrong.
 
     Raises:
         RecordingError: the numbers do not run in equal steps (the first missing one is named), or
@@ -374,8 +374,8 @@ def refuse_gaps(paths: Sequence[Path], advice: str) -> None:
         before = paths[at]
         raise refusal(
             before.parent,
-            f"expected pictures numbered in steps of {usual}, got {before.name} followed by "
-            f"{paths[at + 1].name}: a picture is missing",
+            f"expected images numbered in steps of {usual}, got {before.name} followed by "
+            f"{paths[at + 1].name}: an image is missing",
             advice=advice,
         )
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from motorcade.ga.arrays import IntArray
 from motorcade.replays.io.errors import refusal
-from motorcade.replays.io.readers.frames import pictures
+from motorcade.replays.io.readers.frames import images
 from motorcade.replays.io.readers.frames.files import numbered
 from motorcade.replays.io.recording import ImageArray
 from motorcade.tracking.masks import COUNTS
@@ -77,7 +77,7 @@ class MaskFiles:
 
 def _read(path: Path, size: tuple[int, int]) -> bytes:
     advice = f"make masks of the images as they are shown, {size[0]} x {size[1]}"
-    return pictures.read_picture_bytes(path, _FIELD, size, advice)
+    return images.read_image_bytes(path, _FIELD, size, advice)
 
 
 def read_mask(path: Path, size: tuple[int, int]) -> ImageArray:

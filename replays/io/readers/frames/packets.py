@@ -1,8 +1,8 @@
-"""The pictures of a video in the order they are shown: which packets they come from, and when.
+"""The images of a video in the order they are shown: which packets they come from, and when.
 
 A packet gets its number in the file as its stamp before it is decoded, and decoders hand that on to
-the picture. So a picture is known whatever stamps a container stores: none (AVI), those of storage
-where pictures are shown in another order, or damaged ones. Where stored stamps tell the order,
+the image. So an image is known whatever stamps a container stores: none (AVI), those of storage
+where images are shown in another order, or damaged ones. Where stored stamps tell the order,
 `scan` decodes nothing; where they do not, or damage is looked for, `look_through` decodes all once.
 
 Whether a video file is as long as its own outermost boxes say, so that a cut copy is named.
@@ -45,25 +45,25 @@ _ASSUMED_HZ = Fraction(25)  # as FFmpeg takes it where neither stamps nor a rate
 _LEAST_APART_NS = 1_000_000  # between stamps that are counted: ticks of a film's clock
 _LEAST_STEP_NS = 10_000.0
 """Nothing is filmed a hundred thousand times a second and shown as fast."""
-_HIDDEN = 0x10  # of VP8's first byte: clear in a picture that is for reference only (RFC 6386, 9.1)
+_HIDDEN = 0x10  # of VP8's first byte: clear in an image that is for reference only (RFC 6386, 9.1)
 _GUESSED: Any = Flags.gen_pts.value  # stamps that FFmpeg would make up of those that follow
 Stored = tuple[int | None, int | None, int, bool]
 """What the container says of a packet: pts, dts, its size in bytes, and whether a keyframe."""
 
 
 @dataclass(frozen=True, eq=False)
-class ShownPictures:
-    """The pictures of a video that are shown, in that order.
+class ShownImages:
+    """The images of a video that are shown, in that order.
 
     Fields:
         stored: what the container says of every packet, by number.
         hidden: numbers of packets that are decoded only for others' sake.
-        packets: number of the packet ``(N,)`` that each picture comes from.
+        packets: number of the packet ``(N,)`` that each image comes from.
         time_ns: stamps ``(N,)``, strictly increasing.
-        keys: pictures from which decoding may start, as places in that order, increasing.
+        keys: images from which decoding may start, as places in that order, increasing.
         size: width and height as coded.
-        damaged: places of pictures that a decoder flags, or of which it lacks the reference.
-        lost: how many packets gave no picture.
+        damaged: places of images that a decoder flags, or of which it lacks the reference.
+        lost: how many packets gave no image.
         notes: what was taken for granted, for people.
         looked: whether all was decoded to know this.
     """
@@ -114,7 +114,7 @@ def stored_packets(container: InputContainer, stream: VideoStream) -> Iterator[P
 def decoded(
     packets: Iterator[Packet[VideoStream]], stream: VideoStream, number: int
 ) -> Iterator[tuple[int, VideoFrame | None]]:
-    """Pictures as they are shown, each with the number of its packet, the first of which is given.
+    """Images as they are shown, each with the number of its packet, the first of which is given.
 
     Where a packet cannot be decoded, None comes with the number of the one that was tried.
     """
@@ -132,8 +132,8 @@ def decoded(
 
 
 @lru_cache(maxsize=4)
-def scan(path: Path, changed_ns: int, size: int) -> ShownPictures:
-    """The pictures by the packets' stamps, or by decoding where those do not tell the order.
+def scan(path: Path, changed_ns: int, size: int) -> ShownImages:
+    """The images by the packets' stamps, or by decoding where those do not tell the order.
 
     Args:
         path: of the file.
@@ -141,7 +141,7 @@ def scan(path: Path, changed_ns: int, size: int) -> ShownPictures:
         size: of the file, likewise.
 
     Raises:
-        RecordingError: not a video, nothing in it, too many or too large pictures, or stamps too
+        RecordingError: not a video, nothing in it, too many or too large images, or stamps too
             far apart.
     """
     cut = ""
@@ -160,35 +160,35 @@ def scan(path: Path, changed_ns: int, size: int) -> ShownPictures:
     if not (width > 0 and height > 0 and width * height <= MAX_PIXELS) or base is None:
         raise refusal(path, f"expected at most {MAX_PIXELS} pixels, got {width} x {height}")
     if len(stored) < stated and not cut and _unedited(path) < stated:
-        cut = f"the video is truncated: expected {stated} pictures, got {len(stored)}"
+        cut = f"the video is truncated: expected {stated} images, got {len(stored)}"
     shown = [number for number in range(len(stored)) if number not in hidden]
     if not shown:
-        raise refusal(path, cut or "expected pictures, got none", advice="copy the file again")
+        raise refusal(path, cut or "expected images, got none", advice="copy the file again")
     notes: tuple[str, ...] = (f"{cut}: what is there is read",) if cut else ()
     held = max(len(stored), stated)
     if 2 * len(shown) < held and not cut:
         notes += (
             f"its edit list, or a damaged time scale, hides {held - len(shown)} of {held} "
-            "pictures, which are left out",
+            "images, which are left out",
         )
     stamps = [stored[number][0] for number in shown]
     known = [one for one in stamps if one is not None]
     in_order = all(one < after for one, after in pairwise(known))
     if len(set(known)) < len(shown) or (in_order and reordered and len(shown) > 1):
         nothing = np.empty(0, np.int64)
-        pictures = ShownPictures(
+        images = ShownImages(
             stored, hidden, nothing, nothing, nothing, (width, height), notes=notes
         )
-        return look_through(path, pictures)
+        return look_through(path, images)
     packets = np.array(shown, np.int64)[np.argsort(np.array(known, np.int64), kind="stable")]
     time_ns = _nanoseconds(path, sorted(known), base)
     if len(time_ns) > 1 and float(np.median(np.diff(time_ns))) < _LEAST_STEP_NS:
         step_ns = float(np.median(np.diff(time_ns)))
-        raise refusal(path, f"expected pictures 10 us or more apart, got {step_ns:g} ns")
+        raise refusal(path, f"expected images 10 us or more apart, got {step_ns:g} ns")
     if np.any(np.diff(time_ns) <= 0):
         raise refusal(path, "expected stamps a nanosecond apart, got finer ones")
     places = np.flatnonzero([stored[number][3] for number in packets])
-    return ShownPictures(stored, hidden, packets, time_ns, places, (width, height), notes=notes)
+    return ShownImages(stored, hidden, packets, time_ns, places, (width, height), notes=notes)
 
 
 def _read_packets(
@@ -200,7 +200,7 @@ def _read_packets(
     hiding = stream.codec_context.name in ("vp8", "libvpx")
     for number, packet in enumerate(stored_packets(container, stream)):
         if number >= FRAME_LIMIT:
-            raise refusal(path, f"expected at most {FRAME_LIMIT} pictures, got more")
+            raise refusal(path, f"expected at most {FRAME_LIMIT} images, got more")
         stored.append((packet.pts, packet.dts, packet.size, packet.is_keyframe))
         if packet.is_discard or (hiding and not memoryview(packet)[0] & _HIDDEN):
             hidden.append(number)
@@ -208,25 +208,25 @@ def _read_packets(
 
 
 def _unedited(path: Path) -> int:
-    """How many pictures a file holds, those that its edit list cuts away included."""
+    """How many images a file holds, those that its edit list cuts away included."""
     with refused(), open_video(path, edited=False) as container:
         return sum(1 for _ in stored_packets(container, container.streams.video[0]))
 
 
 @lru_cache(maxsize=4)
-def look_through(path: Path, before: ShownPictures) -> ShownPictures:
-    """Decode all: which pictures are shown, in which order and when, and which are damaged.
+def look_through(path: Path, before: ShownImages) -> ShownImages:
+    """Decode all: which images are shown, in which order and when, and which are damaged.
 
     Raises:
         RecordingError: nothing in it can be decoded, or stamps too far apart.
     """
-    pictures = _decode_all(path, before, before.threads)
-    if pictures.threads != before.threads:
-        pictures = _decode_all(path, before, pictures.threads)
-    return pictures
+    images = _decode_all(path, before, before.threads)
+    if images.threads != before.threads:
+        images = _decode_all(path, before, images.threads)
+    return images
 
 
-def _decode_all(path: Path, before: ShownPictures, threads: ThreadType) -> ShownPictures:
+def _decode_all(path: Path, before: ShownImages, threads: ThreadType) -> ShownImages:
     packets: list[int] = []
     dts: list[int | None] = []
     keys: list[int] = []
@@ -250,7 +250,7 @@ def _decode_all(path: Path, before: ShownPictures, threads: ThreadType) -> Shown
     if not packets or base is None:
         raise refusal(
             path,
-            "none of its pictures can be decoded",
+            "none of its images can be decoded",
             field="frame 0",
             advice="copy the file again",
         )
@@ -267,13 +267,13 @@ def _decode_all(path: Path, before: ShownPictures, threads: ThreadType) -> Shown
     notes = before.notes
     if counted:
         notes += (
-            f"{counted} of {len(best)} pictures have no stamp, or one that is out of the "
+            f"{counted} of {len(best)} images have no stamp, or one that is out of the "
             f"order in which they are shown: theirs are counted in that order, as FFmpeg does, at "
             f"{1e9 / step_ns:.4g} a second where nothing else tells",
         )
     missing = set(range(len(before.stored))).difference(before.hidden, packets)
     faults = sorted(missing.union(packets[place] for place in damaged))
-    return ShownPictures(
+    return ShownImages(
         before.stored,
         before.hidden,
         np.array(packets, np.int64),
@@ -316,7 +316,7 @@ def _nanoseconds(path: Path, stamps: Sequence[int], base: Fraction) -> IntArray:
 
 
 def _best_stamps(pts: Sequence[int | None], dts: Sequence[int | None]) -> list[int | None]:
-    """Of each picture, pts or dts: what has increased more often up to it.
+    """Of each image, pts or dts: what has increased more often up to it.
 
     Source: FFmpeg, libavcodec/decode.c, `guess_correct_pts` (its `best_effort_timestamp`).
     """
@@ -334,7 +334,7 @@ def _best_stamps(pts: Sequence[int | None], dts: Sequence[int | None]) -> list[i
 
 
 def _increasing(stated: dict[int, int], count: int, step_ns: int) -> tuple[list[int], int]:
-    """Stamps of all pictures, and how many were counted: the most that increase are kept.
+    """Stamps of all images, and how many were counted: the most that increase are kept.
 
     Those between two that are kept are spread evenly, those before and after all are `step_ns`
     apart.

@@ -1,6 +1,6 @@
 """Part of a sequence of frames: those between two times, with all else as it was.
 
-Times rather than numbers, since damaged pictures are left out of one reading and not of another.
+Times rather than numbers, since damaged images are left out of one reading and not of another.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga.arrays import IntArray
-from motorcade.replays.io.readers.frames.files import PictureFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.recording import FrameSequence, ImageArray
 from motorcade.tracking.cameras.camera import Camera
@@ -26,8 +26,8 @@ def frames_between(frames: FrameSequence, start_ns: int, end_ns: int) -> FrameSe
 
     >>> import numpy as np
     >>> from pathlib import Path
-    >>> from motorcade.replays.io.readers.frames.files import PictureFrames
-    >>> frames = PictureFrames((Path("0.png"), Path("1.png"), Path("2.png")), np.array([0, 5, 9]))
+    >>> from motorcade.replays.io.readers.frames.files import ImageFrames
+    >>> frames = ImageFrames((Path("0.png"), Path("1.png"), Path("2.png")), np.array([0, 5, 9]))
     >>> [path.name for path in frames_between(frames, 5, 9).files]
     ['1.png', '2.png']
     """
@@ -41,8 +41,8 @@ def frames_between(frames: FrameSequence, start_ns: int, end_ns: int) -> FrameSe
         return frames
     if isinstance(frames, VideoFrames):
         return _VideoSpan(frames, rows)
-    if not isinstance(frames, PictureFrames):
-        raise ValueError("expected a video or pictures in files, got frames that have no parts")
+    if not isinstance(frames, ImageFrames):
+        raise ValueError("expected a video or images in files, got frames that have no parts")
     kept = slice(int(rows[0]), int(rows[-1]) + 1)
     return replace(
         frames,

@@ -1,7 +1,7 @@
-"""Video files as frame sequences: upright pictures with their stamps, decoded lazily and in order.
+"""Video files as frame sequences: upright images with their stamps, decoded lazily and in order.
 
-Pictures asked for in order are decoded in one pass; going back or far ahead seeks to the nearest
-keyframe first. Which there are, and when, says `packets`. Pictures come upright, as the display
+Images asked for in order are decoded in one pass; going back or far ahead seeks to the nearest
+keyframe first. Which there are, and when, says `packets`. Images come upright, as the display
 matrix says, and with 8 bits a colour.
 """
 
@@ -31,7 +31,7 @@ from motorcade.replays.io.errors import refusal
 from motorcade.replays.io.files import open_bounded, refused
 from motorcade.replays.io.readers.frames.held import another_size
 from motorcade.replays.io.readers.frames.packets import (
-    ShownPictures,
+    ShownImages,
     Stored,
     decoded,
     look_through,
@@ -41,7 +41,7 @@ from motorcade.replays.io.readers.frames.packets import (
 )
 from motorcade.replays.io.readers.gpmf import read_telemetry
 from motorcade.replays.io.recording import DecodedFrames, ImageArray, Recording
-from motorcade.tracking.cameras.orientation import AS_STORED, PictureOrientation
+from motorcade.tracking.cameras.orientation import AS_STORED, ImageOrientation
 
 if TYPE_CHECKING:
     from motorcade.tracking.cameras.camera import Camera
@@ -49,11 +49,11 @@ if TYPE_CHECKING:
 _LOG = logging.getLogger("motorcade.replays")
 _HDR = {16: "PQ", 18: "HLG"}  # transfer characteristics by their number in ITU-T H.273
 _ORIENTATIONS = tuple(
-    PictureOrientation(turns, mirrored) for mirrored in (False, True) for turns in range(4)
+    ImageOrientation(turns, mirrored) for mirrored in (False, True) for turns in range(4)
 )
 
 _WHOLE_SHARE = 10
-"""A video is refused of which less than one picture in so many is whole."""
+"""A video is refused of which less than one image in so many is whole."""
 SUFFIXES = (
     *(".mp4", ".m4v", ".mov", ".qt", ".3gp", ".3g2", ".lrv"),  # of one kind: ISO 14496-12
     *(".mkv", ".webm", ".avi", ".mpg", ".mpeg", ".ts", ".mts", ".m2ts"),
@@ -80,21 +80,21 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
 
 
 class VideoFrames(DecodedFrames):
-    """Pictures of the first video stream of a file, upright, in the order they are shown.
+    """Images of the first video stream of a file, upright, in the order they are shown.
 
     Stamps are the container's; see `packets` for those that it does not store. Opening decodes no
-    more than that takes; `intact` decodes all, and leaves damaged pictures out.
+    more than that takes; `intact` decodes all, and leaves damaged images out.
 
     Args:
         path: the file.
-        pictures: what was read of it already.
+        images: what was read of it already.
 
     Attributes:
         stored_size: width and height as coded.
-        orientation: how the coded pictures are to be shown.
+        orientation: how the coded images are to be shown.
         size: width and height as shown.
         pixel_aspect: width of a pixel over its height, as stored; 1 for nearly all cameras.
-        followed_ns: of a part, stamp of the picture after its last; None at the file's end.
+        followed_ns: of a part, stamp of the image after its last; None at the file's end.
 
     Raises:
         RecordingError: not a video, nothing in it that can be decoded, or to be shown turned by
@@ -103,28 +103,28 @@ class VideoFrames(DecodedFrames):
 
     followed_ns: int | None = None
 
-    def __init__(self, path: Path, pictures: ShownPictures | None = None) -> None:
+    def __init__(self, path: Path, images: ShownImages | None = None) -> None:
         self._path = path
         with refused():
             admit_file(path, MAX_FILE_BYTES)
-        if pictures is None:
+        if images is None:
             about = path.stat()
-            pictures = scan(path, about.st_mtime_ns, about.st_size)
-        self._pictures, self.stored_size = pictures, pictures.size
-        self.orientation, self.pixel_aspect = _first_looked_at(path, pictures)
+            images = scan(path, about.st_mtime_ns, about.st_size)
+        self._images, self.stored_size = images, images.size
+        self.orientation, self.pixel_aspect = _first_looked_at(path, images)
         self.size = self.orientation.size(self.stored_size)
-        count = len(pictures.packets)
-        self._places = np.array([k for k in range(count) if k not in pictures.damaged], np.int64)
-        if _WHOLE_SHARE * len(self._places) < count + pictures.lost:
+        count = len(images.packets)
+        self._places = np.array([k for k in range(count) if k not in images.damaged], np.int64)
+        if _WHOLE_SHARE * len(self._places) < count + images.lost:
             raise refusal(path, self._left_out(), advice="copy the file again")
-        self._time_ns = pictures.time_ns[self._places]
+        self._time_ns = images.time_ns[self._places]
         self._time_ns.setflags(write=False)
         self._decoder: _Decoder | None = None
         self._lock = threading.Lock()
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Reopen the file in another process: a decoder cannot be sent."""
-        return VideoFrames, (self._path, self._pictures), {"masks": self.masks}
+        return VideoFrames, (self._path, self._images), {"masks": self.masks}
 
     @property
     def path(self) -> Path:
@@ -135,18 +135,18 @@ class VideoFrames(DecodedFrames):
     def notes(self) -> tuple[str, ...]:
         """What was taken for granted of stamps and of the file's end, and what is left out."""
         said = self._left_out()
-        return (*self._pictures.notes, *([f"left out: {said}"] if said else []))
+        return (*self._images.notes, *([f"left out: {said}"] if said else []))
 
     def _left_out(self) -> str:
-        """How many pictures are damaged, and when; empty where none is known to be."""
-        pictures = self._pictures
-        count = len(pictures.damaged) + pictures.lost
+        """How many images are damaged, and when; empty where none is known to be."""
+        images = self._images
+        count = len(images.damaged) + images.lost
         if not count:
             return ""
-        times = [f"{1e-9 * pictures.time_ns[place]:.3f}" for place in sorted(pictures.damaged)[:3]]
+        times = [f"{1e-9 * images.time_ns[place]:.3f}" for place in sorted(images.damaged)[:3]]
         when = f" (at {', '.join(times)} s{', …' if count > len(times) else ''})" if times else ""
-        total = len(pictures.packets) + pictures.lost
-        said = f"{count} of {total} pictures {'is' if count == 1 else 'are'} damaged{when}"
+        total = len(images.packets) + images.lost
+        said = f"{count} of {total} images {'is' if count == 1 else 'are'} damaged{when}"
         return f"{said}; others before the next keyframe may show traces of that"
 
     def check(self, camera: Camera | None) -> None:
@@ -159,16 +159,16 @@ class VideoFrames(DecodedFrames):
             raise refusal(self._path, another_size((camera.width, camera.height), self.size))
 
     def intact(self, camera: Camera | None) -> tuple[VideoFrames, tuple[str, ...]]:
-        """Without damaged pictures, for which all are decoded; what is said of them, if any are.
+        """Without damaged images, for which all are decoded; what is said of them, if any are.
 
         Raises:
-            RecordingError: as `check`, or hardly a picture is whole.
+            RecordingError: as `check`, or hardly an image is whole.
         """
         self.check(camera)
-        pictures = self._pictures
-        if not pictures.looked:
-            pictures = look_through(self._path, pictures)
-        whole = self if pictures is self._pictures else VideoFrames(self._path, pictures)
+        images = self._images
+        if not images.looked:
+            images = look_through(self._path, images)
+        whole = self if images is self._images else VideoFrames(self._path, images)
         said = whole._left_out()
         return whole, (f"{self._path.name}: {said}",) if said else ()
 
@@ -184,36 +184,36 @@ class VideoFrames(DecodedFrames):
     def _image(self, index: int) -> ImageArray:
         with self._lock:
             try:
-                picture = self._decoded(int(self._places[index]))
-                if picture.shape[1::-1] != self.stored_size:
+                image = self._decoded(int(self._places[index]))
+                if image.shape[1::-1] != self.stored_size:
                     size = self.stored_size
-                    raise ValueError(f"expected {size} pixels, got {picture.shape[1::-1]}")
-                return self.orientation.upright(picture)
+                    raise ValueError(f"expected {size} pixels, got {image.shape[1::-1]}")
+                return self.orientation.upright(image)
             except (FFmpegError, ValueError, StopIteration) as fault:
                 self._stop()
                 raise refusal(
                     self._path,
-                    f"the picture cannot be decoded: {fault or 'the stream ends before it'}",
+                    f"the image cannot be decoded: {fault or 'the stream ends before it'}",
                     field=f"frame {index}",
                     advice="leave it out, as `intact` does",
                 ) from fault
 
     def _decoded(self, place: int) -> ImageArray:
-        """The picture at a place of the order shown: the running decoder's, if it is before that.
+        """The image at a place of the order shown: the running decoder's, if it is before that.
 
         Else a new one starts at a keyframe, or at the start where seeking leads astray: indices of
-        AVI files count pictures that were dropped, and some keyframes need what is before them.
+        AVI files count images that were dropped, and some keyframes need what is before them.
         """
-        keys = self._pictures.keys
+        keys = self._images.keys
         after = int(np.searchsorted(keys, place, side="right"))
         key = int(keys[after - 1]) if after else 0
         if self._decoder is None or not key - 1 <= self._decoder.at <= place:
             self._stop()
-            self._decoder = _Decoder(self._path, self._pictures, key)
+            self._decoder = _Decoder(self._path, self._images, key)
         frame = self._decoder.advance(place)
         if (frame is None or frame.is_corrupt) and self._decoder.seeks:
             self._stop()
-            self._decoder = _Decoder(self._path, self._pictures, 0)
+            self._decoder = _Decoder(self._path, self._images, 0)
             frame = self._decoder.advance(place)
         if frame is None:
             raise ValueError("its packet holds none that can be shown")
@@ -226,28 +226,28 @@ class VideoFrames(DecodedFrames):
 
 
 class _Decoder:
-    """A running pass over the stream from a keyframe on, and the picture it stands on."""
+    """A running pass over the stream from a keyframe on, and the image it stands on."""
 
-    def __init__(self, path: Path, pictures: ShownPictures, key: int) -> None:
-        self._order = pictures.packets
+    def __init__(self, path: Path, images: ShownImages, key: int) -> None:
+        self._order = images.packets
         self._place_of = {int(one): place for place, one in enumerate(self._order)}
         self._container, stream = open_stream(path)
-        stream.thread_type = pictures.threads
+        stream.thread_type = images.threads
         packets, number = stored_packets(self._container, stream), 0
         self.seeks = key > 0
         if self.seeks:
             wanted = int(self._order[key])
-            pts, dts, *_ = pictures.stored[wanted]
+            pts, dts, *_ = images.stored[wanted]
             to = dts if pts is None else pts
             with suppress(FFmpegError):
                 self._container.seek(0 if to is None else to, stream=stream)
-            packets, number = _from_known(packets, pictures.stored, wanted)
+            packets, number = _from_known(packets, images.stored, wanted)
         self._frames = decoded(packets, stream, number)
         self._frame: VideoFrame | None = None
         self.at = key - 1
 
     def advance(self, place: int) -> VideoFrame | None:
-        """Decode on up to this picture; None where it does not come."""
+        """Decode on up to this image; None where it does not come."""
         while self.at < place:
             number, frame = next(self._frames, (-1, None))
             if frame is None:
@@ -279,9 +279,9 @@ def _from_known(
 
 
 @lru_cache(maxsize=4)
-def _first_looked_at(path: Path, pictures: ShownPictures) -> tuple[PictureOrientation, Fraction]:
-    """How the pictures are to be shown, by the first; says what is assumed, and what is lost."""
-    for note in pictures.notes:
+def _first_looked_at(path: Path, images: ShownImages) -> tuple[ImageOrientation, Fraction]:
+    """How the images are to be shown, by the first; says what is assumed, and what is lost."""
+    for note in images.notes:
         _LOG.warning("%s: %s", path, note)
     container, stream = open_stream(path)
     with container:
@@ -291,7 +291,7 @@ def _first_looked_at(path: Path, pictures: ShownPictures) -> tuple[PictureOrient
     if frame is None:
         raise refusal(
             path,
-            "none of its pictures can be decoded",
+            "none of its images can be decoded",
             field="frame 0",
             advice="copy the file again",
         )
@@ -307,7 +307,7 @@ def _first_looked_at(path: Path, pictures: ShownPictures) -> tuple[PictureOrient
     if bits > 8:
         transfer = _HDR.get(int(frame.color_trc))
         _LOG.warning(
-            "%s: its pictures have %d bits a colour%s: they are read with 8, and so is the film%s",
+            "%s: its images have %d bits a colour%s: they are read with 8, and so is the film%s",
             path,
             bits,
             "" if transfer is None else f" ({transfer}, high dynamic range)",
@@ -316,7 +316,7 @@ def _first_looked_at(path: Path, pictures: ShownPictures) -> tuple[PictureOrient
     return _orientation(path, frame), Fraction(aspect or 1)
 
 
-def _orientation(path: Path, frame: VideoFrame) -> PictureOrientation:
+def _orientation(path: Path, frame: VideoFrame) -> ImageOrientation:
     """Of the eight orientations the one that a frame's display matrix has.
 
     The matrix holds nine 32-bit numbers, (a, b, u, c, d, v, x, y, w): a pixel (p, q) is shown at
@@ -334,7 +334,7 @@ def _orientation(path: Path, frame: VideoFrame) -> PictureOrientation:
     if not near:
         raise refusal(
             path,
-            f"expected pictures that are shown turned by quarter turns, got one by "
+            f"expected images that are shown turned by quarter turns, got one by "
             f"{-frame.rotation} degrees",
             advice="encode the video again turned: ffmpeg -i IN OUT does it",
         )

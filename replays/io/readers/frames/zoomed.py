@@ -9,26 +9,26 @@ from functools import partial
 from motorcade.ga.arrays import IntArray
 from motorcade.replays.io.recording import Frame, FrameSequence, ImageArray
 from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.orientation import AS_STORED, PictureOrientation
+from motorcade.tracking.cameras.orientation import AS_STORED, ImageOrientation
 from motorcade.tracking.cameras.zoom import Zoom
 
 
 @dataclass(frozen=True, eq=False)
 class ZoomedFrames:
-    """A sequence of frames whose pictures are brought to a camera's focal length.
+    """A sequence of frames whose images are brought to a camera's focal length.
 
     Fields:
-        taken: the pictures as they were taken, without depth.
+        taken: the images as they were taken, without depth.
         zoom: focal lengths over the camera's.
         camera: of the focal length that is wanted.
 
     >>> import numpy as np
     >>> from pathlib import Path
-    >>> from motorcade.replays.io.readers.frames.files import PictureFrames
+    >>> from motorcade.replays.io.readers.frames.files import ImageFrames
     >>> from motorcade.replays.io.readers.frames.zoomed import ZoomedFrames
     >>> from motorcade.tracking import Camera
     >>> from motorcade.tracking.cameras.zoom import Zoom
-    >>> taken = PictureFrames((Path("0.png"), Path("1.png")), np.array([0, 10**9]))
+    >>> taken = ImageFrames((Path("0.png"), Path("1.png")), np.array([0, 10**9]))
     >>> camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
     >>> [float(frame.zoom) for frame in ZoomedFrames(taken, Zoom([0, 1], [1.0, 2.0]), camera)]
     [1.0, 2.0]
@@ -49,9 +49,9 @@ class ZoomedFrames:
         return self.camera.width, self.camera.height
 
     @property
-    def orientation(self) -> PictureOrientation:
-        """How stored pictures are turned to be shown."""
-        stored: PictureOrientation = getattr(self.taken, "orientation", AS_STORED)
+    def orientation(self) -> ImageOrientation:
+        """How stored images are turned to be shown."""
+        stored: ImageOrientation = getattr(self.taken, "orientation", AS_STORED)
         return stored
 
     def __len__(self) -> int:
@@ -74,15 +74,15 @@ class ZoomedFrames:
         return (self[index] for index in range(len(self)))
 
     def check(self, camera: Camera | None) -> None:
-        """Look at every picture; raises as the sequence of those taken."""
+        """Look at every image; raises as the sequence of those taken."""
         self.taken.check(camera)
 
     def intact(self, camera: Camera | None) -> tuple[FrameSequence, tuple[str, ...]]:
-        """Without damaged pictures, and what is said of these; raises as those taken."""
+        """Without damaged images, and what is said of these; raises as those taken."""
         whole, said = self.taken.intact(camera)
         return replace(self, taken=whole), said
 
     def content(self) -> Iterator[bytes]:
-        """All that the pictures depend on, for a digest."""
+        """All that the images depend on, for a digest."""
         yield from self.taken.content()
         yield b"zoom" + self.zoom.time_s.tobytes() + self.zoom.ratio.tobytes()

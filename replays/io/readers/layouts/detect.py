@@ -12,11 +12,11 @@ from typing import Protocol
 
 from motorcade.replays.io.errors import refusal
 from motorcade.replays.io.readers.frames import video
-from motorcade.replays.io.readers.frames.pictures import SUFFIXES as PICTURES
+from motorcade.replays.io.readers.frames.images import SUFFIXES as IMAGES
 from motorcade.replays.io.readers.layouts import (
     euroc,
     kitti,
-    loose_pictures,
+    loose_images,
     seven_scenes,
     tum_rgbd,
 )
@@ -46,7 +46,7 @@ LAYOUTS: tuple[tuple[Callable[[Path], bool], LayoutReader, str], ...] = (
 )
 
 
-_STILLS = (*PICTURES, ".heic", ".heif", ".tif", ".tiff", ".webp", ".dng")
+_STILLS = (*IMAGES, ".heic", ".heif", ".tif", ".tiff", ".webp", ".dng")
 _OTHER_VIDEOS = (".gif", ".wmv", ".asf", ".flv", ".f4v", ".ogv", ".mxf")
 """Films that FFmpeg converts and that are not read here."""
 
@@ -57,7 +57,7 @@ def find_layout(root: Path) -> LayoutReader | None:
 
 
 def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
-    """Read a recording whose layout is known, or a folder that holds nothing but pictures.
+    """Read a recording whose layout is known, or a folder that holds nothing but images.
 
     Args:
         root: folder or file.
@@ -69,23 +69,23 @@ def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
     read = find_layout(root)
     if read is not None:
         return read(root, own_truth=own_truth)
-    if loose_pictures.recognise(root):
-        return loose_pictures.read(root)
+    if loose_images.recognise(root):
+        return loose_images.read(root)
     if root.is_dir() and not any(root.iterdir()):
         raise refusal(root, "expected a recording, got an empty folder")
-    _refuse_other_pictures(root)
-    few = loose_pictures.too_few(root)
+    _refuse_other_images(root)
+    few = loose_images.too_few(root)
     if few:
         raise refusal(
             root,
-            f"expected {loose_pictures.FEWEST} pictures or more, got {few}: they tell no path",
-            advice="`motorcade detect` finds markers in single pictures",
+            f"expected {loose_images.FEWEST} images or more, got {few}: they tell no path",
+            advice="`motorcade detect` finds markers in single images",
         )
     looked_for = ", ".join(what for _, _, what in LAYOUTS)
     raise refusal(
         root,
         f"expected a recording, got neither {looked_for} nor motorcade.toml",
-        advice="describe any other folder of pictures in a manifest (docs/manifests)"
+        advice="describe any other folder of images in a manifest (docs/manifests)"
         if root.is_dir()
         else f"`motorcade inspect {root}` says whether it holds poses or readings"
         if root.suffix.lower() in TEXT_SUFFIXES
@@ -93,8 +93,8 @@ def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
     )
 
 
-def _refuse_other_pictures(root: Path) -> None:
-    """Say what to do with a file that holds pictures, but no video that is read here.
+def _refuse_other_images(root: Path) -> None:
+    """Say what to do with a file that holds images, but no video that is read here.
 
     Raises:
         RecordingError: such a file.
@@ -103,8 +103,8 @@ def _refuse_other_pictures(root: Path) -> None:
     if kind in _STILLS:
         raise refusal(
             root,
-            "expected a recording, got one picture, which tells no path",
-            advice="give the video, or a folder with pictures of one place in the order of their "
+            "expected a recording, got one image, which tells no path",
+            advice="give the video, or a folder with images of one place in the order of their "
             "names",
         )
     if kind in _OTHER_VIDEOS:

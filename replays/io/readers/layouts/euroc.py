@@ -22,7 +22,7 @@ from motorcade.replays.io.errors import RecordingError, refusal
 from motorcade.replays.io.imu import read_imu, read_noise
 from motorcade.replays.io.readers import kalibr
 from motorcade.replays.io.readers.calibration import yaml_camera, yaml_transform
-from motorcade.replays.io.readers.frames.files import PictureFrames, inside
+from motorcade.replays.io.readers.frames.files import ImageFrames, inside
 from motorcade.replays.io.readers.tables import read_listing
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.io.trajectories import read_trajectory, trajectory_format
@@ -41,7 +41,7 @@ def recognise(root: Path) -> bool:
 def read(root: Path, *, own_truth: bool = True) -> Recording:
     """Read an EuRoC or TUM-VI sequence.
 
-    Pictures may be missing at the end of `data.csv` only (a sequence cut short).
+    Images may be missing at the end of `data.csv` only (a sequence cut short).
 
     Raises:
         RecordingError: whatever is missing in the middle, does not fit or cannot be read.
@@ -67,11 +67,11 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
     )
 
 
-def read_pictures(root: Path) -> PictureFrames:
-    """The pictures of `cam0` alone, whose camera need not be known: as they are before calibration.
+def read_images(root: Path) -> ImageFrames:
+    """The images of `cam0` alone, whose camera need not be known: as they are before calibration.
 
     Raises:
-        RecordingError: pictures that are missing, or a listing that cannot be read.
+        RecordingError: images that are missing, or a listing that cannot be read.
     """
     mav = root / "mav0" if (root / "mav0").is_dir() else root
     return _frames(mav / "cam0", None)
@@ -126,7 +126,7 @@ def _from_chain(root: Path, mav: Path) -> _Calibration:
     return _Calibration(known.camera, place, densities, place, offset_ns)
 
 
-def _frames(folder: Path, size: tuple[int, int] | None) -> PictureFrames:
+def _frames(folder: Path, size: tuple[int, int] | None) -> ImageFrames:
     listing = read_listing(folder / "data.csv", separator=b",", unit="ns")
     files = [
         inside(folder / "data", name, listing.path, int(line))
@@ -134,17 +134,17 @@ def _frames(folder: Path, size: tuple[int, int] | None) -> PictureFrames:
     ]
     present = [file.is_file() for file in files]
     if not any(present):
-        raise refusal(folder / "data", f"expected the pictures that {listing.path} lists, got none")
+        raise refusal(folder / "data", f"expected the images that {listing.path} lists, got none")
     count = len(files) - present[::-1].index(True)
     if not all(present[:count]):
         missing = present.index(False)
         raise refusal(
             files[missing],
-            f"the picture is missing, but later ones of {listing.path} are there",
+            f"the image is missing, but later ones of {listing.path} are there",
             field=f"frame {missing}",
             advice="copy it again, or remove its row",
         )
-    return PictureFrames(tuple(files[:count]), listing.time_ns[:count], size)
+    return ImageFrames(tuple(files[:count]), listing.time_ns[:count], size)
 
 
 def _truth(root: Path, mav: Path, body_T_camera: Motor) -> Trajectory | None:

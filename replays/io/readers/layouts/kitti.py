@@ -1,9 +1,9 @@
 """KITTI odometry layout: `image_2` (colour), `image_0` or `image_l`, `calib.txt`, `poses.txt`.
 
-Pictures are rectified, so the camera is a pinhole. Rows of `calib.txt` are projections K [I | t],
+Images are rectified, so the camera is a pinhole. Rows of `calib.txt` are projections K [I | t],
 named (`P2:`) or not (then in the order of the cameras); `t` shifts camera 0, whose poses are
 given, to the one that is read. Where the folder of its right neighbour is there too (`image_3`,
-`image_1` or `image_r`), its pictures make pairs. Stamps come from `times.txt`, or else from the
+`image_1` or `image_r`), its images make pairs. Stamps come from `times.txt`, or else from the
 set's 10 Hz. KITTI's world is the first pose of camera 0 with y down; it is turned on reading, so
 that z is up and x points where the car drove first.
 """
@@ -20,7 +20,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import one_line
 from motorcade.replays.io.errors import refusal
 from motorcade.replays.io.readers.calibration import make_camera
-from motorcade.replays.io.readers.frames.files import PictureFrames, picture_glob, refuse_gaps
+from motorcade.replays.io.readers.frames.files import ImageFrames, image_glob, refuse_gaps
 from motorcade.replays.io.readers.tables import data_rows
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.io.trajectories import even_stamps, read_times, read_trajectory
@@ -34,7 +34,7 @@ _UPRIGHT = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 
 def recognise(root: Path) -> bool:
-    """Whether the folder holds `calib.txt` beside a folder of pictures."""
+    """Whether the folder holds `calib.txt` beside a folder of images."""
     return (root / "calib.txt").is_file() and any((root / name).is_dir() for name in _CAMERAS)
 
 
@@ -45,14 +45,14 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
         RecordingError: a gap in the numbers, counts that differ, or whatever cannot be read.
     """
     folder = next(root / name for name in _CAMERAS if (root / name).is_dir())
-    files = picture_glob(root, f"{folder.name}/*.*")
-    refuse_gaps(files, "copy the missing picture again")
+    files = image_glob(root, f"{folder.name}/*.*")
+    refuse_gaps(files, "copy the missing image again")
     time_ns = _stamps(root, len(files))
     calibration, row = _projection(root / "calib.txt", _CAMERAS[folder.name])
-    size = PictureFrames(files, time_ns).first_size()
+    size = ImageFrames(files, time_ns).first_size()
     fx, fy, cx, cy = (float(row[i]) for i in (0, 5, 2, 6))
     camera = make_camera(calibration, size, (fx, fy, cx, cy), "pinhole", ())
-    frames, baseline_m = PictureFrames(files, time_ns, size), None
+    frames, baseline_m = ImageFrames(files, time_ns, size), None
     right = root / _RIGHT[folder.name]
     if right.is_dir():
         _, other = _projection(calibration, _CAMERAS[folder.name] + 1)
@@ -70,10 +70,10 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
 
 
 def _partners(root: Path, right: Path, files: tuple[Path, ...]) -> tuple[Path, ...]:
-    """The right pictures of the same names as the left ones."""
-    partners = picture_glob(root, f"{right.name}/*.*")
+    """The right images of the same names as the left ones."""
+    partners = image_glob(root, f"{right.name}/*.*")
     if [path.name for path in partners] != [path.name for path in files]:
-        raise refusal(right, f"expected the {len(files)} names of the left pictures, got others")
+        raise refusal(right, f"expected the {len(files)} names of the left images, got others")
     return partners
 
 
@@ -82,7 +82,7 @@ def _stamps(root: Path, count: int) -> IntArray:
         return even_stamps(count, RATE_HZ)
     _, time_ns = read_times(root / "times.txt")
     if len(time_ns) != count:
-        problem = f"expected {count} stamps for as many pictures, got {len(time_ns)}"
+        problem = f"expected {count} stamps for as many images, got {len(time_ns)}"
         raise refusal(root / "times.txt", problem)
     return time_ns
 
@@ -139,7 +139,7 @@ def _truth(root: Path, time_ns: IntArray, row: FloatArray) -> Trajectory | None:
         return None
     poses = read_trajectory(path, "kitti", rate_hz=RATE_HZ).motors
     if len(poses) != len(time_ns):
-        raise refusal(path, f"expected {len(time_ns)} poses for as many pictures, got {len(poses)}")
+        raise refusal(path, f"expected {len(time_ns)} poses for as many images, got {len(poses)}")
     camera0_T_camera = Motor.from_translation(-_shift_m(row))
     world_T_kitti = Motor.from_rotor_translation(Rotor.from_matrix(_UPRIGHT), np.zeros(3))
     return Trajectory(time_ns, world_T_kitti @ poses @ camera0_T_camera)

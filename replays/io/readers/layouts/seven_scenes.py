@@ -1,6 +1,6 @@
 """7-Scenes layout: `frame-000000.color.png`, `.depth.png` (mm), `.pose.txt` (camera to world).
 
-Pictures at 30 Hz. What is published are the depth camera's fx = fy = 585, cx = 320, cy = 240, which
+Images at 30 Hz. What is published are the depth camera's fx = fy = 585, cx = 320, cy = 240, which
 an optional `camera-intrinsics.txt` (3 by 3) repeats; and that depth is not registered to colour.
 The sensor is the first Kinect: its colour camera has about 525 px and stands 25 to 27 mm to the
 right of the depth camera, its axis parallel but for half a degree. With these values depth is
@@ -19,7 +19,7 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import IntArray
 from motorcade.replays.io.errors import refusal
 from motorcade.replays.io.readers.calibration import make_camera, read_matrix, read_numbers
-from motorcade.replays.io.readers.frames.files import PictureFrames, picture_glob, refuse_gaps
+from motorcade.replays.io.readers.frames.files import ImageFrames, image_glob, refuse_gaps
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.io.trajectories import even_stamps
 from motorcade.replays.io.transforms import transform
@@ -29,13 +29,13 @@ RATE_HZ = 30.0
 _DEPTH = (585.0, 585.0, 320.0, 240.0)
 _COLOUR = (525.0, 525.0, 320.0, 240.0)
 _WIDTH = 640
-"""Of the pictures that these hold for; of resized ones they are scaled."""
+"""Of the images that these hold for; of resized ones they are scaled."""
 _COLOUR_T_DEPTH = Motor.from_translation([-0.026, 0.0, 0.0])
 _PATTERN = "frame-*.color.*"
 
 
 def recognise(root: Path) -> bool:
-    """Whether the folder, or a `seq-01` in it, holds `frame-….color.…` pictures."""
+    """Whether the folder, or a `seq-01` in it, holds `frame-….color.…` images."""
     return root.is_dir() and bool(_sequences(root))
 
 
@@ -51,12 +51,12 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
         names = ", ".join(folder.name for folder in sequences)
         raise refusal(root, f"expected one sequence, got {names}", advice="name one of them")
     folder = sequences[0]
-    files = picture_glob(folder, _PATTERN)
-    refuse_gaps(files, "7-Scenes stamps are made from 30 Hz: copy the missing picture again")
+    files = image_glob(folder, _PATTERN)
+    refuse_gaps(files, "7-Scenes stamps are made from 30 Hz: copy the missing image again")
     time_ns = even_stamps(len(files), RATE_HZ)
     depth = _beside(files, ".depth.png")
     given = [base / "camera-intrinsics.txt" for base in (folder, root)]
-    size = PictureFrames(files, time_ns).first_size()
+    size = ImageFrames(files, time_ns).first_size()
     scale = size[0] / _WIDTH
     colour, nominal = (tuple(scale * value for value in camera) for camera in (_COLOUR, _DEPTH))
     intrinsics = next((read_matrix(path) for path in given if path.is_file()), nominal)
@@ -67,9 +67,7 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
         name=folder.resolve().name,
         root=root,
         layout="seven_scenes",
-        frames=PictureFrames(
-            files, time_ns, size, depth, depth_camera=sensor, colour_camera=camera
-        ),
+        frames=ImageFrames(files, time_ns, size, depth, depth_camera=sensor, colour_camera=camera),
         camera=camera,
         truth=_truth(poses, time_ns) if poses else None,
     )

@@ -1,6 +1,6 @@
 """TUM RGB-D layout: `rgb.txt`, `depth.txt`, `groundtruth.txt`; depth in 1/5000 m.
 
-Each colour picture gets the depth picture with the nearest stamp within 0.02 s, if there is one.
+Each colour image gets the depth image with the nearest stamp within 0.02 s, if there is one.
 Intrinsics are those published for freiburg1, 2 and 3 (the latter undistorted), known by the
 folder's name; a folder of another name has no camera unless a manifest gives one. Truth is the
 motion capture's pose of the colour camera, z up.
@@ -18,7 +18,7 @@ import numpy as np
 from motorcade.ga.arrays import IntArray
 from motorcade.replays.io.errors import refusal
 from motorcade.replays.io.readers.calibration import make_camera
-from motorcade.replays.io.readers.frames.files import PictureFrames, inside
+from motorcade.replays.io.readers.frames.files import ImageFrames, inside
 from motorcade.replays.io.readers.tables import Listing, read_listing
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.io.trajectories import read_trajectory
@@ -52,7 +52,7 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
     """Read a TUM RGB-D sequence.
 
     Raises:
-        RecordingError: a listed picture is missing, or whatever cannot be read.
+        RecordingError: a listed image is missing, or whatever cannot be read.
     """
     colour = read_listing(root / "rgb.txt", separator=None, unit="s")
     camera = _camera(root)
@@ -68,7 +68,7 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
         depth = tuple(None if index < 0 else files[index] for index in paired)
         doubts = _unpaired(colour.time_ns, listing.time_ns, paired)
     truth_file = root / "groundtruth.txt"
-    frames = PictureFrames(
+    frames = ImageFrames(
         _files(root, colour),
         colour.time_ns,
         None if camera is None else _SIZE,
@@ -87,13 +87,13 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
 
 
 def _unpaired(colour_ns: IntArray, depth_ns: IntArray, paired: IntArray) -> tuple[str, ...]:
-    """What to say where most colour pictures have no depth, though there is some."""
+    """What to say where most colour images have no depth, though there is some."""
     with_depth = int(np.count_nonzero(paired >= 0))
     if 2 * with_depth >= min(len(colour_ns), len(depth_ns)):
         return ()
     start_s, end_s = (1e-9 * float(depth_ns[end] - colour_ns[end]) for end in (0, -1))
     return (
-        f"{with_depth} of {len(colour_ns)} colour pictures have one of depth within "
+        f"{with_depth} of {len(colour_ns)} colour images have one of depth within "
         f"{1e-9 * ASSOCIATION_NS:g} s: depth begins {start_s:+.3f} s and ends {end_s:+.3f} s from "
         "colour; if the two clocks differ, correct the stamps in depth.txt",
     )
@@ -132,7 +132,7 @@ def _files(root: Path, listing: Listing) -> tuple[Path, ...]:
         if not path.is_file():
             raise refusal(
                 path,
-                f"the picture is missing, line {line} of {listing.path} lists it",
+                f"the image is missing, line {line} of {listing.path} lists it",
                 field=f"frame {index}",
                 advice="copy it again, or remove its row",
             )

@@ -1,4 +1,4 @@
-"""Manifests: a TOML file that describes any folder of pictures or a video, or adds to a layout.
+"""Manifests: a TOML file that describes any folder of images or a video, or adds to a layout.
 
 With a `[frames]` table the manifest alone says what the recording is. Without one, the folder's
 own layout (or the video file) is read first, and every other table replaces or adds its part.
@@ -23,11 +23,11 @@ from motorcade.ga.stamps import LONGEST_READOUT_S
 from motorcade.replays.io.errors import RecordingError, refusal
 from motorcade.replays.io.imu import read_imu
 from motorcade.replays.io.readers.frames.files import (
-    PictureFrames,
+    ImageFrames,
     first_look,
+    image_glob,
+    images_in,
     inside,
-    picture_glob,
-    pictures_in,
     refuse_gaps,
 )
 from motorcade.replays.io.readers.frames.held import upright_camera
@@ -99,7 +99,7 @@ def read(root: Path, manifest: Path, *, may_leave: bool, topic: str | None = Non
         root: the recording's folder, or its video file.
         manifest: the TOML file.
         may_leave: whether it may name files outside the recording's folder.
-        topic: of a bag's pictures, in place of the one that it may name.
+        topic: of a bag's images, in place of the one that it may name.
 
     Raises:
         RecordingError: an unknown key, a wrong type, count or range, a file that is missing; each
@@ -220,12 +220,12 @@ class _Manifest:
             raise self.top.fault(
                 "frames",
                 f"the table is missing, and {self.root} has no layout of its own",
-                'say which pictures to read: [frames] images = "*.png", rate_hz = 30',
+                'say which images to read: [frames] images = "*.png", rate_hz = 30',
             )
         return read_layout(self.root, own_truth="truth" not in self.top)
 
     def _of_topic(self, section: Section) -> Recording:
-        """What a bag holds, with the pictures of the topic that the table names."""
+        """What a bag holds, with the images of the topic that the table names."""
         for key in set(FRAMES_KEYS) - {"topic", "masks"}:
             if key in section:
                 raise section.fault(key, "not for a bag, which brings its own stamps and depth")
@@ -241,9 +241,9 @@ class _Manifest:
                     raise section.fault(key, "not for a video, which brings its own stamps")
             return VideoFrames(self._file(section, "video") if "video" in section else self.root)
         if "images" in section:
-            files = picture_glob(self.folder, section.text("images"))
+            files = image_glob(self.folder, section.text("images"))
         else:
-            files = pictures_in(self.folder)
+            files = images_in(self.folder)
         section.only_one("rate_hz", "stamps")
         if "stamps" in section:
             unit = section.text("stamps_unit", tuple(UNITS)) if "stamps_unit" in section else "s"
@@ -251,25 +251,25 @@ class _Manifest:
             _, time_ns = read_times(path, unit)
             if len(time_ns) != len(files):
                 raise refusal(
-                    path, f"expected {len(files)} stamps for as many pictures, got {len(time_ns)}"
+                    path, f"expected {len(files)} stamps for as many images, got {len(time_ns)}"
                 )
         else:
             time_ns = even_stamps(len(files), section.number("rate_hz", 1e-3, 1e5))
-            refuse_gaps(files, "copy it again; pictures taken at uneven times need [frames] stamps")
+            refuse_gaps(files, "copy it again; images taken at uneven times need [frames] stamps")
         shown_size, orientation = first_look(files)
-        frames = PictureFrames(files, time_ns, orientation=orientation, shown_size=shown_size)
+        frames = ImageFrames(files, time_ns, orientation=orientation, shown_size=shown_size)
         if "depth" not in section:
             return frames
         if orientation != AS_STORED:
             raise section.fault(
                 "depth",
-                "expected pictures that are shown as stored, got turned ones, with which depth "
-                "pictures do not turn",
-                "take the orientation out of the pictures: exiftool -Orientation= FILES",
+                "expected images that are shown as stored, got turned ones, with which depth "
+                "images do not turn",
+                "take the orientation out of the images: exiftool -Orientation= FILES",
             )
-        depth = picture_glob(self.folder, section.text("depth"))
+        depth = image_glob(self.folder, section.text("depth"))
         if len(depth) != len(files):
-            raise section.fault("depth", f"expected {len(files)} pictures, got {len(depth)}")
+            raise section.fault("depth", f"expected {len(files)} images, got {len(depth)}")
         units = section.number("depth_units_per_m", 1e-3, 1e6)
         return replace(frames, depth_files=depth, depth_units_per_m=units)
 
@@ -278,11 +278,11 @@ class _Manifest:
         if "masks" not in section:
             return recording
         folder, frames = self._file(section, "masks"), recording.frames
-        if not isinstance(frames, VideoFrames | PictureFrames | BagFrames) or not folder.is_dir():
+        if not isinstance(frames, VideoFrames | ImageFrames | BagFrames) or not folder.is_dir():
             problem = f"expected a folder of masks for images, got {one_line(folder)}"
             raise section.fault("masks", problem)
-        names = [path.name for path in frames.files] if isinstance(frames, PictureFrames) else []
-        masks = paired_masks(pictures_in(folder), names, frames.time_ns, _size(frames))
+        names = [path.name for path in frames.files] if isinstance(frames, ImageFrames) else []
+        masks = paired_masks(images_in(folder), names, frames.time_ns, _size(frames))
         return replace(recording, frames=with_masks(frames, masks))
 
     def _with_camera(self, recording: Recording) -> Recording:
@@ -299,7 +299,7 @@ class _Manifest:
                 return recording
         if "focal_sigma" in section:
             recording = replace(recording, focal_sigma=section.number("focal_sigma", 0.0, 1.0))
-        if not isinstance(frames, VideoFrames | PictureFrames | BagFrames):
+        if not isinstance(frames, VideoFrames | ImageFrames | BagFrames):
             raise section.fault("", "this recording's camera cannot be replaced")
         stated = "width" in section or "height" in section
         size = None if stated else _size(frames)
@@ -309,7 +309,7 @@ class _Manifest:
             _LOG.warning("%s: [camera]: %s", self.path, doubt.sentence)
         if turns:
             self.stated_T_upright = camera_T_turned(turns)
-        if not isinstance(frames, PictureFrames):
+        if not isinstance(frames, ImageFrames):
             frames.check(camera)
             return replace(recording, camera=camera)
         registered_to = None if frames.depth_camera is None else camera
@@ -317,11 +317,11 @@ class _Manifest:
         return replace(recording, camera=camera, frames=frames)
 
     def _with_zoom(self, recording: Recording) -> Recording:
-        """Bring pictures of a lens that zooms to the camera's focal length, as they are read."""
+        """Bring images of a lens that zooms to the camera's focal length, as they are read."""
         section, camera = self._section("camera", CAMERA_KEYS), recording.camera
         frames = recording.frames
         if "depth_camera" in self.top or "stereo" in self.top or frames[0].read_depth is not None:
-            raise section.fault("zoom", "expected pictures alone, got depth or pairs with them")
+            raise section.fault("zoom", "expected images alone, got depth or pairs with them")
         if camera is None or "zoom_s" not in section:
             raise section.fault("zoom_s", "the key is missing", "give the time of each zoom")
         try:
@@ -332,13 +332,13 @@ class _Manifest:
         return replace(recording, frames=ZoomedFrames(frames, zoom, camera))
 
     def _upright(
-        self, section: Section, stated: Camera, frames: VideoFrames | PictureFrames | BagFrames
+        self, section: Section, stated: Camera, frames: VideoFrames | ImageFrames | BagFrames
     ) -> tuple[Camera, int]:
-        """The camera of the pictures as shown, and how far the stated one was turned for it."""
+        """The camera of the images as shown, and how far the stated one was turned for it."""
         stored = frames.orientation.size(_size(frames))  # undoes itself
         rotation_deg = section_rotation(section)
         if rotation_deg is None and frames.orientation == AS_STORED:
-            return stated, 0  # the pictures are compared with it when they are read
+            return stated, 0  # the images are compared with it when they are read
         try:
             camera = upright_camera(stated, rotation_deg, stored, frames.orientation)
         except ValueError as fault:
@@ -351,11 +351,11 @@ class _Manifest:
         return section_camera(self.path, section, size, lambda key: self._file(section, key))
 
     def _with_depth_camera(self, recording: Recording) -> Recording:
-        """Say what took the depth pictures, where they lie on pixels of their own."""
+        """Say what took the depth images, where they lie on pixels of their own."""
         section = self._section("depth_camera", DEPTH_CAMERA_KEYS)
         frames, colour = recording.frames, recording.camera
-        if not isinstance(frames, PictureFrames) or not any(frames.depth_files):
-            raise section.fault("", "expected depth pictures, got none", "say [frames] depth")
+        if not isinstance(frames, ImageFrames) or not any(frames.depth_files):
+            raise section.fault("", "expected depth images, got none", "say [frames] depth")
         if colour is None:
             raise section.fault("", "expected a [camera] to register depth to, got none")
         stated = "width" in section or "height" in section
@@ -372,17 +372,17 @@ class _Manifest:
         )
 
     def _with_right(self, recording: Recording) -> Recording:
-        """Add the right pictures of rectified pairs."""
+        """Add the right images of rectified pairs."""
         section = self._section("stereo", STEREO_KEYS)
-        if not isinstance(recording.frames, PictureFrames):
-            raise section.fault("", "expected pictures in files, got a video or markers alone")
-        files = picture_glob(self.folder, section.text("right"))
+        if not isinstance(recording.frames, ImageFrames):
+            raise section.fault("", "expected images in files, got a video or markers alone")
+        files = image_glob(self.folder, section.text("right"))
         if len(files) != len(recording.frames):
-            problem = f"expected {len(recording.frames)} pictures, got {len(files)}"
+            problem = f"expected {len(recording.frames)} images, got {len(files)}"
             raise section.fault("right", problem)
         baseline_m = section.number("baseline_m", 1e-3, 1e3)
         if recording.frames.orientation != AS_STORED:
-            raise section.fault("right", "expected pictures that are shown as stored, got turned")
+            raise section.fault("right", "expected images that are shown as stored, got turned")
         return replace(
             recording, frames=replace(recording.frames, right_files=files), baseline_m=baseline_m
         )
@@ -416,9 +416,9 @@ class _Manifest:
         return recording
 
 
-def _size(frames: VideoFrames | PictureFrames | BagFrames) -> tuple[int, int]:
-    """Width and height of the pictures as shown."""
-    return frames.first_size() if isinstance(frames, PictureFrames) else frames.size
+def _size(frames: VideoFrames | ImageFrames | BagFrames) -> tuple[int, int]:
+    """Width and height of the images as shown."""
+    return frames.first_size() if isinstance(frames, ImageFrames) else frames.size
 
 
 def _within(section: Section, frames: FrameSequence) -> FrameSequence:

@@ -326,7 +326,7 @@ def section_camera(
     Args:
         path: the manifest.
         section: its table.
-        size: of the pictures, where the table does not say it.
+        size: of the images, where the table does not say it.
         file: the file that a key of the table names.
 
     Raises:
@@ -368,7 +368,7 @@ def _intrinsics(
 def camera_toml(camera: Camera, rotation_deg: int = 0) -> str:
     """Write a camera as the `[camera]` table that `read_camera` and manifests read.
 
-    `rotation_deg` says by how many degrees clockwise its pictures were turned to be shown.
+    `rotation_deg` says by how many degrees clockwise its images were turned to be shown.
     """
     lines = ["[camera]", f'model = "{camera.model}"']
     lines += [f"{key} = {getattr(camera, key)!r}" for key in ("width", "height")]

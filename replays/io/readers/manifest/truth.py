@@ -61,7 +61,7 @@ def read_truth(
         section: the manifest's truth table.
         recording: what is read so far: frames, board and IMU pose are used.
         file_of: finds the file that a key names.
-        stated_T_upright: how far the camera was turned with its pictures; None: it was not.
+        stated_T_upright: how far the camera was turned with its images; None: it was not.
 
     Raises:
         RecordingError: an unknown key, a file that cannot be read, counts that differ, or a
@@ -150,7 +150,7 @@ def _stamps(
         raise section.fault(
             "file",
             f"expected a pose for each of {len(recording.frames)} frames, got {count}",
-            advice if count > len(recording.frames) else "is a picture or a pose missing?",
+            advice if count > len(recording.frames) else "is an image or a pose missing?",
         )
     return recording.frames.time_ns
 

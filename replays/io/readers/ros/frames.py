@@ -32,7 +32,7 @@ from motorcade.ga.names import one_line
 from motorcade.replays.io.errors import refusal
 from motorcade.replays.io.files import open_bounded
 from motorcade.replays.io.readers.frames.files import FRAME_LIMIT
-from motorcade.replays.io.readers.frames.pictures import FRAME_PIXELS, picture_size
+from motorcade.replays.io.readers.frames.images import FRAME_PIXELS, image_size
 from motorcade.replays.io.readers.ros.admission import FILE_LIMIT
 from motorcade.replays.io.readers.ros.reader import Bag
 from motorcade.replays.io.recording import DecodedFrames, DepthArray, Frame, ImageArray
@@ -119,7 +119,7 @@ class ImageTopic:
 def _is_grey(message: Any) -> bool:
     """Whether a compressed image has one channel; what cannot be read has none."""
     try:
-        picture_size(bytes(message.data))
+        image_size(bytes(message.data))
         stored = cv2.imdecode(np.asarray(message.data, np.uint8), cv2.IMREAD_UNCHANGED)
     except (ValueError, cv2.error):
         return False
@@ -185,11 +185,11 @@ class BagFrames(DecodedFrames):
     Args:
         path: the bag.
         topic: of images, raw or compressed.
-        size: (width, height) that every picture must have; None where the camera is unknown.
+        size: (width, height) that every image must have; None where the camera is unknown.
         depth_topic: of depth on the same pixels; None where there is none.
 
     Raises:
-        RecordingError: damaged, stamps that tell nothing, too many images, or depth for pictures.
+        RecordingError: damaged, stamps that tell nothing, too many images, or depth for images.
     """
 
     orientation = AS_STORED
@@ -221,7 +221,7 @@ class BagFrames(DecodedFrames):
             if pixels is not None and pixels.number == "u2" and hasattr(message, "encoding"):
                 highest = max(highest, int(_numbers(message, "u2").max(initial=0)))
             if len(rows) > FRAME_LIMIT:
-                raise refusal(self._path, f"expected at most {FRAME_LIMIT} pictures, got more")
+                raise refusal(self._path, f"expected at most {FRAME_LIMIT} images, got more")
         self._bits = max(self._bits, highest.bit_length())
         table = np.array(rows, dtype=np.int64).reshape(-1, 3)
         stamps = choose_stamps(*table.T)
@@ -262,12 +262,12 @@ class BagFrames(DecodedFrames):
 
     @property
     def named(self) -> Path:
-        """What opens these very pictures again: `BAG:/topic`."""
+        """What opens these very images again: `BAG:/topic`."""
         return Path(f"{self._path}:{self._topic}")
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height of the first picture; raises as `Frame.image`."""
+        """Width and height of the first image; raises as `Frame.image`."""
         height, width = self._image(0).shape[:2]
         return width, height
 
@@ -277,7 +277,7 @@ class BagFrames(DecodedFrames):
         return len(self._depth)
 
     def check(self, camera: Camera | None) -> None:
-        """Compare the first picture's size with the camera's.
+        """Compare the first image's size with the camera's.
 
         Raises:
             RecordingError: another size.
@@ -313,18 +313,18 @@ class BagFrames(DecodedFrames):
             messages = self._bag.messages([topic], IMAGE_TYPES, recorded_ns)
             message = next((value for stamp, value in messages if stamp == header_ns), None)
         if message is None:
-            raise refusal(self._path, "the picture is gone", field=field)
+            raise refusal(self._path, "the image is gone", field=field)
         return message
 
     def _image(self, index: int) -> ImageArray:
         field = f"{one_line(self._topic)} frame {index}"
         places = int(self._recorded_ns[index]), int(self._header_ns[index])
         message = self._message(self._topic, *places, field)
-        picture = decode_image(message, self._path, field, self._bits)
-        if self._size is not None and picture.shape[1::-1] != self._size:
-            problem = f"expected {self._size} pixels as the camera has, got {picture.shape[1::-1]}"
+        image = decode_image(message, self._path, field, self._bits)
+        if self._size is not None and image.shape[1::-1] != self._size:
+            problem = f"expected {self._size} pixels as the camera has, got {image.shape[1::-1]}"
             raise refusal(self._path, problem, field=field)
-        return picture
+        return image
 
     def _depth_m(self, index: int) -> DepthArray:
         topic = str(self.depth_topic)
@@ -350,7 +350,7 @@ def _order(message: Any) -> Literal["<", ">"]:
 
 
 def decode_image(message: Any, path: Path, field: str, bits: int = 8) -> ImageArray:
-    """A picture ``(height, width, 3)`` in RGB, or grey ``(height, width)``, of 8 bits.
+    """An image ``(height, width, 3)`` in RGB, or grey ``(height, width)``, of 8 bits.
 
     Args:
         message: raw or compressed.
@@ -359,15 +359,15 @@ def decode_image(message: Any, path: Path, field: str, bits: int = 8) -> ImageAr
         bits: how many bits of 16 the topic uses.
 
     Raises:
-        RecordingError: depth, another encoding, bytes that do not fit, or a damaged picture.
+        RecordingError: depth, another encoding, bytes that do not fit, or a damaged image.
     """
     encoding = _encoding(message)
     if encoding in DEPTH_ENCODINGS:
         raise refusal(
             path,
-            f"expected pictures, got depth ({encoding})",
+            f"expected images, got depth ({encoding})",
             field=field,
-            advice="name a topic of pictures; `motorcade inspect` lists them",
+            advice="name a topic of images; `motorcade inspect` lists them",
         )
     if not hasattr(message, "encoding"):
         return _compressed(message, path, field, ENCODINGS.get(encoding))
@@ -383,10 +383,10 @@ def decode_image(message: Any, path: Path, field: str, bits: int = 8) -> ImageAr
 
 def _to_rgb(stored: NDArray[Any], code: int | None, path: Path, field: str) -> ImageArray:
     try:
-        picture = np.array(stored) if code is None else cv2.cvtColor(np.array(stored), code)
+        image = np.array(stored) if code is None else cv2.cvtColor(np.array(stored), code)
     except cv2.error as fault:
         raise refusal(path, f"cannot be converted: {one_line(fault, 100)}", field=field) from fault
-    return np.asarray(picture, dtype=np.uint8)
+    return np.asarray(image, dtype=np.uint8)
 
 
 def _rows(message: Any, path: Path, field: str, number: str, count: int) -> NDArray[Any]:
@@ -405,35 +405,35 @@ def _rows(message: Any, path: Path, field: str, number: str, count: int) -> NDAr
 
 def _compressed(message: Any, path: Path, field: str, pixels: _Pixels | None) -> ImageArray:
     flags = cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
-    picture = _unpacked(message.data, path, field, flags)
-    if picture.dtype != np.uint8:
-        raise refusal(path, "expected an 8-bit PNG or JPEG picture", field=field)
-    if picture.ndim == 3:
-        return _to_rgb(picture, cv2.COLOR_BGR2RGB, path, field)
+    image = _unpacked(message.data, path, field, flags)
+    if image.dtype != np.uint8:
+        raise refusal(path, "expected an 8-bit PNG or JPEG image", field=field)
+    if image.ndim == 3:
+        return _to_rgb(image, cv2.COLOR_BGR2RGB, path, field)
     mosaic = pixels is not None and pixels.channels == 1
-    return _to_rgb(picture, pixels.to_rgb if mosaic and pixels else None, path, field)
+    return _to_rgb(image, pixels.to_rgb if mosaic and pixels else None, path, field)
 
 
 def _unpacked(data: Any, path: Path, field: str, flags: int) -> NDArray[Any]:
     try:
-        width, height = picture_size(bytes(data))
+        width, height = image_size(bytes(data))
         if width * height > FRAME_PIXELS:
             raise ValueError(f"expected at most {FRAME_PIXELS} pixels, got {width} x {height}")
-        picture = cv2.imdecode(np.asarray(data, dtype=np.uint8), flags)
+        image = cv2.imdecode(np.asarray(data, dtype=np.uint8), flags)
     except ValueError as fault:
         raise refusal(path, str(fault), field=field) from fault
     except cv2.error as fault:
         raise refusal(path, f"cannot be decoded: {one_line(fault)}", field=field) from fault
-    if picture is None:
+    if image is None:
         raise refusal(path, "cannot be decoded", field=field)
-    return np.asarray(picture)
+    return np.asarray(image)
 
 
 def decode_depth(message: Any, path: Path, field: str) -> DepthArray:
     """Depth ``(height, width)`` in metres, NaN where the sensor saw nothing.
 
     Raises:
-        RecordingError: no depth, depth as JPEG, bytes that do not fit, a damaged picture.
+        RecordingError: no depth, depth as JPEG, bytes that do not fit, a damaged image.
     """
     encoding = _encoding(message)
     if encoding not in DEPTH_ENCODINGS:
@@ -472,11 +472,11 @@ def _packed_depth(message: Any, path: Path, field: str, number: str) -> NDArray[
     return np.where(stored == 0, np.float32(np.nan), metres)
 
 
-def depth_beside(pictures: ImageTopic, topics: Mapping[str, ImageTopic]) -> ImageTopic | None:
+def depth_beside(images: ImageTopic, topics: Mapping[str, ImageTopic]) -> ImageTopic | None:
     """The depth topic on the same pixels: of the same frame of axes and, where known, size."""
     for topic in topics.values():
-        same = topic.frame_id == pictures.frame_id != ""
-        sizes = {topic.size, pictures.size} - {None}
+        same = topic.frame_id == images.frame_id != ""
+        sizes = {topic.size, images.size} - {None}
         if topic.kind == "depth" and same and len(sizes) <= 1:
             return topic
     return None

@@ -1,4 +1,4 @@
-"""ROS 1 and ROS 2 bags (`.bag`, `.mcap`, `.db3`, folders) as recordings: pictures, depth and IMU.
+"""ROS 1 and ROS 2 bags (`.bag`, `.mcap`, `.db3`, folders) as recordings: images, depth and IMU.
 
 The topic that is named is read (`BAG:/topic`); where none is, the first by name of colour, else of
 grey images; others are named in the log. Depth on the same pixels (of the same frame of axes) comes
@@ -65,8 +65,8 @@ def _bags_with_chain(folder: Path) -> list[Path]:
     return sorted([*files, *(entry.parent for entry in folder.glob("*/metadata.yaml"))])
 
 
-def holds_pictures(path: Path) -> bool:
-    """Whether a bag holds pictures, without which it is no recording.
+def holds_images(path: Path) -> bool:
+    """Whether a bag holds images, without which it is no recording.
 
     Raises:
         RecordingError: missing or damaged.
@@ -76,24 +76,24 @@ def holds_pictures(path: Path) -> bool:
 
 
 def read(root: Path, *, own_truth: bool = True, topic: str | None = None) -> Recording:
-    """Read a bag; pictures stay in it until they are asked for.
+    """Read a bag; images stay in it until they are asked for.
 
     Raises:
-        RecordingError: no bag, damaged, without pictures or without the topic that is named, or
+        RecordingError: no bag, damaged, without images or without the topic that is named, or
             with stamps that tell nothing.
     """
     name, folder = root.resolve().stem, root if root.is_dir() else root.parent
     root = _only_bag(root)
     with Bag(root) as bag:
         topics = _image_topics(bag)
-        pictures = _chosen(topics, root, topic)
-        depth = depth_beside(pictures, topics)
-        extrinsics = _from_chain(folder, pictures.name)
-        camera, raw_T_rectified = _camera(bag, pictures, extrinsics)
+        images = _chosen(topics, root, topic)
+        depth = depth_beside(images, topics)
+        extrinsics = _from_chain(folder, images.name)
+        camera, raw_T_rectified = _camera(bag, images, extrinsics)
     size = None if camera is None else (camera.width, camera.height)
-    frames = BagFrames(root, pictures.name, size, None if depth is None else depth.name)
+    frames = BagFrames(root, images.name, size, None if depth is None else depth.name)
     if frames.stamps.said:
-        _LOG.warning("%s, %s: %s", root, one_line(pictures.name), frames.stamps.said)
+        _LOG.warning("%s, %s: %s", root, one_line(images.name), frames.stamps.said)
     imu = read_bag_imu(root, frames=frames.stamps)
     imu_T_camera = extrinsics.imu_T_camera if extrinsics else None
     if imu_T_camera is not None and raw_T_rectified is not None:
@@ -132,29 +132,29 @@ def _image_topics(bag: Bag) -> dict[str, ImageTopic]:
 
 
 def _chosen(topics: dict[str, ImageTopic], root: Path, named: str | None) -> ImageTopic:
-    """The topic of pictures: the one named, or the first of colour, or of grey.
+    """The topic of images: the one named, or the first of colour, or of grey.
 
     Raises:
         RecordingError: none of that name, depth, or nothing but depth.
     """
-    pictures = {name: entry for name, entry in topics.items() if "depth" not in entry.kind}
+    images = {name: entry for name, entry in topics.items() if "depth" not in entry.kind}
     if named is not None:
         chosen = next((name for name in (named, f"/{named}") if name in topics), None)
         if chosen is None:
             problem = f"expected a topic of images, got {one_line(named)}"
-            listed = ", ".join(map(one_line, pictures)) or "none"
+            listed = ", ".join(map(one_line, images)) or "none"
             close = did_you_mean(named, tuple(topics))
             raise refusal(root, problem, advice=f"{close}; it has {listed}")
-        if chosen not in pictures:
-            problem = f"expected pictures, got {topics[chosen].kind}"
-            raise refusal(root, problem, field=one_line(chosen), advice=_others(pictures))
+        if chosen not in images:
+            problem = f"expected images, got {topics[chosen].kind}"
+            raise refusal(root, problem, field=one_line(chosen), advice=_others(images))
         return topics[chosen]
-    if not pictures:
+    if not images:
         held = ", ".join(f"{entry.kind} in {one_line(name)}" for name, entry in topics.items())
-        problem = f"expected messages of {' or '.join(IMAGE_TYPES)} that are pictures"
+        problem = f"expected messages of {' or '.join(IMAGE_TYPES)} that are images"
         advice = "`motorcade inspect` lists what it holds"
         raise refusal(root, f"{problem}, got {held or 'none'}", advice=advice)
-    ranked = sorted(pictures.values(), key=lambda entry: (entry.kind != "colour", entry.name))
+    ranked = sorted(images.values(), key=lambda entry: (entry.kind != "colour", entry.name))
     if len(ranked) > 1:
         others = ", ".join(one_line(entry.name) for entry in ranked[1:6])
         text = "%s: the image topic is %s, not %s; %s:TOPIC names another"
@@ -162,8 +162,8 @@ def _chosen(topics: dict[str, ImageTopic], root: Path, named: str | None) -> Ima
     return ranked[0]
 
 
-def _others(pictures: dict[str, ImageTopic]) -> str:
-    return f"name one of {', '.join(map(one_line, pictures))}" if pictures else "it holds no others"
+def _others(images: dict[str, ImageTopic]) -> str:
+    return f"name one of {', '.join(map(one_line, images))}" if images else "it holds no others"
 
 
 def _from_chain(folder: Path, topic: str) -> kalibr.ChainCamera | None:
@@ -179,18 +179,18 @@ def _from_chain(folder: Path, topic: str) -> kalibr.ChainCamera | None:
 
 
 def _camera(
-    bag: Bag, pictures: ImageTopic, chain: kalibr.ChainCamera | None
+    bag: Bag, images: ImageTopic, chain: kalibr.ChainCamera | None
 ) -> tuple[Camera | None, Motor | None]:
-    """The camera of the pictures, and how rectifying has turned it; None: not known, not turned."""
-    place, _, last = _without_transport(pictures.name).rpartition("/")
+    """The camera of the images, and how rectifying has turned it; None: not known, not turned."""
+    place, _, last = _without_transport(images.name).rpartition("/")
     rectified = "rect" in last
     if chain is not None and not rectified:
         return chain.camera, None
-    info = _info(bag, f"{place}/camera_info", pictures.frame_id)
+    info = _info(bag, f"{place}/camera_info", images.frame_id)
     if info is None:
         if rectified and chain is not None:
-            text = "%s: pictures of %s are rectified, and no camera_info says for which camera"
-            _LOG.warning(text, bag.path, one_line(pictures.name))
+            text = "%s: images of %s are rectified, and no camera_info says for which camera"
+            _LOG.warning(text, bag.path, one_line(images.name))
         return None, None
     return _from_info(bag.path, info, rectified=rectified)
 
@@ -201,7 +201,7 @@ def _without_transport(topic: str) -> str:
 
 
 def _info(bag: Bag, beside: str, frame_id: str) -> Any | None:
-    """The first camera_info beside the pictures, or else of the one topic with their frame."""
+    """The first camera_info beside the images, or else of the one topic with their frame."""
     topics = bag.topics((CAMERA_INFO_TYPE,))
     names = [beside] if beside in topics else topics
     firsts = [next(iter(bag.messages([name], (CAMERA_INFO_TYPE,))), None) for name in names]
@@ -216,7 +216,7 @@ def _info(bag: Bag, beside: str, frame_id: str) -> Any | None:
 def _from_info(path: Path, info: Any, *, rectified: bool) -> tuple[Camera | None, Motor | None]:
     """A camera by REP 104: of the lens (K, D), or of the rectified image (P, and R, how it turned).
 
-    K and P are those of the whole sensor. Pictures show a region of it, and of so many of its
+    K and P are those of the whole sensor. Images show a region of it, and of so many of its
     pixels one of theirs is made, whose centre is that of them all.
     """
     k, d, r, p = (_numbers(info, letter) for letter in "kdrp")
@@ -259,7 +259,7 @@ def _numbers(info: Any, letter: str) -> FloatArray:
 
 
 def read_beside_chain(root: Path, topic: str | None = None) -> ImuStream | None:
-    """A bag's IMU on the clock of the pictures, where a chain beside it says how they differ.
+    """A bag's IMU on the clock of the images, where a chain beside it says how they differ.
 
     Raises:
         RecordingError: as `read_bag_imu`.
@@ -267,11 +267,11 @@ def read_beside_chain(root: Path, topic: str | None = None) -> ImuStream | None:
     folder, bag = root if root.is_dir() else root.parent, _only_bag(root)
     path = kalibr.find(folder, kalibr.CHAIN_NAMES)
     imu = read_bag_imu(bag, topic)
-    if path is None or topic is not None or not holds_pictures(bag):
+    if path is None or topic is not None or not holds_images(bag):
         return imu
     with Bag(bag) as opened:
-        pictures = _chosen(_image_topics(opened), bag, None)
-    chain = _from_chain(folder, pictures.name)
+        images = _chosen(_image_topics(opened), bag, None)
+    chain = _from_chain(folder, images.name)
     return chain.on_camera_clock(imu) if chain else imu
 
 

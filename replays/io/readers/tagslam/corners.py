@@ -1,9 +1,9 @@
-"""TagSLAM's recordings: marker corners of one or several cameras instead of pictures.
+"""TagSLAM's recordings: marker corners of one or several cameras instead of images.
 
 A folder with `tag_detections.bag` (or `.bag.bz2`), `cameras.yaml`, `camera_poses.yaml` and
 `tagslam.yaml`; `reference` reads the `reference.bag` beside them. Recorded corners run
 (-,-) (+,-) (+,+) (-,+) in the tag's frame with z out of its face, counter-clockwise from the
-printed bottom-left one; they are turned round here. No picture tells whether the detector's "top"
+printed bottom-left one; they are turned round here. No image tells whether the detector's "top"
 is the print's.
 """
 

@@ -12,7 +12,7 @@ import pytest
 from motorcade.animation import Character, read_character
 from motorcade.animation.appearance import Material, to_linear
 from motorcade.animation.formats.collada.materials import roughness_of
-from motorcade.animation.formats.limits import picture_beside
+from motorcade.animation.formats.limits import image_beside
 from tests.animation.formats.dressed import encoded
 from tests.animation.formats.samples import (
     Write,
@@ -47,13 +47,13 @@ def shaded(shader: str, *more: tuple[str, str]) -> bytes:
     return collada_with((LAMBERT, shader), *more)
 
 
-def textured(shader: str, picture: str = "coat.png") -> bytes:
-    """The tower with coordinates and a picture, which the shader calls `sampler`."""
+def textured(shader: str, image: str = "coat.png") -> bytes:
+    """The tower with coordinates and an image, which the shader calls `sampler`."""
     numbers = " ".join(f"{value:.9g}" for value in COORDINATES.reshape(-1))
     return shaded(
         shader,
         ('<technique sid="t">', SAMPLER),
-        ("<library_effects>", IMAGE.format(picture) + "<library_effects>"),
+        ("<library_effects>", IMAGE.format(image) + "<library_effects>"),
         ('<vertices id="v">', UV.format(numbers)),
         (VERTEX, PLACED),
     )
@@ -123,7 +123,7 @@ def test_what_would_hide_everything_is_drawn_and_told(write: Write) -> None:
     assert any("which would hide it" in notice for notice in found.notices)
 
 
-def test_pictures_come_with_their_samplers_and_coordinates(write: Write) -> None:
+def test_images_come_with_their_samplers_and_coordinates(write: Write) -> None:
     write("coat.png", encoded("PNG", color=(10, 200, 30, 100)))
     both = '<diffuse><texture texture="sampler" texcoord="x"/></diffuse>'
     both += '<transparent><texture texture="sampler" texcoord="x"/></transparent>'
@@ -156,16 +156,16 @@ def test_what_is_not_drawn_is_named_once(write: Write) -> None:
     "uri",
     ["coat.png", "./coat.png", "C:\\work\\coat.png", "file:///home/me/coat.png", "a/coat.png"],
 )
-def test_pictures_are_found_beside_the_file_wherever_they_were(tmp_path: Path, uri: str) -> None:
+def test_images_are_found_beside_the_file_wherever_they_were(tmp_path: Path, uri: str) -> None:
     (tmp_path / "coat.png").write_bytes(b"x")
-    assert picture_beside(tmp_path, uri, "texture").resolve() == (tmp_path / "coat.png").resolve()
+    assert image_beside(tmp_path, uri, "texture").resolve() == (tmp_path / "coat.png").resolve()
     (tmp_path / "a").mkdir()
     (tmp_path / "a" / "coat.png").write_bytes(b"y")
     if uri.startswith("a/"):
-        assert picture_beside(tmp_path, uri, "texture") == tmp_path / "a" / "coat.png"
+        assert image_beside(tmp_path, uri, "texture") == tmp_path / "a" / "coat.png"
 
 
-def test_md5_shows_its_pictures_with_or_without_their_suffix(write: Write) -> None:
+def test_md5_shows_its_images_with_or_without_their_suffix(write: Write) -> None:
     write("tower.md5anim", md5_motion_tower())
     write("tower.tga", encoded("TGA", color=(10, 200, 30, 255)))
     made = material_of(read_character(write("tower.md5mesh", md5_mesh_tower())))
@@ -182,7 +182,7 @@ def assimp() -> str:
     return program
 
 
-def test_assimp_reads_the_same_colour_and_picture(write: Write, assimp: str) -> None:
+def test_assimp_reads_the_same_colour_and_image(write: Write, assimp: str) -> None:
     """The witness copies numbers as they stand: sRGB."""
     write("coat.png", encoded("PNG"))
     plain = shaded(PHONG.format("<diffuse><color>0.8 0.2 0.1 1</color></diffuse>", 30))
@@ -204,7 +204,7 @@ def test_assimp_reads_the_same_colour_and_picture(write: Write, assimp: str) -> 
             assert made.base_map is not None
 
 
-def test_fbx_finds_its_pictures_beside_it_and_its_colours_are_srgb(
+def test_fbx_finds_its_images_beside_it_and_its_colours_are_srgb(
     write: Write, assimp: str, tmp_path: Path
 ) -> None:
     write("coat.png", encoded("PNG", color=(10, 200, 30, 255)))

@@ -1,4 +1,4 @@
-"""What Collada allows besides quads and one channel: other polygons, pictures, hanging meshes."""
+"""What Collada allows besides quads and one channel: other polygons, images, hanging meshes."""
 
 from __future__ import annotations
 
@@ -89,8 +89,8 @@ TEXTURE = """<newparam sid="surface"><surface type="2D"><init_from>image</init_f
 <technique"""
 
 
-def _textured(picture: str, named: str = "sampler") -> bytes:
-    """The tower painted by a picture; its right half is green, its upper left corner red."""
+def _textured(image: str, named: str = "sampler") -> bytes:
+    """The tower painted by an image; its right half is green, its upper left corner red."""
     uv = (
         '<source id="t2"><float_array id="ta" count="24">' + "0.75 0.25 " * 11 + "0.25 0.75"
         '</float_array><technique_common><accessor source="#ta" count="12" stride="2"/>'
@@ -106,7 +106,7 @@ def _textured(picture: str, named: str = "sampler") -> bytes:
         ("<color>0.8 0.2 0.1 1</color>", f'<texture texture="{named}" texcoord="x"/>'),
         (
             "<library_effects>",
-            f'<library_images><image id="image"><init_from>{picture}</init_from>'
+            f'<library_images><image id="image"><init_from>{image}</init_from>'
             "</image></library_images><library_effects>",
         ),
     )
@@ -114,7 +114,7 @@ def _textured(picture: str, named: str = "sampler") -> bytes:
 
 @pytest.mark.parametrize("named", ["sampler", "image"])
 def test_textures_are_sampled_with_v_upwards(write: Write, tmp_path: Path, named: str) -> None:
-    """By a sampler and its surface, or straight by the picture's id."""
+    """By a sampler and its surface, or straight by the image's id."""
     pixels = np.zeros((2, 2, 3), np.uint8)
     pixels[:, 1], pixels[0, 0] = (0, 255, 0), (255, 0, 0)
     Image.fromarray(pixels).save(tmp_path / "skin.png")
@@ -125,13 +125,13 @@ def test_textures_are_sampled_with_v_upwards(write: Write, tmp_path: Path, named
 
 
 @pytest.mark.parametrize(
-    ("picture", "named", "told"),
+    ("image", "named", "told"),
     [("lost.png", "sampler", "'lost.png' was not read"), ("lost.png", "nowhere", "")],
 )
-def test_pictures_that_cannot_be_had_leave_a_plain_grey(
-    write: Write, picture: str, named: str, told: str
+def test_images_that_cannot_be_had_leave_a_plain_grey(
+    write: Write, image: str, named: str, told: str
 ) -> None:
-    found = read_character(write("grey.dae", _textured(picture, named)))
+    found = read_character(write("grey.dae", _textured(image, named)))
     np.testing.assert_allclose(found.colors, 0.8)
     notices = [notice for notice in found.notices if "texture" in notice]
     assert len(notices) == (1 if told else 0)

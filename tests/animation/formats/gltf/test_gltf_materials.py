@@ -13,7 +13,7 @@ from tests.animation.formats.samples import Gltf, Write, tower
 
 
 def dressed(material: dict[str, object], sets: int = 1) -> Gltf:
-    """A tower with a material, and a picture of 4 x 2 pixels whose alpha is 100."""
+    """A tower with a material, and an image of 4 x 2 pixels whose alpha is 100."""
     made = Gltf()
     vertices, triangles, _ = tower()
     data = io.BytesIO()

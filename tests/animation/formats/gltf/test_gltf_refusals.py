@@ -93,7 +93,7 @@ def test_attributes_that_do_not_fit_the_mesh_are_refused(
 
 
 def _bitmap() -> bytes:
-    """A picture of one white pixel, as a BMP."""
+    """An image of one white pixel, as a BMP."""
     head = struct.pack("<2sIHHI", b"BM", 58, 0, 0, 54)
     return head + struct.pack("<IiiHHIIiiII", 40, 1, 1, 1, 24, 0, 4, 0, 0, 0, 0) + b"\xff" * 4
 
@@ -264,7 +264,7 @@ def test_buffers_that_are_too_large_together_are_refused(
         read_character(write("large.gltf", document))
 
 
-def test_a_picture_beyond_the_limit_is_not_decoded(
+def test_an_image_beyond_the_limit_is_not_decoded(
     write: Write, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It is told, and plain colours stand in."""

@@ -1,4 +1,4 @@
-"""What glTF allows besides plain triangles: strips, fans, matrices, strides, pictures inside."""
+"""What glTF allows besides plain triangles: strips, fans, matrices, strides, images inside."""
 
 from __future__ import annotations
 
@@ -165,7 +165,7 @@ def test_a_skin_without_matrices_was_bound_where_its_mesh_stands(write: Write) -
     np.testing.assert_allclose(np.ptp(found.vertices[:, 2]), 2.0, atol=1e-6)
 
 
-def _picture(color: tuple[int, int, int], mode: str = "RGB") -> bytes:
+def _image(color: tuple[int, int, int], mode: str = "RGB") -> bytes:
     file = io.BytesIO()
     Image.new("RGB", (2, 2), color).convert(mode).save(file, "PNG")
     return file.getvalue()
@@ -185,9 +185,9 @@ def _painted(made: Gltf, image: dict[str, Any], material: dict[str, Any] | None 
 
 @pytest.mark.parametrize("mode", ["RGB", "RGBA", "L", "P", "1"])
 @pytest.mark.parametrize("place", ["buffer", "address"])
-def test_pictures_may_lie_inside_the_file_in_any_mode(write: Write, mode: str, place: str) -> None:
+def test_images_may_lie_inside_the_file_in_any_mode(write: Write, mode: str, place: str) -> None:
     made = samples.gltf_tower()
-    data = _picture((255, 255, 255), mode)
+    data = _image((255, 255, 255), mode)
     if place == "buffer":
         view = made.view(np.frombuffer(data, np.uint8))
         image: dict[str, Any] = {"bufferView": view, "mimeType": "image/png"}
@@ -197,15 +197,15 @@ def test_pictures_may_lie_inside_the_file_in_any_mode(write: Write, mode: str, p
     np.testing.assert_allclose(found.colors, 1.0, atol=1e-9)
 
 
-def test_a_picture_that_is_none_is_told_and_leaves_a_plain_grey(write: Write) -> None:
+def test_an_image_that_is_none_is_told_and_leaves_a_plain_grey(write: Write) -> None:
     made = samples.gltf_tower()
-    view = made.view(np.frombuffer(_picture((9, 9, 9))[:40], np.uint8))
+    view = made.view(np.frombuffer(_image((9, 9, 9))[:40], np.uint8))
     found = read_character(write("broken.glb", _painted(made, {"bufferView": view, "name": "x"})))
     assert any("'x' was not read (expected an image" in notice for notice in found.notices)
     np.testing.assert_allclose(found.colors, found.colors[0, 0])
 
 
-def test_one_picture_for_many_meshes_is_told_once(write: Write) -> None:
+def test_one_image_for_many_meshes_is_told_once(write: Write) -> None:
     made = samples.gltf_tower()
     made.document["meshes"][0]["primitives"] *= 3
     found = read_character(write("thrice.glb", _painted(made, {"uri": "lost.png"})))
@@ -239,7 +239,7 @@ def test_one_picture_for_many_meshes_is_told_once(write: Write) -> None:
 def test_colours_come_from_whichever_way_the_material_states_them(
     write: Write, material: dict[str, Any], linear: list[float]
 ) -> None:
-    """A texture without a picture paints nothing."""
+    """A texture without an image paints nothing."""
     made = samples.gltf_tower()
     _painted(made, {"uri": "none.png"}, material)
     made.document["textures"].append({})

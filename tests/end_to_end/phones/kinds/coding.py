@@ -1,4 +1,4 @@
-"""Writes pictures and sound into a file of any container, codec, turn, colours and frame times."""
+"""Writes images and sound into a file of any container, codec, turn, colours and frame times."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["Coded", "Picture", "encode", "upright_pictures"]
+__all__ = ["Coded", "Image", "encode", "upright_images"]
 
-Picture = NDArray[np.uint8]
+Image = NDArray[np.uint8]
 """Upright RGB ``(h, w, 3)``."""
 _CLOCK = Fraction(1, 90_000)
 _CONVERTED = {2: 5, 6: 5}
@@ -30,13 +30,13 @@ class Coded:
 
     Fields:
         suffix: of the file, which tells the container.
-        codec, pixels, options: of the pictures, no codec where nothing is encoded.
+        codec, pixels, options: of the images, no codec where nothing is encoded.
         tag: four letters by which a container names the codec.
-        turned_deg: by how much a player turns the stored pictures, clockwise.
+        turned_deg: by how much a player turns the stored images, clockwise.
         colours: matrix, primaries, transfer (ITU-T H.273) and levels (1 limited, 2 full).
         pixel_aspect: width of a pixel over its height.
         sound: codec, "" for none; sound_hz: its rate.
-        skipped: pictures before the start that an edit list hides.
+        skipped: images before the start that an edit list hides.
         muxing: options of the container.
     """
 
@@ -54,16 +54,16 @@ class Coded:
     muxing: dict[str, str] = field(default_factory=dict)
 
 
-def upright_pictures(path: Path) -> Iterable[Picture]:
-    """The pictures of a clip as a player shows them."""
+def upright_images(path: Path) -> Iterable[Image]:
+    """The images of a clip as a player shows them."""
     with av.open(str(path)) as file:
         file.streams.video[0].thread_type = "AUTO"
         for frame in file.decode(video=0):
-            picture = frame.to_ndarray(format="rgb24")
-            yield np.ascontiguousarray(np.rot90(picture, round(frame.rotation / 90.0)))
+            image = frame.to_ndarray(format="rgb24")
+            yield np.ascontiguousarray(np.rot90(image, round(frame.rotation / 90.0)))
 
 
-def encode(path: Path, pictures: Iterable[Picture], time_s: FloatArray, coded: Coded) -> None:
+def encode(path: Path, images: Iterable[Image], time_s: FloatArray, coded: Coded) -> None:
     """Write a file; times ``(N,)`` of its frames are from its start, those skipped below 0."""
     if not coded.codec:
         return
@@ -83,8 +83,8 @@ def encode(path: Path, pictures: Iterable[Picture], time_s: FloatArray, coded: C
             stream.set_display_matrix(_matrix(coded.turned_deg))
         sound = _sound_stream(file, coded)
         form = VideoReformatter()
-        for number, picture in enumerate(pictures):
-            stored = np.ascontiguousarray(np.rot90(picture, coded.turned_deg // 90))
+        for number, image in enumerate(images):
+            stored = np.ascontiguousarray(np.rot90(image, coded.turned_deg // 90))
             if number == 0:
                 stream.height, stream.width = stored.shape[:2]
             frame = _converted(stored, form, coded)
@@ -95,7 +95,7 @@ def encode(path: Path, pictures: Iterable[Picture], time_s: FloatArray, coded: C
             _add_tone(file, sound, float(time_s[0]), float(time_s[-1]), coded)
 
 
-def _converted(stored: Picture, form: VideoReformatter, coded: Coded) -> Any:
+def _converted(stored: Image, form: VideoReformatter, coded: Coded) -> Any:
     rgb = av.VideoFrame.from_ndarray(stored, format="rgb24")
     if coded.codec == "gif":
         return rgb.reformat(format=coded.pixels)

@@ -15,7 +15,7 @@ from tests.end_to_end.phones.clips import stamps_of
 
 __all__ = ["all_but_tag", "left_third", "letterboxed", "third"]
 
-Picture = NDArray[np.uint8]
+Image = NDArray[np.uint8]
 _SEED = SEEDS["judging"]
 _GREY = 118
 
@@ -33,7 +33,7 @@ def _corners(left: float, right: float, low: float, high: float) -> tuple[tuple[
     return ((left, low, 0.001), (right, low, 0.001), (right, high, 0.001), (left, high, 0.001))
 
 
-def third(name: str) -> Callable[[Picture, int], Picture]:
+def third(name: str) -> Callable[[Image, int], Image]:
     """A black sheet over the right third of a clip's board."""
     case = next(one for one in CASES if one.name == name)
     assert case.shows.board is not None
@@ -41,14 +41,14 @@ def third(name: str) -> Callable[[Picture, int], Picture]:
     across, down = 0.5 * np.ptp(points[:, :2], axis=0)
     sheet = _corners(across / 3.0, 2.0 * across, -2.0 * down, 2.0 * down)
 
-    def hidden(picture: Picture, number: int) -> Picture:
+    def hidden(image: Image, number: int) -> Image:
         outline = np.rint(_seen(name, sheet)[number]).astype(np.int32)  # type: ignore[arg-type]
-        return np.asarray(cv2.fillConvexPoly(picture.copy(), outline, (8, 8, 8)), np.uint8)
+        return np.asarray(cv2.fillConvexPoly(image.copy(), outline, (8, 8, 8)), np.uint8)
 
     return hidden
 
 
-def all_but_tag(marker_id: int) -> Callable[[Picture, int], Picture]:
+def all_but_tag(marker_id: int) -> Callable[[Image, int], Image]:
     """Grey over everything but one of the loose tags and its white edge."""
     case = next(one for one in CASES if one.name == "loose")
     tag = next(one for one in case.shows.tags if one.marker_id == marker_id)
@@ -56,23 +56,23 @@ def all_but_tag(marker_id: int) -> Callable[[Picture, int], Picture]:
     square = tag.world_T_tag().apply(np.array(_corners(-reach, reach, -reach, reach)))
     named = tuple(tuple(one) for one in square.tolist())
 
-    def alone(picture: Picture, number: int) -> Picture:
+    def alone(image: Image, number: int) -> Image:
         outline = np.rint(_seen("loose", named)[number]).astype(np.int32)  # type: ignore[arg-type]
-        shown = cv2.fillConvexPoly(np.zeros(picture.shape[:2], np.uint8), outline, (1,))
-        return np.where(shown[..., None] > 0, picture, np.uint8(_GREY))
+        shown = cv2.fillConvexPoly(np.zeros(image.shape[:2], np.uint8), outline, (1,))
+        return np.where(shown[..., None] > 0, image, np.uint8(_GREY))
 
     return alone
 
 
-def left_third(picture: Picture, number: int) -> Picture:
-    """A black rectangle over the left third of the picture, such as a finger before the lens."""
-    hidden = picture.copy()
-    hidden[:, : picture.shape[1] // 3] = 8
+def left_third(image: Image, number: int) -> Image:
+    """A black rectangle over the left third of the image, such as a finger before the lens."""
+    hidden = image.copy()
+    hidden[:, : image.shape[1] // 3] = 8
     return hidden
 
 
-def letterboxed(picture: Picture, number: int) -> Picture:
+def letterboxed(image: Image, number: int) -> Image:
     """Black bars above and below, as messengers add them."""
-    hidden = picture.copy()
+    hidden = image.copy()
     hidden[:60] = hidden[-60:] = 0
     return hidden

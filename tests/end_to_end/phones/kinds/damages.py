@@ -8,7 +8,7 @@ import av
 import cv2
 import numpy as np
 
-__all__ = ["emptied", "halved", "picture", "sound_alone", "text", "without_pictures"]
+__all__ = ["emptied", "halved", "image", "sound_alone", "text", "without_images"]
 
 
 def halved(path: Path) -> None:
@@ -27,13 +27,13 @@ def text(path: Path) -> None:
     path.write_text("This is a note, and no video.\n", encoding="utf-8")
 
 
-def picture(path: Path) -> None:
+def image(path: Path) -> None:
     """A photograph."""
     cv2.imwrite(str(path), np.full((270, 480, 3), 120, np.uint8))
 
 
-def without_pictures(path: Path) -> None:
-    """A video track that holds no picture, as where recording was stopped at once."""
+def without_images(path: Path) -> None:
+    """A video track that holds no image, as where recording was stopped at once."""
     _write(path, sound=False)
 
 

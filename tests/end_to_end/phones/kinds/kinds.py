@@ -1,4 +1,4 @@
-"""Kinds of clips that people bring: other files, other pictures, and what is no clip at all.
+"""Kinds of clips that people bring: other files, other images, and what is no clip at all.
 
 Each is made of one of the twelve clips, half as large and shorter, so that its truth still holds.
 """
@@ -15,12 +15,12 @@ import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray
 from tests.end_to_end.phones.kinds import covers, damages
-from tests.end_to_end.phones.kinds.coding import Coded, Picture
+from tests.end_to_end.phones.kinds.coding import Coded, Image
 
 __all__ = ["KINDS", "Kind"]
 
-Edit = Callable[[Picture, int], Picture]
-"""A picture, full size, and its number in the clip, to what is filmed instead."""
+Edit = Callable[[Image, int], Image]
+"""An image, full size, and its number in the clip, to what is filmed instead."""
 _X265 = {"crf": "19", "preset": "ultrafast", "x265-params": "log-level=none"}
 _X264 = {"crf": "19", "preset": "veryfast"}
 _VP9 = {"crf": "24", "b": "0", "cpu-used": "8", "deadline": "realtime"}
@@ -39,11 +39,11 @@ class Kind:
             "told": be right, or be refused or called doubtful with `why` in what is said.
         why: a regular expression.
         coded: how the file is written.
-        edit: of the pictures.
+        edit: of the images.
         crop: left, top, width and height, before all is made half as large; None: all.
         mirrored: whether left is right.
         woven: whether every second row is of the next frame, as where fields make up frames.
-        scale: of the pictures' sides.
+        scale: of the images' sides.
         rows: which frames, by the count of those there are.
         speed: how many times as fast they are shown.
         damage: done to the file at last.
@@ -86,24 +86,24 @@ def _jumping(count: int) -> IntArray:
     return np.concatenate([np.arange(40), np.arange(count - 40, count)])
 
 
-def _zooming(picture: Picture, number: int) -> Picture:
+def _zooming(image: Image, number: int) -> Image:
     """Digital zoom while filming: by 30 % in three seconds, about the middle."""
-    height, width = picture.shape[:2]
+    height, width = image.shape[:2]
     zoom = 1.0 + 0.3 * number / 84.0
     middle = 0.5 * (np.array([width, height]) - 1.0)
     shown = np.column_stack([np.eye(2) * zoom, (1.0 - zoom) * middle])
-    return np.asarray(cv2.warpAffine(picture, shown, (width, height)), np.uint8)
+    return np.asarray(cv2.warpAffine(image, shown, (width, height)), np.uint8)
 
 
-def _dark(picture: Picture, number: int) -> Picture:
+def _dark(image: Image, number: int) -> Image:
     """A tenth of the light: few levels are left, and the sensor's noise beside them."""
-    noise = np.random.default_rng(number).normal(0.0, 1.5, picture.shape[:2])
-    return np.clip(16.0 + 0.09 * picture + noise[..., None], 0, 255).astype(np.uint8)
+    noise = np.random.default_rng(number).normal(0.0, 1.5, image.shape[:2])
+    return np.clip(16.0 + 0.09 * image + noise[..., None], 0, 255).astype(np.uint8)
 
 
 _MOV, _MKV, _WEBM = Coded(".mov"), Coded(".mkv", sound="libopus"), Coded(".webm")
 KINDS = (
-    # Files: the same pictures, coded otherwise.
+    # Files: the same images, coded otherwise.
     Kind("hevc", coded=Coded(codec="libx265", options=_X265, tag="hvc1")),
     Kind(
         "hevc_10_bit_hlg_pcm",
@@ -161,7 +161,7 @@ KINDS = (
     Kind("one_frame", must="filmed", why="how wide it sees", rows=_first(1)),
     Kind("no_motion", must="filmed", why="focal length is known to", rows=_still, even=True),
     Kind("no_motion_room", "room", must="filmed", why="how wide it sees", rows=_still, even=True),
-    # Pictures.
+    # Images.
     Kind(
         "one_tag", "loose", must="told", why="focal length is known to", edit=covers.all_but_tag(3)
     ),
@@ -212,10 +212,10 @@ KINDS = (
     ),
     Kind("empty_file", must="refused", why="empty", damage=damages.emptied),
     Kind(
-        "no_pictures",
+        "no_images",
         must="refused",
-        why="no (pictures|video)|video stream",
-        damage=damages.without_pictures,
+        why="no (images|video)|video stream",
+        damage=damages.without_images,
     ),
     Kind("sound_alone", must="refused", why="video stream", damage=damages.sound_alone),
     Kind("text_named_mp4", must="refused", why="read as a video", damage=damages.text),
@@ -226,9 +226,7 @@ KINDS = (
         coded=Coded(".gif", "gif", "rgb8", {}, sound=""),
         rows=_first(20),
     ),
-    Kind(
-        "photograph", must="refused", why="picture", coded=Coded(".jpg", ""), damage=damages.picture
-    ),
+    Kind("photograph", must="refused", why="image", coded=Coded(".jpg", ""), damage=damages.image),
 )
 
 

@@ -1,4 +1,4 @@
-"""What stays true of a clip whose pictures were scaled, cropped, mirrored, or given other times."""
+"""What stays true of a clip whose images were scaled, cropped, mirrored, or given other times."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ def of_frames(truth: Truth, rows: IntArray, time_s: FloatArray) -> dict[str, Flo
 
 
 def scaled(truth: Truth, scale: tuple[float, float]) -> dict[str, FloatArray]:
-    """Pictures made smaller, across and down; pixel (0, 0) is a centre."""
+    """Images made smaller, across and down; pixel (0, 0) is a centre."""
     px = (truth["anchors_px"] + 0.5) * scale - 0.5
     return dict(truth) | {"anchors_px": px, "focal_px": scale[0] * truth["focal_px"]}
 
 
 def cropped(truth: Truth, left: int, top: int) -> dict[str, FloatArray]:
-    """Pictures cut out of larger ones."""
+    """Images cut out of larger ones."""
     return dict(truth) | {"anchors_px": truth["anchors_px"] - (left, top)}
 
 
 def mirrored(truth: Truth, width: int) -> dict[str, FloatArray]:
-    """Pictures whose left is right: those of a world that is a mirror image, x for -x."""
+    """Images whose left is right: those of a world that is a mirror image, x for -x."""
     flip = np.diag([-1.0, 1.0, 1.0])
     poses = Motor(truth["world_T_camera"])
     turned = Rotor.from_matrix(flip @ poses.rotor.as_matrix() @ flip)

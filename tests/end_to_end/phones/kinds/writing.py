@@ -9,7 +9,7 @@ import av
 import cv2
 import numpy as np
 
-from tests.end_to_end.phones.kinds.coding import Picture, encode, upright_pictures
+from tests.end_to_end.phones.kinds.coding import Image, encode, upright_images
 from tests.end_to_end.phones.kinds.kinds import Kind, times
 from tests.end_to_end.phones.kinds.truths import cropped, mirrored, of_frames, scaled
 
@@ -23,8 +23,8 @@ def write_kind(clips: Path, folder: Path, kind: Kind) -> Path:
     truth = dict(np.load(source.with_suffix(".truth.npz")))
     rows = kind.rows(len(truth["time_s"]))
     time_s = times(truth["time_s"], rows, kind)
-    pictures = _pictures(source, kind, rows.tolist())
-    encode(path, _woven(pictures) if kind.woven else pictures, time_s, kind.coded)
+    images = _images(source, kind, rows.tolist())
+    encode(path, _woven(images) if kind.woven else images, time_s, kind.coded)
     shown_s = time_s[kind.coded.skipped :] + _start_s(path)
     kept = of_frames(truth, rows[kind.coded.skipped :], shown_s)
     if kind.crop:
@@ -39,7 +39,7 @@ def write_kind(clips: Path, folder: Path, kind: Kind) -> Path:
 
 
 def _start_s(path: Path) -> float:
-    """The stamp of the first picture: streams do not begin at 0."""
+    """The stamp of the first image: streams do not begin at 0."""
     if path.suffix not in (".ts", ".mts"):
         return 0.0
     with av.open(str(path)) as file:
@@ -48,17 +48,17 @@ def _start_s(path: Path) -> float:
 
 
 def _size(source: Path, kind: Kind) -> tuple[int, int]:
-    height, width = next(iter(upright_pictures(source))).shape[:2]
+    height, width = next(iter(upright_images(source))).shape[:2]
     if kind.crop:
         width, height = kind.crop[2:]
     return round(kind.scale[0] * width), round(kind.scale[1] * height)
 
 
-def _pictures(source: Path, kind: Kind, rows: list[int]) -> Iterator[Picture]:
+def _images(source: Path, kind: Kind, rows: list[int]) -> Iterator[Image]:
     """The chosen frames, edited; `rows` never go back."""
     size, wanted = _size(source, kind), iter(rows)
     row = next(wanted, None)
-    for number, full in enumerate(upright_pictures(source)):
+    for number, full in enumerate(upright_images(source)):
         if row is None:
             return
         if row != number:
@@ -69,24 +69,24 @@ def _pictures(source: Path, kind: Kind, rows: list[int]) -> Iterator[Picture]:
             row = next(wanted, None)
 
 
-def _woven(pictures: Iterator[Picture]) -> Iterator[Picture]:
+def _woven(images: Iterator[Image]) -> Iterator[Image]:
     """Even rows of a frame, odd rows of the next: the truth of a row is up to a frame late."""
-    before = next(pictures)
-    for picture in pictures:
+    before = next(images)
+    for image in images:
         woven = before.copy()
-        woven[1::2] = picture[1::2]
+        woven[1::2] = image[1::2]
         yield woven
-        before = picture
+        before = image
     yield before
 
 
-def _made(full: Picture, kind: Kind, number: int, size: tuple[int, int]) -> Picture:
-    picture = full if kind.edit is None else kind.edit(full, number)
+def _made(full: Image, kind: Kind, number: int, size: tuple[int, int]) -> Image:
+    image = full if kind.edit is None else kind.edit(full, number)
     if kind.crop:
         left, top, width, height = kind.crop
-        picture = picture[top : top + height, left : left + width]
+        image = image[top : top + height, left : left + width]
     if kind.mirrored:
-        picture = picture[:, ::-1]
+        image = image[:, ::-1]
     return np.asarray(
-        cv2.resize(np.ascontiguousarray(picture), size, interpolation=cv2.INTER_AREA), np.uint8
+        cv2.resize(np.ascontiguousarray(image), size, interpolation=cv2.INTER_AREA), np.uint8
     )

@@ -1,7 +1,7 @@
-"""Small video files of every coding, container and fault, each with the pictures that went in.
+"""Small video files of every coding, container and fault, each with the images that went in.
 
-Pictures show a texture that moves, and their number as a row of black and white blocks that coding
-keeps: so a picture that comes out is known for what it is, whatever its stamp says.
+Images show a texture that moves, and their number as a row of black and white blocks that coding
+keeps: so an image that comes out is known for what it is, whatever its stamp says.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ import av
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["CASES", "COUNT", "Case", "number_of", "numbered_picture", "write_case"]
+__all__ = ["CASES", "COUNT", "Case", "number_of", "numbered_image", "write_case"]
 
 COUNT, GROUP, RATE = 24, 8, 25
 _BLOCK, _BITS = 12, 5
 _CLOCK = Fraction(1, 1000)
-Picture = NDArray[np.uint8]
+Image = NDArray[np.uint8]
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Coding:
         codec, pixels, options: of the encoder.
         suffixes: containers.
         even: whether only even sizes are coded.
-        intra: whether every picture is a keyframe.
+        intra: whether every image is a keyframe.
     """
 
     codec: str
@@ -74,7 +74,7 @@ CODINGS = {
         "ffv1", (".mkv", ".avi"), options={"level": "3", "slicecrc": "1"}, even=False, intra=True
     ),
 }
-FAULTS = ("none", "cut", "broken_picture", "flipped_bytes", "no_first_key")
+FAULTS = ("none", "cut", "broken_image", "flipped_bytes", "no_first_key")
 
 
 @dataclass(frozen=True)
@@ -108,8 +108,8 @@ CASES = (
     *(
         Case(name, suffix, fault)
         for name, suffix in (("h264_b", ".mp4"), ("h264", ".mkv"), ("hevc", ".mp4"))
-        for fault in ("uneven_stamps", "repeated_stamps", "stored_order", "one_picture")
-        if (name, fault) != ("hevc", "one_picture")  # the encoder hands out no single picture
+        for fault in ("uneven_stamps", "repeated_stamps", "stored_order", "one_image")
+        if (name, fault) != ("hevc", "one_image")  # the encoder hands out no single image
     ),
     *(Case(name, ".mp4", "edit_list") for name in ("h264_b", "mpeg4", "hevc")),
     *(Case("h264_b", suffix, "turned") for suffix in (".mp4", ".mov")),
@@ -117,12 +117,12 @@ CASES = (
         Case(name, CODINGS[name].suffixes[0], "odd_size")
         for name in ("mjpeg", "vp8", "vp9", "ffv1")
     ),
-    *(Case("mjpeg", ".avi", fault) for fault in ("one_picture",)),
+    *(Case("mjpeg", ".avi", fault) for fault in ("one_image",)),
 )
 
 
-def numbered_picture(number: int, size: tuple[int, int]) -> Picture:
-    """The picture of a number, RGB ``(h, w, 3)``."""
+def numbered_image(number: int, size: tuple[int, int]) -> Image:
+    """The image of a number, RGB ``(h, w, 3)``."""
     width, height = size
     y, x = np.mgrid[:height, :width]
     wave = 120 + 60 * np.sin((x + 2 * number) / 9.0) * np.cos((y - number) / 11.0)
@@ -132,8 +132,8 @@ def numbered_picture(number: int, size: tuple[int, int]) -> Picture:
     return image
 
 
-def number_of(image: Picture) -> int:
-    """The number that a picture shows."""
+def number_of(image: Image) -> int:
+    """The number that an image shows."""
     inner = slice(3, _BLOCK - 3)
     blocks = (image[inner, bit * _BLOCK + 3 : (bit + 1) * _BLOCK - 3] for bit in range(_BITS))
     return sum(int(block.mean() > 128) << bit for bit, block in enumerate(blocks))
@@ -146,7 +146,7 @@ def write_case(folder: Path, case: Case, seed: int = 7) -> Path:
     packets, plain = _encoded(case)
     if case.fault == "no_first_key":
         packets = packets[1:]
-    if case.fault == "broken_picture":
+    if case.fault == "broken_image":
         hit = packets[COUNT // 2]
         hit[0][len(hit[0]) // 3 : len(hit[0]) // 2] = rng.bytes(len(hit[0]) // 2 - len(hit[0]) // 3)
     if case.fault == "stored_order":
@@ -173,7 +173,7 @@ def _encoded(case: Case) -> tuple[list[Any], bytes]:
     """Packets as bytes, pts, dts in ms and whether a keyframe; and a file of that coding."""
     coding = CODINGS[case.coding]
     size = (97, 65) if case.fault == "odd_size" else (96, 64)
-    count = 1 if case.fault == "one_picture" else COUNT
+    count = 1 if case.fault == "one_image" else COUNT
     plain = io.BytesIO()
     options = {**coding.options, "g": str(GROUP)}
     own = {"libvpx": "webm", "ffv1": "matroska", "mjpeg": "mov", "mpeg2video": "mpegts"}
@@ -186,7 +186,7 @@ def _encoded(case: Case) -> tuple[list[Any], bytes]:
         if coding.codec == "mjpeg":
             stream.codec_context.color_range = 2
         for number in range(count):
-            frame = av.VideoFrame.from_ndarray(numbered_picture(number, size), format="rgb24")
+            frame = av.VideoFrame.from_ndarray(numbered_image(number, size), format="rgb24")
             frame.pts, frame.time_base = number, Fraction(1, RATE)
             file.mux(stream.encode(frame))
         file.mux(stream.encode(None))

@@ -1,6 +1,6 @@
 """Videos of every coding, container and fault are read as FFmpeg plays them.
 
-Witnesses: the pictures that went in, OpenCV's own FFmpeg (how many, and which pixels), and ffprobe
+Witnesses: the images that went in, OpenCV's own FFmpeg (how many, and which pixels), and ffprobe
 (stamps) where it is installed.
 """
 
@@ -14,17 +14,17 @@ import numpy as np
 import pytest
 
 from motorcade.replays.io.readers.frames.video import VideoFrames
-from tests.replays.readers.coded.corpus import CASES, Case, number_of, numbered_picture, write_case
+from tests.replays.readers.coded.corpus import CASES, Case, number_of, numbered_image, write_case
 
-DAMAGED = ("broken_picture", "flipped_bytes", "no_first_key")
+DAMAGED = ("broken_image", "flipped_bytes", "no_first_key")
 OUT_OF_ORDER = ("repeated_stamps", "stored_order")
 FEW = (
     Case("h264_b", ".avi"),
     Case("h264_b", ".mp4", "stored_order"),
-    Case("h264_b", ".ts", "broken_picture"),
+    Case("h264_b", ".ts", "broken_image"),
     Case("mpeg4", ".mp4", "no_first_key"),
     Case("vp8", ".webm", "no_first_key"),
-    Case("mjpeg", ".mov", "broken_picture"),
+    Case("mjpeg", ".mov", "broken_image"),
     Case("h264_b", ".mp4", "cut"),
     Case("hevc", ".mp4", "edit_list"),
 )
@@ -37,9 +37,9 @@ def _check(folder: Path, case: Case) -> None:
     turned = frames.orientation.quarter_turns
     as_stored = [np.rot90(image, turned) for image in images]
     seen, count = _opencv(path)
-    left_out = frames._pictures.damaged
+    left_out = frames._images.damaged
     assert np.all(np.diff(frames.time_ns) > 0)
-    assert bool(said) == bool(left_out or frames._pictures.lost)
+    assert bool(said) == bool(left_out or frames._images.lost)
     if case.fault in DAMAGED:
         assert 2 <= len(frames) <= 24
         assert frames.notes or case.coding in ("vp8", "vp9", "hevc", "mjpeg", "ffv1", "mpeg4_b")
@@ -54,7 +54,7 @@ def _check(folder: Path, case: Case) -> None:
         if frames._places[at] < count:
             assert np.abs(image.astype(int) - seen[frames._places[at]]).mean() < 1.0
         assert (
-            np.abs(image.astype(int) - numbered_picture(numbers[at], image.shape[1::-1])).mean()
+            np.abs(image.astype(int) - numbered_image(numbers[at], image.shape[1::-1])).mean()
             < 12.0
         )
     for at in np.random.default_rng(1).permutation(len(frames))[:8].tolist():
@@ -67,7 +67,7 @@ def _check(folder: Path, case: Case) -> None:
 
 
 def _opencv(path: Path) -> tuple[list[np.ndarray], int]:
-    """Pictures as stored, RGB, and how many."""
+    """Images as stored, RGB, and how many."""
     capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
     capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
     found = []

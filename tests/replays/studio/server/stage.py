@@ -24,8 +24,8 @@ STRAIGHT = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
 
 
 @dataclass(frozen=True)
-class Pictures:
-    """Grey pictures with their number in them."""
+class Images:
+    """Grey images with their number in them."""
 
     camera: Camera
     time_ns: np.ndarray = field(
@@ -68,15 +68,15 @@ class Stands:
 
 def filmed(camera: Camera = STRAIGHT) -> Filmed:
     """A camera that looks down on the table from half a metre."""
-    pictures = Pictures(camera)
+    images = Images(camera)
     poses = []
     for k in range(FRAMES):
         turn = Rotor.from_rotation_vector([0.0, 0.0, 0.03 * k])
         down = Rotor.from_rotation_vector([-np.pi / 2 - 0.7, 0.0, 0.0])  # z ahead, and down
         poses.append(Motor.from_rotor_translation(turn @ down, turn.apply([0.02, -0.6, 0.5])))
-    path = Trajectory(pictures.time_ns, Motor.stack(poses), "world", "camera")
+    path = Trajectory(images.time_ns, Motor.stack(poses), "world", "camera")
     recording = Recording(
-        name="table", root=Path("table"), layout="made", frames=pictures, camera=camera
+        name="table", root=Path("table"), layout="made", frames=images, camera=camera
     )
     words = "motorcade", "run", str(Path("table").absolute())
     return Filmed(recording, Stands(path), SceneAnchor(), np.zeros(2), 0.2, words)

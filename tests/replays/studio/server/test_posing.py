@@ -1,4 +1,4 @@
-"""Hands, feet and heads dragged on the picture: what the finger holds stays under it."""
+"""Hands, feet and heads dragged on the image: what the finger holds stays under it."""
 
 import base64
 import json

@@ -1,4 +1,4 @@
-"""Fingers on the picture, several browsers at once, and what is kept of all they do."""
+"""Fingers on the image, several browsers at once, and what is kept of all they do."""
 
 import shlex
 from pathlib import Path
@@ -284,7 +284,7 @@ def test_what_is_refused_is_said_in_a_line_and_changes_nothing(
     one.done("begin", object="Person", gesture="move", frame=0, pixels=[[320, 300]])
 
 
-def test_a_newcomer_stands_where_nobody_is_and_in_the_picture(tmp_path: Path) -> None:
+def test_a_newcomer_stands_where_nobody_is_and_in_the_image(tmp_path: Path) -> None:
     """Where somebody was carried to the place that would be next, and for two people at once."""
     at = desk(tmp_path)
     one, other = Visitor(at), Visitor(at, 2)

@@ -38,8 +38,8 @@ def test_an_edit_holds_up_no_other_request() -> None:
             time.sleep(0.1)
             began = time.perf_counter()
             asked = http.client.HTTPConnection("127.0.0.1", port)
-            picture = f"/{access.token}/run/0/frame/0.jpg"
-            asked.request("GET", picture, headers={"Host": access.names[0]})
+            image = f"/{access.token}/run/0/frame/0.jpg"
+            asked.request("GET", image, headers={"Host": access.names[0]})
             assert asked.getresponse().status == 200
             asked.close()
             assert time.perf_counter() - began < 0.6 * SLOW_S

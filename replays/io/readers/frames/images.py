@@ -1,8 +1,8 @@
-"""Picture files: their size and completeness from the bytes, and decoding to RGB, grey or depth.
+"""Image files: their size and completeness from the bytes, and decoding to RGB, grey or depth.
 
 PNG (chunks walked, checksums compared), JPEG (markers walked, end marker required), BMP and binary
-PNM. Decoders tend to return the upper part of a truncated picture without a word, so completeness
-is looked at before anything is decoded, and sizes before any memory is taken. Pictures come
+PNM. Decoders tend to return the upper part of a truncated image without a word, so completeness
+is looked at before anything is decoded, and sizes before any memory is taken. Images come
 upright: turned as EXIF says (depth, which nothing turns, excepted).
 """
 
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from motorcade.ga.names import one_line
 from motorcade.replays.io.errors import DamagedError, refusal
 from motorcade.replays.io.files import read_bounded
-from motorcade.replays.io.readers.frames.exif import picture_orientation
+from motorcade.replays.io.readers.frames.exif import image_orientation
 from motorcade.replays.io.readers.frames.held import size_advice
 from motorcade.replays.io.recording import DepthArray, ImageArray
 
@@ -32,22 +32,22 @@ FRAME_PIXELS = 50_000_000
 _BLOCK_ROWS = 512
 _JPEG_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
 _PNM_HEADER = re.compile(rb"P[56]" + 3 * rb"(?:\s|#[^\n]*\n)+(\d{1,9})" + rb"\s")
-_TRUNCATED = "the picture is truncated"
+_TRUNCATED = "the image is truncated"
 _COPY_AGAIN = "copy the file again"
 UNALIGNED = "depth on pixels of its own needs [depth_camera] in a manifest"
-ANOTHER_DEPTH_SIZE = "correct the depth camera's width and height, or leave the picture out"
+ANOTHER_DEPTH_SIZE = "correct the depth camera's width and height, or leave the image out"
 
 
-def read_picture_bytes(
+def read_image_bytes(
     path: Path, field: str | None, size: tuple[int, int] | None, advice: str | None = None
 ) -> bytes:
-    """Read a picture file and check that it is whole and has this size (width, height), upright.
+    """Read an image file and check that it is whole and has this size (width, height), upright.
 
     `advice` is what to do about another size, where that is not the camera's. A frame, which a
     field names, has at most `FRAME_PIXELS` pixels.
 
     Raises:
-        DamagedError: empty, truncated, corrupt, or no picture at all.
+        DamagedError: empty, truncated, corrupt, or no image at all.
         RecordingError: missing, too large for a frame, or another size.
     """
     data = read_bounded(path, FILE_LIMIT, field)
@@ -63,7 +63,7 @@ def read_picture_bytes(
             path,
             f"expected {size[0]} x {size[1]} pixels as the camera has, got {found[0]} x {found[1]}",
             field=field,
-            advice=advice or f"{size_advice(size, found)}, or leave the picture out",
+            advice=advice or f"{size_advice(size, found)}, or leave the image out",
         )
     return data
 
@@ -72,62 +72,62 @@ def _damaged(path: Path, problem: str, field: str | None) -> DamagedError:
     return DamagedError(str(refusal(path, problem, field=field, advice=_COPY_AGAIN)))
 
 
-def read_picture(path: Path, field: str, size: tuple[int, int] | None) -> ImageArray:
-    """Decode a picture, upright: uint8, RGB ``(height, width, 3)`` or grey ``(height, width)``.
+def read_image(path: Path, field: str, size: tuple[int, int] | None) -> ImageArray:
+    """Decode an image, upright: uint8, RGB ``(height, width, 3)`` or grey ``(height, width)``.
 
     16-bit files are reduced to 8 bits.
 
     Raises:
-        RecordingError: as `read_picture_bytes`, and what cannot be decoded.
+        RecordingError: as `read_image_bytes`, and what cannot be decoded.
     """
-    data = read_picture_bytes(path, field, size)
+    data = read_image_bytes(path, field, size)
     flags = cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
-    picture = _decode(path, data, field, flags)
-    if picture.dtype != np.uint8:
-        raise refusal(path, f"expected 8-bit pixels, got {picture.dtype}", field=field)
-    if picture.ndim == 3:
-        for row in range(0, len(picture), _BLOCK_ROWS):  # in place, so that it is held once
-            block = picture[row : row + _BLOCK_ROWS]
+    image = _decode(path, data, field, flags)
+    if image.dtype != np.uint8:
+        raise refusal(path, f"expected 8-bit pixels, got {image.dtype}", field=field)
+    if image.ndim == 3:
+        for row in range(0, len(image), _BLOCK_ROWS):  # in place, so that it is held once
+            block = image[row : row + _BLOCK_ROWS]
             block[...] = cv2.cvtColor(block, cv2.COLOR_BGR2RGB)
-    return picture_orientation(data).upright(np.asarray(picture, dtype=np.uint8))
+    return image_orientation(data).upright(np.asarray(image, dtype=np.uint8))
 
 
 def read_gray(path: Path, field: str | None, size: tuple[int, int] | None) -> ImageArray:
-    """Decode a picture of any kind to grey, upright: uint8 ``(height, width)`` (BT.601's luma).
+    """Decode an image of any kind to grey, upright: uint8 ``(height, width)`` (BT.601's luma).
 
     The brightest pixel of a 16-bit file becomes white, since such files seldom use all their bits.
 
     Raises:
-        RecordingError: as `read_picture_bytes`, and what cannot be decoded.
+        RecordingError: as `read_image_bytes`, and what cannot be decoded.
     """
-    return decode_gray(path, read_picture_bytes(path, field, size), field)
+    return decode_gray(path, read_image_bytes(path, field, size), field)
 
 
 def decode_gray(path: Path, data: bytes, field: str | None) -> ImageArray:
-    """The same of a file that was read (`read_picture_bytes`).
+    """The same of a file that was read (`read_image_bytes`).
 
     Raises:
         RecordingError: what cannot be decoded.
     """
     flags = cv2.IMREAD_ANYDEPTH | cv2.IMREAD_IGNORE_ORIENTATION
-    picture = _decode(path, data, field, flags)
-    if picture.dtype == np.uint16:
-        shown = picture.astype(np.float64) * (255.0 / max(int(picture.max()), 1))
-        picture = np.rint(shown).astype(np.uint8)
-    if picture.dtype != np.uint8:
-        raise refusal(path, f"expected 8 or 16 bits a pixel, got {picture.dtype}", field=field)
-    return picture_orientation(data).upright(np.asarray(picture, dtype=np.uint8))
+    image = _decode(path, data, field, flags)
+    if image.dtype == np.uint16:
+        shown = image.astype(np.float64) * (255.0 / max(int(image.max()), 1))
+        image = np.rint(shown).astype(np.uint8)
+    if image.dtype != np.uint8:
+        raise refusal(path, f"expected 8 or 16 bits a pixel, got {image.dtype}", field=field)
+    return image_orientation(data).upright(np.asarray(image, dtype=np.uint8))
 
 
 def read_depth(
     path: Path, field: str, size: tuple[int, int] | None, units_per_m: float
 ) -> DepthArray:
-    """Decode a 16-bit depth picture: float32 metres ``(height, width)``, NaN for 0 and 65535.
+    """Decode a 16-bit depth image: float32 metres ``(height, width)``, NaN for 0 and 65535.
 
     Raises:
-        RecordingError: as `read_picture_bytes`, and what is not one channel of 16 bits.
+        RecordingError: as `read_image_bytes`, and what is not one channel of 16 bits.
     """
-    data = read_picture_bytes(path, field, size, UNALIGNED)
+    data = read_image_bytes(path, field, size, UNALIGNED)
     stored = _decode(path, data, field, cv2.IMREAD_UNCHANGED)
     if stored.dtype != np.uint16 or stored.ndim != 2:
         raise refusal(
@@ -140,12 +140,12 @@ def read_depth(
 
 
 def upright_size(data: bytes) -> tuple[int, int]:
-    """Find the width and height that a whole picture file is shown in; raises as `picture_size`."""
-    return picture_orientation(data).size(picture_size(data))
+    """Find the width and height that a whole image file is shown in; raises as `image_size`."""
+    return image_orientation(data).size(image_size(data))
 
 
-def picture_size(data: bytes) -> tuple[int, int]:
-    """Find the width and height of a whole picture file, as stored.
+def image_size(data: bytes) -> tuple[int, int]:
+    """Find the width and height of a whole image file, as stored.
 
     Raises:
         ValueError: truncated, corrupt, an unknown format, or more than 100 million pixels.
@@ -167,14 +167,14 @@ def picture_size(data: bytes) -> tuple[int, int]:
 
 
 def _decode(path: Path, data: bytes, field: str | None, flags: int) -> NDArray[np.generic]:
-    problem = "the picture cannot be decoded"
+    problem = "the image cannot be decoded"
     try:
-        picture = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), flags)
+        image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), flags)
     except cv2.error as fault:
         raise _damaged(path, problem, field) from fault
-    if picture is None:
+    if image is None:
         raise _damaged(path, problem, field)
-    return np.asarray(picture)
+    return np.asarray(image)
 
 
 def _png_size(data: bytes) -> tuple[int, int]:
@@ -186,10 +186,10 @@ def _png_size(data: bytes) -> tuple[int, int]:
             break
         body = memoryview(data)[at + 4 : end - 4]
         if zlib.crc32(body) != struct.unpack_from(">I", data, end - 4)[0]:
-            raise ValueError("the picture is corrupt (a PNG checksum does not fit)")
+            raise ValueError("the image is corrupt (a PNG checksum does not fit)")
         if size is None:
             if kind != b"IHDR" or length != 13:
-                raise ValueError("the picture is corrupt (a PNG without header)")
+                raise ValueError("the image is corrupt (a PNG without header)")
             size = struct.unpack_from(">II", data, at + 8)
         if kind == b"IEND":
             return (size[0], size[1])
@@ -201,7 +201,7 @@ def _jpeg_size(data: bytes) -> tuple[int, int]:
     at, size = 2, None
     while at + 4 <= len(data):
         if data[at] != 0xFF:
-            raise ValueError("the picture is corrupt (a JPEG marker is missing)")
+            raise ValueError("the image is corrupt (a JPEG marker is missing)")
         marker = data[at + 1]
         if marker == 0xFF:
             at += 1
@@ -213,7 +213,7 @@ def _jpeg_size(data: bytes) -> tuple[int, int]:
         at += 2 + length
         if marker == 0xDA:
             if size is None:
-                raise ValueError("the picture is corrupt (a JPEG without header)")
+                raise ValueError("the image is corrupt (a JPEG without header)")
             # Inside the coded pixels a byte FF is always followed by 00 or a restart marker.
             if data.find(b"\xff\xd9", at) < 0:
                 break
@@ -234,7 +234,7 @@ def _bmp_size(data: bytes) -> tuple[int, int]:
 def _pnm_size(data: bytes) -> tuple[int, int]:
     header = _PNM_HEADER.match(data[:4096])
     if header is None:
-        raise ValueError("the picture is corrupt (a PNM without header)")
+        raise ValueError("the image is corrupt (a PNM without header)")
     width, height, top = (int(number) for number in header.groups())
     needed = width * height * (3 if data.startswith(b"P6") else 1) * (2 if top > 255 else 1)
     if len(data) < header.end() + needed:

@@ -16,12 +16,12 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.errors import RecordingError, refusal
 from motorcade.replays.io.files import write_bytes
-from motorcade.replays.io.readers.frames.exif import picture_orientation
+from motorcade.replays.io.readers.frames.exif import image_orientation
 from motorcade.replays.io.readers.frames.held import upright_camera
-from motorcade.replays.io.readers.frames.pictures import (
+from motorcade.replays.io.readers.frames.images import (
     decode_gray,
-    picture_size,
-    read_picture_bytes,
+    image_size,
+    read_image_bytes,
 )
 from motorcade.replays.io.recording import ImageArray
 from motorcade.tracking import Camera, Detection, TrackingError, detect_markers, pose_marker
@@ -37,7 +37,7 @@ _SUBPIXEL_BITS = 4
 
 
 @dataclass(frozen=True, eq=False)
-class MarkerPicture:
+class MarkerImage:
     """The markers of one image, upright.
 
     Fields:
@@ -64,7 +64,7 @@ def markers_in(
     camera: Camera | None = None,
     size_m: float | None = None,
     rotation_deg: int | None = None,
-) -> Iterator[MarkerPicture | RecordingError]:
+) -> Iterator[MarkerImage | RecordingError]:
     """Find the markers of image files, one by one; a file that cannot be read gives its error.
 
     Args:
@@ -84,7 +84,7 @@ def markers_in(
         check_length(size_m, "size_m")
     for path in paths:
         try:
-            data = read_picture_bytes(path, None, None)
+            data = read_image_bytes(path, None, None)
             taken_by = None if camera is None else _camera_of(path, data, camera, rotation_deg)
             gray = decode_gray(path, data, None)
         except RecordingError as fault:
@@ -93,20 +93,20 @@ def markers_in(
         if isinstance(target, Board):
             corners = target.detect(gray, taken_by)
             none = BoardCorners(np.zeros(0, np.int64), np.zeros((0, 2)), np.zeros((0, 3)))
-            yield MarkerPicture(path, gray, (), (), taken_by, corners or none)
+            yield MarkerImage(path, gray, (), (), taken_by, corners or none)
             continue
         markers = detect_markers(gray, target, taken_by)
         posed: tuple[PosedMarker | None, ...] = ()
         if taken_by is not None and size_m is not None:
             posed = tuple(_posed(one, taken_by, size_m) for one in markers)
-        yield MarkerPicture(path, gray, markers, posed, taken_by)
+        yield MarkerImage(path, gray, markers, posed, taken_by)
 
 
 def _camera_of(path: Path, data: bytes, stated: Camera, rotation_deg: int | None) -> Camera:
     """The camera of an image as shown; says what it took for granted."""
     try:
         stated_camera = upright_camera(
-            stated, rotation_deg, picture_size(data), picture_orientation(data)
+            stated, rotation_deg, image_size(data), image_orientation(data)
         )
     except ValueError as fault:
         raise refusal(path, str(fault)) from fault
@@ -122,14 +122,14 @@ def _posed(detection: Detection, camera: Camera, size_m: float) -> PosedMarker |
         return None
 
 
-def describe(picture: MarkerPicture) -> dict[str, Any]:
+def describe(image: MarkerImage) -> dict[str, Any]:
     """What was found, for JSON: pixels, metres, quaternions wxyz (see `motorcade detect`)."""
-    height, width = picture.gray.shape
-    described: dict[str, Any] = {"file": str(picture.path), "width_px": width, "height_px": height}
-    if picture.board is not None:
-        return described | _described_board(picture.board, picture.camera)
+    height, width = image.gray.shape
+    described: dict[str, Any] = {"file": str(image.path), "width_px": width, "height_px": height}
+    if image.board is not None:
+        return described | _described_board(image.board, image.camera)
     rows = []
-    for index, detection in enumerate(picture.detections):
+    for index, detection in enumerate(image.detections):
         row: dict[str, Any] = {
             "id": detection.marker_id,
             "family": detection.family,
@@ -138,8 +138,8 @@ def describe(picture: MarkerPicture) -> dict[str, Any]:
             "agreement": round(detection.agreement, 4),
             "sharp": detection.sharp,
         }
-        if picture.posed:
-            row |= _described_pose(picture.posed[index])
+        if image.posed:
+            row |= _described_pose(image.posed[index])
         rows.append(row)
     return described | {"markers": rows}
 
@@ -182,24 +182,24 @@ def _described_pose(posed: PosedMarker | None) -> dict[str, Any]:
     return {"candidates": candidates, "ambiguity": posed.ambiguity}
 
 
-def draw(picture: MarkerPicture) -> ImageArray:
+def draw(image: MarkerImage) -> ImageArray:
     """The image with outlines, ids, a dot on each printed top-left corner, and axes of poses.
 
     Outlines of corners that are not sharp are orange. Returns BGR ``(height, width, 3)``.
     """
-    canvas = cv2.cvtColor(picture.gray, cv2.COLOR_GRAY2BGR)
-    for corner in () if picture.board is None else picture.board.corners_px:
+    canvas = cv2.cvtColor(image.gray, cv2.COLOR_GRAY2BGR)
+    for corner in () if image.board is None else image.board.corners_px:
         cv2.circle(canvas, _fixed(corner).tolist(), 60, _OUTLINE, 1, cv2.LINE_AA, _SUBPIXEL_BITS)
-    for index, detection in enumerate(picture.detections):
+    for index, detection in enumerate(image.detections):
         colour = _OUTLINE if detection.sharp else _DOUBTFUL
         cv2.polylines(
             canvas, [_fixed(detection.corners_px)], True, colour, 1, cv2.LINE_AA, _SUBPIXEL_BITS
         )
         first = _fixed(detection.corners_px)[0]
         cv2.circle(canvas, first.tolist(), 40, _FIRST, -1, cv2.LINE_AA, _SUBPIXEL_BITS)
-        posed = picture.posed[index] if picture.posed else None
-        if picture.camera is not None and posed is not None:
-            _draw_axes(canvas, posed, picture.camera)
+        posed = image.posed[index] if image.posed else None
+        if image.camera is not None and posed is not None:
+            _draw_axes(canvas, posed, image.camera)
         _write_id(canvas, detection)
     return np.asarray(canvas, np.uint8)
 
@@ -214,9 +214,9 @@ def drawing_names(paths: Sequence[Path]) -> list[str]:
     ]
 
 
-def write_drawing(picture: MarkerPicture, path: Path) -> None:
+def write_drawing(image: MarkerImage, path: Path) -> None:
     """Write `draw`'s image as a PNG file. Raises OSError: a file that cannot be written."""
-    _, data = cv2.imencode(".png", draw(picture))
+    _, data = cv2.imencode(".png", draw(image))
     write_bytes(path, data.tobytes())
 
 

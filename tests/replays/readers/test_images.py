@@ -1,4 +1,4 @@
-"""Picture files: sizes as OpenCV sees them; a truncated or corrupt file never gives a picture."""
+"""Image files: sizes as OpenCV sees them; a truncated or corrupt file never gives an image."""
 
 import zlib
 from pathlib import Path
@@ -10,21 +10,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motorcade.replays.io.errors import RecordingError
-from motorcade.replays.io.readers.frames.exif import picture_orientation
+from motorcade.replays.io.readers.frames.exif import image_orientation
 from motorcade.replays.io.readers.frames.files import (
-    PictureFrames,
+    ImageFrames,
+    image_glob,
     inside,
     numbered,
-    picture_glob,
     refuse_gaps,
 )
-from motorcade.replays.io.readers.frames.pictures import (
-    picture_size,
+from motorcade.replays.io.readers.frames.images import (
+    image_size,
     read_depth,
     read_gray,
-    read_picture,
+    read_image,
 )
-from motorcade.tracking.cameras.orientation import PictureOrientation
+from motorcade.tracking.cameras.orientation import ImageOrientation
 
 ENDINGS = (".png", ".jpg", ".bmp", ".ppm", ".pgm")
 
@@ -40,23 +40,23 @@ def encoded(ending: str, seed: int = 0, size: tuple[int, int] = (37, 21)) -> byt
 @pytest.mark.parametrize("ending", ENDINGS)
 def test_the_size_is_the_decoded_one(ending: str) -> None:
     for size in ((1, 1), (37, 21), (640, 3)):
-        assert picture_size(encoded(ending, size=size)) == size
+        assert image_size(encoded(ending, size=size)) == size
 
 
 def test_progressive_jpegs_and_ones_with_bytes_behind_are_whole() -> None:
     image = np.zeros((9, 14, 3), np.uint8)
     _, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_PROGRESSIVE, 1])
-    assert picture_size(data.tobytes()) == (14, 9)
-    assert picture_size(data.tobytes() + b"\0\0maker's notes") == (14, 9)
+    assert image_size(data.tobytes()) == (14, 9)
+    assert image_size(data.tobytes() + b"\0\0maker's notes") == (14, 9)
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
 @settings(deadline=None, max_examples=40)
 @given(cut=st.floats(0.0, 1.0, exclude_max=True))
-def test_a_truncated_picture_is_refused(ending: str, cut: float) -> None:
+def test_a_truncated_image_is_refused(ending: str, cut: float) -> None:
     data = encoded(ending)
     with pytest.raises(ValueError, match=r"truncated|corrupt|expected"):
-        picture_size(data[: int(cut * len(data))])
+        image_size(data[: int(cut * len(data))])
 
 
 @settings(deadline=None, max_examples=60)
@@ -65,7 +65,7 @@ def test_a_flipped_bit_in_a_png_is_refused(place: int, bit: int) -> None:
     data = bytearray(encoded(".png"))
     data[8 + place % (len(data) - 8)] ^= 1 << bit
     with pytest.raises(ValueError, match=r"corrupt|truncated"):
-        picture_size(bytes(data))
+        image_size(bytes(data))
 
 
 @settings(deadline=None, max_examples=200)
@@ -75,12 +75,12 @@ def test_a_flipped_bit_in_a_png_is_refused(place: int, bit: int) -> None:
 )
 def test_garbage_is_refused(start: bytes, rest: bytes) -> None:
     with pytest.raises(ValueError, match=r"truncated|corrupt|expected"):
-        picture_size(start + rest)
+        image_size(start + rest)
 
 
 def test_a_size_that_fills_the_memory_is_refused_before_decoding() -> None:
     with pytest.raises(ValueError, match="expected at most 100000000 pixels"):
-        picture_size(
+        image_size(
             b"BM"
             + (70).to_bytes(4, "little")
             + bytes(8)
@@ -95,20 +95,20 @@ def test_pixels_are_rgb_or_grey_as_stored(tmp_path: Path) -> None:
     red[..., 2] = 255
     cv2.imwrite(str(tmp_path / "red.png"), red)
     cv2.imwrite(str(tmp_path / "grey.png"), red[..., 2])
-    assert read_picture(tmp_path / "red.png", "frame 0", (6, 4))[0, 0].tolist() == [255, 0, 0]
-    assert read_picture(tmp_path / "grey.png", "frame 0", (6, 4)).shape == (4, 6)
+    assert read_image(tmp_path / "red.png", "frame 0", (6, 4))[0, 0].tolist() == [255, 0, 0]
+    assert read_image(tmp_path / "grey.png", "frame 0", (6, 4)).shape == (4, 6)
 
 
 @pytest.mark.parametrize("value", range(1, 10))
 @pytest.mark.parametrize("ending", [".jpg", ".png"])
-def test_pictures_are_upright_as_opencv_shows_them(tmp_path: Path, value: int, ending: str) -> None:
+def test_images_are_upright_as_opencv_shows_them(tmp_path: Path, value: int, ending: str) -> None:
     data = with_orientation(encoded(ending), value)
     path = tmp_path / f"a{ending}"
     path.write_bytes(data)
     shown = cv2.cvtColor(cv2.imread(str(path)), cv2.COLOR_BGR2RGB)
     assert shown.shape[:2] == ((37, 21) if value in (5, 6, 7, 8) else (21, 37))
     size = shown.shape[1::-1]
-    assert np.array_equal(read_picture(path, "frame 0", size), shown)
+    assert np.array_equal(read_image(path, "frame 0", size), shown)
     assert np.array_equal(read_gray(path, None, size), cv2.imread(str(path), cv2.IMREAD_GRAYSCALE))
 
 
@@ -128,9 +128,9 @@ def with_orientation(data: bytes, value: int, order: str = "big") -> bytes:
 
 def test_an_orientation_is_found_in_either_order_of_bytes_and_never_beyond_the_end() -> None:
     data = with_orientation(encoded(".jpg"), 6, "little")
-    assert picture_orientation(data) == PictureOrientation(1)
+    assert image_orientation(data) == ImageOrientation(1)
     for cut in range(len(data)):
-        assert picture_orientation(data[:cut]).quarter_turns in (0, 1)
+        assert image_orientation(data[:cut]).quarter_turns in (0, 1)
 
 
 def test_depth_is_metres_and_nan_where_unknown(tmp_path: Path) -> None:
@@ -143,15 +143,15 @@ def test_depth_is_metres_and_nan_where_unknown(tmp_path: Path) -> None:
         read_depth(tmp_path / "d.png", "frame 0", None, 1000.0)
 
 
-def test_a_picture_of_another_size_is_refused(tmp_path: Path) -> None:
+def test_an_image_of_another_size_is_refused(tmp_path: Path) -> None:
     (tmp_path / "a.png").write_bytes(encoded(".png"))
     with pytest.raises(RecordingError, match=r"a\.png, frame 7: expected 640 x 480 .* got 37 x 21"):
-        read_picture(tmp_path / "a.png", "frame 7", (640, 480))
+        read_image(tmp_path / "a.png", "frame 7", (640, 480))
 
 
 def test_frames_are_read_when_asked_for(tmp_path: Path) -> None:
     files = tuple(tmp_path / f"{i}.png" for i in range(3))
-    frames = PictureFrames(files, np.array([0, 5, 9]), (37, 21))
+    frames = ImageFrames(files, np.array([0, 5, 9]), (37, 21))
     kept = [frames[0], frames[-1]]
     files[2].write_bytes(encoded(".png", seed=2))
     assert kept[1].time_ns == 9
@@ -165,7 +165,7 @@ def test_frames_are_read_when_asked_for(tmp_path: Path) -> None:
 
 def test_gray_is_bt_601_luma(tmp_path: Path) -> None:
     (tmp_path / "a.png").write_bytes(encoded(".png"))
-    frame = PictureFrames((tmp_path / "a.png",), np.array([0]))[0]
+    frame = ImageFrames((tmp_path / "a.png",), np.array([0]))[0]
     luma = frame.image() @ np.array([0.299, 0.587, 0.114])
     assert np.abs(frame.gray() - luma).max() < 0.51
 
@@ -173,13 +173,13 @@ def test_gray_is_bt_601_luma(tmp_path: Path) -> None:
 def test_stamps_must_increase_and_fit() -> None:
     for stamps in ([0, 0], [1, 0], [0]):
         with pytest.raises(ValueError, match="expected 2 increasing stamps"):
-            PictureFrames((Path("a.png"), Path("b.png")), np.array(stamps))
+            ImageFrames((Path("a.png"), Path("b.png")), np.array(stamps))
 
 
 def test_files_are_in_natural_order(tmp_path: Path) -> None:
     for number in (10, 9, 1, 100):
         (tmp_path / f"img_{number}.png").touch()
-    files = picture_glob(tmp_path, "*.png")
+    files = image_glob(tmp_path, "*.png")
     assert numbered(files) == [1, 9, 10, 100]
 
 

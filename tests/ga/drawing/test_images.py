@@ -1,4 +1,4 @@
-"""Pictures: where things come to lie, in which order, and that no name breaks them."""
+"""Images: where things come to lie, in which order, and that no name breaks them."""
 
 import json
 import re
@@ -33,7 +33,7 @@ def turned(points: np.ndarray, view: View) -> np.ndarray:
 
 
 @pytest.mark.parametrize("view", VIEWS, ids=str)
-def test_marks_are_projected_and_fill_the_picture(view: View) -> None:
+def test_marks_are_projected_and_fill_the_image(view: View) -> None:
     rng = np.random.default_rng(7)
     points = 10.0 + 3.0 * rng.normal(size=(40, 3))
     marks: list[Mark] = [Dot(point, "blue") for point in points]
@@ -120,12 +120,12 @@ def scene() -> Any:
 
 
 def test_everything_has_its_name_and_nothing_is_cut_off() -> None:
-    picture = scene()
-    assert repr(picture) == (
+    image = scene()
+    assert repr(image) == (
         "Drawing(ball: sphere, ground: plane, circle: circle, line: line, pair: point pair, "
         "at: point, path: path)"
     )
-    root = ET.fromstring(picture.svg())
+    root = ET.fromstring(image.svg())
     texts = {text.text for text in root.iter(f"{SPACE}text")}
     assert {"ball", "ground", "circle", "line", "pair", "at", "path", "x", "y", "z"} <= texts
     for element in root.iter():
@@ -182,8 +182,8 @@ class Tags(HTMLParser):
 @pytest.mark.parametrize("name", HOSTILE, ids=range(len(HOSTILE)))
 def test_no_name_or_title_is_more_than_text(name: str) -> None:
     point = conformal.point([1.0, 2.0, 3.0])
-    picture = show(Styled(point, name), title=name)
-    root = ET.fromstring(picture.svg())
+    image = show(Styled(point, name), title=name)
+    root = ET.fromstring(image.svg())
     plain = {f"{SPACE}{tag}" for tag in (
         "svg", "title", "style", "defs", "radialGradient", "stop", "rect", "g", "path", "circle",
         "text",
@@ -194,7 +194,7 @@ def test_no_name_or_title_is_more_than_text(name: str) -> None:
     bad = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff\ud800-\udfff]")
     assert shown == bad.sub("\ufffd", short)
     page = Tags()
-    page.feed(picture.html())
+    page.feed(image.html())
     assert page.tags.count("script") == 2
     assert "img" not in page.tags
     assert not [attribute for attribute in page.attributes if attribute.startswith("on")]
@@ -211,8 +211,8 @@ def test_a_page_asks_nothing_of_anywhere() -> None:
 
 def test_colours_and_forms(tmp_path: Path) -> None:
     outer = conformal.sphere([0, 0, 0], 1.0).undual()
-    picture = show(Styled(outer, "s", "Green", "outer"), show_me=conformal.point([2, 0, 0]))
-    assert [one.color for one in picture.objects] == ["green", "blue"]
+    image = show(Styled(outer, "s", "Green", "outer"), show_me=conformal.point([2, 0, 0]))
+    assert [one.color for one in image.objects] == ["green", "blue"]
     assert repr(show(outer, form="outer")) == "Drawing(sphere)"
     with pytest.raises(ValueError, match=r"color: expected blue, .*black, got 'pink'"):
         show(Styled(outer, "s", "pink", "outer"))
@@ -223,31 +223,31 @@ def test_colours_and_forms(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="show: expected at least one object, got none"):
         show()
     for suffix, start in ((".svg", "<svg "), (".html", "<!doctype html>")):
-        picture.save(tmp_path / f"picture{suffix}")
-        assert (tmp_path / f"picture{suffix}").read_text().startswith(start)
+        image.save(tmp_path / f"image{suffix}")
+        assert (tmp_path / f"image{suffix}").read_text().startswith(start)
     with pytest.raises(ValueError, match=r"expected a name that ends in \.svg or \.html"):
-        picture.save(tmp_path / "picture.png")
+        image.save(tmp_path / "image.png")
 
 
 @pytest.mark.parametrize("size", [1e-6, 1e-3, 1e6, 1e9])
-def test_pictures_of_any_size(size: float) -> None:
+def test_images_of_any_size(size: float) -> None:
     at = [size, 2 * size, -size]
-    picture = show(ball=conformal.sphere(at, size), p=conformal.point([0.0, 0.0, 0.0]))
+    image = show(ball=conformal.sphere(at, size), p=conformal.point([0.0, 0.0, 0.0]))
     (circle,) = [
-        c for c in ET.fromstring(picture.svg()).iter(f"{SPACE}circle") if "url" in c.get("fill", "")
+        c for c in ET.fromstring(image.svg()).iter(f"{SPACE}circle") if "url" in c.get("fill", "")
     ]
     assert 40.0 < float(circle.get("r", "")) < 240.0
 
 
-def test_one_point_far_away_is_a_picture() -> None:
+def test_one_point_far_away_is_an_image() -> None:
     root = ET.fromstring(show(p=conformal.point([1000.0, -500.0, 20.0])).svg())
     assert "p" in {text.text for text in root.iter(f"{SPACE}text")}
 
 
-def test_plane_pictures_look_down_on_it() -> None:
-    picture = show(np.array([[0.0, 0.0], [2.0, 1.0]]))
-    assert picture.view.flat
-    texts = {text.text for text in ET.fromstring(picture.svg()).iter(f"{SPACE}text")}
+def test_plane_images_look_down_on_it() -> None:
+    image = show(np.array([[0.0, 0.0], [2.0, 1.0]]))
+    assert image.view.flat
+    texts = {text.text for text in ET.fromstring(image.svg()).iter(f"{SPACE}text")}
     assert "z" not in texts
     assert {"x", "y", "1", "2"} <= texts
     assert not show(np.array([[0.0, 0.0, 1.0]])).view.flat

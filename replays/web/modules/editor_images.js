@@ -4,11 +4,11 @@ const AHEAD = 24;
 const AT_ONCE = 4;
 const DECODED = 48;
 
-export class Pictures {
+export class Images {
   /**
    * @param {string} base address of the run
    * @param {number} count
-   * @param {(frame: number) => void} arrived called when a picture that was asked for is there
+   * @param {(frame: number) => void} arrived called when an image that was asked for is there
    */
   constructor(base, count, arrived) {
     this.base = base;
@@ -23,7 +23,7 @@ export class Pictures {
     this.wanted = 0;
   }
 
-  /** The picture of a frame, or null while it is on its way. @returns {ImageBitmap|null} */
+  /** The image of a frame, or null while it is on its way. @returns {ImageBitmap|null} */
   at(frame) {
     this.wanted = frame;
     this.#fetchAround();
@@ -63,9 +63,9 @@ export class Pictures {
     const blob = this.fetched.get(frame);
     if (!blob || this.decoded.has(frame) || this.decoding.has(frame)) return;
     this.decoding.add(frame);
-    const picture = await createImageBitmap(blob);
+    const image = await createImageBitmap(blob);
     this.decoding.delete(frame);
-    this.decoded.set(frame, picture);
+    this.decoded.set(frame, image);
     for (const [old, gone] of this.decoded) {
       if (this.decoded.size <= DECODED) break;
       this.decoded.delete(old);

@@ -1,4 +1,4 @@
-"""Grey levels between pixels, and corners of one picture found in the next.
+"""Grey levels between pixels, and corners of one image found in the next.
 
 Corners are tracked by pyramidal Lucas-Kanade flow. A corner counts as found if the flow back from
 its new place ends where it began. Places that are found are right to some tenths of a pixel. The
@@ -32,7 +32,7 @@ def grey_levels(image: GrayImage, px: FloatArray) -> FloatArray:
     """Bilinear grey levels ``(*, n)`` at pixels ``(*, n, 2)``; beyond the edge those of the edge.
 
     >>> import numpy as np
-    >>> from motorcade.tracking.pictures import grey_levels
+    >>> from motorcade.tracking.images import grey_levels
     >>> grey_levels(np.array([[0, 100], [0, 100]], np.uint8), np.array([[0.5, 0.0], [9.0, 1.0]]))
     array([ 50., 100.])
     """
@@ -50,24 +50,24 @@ def track_corners(
     return_px: float = 0.7,
     border_px: float = 12.0,
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Where corners of one picture are in another, and which of them were found.
+    """Where corners of one image are in another, and which of them were found.
 
     Motions of up to about 60 px from the guess are found.
 
     Args:
-        before: the picture that holds the corners, or its pyramid, for one that is used again.
-        after: the picture to find them in, likewise.
+        before: the image that holds the corners, or its pyramid, for one that is used again.
+        after: the image to find them in, likewise.
         px: ``(n, 2)`` in `before`.
         guess: ``(n, 2)`` about where in `after`.
         return_px: how far from its start the flow back may end.
-        border_px: nothing is found nearer to the edge of the picture.
+        border_px: nothing is found nearer to the edge of the image.
 
     >>> import cv2, numpy as np
-    >>> from motorcade.tracking.pictures import track_corners
+    >>> from motorcade.tracking.images import track_corners
     >>> noise = np.random.default_rng(0).integers(0, 255, (100, 120)).astype(np.uint8)
-    >>> picture = cv2.GaussianBlur(noise, (0, 0), 3.0)
+    >>> image = cv2.GaussianBlur(noise, (0, 0), 3.0)
     >>> corners = np.array([[40.0, 50.0], [70.0, 60.0]])
-    >>> there, found = track_corners(picture, np.roll(picture, 2, axis=1), corners, corners)
+    >>> there, found = track_corners(image, np.roll(image, 2, axis=1), corners, corners)
     >>> (there - corners).round(1) + 0.0, found
     (array([[2., 0.],
            [2., 0.]]), array([ True,  True]))
@@ -88,9 +88,9 @@ def corner_noise_px(images: Iterable[GrayImage], corners_px: Iterable[FloatArray
     contrast lower them. The median over all corners ``(n, 2)``; 0 without any.
 
     >>> import numpy as np
-    >>> from motorcade.tracking.pictures import corner_noise_px
-    >>> picture = np.kron(np.eye(2, dtype=np.uint8) * 200, np.ones((20, 20), np.uint8))
-    >>> noisy = picture + np.random.default_rng(0).integers(0, 30, (40, 40)).astype(np.uint8)
+    >>> from motorcade.tracking.images import corner_noise_px
+    >>> image = np.kron(np.eye(2, dtype=np.uint8) * 200, np.ones((20, 20), np.uint8))
+    >>> noisy = image + np.random.default_rng(0).integers(0, 30, (40, 40)).astype(np.uint8)
     >>> 0.01 < corner_noise_px([noisy], [np.array([[19.5, 19.5]])]) < 0.1
     True
     """
@@ -113,10 +113,10 @@ def blur_bias_px(image: GrayImage, quads: FloatArray, cell_share: float) -> Floa
     18 to 70 pixels wide with a blur of 0 to 4. `cell_share` is a cell's width over the side.
 
     >>> import numpy as np
-    >>> from motorcade.tracking.pictures import blur_bias_px
-    >>> picture = np.pad(np.zeros((40, 40), np.uint8), 20, constant_values=200)
+    >>> from motorcade.tracking.images import blur_bias_px
+    >>> image = np.pad(np.zeros((40, 40), np.uint8), 20, constant_values=200)
     >>> quad = np.array([[[19.5, 19.5], [59.5, 19.5], [59.5, 59.5], [19.5, 59.5]]])
-    >>> bool(blur_bias_px(picture, quad, 0.125)[0] < 0.01)
+    >>> bool(blur_bias_px(image, quad, 0.125)[0] < 0.01)
     True
     """
     side_px = np.linalg.norm(quads - np.roll(quads, 1, axis=1), axis=-1).mean(axis=1)
@@ -131,10 +131,10 @@ def blur_bias_px(image: GrayImage, quads: FloatArray, cell_share: float) -> Floa
 
 
 def shrunk(image: GrayImage, longest_px: int) -> GrayImage:
-    """A grey picture halved until its longer side is at most `longest_px`; itself if it is.
+    """A grey image halved until its longer side is at most `longest_px`; itself if it is.
 
     >>> import numpy as np
-    >>> from motorcade.tracking.pictures import shrunk
+    >>> from motorcade.tracking.images import shrunk
     >>> shrunk(np.zeros((480, 640), np.uint8), 320).shape
     (240, 320)
     """

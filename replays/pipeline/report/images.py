@@ -41,12 +41,12 @@ class ReportSection:
 
     title: str
     note: str
-    pictures: tuple[PagePlot, ...]
+    images: tuple[PagePlot, ...]
 
     @property
     def names(self) -> tuple[str, ...]:
         """Lines that all plots share, for one legend; none where they differ."""
-        legends = {one.names for one in self.pictures}
+        legends = {one.names for one in self.images}
         return legends.pop() if len(legends) == 1 else ()
 
 
@@ -69,20 +69,20 @@ def sections(findings: Findings) -> list[ReportSection]:
         ReportSection(
             "The filter",
             "Whether it was as sure of itself as it should have been.",
-            tuple(filter_pictures(findings)),
+            tuple(filter_images(findings)),
         ),
     ]
     marked = [
-        replace(one, pictures=tuple(_marked(one.title, k, p) for k, p in enumerate(one.pictures)))
+        replace(one, images=tuple(_marked(one.title, k, p) for k, p in enumerate(one.images)))
         for one in found
     ]
-    return [one for one in marked if one.pictures]
+    return [one for one in marked if one.images]
 
 
-def _marked(title: str, number: int, picture: PagePlot) -> PagePlot:
-    """The picture with ids that are its own on the page."""
+def _marked(title: str, number: int, image: PagePlot) -> PagePlot:
+    """The image with ids that are its own on the page."""
     mark = f"{title.split()[-1].lower()}-{number}"
-    return replace(picture, svg=with_own_ids(picture.svg, mark))
+    return replace(image, svg=with_own_ids(image.svg, mark))
 
 
 def _path(findings: Findings) -> tuple[PagePlot, ...]:
@@ -93,7 +93,7 @@ def _path(findings: Findings) -> tuple[PagePlot, ...]:
     drawn = as_drawn(findings, {first: path, "measured": measured, **others})
     shown = drawn.paths
     few = {name: shown[name] for name in (first, "measured", "truth") if name in shown}
-    pictures = [
+    images = [
         PagePlot(
             "In space",
             "The path with cameras along it, which open where they look; its shadow below. "
@@ -114,8 +114,8 @@ def _path(findings: Findings) -> tuple[PagePlot, ...]:
             f"Rotation since the first pose as a rotation vector, and the twist in the camera's "
             f"axes: turning and speed. Smoothed as {first}."
         )
-        pictures.append(PagePlot("Rotation and twist", caption, svg, _AXES))
-    return tuple(pictures)
+        images.append(PagePlot("Rotation and twist", caption, svg, _AXES))
+    return tuple(images)
 
 
 def _slam(findings: Findings, lost: Spans) -> tuple[PagePlot, ...]:
@@ -257,7 +257,7 @@ def filter_errors(findings: Findings) -> FilterErrors | None:
     return FilterErrors((stamps - start_ns) * 1e-9, wrong.as_twist(), np.sqrt(variances))
 
 
-def filter_pictures(findings: Findings) -> list[PagePlot]:
+def filter_images(findings: Findings) -> list[PagePlot]:
     """Errors within their deviations, NIS, how a wrong start is forgotten, what a lag gains."""
     return [*_within(findings), *_nis(findings), *_tilt(findings), *_latency(findings)]
 
@@ -266,7 +266,7 @@ def _within(findings: Findings) -> list[PagePlot]:
     found = filter_errors(findings)
     if found is None or not len(found.time_s):
         return []
-    pictures = []
+    images = []
     for title, part, factor, unit in (
         ("Rotation within ±σ", slice(0, 3), np.rad2deg(1.0), "°"),
         ("Position within ±σ", slice(3, 6), 1e3, "mm"),
@@ -283,8 +283,8 @@ def _within(findings: Findings) -> list[PagePlot]:
             f"mean over time, {100 * apart:.0f} % lie within."
         )
         svg = plot_within_sigma(found.time_s, errors, sigma, title, unit)
-        pictures.append(PagePlot(title, caption, svg, ("x", "y", "z")))
-    return pictures
+        images.append(PagePlot(title, caption, svg, ("x", "y", "z")))
+    return images
 
 
 def _nis(findings: Findings) -> list[PagePlot]:

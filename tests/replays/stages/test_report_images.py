@@ -18,7 +18,7 @@ from motorcade.render.video import read_frames
 from motorcade.replays.pipeline.report.before_after import MOST_BYTES, sheet_jpeg, steps_between
 from motorcade.replays.pipeline.report.film import standing_sheet
 from motorcade.replays.pipeline.report.findings import Findings, as_drawn
-from motorcade.replays.pipeline.report.pictures import filter_errors, filter_pictures
+from motorcade.replays.pipeline.report.images import filter_errors, filter_images
 from motorcade.replays.stages.values.view import StandingPlace
 from motorcade.tracking import Camera
 
@@ -99,7 +99,7 @@ def test_nothing_is_told_of_a_filter_that_did_not_run_or_without_a_truth() -> No
     told.fused.by = "nothing"
     told.fused.nis = np.full(COUNT, np.nan)
     assert filter_errors(told) is None
-    assert filter_pictures(told) == []
+    assert filter_images(told) == []
 
 
 def test_a_curve_of_lags_is_drawn_where_it_was_asked_for() -> None:
@@ -107,19 +107,19 @@ def test_a_curve_of_lags_is_drawn_where_it_was_asked_for() -> None:
     told.fused.latency = LatencyCurve(
         np.array([0.0, 0.5, np.inf]), np.array([9e-3, 4e-4, 0.0]), np.array([0.2, 0.1, 0.0])
     )
-    *_, picture = filter_pictures(told)
-    assert picture.title == "What answering later gains"
-    assert "9.00 mm and 0.200° at once, 0.40 mm and 0.100° after 0.5 s" in picture.caption
-    assert picture.svg.startswith("<svg")
+    *_, image = filter_images(told)
+    assert image.title == "What answering later gains"
+    assert "9.00 mm and 0.200° at once, 0.40 mm and 0.100° after 0.5 s" in image.caption
+    assert image.svg.startswith("<svg")
 
 
 def test_captions_count_what_lies_within() -> None:
     told = findings()
-    rotation, position, nis = filter_pictures(told)
-    for picture, part in ((rotation, slice(0, 3)), (position, slice(3, 6))):
+    rotation, position, nis = filter_images(told)
+    for image, part in ((rotation, slice(0, 3)), (position, slice(3, 6))):
         share = np.mean(np.abs(told.off[:, part]) <= told.sigma[:, part])
-        assert f" {100 * share:.0f} % lie within one" in picture.caption
-        assert picture.names == ("x", "y", "z")
+        assert f" {100 * share:.0f} % lie within one" in image.caption
+        assert image.names == ("x", "y", "z")
     low, high = chi2(6).ppf([0.025, 0.975])
     known = told.fused.nis[np.isfinite(told.fused.nis)]
     share = np.mean((known >= low) & (known <= high))
@@ -140,7 +140,7 @@ def test_what_lasts_is_told_apart_from_what_does_not() -> None:
     assert found is not None
     centred = found.errors[:, :3] - found.errors[:, :3].mean(axis=0)
     share = np.mean(np.abs(centred) <= found.sigma[:, :3])
-    caption = filter_pictures(told)[0].caption
+    caption = filter_images(told)[0].caption
     assert share > 0.5
     assert caption.endswith(f"less their mean over time, {100 * share:.0f} % lie within.")
 
@@ -148,7 +148,7 @@ def test_what_lasts_is_told_apart_from_what_does_not() -> None:
 def test_without_a_filter_nothing_is_said_of_the_noise() -> None:
     told = findings()
     told.fused.nis = np.full(COUNT, np.nan)
-    assert [one.title for one in filter_pictures(told)] == [
+    assert [one.title for one in filter_images(told)] == [
         "Rotation within ±σ",
         "Position within ±σ",
     ]
@@ -169,7 +169,7 @@ def test_corners_that_fit_better_than_any_is_believed_are_mentioned(
     told = findings()
     told.camera_poses.origin = origin
     told.camera_poses.reprojection_px = np.full(COUNT, np.sqrt(2.0) * fit_px)
-    caption = filter_pictures(told)[2].caption
+    caption = filter_images(told)[2].caption
     assert (
         "Corners fit to 0.03 px a coordinate here, and none is believed below 0.1" in caption
     ) is said
@@ -205,7 +205,7 @@ def test_up_of_what_is_stood_on_is_drawn_upwards(up: list[float]) -> None:
     assert drawn.note == "Up is the normal of a plane."
 
 
-def test_ahead_is_ahead_where_the_picture_s_up_is_taken() -> None:
+def test_ahead_is_ahead_where_the_image_s_up_is_taken() -> None:
     told = drawn_by_slam(np.array([0.0, -1.0, 0.0]), recording=SimpleNamespace(truth=None))
     ahead = Motor.from_rotor_translation(Rotor.identity((2,)), [[0.0, 0.0, 0.0], [0.1, -0.2, 5.0]])
     path = Trajectory(np.array([0, 10**9]), ahead)

@@ -10,15 +10,15 @@ import cv2
 import numpy as np
 import pytest
 
+from motorcade.tracking.images import track_corners
 from motorcade.tracking.native._flow import Pyramid, follow_corners
-from motorcade.tracking.pictures import track_corners
 
 HEIGHT, WIDTH = 210, 290
 
 
 @pytest.fixture
 def texture(rng: np.random.Generator) -> np.ndarray:
-    """Noise of several sizes, larger than a picture."""
+    """Noise of several sizes, larger than an image."""
     layers = [
         cv2.resize(
             rng.normal(0, 1, (330 // s, 410 // s)), (410, 330), interpolation=cv2.INTER_CUBIC
@@ -29,7 +29,7 @@ def texture(rng: np.random.Generator) -> np.ndarray:
 
 
 def taken(texture: np.ndarray, turn_rad: float, shift_px: tuple[float, float]) -> np.ndarray:
-    """A picture of the texture, turned about its first pixel and shifted."""
+    """An image of the texture, turned about its first pixel and shifted."""
     cosine, sine = np.cos(turn_rad), np.sin(turn_rad)
     rows = np.array([[cosine, -sine, 60 + shift_px[0]], [sine, cosine, 60 + shift_px[1]]])
     flags = cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP
@@ -64,7 +64,7 @@ def test_corners_are_found_where_opencv_finds_them(
     assert np.quantile(np.linalg.norm(there - theirs, axis=1)[found], 0.9) < 0.02
 
 
-def test_corners_are_found_where_the_picture_was_moved_to(
+def test_corners_are_found_where_the_image_was_moved_to(
     texture: np.ndarray, corners: np.ndarray
 ) -> None:
     before, after = taken(texture, 0.0, (0.0, 0.0)), taken(texture, 0.0, (5.25, -3.5))
@@ -75,7 +75,7 @@ def test_corners_are_found_where_the_picture_was_moved_to(
     assert np.median(off) < 0.05
 
 
-def test_pyramids_and_pictures_give_the_same(texture: np.ndarray, corners: np.ndarray) -> None:
+def test_pyramids_and_images_give_the_same(texture: np.ndarray, corners: np.ndarray) -> None:
     before, after = taken(texture, 0.0, (0.0, 0.0)), taken(texture, 0.01, (2.0, 1.0))
     one = track_corners(before, after, corners, corners)
     other = track_corners(Pyramid(before), Pyramid(after), corners, corners)
@@ -98,14 +98,14 @@ import resource
 import numpy as np
 from motorcade.tracking.native._flow import Pyramid, follow_corners
 
-picture = Pyramid(np.random.default_rng(0).integers(0, 255, (90, 90)).astype(np.uint8))
+image = Pyramid(np.random.default_rng(0).integers(0, 255, (90, 90)).astype(np.uint8))
 px = np.random.default_rng(1).uniform(20.0, 70.0, (1280, 2))
-expected = follow_corners(picture, picture, px, px + 0.5, 0.7, 1)
+expected = follow_corners(image, image, px, px + 0.5, 0.7, 1)
 for spare in (1 << 20, 20 << 20):  # less than the stack of one thread, and than those of three
     pages = int(open("/proc/self/statm").read().split()[0])
     most = pages * resource.getpagesize() + spare
     resource.setrlimit(resource.RLIMIT_AS, (most, resource.RLIM_INFINITY))
-    made = follow_corners(picture, picture, px, px + 0.5, 0.7, 20)
+    made = follow_corners(image, image, px, px + 0.5, 0.7, 20)
     assert all(map(np.array_equal, made, expected))
 """
 
@@ -122,16 +122,14 @@ def test_threads_that_cannot_be_made_are_done_without() -> None:
 @pytest.mark.parametrize(
     "start", [(-1e300, 50.0), (50.0, 1e300), (np.nan, 50.0), (np.inf, np.inf), (-25.0, 50.0)]
 )
-def test_nothing_is_found_outside_a_picture(
-    texture: np.ndarray, start: tuple[float, float]
-) -> None:
-    picture = taken(texture, 0.0, (0.0, 0.0))
+def test_nothing_is_found_outside_an_image(texture: np.ndarray, start: tuple[float, float]) -> None:
+    image = taken(texture, 0.0, (0.0, 0.0))
     inside = np.array([[50.0, 50.0], [60.0, 50.0]])
     for px, guess in (
         (np.array([start, inside[1]]), inside),
         (inside, np.array([start, inside[1]])),
     ):
-        _, found = track_corners(picture, picture, px, guess)
+        _, found = track_corners(image, image, px, guess)
         assert not found[0]
         assert found[1]
 
@@ -144,10 +142,10 @@ def test_nothing_is_found_where_nothing_is_seen(shape: tuple[int, int]) -> None:
     assert not found.any()
 
 
-def test_beyond_its_edge_a_picture_goes_on_as_the_edge(
+def test_beyond_its_edge_an_image_goes_on_as_the_edge(
     texture: np.ndarray, rng: np.random.Generator
 ) -> None:
-    """A picture too small for levels, against one that holds what is beyond its edges."""
+    """An image too small for levels, against one that holds what is beyond its edges."""
     before, after = (taken(texture, 0.0, (s, s))[:39, :37] for s in (0.0, 1.5))
     px = rng.uniform(-12.0, 50.0, (600, 2))
     guess = px + rng.normal(0, 4.0, px.shape)
@@ -170,7 +168,7 @@ def test_every_place_to_the_edge_can_be_looked_at(rng: np.random.Generator) -> N
     assert np.all((there[found] >= 12.0) & (there[found] <= (46.0 - 12.0, 60.0 - 12.0)))
 
 
-def test_pictures_that_are_none_are_refused() -> None:
+def test_images_that_are_none_are_refused() -> None:
     for shape in ((0, 5), (5, 0), (2, 32768)):
         with pytest.raises(ValueError, match="image: expected 1 to 32767 pixels a side"):
             Pyramid(np.zeros(shape, np.uint8))

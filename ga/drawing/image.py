@@ -1,4 +1,4 @@
-"""`show`: a picture of objects, with their names and colours."""
+"""`show`: an image of objects, with their names and colours."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from motorcade.ga.drawing.view import Projection, View, projection_of
 
 @dataclass(frozen=True)
 class Styled:
-    """An object of a picture, with what stands beside it and how it is read.
+    """An object of an image, with what stands beside it and how it is read.
 
     Args:
         value: a multivector, a batch of them, a versor ``(*)``, a `Trajectory`, or points
@@ -45,7 +45,7 @@ class Object:
 
 @dataclass(frozen=True, repr=False)
 class Drawing:
-    """A picture: objects, seen from a side. Notebooks show it, turned by the mouse.
+    """An image: objects, seen from a side. Notebooks show it, turned by the mouse.
 
     `left_out` tells what could not be drawn, and why.
     """
@@ -56,16 +56,16 @@ class Drawing:
     left_out: tuple[str, ...] = ()
 
     def svg(self) -> str:
-        """The picture as SVG: text that any browser and report takes as it is."""
+        """The image as SVG: text that any browser and report takes as it is."""
         marks, projection = self._placed()
         return svg.document(self.title or repr(self), marks, projection)
 
     def html(self) -> str:
-        """The picture as a page of its own that turns by mouse, finger or arrow keys."""
+        """The image as a page of its own that turns by mouse, finger or arrow keys."""
         return svg.whole(self.title or repr(self), self._repr_html_())
 
     def save(self, path: Path | str) -> None:
-        """Write the picture, as SVG or HTML by the file's suffix.
+        """Write the image, as SVG or HTML by the file's suffix.
 
         Raises:
             ValueError: another suffix.
@@ -109,12 +109,12 @@ def _kinds(drawn: Object) -> str:
 def show(
     *objects: Any, title: str = "", view: View | None = None, form: Form = "inner", **named: Any
 ) -> Drawing:
-    """A picture of objects; those given by a keyword have that name written beside them.
+    """An image of objects; those given by a keyword have that name written beside them.
 
     Args:
         objects: what `Styled` takes, or `Styled` itself for a colour or form of its own.
-        title: what readers who cannot see the picture are told; the objects' kinds if empty.
-        view: from where, and of how many pixels; a picture of the plane looks down on it.
+        title: what readers who cannot see the image are told; the objects' kinds if empty.
+        view: from where, and of how many pixels; an image of the plane looks down on it.
         form: of conformal objects that are no `Styled`: ``inner``, or ``outer``.
         named: objects by their names.
 
@@ -151,7 +151,7 @@ def drawing(
     view: View | None,
     left_out: tuple[str, ...] = (),
 ) -> Drawing:
-    """The picture of objects that have been read.
+    """The image of objects that have been read.
 
     Raises:
         ValueError: none of them, or a colour that is not known.

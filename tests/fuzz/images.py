@@ -1,4 +1,4 @@
-"""Pictures that no reader may trip over: giants by their headers, bombs, stumps, other formats."""
+"""Images that no reader may trip over: giants by their headers, bombs, stumps, other formats."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from tests.fuzz.mutations import one_of
 
-__all__ = ["hostile_pictures", "png"]
+__all__ = ["hostile_images", "png"]
 
 
 def png(width: int, height: int, data: bytes | None = None, *, depth: int = 8) -> bytes:
@@ -29,7 +29,7 @@ def png(width: int, height: int, data: bytes | None = None, *, depth: int = 8) -
     return b"\x89PNG\r\n\x1a\n" + b"".join(parts)
 
 
-def hostile_pictures() -> list[bytes]:
+def hostile_images() -> list[bytes]:
     """Some of each kind; the largest that stands for what it says has 36 million pixels."""
     from PIL import Image
 
@@ -79,9 +79,9 @@ def _sized(body: bytes) -> bytes:
     return struct.pack("<I", len(body)) + body
 
 
-def broken(picture: bytes, rng: np.random.Generator) -> bytes:
-    """A picture with a few other bytes, or cut off."""
-    made = bytearray(picture)
+def broken(image: bytes, rng: np.random.Generator) -> bytes:
+    """An image with a few other bytes, or cut off."""
+    made = bytearray(image)
     for _ in range(int(rng.integers(1, 5))):
         made[int(rng.integers(len(made)))] = int(one_of([0, 255, rng.integers(256)], rng))
     return bytes(made[: int(rng.integers(1, len(made) + 1))] if rng.random() < 0.3 else made)

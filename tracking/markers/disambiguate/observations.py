@@ -1,4 +1,4 @@
-"""Every sighting of a marker with both its planar poses, and how well the pixels fix each.
+"""Every observation of a marker with both its planar poses, and how well the pixels fix each.
 
 ``camera_T_marker`` maps the marker's frame (origin at its printed top-left corner, x right and y up
 as printed, z out of its face; metres) to the camera's.
@@ -27,12 +27,12 @@ _LEAST_INFORMATION = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Sightings:
-    """All sightings of one camera, in order of time.
+class MarkerObservations:
+    """All observations of one camera, in order of time.
 
     Args:
         time_ns: ``(F,)`` stamps of all frames, strictly increasing.
-        frame: ``(N,)`` row of ``time_ns`` that each sighting belongs to, never falling.
+        frame: ``(N,)`` row of ``time_ns`` that each observation belongs to, never falling.
         marker_ids: ``(N,)``; an id stands at most once in a frame.
         camera_T_marker: Motor ``(N, 2)``, both planar poses, the better reprojection first.
         error_px: ``(N, 2)`` their root mean square reprojection errors.
@@ -45,11 +45,11 @@ class Sightings:
 
     >>> import numpy as np
     >>> from motorcade.ga import Motor
-    >>> from motorcade.tracking.markers.disambiguate import Sightings
+    >>> from motorcade.tracking.markers.disambiguate import MarkerObservations
     >>> two = Motor.from_euler_translation([[3, 0.2, 0], [3, -0.2, 0]], [[0, 0, 0.6]] * 2)
-    >>> seen = Sightings([0, 50_000_000], [0, 1], [7, 7], Motor.stack([two, two]),
+    >>> seen = MarkerObservations([0, 50_000_000], [0, 1], [7, 7], Motor.stack([two, two]),
     ...     [[0.2, 0.9], [0.3, 0.4]], np.broadcast_to(1e-4 * np.eye(3), (2, 2, 3, 3)))
-    >>> len(seen), seen.of_frame(1)  # two sightings of marker 7, the second one nearly ambiguous
+    >>> len(seen), seen.of_frame(1)  # two observations of marker 7, the second one nearly ambiguous
     (2, array([1]))
     """
 
@@ -61,20 +61,20 @@ class Sightings:
     rotation_covariance: FloatArray
 
     def __post_init__(self) -> None:
-        stamps = checked_stamps(self.time_ns, "Sightings.time_ns")
-        frame, ids = checked_numbers(self.frame, self.marker_ids, len(stamps), "Sightings")
+        stamps = checked_stamps(self.time_ns, "MarkerObservations.time_ns")
+        frame, ids = checked_numbers(self.frame, self.marker_ids, len(stamps), "MarkerObservations")
         count = len(ids)
         if self.camera_T_marker.shape != (count, 2):
             raise ValueError(
-                f"Sightings.camera_T_marker: expected {(count, 2)} poses, "
+                f"MarkerObservations.camera_T_marker: expected {(count, 2)} poses, "
                 f"got {self.camera_T_marker.shape}"
             )
-        errors = frozen(checked_floats(self.error_px, "Sightings.error_px", (2,)))
-        field = "Sightings.rotation_covariance"
+        errors = frozen(checked_floats(self.error_px, "MarkerObservations.error_px", (2,)))
+        field = "MarkerObservations.rotation_covariance"
         covariance = frozen(checked_floats(self.rotation_covariance, field, (3, 3)))
         if errors.shape != (count, 2) or covariance.shape != (count, 2, 3, 3):
             raise ValueError(
-                f"Sightings.error_px, rotation_covariance: expected {(count, 2)} and "
+                f"MarkerObservations.error_px, rotation_covariance: expected {(count, 2)} and "
                 f"{(count, 2, 3, 3)}, got {errors.shape} and {covariance.shape}"
             )
         values = {"time_ns": stamps, "frame": frame, "marker_ids": ids, "error_px": errors}
@@ -82,16 +82,16 @@ class Sightings:
             object.__setattr__(self, name, value)
 
     def __len__(self) -> int:
-        """Number of sightings."""
+        """Number of observations."""
         return len(self.marker_ids)
 
     def of_frame(self, row: int) -> IntArray:
-        """Rows of the sightings in one frame."""
+        """Rows of the observations in one frame."""
         first, last = np.searchsorted(self.frame, [row, row + 1])
         return np.arange(first, last)
 
     @classmethod
-    def joined(cls, parts: Sequence[Sightings]) -> Sightings:
+    def joined(cls, parts: Sequence[MarkerObservations]) -> MarkerObservations:
         """One after the other; at least one part, each later than the one before.
 
         Raises:
@@ -107,10 +107,10 @@ class Sightings:
             np.concatenate([one.rotation_covariance for one in parts]),
         )
 
-    def of_frames(self, rows: IntArray) -> Sightings:
+    def of_frames(self, rows: IntArray) -> MarkerObservations:
         """Only these frames ``(f,)``, rising."""
         chosen = np.isin(self.frame, rows)
-        return Sightings(
+        return MarkerObservations(
             self.time_ns[rows],
             np.searchsorted(rows, self.frame[chosen]),
             self.marker_ids[chosen],
@@ -120,7 +120,7 @@ class Sightings:
         )
 
 
-def pose_stream(stream: CornerStream, side_m: Mapping[int, float]) -> Sightings:
+def pose_stream(stream: CornerStream, side_m: Mapping[int, float]) -> MarkerObservations:
     """Both planar poses of every detection, by IPPE.
 
     Detections through whose corners the lens model has no ray, or that no planar pose explains,
@@ -144,8 +144,8 @@ def pose_stream(stream: CornerStream, side_m: Mapping[int, float]) -> Sightings:
     >>> camera_T_marker = Motor.from_rotor_translation(tilted, [[0.0, 0.0, 0.6], [0.05, 0.0, 0.6]])
     >>> corners_px = camera.project(camera_T_marker[:, None].apply(marker_points_m(0.1)))
     >>> stream = CornerStream(camera, [0, 33_000_000], [0, 1], [7, 7], corners_px)
-    >>> sightings = pose_stream(stream, {7: 0.1})
-    >>> resolve(sightings).choice, best_single(sightings).choice
+    >>> observations = pose_stream(stream, {7: 0.1})
+    >>> resolve(observations).choice, best_single(observations).choice
     (array([0, 0]), array([0, 0]))
     """
     missing = sorted(set(stream.marker_ids.tolist()) - set(side_m))
@@ -159,7 +159,7 @@ def pose_stream(stream: CornerStream, side_m: Mapping[int, float]) -> Sightings:
     sides = np.array([side_m[int(marker)] for marker in stream.marker_ids], np.float64)
     rows, camera_T_marker, errors = planar_poses(stream.camera, stream.corners_px, sides)
     points = marker_points_m(sides[rows])
-    return Sightings(
+    return MarkerObservations(
         stream.time_ns,
         stream.frame[rows],
         stream.marker_ids[rows],

@@ -1,4 +1,4 @@
-"""The picture of the animation suite shows what was measured, and ozz-animation beside it."""
+"""The image of the animation suite shows what was measured, and ozz-animation beside it."""
 
 import inspect
 import json
@@ -10,7 +10,7 @@ import pytest
 
 from tests.bench import animation
 from tests.bench.__main__ import main
-from tests.bench.pictures import OZZ_NS, animation_picture
+from tests.bench.images import OZZ_NS, animation_image
 from tests.bench.tables import SUITES
 
 FOUND = {
@@ -29,13 +29,13 @@ FOUND = {
 
 
 def test_jobs_stand_with_their_figures_and_marks() -> None:
-    picture = animation_picture(FOUND)
-    texts = [text.strip() for text in re.findall(r"<text[^>]*>([^<]*)</text>", picture)]
+    image = animation_image(FOUND)
+    texts = [text.strip() for text in re.findall(r"<text[^>]*>([^<]*)</text>", image)]
     for row in FOUND["rows"][:4]:
         assert row["job"] in texts
         assert f"{row['figure']:.3g}" in texts
     assert not any("NumPy" in text for text in texts)
-    marks = re.findall(r"fill: none; stroke: var\(--ink\); stroke-width: 2", picture)
+    marks = re.findall(r"fill: none; stroke: var\(--ink\); stroke-width: 2", image)
     assert len(marks) == len(OZZ_NS) == 3
 
 
@@ -48,7 +48,7 @@ def test_every_figure_of_ozz_has_a_job_of_ours() -> None:
 
 def test_nothing_to_draw_is_refused() -> None:
     with pytest.raises(ValueError, match="expected jobs in ns a joint or ns a vertex"):
-        animation_picture({"rows": FOUND["rows"][-1:]})
+        animation_image({"rows": FOUND["rows"][-1:]})
 
 
 def test_the_command_writes_it(

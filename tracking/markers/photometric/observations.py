@@ -1,4 +1,4 @@
-"""Sightings whose candidates were refined on the picture, for whatever takes those of corners."""
+"""Observations whose candidates were refined on the image, for whatever takes those of corners."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.markers.corner_stream import CornerStream
-from motorcade.tracking.markers.disambiguate.sightings import Sightings, rotation_covariance
+from motorcade.tracking.markers.disambiguate.observations import (
+    MarkerObservations,
+    rotation_covariance,
+)
 from motorcade.tracking.markers.families import marker_points_m
 from motorcade.tracking.markers.photometric.refine import refine_photometric
 from motorcade.tracking.markers.planar import planar_poses
@@ -24,13 +27,13 @@ _ALIKE = 4.0
 
 @dataclass(frozen=True, eq=False)
 class RefinedFrame:
-    """Markers of one picture after refinement.
+    """Markers of one image after refinement.
 
     Args:
         marker_ids: ``(m,)`` of those that have a pose.
         side_m: ``(m,)``.
         corners_px: ``(m, 4, 2)`` where the better candidate puts the corners.
-        camera_T_marker: Motor ``(m, 2)``, the candidate that fits the picture better first.
+        camera_T_marker: Motor ``(m, 2)``, the candidate that fits the image better first.
         error_px: ``(m, 2)`` 0, and the reprojection error that would speak as clearly against the
             other candidate if corners with `SIGMA_FLOOR_PX` of noise had it.
 
@@ -62,7 +65,7 @@ def refine_frame(
     side_m: FloatArray,
     device: str | None = None,
 ) -> RefinedFrame:
-    """Refine what was detected in one picture; markers without a planar pose are left out.
+    """Refine what was detected in one image; markers without a planar pose are left out.
 
     Args:
         image: see `refine_photometric`.
@@ -102,8 +105,8 @@ def refine_frame(
 
 def joined_frames(
     camera: Camera, time_ns: IntArray, frames: Sequence[RefinedFrame]
-) -> tuple[CornerStream, Sightings]:
-    """All frames of a recording as corners, and as sightings with both candidates.
+) -> tuple[CornerStream, MarkerObservations]:
+    """All frames of a recording as corners, and as observations with both candidates.
 
     Args:
         camera: who saw them.
@@ -117,5 +120,5 @@ def joined_frames(
     points = marker_points_m(np.concatenate([one.side_m for one in frames]))
     errors = np.concatenate([one.error_px for one in frames])
     covariance = rotation_covariance(camera, poses, points[:, None])
-    sightings = Sightings(time_ns, frame, ids, poses, errors, covariance)
-    return CornerStream(camera, time_ns, frame, ids, corners), sightings
+    observations = MarkerObservations(time_ns, frame, ids, poses, errors, covariance)
+    return CornerStream(camera, time_ns, frame, ids, corners), observations

@@ -1,4 +1,4 @@
-"""Pictures and depth of bags: which topic, camera and stamps, and what is left of a cut."""
+"""Images and depth of bags: which topic, camera and stamps, and what is left of a cut."""
 
 import logging
 from pathlib import Path
@@ -65,7 +65,7 @@ def test_inverse_depth_is_metres(tmp_path: Path) -> None:
     np.testing.assert_allclose(decode_depth(message, tmp_path, "a"), metres, rtol=2e-2)
 
 
-def test_depth_as_jpeg_is_no_picture_and_no_depth(frames, tmp_path: Path) -> None:
+def test_depth_as_jpeg_is_no_image_and_no_depth(frames, tmp_path: Path) -> None:
     path = drawn(tmp_path, frames[:3], "mcap", "jpeg", "jpeg depth", "headers", "whole")
     frame = open_recording(path).frames[1]
     assert frame.depth_m() is None
@@ -88,11 +88,11 @@ def test_topics_are_named_in_three_ways(frames, tmp_path: Path, capsys) -> None:
     assert main(asked) == 1
     assert "did you mean" in capsys.readouterr().err
     with pytest.raises(RecordingError, match="expected a bag"):
-        open_recording(write_picture(tmp_path), manifest)
+        open_recording(write_image(tmp_path), manifest)
 
 
-def write_picture(folder: Path) -> Path:
-    place = folder / "pictures"
+def write_image(folder: Path) -> Path:
+    place = folder / "images"
     place.mkdir()
     for number in range(3):
         cv2.imwrite(str(place / f"{number}.png"), np.zeros((8, 8), np.uint8))

@@ -1,4 +1,4 @@
-"""Pictures of characters: formats and depths that Pillow reads otherwise, and cheap bombs."""
+"""Images of characters: formats and depths that Pillow reads otherwise, and cheap bombs."""
 
 import io
 import zlib
@@ -13,7 +13,7 @@ from motorcade.animation.character import Character
 from motorcade.animation.formats import FormatError, images, write_gltf
 from tests.animation.formats.dressed import dressed_gltf, encoded
 from tests.animation.formats.samples import Gltf, Write
-from tests.fuzz.pictures import hostile_pictures, png
+from tests.fuzz.images import hostile_images, png
 
 
 def base_map(found: Character) -> TextureMap:
@@ -24,7 +24,7 @@ def base_map(found: Character) -> TextureMap:
 
 
 def webp(made: Gltf, *, fallback: bool) -> Gltf:
-    """Every texture by the extension, with or without another picture for those without it."""
+    """Every texture by the extension, with or without another image for those without it."""
     for texture in made.document["textures"]:
         texture["extensions"] = {"EXT_texture_webp": {"source": texture.pop("source")}}
         if fallback:
@@ -37,11 +37,11 @@ def webp(made: Gltf, *, fallback: bool) -> Gltf:
 def test_webp_is_read_and_written_as_png(write: Write, fallback: bool) -> None:
     made = dressed_gltf((encoded("WEBP", color=(10, 200, 30, 255)), encoded("PNG")))
     found = read_character(write("webp.glb", webp(made, fallback=fallback).glb()))
-    picture = base_map(found)
-    np.testing.assert_allclose(picture.pixels[0, 0], [10, 200, 30, 255], atol=3)
+    image = base_map(found)
+    np.testing.assert_allclose(image.pixels[0, 0], [10, 200, 30, 255], atol=3)
     again = write("again.glb", b"")
     write_gltf(again, found)
-    np.testing.assert_array_equal(base_map(read_character(again)).pixels, picture.pixels)
+    np.testing.assert_array_equal(base_map(read_character(again)).pixels, image.pixels)
 
 
 @pytest.mark.parametrize("kind", ["grey", "colour"])
@@ -60,7 +60,7 @@ def test_sixteen_bits_keep_their_upper_half(write: Write, kind: str) -> None:
     assert (base_map(found).pixels[..., 3] == 255).all()
 
 
-def test_tall_and_wide_pictures_are_converted_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_tall_and_wide_images_are_converted_whole(monkeypatch: pytest.MonkeyPatch) -> None:
     """Strips of a few rows, the last one shorter, give what one conversion gives."""
     monkeypatch.setattr(images, "STRIP_PIXELS", 33)
     pixels = np.random.default_rng(3).integers(0, 256, (23, 11, 3), np.uint8)
@@ -70,7 +70,7 @@ def test_tall_and_wide_pictures_are_converted_whole(monkeypatch: pytest.MonkeyPa
     np.testing.assert_array_equal(made.pixels[..., :3], pixels)
 
 
-def test_broken_pictures_cost_what_they_say(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_broken_images_cost_what_they_say(monkeypatch: pytest.MonkeyPatch) -> None:
     """Else a thousand of them would each be decoded to their end."""
     monkeypatch.setattr(images, "MAX_IMAGE_PIXELS", 125_000)
     monkeypatch.setattr(images, "MAX_REDUCED_PIXELS", 125_000)
@@ -84,7 +84,7 @@ def test_broken_pictures_cost_what_they_say(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 @pytest.mark.parametrize("kind", ["PNG", "JPEG", "WEBP", "palette", "deep"])
-def test_pictures_beyond_the_limit_are_kept_smaller_by_means(
+def test_images_beyond_the_limit_are_kept_smaller_by_means(
     monkeypatch: pytest.MonkeyPatch, kind: str
 ) -> None:
     """Every second or fourth pixel of stripes would be of one colour."""
@@ -92,15 +92,15 @@ def test_pictures_beyond_the_limit_are_kept_smaller_by_means(
     monkeypatch.setattr(images, "SMALLER_PIXELS", 10_000)
     pixels = np.zeros((303, 290), np.uint8)
     pixels[:, ::2], pixels[200:] = 200, 60
-    picture, data = Image.fromarray(pixels), io.BytesIO()
+    image, data = Image.fromarray(pixels), io.BytesIO()
     if kind == "deep":
         pixels = pixels.astype(np.uint16) << 8
         rows = [b"\0" + np.repeat(row[:, None], 3, 1).astype(">u2").tobytes() for row in pixels]
         data.write(png(290, 303, zlib.compress(b"".join(rows)), depth=16))
     elif kind == "palette":
-        picture.convert("P").save(data, "PNG")
+        image.convert("P").save(data, "PNG")
     else:
-        picture.convert("RGB").save(data, kind, quality=95)
+        image.convert("RGB").save(data, kind, quality=95)
     held = images.Textures()
     assert held.read("first", data.getvalue) is not None
     second = held.read("second", data.getvalue)
@@ -123,7 +123,7 @@ def test_how_much_is_decoded_to_be_kept_smaller_is_bounded(monkeypatch: pytest.M
     assert held.read("one too large", lambda: encoded("PNG", (101, 100))) is None
 
 
-def test_bytes_of_all_pictures_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_bytes_of_all_images_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(images, "MAX_IMAGE_BYTES", 100)
     held, asked = images.Textures(), []
 
@@ -137,9 +137,9 @@ def test_bytes_of_all_pictures_are_bounded(monkeypatch: pytest.MonkeyPatch) -> N
     assert "bytes of images" in held.notices[2]
 
 
-def test_hostile_pictures_leave_a_figure_that_is_drawn(write: Write) -> None:
-    for number, picture in enumerate(hostile_pictures()):
-        found = read_character(write(f"{number}.glb", dressed_gltf((picture,)).glb()))
+def test_hostile_images_leave_a_figure_that_is_drawn(write: Write) -> None:
+    for number, image in enumerate(hostile_images()):
+        found = read_character(write(f"{number}.glb", dressed_gltf((image,)).glb()))
         assert found.appearance is not None
         maps = found.appearance.parts[0].material.maps
         assert bool(maps) != any("was not read" in one for one in found.notices)

@@ -8,7 +8,7 @@ from typing import Any
 
 from tests.bench.timing_bars import Timing, plot_timings
 
-__all__ = ["OZZ_NS", "animation_picture"]
+__all__ = ["OZZ_NS", "animation_image"]
 
 OZZ_NS: Mapping[str, float] = MappingProxyType(
     {
@@ -23,7 +23,7 @@ the same class, `-march=native`; of its two times for skinning the lower."""
 _UNITS = ("ns a joint", "ns a vertex")
 
 
-def animation_picture(found: Mapping[str, Any]) -> str:
+def animation_image(found: Mapping[str, Any]) -> str:
     """An `<svg>` element of the figures of `bench_animation`: posing, blending and skinning.
 
     Raises:

@@ -1,10 +1,10 @@
-"""Draws the two pictures of the README from a run of the demo.
+"""Draws the two images of the README from a run of the demo.
 
     make demo
-    python docs/making/demo_pictures.py out/demo
+    python docs/making/demo_images.py out/demo
 
-writes `docs/pictures/demo.webp`, which plays the footage beside its video, and
-`docs/pictures/gimbal_lock.svg`, rotation errors over time; it prints what they show as figures.
+writes `docs/images/demo.webp`, which plays the footage beside its video, and
+`docs/images/gimbal_lock.svg`, rotation errors over time; it prints what they show as figures.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from motorcade.render.video import contact_sheet
 from motorcade.replays import open_recording
 from motorcade.replays.io.trajectories import read_trajectory
 
-PICTURES = Path(__file__).resolve().parents[1] / "pictures"
+IMAGES = Path(__file__).resolve().parents[1] / "images"
 SHOWN = ("euler", "euler_unwrapped", "quaternion", "motor")
 LOCK_DEG = 89.0
 LEGEND_PX = 26
@@ -33,7 +33,7 @@ WIDTH_PX, EVERY = 400, 3
 
 
 def draw(out: Path) -> None:
-    """Write both pictures from what a run left in `out`."""
+    """Write both images from what a run left in `out`."""
     play(out)
     (truth,) = out.rglob("truth.tum")
     true = read_trajectory(truth)
@@ -49,7 +49,7 @@ def draw(out: Path) -> None:
             f"{found['angular_jitter_rad_s2']:11.2f} rad/s²"
         )
     svg = plot_series(series, "rotation error", "degrees", log_scale=True, width_in=10.0)
-    (PICTURES / "gimbal_lock.svg").write_text(with_legend(standing_alone(svg)), encoding="utf-8")
+    (IMAGES / "gimbal_lock.svg").write_text(with_legend(standing_alone(svg)), encoding="utf-8")
     pitch = np.rad2deg(np.abs(euler_from_matrix(true.motors.rotor.as_matrix())[:, 1]))
     near = pitch > LOCK_DEG
     print(
@@ -59,14 +59,14 @@ def draw(out: Path) -> None:
 
 def play(out: Path) -> None:
     """Write the footage and the film beside each other, every third frame at its own pace."""
-    film = [picture for _, picture in read_frames(out / "overlay.mp4")]
+    film = [image for _, image in read_frames(out / "overlay.mp4")]
     footage = [frame.image() for frame in open_recording(out / "recording").frames]
     sides = [
         Image.fromarray(contact_sheet([before, after], 2, WIDTH_PX))
         for before, after in list(zip(footage, film, strict=True))[::EVERY]
     ]
     sides[0].save(
-        PICTURES / "demo.webp",
+        IMAGES / "demo.webp",
         save_all=True,
         append_images=sides[1:],
         duration=round(EVERY * 1000 / 30),
