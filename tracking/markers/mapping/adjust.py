@@ -142,8 +142,8 @@ def pose_covariance(state: AdjustedRig, held: NDArray[np.bool_]) -> FloatArray:
 
     Of the right perturbation, rotation (rad) then translation (m); observations count as Huber's
     loss has them. How unsure markers and cameras are is in it, but for what moves all frames as
-    one: inner constraints (Triggs et al. 2000, section 9), weighed by what each frame tells. Errors of
-    corners that last from frame to frame tell a map less than as many that do not.
+    one: inner constraints (Triggs et al. 2000, section 9), weighed by what each frame tells. Errors
+    of corners that last from frame to frame tell a map less than as many that do not.
     """
     adjusted, precision = _Reprojection(held, state), state.sigma_px**-2
     by_frame, equations = _VAGUE + precision * adjusted.by_frame, adjusted.equations

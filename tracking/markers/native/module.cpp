@@ -23,14 +23,13 @@ Corners find_quads(Grey image, bool white_inside, float least_side, int reach) {
     if (image.shape(0) > 32767 || image.shape(1) > 32767)
         throw std::invalid_argument("image: expected at most 32767 pixels a side");
     const Image pixels{image.data(), static_cast<std::ptrdiff_t>(image.shape(1)),
-                          static_cast<int>(image.shape(1)), static_cast<int>(image.shape(0))};
+                       static_cast<int>(image.shape(1)), static_cast<int>(image.shape(0))};
     auto *found = new std::vector<Quad>;
     nb::capsule owner(found,
                       [](void *made) noexcept { delete static_cast<std::vector<Quad> *>(made); });
     {
         nb::gil_scoped_release unlocked;
-        const Binary binary =
-            reach == 0 ? threshold_tiles(pixels) : threshold_mean(pixels, reach);
+        const Binary binary = reach == 0 ? threshold_tiles(pixels) : threshold_mean(pixels, reach);
         fit_quads(find_edges(pixels, binary, least_side), white_inside, least_side, *found);
     }
     return Corners(found->data(), {found->size(), 4, 2}, owner);

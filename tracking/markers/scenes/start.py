@@ -2,8 +2,8 @@
 
 An observation of whose chain one pose alone is missing proposes that pose. Of a frame's proposals
 the one that reprojects the frame best is taken; of a pose that stays, the one that most frames
-agree on, the surest first. Where nothing more is seen, odometry places the next pose; then poses are
-taken that were stated with so much doubt that they were not begun with.
+agree on, the surest first. Where nothing more is seen, odometry places the next pose; then poses
+are taken that were stated with so much doubt that they were not begun with.
 """
 
 from __future__ import annotations
