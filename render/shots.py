@@ -166,7 +166,11 @@ class FilmStage:
         span_ns = int(world_T_camera.time_ns[0]), int(world_T_camera.time_ns[-1])
         unzoomed, matching = self.lens, self._matching
         for time_ns, image, *rest in frames:
-            self.lens = unzoomed.zoomed(float(rest[2])) if len(rest) > 2 else unzoomed
+            match rest:
+                case [_, _, float(zoom)]:
+                    self.lens = unzoomed.zoomed(zoom)
+                case _:
+                    self.lens = unzoomed
             camera = self.lens.camera
             self.start_ns = time_ns if self.start_ns is None else self.start_ns
             if image.shape[:2] != (camera.height, camera.width):

@@ -26,7 +26,8 @@ namespace {
 constexpr std::size_t LANES = MOTORCADE_LANES;
 constexpr npy_intp SHORT = 512;  // rows: more are worth threads and a place of their own in memory
 constexpr std::size_t WIDEST = 16;  // numbers that a list may hold
-constexpr char SEQUENCE = 'e', FRAME = 'o';  // of Euler angles: the last argument, which has a default
+constexpr char SEQUENCE = 'e',
+               FRAME = 'o';  // of Euler angles: the last argument, which has a default
 
 // The types of versors, by the number of their coefficients.
 struct Kind {

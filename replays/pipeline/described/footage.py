@@ -125,8 +125,8 @@ def camera_by_target(
     """
     if target.family is not None and (target.board is None or isinstance(target.board, MarkerGrid)):
         seen = seen_markers(target.family, sample.images, set(target.marker_ids))
-        frames = [_detections(str(target.family), one) for one in seen.markers]
-        calibrated = self_calibrate_tags(frames, sample.size, sample.time_ns)
+        detections = [_detections(str(target.family), markers) for markers in seen.markers]
+        calibrated = self_calibrate_tags(detections, sample.size, sample.time_ns)
         if isinstance(target.board, MarkerGrid):
             target = replace(target, board=regapped(target.board, seen.markers, calibrated.camera))
         return _said(calibrated, "the markers in view", target)

@@ -1,8 +1,8 @@
 // Blends poses as quaternions and translations, kept in arrays of one component each.
 //
 // usage: array_blend float|double COUNT SECONDS < poses
-// Input and output as of glm_blend.cpp: the same methods as GLM's there, written for the layout that
-// the motors' kernels have, so that nothing but the representation differs. Processor time.
+// Input and output as of glm_blend.cpp: the same methods as GLM's there, written for the layout
+// that the motors' kernels have, so that nothing but the representation differs. Processor time.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -22,11 +22,11 @@ template <class T> struct Arrays {
 template <class T, bool SLERP>
 __attribute__((noinline)) void blend(Arrays<T> &a, Arrays<T> &b, T f, Arrays<T> &out) {
     const T *__restrict aw = a.at(0), *__restrict ax = a.at(1), *__restrict ay = a.at(2),
-            *__restrict az = a.at(3), *__restrict atx = a.at(4), *__restrict aty = a.at(5),
-            *__restrict atz = a.at(6);
+                        *__restrict az = a.at(3), *__restrict atx = a.at(4),
+                        *__restrict aty = a.at(5), *__restrict atz = a.at(6);
     const T *__restrict bw = b.at(0), *__restrict bx = b.at(1), *__restrict by = b.at(2),
-            *__restrict bz = b.at(3), *__restrict btx = b.at(4), *__restrict bty = b.at(5),
-            *__restrict btz = b.at(6);
+                        *__restrict bz = b.at(3), *__restrict btx = b.at(4),
+                        *__restrict bty = b.at(5), *__restrict btz = b.at(6);
     T *__restrict m = out.numbers.data();
     const size_t n = a.count;
 #pragma GCC ivdep

@@ -11,7 +11,7 @@ leave them to be mixed apart).
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from statistics import median
@@ -74,16 +74,17 @@ def bench_blend(seconds: float = 0.2, rounds: int = 3) -> dict[str, Any]:
     rows: list[BlendRow] = []
     floors: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as folder, on_one_core():
-        programs: list[Path | None] = []
+        programs: dict[Callable[[Path], Path], Path | None] = {}
         for compiled in (compile_glm, compile_arrays):
             try:
-                programs.append(compiled(Path(folder)))
+                programs[compiled] = compiled(Path(folder))
             except NotMeasured as missing:
-                programs.append(None)
+                programs[compiled] = None
                 left_out.append(str(missing))
+        glm, arrays = programs[compile_glm], programs[compile_arrays]
         for scalar in SCALARS:
             for joints in SIZES:
-                measured, floor = _one_size(*programs, scalar, joints, seconds, rounds)
+                measured, floor = _one_size(glm, arrays, scalar, joints, seconds, rounds)
                 rows += measured
                 floors += floor
         peers = python_peers(FRACTION)

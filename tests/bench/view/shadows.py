@@ -176,12 +176,12 @@ def mouse_shade() -> tuple[Shade, float, int]:
     prints = Prints(Motor.identity((1,)), low[None], high[None])
     placement = place_on_plane(mannequin(), tuple(0.5 * (low + high)), 0.0, height_m=0.13)
     some = np.unique(np.linspace(0, len(recording.frames) - 1, LIT_FRAMES).round()).astype(int)
-    seen = list(footage.frames(recording.frames[k] for k in some))
+    seen = [shot[:3] for shot in footage.frames(recording.frames[k] for k in some)]
     lighting, _ = lighting_without_depth(seen, camera, path, placement, 0.13, prints)
     share = sun_share(lighting, np.array([*MOUSE_M, 0.0]), np.array([0.0, 0.0, 1.0]))
     at_m, drawn = _mouse_drawn(lighting, share)
     parts = []
-    for stamp, image, _ in footage.frames(recording.frames[k] for k in range(0, 250, 5)):
+    for stamp, image, *_ in footage.frames(recording.frames[k] for k in range(0, 250, 5)):
         if path.time_ns[0] <= stamp <= path.time_ns[-1]:
             lost = _mouse_lost(image, camera, path.motors_at(np.int64(stamp)), at_m)
             if lost is not None:
